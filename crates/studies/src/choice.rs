@@ -35,24 +35,17 @@ pub enum ChoiceError {
 /// An unknown name, or an engine that was not built in.
 pub fn find(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
     by_name(name, scene).ok_or_else(|| {
-        let registry = registry();
-        let kin = |of: &str| family(of) == family(name);
-        let left_out = known()
-            .find(|info| kin(info.name))
-            .and_then(|info| info.feature);
+        let (registry, name) = (registry(), name.to_owned());
+        let kin = |of: &str| family(of) == family(&name);
+        let left_out = known().find(|info| kin(info.name));
+        let left_out = left_out.and_then(|info| info.feature);
         if let Some(feature) = left_out.filter(|_| !registry.iter().any(|e| kin(e.name()))) {
-            return ChoiceError::NotBuilt {
-                name: name.to_owned(),
-                feature,
-            };
+            return ChoiceError::NotBuilt { name, feature };
         }
-        let known: Vec<&str> = std::iter::once("native")
-            .chain(registry.iter().map(|engine| engine.name()))
-            .collect();
-        ChoiceError::Unknown {
-            name: name.to_owned(),
-            remedy: did_you_mean(name, &known),
-        }
+        let mut known = vec!["native"];
+        known.extend(registry.iter().map(|engine| engine.name()));
+        let remedy = did_you_mean(&name, &known);
+        ChoiceError::Unknown { name, remedy }
     })
 }
 
@@ -107,17 +100,15 @@ pub struct Listed {
 /// The engines of this build.
 #[must_use]
 pub fn listed() -> Vec<Listed> {
-    registry()
-        .iter()
-        .map(|engine| {
-            let info = engine.info();
-            Listed {
-                name: info.name.to_owned(),
-                track: info.track,
-                version: engine.version(),
-                summary: info.summary.to_owned(),
-                differences: info.differences.to_owned(),
-            }
-        })
-        .collect()
+    let one = |engine: &Box<dyn Engine>| {
+        let info = engine.info();
+        Listed {
+            name: info.name.to_owned(),
+            track: info.track,
+            version: engine.version(),
+            summary: info.summary.to_owned(),
+            differences: info.differences.to_owned(),
+        }
+    };
+    registry().iter().map(one).collect()
 }

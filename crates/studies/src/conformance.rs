@@ -19,11 +19,11 @@ use pinwheel_timeseries::{TimeSeries, columns};
 use quick_junit::TestSuite;
 use serde::Serialize;
 
-use crate::control::{Control, Progress};
+use crate::StudyError;
+use crate::control::{Control, Progress, compile};
 use crate::junit::{self, Ended};
 use crate::output::OutputError;
 use crate::provenance::{Provenance, Summary};
-use crate::{StudyError, control};
 
 /// What came of one trial.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -110,15 +110,9 @@ enum Miss {
     Study(StudyError),
 }
 
-impl From<Cancelled> for Miss {
-    fn from(cancelled: Cancelled) -> Self {
-        Self::Study(cancelled.into())
-    }
-}
-
-impl From<StudyError> for Miss {
-    fn from(error: StudyError) -> Self {
-        Self::Study(error)
+impl<E: Into<StudyError>> From<E> for Miss {
+    fn from(error: E) -> Self {
+        Self::Study(error.into())
     }
 }
 
@@ -128,6 +122,10 @@ fn failed<T>(seen: impl Into<String>) -> Result<T, Miss> {
 
 fn skipped<T>(seen: impl Into<String>) -> Result<T, Miss> {
     Err(Miss::Skipped(seen.into()))
+}
+
+fn judged(passed: bool, seen: String) -> Seen {
+    if passed { Ok(seen) } else { failed(seen) }
 }
 
 /// A solver that shares the law may differ from the native one by this in its first sample, relative: rounding.
@@ -144,7 +142,8 @@ const PATIENCE_S: f64 = 0.6;
 
 struct Trials<'a> {
     solver: &'a Solver,
-    control: &'a Control<'a>,
+    /// Without progress.
+    control: Control<'a>,
     scene: CheckedScene,
 }
 
@@ -220,17 +219,17 @@ const TRIALS: &[Trial] = &[
 /// # Errors
 /// Stopped; a scene of the suite that cannot be modelled.
 pub fn check(solver: &Solver, control: &Control<'_>) -> Result<Outcome, StudyError> {
-    let law = LAWS
-        .iter()
-        .map(|law| law.name)
-        .find(|law| solver.manifest().honours_law(law))
-        .unwrap_or("paper");
-    let scene = scene(&[("contact.law", law), ("solver.duration_s", "0.02")])?;
+    let mut laws = LAWS.iter().map(|law| law.name);
+    let law = laws.find(|law| solver.manifest().honours_law(law));
+    let sets = [
+        Override::new("contact.law", law.unwrap_or("paper")),
+        Override::new("solver.duration_s", "0.02"),
+    ];
     let solver = &solver.clone().with_spaces();
     let trials = Trials {
         solver,
-        control,
-        scene,
+        control: Control::silent(control.cancel),
+        scene: Scene::load("paper", &sets)?,
     };
     let mut findings: Vec<Finding> = Vec::new();
     for (done, (name, must, trial)) in TRIALS.iter().enumerate() {
@@ -265,11 +264,6 @@ pub fn check(solver: &Solver, control: &Control<'_>) -> Result<Outcome, StudyErr
     })
 }
 
-fn scene(sets: &[(&str, &str)]) -> Result<CheckedScene, StudyError> {
-    let sets: Vec<Override> = sets.iter().map(|(k, v)| Override::new(*k, *v)).collect();
-    Ok(Scene::load("paper", &sets)?)
-}
-
 impl Trials<'_> {
     fn changed(&self, change: impl FnOnce(&mut Scene)) -> Result<CheckedScene, Miss> {
         let changed = self.scene.changed(change);
@@ -290,15 +284,11 @@ impl Trials<'_> {
     }
 
     fn try_run(&self, scene: &CheckedScene) -> Result<Run, Miss> {
-        Ok(self.solver.run(scene, &self.quiet())?)
-    }
-
-    fn quiet(&self) -> Control<'_> {
-        Control::silent(self.control.cancel)
+        Ok(self.solver.run(scene, &self.control)?)
     }
 
     fn native(&self, engine: Native, scene: &CheckedScene) -> Result<TimeSeries, Miss> {
-        match engine.run(scene, &self.quiet())?.whole() {
+        match engine.run(scene, &self.control)?.whole() {
             Ok(run) => Ok(run.time_series),
             Err(ending) => skipped(format!("{} {ending}", engine.name())),
         }
@@ -407,16 +397,17 @@ impl Trials<'_> {
         let Some(refinement) = self.solver.info().refinement else {
             return skipped("its manifest has no [refine]");
         };
-        let ratio: f64 = match refinement.knob {
-            Knob::Step => 2.0,
-            Knob::Tolerance => 10.0,
+        let knob = refinement.knob;
+        let (finest, ratio, method): (f64, f64, _) = match knob {
+            Knob::Step => {
+                let (order, limit) = (refinement.order, Some(CONTACTS));
+                (5e-6, 2.0, Method::Step { order, limit })
+            }
+            Knob::Tolerance => (1e-7, 10.0, Method::Tolerance { order: KINKS }),
         };
         let run = |coarser: i32| {
-            let scene = self.changed(|scene| match refinement.knob {
-                Knob::Step => scene.solver.step_s = 5e-6 * ratio.powi(coarser),
-                Knob::Tolerance => scene.solver.tolerance = 1e-7 * ratio.powi(coarser),
-            })?;
-            self.run(&scene)
+            let setting = finest * ratio.powi(coarser);
+            self.run(&self.changed(|scene| knob.set(scene, setting))?)
         };
         let (coarsest, middle, finest) = (run(2)?, run(1)?, run(0)?);
         let apart = |coarse: &Run, fine: &Run| Step {
@@ -424,13 +415,6 @@ impl Trials<'_> {
             difference: distance(&coarse.time_series, &fine.time_series),
         };
         let steps = [apart(&middle, &finest), apart(&coarsest, &middle)];
-        let method = match refinement.knob {
-            Knob::Step => Method::Step {
-                order: refinement.order,
-                limit: Some(CONTACTS),
-            },
-            Knob::Tolerance => Method::Tolerance { order: KINKS },
-        };
         Ok((finest, steps, method))
     }
 
@@ -447,11 +431,8 @@ impl Trials<'_> {
         }
         let seen = convergence::observed_order(fine, coarse).unwrap_or(f64::NAN);
         // The examples show 2.71 (RK4), 2.01 (implicit midpoint) and 1.93 (Heun).
-        let stated = self
-            .solver
-            .info()
-            .refinement
-            .map_or(0.0, |refinement| refinement.order);
+        let refinement = self.solver.info().refinement;
+        let stated = refinement.map_or(0.0, |refinement| refinement.order);
         let least = match method {
             Method::Step { .. } => method.allowed_order() - ORDER_MARGIN,
             Method::Tolerance { .. } => TOLERANCE_SHARE * stated,
@@ -460,11 +441,7 @@ impl Trials<'_> {
             "order {seen:.2} of {stated}, differences {:.1e} and {:.1e}",
             coarse.difference, fine.difference
         );
-        if seen >= least {
-            Ok(told)
-        } else {
-            failed(told)
-        }
+        judged(seen >= least, told)
     }
 
     fn agreement(&self) -> Seen {
@@ -475,11 +452,7 @@ impl Trials<'_> {
         let known = convergence::estimate(&steps, None, method, 0.0);
         let own = known.map_err(|missing| Miss::Failed(missing.reason))?.u;
         let told = format!("{off:.1e} from native-resolved, its own runs leave {own:.1e}");
-        if off <= own + NATIVE {
-            Ok(told)
-        } else {
-            failed(told)
-        }
+        judged(off <= own + NATIVE, told)
     }
 
     fn forces(&self) -> Seen {
@@ -495,20 +468,12 @@ impl Trials<'_> {
             0 => (run.time_series.len() as u64, "samples"),
             _ => (steps, "steps"),
         };
-        let told = format!("{calls} calls, {least} {of}");
-        if calls >= least {
-            Ok(told)
-        } else {
-            failed(told)
-        }
+        judged(calls >= least, format!("{calls} calls, {least} {of}"))
     }
 
     fn laws(&self) -> Seen {
-        let mut honoured = Vec::new();
-        for law in LAWS
-            .iter()
-            .filter(|law| self.solver.manifest().honours_law(law.name))
-        {
+        let (manifest, mut honoured) = (self.solver.manifest(), 0);
+        for law in LAWS.iter().filter(|law| manifest.honours_law(law.name)) {
             let scene = self.changed(|scene| {
                 law.name.clone_into(&mut scene.contact.law);
                 scene.solver.duration_s = 0.001;
@@ -516,9 +481,9 @@ impl Trials<'_> {
             if let Err(ending) = self.try_run(&scene)?.ending.whole() {
                 return failed(format!("{}: it {ending}", law.name));
             }
-            honoured.push(law.name);
+            honoured += 1;
         }
-        Ok(format!("{} of {}", honoured.len(), LAWS.len()))
+        Ok(format!("{honoured} of {}", LAWS.len()))
     }
 
     /// A scene that the manifest honours must run, and one that it does not must be refused.
@@ -537,11 +502,8 @@ impl Trials<'_> {
             scene.contact.friction_coefficient = 0.1;
             (scene.solver.step_s, scene.solver.duration_s) = (1e-6, 0.001);
         })?;
-        self.honoured(
-            &scene,
-            self.solver.manifest().honours.friction,
-            "honours.friction",
-        )
+        let honours = &self.solver.manifest().honours;
+        self.honoured(&scene, honours.friction, "honours.friction")
     }
 
     fn load_changes(&self) -> Seen {
@@ -553,21 +515,13 @@ impl Trials<'_> {
             }];
             scene.solver.duration_s = 0.01;
         })?;
-        self.honoured(
-            &scene,
-            self.solver.manifest().honours.load_changes,
-            "honours.load_changes",
-        )
+        let honours = &self.solver.manifest().honours;
+        self.honoured(&scene, honours.load_changes, "honours.load_changes")
     }
 
     fn divergence(&self) -> Seen {
-        if self
-            .solver
-            .info()
-            .refinement
-            .map(|refinement| refinement.knob)
-            != Some(Knob::Step)
-        {
+        let refinement = self.solver.info().refinement;
+        if refinement.is_none_or(|refinement| refinement.knob != Knob::Step) {
             return skipped("no step of the scene is its own");
         }
         let scene = self.changed(|scene| {
@@ -587,7 +541,7 @@ impl Trials<'_> {
 
     fn broken(&self) -> Seen {
         let gearbox = compile(&self.scene)?;
-        let run = self.solver.run_broken_job(&gearbox, &self.quiet())?;
+        let run = self.solver.run_broken_job(&gearbox, &self.control)?;
         match run.ending {
             Ending::Failed { reason } | Ending::Unsupported { reason } => Ok(reason),
             Ending::Finished => failed("it said that it finished"),
@@ -596,15 +550,16 @@ impl Trials<'_> {
     }
 
     /// A run without end: a year at the shortest of steps.
-    fn endless(&self) -> Result<CheckedScene, Miss> {
-        self.changed(|scene| {
+    fn endless(&self) -> Result<Gearbox, Miss> {
+        let scene = self.changed(|scene| {
             (scene.solver.step_s, scene.solver.tolerance) = (1e-9, 1e-13);
             (scene.solver.duration_s, scene.solver.sample_s) = (1.0, 1e-3);
-        })
+        })?;
+        Ok(compile(&scene)?)
     }
 
     fn stopped(&self) -> Seen {
-        let gearbox = compile(&self.endless()?)?;
+        let gearbox = self.endless()?;
         let (stop, begun) = (AtomicBool::new(false), Instant::now());
         let wait = |_: Progress<'_>| {
             let enough = begun.elapsed().as_secs_f64() > 0.5 * PATIENCE_S;
@@ -622,13 +577,11 @@ impl Trials<'_> {
     }
 
     fn timeout(&self) -> Seen {
-        let gearbox = compile(&self.endless()?)?;
-        let hasty = self
-            .solver
-            .clone()
-            .within(Duration::from_secs_f64(PATIENCE_S));
+        let gearbox = self.endless()?;
+        let patience = Duration::from_secs_f64(PATIENCE_S);
+        let hasty = self.solver.clone().within(patience);
         let begun = Instant::now();
-        match hasty.run_compiled(&gearbox, &self.quiet())?.ending {
+        match hasty.run_compiled(&gearbox, &self.control)?.ending {
             Ending::TimedOut { .. } => in_time(begun, PATIENCE_S),
             ending => failed(ending.to_string()),
         }
@@ -642,10 +595,6 @@ fn in_time(begun: Instant, asked_s: f64) -> Seen {
         return failed(format!("it took {took:.1} s to end"));
     }
     Ok(format!("ended within {:.1} s", took.max(0.0)))
-}
-
-fn compile(scene: &CheckedScene) -> Result<Gearbox, StudyError> {
-    control::compile(scene)
 }
 
 /// Relative L2 of every quantity but the output's angle, the largest of them.
@@ -663,11 +612,12 @@ fn distance(a: &TimeSeries, b: &TimeSeries) -> f64 {
             0.0,
         ))
     });
-    apart.fold(0.0, |worst, share| {
+    let worse = |worst, share: f64| {
         if share.is_nan() {
             share
         } else {
-            f64::max(worst, share)
+            share.max(worst)
         }
-    })
+    };
+    apart.fold(0.0, worse)
 }

@@ -108,12 +108,11 @@ impl Patience {
 /// Runs a scene on an engine of the registry.
 pub(crate) fn run_on(name: &str, scene: &Scene, control: &Control<'_>) -> Result<Run, StudyError> {
     let gearbox = compile(scene)?;
-    match by_name(name, scene) {
-        Some(engine) => Ok(engine.run_compiled(&gearbox, control)?),
-        None => Ok(Run::ended(Ending::failed(format!(
-            "there is no engine `{name}`"
-        )))),
-    }
+    let Some(engine) = by_name(name, scene) else {
+        let reason = format!("there is no engine `{name}`");
+        return Ok(Run::ended(Ending::failed(reason)));
+    };
+    Ok(engine.run_compiled(&gearbox, control)?)
 }
 
 /// Runs a scene on the native solver.
@@ -133,10 +132,7 @@ pub(crate) fn reduced_by(scene: &Scene, method: &str, setting: f64) -> Scene {
 /// Runs a scene that must reach its end.
 pub(crate) fn complete(scene: &Scene, control: &Control<'_>) -> Result<NativeRun, StudyError> {
     let whole = run(scene, control)?.whole();
-    whole.map_err(|ending| StudyError::Reference {
-        scene: scene.name.clone(),
-        reason: ending.to_string(),
-    })
+    whole.map_err(|ending| StudyError::reference(scene, ending))
 }
 
 /// The gearbox of a scene that a study has changed, checked again.
@@ -156,10 +152,7 @@ pub(crate) fn run_compiled(
         NativeError::Stopped => StudyError::Cancelled,
         NativeError::Model(source) => of_scene(&gearbox.scene, source),
         NativeError::TimeSeries(source) => StudyError::TimeSeries(source),
-        NativeError::Ended(ending) => StudyError::Reference {
-            scene: gearbox.scene.name.clone(),
-            reason: ending.to_string(),
-        },
+        NativeError::Ended(ending) => StudyError::reference(&gearbox.scene, ending),
     })
 }
 

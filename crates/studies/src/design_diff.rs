@@ -422,11 +422,7 @@ impl DesignDiff {
         for (design, (folder, participant)) in self.designs.iter().zip(folders) {
             let place = output::folder(dir, folder)?;
             design.write(&place, made)?;
-            let file = place.join("courses.csv");
-            participant
-                .time_series
-                .save_csv(&file)
-                .map_err(|error| OutputError::new(&file, &error))?;
+            single::save(&participant.time_series, &place.join("courses.csv"))?;
         }
         let time_series = self.time_series.iter();
         let found = DiffSummary {

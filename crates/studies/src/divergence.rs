@@ -7,64 +7,17 @@
 //! Both runs take the same fixed steps: a step control turns a rounding into another sequence of steps,
 //! and then measures its own tolerance.
 
+use pinwheel_compare::Divergence;
 use pinwheel_gearbox::{Frequencies, Gearbox};
 use pinwheel_scene::{Fault, FrictionLaw, Scene};
+use pinwheel_timeseries::norms::Level;
 use pinwheel_timeseries::{TimeSeries, columns};
-use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
 use crate::control::{of_scene, run_compiled};
-use pinwheel_timeseries::norms::Level;
 
 /// Share of the largest force that counts as visible.
-pub const VISIBLE: f64 = 1e-3;
-
-/// What a rounding grows to.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Horizon {
-    /// The scene.
-    pub scene: String,
-    /// Time from which the largest force difference exceeds [`VISIBLE`] of the largest force, s; `None`: not within the run.
-    pub horizon_s: Option<f64>,
-    /// Largest difference of the run, as a share of the largest force.
-    pub largest_share: f64,
-    /// Share in the last tenth of the run.
-    pub last_share: f64,
-    /// Sample times and shares, for a figure.
-    pub time_s: Vec<f64>,
-    /// See `time_s`.
-    pub share: Vec<f64>,
-    /// Length of the runs, s.
-    pub duration_s: f64,
-    /// Why there is no answer.
-    pub refused: Option<String>,
-}
-
-impl Horizon {
-    /// One sentence for the reader.
-    #[must_use]
-    pub fn sentence(&self) -> String {
-        if let Some(reason) = &self.refused {
-            return format!("Not measured: {reason}.");
-        }
-        match self.horizon_s {
-            Some(t) => format!(
-                "A change in the last digit becomes visible after {t:.4} s: later, time series are compared by their statistics only."
-            ),
-            None if self.largest_share == 0.0 => format!(
-                "A change in the last digit changes no force within {} s: time series are compared point by point.",
-                self.duration_s
-            ),
-            None => format!(
-                "A change in the last digit never grows beyond {:.1e} of the largest force within {} s: time series are compared point by point.",
-                self.largest_share, self.duration_s
-            ),
-        }
-    }
-}
-
-/// Step of both runs in a study, in radians of the fastest oscillation on the contacts: 2e-6 s for the paper's gear.
-pub const STEP_RAD: f64 = 0.02;
+const VISIBLE: f64 = 1e-3;
 
 /// Runs a scene twice, with RK4 or, under friction, with `imex2`, and steps of `step_rad` radians of its fastest oscillation
 /// on the contacts (or the scene's, if shorter);
@@ -78,7 +31,7 @@ pub fn horizon(
     gearbox: &Gearbox,
     step_rad: f64,
     watch: &mut dyn FnMut(f64) -> bool,
-) -> Result<Horizon, StudyError> {
+) -> Result<Divergence, StudyError> {
     let scene = &gearbox.scene;
     let has_friction = scene.contact.friction_coefficient > 0.0;
     let convex = scene.contact.friction_law == FrictionLaw::Regularised;
@@ -101,39 +54,45 @@ pub fn horizon(
         *moment = moment.next_up();
     };
     moved.scene = still.scene.changed(nudge).map_err(refused)?;
-    let mut found = Horizon {
-        scene: scene.name.clone(),
+    let not_measured = |reason: &str| Divergence {
         horizon_s: None,
         largest_share: 0.0,
-        last_share: 0.0,
-        time_s: Vec::new(),
-        share: Vec::new(),
-        duration_s: scene.solver.duration_s,
-        refused: None,
+        told: format!("Not measured: {reason}."),
     };
     let mut both = Vec::new();
     for gearbox in [&still, &moved] {
         let run = run_compiled(gearbox, watch)?;
         if let Some(failure) = run.ending.failure() {
-            found.refused = Some(format!("the run ends {failure}"));
-            return Ok(found);
+            return Ok(not_measured(&format!("the run ends {failure}")));
         }
         both.push(run.time_series);
     }
     let size = Level::of(&both[0]).peak_force_n;
     if size < still.least_force_n() {
-        found.refused = Some("there are no forces to speak of".to_owned());
-        return Ok(found);
+        return Ok(not_measured("there are no forces to speak of"));
     }
     let share = shares(&both[0], &both[1], size);
-    let largest = |from: usize| share[from..].iter().fold(0.0, |most: f64, &s| most.max(s));
-    found.largest_share = largest(0);
-    found.last_share = largest(share.len() - share.len().div_ceil(10));
-    found.time_s = both[0].time_s().to_vec();
+    let largest_share = share.iter().fold(0.0, |most: f64, &s| most.max(s));
     let visible = share.iter().position(|&s| !(s <= VISIBLE));
-    found.horizon_s = visible.map(|k| found.time_s[k]);
-    found.share = share;
-    Ok(found)
+    let horizon_s = visible.map(|k| both[0].time_s()[k]);
+    let duration_s = scene.solver.duration_s;
+    let told = match horizon_s {
+        Some(t) => format!(
+            "A change in the last digit becomes visible after {t:.4} s: later, time series are compared by their statistics only."
+        ),
+        None if largest_share == 0.0 => format!(
+            "A change in the last digit changes no force within {duration_s} s: time series are compared point by point."
+        ),
+        None => format!(
+            "A change in the last digit never grows beyond {largest_share:.1e} of the largest force within {duration_s} s: \
+             time series are compared point by point."
+        ),
+    };
+    Ok(Divergence {
+        horizon_s,
+        largest_share,
+        told,
+    })
 }
 
 fn shares(a: &TimeSeries, b: &TimeSeries, size: f64) -> Vec<f64> {

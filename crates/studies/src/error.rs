@@ -1,6 +1,7 @@
 //! What can go wrong in a study.
 
-use pinwheel_engines::{Cancelled, Ending};
+use pinwheel_engines::{Cancelled, Ending, Engine};
+use pinwheel_scene::Scene;
 
 use crate::choice::ChoiceError;
 use crate::output::OutputError;
@@ -59,6 +60,22 @@ pub enum StudyError {
     /// Recording failed.
     #[error(transparent)]
     TimeSeries(#[from] pinwheel_timeseries::TimeSeriesError),
+}
+
+impl StudyError {
+    pub(crate) fn ended(engine: &dyn Engine, ending: Ending) -> Self {
+        Self::Ended {
+            engine: engine.name().to_owned(),
+            ending,
+        }
+    }
+
+    pub(crate) fn reference(scene: &Scene, reason: impl ToString) -> Self {
+        Self::Reference {
+            scene: scene.name.clone(),
+            reason: reason.to_string(),
+        }
+    }
 }
 
 impl From<Cancelled> for StudyError {

@@ -62,10 +62,8 @@ pub fn of_comparison(comparison: &Comparison) -> Vec<TestSuite> {
         let why = engine.status.reason().unwrap_or_default();
         let ended = match engine.status {
             Status::Finished => Ended::Passed,
-            Status::Unsupported { .. } | Status::Absent { .. } | Status::TimedOut { .. } => {
-                Ended::Skipped(why)
-            }
-            _ => Ended::Failed(why),
+            Status::Diverged { .. } | Status::Failed { .. } => Ended::Failed(why),
+            _ => Ended::Skipped(why),
         };
         let mut case = case(&engine.name, ended);
         if let Ok(time) = Duration::try_from_secs_f64(engine.cost.wall_s) {
@@ -109,10 +107,9 @@ fn ended(found: &Assessment) -> Ended {
 #[must_use]
 pub fn of_baseline(name: &str, check: &Check) -> TestSuite {
     let cases = check.cases.iter().map(|found| {
+        let why = || found.trouble.clone().unwrap_or_else(|| worse(found));
         let ended = match found.verdict {
-            baseline::Verdict::Worse => {
-                Ended::Failed(found.trouble.clone().unwrap_or_else(|| worse(found)))
-            }
+            baseline::Verdict::Worse => Ended::Failed(why()),
             _ => Ended::Passed,
         };
         case(format!("{}, {}", found.scene, found.choice), ended)

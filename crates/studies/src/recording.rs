@@ -42,10 +42,9 @@ pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, 
         let named = names.iter().map(|name| choice::find(name.trim(), scene));
         return Ok(named.collect::<Result<_, _>>()?);
     }
-    Ok(registry()
-        .into_iter()
-        .filter(|engine| may_be_missing(engine.name()))
-        .collect())
+    let mut engines = registry();
+    engines.retain(|engine| may_be_missing(engine.name()));
+    Ok(engines)
 }
 
 /// What became of one recording.
@@ -87,25 +86,17 @@ pub fn record(
         }
         _ => return Ok(Recorded::Left(told)),
     }
-    let Participant {
-        cost, time_series, ..
-    } = participant;
-    let mut recording = Recording::new(engine, scene, cost, time_series, uncertainty);
-    let made = Provenance::here(format!(
-        "pinwheel record {} --engines {}",
-        scene.name,
-        engine.name()
-    ));
-    recording.machine = format!(
-        "{}, {}",
-        made.machine.processor, made.machine.operating_system
-    );
+    let (cost, series) = (participant.cost, participant.time_series);
+    let mut recording = Recording::new(engine, scene, cost, series, uncertainty);
+    let (name, engine) = (&scene.name, engine.name());
+    let made = Provenance::here(format!("pinwheel record {name} --engines {engine}"));
+    let machine = made.machine;
+    recording.machine = format!("{}, {}", machine.processor, machine.operating_system);
     recording.date = made.date;
     recording.command = made.command;
-    let path = out.join(file_name(&scene.name)).join(engine.name());
-    let (description, csv) = recording
-        .write()
-        .map_err(|error| OutputError::new(&path, &error))?;
+    let path = out.join(file_name(name)).join(engine);
+    let written = recording.write();
+    let (description, csv) = written.map_err(|error| OutputError::new(&path, &error))?;
     // The time series first: without a description they are not a recording.
     replace(&path.with_extension("csv"), csv.as_bytes())?;
     replace(&path.with_extension("toml"), description.as_bytes())?;
@@ -152,6 +143,5 @@ fn refined(
         let window = found.windows.iter().find(|w| w.kind == known.window)?;
         known.l2.u().map(|_| known.to_record(window))
     });
-    let recorded = recorded.collect();
-    Ok((participant, recorded))
+    Ok((participant, recorded.collect()))
 }

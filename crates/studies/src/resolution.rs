@@ -105,15 +105,12 @@ pub fn check(
         });
     }
     let (finer, other, cost) = again(2.0)?;
-    let (moved, error) = if finer.ending.is_finished() {
-        (
-            Some(gearbox.distance(time_series, &finer.time_series)),
-            error(gearbox, (time_series, &finer.time_series), from_s)
-                .map(|left| left.plus(&gearbox.distance(time_series, &finer.time_series))),
-        )
-    } else {
-        (None, None)
-    };
+    let ended = finer.ending.is_finished();
+    let moved = ended.then(|| gearbox.distance(time_series, &finer.time_series));
+    let error = moved.and_then(|moved| {
+        let left = error(gearbox, (time_series, &finer.time_series), from_s)?;
+        Some(left.plus(&moved))
+    });
     Ok(Resolution {
         other,
         moved,

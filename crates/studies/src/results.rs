@@ -30,34 +30,6 @@ pub struct Results {
     pub figures: Vec<Figure>,
 }
 
-/// What is known of a run's error, as a share of forces and torque.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Known {
-    /// By the run's own refinements.
-    Verified(Distance),
-    /// By one coarser (or finer) run.
-    Estimated(Distance),
-    /// Not verified.
-    Nothing,
-}
-
-impl Known {
-    fn words(self) -> &'static str {
-        match self {
-            Self::Verified(_) => "verified",
-            Self::Estimated(_) => "estimated",
-            Self::Nothing => "not verified",
-        }
-    }
-
-    fn shares(self) -> Option<Distance> {
-        match self {
-            Self::Verified(error) | Self::Estimated(error) => Some(error),
-            Self::Nothing => None,
-        }
-    }
-}
-
 /// Where the results of a run begin, s: with the last window of its energy account, or at its half.
 #[must_use]
 pub fn from_s(run: &Run, scene: &CheckedScene) -> f64 {
@@ -66,11 +38,16 @@ pub fn from_s(run: &Run, scene: &CheckedScene) -> f64 {
 }
 
 impl Results {
-    /// Those of `run`, as far as it has what they are made of.
+    /// Those of `run`, as far as it has what they are made of, off by these shares of forces and torque; `uncertainty`: how that is
+    /// known.
     #[must_use]
-    pub fn of(run: &Run, scene: &CheckedScene, known: Known) -> Self {
+    pub fn of(
+        run: &Run,
+        scene: &CheckedScene,
+        uncertainty: &'static str,
+        shares: Option<Distance>,
+    ) -> Self {
         let from_s = from_s(run, scene);
-        let shares = known.shares();
         let mut figures = Vec::new();
         let mut push = |name: &str, value: f64, size: f64, share: Option<f64>| {
             figures.push(Figure {
@@ -95,17 +72,13 @@ impl Results {
         }
         if let Some(found) = run.stats.energy.last().and_then(Efficiency::of) {
             push("efficiency", found.measured, found.measured, torque);
-            push(
-                "efficiency_accounted",
-                found.of_losses,
-                found.of_losses,
-                torque,
-            );
+            let lost = found.of_losses;
+            push("efficiency_accounted", lost, lost, torque);
             push("created_share", found.created_share, 1.0, torque);
         }
         Self {
             from_s,
-            uncertainty: known.words(),
+            uncertainty,
             figures,
         }
     }
@@ -126,7 +99,6 @@ fn statistics(time_series: &TimeSeries, group: &str, from_s: f64) -> Option<Stat
     }
     let inside = channels
         .into_iter()
-        .map(|values| values.get(window.clone()))
-        .collect::<Option<Vec<_>>>()?;
-    Statistics::of(&View::new(inside))
+        .map(|values| values.get(window.clone()));
+    Statistics::of(&View::new(inside.collect::<Option<_>>()?))
 }

@@ -15,7 +15,7 @@ use crate::control::{Control, Progress, of_scene};
 use crate::output::{OutputError, write_json};
 use crate::provenance::{Machine, Provenance};
 use crate::resolution::{self, Resolution};
-use crate::results::{self, Known, Results};
+use crate::results::{self, Results};
 
 /// Everything about one run but its time series.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -68,6 +68,12 @@ pub fn remedy(gearbox: &Gearbox, track: Track) -> String {
     }
 }
 
+/// Writes time series as CSV.
+pub(crate) fn save(time_series: &TimeSeries, path: &Path) -> Result<(), OutputError> {
+    let written = time_series.save_csv(path);
+    written.map_err(|error| OutputError::new(path, &error))
+}
+
 /// File of the time series of a run that ended so.
 #[must_use]
 pub fn file(ending: &Ending) -> &'static str {
@@ -86,10 +92,7 @@ pub fn prepare(engine: &dyn Engine, gearbox: &Gearbox) -> Result<(), StudyError>
     match engine.prepare(gearbox) {
         Ok(_) => Ok(()),
         Err(Halt::Cancelled(cancelled)) => Err(cancelled.into()),
-        Err(Halt::Ended(ending)) => Err(StudyError::Ended {
-            engine: engine.name().to_owned(),
-            ending,
-        }),
+        Err(Halt::Ended(ending)) => Err(StudyError::ended(engine, ending)),
     }
 }
 
@@ -125,10 +128,7 @@ pub fn run(
     let at = Progress::new(0, 1, engine.name());
     let run = engine.run_compiled(gearbox, &control.piece(at))?;
     if !matches!(run.ending, Ending::Finished | Ending::Diverged { .. }) {
-        return Err(StudyError::Ended {
-            engine: engine.name().to_owned(),
-            ending: run.ending,
-        });
+        return Err(StudyError::ended(engine, run.ending));
     }
     // What verified itself needs no second look.
     let resolution = if run.ending.is_finished() && checked && run.uncertainty.is_none() {
@@ -164,12 +164,8 @@ fn check(
     let at = control.piece(Progress::new(0, 1, &label));
     let at = at.lasting(formed.scene.solver.duration_s);
     let from_s = results::from_s(run, &gearbox.scene);
-    match resolution::check(
-        &formed,
-        (&run.time_series, run.stats.rhs_calls),
-        from_s,
-        &mut |t| at.reached(t),
-    ) {
+    let ran = (&run.time_series, run.stats.rhs_calls);
+    match resolution::check(&formed, ran, from_s, &mut |t| at.reached(t)) {
         Ok(found) => Ok(Some(found)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
         Err(error) => Err(StudyError::Unrepeated(Box::new(error))),
@@ -190,11 +186,11 @@ impl Outcome {
         let verified = self.run.uncertainty.as_ref().and_then(|u| u.error);
         let estimated = self.resolution.as_ref().and_then(|r| r.error);
         let known = match (verified, estimated) {
-            (Some(error), _) => Known::Verified(error),
-            (None, Some(error)) => Known::Estimated(error),
-            (None, None) => Known::Nothing,
+            (Some(_), _) => "verified",
+            (None, Some(_)) => "estimated",
+            (None, None) => "not verified",
         };
-        Results::of(&self.run, &self.scene, known)
+        Results::of(&self.run, &self.scene, known, verified.or(estimated))
     }
 
     /// That its step or tolerance does not resolve the scene, with a remedy.
@@ -218,17 +214,13 @@ impl Outcome {
     /// # Errors
     /// A file cannot be written.
     pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
+        let engine = (&*self.engine, &*self.version, self.track);
+        let (ending, stats) = (&self.run.ending, &self.run.stats);
         let record = RunRecord {
             resolution: self.resolution.as_ref(),
             uncertainty: self.run.uncertainty.as_ref(),
-            results: self.run.ending.is_finished().then(|| self.results()),
-            ..RunRecord::new(
-                (&self.engine, &self.version, self.track.as_str()),
-                &self.scene,
-                &self.run.ending,
-                &self.run.stats,
-                made,
-            )
+            results: ending.is_finished().then(|| self.results()),
+            ..RunRecord::new(engine, &self.scene, ending, stats, made)
         };
         record.write(dir, &self.run.time_series)
     }
@@ -237,7 +229,7 @@ impl Outcome {
 impl<'a> RunRecord<'a> {
     /// The record of a run of `engine` (name, version, track).
     pub(crate) fn new(
-        (engine, version, track): (&'a str, &'a str, &'a str),
+        (engine, version, track): (&'a str, &'a str, Track),
         scene: &'a CheckedScene,
         ending: &'a Ending,
         stats: &'a RunStats,
@@ -250,7 +242,7 @@ impl<'a> RunRecord<'a> {
         Self {
             engine,
             version,
-            track,
+            track: track.as_str(),
             status: ending.word(),
             diverged_at_s,
             diverged_quantity,
@@ -270,10 +262,7 @@ impl<'a> RunRecord<'a> {
     /// Writes it beside the time series into the folder `dir`.
     pub(crate) fn write(mut self, dir: &Path, time_series: &TimeSeries) -> Result<(), OutputError> {
         self.samples = time_series.len();
-        let path = dir.join(self.time_series);
-        time_series
-            .save_csv(&path)
-            .map_err(|error| OutputError::new(&path, &error))?;
+        save(time_series, &dir.join(self.time_series))?;
         write_json(&dir.join("run.json"), &self)
     }
 }

@@ -90,11 +90,8 @@ pub fn check(
             found.map(|accepted| (scene, accepted))
         });
         let integrator = auto::integrator(&job.scene).integrator;
-        let adaptive = match &job.solver {
-            // Its counts may follow from roundings as an adaptive method's do.
-            Some(_) => true,
-            None => method(&integrator).is_some_and(|m| m.adaptive),
-        };
+        // The counts of a solver from outside may follow from roundings as an adaptive method's do.
+        let adaptive = job.solver.is_some() || method(&integrator).is_some_and(|m| m.adaptive);
         let mut found = CaseCheck::new(&case.name, choice.name);
         found.judge(accepted, result, adaptive);
         cases.push(found);
@@ -172,10 +169,9 @@ impl CaseCheck {
         let mut found = Vec::new();
         for (&quantity, before) in &accepted.quantity {
             let after = run.statistics.get(&quantity);
-            let judged = after.zip(scene.converged.get(&quantity));
-            let judged = judged
-                .and_then(|(after, converged)| judge::quantity(quantity, after, before, converged));
-            match judged {
+            let known = after.zip(scene.converged.get(&quantity));
+            let judge = |(after, truth)| judge::quantity(quantity, after, before, truth);
+            match known.and_then(judge) {
                 Some(check) => found.push(check),
                 None => self.unlike(quantity.label()),
             }

@@ -207,13 +207,10 @@ impl Baseline {
 
     /// Names of the baselines in a folder of baselines, sorted.
     fn names(folder: &Path) -> Vec<String> {
-        let mut names: Vec<String> = fs::read_dir(folder)
-            .into_iter()
-            .flatten()
-            .flatten()
-            .filter(|entry| entry.path().join(FILE).is_file())
-            .filter_map(|entry| entry.file_name().into_string().ok())
-            .collect();
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        let entries = entries.filter(|entry| entry.path().join(FILE).is_file());
+        let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+        let mut names: Vec<String> = names.collect();
         names.sort();
         names
     }
@@ -243,14 +240,11 @@ impl Baseline {
         }
         let found: Self = value.try_into().map_err(unread)?;
         if found.scenes.is_empty() {
-            return Err(spoiled(
-                "holds no scenes, so that nothing could be compared",
-            ));
+            let what = "holds no scenes, so that nothing could be compared";
+            return Err(spoiled(what));
         }
-        let mut converged = found
-            .scenes
-            .iter()
-            .flat_map(|scene| scene.converged.values());
+        let scenes = found.scenes.iter();
+        let mut converged = scenes.flat_map(|scene| scene.converged.values());
         if !converged.all(|quantity| quantity.scale > 0.0) {
             return Err(spoiled("holds a scale that is not positive"));
         }

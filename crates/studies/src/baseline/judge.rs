@@ -87,10 +87,8 @@ pub(super) fn quantity(
     let share = |distance: f64| distance / converged.scale;
     let change = share(after.distance(&accepted.statistics)?);
     let rounding_limit = limits::same_up_to(accepted.rounding);
-    let (error_before, error_after) = (
-        accepted.error,
-        share(after.distance(&converged.statistics)?),
-    );
+    let error_before = accepted.error;
+    let error_after = share(after.distance(&converged.statistics)?);
     let error_limit = limits::ERROR_SHARE * error_before + converged.own_error + rounding_limit;
     let verdict = if change <= rounding_limit {
         Verdict::Same

@@ -45,6 +45,7 @@ pub const NEWTON_SHARE: f64 = 0.02;
 #[must_use]
 pub fn table() -> Table {
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);
+    let adaptive = percent(ADAPTIVE_COUNT_SHARE);
     let rows = [
         (
             "same to rounding",
@@ -60,18 +61,12 @@ pub fn table() -> Table {
         ),
         (
             "right-hand sides, steps",
-            format!(
-                "none; with a step control {}",
-                percent(ADAPTIVE_COUNT_SHARE)
-            ),
+            format!("none; with a step control {adaptive}"),
             "a fixed step has no choice; a rounding can reject a step and move all that follow",
         ),
         (
             "rejections",
-            format!(
-                "{REJECTIONS:.0} + {} of the steps",
-                percent(ADAPTIVE_COUNT_SHARE)
-            ),
+            format!("{REJECTIONS:.0} + {adaptive} of the steps"),
             "few, so counted and not only a share",
         ),
         (

@@ -65,11 +65,8 @@ impl Options {
     /// The scenes asked for, in the order of the set.
     fn scenes(&self) -> Result<Vec<&'static SceneCase>, StudyError> {
         let known: Vec<&str> = scenes().iter().map(|case| case.name.as_str()).collect();
-        if let Some(unknown) = self
-            .only
-            .iter()
-            .find(|name| !known.contains(&name.as_str()))
-        {
+        let mut only = self.only.iter();
+        if let Some(unknown) = only.find(|name| !known.contains(&name.as_str())) {
             return Err(StudyError::Input(format!(
                 "no scene of the baselines is called `{unknown}`; there are {}",
                 known.join(", ")
@@ -86,21 +83,18 @@ impl Options {
         }
         let scene = case.scene(&[])?;
         let honours = |name: &&String| {
-            by_name(name, &scene).is_some_and(|engine| {
-                !matches!(
-                    engine.supports(&scene),
-                    Err(Halt::Ended(Ending::Unsupported { .. }))
-                )
-            })
+            let supports = by_name(name, &scene).map(|engine| engine.supports(&scene));
+            !matches!(
+                supports,
+                None | Some(Err(Halt::Ended(Ending::Unsupported { .. })))
+            )
         };
-        let solvers = self.solvers.iter().filter(honours);
-        Ok(solvers
-            .map(|name| Way {
-                name,
-                sets: &[],
-                solver: Some(name),
-            })
-            .collect())
+        let way = |name: &'a String| Way {
+            name,
+            sets: &[],
+            solver: Some(name),
+        };
+        Ok(self.solvers.iter().filter(honours).map(way).collect())
     }
 }
 

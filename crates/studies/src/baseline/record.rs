@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 
 use pinwheel_gearbox::contacts::Kernel;
-use pinwheel_scene::{CheckedScene, Scene};
+use pinwheel_scene::Scene;
 
 use super::Options;
 use super::cases::{SceneCase, Way};
 use super::file::{
     Acceptance, Baseline, CaseSnapshot, Converged, FORMAT, Made, QuantitySnapshot, SceneSnapshot,
 };
-use super::runner::{Costs, Finished, Job, RunResult, run_all};
+use super::runner::{Finished, Job, RunResult, run_all};
 use super::snapshot::{Quantity, Statistics};
 use crate::control::{Control, compile};
 use crate::{StudyError, reference};
@@ -28,7 +28,7 @@ pub fn record(
     let chosen = options.scenes()?;
     let mut jobs = Vec::new();
     for case in &chosen {
-        jobs.extend(converged_jobs(&load(case, None)?.into_scene()));
+        jobs.extend(converged_jobs(&case.scene(&[])?.into_scene()));
         for way in options.ways(case)? {
             let plain = plain_job(case, &way, options)?;
             jobs.push(plain.clone());
@@ -49,12 +49,6 @@ pub fn record(
     })
 }
 
-/// A scene of the set by one choice, or as it is.
-fn load(case: &SceneCase, way: Option<&Way<'_>>) -> Result<CheckedScene, StudyError> {
-    let sets = way.map_or(&[][..], |way| way.sets);
-    Ok(case.scene(sets)?)
-}
-
 /// The run that is kept or checked.
 pub(super) fn plain_job(
     case: &SceneCase,
@@ -63,7 +57,7 @@ pub(super) fn plain_job(
 ) -> Result<Job, StudyError> {
     Ok(Job {
         label: format!("{}, {}", case.name, way.name),
-        scene: load(case, Some(way))?.into_scene(),
+        scene: case.scene(way.sets)?.into_scene(),
         kernel: options.kernel,
         solver: way.solver.map(str::to_owned),
     })
@@ -88,13 +82,11 @@ fn roundings(plain: &Job) -> Vec<Job> {
         kernel,
         ..plain.clone()
     };
+    let mut jobs: Vec<Job> = [Kernel::Avx2, Kernel::Portable, Kernel::Scalar]
+        .map(by)
+        .into();
     // A solver from outside has no loop of ours that could be chosen.
-    let mut jobs: Vec<Job> = match plain.solver {
-        Some(_) => Vec::new(),
-        None => [Kernel::Avx2, Kernel::Portable, Kernel::Scalar]
-            .map(by)
-            .into(),
-    };
+    jobs.retain(|job| job.solver.is_none());
     for digit in [f64::next_up, f64::next_down] {
         let (mut heavier, mut wider) = (plain.clone(), plain.clone());
         let moment = &mut heavier.scene.mass.wheel.moment_kg_m2;
@@ -112,15 +104,13 @@ fn scene(
     results: &mut impl Iterator<Item = RunResult>,
 ) -> Result<SceneSnapshot, StudyError> {
     let mut next = |choice: &str| {
-        let missing = || Err("the run is missing".to_owned());
-        let result = results.next().unwrap_or_else(missing);
+        let result = results.next();
+        let result = result.unwrap_or_else(|| Err("the run is missing".to_owned()));
         result.map_err(|reason| StudyError::Broken(format!("{}, {choice}: {reason}", case.name)))
     };
     let (fine, coarse) = (next("converged")?, next("converged")?);
-    let penetration = compile(&load(case, None)?.into_scene())?
-        .error_scales()
-        .length;
-    let converged = converged(fine, &coarse, penetration);
+    let gearbox = compile(&case.scene(&[])?.into_scene())?;
+    let converged = converged(fine, &coarse, gearbox.error_scales().length);
     let mut cases = Vec::new();
     for way in options.ways(case)? {
         let plain = next(way.name)?;
@@ -128,7 +118,11 @@ fn scene(
         for _ in roundings(&plain_job(case, &way, options)?) {
             varied.push(next(way.name)?);
         }
-        let spread = |run: &Finished| spread(&run.costs, &plain.costs);
+        // Share by which two runs differ in right-hand sides.
+        let count = plain.costs.right_hand_sides;
+        let spread = |run: &Finished| {
+            run.costs.right_hand_sides.abs_diff(count) as f64 / count.max(1) as f64
+        };
         cases.push(CaseSnapshot {
             choice: way.name.to_owned(),
             set: way.sets.to_vec(),
@@ -147,37 +141,26 @@ fn scene(
     })
 }
 
-/// Share by which two runs differ in right-hand sides.
-fn spread(a: &Costs, b: &Costs) -> f64 {
-    a.right_hand_sides.abs_diff(b.right_hand_sides) as f64 / b.right_hand_sides.max(1) as f64
-}
-
 fn converged(fine: Finished, coarse: &Finished, penetration: f64) -> BTreeMap<Quantity, Converged> {
     let of = |(quantity, statistics): (Quantity, Statistics)| {
         let size = match quantity {
             // Driver and load, in this order.
-            Quantity::Energy => statistics
-                .mean
-                .iter()
-                .take(2)
-                .fold(0.0, |most: f64, x| most.max(x.abs())),
+            Quantity::Energy => {
+                let works = statistics.mean.iter().take(2);
+                works.fold(0.0, |most: f64, x| most.max(x.abs()))
+            }
             Quantity::JointDrift => penetration,
             _ => statistics.whole_rms(),
         };
         let scale = size.max(f64::MIN_POSITIVE);
-        let distance = coarse
-            .statistics
-            .get(&quantity)
-            .and_then(|other| statistics.distance(other));
-        let own_error = distance.unwrap_or(0.0) / scale;
-        (
-            quantity,
-            Converged {
-                scale,
-                own_error,
-                statistics,
-            },
-        )
+        let other = coarse.statistics.get(&quantity);
+        let distance = other.and_then(|other| statistics.distance(other));
+        let converged = Converged {
+            scale,
+            own_error: distance.unwrap_or(0.0) / scale,
+            statistics,
+        };
+        (quantity, converged)
     };
     fine.statistics.into_iter().map(of).collect()
 }
@@ -189,10 +172,8 @@ fn quantities(
 ) -> BTreeMap<Quantity, QuantitySnapshot> {
     let of = |(&quantity, statistics): (&Quantity, &Statistics)| {
         let converged = converged.get(&quantity)?;
-        let others = varied
-            .iter()
-            .filter_map(|run| run.statistics.get(&quantity));
-        let apart = others.filter_map(|other| statistics.distance(other));
+        let others = varied.iter().map(|run| run.statistics.get(&quantity));
+        let apart = others.filter_map(|other| statistics.distance(other?));
         let snapshot = QuantitySnapshot {
             error: statistics.distance(&converged.statistics)? / converged.scale,
             rounding: apart.fold(0.0, f64::max) / converged.scale,

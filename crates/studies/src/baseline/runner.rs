@@ -52,48 +52,38 @@ pub(super) struct Job {
 fn run(job: &Job, cancel: &AtomicBool) -> Result<RunResult, StudyError> {
     let mut gearbox = control::compile(&job.scene)?;
     gearbox.kernel = job.kernel;
-    let (ending, time_series, account, joint_drift_m, costs) = match &job.solver {
+    let (ending, time_series, costs, account, joint_m);
+    match &job.solver {
         None => {
             let mut watch = |_| cancel.load(Ordering::Relaxed);
             let run = control::run_compiled(&gearbox, &mut watch)?;
-            let costs = Costs {
+            costs = Costs {
                 right_hand_sides: run.counts.evaluations,
                 steps: run.counts.steps,
                 rejections: run.counts.rejected,
                 newton_steps: run.newton_steps,
             };
-            let account = run.energy.total();
-            (
-                run.ending,
-                run.time_series,
-                account,
-                Some(run.joint_drift_m),
-                costs,
-            )
+            (account, joint_m) = (run.energy.total(), Some(run.joint_drift_m));
+            (ending, time_series) = (run.ending, run.time_series);
         }
         // It keeps no account of energy, and not all have joints.
         Some(solver) => {
             let run = control::run_on(solver, &job.scene, &Control::silent(cancel))?;
-            let costs = Costs {
+            costs = Costs {
                 right_hand_sides: run.stats.rhs_calls,
                 steps: run.stats.steps,
                 rejections: run.stats.rejected_steps,
                 ..Costs::default()
             };
-            (
-                run.ending,
-                run.time_series,
-                None,
-                run.stats.joint_drift_m,
-                costs,
-            )
+            (account, joint_m) = (None, run.stats.joint_drift_m);
+            (ending, time_series) = (run.ending, run.time_series);
         }
-    };
+    }
     if !ending.is_finished() {
         return Ok(Err(ending.to_string()));
     }
     Ok(Ok(Finished {
-        statistics: snapshot::statistics(&gearbox, &time_series, account, joint_drift_m),
+        statistics: snapshot::statistics(&gearbox, &time_series, account, joint_m),
         bits: snapshot::bits(&time_series),
         costs,
     }))
@@ -107,18 +97,13 @@ pub(super) fn run_all(
     control: &Control<'_>,
 ) -> Result<Vec<RunResult>, StudyError> {
     let begun = AtomicUsize::new(0);
-    let (results, failed) = pool::map(
-        threads,
-        jobs.len(),
-        || (),
-        |(), k| {
-            let done = begun.fetch_add(1, Ordering::Relaxed);
-            (control.progress)(Progress::new(done, jobs.len(), &jobs[k].label));
-            run(&jobs[k], control.cancel)
-        },
-    );
-    match failed {
-        Some(error) => Err(error),
-        None => Ok(results.into_iter().flatten().collect()),
+    let make = |(): &mut (), k: usize| {
+        let done = begun.fetch_add(1, Ordering::Relaxed);
+        (control.progress)(Progress::new(done, jobs.len(), &jobs[k].label));
+        run(&jobs[k], control.cancel)
+    };
+    match pool::map(threads, jobs.len(), || (), make) {
+        (_, Some(error)) => Err(error),
+        (results, None) => Ok(results.into_iter().flatten().collect()),
     }
 }

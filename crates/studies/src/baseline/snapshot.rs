@@ -73,9 +73,8 @@ impl Statistics {
         let mut found = Self::default();
         for k in 0..WINDOWS {
             let range = k * samples / WINDOWS..(k + 1) * samples / WINDOWS;
-            let cut = channels
-                .iter()
-                .filter_map(|channel| channel.get(range.clone()));
+            let all = channels.iter();
+            let cut = all.filter_map(|channel| channel.get(range.clone()));
             let figures = norms::Statistics::of(&View::new(cut.collect()));
             let figures = figures.map_or([f64::NAN; 3], |it| [it.mean, it.rms, it.peak]);
             let lists = [&mut found.mean, &mut found.rms, &mut found.peak];
@@ -145,36 +144,26 @@ pub(super) fn statistics(
 ) -> BTreeMap<Quantity, Statistics> {
     let twist = twist(gearbox, time_series);
     let course = |name: &str| time_series.channel(name).into_iter().collect::<Vec<_>>();
+    let forces = |name: &str| time_series.group(name);
     let followed = [
         (Quantity::DriverTorque, course(columns::INPUT_TORQUE)),
         (Quantity::OutputTorque, course(columns::OUTPUT_TORQUE)),
         (Quantity::OutputTwist, vec![twist.as_slice()]),
-        (
-            Quantity::ExternalForce,
-            time_series.group(columns::EXTERNAL_FORCE),
-        ),
-        (
-            Quantity::InternalForce,
-            time_series.group(columns::INTERNAL_FORCE),
-        ),
+        (Quantity::ExternalForce, forces(columns::EXTERNAL_FORCE)),
+        (Quantity::InternalForce, forces(columns::INTERNAL_FORCE)),
     ];
-    let followed = followed.into_iter();
-    let followed =
-        followed.map(|(quantity, channels)| (quantity, Statistics::of_course(&channels)));
-    let energy = account.map(|a| {
-        vec![
-            a.driver_j,
-            a.load_j,
-            a.kinetic_j,
-            a.stored_j,
-            a.damping_j,
-            a.friction_j,
-        ]
-    });
-    let energy = energy.map(|values| (Quantity::Energy, Statistics::of_values(values)));
-    let drift =
-        joint_drift_m.map(|drift| (Quantity::JointDrift, Statistics::of_values(vec![drift])));
-    followed.chain(energy).chain(drift).collect()
+    let followed = followed.map(|(quantity, of)| (quantity, Statistics::of_course(&of)));
+    let mut found = BTreeMap::from(followed);
+    if let Some(a) = account {
+        let works = [a.driver_j, a.load_j, a.kinetic_j, a.stored_j];
+        let values = [&works[..], &[a.damping_j, a.friction_j]].concat();
+        found.insert(Quantity::Energy, Statistics::of_values(values));
+    }
+    if let Some(drift_m) = joint_drift_m {
+        let values = Statistics::of_values(vec![drift_m]);
+        found.insert(Quantity::JointDrift, values);
+    }
+    found
 }
 
 fn twist(gearbox: &Gearbox, time_series: &TimeSeries) -> Vec<f64> {

@@ -39,11 +39,8 @@ impl CostAt {
 #[must_use]
 pub(super) fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let sound = |x: f64| x.is_finite() && x > 0.0;
-    let mut points: Vec<(f64, f64)> = points
-        .iter()
-        .copied()
-        .filter(|&(cost, error)| sound(cost) && sound(error))
-        .collect();
+    let mut points = points.to_vec();
+    points.retain(|&(cost, error)| sound(cost) && sound(error));
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let mut front: Vec<(f64, f64)> = Vec::new();
     for point in points {

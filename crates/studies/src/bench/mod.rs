@@ -88,10 +88,9 @@ impl Options {
         }
         let known = method_names();
         if let Some(name) = methods.iter().find(|name| !known.contains(&name.as_str())) {
-            return Err(StudyError::Input(format!(
-                "there is no integrator `{name}`; {}",
-                did_you_mean(name, &known)
-            )));
+            let remedy = did_you_mean(name, &known);
+            let what = format!("there is no integrator `{name}`; {remedy}");
+            return Err(StudyError::Input(what));
         }
         Ok(Self {
             target,
@@ -183,15 +182,14 @@ pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, 
     let native = ["native-reduced", "native-lagrange"];
     if names.is_empty() {
         let friction = scene.contact.friction_coefficient > 0.0;
-        return Ok(registry()
-            .into_iter()
-            .filter(|engine| match engine.track() {
-                Track::Native => native.contains(&engine.name()),
-                Track::SharedLaw => true,
-                Track::OwnContact => friction || engine.info().outside,
-                Track::Measured => false,
-            })
-            .collect());
+        let mut engines = registry();
+        engines.retain(|engine| match engine.track() {
+            Track::Native => native.contains(&engine.name()),
+            Track::SharedLaw => true,
+            Track::OwnContact => friction || engine.info().outside,
+            Track::Measured => false,
+        });
+        return Ok(engines);
     }
     let mut engines: Vec<Box<dyn Engine>> = Vec::new();
     let mut add = |engine: Box<dyn Engine>| {
@@ -230,10 +228,9 @@ pub fn run(
     options: &Options,
     control: &Control<'_>,
 ) -> Result<WorkPrecision, StudyError> {
-    let tasks: Vec<(&dyn Engine, Option<&str>)> = engines
-        .iter()
-        .flat_map(|engine| methods(engine.as_ref(), options))
-        .collect();
+    let each = engines.iter();
+    let tasks = each.flat_map(|engine| methods(engine.as_ref(), options));
+    let tasks: Vec<(&dyn Engine, Option<&str>)> = tasks.collect();
     let total = tasks.len() + 2;
     let mut done = 0;
     let (reference, [time_series, second]) = reference::run(scene, control, &mut |piece| {
@@ -242,10 +239,8 @@ pub fn run(
     })?;
     let windows = spans(scene, &time_series);
     let least = compile(scene)?.least_loads();
-    let reference_errors: Vec<Errors> = windows
-        .iter()
-        .map(|span| errors(&second, &time_series, span, least))
-        .collect();
+    let error = |span| errors(&second, &time_series, span, least);
+    let reference_errors: Vec<Errors> = windows.iter().map(error).collect();
     let mut all = Vec::new();
     for (engine, method) in tasks {
         if control.cancel.load(Ordering::Relaxed) {
@@ -258,17 +253,15 @@ pub fn run(
             least,
             error: reference_errors[0].force_l2,
         };
-        all.push(series::run(
-            scene,
-            engine,
-            method,
-            &truth,
-            options,
-            control,
-            &mut announce,
-        )?);
+        let by = (engine, method);
+        let series = series::run(scene, by, &truth, options, control, &mut announce)?;
+        all.push(series);
         done += 1;
     }
+    let differences = engines.iter().map(|engine| {
+        let info = engine.info();
+        (info.name.to_owned(), info.differences.to_owned())
+    });
     Ok(WorkPrecision {
         scene: scene.clone(),
         options: options.clone(),
@@ -276,15 +269,7 @@ pub fn run(
         reference,
         reference_errors,
         series: all,
-        differences: engines
-            .iter()
-            .map(|engine| {
-                (
-                    engine.name().to_owned(),
-                    engine.info().differences.to_owned(),
-                )
-            })
-            .collect(),
+        differences: differences.collect(),
         complete: !control.cancel.load(Ordering::Relaxed),
     })
 }
@@ -303,9 +288,8 @@ fn methods<'a>(
     if engine.track() != Track::Native {
         return vec![(engine, None)];
     }
-    METHODS
-        .iter()
-        .filter(|m| options.methods.is_empty() || options.methods.iter().any(|name| name == m.name))
-        .map(|m| (engine, Some(m.name)))
-        .collect()
+    let asked = &options.methods;
+    let names = METHODS.iter().map(|method| method.name);
+    let names = names.filter(|name| asked.is_empty() || asked.iter().any(|one| one == name));
+    names.map(|name| (engine, Some(name))).collect()
 }

@@ -33,26 +33,21 @@ pub struct Errors {
 
 /// The whole run first, then its transient and its steady part, where it is long enough to have them.
 pub(super) fn spans(scene: &Scene, time_series: &TimeSeries) -> Vec<Span> {
-    let settling = if scene.drive.start == Start::Equilibrium {
-        0.0
-    } else {
-        SETTLING_S
+    let settling = match scene.drive.start {
+        Start::Equilibrium => 0.0,
+        Start::Kinematic => SETTLING_S,
     };
     let end = time_series.time_s().last().copied().unwrap_or(0.0);
-    let mut spans = vec![Span {
-        name: "whole".to_owned(),
-        from_s: 0.0,
-        to_s: end,
-    }];
+    let span = |name: &str, from_s, to_s| Span {
+        name: name.to_owned(),
+        from_s,
+        to_s,
+    };
     let (mut parts, _) = windows(time_series, settling, &load_course::breaks(&scene.drive));
     parts.retain(|window| window.to_s - window.from_s < end);
     parts.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));
-    spans.extend(parts.into_iter().map(|window| Span {
-        name: window.kind.word().to_owned(),
-        from_s: window.from_s,
-        to_s: window.to_s,
-    }));
-    spans
+    let parts = parts.iter().map(|w| span(w.kind.word(), w.from_s, w.to_s));
+    [span("whole", 0.0, end)].into_iter().chain(parts).collect()
 }
 
 /// Errors of `a` against `b` in a window. Both hold the same samples.

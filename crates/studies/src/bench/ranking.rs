@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::WorkPrecision;
 use super::front::CostAt;
-use super::series::Measure;
+use super::series::{Measure, Series};
 
 /// Cost of the error in one series.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -57,16 +57,13 @@ impl WorkPrecision {
     /// model, not too long a step. A peer that shares the law counts with its lower bound otherwise.
     #[must_use]
     pub fn ranking(&self, window: usize, error: f64) -> Ranking {
-        let entries: Vec<Entry> = self
-            .series
-            .iter()
-            .map(|series| Entry {
-                label: series.label(),
-                track: series.track,
-                cpu_s: series.cost_at(window, error, Measure::Cpu),
-                rhs_calls: series.cost_at(window, error, Measure::Rhs),
-            })
-            .collect();
+        let entry = |series: &Series| Entry {
+            label: series.label(),
+            track: series.track,
+            cpu_s: series.cost_at(window, error, Measure::Cpu),
+            rhs_calls: series.cost_at(window, error, Measure::Rhs),
+        };
+        let entries: Vec<Entry> = self.series.iter().map(entry).collect();
         Ranking {
             window: self.windows.get(window).map_or("", |w| &w.name).to_owned(),
             error,
@@ -78,11 +75,11 @@ impl WorkPrecision {
 
 fn advantage(entries: &[Entry]) -> Option<Advantage> {
     let cheapest = |take: &dyn Fn(&Entry, CostAt) -> bool| {
-        entries
+        let known = entries
             .iter()
-            .filter_map(|entry| Some((entry, entry.cpu_s?)))
-            .filter(|&(entry, cost)| take(entry, cost))
-            .min_by(|a, b| a.1.value().total_cmp(&b.1.value()))
+            .filter_map(|entry| Some((entry, entry.cpu_s?)));
+        let known = known.filter(|&(entry, cost)| take(entry, cost));
+        known.min_by(|a, b| a.1.value().total_cmp(&b.1.value()))
     };
     let (native, native_cost) =
         cheapest(&|entry, cost| entry.track == Track::Native && cost.reached())?;
@@ -91,16 +88,17 @@ fn advantage(entries: &[Entry]) -> Option<Advantage> {
         Track::SharedLaw => true,
         Track::OwnContact => cost.reached(),
     })?;
-    let upper = matches!(peer_cost, CostAt::AtMost(_));
     Some(Advantage {
         native: native.label.clone(),
         native_cpu_s: native_cost,
         peer: peer.label.clone(),
         peer_cpu_s: peer_cost,
         ratio: peer_cost.value() / native_cost.value(),
-        at_least: !upper
-            && (matches!(native_cost, CostAt::AtMost(_))
-                || matches!(peer_cost, CostAt::MoreThan(_))),
+        at_least: match peer_cost {
+            CostAt::AtMost(_) => false,
+            CostAt::MoreThan(_) => true,
+            CostAt::Interpolated(_) => matches!(native_cost, CostAt::AtMost(_)),
+        },
     })
 }
 

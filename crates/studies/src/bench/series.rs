@@ -92,17 +92,15 @@ impl Series {
     /// (cost, relative L2 force error) of the finished points in a window.
     #[must_use]
     pub fn points(&self, window: usize, measure: Measure) -> Vec<(f64, f64)> {
-        self.points
-            .iter()
-            .filter_map(|point| {
-                let cost = point.cost?;
-                let cost = match measure {
-                    Measure::Cpu => cost.cpu_min_s,
-                    Measure::Rhs => cost.rhs_calls? as f64,
-                };
-                Some((cost, point.errors.get(window)?.force_l2))
-            })
-            .collect()
+        let known = |point: &Point| {
+            let cost = point.cost?;
+            let cost = match measure {
+                Measure::Cpu => cost.cpu_min_s,
+                Measure::Rhs => cost.rhs_calls? as f64,
+            };
+            Some((cost, point.errors.get(window)?.force_l2))
+        };
+        self.points.iter().filter_map(known).collect()
     }
 
     /// Cost of a relative L2 force error in a window.
@@ -125,8 +123,7 @@ pub(super) struct Truth<'a> {
 /// Runs a series.
 pub(super) fn run(
     scene: &Scene,
-    engine: &dyn Engine,
-    method: Option<&str>,
+    (engine, method): (&dyn Engine, Option<&str>),
     truth: &Truth<'_>,
     options: &Options,
     control: &Control<'_>,
@@ -139,9 +136,7 @@ pub(super) fn run(
         version: engine.version(),
         track: engine.track(),
         method: method.unwrap_or("own").to_owned(),
-        order: method
-            .and_then(integrators::method)
-            .map(|method| method.order),
+        order: method.and_then(integrators::method).map(|m| m.order),
         knob,
         points: Vec::new(),
         stopped: Stopped::Finished,
@@ -216,11 +211,9 @@ fn point(
         errors: Vec::new(),
         cost: None,
     };
-    let gearbox = match scene.clone().check().map_err(Ending::unsupported) {
-        Ok(scene) => Gearbox::new(&scene).map_err(Ending::unsupported),
-        Err(ending) => Err(ending),
-    };
-    let gearbox = match gearbox {
+    let checked = scene.clone().check().map_err(Ending::unsupported);
+    let compiled = checked.and_then(|scene| Gearbox::new(&scene).map_err(Ending::unsupported));
+    let gearbox = match compiled {
         Ok(gearbox) => gearbox,
         Err(ending) => return Ok(without(ending)),
     };
@@ -241,13 +234,8 @@ fn point(
         let finished = run.ending.is_finished();
         let run = first.get_or_insert(run);
         let spent: f64 = times.iter().sum();
-        let least = options
-            .repeats
-            .min(if run.stats.cpu_s < 0.5 * options.repeat_s {
-                3
-            } else {
-                2
-            });
+        let is_short = run.stats.cpu_s < 0.5 * options.repeat_s;
+        let least = options.repeats.min(if is_short { 3 } else { 2 });
         let enough = times.len() >= least && spent >= options.repeat_s;
         if !finished || enough || times.len() >= options.repeats.max(1) {
             break;
@@ -266,14 +254,9 @@ fn point(
         rejected_steps: run.stats.rejected_steps,
     };
     let whole = run.ending.is_finished() && run.time_series.len() == truth.time_series.len();
-    let errors = if whole {
-        let windows = truth.windows.iter();
-        windows
-            .map(|window| errors(&run.time_series, truth.time_series, window, truth.least))
-            .collect()
-    } else {
-        Vec::new()
-    };
+    let windows = truth.windows.iter().filter(|_| whole);
+    let error = |window| errors(&run.time_series, truth.time_series, window, truth.least);
+    let errors = windows.map(error).collect();
     Ok(Point {
         setting,
         ending: run.ending,
@@ -285,11 +268,8 @@ fn point(
 /// A run is given up after this many times the time it may take.
 const PATIENCE: f64 = 3.0;
 
-/// Of values in order.
-pub(super) fn median(sorted: &[f64]) -> f64 {
+/// Of values in order, of which there are some.
+fn median(sorted: &[f64]) -> f64 {
     let n = sorted.len();
-    if n == 0 {
-        return f64::NAN;
-    }
     0.5 * (sorted[(n - 1) / 2] + sorted[n / 2])
 }

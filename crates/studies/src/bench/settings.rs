@@ -18,21 +18,21 @@ const HALF_DECADES: i32 = 16;
 #[must_use]
 pub(super) fn settings(knob: Knob, scene: &Scene) -> Vec<f64> {
     match knob {
-        Knob::Tolerance => (0..=HALF_DECADES)
-            .map(|k| {
+        Knob::Tolerance => {
+            let tolerance = |k: i32| {
                 let exact = LOOSEST * 10.0_f64.powf(-0.5 * f64::from(k));
                 // Two digits are enough to name a tolerance.
                 format!("{exact:.1e}").parse().unwrap_or(exact)
-            })
-            .collect(),
+            };
+            (0..=HALF_DECADES).map(tolerance).collect()
+        }
         Knob::Step => {
             let sample = scene.solver.sample_s;
-            let mut steps: Vec<f64> = (0..=HALVINGS)
-                .map(|k| {
-                    let step = scene.solver.step_s * COARSEST / 2.0_f64.powi(k);
-                    sample / (sample / step * (1.0 - 1e-9)).ceil().max(1.0)
-                })
-                .collect();
+            let step = |k: i32| {
+                let step = scene.solver.step_s * COARSEST / 2.0_f64.powi(k);
+                sample / (sample / step * (1.0 - 1e-9)).ceil().max(1.0)
+            };
+            let mut steps: Vec<f64> = (0..=HALVINGS).map(step).collect();
             steps.dedup();
             steps
         }

@@ -53,15 +53,13 @@ impl WorkPrecision {
             });
         for (k, window) in self.windows.iter().enumerate() {
             for (end, label, of) in ERRORS {
+                let (name, window) = (format!("{}_{end}", window.name), &window.name);
                 let label = match label {
                     "" => String::new(),
-                    label => format!("{}: {label}", window.name),
+                    label => format!("{window}: {label}"),
                 };
-                table = table
-                    .number(&format!("{}_{end}", window.name), &label, |(_, point)| {
-                        point.errors.get(k).map(of)
-                    })
-                    .shown(Shown::Relative);
+                let error = |row: &(&Series, &Point)| row.1.errors.get(k).map(of);
+                table = table.number(&name, &label, error).shown(Shown::Relative);
             }
         }
         table

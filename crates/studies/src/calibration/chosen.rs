@@ -39,11 +39,9 @@ pub fn random(seeds: Range<u64>) -> Result<Vec<CheckedScene>, StudyError> {
 /// An engine that is not there, or has no refinement of its own to be held against.
 pub fn engines(asked: &[String]) -> Result<Vec<String>, StudyError> {
     if asked.is_empty() {
-        let listed = choice::listed();
-        let is_built = |name: &str| listed.iter().any(|engine| engine.name == name);
-        let own = super::engines();
-        let built = own.filter(|name| is_built(name));
-        return Ok(built.map(str::to_owned).collect());
+        let mut listed = choice::listed();
+        listed.retain(|engine| super::engines().any(|own| own == engine.name));
+        return Ok(listed.into_iter().map(|engine| engine.name).collect());
     }
     for name in asked {
         if !super::engines().any(|own| own == name) {

@@ -17,7 +17,7 @@ use pinwheel_compare::{
     Comparison, Context, Cost, Evidence, Metric, Participant, Rules, Status, Track, WindowKind,
     compare,
 };
-use pinwheel_engines::{Knob, known};
+use pinwheel_engines::{EngineInfo, Knob, known};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::CheckedScene;
 use pinwheel_timeseries::TimeSeries;
@@ -26,7 +26,7 @@ use serde::Serialize;
 use crate::StudyError;
 use crate::choice;
 use crate::comparison::{Effort, context, refine};
-use crate::control::{Control, Progress};
+use crate::control::{Control, Progress, of_scene};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
 use crate::reference;
@@ -56,11 +56,10 @@ pub const PRESETS: [(&str, f64); 8] = [
 
 /// Engines whose uncertainty comes from refining the scene's own step or tolerance.
 pub fn engines() -> impl Iterator<Item = &'static str> {
-    let own = known().filter(|info| match info.track {
+    let by_step = |info: &EngineInfo<'_>| info.refinement.is_some_and(|r| r.knob == Knob::Step);
+    let own = known().filter(move |info| match info.track {
         Track::Native => true,
-        Track::SharedLaw => info
-            .refinement
-            .is_some_and(|refined| refined.knob == Knob::Step),
+        Track::SharedLaw => by_step(info),
         Track::OwnContact | Track::Measured => false,
     });
     own.map(|info| info.name)
@@ -181,9 +180,9 @@ impl Outcome {
     /// Whether the series of all engines together are covered and sharp.
     #[must_use]
     pub fn is_honest(&self) -> bool {
-        self.rows(false)
-            .last()
-            .is_some_and(|all| all.coverage() >= COVERAGE && all.sharpness < SHARPNESS)
+        let rows = self.rows(false);
+        let honest = |all: &Row| all.coverage() >= COVERAGE && all.sharpness < SHARPNESS;
+        rows.last().is_some_and(honest)
     }
 
     /// Writes `summary.json` with every case into the folder `dir`, and the gears as scenes that can be run again.
@@ -211,29 +210,17 @@ pub fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, StudyError> 
     };
     let total = input.scenes.len() * input.engines.len();
     for (k, scene) in input.scenes.iter().enumerate() {
-        let of_scene = |source| StudyError::Scene {
-            scene: scene.name.clone(),
-            source,
-        };
-        let gearbox = Gearbox::new(scene).map_err(of_scene)?;
+        let gearbox = Gearbox::new(scene).map_err(|source| of_scene(scene, source))?;
         let context = context(scene);
         for (n, name) in input.engines.iter().enumerate() {
             let at = Progress::new(k * input.engines.len() + n, total, &scene.name);
             control.check()?;
             let engine = choice::find(name, scene)?;
-            let (participant, evidence) = refine(
-                engine.as_ref(),
-                &gearbox,
-                &context,
-                input.effort,
-                at,
-                control,
-            )?;
-            if !participant.status.is_finished() {
-                let reason = participant.status.reason().unwrap_or_default();
-                found
-                    .left_out
-                    .push(format!("{} on {name}: {reason}", scene.name));
+            let (engine, effort) = (engine.as_ref(), input.effort);
+            let (participant, evidence) = refine(engine, &gearbox, &context, effort, at, control)?;
+            if let Some(reason) = participant.status.reason() {
+                let what = format!("{} on {name}: {reason}", scene.name);
+                found.left_out.push(what);
                 continue;
             }
             found.hold(&context, scene, participant, evidence, control)?;
@@ -253,11 +240,9 @@ impl Outcome {
         control: &Control<'_>,
     ) -> Result<(), StudyError> {
         let engine = participant.name.clone();
-        let by = match &evidence.source {
-            Source::Refinement(_) => participant.cost.settings.as_str(),
-            _ => "",
-        };
-        let by = if by.contains("dopri5") { "dopri5" } else { "" };
+        let refined = matches!(evidence.source, Source::Refinement(_));
+        let is_dopri5 = refined && participant.cost.settings.contains("dopri5");
+        let by = if is_dopri5 { "dopri5" } else { "" };
         let solved = |way| reference::solve(scene, way, &Control::silent(control.cancel));
         let references = reference::settings(scene, by).map(solved);
         let [Ok((_, other)), Ok((_, truth))] = references else {

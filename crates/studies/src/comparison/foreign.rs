@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 
 use pinwheel_compare::limits::fits;
 use pinwheel_compare::{
-    Cost, DataUncertainty, Metric, Participant, StatedLimit, Status, Track, WindowKind, quantities,
+    Cost, DataUncertainty, Metric, Participant, StatedLimit, Status, Track, WindowKind,
 };
 use pinwheel_files::read_text;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{Scene, did_you_mean};
 use pinwheel_timeseries::foreign::{self, ForeignError, Map, Offset, Resampled};
-use pinwheel_timeseries::{TimeSeries, group_of};
+use pinwheel_timeseries::{TimeSeries, TimeSeriesError, columns, group_of};
 
 use crate::StudyError;
 
@@ -84,17 +84,9 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
     let file = File::open(path).map_err(|error| fail(path, &ForeignError::unreadable(error)))?;
     let foreign = foreign::read(file, &map).map_err(|error| fail(path, &error))?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-    let plain = |c: char| {
-        if c.is_ascii_alphanumeric() || "-_.".contains(c) {
-            c
-        } else {
-            '-'
-        }
-    };
-    let name = map
-        .name
-        .clone()
-        .unwrap_or_else(|| stem.chars().map(plain).collect());
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
+    let own = map.name.clone();
+    let name = own.unwrap_or_else(|| stem.replace(|c: char| !plain(c), "-"));
     let name = match name.trim_start_matches('.') {
         "" => "data",
         name => name,
@@ -120,12 +112,12 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
 /// # Errors
 /// A mapped column that no engine records: its name is mistyped.
 pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyError> {
-    let mut channels = gearbox.scene.output.channels.clone();
+    let own = &gearbox.scene.output.channels;
+    let mut channels = own.clone();
     let mut everything = gearbox.scene.clone().into_scene();
     everything.output.channels = vec!["*".to_owned()];
     let all = Channels::of(&everything).map_err(StudyError::Input)?;
     let contract = pinwheel_gearbox::Recorder::contract(&gearbox);
-    let mut asked = false;
     for data in list {
         for channel in data.foreign.time_series.channels() {
             let name = channel.name.as_str();
@@ -133,12 +125,8 @@ pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyEr
                 continue;
             }
             if !all.names().any(|known| known == name) {
-                let known: Vec<&str> = contract
-                    .iter()
-                    .map(String::as_str)
-                    .chain(all.names())
-                    .collect();
-                let near = did_you_mean(name, &known);
+                let known = contract.iter().map(String::as_str).chain(all.names());
+                let near = did_you_mean(name, &known.collect::<Vec<_>>());
                 let remedy = if near.starts_with("did you mean") {
                     near
                 } else {
@@ -151,11 +139,10 @@ pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyEr
             }
             if !gearbox.channels.names().any(|known| known == name) {
                 channels.push(name.to_owned());
-                asked = true;
             }
         }
     }
-    if !asked {
+    if channels.len() == own.len() {
         return Ok(gearbox);
     }
     // Hundreds of single names make one pattern a family: the scene's own limit is on patterns.
@@ -179,6 +166,11 @@ fn patterns(names: &[String]) -> Vec<String> {
         }
     }
     list
+}
+
+fn or(text: &str, otherwise: &str) -> String {
+    let said = if text.is_empty() { otherwise } else { text };
+    said.to_owned()
 }
 
 impl Data {
@@ -209,32 +201,21 @@ impl Data {
             notes,
             ..Cost::default()
         };
-        let or = |text: &str, otherwise: &str| {
-            if text.is_empty() {
-                otherwise.to_owned()
-            } else {
-                text.to_owned()
-            }
-        };
+        let unsaid = "Its map does not say how it differs from the scene.";
         let participant = Participant {
             name: self.name.clone(),
             track: Track::Measured,
             version: or(&self.map.version, "unknown"),
             summary: or(&self.map.summary, "data from elsewhere"),
-            differences: or(
-                &self.map.differences,
-                "Its map does not say how it differs from the scene.",
-            ),
+            differences: or(&self.map.differences, unsaid),
             time_series: found.time_series,
             cost,
             status: Status::Finished,
         };
-        Ok((
-            participant,
-            self.stated().map_err(|error| {
-                StudyError::Input(format!("{}: {error}", self.map_path.display()))
-            })?,
-        ))
+        let stated = self
+            .stated()
+            .map_err(|error| StudyError::Input(format!("{}: {error}", self.map_path.display())))?;
+        Ok((participant, stated))
     }
 
     /// The data at the times that the map says, and what is to be said of a shift that fits better.
@@ -254,13 +235,11 @@ impl Data {
             (Offset::Word(_), Some((name, shift))) => {
                 let seconds = shift.seconds;
                 let times = own.time_s().iter().map(|t| t + seconds).collect();
-                let broken = |error: &dyn std::fmt::Display| StudyError::Input(error.to_string());
-                let mut moved = TimeSeries::new(times).map_err(|e| broken(&e))?;
-                for channel in own.channels() {
-                    let values = channel.values.clone();
-                    moved
-                        .push(channel.name.clone(), values)
-                        .map_err(|e| broken(&e))?;
+                let broken = |error: TimeSeriesError| StudyError::Input(error.to_string());
+                let mut moved = TimeSeries::new(times).map_err(broken)?;
+                for channel in own.channels().iter().cloned() {
+                    let pushed = moved.push(channel.name, channel.values);
+                    pushed.map_err(broken)?;
                 }
                 Ok((moved, Some(shift.message(name, offset))))
             }
@@ -290,16 +269,12 @@ impl Data {
             text.trim_end_matches('0').trim_end_matches('.').to_owned()
         };
         let [first, last] = [times.first(), times.last()].map(|t| short(t.copied().unwrap_or(0.0)));
-        let offset = self.map.time.offset_s.seconds();
-        notes.push(format!(
-            "{} rows from {first} to {last} s{}.",
-            times.len(),
-            if offset == 0.0 {
-                String::new()
-            } else {
-                format!(", after {offset} s were added")
-            }
-        ));
+        let added = match self.map.time.offset_s.seconds() {
+            0.0 => String::new(),
+            offset => format!(", after {offset} s were added"),
+        };
+        let rows = times.len();
+        notes.push(format!("{rows} rows from {first} to {last} s{added}."));
         let [from, to] = found.covers_s;
         if from > 0.0 || to < scene.solver.duration_s {
             let [from, to] = [from, to].map(short);
@@ -326,26 +301,17 @@ impl Data {
             ));
         }
         let gear = &scene.gear;
-        let names: Vec<&str> = self
-            .foreign
-            .time_series
-            .channels()
-            .iter()
-            .map(|channel| channel.name.as_str())
-            .collect();
-        let count = |prefix: &str| names.iter().filter(|name| name.starts_with(prefix)).count();
-        let mut missing: Vec<String> = [
-            quantities::INPUT_TORQUE,
-            quantities::OUTPUT_TORQUE,
-            quantities::OUTPUT_ANGLE,
-        ]
-        .iter()
-        .filter(|name| !names.contains(name))
-        .map(|name| (*name).to_owned())
-        .collect();
+        let channels = self.foreign.time_series.channels();
+        let count = |prefix: &str| {
+            let named = channels.iter().filter(|c| c.name.starts_with(prefix));
+            named.count()
+        };
+        let has = |name: &str| self.foreign.time_series.channel(name).is_some();
+        let single = columns::HEAD.into_iter().filter(|name| !has(name));
+        let mut missing: Vec<String> = single.map(str::to_owned).collect();
         for (prefix, sleeves) in [
-            ("external_sleeve_force_n", gear.external_sleeves),
-            ("internal_sleeve_force_n", gear.internal_sleeves),
+            (columns::EXTERNAL_FORCE, gear.external_sleeves),
+            (columns::INTERNAL_FORCE, gear.internal_sleeves),
         ] {
             let there = count(prefix);
             if there < sleeves {
@@ -421,11 +387,7 @@ impl Data {
                 quantity: limit.quantity.clone(),
                 metric: find(Metric::of_pairs(), Metric::key, "metric", &limit.metric)?,
                 limit: limit.limit,
-                reason: if limit.reason.is_empty() {
-                    "Stated in the map.".to_owned()
-                } else {
-                    limit.reason.clone()
-                },
+                reason: or(&limit.reason, "Stated in the map."),
             })
         };
         self.map.limits.iter().map(one).collect()

@@ -28,11 +28,8 @@ pub(super) fn uncertainty(
     if scene.uncertain.is_empty() {
         return Ok(Vec::new());
     }
-    let variants = if scene.uncertain.len() <= FEW {
-        ends(scene)
-    } else {
-        all_at_once(scene)
-    };
+    let few = scene.uncertain.len() <= FEW;
+    let variants = if few { ends(scene) } else { all_at_once(scene) };
     let total = variants.len() + 1;
     let mut done = 0;
     let mut run = |moves: &[(&str, f64)]| {
@@ -55,7 +52,6 @@ pub(super) fn uncertainty(
         .iter()
         .map(|moves| run(moves))
         .collect::<Result<Vec<TimeSeries>, _>>()?;
-    let few = scene.uncertain.len() <= FEW;
     let found = derive([&middle]).into_iter().filter_map(|quantity| {
         let whole = 0..middle.len();
         let view = |time_series| {

@@ -16,16 +16,15 @@ use pinwheel_compare::{
     compare,
 };
 use pinwheel_engines::{Engine, external, recorded};
-use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, Statement};
-use pinwheel_scene::load_course;
-use pinwheel_scene::{Assumption, Scene, Start, assumptions};
+use pinwheel_gearbox::{Explanation, Gearbox, Statement};
+use pinwheel_scene::{Assumption, Scene, Start, assumptions, load_course};
 use pinwheel_timeseries::columns;
 use serde::Serialize;
 
-use crate::control::{Control, Patience, Progress, WITHIN};
+use crate::control::{Control, Patience, Progress, WITHIN, of_scene};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
-use crate::single::RunRecord;
+use crate::single::{RunRecord, save};
 use crate::{StudyError, divergence};
 use foreign::Data;
 pub use refine::Effort;
@@ -87,11 +86,8 @@ pub fn run_with(
     control: &Control<'_>,
 ) -> Result<Outcome, StudyError> {
     let scene = &input.gearbox.scene;
-    let of_scene = |source: GearboxError| StudyError::Scene {
-        scene: scene.name.clone(),
-        source,
-    };
-    let model = pinwheel_gearbox::explain(input.gearbox).map_err(of_scene)?;
+    let model =
+        pinwheel_gearbox::explain(input.gearbox).map_err(|source| of_scene(scene, source))?;
     let total = input.engines.len() + 1;
     let at = Progress::new(0, total, "divergence of a rounding");
     let several = input.engines.len() + input.data.len() > 1;
@@ -150,25 +146,21 @@ impl Outcome {
     /// only if they were `asked` for by name.
     #[must_use]
     pub fn broken(&self, asked: bool) -> Option<String> {
-        let each = self.participants.iter();
-        let (broken, remedy) = each
-            .filter_map(|participant| match participant.status {
-                Status::Finished => None,
-                Status::Unsupported { .. } | Status::Absent { .. } if !asked => None,
+        let mut each = self.participants.iter();
+        each.find_map(|participant| {
+            let remedy = match participant.status {
+                Status::Finished => return None,
+                Status::Unsupported { .. } | Status::Absent { .. } if !asked => return None,
                 // Whoever names a solver by its manifest asks for it.
-                Status::TimedOut { .. } if !asked && !has_joined(&participant.name) => None,
-                Status::Diverged { .. } => Some((
-                    participant,
-                    "try a smaller solver.step_s or another solver.integrator",
-                )),
-                _ => Some((
-                    participant,
-                    "leave it out with --engines, or change the scene",
-                )),
-            })
-            .next()?;
-        let reason = broken.status.reason().unwrap_or_default();
-        Some(format!("{} {reason}; {remedy}", broken.name))
+                Status::TimedOut { .. } if !asked && !has_joined(&participant.name) => return None,
+                Status::Diverged { .. } => {
+                    "try a smaller solver.step_s or another solver.integrator"
+                }
+                _ => "leave it out with --engines, or change the scene",
+            };
+            let reason = participant.status.reason().unwrap_or_default();
+            Some(format!("{} {reason}; {remedy}", participant.name))
+        })
     }
 
     /// Writes `summary.json` and, in a folder for each, `courses.csv` and `run.json` of everything that ran into the
@@ -188,25 +180,13 @@ impl Outcome {
             let place = output::folder(dir, &participant.name)?;
             if participant.track == Track::Measured {
                 // As they are compared.
-                participant
-                    .time_series
-                    .save_csv(&place.join("courses.csv"))
-                    .map_err(|error| OutputError::new(&place, &error))?;
+                save(&participant.time_series, &place.join("courses.csv"))?;
                 continue;
             }
-            let named = (
-                participant.name.as_str(),
-                participant.version.as_str(),
-                participant.track.as_str(),
-            );
-            RunRecord::new(
-                named,
-                &self.gearbox.scene,
-                &participant.status,
-                &participant.cost,
-                made,
-            )
-            .write(&place, &participant.time_series)?;
+            let engine = (&*participant.name, &*participant.version, participant.track);
+            let (status, cost) = (&participant.status, &participant.cost);
+            RunRecord::new(engine, &self.gearbox.scene, status, cost, made)
+                .write(&place, &participant.time_series)?;
         }
         let found = Found {
             comparison: &self.comparison,
@@ -273,17 +253,17 @@ fn take_part(
     {
         return take_part(recorded.as_ref(), gearbox, most, at, &control);
     }
-    let participant = Participant {
-        name: engine.name().to_owned(),
-        track: engine.track(),
+    let info = engine.info();
+    Ok(Participant {
+        name: info.name.to_owned(),
+        track: info.track,
         version: engine.version(),
-        summary: engine.info().summary.to_owned(),
-        differences: engine.info().differences.to_owned(),
+        summary: info.summary.to_owned(),
+        differences: info.differences.to_owned(),
         time_series: run.time_series,
         cost: run.stats,
         status: run.ending,
-    };
-    Ok(participant)
+    })
 }
 
 pub(crate) fn context(scene: &Scene) -> Context {
@@ -326,11 +306,7 @@ fn divergence(
     let control = control.lasting(gearbox.scene.solver.duration_s);
     let watch = &mut |t| control.reached(t);
     match divergence::horizon(gearbox, DIVERGENCE_STEP, watch) {
-        Ok(horizon) => Ok(Some(Divergence {
-            horizon_s: horizon.horizon_s,
-            largest_share: horizon.largest_share,
-            told: horizon.sentence(),
-        })),
+        Ok(found) => Ok(Some(found)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
         // Another engine may honour a scene that the native one refuses.
         Err(_) => Ok(None),

@@ -44,10 +44,9 @@ impl Effort {
     #[must_use]
     pub fn of(scene: &CheckedScene) -> Self {
         let origins = scene.origins();
-        let follows = |key: &str| origins.iter().any(|origin| origin.key == key);
         Self {
             longest: Self::LONGEST,
-            obey: !follows("solver.step_s"),
+            obey: origins.iter().all(|origin| origin.key != "solver.step_s"),
             resolution: RESOLUTION,
         }
     }
@@ -127,39 +126,38 @@ const ROSENBROCK: f64 = 1e-6;
 const EXPLICIT: &str = "its friction is not ours or explicit, and takes steps of about 2e-7 s";
 
 impl<'a> Engines<'a> {
-    /// `None` where no setting of the scene is the engine's.
-    fn of(own: &'a dyn Engine, gearbox: &Gearbox) -> Option<Self> {
-        let scene = &gearbox.scene;
-        let friction = scene.contact.friction_coefficient > 0.0;
-        let foreign = |order: f64| Self {
+    fn new(own: &'a dyn Engine, gearbox: Gearbox, knob: Knob, value: f64) -> Self {
+        Self {
             own,
             levels: None,
-            gearbox: gearbox.clone(),
-            knob: Knob::Step(order),
-            value: scene.solver.step_s,
-            explicit_friction: friction,
+            gearbox,
+            knob,
+            value,
+            explicit_friction: false,
             floor: 0.0,
             common_error: UNSEEN,
             most: None,
-        };
+        }
+    }
+
+    /// `None` where no setting of the scene is the engine's.
+    fn of(own: &'a dyn Engine, gearbox: &Gearbox) -> Option<Self> {
         let info = own.info();
         let refinement = match info.form {
             Some(Form::Resolved) => return Self::resolved(own, gearbox),
             Some(_) => return Self::native(own, gearbox.clone()),
             None => info.refinement?,
         };
+        let solver = &gearbox.scene.solver;
+        let foreign = |knob, value| Self::new(own, gearbox.clone(), knob, value);
         Some(match refinement.knob {
             pinwheel_engines::Knob::Step => Self {
+                explicit_friction: gearbox.scene.contact.friction_coefficient > 0.0,
                 floor: info.floor,
-                ..foreign(refinement.order)
+                ..foreign(Knob::Step(refinement.order), solver.step_s)
             },
             // Error control follows the friction.
-            pinwheel_engines::Knob::Tolerance => Self {
-                knob: Knob::Tolerance,
-                value: scene.solver.tolerance,
-                explicit_friction: false,
-                ..foreign(refinement.order)
-            },
+            pinwheel_engines::Knob::Tolerance => foreign(Knob::Tolerance, solver.tolerance),
         })
     }
 
@@ -173,15 +171,8 @@ impl<'a> Engines<'a> {
             (Knob::Step(f64::from(method.order)), solver.step_s)
         };
         Some(Self {
-            own,
-            levels: None,
-            gearbox,
-            knob,
-            value,
-            explicit_friction: false,
-            floor: 0.0,
             common_error: method.unseen,
-            most: None,
+            ..Self::new(own, gearbox, knob, value)
         })
     }
 
@@ -195,15 +186,9 @@ impl<'a> Engines<'a> {
             (Knob::Step(2.0), plan.step_s)
         };
         Some(Self {
-            own,
             levels: Some(Box::new(Native::REDUCED)),
-            gearbox: plan.applied(gearbox).ok()?,
-            knob,
-            value,
-            explicit_friction: false,
-            floor: 0.0,
             common_error: method(plan.integrator).map_or(0.0, |method| method.unseen),
-            most: None,
+            ..Self::new(own, plan.applied(gearbox).ok()?, knob, value)
         })
     }
 
@@ -255,9 +240,10 @@ impl<'a> Engines<'a> {
 
     /// Two coarser settings than `value`; fewer where a step would be longer than the samples are apart.
     fn coarser(&self, value: f64) -> Vec<f64> {
-        let (Knob::Step(_), solver) = (&self.knob, &self.gearbox.scene.solver) else {
+        let solver = &self.gearbox.scene.solver;
+        let Knob::Step(_) = self.knob else {
             // The resolved form is dear, and its error small: its levels are further apart.
-            let family = method(solver_of(&self.gearbox)).map(|method| method.family);
+            let family = method(&solver.integrator).map(|method| method.family);
             let factor = match family {
                 // Looser than 1e-5 it does not land on the friction's ramp.
                 Some(Family::Rosenbrock) => 10_f64.sqrt(),
@@ -334,10 +320,6 @@ impl<'a> Engines<'a> {
             Knob::Tolerance => DECADE.powf(factor.log10()),
         }
     }
-}
-
-fn solver_of(gearbox: &Gearbox) -> &str {
-    &gearbox.scene.solver.integrator
 }
 
 /// A run at one setting.
@@ -459,10 +441,8 @@ pub(crate) fn refine(
             "see its notes for what it verified itself",
         );
         let group = "runs that verified themselves";
-        return Ok((
-            finest,
-            own.finally(group, "it verified itself, see its notes"),
-        ));
+        let evidence = own.finally(group, "it verified itself, see its notes");
+        return Ok((finest, evidence));
     }
     let mut is_final = (engines.explicit_friction && effort.obey).then(|| Final {
         group: "engines with explicit friction at a prescribed step",
@@ -472,10 +452,7 @@ pub(crate) fn refine(
         let evidence = evidence(&engines, value, &levels);
         let found = refinement(context, &finest, &evidence, TARGET * effort.resolution)?;
         let Some(needed) = found.factor.filter(|_| free) else {
-            return Ok((
-                finest,
-                settled(evidence, engines.has_friction(), is_final, found),
-            ));
+            return Ok((finest, settled(evidence, &engines, is_final, found)));
         };
         let (mut factor, least) = match engines.knob {
             Knob::Step(_) => (2_f64.powf(needed.log2().ceil()).clamp(2.0, MOST), 2.0),
@@ -487,13 +464,12 @@ pub(crate) fn refine(
             factor /= least;
         }
         let next = next(factor);
-        let finer = if spent + next > longest || value / factor < 1e-13 {
-            None
-        } else {
-            let finer = engines.run(value / factor, at, control)?;
-            spent += finer.cost.wall_s;
-            finer.status.is_finished().then_some(finer)
-        };
+        let mut finer = None;
+        if spent + next <= longest && value / factor >= 1e-13 {
+            let ran = engines.run(value / factor, at, control)?;
+            spent += ran.cost.wall_s;
+            finer = ran.status.is_finished().then_some(ran);
+        }
         let Some(finer) = finer else {
             // Foreign engines do what they can in the time they have; ours must do.
             if finest.track != Track::Native {
@@ -504,21 +480,10 @@ pub(crate) fn refine(
                     ),
                 });
             }
-            return Ok((
-                finest,
-                settled(evidence, engines.has_friction(), is_final, found),
-            ));
+            return Ok((finest, settled(evidence, &engines, is_final, found)));
         };
         let before = std::mem::replace(&mut finest, finer);
-        let wall_s = before.cost.wall_s;
-        levels.insert(
-            0,
-            At {
-                value,
-                run: Ok(before.time_series),
-                wall_s,
-            },
-        );
+        levels.insert(0, At::of(value, before));
         levels.truncate(2);
         value /= factor;
     }
@@ -557,15 +522,12 @@ fn evidence(engines: &Engines<'_>, value: f64, levels: &[At]) -> Evidence {
         run: at.run.clone(),
         wall_s: at.wall_s,
     });
-    Evidence::refinement(
-        engines.own.name(),
-        RefinementStudy {
-            method: engines.method(),
-            finest: value,
-            coarser: coarser.collect(),
-        },
-    )
-    .with_floor(engines.left(value))
+    let study = RefinementStudy {
+        method: engines.method(),
+        finest: value,
+        coarser: coarser.collect(),
+    };
+    Evidence::refinement(engines.own.name(), study).with_floor(engines.left(value))
 }
 
 /// The evidence, and why it is final. An engine with friction, or at its best, that does not converge in one quantity is outside
@@ -573,10 +535,11 @@ fn evidence(engines: &Engines<'_>, value: f64, levels: &[At]) -> Evidence {
 /// still above the resolution anywhere: what it cannot follow shows in every quantity sooner or later.
 fn settled(
     evidence: Evidence,
-    has_friction: bool,
+    engines: &Engines<'_>,
     is_final: Option<Final>,
     found: Needed,
 ) -> Evidence {
+    let has_friction = engines.has_friction();
     let blunt = || Unresolved {
         reason: "its steps do not follow the friction: they do not resolve every quantity"
             .to_owned(),
@@ -626,27 +589,18 @@ fn refinement(
         match (&one.l2, one.relative_l2) {
             (Uncertainty::Known(estimate), Some(share)) if share > target => {
                 // Runs that show no order may do so when they are finer; what is rounding stays.
-                let unknown = if estimate.basis == Basis::Spread {
-                    MOST
-                } else {
-                    1.0
-                };
+                let is_spread = estimate.basis == Basis::Spread;
                 let factor = estimate.refinement_for(estimate.u * target / share);
-                most = most.max(factor.unwrap_or(unknown));
+                most = most.max(factor.unwrap_or(if is_spread { MOST } else { 1.0 }));
             }
             (Uncertainty::Unknown(missing), _) => {
                 most = most.max(MOST);
-                stuck = stuck.or_else(|| {
-                    let reason = format!(
-                        "{}, {}: {}",
-                        one.quantity,
-                        one.window.word(),
-                        missing.reason
-                    );
-                    Some(Unresolved {
-                        reason,
+                stuck.get_or_insert_with(|| {
+                    let (quantity, window) = (&one.quantity, one.window.word());
+                    Unresolved {
+                        reason: format!("{quantity}, {window}: {}", missing.reason),
                         ..missing.clone()
-                    })
+                    }
                 });
             }
             _ => {}

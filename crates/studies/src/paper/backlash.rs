@@ -22,17 +22,10 @@ fn turn_to_touch(scene: &Scene, backlash: f64) -> Result<f64, StudyError> {
     let circle = geometry.curve.pitch_radius() + backlash;
     let gap = |turn: f64| {
         let back = Complex::unit(-(geometry.ideal_wheel_angle(0, 0.0) + turn));
-        let of = |direction: &Complex| {
-            geometry
-                .curve
-                .closest((direction.scale(circle) - centre) * back)
-                .distance
-        };
-        geometry
-            .external_directions
-            .iter()
-            .map(of)
-            .fold(f64::INFINITY, f64::min)
+        let at = |direction: &Complex| (direction.scale(circle) - centre) * back;
+        let sleeves = geometry.external_directions.iter().map(at);
+        let gaps = sleeves.map(|sleeve| geometry.curve.closest(sleeve).distance);
+        gaps.fold(f64::INFINITY, f64::min)
     };
     // The gap falls steadily from d, and the closed form is its tangent: three times as far is well inside.
     let (mut low, mut high) = (0.0, 3.0 * free_play(&gear));
@@ -49,8 +42,8 @@ fn turn_to_touch(scene: &Scene, backlash: f64) -> Result<f64, StudyError> {
 
 pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let exact = runs.backlashes(Model::Ours)?;
-    let fine = runs.backlashes(Model::Points(4000))?;
-    let coarse = runs.backlashes(Model::Points(600))?;
+    let fine = runs.backlashes(Model::FINE)?;
+    let coarse = runs.backlashes(Model::ROUGH)?;
     let peaks =
         |cases: &Cases, group, window| cases.each(|time_series| peak(time_series, group, window));
     let external = peaks(&exact, EXTERNAL, STEADY);
@@ -62,7 +55,7 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         let title = format!("{title}, {}", model.words());
         cases.plot([key, &title, "Force (N)"], &format!("{group}_0"), window)
     };
-    let (ours, points) = (Model::Ours, Model::Points(4000));
+    let (ours, points) = (Model::Ours, Model::FINE);
     let of_external = "Force on external sleeve 0";
     let of_internal = "Force on internal sleeve 0";
     let start = "The start: force on internal sleeve 0";
@@ -82,25 +75,17 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
             &peaks(&coarse, INTERNAL, STEADY),
         ),
     ]);
-    Ok(vec![
-        eleven()?,
-        Measured::new(
-            "fig-12",
-            twelve,
-            vec![
-                plot(ours, ["fig-12a", of_external], EXTERNAL, DRAWN),
-                plot(points, ["fig-12b", of_external], EXTERNAL, DRAWN),
-            ],
-        ),
-        Measured::new(
-            "fig-13",
-            thirteen,
-            vec![
-                plot(ours, ["fig-13a", of_internal], INTERNAL, DRAWN),
-                plot(ours, ["fig-13b", start], INTERNAL, (0.0, 0.24)),
-            ],
-        ),
-    ])
+    let plots = vec![
+        plot(ours, ["fig-12a", of_external], EXTERNAL, DRAWN),
+        plot(points, ["fig-12b", of_external], EXTERNAL, DRAWN),
+    ];
+    let twelve = Measured::new("fig-12", twelve, plots);
+    let plots = vec![
+        plot(ours, ["fig-13a", of_internal], INTERNAL, DRAWN),
+        plot(ours, ["fig-13b", start], INTERNAL, (0.0, 0.24)),
+    ];
+    let thirteen = Measured::new("fig-13", thirteen, plots);
+    Ok(vec![eleven()?, twelve, thirteen])
 }
 
 fn eleven() -> Result<Measured, StudyError> {
@@ -115,27 +100,19 @@ fn eleven() -> Result<Measured, StudyError> {
         closed.push(1e3 * free_play(&gear));
     }
     let last = x.len() - 1;
-    Ok(Measured::new(
-        "fig-11",
-        vec![
-            number("free_play_found_mrad", found[last], "mrad"),
-            number("free_play_closed_form_mrad", closed[last], "mrad"),
-            number("apart", found[last] / closed[last] - 1.0, ""),
-        ],
-        vec![Plot::new(
-            [
-                "fig-11",
-                "Free turn of an unloaded wheel to one side",
-                "Tolerance d (mm)",
-                "Free play (mrad)",
-            ],
-            x,
-            vec![
-                Curve::points("first touch on the curve", found),
-                Curve::line("closed form", closed),
-            ],
-        )],
-    ))
+    let numbers = vec![
+        number("free_play_found_mrad", found[last], "mrad"),
+        number("free_play_closed_form_mrad", closed[last], "mrad"),
+        number("apart", found[last] / closed[last] - 1.0, ""),
+    ];
+    let curves = vec![
+        Curve::points("first touch on the curve", found),
+        Curve::line("closed form", closed),
+    ];
+    let title = "Free turn of an unloaded wheel to one side";
+    let words = ["fig-11", title, "Tolerance d (mm)", "Free play (mrad)"];
+    let plot = Plot::new(words, x, curves);
+    Ok(Measured::new("fig-11", numbers, vec![plot]))
 }
 
 #[cfg(test)]

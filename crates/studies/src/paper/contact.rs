@@ -85,27 +85,19 @@ fn contacts(time_series: &TimeSeries, from: f64) -> Vec<Contact> {
 fn nearest(time_series: &TimeSeries, sleeve: Option<usize>) -> Option<Contact> {
     let all = contacts(time_series, 0.12);
     let longest = all.iter().map(|c| c.samples.len()).max()?;
-    let begins = |c: &Contact| time_series.time_s()[c.samples.start];
+    let off = |c: &Contact| (time_series.time_s()[c.samples.start] - BEGINS).abs();
     all.into_iter()
         .filter(|c| 2 * c.samples.len() > longest && sleeve.is_none_or(|s| s == c.sleeve))
-        .min_by(|a, b| {
-            (begins(a) - BEGINS)
-                .abs()
-                .total_cmp(&(begins(b) - BEGINS).abs())
-        })
+        .min_by(|a, b| off(a).total_cmp(&off(b)))
 }
 
 /// Mean duration of the steady contacts, s.
 fn duration(time_series: &TimeSeries) -> f64 {
     let all = contacts(time_series, STEADY.0 - 0.1);
     let longest = all.iter().map(|c| c.samples.len()).max().unwrap_or(0);
-    let whole: Vec<f64> = all
-        .iter()
-        .map(|c| c.samples.len())
-        .filter(|n| 2 * n > longest)
-        .map(|n| n as f64 * SAMPLE)
-        .collect();
-    mean(&whole)
+    let whole = all.iter().map(|c| c.samples.len());
+    let whole = whole.filter(|n| 2 * n > longest);
+    mean(&whole.map(|n| n as f64 * SAMPLE).collect::<Vec<_>>())
 }
 
 /// Swing of the normal velocity (largest less smallest of it less its running mean) at the beginning of a contact and later.
@@ -124,16 +116,9 @@ fn missing() -> StudyError {
 
 /// A course on the samples of `shown`, not a number where the contact is not.
 fn spread(values: &[f64], samples: &Range<usize>, shown: &Range<usize>) -> Vec<f64> {
-    shown
-        .clone()
-        .map(|k| {
-            if samples.contains(&k) {
-                values.get(k - samples.start).copied().unwrap_or(f64::NAN)
-            } else {
-                f64::NAN
-            }
-        })
-        .collect()
+    let at = |k: usize| values.get(k.checked_sub(samples.start)?).copied();
+    let at = |k: usize| at(k).filter(|_| samples.contains(&k));
+    shown.clone().map(|k| at(k).unwrap_or(f64::NAN)).collect()
 }
 
 /// The same contact in several runs, over the samples in which any of them touches.
@@ -193,11 +178,8 @@ impl Touches {
 
     fn velocities(&self, [normal, tangential]: [&str; 2]) -> Vec<Plot> {
         let normal = [normal, "Normal velocity", "Normal velocity (m/s)"];
-        let tangential = [
-            tangential,
-            "Tangential velocity",
-            "Tangential velocity (m/s)",
-        ];
+        let title = "Tangential velocity";
+        let tangential = [tangential, title, "Tangential velocity (m/s)"];
         vec![
             Plot {
                 note: "Positive while the penetration grows.".to_owned(),
@@ -220,7 +202,7 @@ impl Touches {
 }
 
 pub(super) fn one_contact(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
-    let models = [Model::Ours, Model::Points(4000), Model::Points(600)];
+    let models = [Model::Ours, Model::FINE, Model::ROUGH];
     let mut ran = Vec::new();
     for model in models {
         ran.push((model.words(), run(runs, model, 0.0)?));

@@ -31,31 +31,20 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     };
     let plot = |words: [&str; 3], channel: &str| cases.plot(words, channel, SHOWN);
     let input = ["fig-07a", "Torque at the input shaft", "Input torque (N m)"];
-    let output = [
-        "fig-07b",
-        "Torque at the output shaft",
-        "Output torque (N m)",
-    ];
+    let title = "Torque at the output shaft";
+    let output = ["fig-07b", title, "Output torque (N m)"];
     let internal = ["fig-08a", "Force on internal sleeve 0", "Force (N)"];
     let external = ["fig-08b", "Force on external sleeve 0", "Force (N)"];
+    let [i, e] = [INTERNAL, EXTERNAL].map(|group| format!("{group}_0"));
+    let mut seven = ranges("input_range", INPUT);
+    seven.extend(ranges("output_range", OUTPUT));
+    let mut eight = peaks("internal_peak", INTERNAL);
+    eight.extend(peaks("external_peak", EXTERNAL));
+    let torques = vec![plot(input, INPUT), plot(output, OUTPUT)];
+    let forces = vec![plot(internal, &i), plot(external, &e)];
     Ok(vec![
-        Measured::new(
-            "fig-07",
-            [ranges("input_range", INPUT), ranges("output_range", OUTPUT)].concat(),
-            vec![plot(input, INPUT), plot(output, OUTPUT)],
-        ),
-        Measured::new(
-            "fig-08",
-            [
-                peaks("internal_peak", INTERNAL),
-                peaks("external_peak", EXTERNAL),
-            ]
-            .concat(),
-            vec![
-                plot(internal, &format!("{INTERNAL}_0")),
-                plot(external, &format!("{EXTERNAL}_0")),
-            ],
-        ),
+        Measured::new("fig-07", seven, torques),
+        Measured::new("fig-08", eight, forces),
     ])
 }
 
@@ -66,9 +55,9 @@ pub(super) fn above(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let (mut ended, mut furthest) = (0, 0.0_f64);
     for (model, printed, name, label) in [
         (Model::Ours, false, "", "ours"),
-        (Model::Points(600), false, "_600_points", "600 points"),
+        (Model::ROUGH, false, "_600_points", "600 points"),
         (Model::Ours, true, "_as_printed", "the law as printed"),
-        (Model::Points(600), true, "_600_points_as_printed", "both"),
+        (Model::ROUGH, true, "_600_points_as_printed", "both"),
     ] {
         let mut means = Vec::new();
         for damping in ABOVE {
@@ -97,10 +86,8 @@ pub(super) fn above(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         curves.push(Curve::line(label, means));
     }
     let scene = Scene::paper();
-    let stiffness = scales::hertz(&scene.contact).of_hole(
-        scene.gear.internal_sleeve_radius_m,
-        scene.gear.hole_radius_m,
-    );
+    let (gear, law) = (&scene.gear, scales::hertz(&scene.contact));
+    let stiffness = law.of_hole(gear.internal_sleeve_radius_m, gear.hole_radius_m);
     found.numbers.extend([
         number("furthest", furthest, ""),
         number("runs_ended", ended.into(), ""),

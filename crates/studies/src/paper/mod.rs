@@ -84,33 +84,19 @@ pub struct Options {
     pub peer: Option<Peer>,
 }
 
-type Make = fn(&Runs<'_>, &Options) -> Result<Vec<Measured>, StudyError>;
+type Make = fn(&Runs<'_>) -> Result<Vec<Measured>, StudyError>;
 
 /// The figures in groups that share their runs, in the paper's order.
 const GROUPS: [(&[&str], &str, Make); 9] = [
-    (&["5", "6"], "Figs. 5 and 6", |runs, _| {
-        contact::one_contact(runs)
-    }),
-    (&["7", "8"], "Figs. 7 and 8", |runs, _| {
-        damping::figures(runs)
-    }),
-    (&["9"], "Fig. 9", |runs, _| points::figure(runs)),
-    (&["10"], "Fig. 10", |runs, options| {
-        peer::figure(runs, options.peer.as_ref())
-    }),
-    (&["11", "12", "13"], "Figs. 11 to 13", |runs, _| {
-        backlash::figures(runs)
-    }),
-    (&["14", "15", "16"], "Figs. 14 to 16", |runs, _| {
-        torque::figures(runs)
-    }),
-    (&["17", "18"], "Figs. 17 and 18", |runs, _| {
-        contact::with_backlash(runs)
-    }),
-    (&["spectra"], "spectra", |runs, _| spectrum::figure(runs)),
-    (&["damping"], "dampings above 8 N s/m", |runs, _| {
-        damping::above(runs)
-    }),
+    (&["5", "6"], "Figs. 5 and 6", contact::one_contact),
+    (&["7", "8"], "Figs. 7 and 8", damping::figures),
+    (&["9"], "Fig. 9", points::figure),
+    (&["10"], "Fig. 10", peer::figure),
+    (&["11", "12", "13"], "Figs. 11 to 13", backlash::figures),
+    (&["14", "15", "16"], "Figs. 14 to 16", torque::figures),
+    (&["17", "18"], "Figs. 17 and 18", contact::with_backlash),
+    (&["spectra"], "spectra", spectrum::figure),
+    (&["damping"], "dampings above 8 N s/m", damping::above),
 ];
 
 /// Computes the figures and judges the claims that rest on them.
@@ -125,11 +111,10 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, Stud
     })?;
     let wanted =
         |name: &str| options.figures.is_empty() || options.figures.iter().any(|f| f == name);
-    let groups: Vec<_> = GROUPS
-        .iter()
-        .filter(|(names, ..)| names.iter().any(|n| wanted(n)))
-        .collect();
-    let runs = Runs::new(*control);
+    let groups = GROUPS.iter();
+    let groups = groups.filter(|(names, ..)| names.iter().any(|name| wanted(name)));
+    let groups: Vec<_> = groups.collect();
+    let runs = Runs::new(*control, options.peer.as_ref());
     let step = |done: usize, piece: &str| -> Result<(), StudyError> {
         (control.progress)(Progress::new(done, 1 + groups.len(), piece));
         Ok(control.check()?)
@@ -148,11 +133,9 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, Stud
     let mut measured = vec![cost];
     for (k, (names, piece, make)) in groups.iter().enumerate() {
         step(k + 1, piece)?;
-        let made = make(&runs, options)?.into_iter().zip(*names);
-        measured.extend(
-            made.filter(|(_, name)| wanted(name))
-                .map(|(found, _)| found),
-        );
+        let made = make(&runs)?.into_iter().zip(*names);
+        let made = made.filter(|(_, name)| wanted(name));
+        measured.extend(made.map(|(found, _)| found));
     }
     let claims = said.claim.iter().filter_map(|claim| {
         let found = measured.iter().find(|found| found.id == claim.figure)?;
@@ -181,13 +164,13 @@ fn costs(runs: &Runs<'_>) -> Result<(Vec<Cost>, Measured), StudyError> {
             "600 points on a wheel",
             "wall_600_points",
             Some(240.0),
-            Model::Points(600),
+            Model::ROUGH,
         ),
         (
             "4000 points on a wheel",
             "wall_4000_points",
             Some(1500.0),
-            Model::Points(4000),
+            Model::FINE,
         ),
         ("exact profile", "wall_exact", None, Model::Ours),
     ] {

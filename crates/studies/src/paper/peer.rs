@@ -53,11 +53,8 @@ pub fn peer(named: Option<&str>, control: &Control<'_>) -> Result<Option<Peer>, 
     let mut fit: Vec<_> = known().filter(|info| info.stands_in.is_some()).collect();
     fit.sort_by_key(|info| info.stands_in);
     for name in fit.into_iter().map(|info| info.name) {
-        let recording = recorded::instead(
-            name,
-            &scene,
-            "it takes minutes; name it with --against to run it",
-        );
+        let why = "it takes minutes; name it with --against to run it";
+        let recording = recorded::instead(name, &scene, why);
         let engine = recording.or_else(|| by_name(name, &scene));
         match engine.filter(|engine| engine.supports(&scene).is_ok()) {
             Some(engine) => {
@@ -82,10 +79,7 @@ fn run(
 ) -> Result<Peer, StudyError> {
     let at = control.piece(Progress::new(0, 1, engine.name()));
     let run = engine.run_compiled(gearbox, &at)?.whole();
-    let run = run.map_err(|ending| StudyError::Ended {
-        engine: engine.name().to_owned(),
-        ending,
-    })?;
+    let run = run.map_err(|ending| StudyError::ended(engine, ending))?;
     let version = engine.version();
     Ok(Peer {
         name: format!("{} {version}", engine.name()),
@@ -146,9 +140,9 @@ fn suspects() -> [Suspect; 5] {
     ]
 }
 
-pub(super) fn figure(runs: &Runs<'_>, peer: Option<&Peer>) -> Result<Vec<Measured>, StudyError> {
+pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let ours = runs.get(Model::Ours, |_| {})?;
-    let published = runs.get(Model::Points(4000), |_| {})?;
+    let published = runs.get(Model::FINE, |_| {})?;
     let within = |time_series: &TimeSeries, window| {
         [EXTERNAL, INTERNAL].map(|group| peak(time_series, group, window))
     };
@@ -182,7 +176,7 @@ pub(super) fn figure(runs: &Runs<'_>, peer: Option<&Peer>) -> Result<Vec<Measure
             Err(other) => return Err(other),
         });
     }
-    if let Some(peer) = peer {
+    if let Some(peer) = runs.peer {
         let [e, i] = within(&peer.time_series, STEADY);
         let [se, si] = spiky(&peer.time_series);
         add("_other", [e, i]);
@@ -191,15 +185,11 @@ pub(super) fn figure(runs: &Runs<'_>, peer: Option<&Peer>) -> Result<Vec<Measure
             number("internal_spikes_other", si, ""),
             number("spikes_other", se.max(si), ""),
         ]);
+        let how = ["recorded", "computed now"][usize::from(peer.live)];
         let other = format!(
-            "{} ({}) in Adams' place: {e:.1} N and {i:.1} N; its largest values are {se:.2} and {si:.2} times what 1 % of the samples \
-             exceed. ",
+            "{} ({how}) in Adams' place: {e:.1} N and {i:.1} N; its largest values are {se:.2} and {si:.2} times what 1 % of the \
+             samples exceed. ",
             peer.name,
-            if peer.live {
-                "computed now"
-            } else {
-                "recorded"
-            },
         );
         let differences = format!("{} {} ", peer.differences, peer.note);
         found.words = vec![("other", other), ("differences", differences)];
@@ -218,9 +208,8 @@ pub(super) fn figure(runs: &Runs<'_>, peer: Option<&Peer>) -> Result<Vec<Measure
             line("ours, exact profile", &ours.time_series),
             line("ours, 4000 points", &published.time_series),
         ];
-        curves.extend(
-            peer.map(|peer| Curve::line(&peer.name, on_grid(&peer.time_series, &channel, &x))),
-        );
+        let other = |peer: &Peer| Curve::line(&peer.name, on_grid(&peer.time_series, &channel, &x));
+        curves.extend(runs.peer.map(other));
         let title = format!("Force on {kind} sleeve 0");
         let words = [key, &title, "Force (N)"];
         found.plots.push(Plot::over_time(words, x, curves));

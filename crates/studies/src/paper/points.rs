@@ -10,7 +10,7 @@ const HALF: usize = 10;
 
 pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let exact = runs.get(Model::Ours, |_| {})?;
-    let models = [Model::Points(600), Model::Points(4000), Model::Ours];
+    let models = [Model::ROUGH, Model::FINE, Model::Ours];
     let run = |model: Model| Ok((model.words(), runs.get(model, |_| {})?));
     let cases = models.into_iter().map(run);
     let cases = Cases(cases.collect::<Result<_, StudyError>>()?);
@@ -24,17 +24,12 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let names = ["600_points", "4000_points", "exact"];
     let internal = ["fig-09a", "Force on internal sleeve 0", "Force (N)"];
     let external = ["fig-09b", "Force on external sleeve 0", "Force (N)"];
-    Ok(vec![Measured::new(
-        "fig-09",
-        [
-            errors("internal_error", INTERNAL),
-            errors("external_error", EXTERNAL),
-            numbers("internal_oscillation", &names, &rough, "N"),
-        ]
-        .concat(),
-        vec![
-            cases.plot(internal, &sleeves[0], DRAWN),
-            cases.plot(external, &sleeves[1], DRAWN),
-        ],
-    )])
+    let mut found = errors("internal_error", INTERNAL);
+    found.extend(errors("external_error", EXTERNAL));
+    found.extend(numbers("internal_oscillation", &names, &rough, "N"));
+    let plots = vec![
+        cases.plot(internal, &sleeves[0], DRAWN),
+        cases.plot(external, &sleeves[1], DRAWN),
+    ];
+    Ok(vec![Measured::new("fig-09", found, plots)])
 }

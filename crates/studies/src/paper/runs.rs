@@ -8,6 +8,7 @@ use std::time::Instant;
 use pinwheel_scene::{Detection, Scene};
 use pinwheel_timeseries::TimeSeries;
 
+use super::Peer;
 use super::figure::{Curve, Plot};
 use super::read::{part, times};
 use crate::StudyError;
@@ -26,6 +27,11 @@ pub(super) enum Model {
 }
 
 impl Model {
+    /// The paper's rough analyses.
+    pub(super) const ROUGH: Self = Self::Points(600);
+    /// The paper's refined analyses.
+    pub(super) const FINE: Self = Self::Points(4000);
+
     pub(super) fn words(self) -> String {
         match self {
             Self::Ours => "exact profile".to_owned(),
@@ -59,13 +65,16 @@ pub(super) struct Run {
 /// All runs so far.
 pub(super) struct Runs<'a> {
     control: Control<'a>,
+    /// What stands in Adams' place.
+    pub(super) peer: Option<&'a Peer>,
     known: RefCell<HashMap<String, Rc<Run>>>,
 }
 
 impl<'a> Runs<'a> {
-    pub(super) fn new(control: Control<'a>) -> Self {
+    pub(super) fn new(control: Control<'a>, peer: Option<&'a Peer>) -> Self {
         Self {
             control,
+            peer,
             known: RefCell::new(HashMap::new()),
         }
     }
@@ -131,10 +140,8 @@ impl Cases {
 
     /// A channel of every run within a window; `[key, title, y_label]`.
     pub(super) fn plot(&self, words: [&str; 3], channel: &str, window: (f64, f64)) -> Plot {
-        let x = self
-            .0
-            .first()
-            .map(|(_, run)| times(&run.time_series, window));
+        let first = self.0.first();
+        let x = first.map(|(_, run)| times(&run.time_series, window));
         let curve = |(label, run): &(String, Rc<Run>)| {
             Curve::line(label, part(&run.time_series, channel, window))
         };

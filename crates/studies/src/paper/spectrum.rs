@@ -50,9 +50,6 @@ fn predicted(scene: &Scene, highest: f64) -> Vec<(f64, &'static str)> {
 
 /// Share of the variation within [`SPREAD`] bins of the predicted orders.
 fn share(bins: &[f64], orders: &[(f64, &str)]) -> f64 {
-    let power = |range: std::ops::Range<usize>| -> f64 {
-        range.filter_map(|k| bins.get(k)).map(|a| a * a).sum()
-    };
     let mut wanted = vec![false; bins.len()];
     for (order, _) in orders {
         let at = (order * TURNS.1 as f64).round() as usize;
@@ -62,13 +59,10 @@ fn share(bins: &[f64], orders: &[(f64, &str)]) -> f64 {
             }
         }
     }
-    let within: f64 = bins
-        .iter()
-        .zip(&wanted)
-        .filter(|(_, on)| **on)
-        .map(|(a, _)| a * a)
-        .sum();
-    within / power(SPREAD + 1..bins.len()).max(f64::MIN_POSITIVE)
+    let within = bins.iter().zip(&wanted).filter(|(_, on)| **on);
+    let within: f64 = within.map(|(a, _)| a * a).sum();
+    let all: f64 = bins.iter().skip(SPREAD + 1).map(|a| a * a).sum();
+    within / all.max(f64::MIN_POSITIVE)
 }
 
 pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
@@ -80,8 +74,8 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let cases = [
         (Model::Ours, 0.0, "exact profile"),
         (Model::Ours, 6e-4, "exact profile, d = 0.6 mm"),
-        (Model::Points(4000), 0.0, "4000 points"),
-        (Model::Points(600), 0.0, "600 points"),
+        (Model::FINE, 0.0, "4000 points"),
+        (Model::ROUGH, 0.0, "600 points"),
     ];
     let x: Vec<f64> = (1..=shown).map(|k| k as f64 / TURNS.1 as f64).collect();
     let mut found = Measured::new("spectrum", Vec::new(), Vec::new());

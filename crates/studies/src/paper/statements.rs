@@ -201,11 +201,8 @@ fn filled(text: &str, of: &Measured) -> (String, Vec<f64>) {
 fn formatted(value: f64, format: &str) -> String {
     let digits = format.trim_matches(|c: char| !c.is_ascii_digit());
     let digits: usize = digits.parse().unwrap_or_default();
-    let value = if format.ends_with('%') {
-        100.0 * value
-    } else {
-        value
-    };
+    let factor = if format.ends_with('%') { 100.0 } else { 1.0 };
+    let value = factor * value;
     if format.starts_with('+') {
         format!("{value:+.digits$}")
     } else if format.ends_with('e') {

@@ -29,53 +29,41 @@ fn ripple(
     shaft: &str,
 ) -> Result<Measured, StudyError> {
     let mut found = Measured::new(id, Vec::new(), Vec::new());
+    let moving = Start::Kinematic;
     for (name, model, start, window) in [
-        ("range_start", Model::Ours, Start::Kinematic, DYING),
-        ("range_steady", Model::Ours, Start::Kinematic, STEADY),
+        ("range_start", Model::Ours, moving, DYING),
+        ("range_steady", Model::Ours, moving, STEADY),
         ("range_equilibrium", Model::Ours, Start::Equilibrium, DYING),
-        (
-            "range_steady_4000_points",
-            Model::Points(4000),
-            Start::Kinematic,
-            STEADY,
-        ),
-        (
-            "range_steady_600_points",
-            Model::Points(600),
-            Start::Kinematic,
-            STEADY,
-        ),
+        ("range_steady_4000_points", Model::FINE, moving, STEADY),
+        ("range_steady_600_points", Model::ROUGH, moving, STEADY),
     ] {
         let cases = runs.cases(model, &ENDS, backlash, |s, d| {
             s.gear.backlash_m = d;
             s.drive.start = start;
         })?;
         let ranges = cases.each(|time_series| range(part(time_series, channel, window)));
-        found
-            .numbers
-            .extend(numbers(name, &["0", "0.6_mm"], &ranges, "N m"));
+        let ranges = numbers(name, &["0", "0.6_mm"], &ranges, "N m");
+        found.numbers.extend(ranges);
     }
     let axis = format!("{}{} torque (N m)", shaft[..1].to_uppercase(), &shaft[1..]);
     for (letter, title, model, window) in [
         ("a", "The start: torque", Model::Ours, (0.0, 0.24)),
         ("b", "Torque", Model::Ours, DRAWN),
-        ("c", "Torque", Model::Points(4000), DRAWN),
+        ("c", "Torque", Model::FINE, DRAWN),
     ] {
         let title = format!("{title} at the {shaft} shaft, {}", model.words());
         let key = format!("{id}{letter}");
-        let cases = runs.backlashes(model)?;
-        found
-            .plots
-            .push(cases.plot([&key, &title, &axis], channel, window));
+        let plot = runs.backlashes(model)?;
+        let plot = plot.plot([&key, &title, &axis], channel, window);
+        found.plots.push(plot);
     }
     Ok(found)
 }
 
 /// How much a course differs from itself one period earlier, relative to its own variation, for the last period.
 fn unlike_before(values: &[f64], period: usize) -> f64 {
-    let now = &values[values.len().saturating_sub(period)..];
-    let before =
-        &values[values.len().saturating_sub(2 * period)..values.len().saturating_sub(period)];
+    let [before, last] = [2, 1].map(|periods| values.len().saturating_sub(periods * period));
+    let (before, now) = (&values[before..last], &values[last..]);
     let middle = mean(now);
     let off: f64 = now.iter().zip(before).map(|(a, b)| (a - b) * (a - b)).sum();
     let own: f64 = now.iter().map(|a| (a - middle) * (a - middle)).sum();
@@ -95,8 +83,8 @@ fn sixteen(runs: &Runs<'_>) -> Result<Measured, StudyError> {
     for (name, model, d) in [
         ("unlike_0", Model::Ours, 0.0),
         ("unlike_0.6_mm", Model::Ours, 6e-4),
-        ("unlike_0.6_mm_4000_points", Model::Points(4000), 6e-4),
-        ("unlike_0.6_mm_600_points", Model::Points(600), 6e-4),
+        ("unlike_0.6_mm_4000_points", Model::FINE, 6e-4),
+        ("unlike_0.6_mm_600_points", Model::ROUGH, 6e-4),
     ] {
         let run = runs.get(model, |s| {
             s.gear.backlash_m = d;
@@ -112,11 +100,8 @@ fn sixteen(runs: &Runs<'_>) -> Result<Measured, StudyError> {
         let label = format!("{}, {}", backlash(d), model.words());
         curves.push(Curve::line(label, thin(torque)));
     }
-    let words = [
-        "fig-16",
-        "Torque at the output shaft",
-        "Output torque (N m)",
-    ];
+    let title = "Torque at the output shaft";
+    let words = ["fig-16", title, "Output torque (N m)"];
     found.plots.push(Plot {
         note: "Drag over the first 0.2 s to see what the paper calls random.".into(),
         ..Plot::over_time(words, x, curves)

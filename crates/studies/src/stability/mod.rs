@@ -103,11 +103,9 @@ impl Default for Options {
         };
         let (reduced, lagrange) = (Formulation::Reduced, Formulation::Lagrange);
         let names = PRESETS.iter().map(|preset| preset.name);
+        let hard = names.filter(|name| name.starts_with("hard-"));
         Self {
-            scenes: names
-                .filter(|name| name.starts_with("hard-"))
-                .map(str::to_owned)
-                .collect(),
+            scenes: hard.map(str::to_owned).collect(),
             methods: [
                 (reduced, "rk2"),
                 (reduced, "rk4"),
@@ -220,10 +218,8 @@ impl SceneRow {
     /// The method with the smallest error of those with the right picture.
     #[must_use]
     pub fn best(&self) -> Option<(&Cell, f64)> {
-        let right = self
-            .cells
-            .iter()
-            .filter_map(|cell| Some((cell, cell.right_to()?)));
+        let cells = self.cells.iter();
+        let right = cells.filter_map(|cell| Some((cell, cell.right_to()?)));
         right.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 }
@@ -281,18 +277,10 @@ impl Atlas {
     /// Names of the scenes that no method gives within [`SERVED`].
     #[must_use]
     pub fn unserved(&self) -> Vec<String> {
-        self.done()
-            .filter(|row| row.best().is_none_or(|(_, error)| error > SERVED))
-            .map(|row| row.scene.clone())
-            .collect()
+        let served = |row: &&SceneRow| row.best().is_some_and(|(_, error)| error <= SERVED);
+        let unserved = self.done().filter(|row| !served(row));
+        unserved.map(|row| row.scene.clone()).collect()
     }
-}
-
-/// What `integrator = "auto"` takes for a scene.
-fn auto_choice(scene: &Scene) -> String {
-    let mut scene = scene.clone();
-    auto::AUTO.clone_into(&mut scene.solver.integrator);
-    auto::integrator(&scene).integrator
 }
 
 /// Studies one scene, a preset or a file, with every method. A scene that cannot be resolved is a row with the reason.
@@ -300,10 +288,12 @@ fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<SceneRow,
     let mut scene = Scene::load(name, &[])?.into_scene();
     scene.solver.duration_s = scene.solver.duration_s.min(options.longest_s);
     scene.solver.sample_s = scene.solver.sample_s.min(1e-4).min(scene.solver.duration_s);
+    let mut automatic = scene.clone();
+    auto::AUTO.clone_into(&mut automatic.solver.integrator);
     let mut row = SceneRow {
         scene: scene.name.clone(),
         why: scene.description.clone(),
-        auto: auto_choice(&scene),
+        auto: auto::integrator(&automatic).integrator,
         reference: None,
         refused: None,
         cells: Vec::new(),
@@ -327,8 +317,8 @@ fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<SceneRow,
             level: Level::of(&time_series),
             scales: Scales::of(&scene),
         };
-        row.cells
-            .push(cell(&scene, method, options, &judge, control)?);
+        let cell = cell(&scene, method, options, &judge, control)?;
+        row.cells.push(cell);
     }
     row.reference = Some(reference);
     Ok(row)

@@ -20,19 +20,14 @@ pub(super) fn largest_step(
         if step > most || step < least {
             break;
         }
-        match failure(step)? {
-            None => {
-                good = Some(step);
-                if !stable {
-                    break;
-                }
-            }
-            Some(how) => {
-                bad = Some((step, how));
-                if stable {
-                    break;
-                }
-            }
+        let how = failure(step)?;
+        let turned = how.is_some() == stable;
+        match how {
+            None => good = Some(step),
+            Some(how) => bad = Some((step, how)),
+        }
+        if turned {
+            break;
         }
     }
     while let (Some(low), Some((high, _))) = (good, &bad)

@@ -115,21 +115,16 @@ impl Judge<'_> {
 
     /// `None`: the right picture.
     pub(super) fn failure(&self, run: &Run) -> Option<Failure> {
-        match &run.ending {
-            Ending::Finished => {}
-            Ending::Diverged { time_s, quantity } => {
-                return Some(Failure::BlowUp {
-                    time_s: *time_s,
-                    quantity: quantity.clone(),
-                });
-            }
-            ending => {
-                return Some(Failure::BlowUp {
-                    time_s: 0.0,
-                    quantity: ending.to_string(),
-                });
-            }
-        }
+        let (time_s, quantity) = match &run.ending {
+            Ending::Finished => return self.wrong(run),
+            Ending::Diverged { time_s, quantity } => (*time_s, quantity.clone()),
+            ending => (0.0, ending.to_string()),
+        };
+        Some(Failure::BlowUp { time_s, quantity })
+    }
+
+    /// What is wrong with a run that finished.
+    fn wrong(&self, run: &Run) -> Option<Failure> {
         let joint_m = run.stats.joint_drift_m.unwrap_or(0.0);
         if !(joint_m <= JOINT_SHARE * self.scales.penetration_m) {
             return Some(Failure::Drift { joint_m });

@@ -62,21 +62,18 @@ impl Atlas {
         }
         Ok(atlas)
     }
-}
 
-impl Atlas {
     /// One row a scene and method; one of a scene that was refused.
     #[must_use]
     pub fn table(&self) -> Table {
-        let refused = |row: &SceneRow| row.cells.is_empty().then_some(None);
         let rows = self.done().flat_map(|row| {
-            let cells = row.cells.iter().map(Some);
-            cells.chain(refused(row)).map(move |cell| (row, cell))
+            let refused = row.cells.is_empty().then_some(None);
+            let cells = row.cells.iter().map(Some).chain(refused);
+            cells.map(move |cell| (row, cell))
         });
         type Row<'a> = (&'a SceneRow, Option<&'a Cell>);
         let figure = |of: fn(&Cell) -> Option<f64>| move |row: &Row<'_>| of(row.1?);
-        let word =
-            |of: fn(&Cell) -> String| move |row: &Row<'_>| row.1.map_or_else(String::new, of);
+        let word = |of: fn(&Cell) -> String| move |row: &Row<'_>| row.1.map(of).unwrap_or_default();
         Table::of("Every scene with every method", rows)
             .text("scene", "Scene", |(row, _)| &row.scene)
             .text(

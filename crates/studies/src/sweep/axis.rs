@@ -53,9 +53,7 @@ impl Value {
             Self::Text(_) | Self::Other(_) => None,
         }
     }
-}
 
-impl Value {
     /// Its numbers: one, or those of a list; none of what holds none.
     #[must_use]
     pub fn numbers(&self) -> Vec<f64> {
@@ -166,14 +164,11 @@ pub(super) fn values(
         let what = format!("{} values are more than {MOST_VALUES}", list.len());
         return Err(wrong(&what, "give fewer"));
     }
-    let twice = (0..list.len()).find(|&k| list[..k.min(2000)].contains(&list[k]));
-    match twice {
-        Some(k) => {
-            let what = format!("{} stands in the list twice", list[k]);
-            Err(wrong(&what, "give each value once"))
-        }
-        None => Ok(list),
+    if let Some(k) = (0..list.len()).find(|&k| list[..k.min(2000)].contains(&list[k])) {
+        let what = format!("{} stands in the list twice", list[k]);
+        return Err(wrong(&what, "give each value once"));
     }
+    Ok(list)
 }
 
 impl Range {
@@ -194,9 +189,8 @@ impl Range {
         let points = match (self.points, self.step) {
             (Some(points), None) if (1..=MOST_VALUES).contains(&points) => points,
             (Some(_), None) => {
-                return Err(format!(
-                    "`points` must be a whole number from 1 to {MOST_VALUES}"
-                ));
+                let whole = "`points` must be a whole number from 1 to";
+                return Err(format!("{whole} {MOST_VALUES}"));
             }
             (None, Some(step)) if !log && (to - from) / step >= 0.0 => {
                 let steps = (to - from) / step * (1.0 + 1e-12);

@@ -10,7 +10,7 @@ use crate::control::{Control, Progress};
 use crate::pool;
 use crate::sweep::file::KeepTimeSeries;
 use crate::sweep::journal::{Journal, keep_time_series};
-use crate::sweep::record::{RunRecord, wanted};
+use crate::sweep::record::{RunRecord, SOURCES, identity};
 use crate::sweep::{Plan, PlannedRun, SweepError};
 
 /// Reports of a run's progress at most.
@@ -65,7 +65,13 @@ pub fn execute_some(
         finished: AtomicUsize::new(0),
         simulated_us: AtomicU64::new(0),
     };
-    let run = |last: &mut Option<Gearbox>, k: usize| shared.work(last, &plan.runs[picks[k]]);
+    // No error but none when cancelled.
+    let run = |last: &mut Option<Gearbox>, k: usize| {
+        let record = shared.one(last, &plan.runs[picks[k]])?.ok_or(None)?;
+        shared.finished.fetch_add(1, Ordering::Relaxed);
+        shared.report();
+        Ok(record)
+    };
     let (records, fault) = pool::map(jobs, picks.len(), || None, run);
     let records: Vec<RunRecord> = records.into_iter().flatten().collect();
     match fault {
@@ -122,7 +128,9 @@ pub fn find(
 pub fn wanted_of(plan: &Plan, planned: &PlannedRun) -> Result<(String, String), SweepError> {
     let engine = plan.engine(planned)?;
     let scene = planned.scene.to_toml();
-    let identity = wanted(planned, engine.as_ref(), &scene);
+    let made_by = (engine.name(), &*engine.version(), &*engine.build());
+    let ours = (env!("CARGO_PKG_VERSION"), SOURCES);
+    let identity = identity(made_by, ours, planned.window_s, &scene);
     Ok((scene, identity))
 }
 
@@ -150,21 +158,6 @@ pub fn perform(
 }
 
 impl Shared<'_> {
-    /// One run; no error but none when cancelled.
-    fn work(
-        &self,
-        last: &mut Option<Gearbox>,
-        planned: &PlannedRun,
-    ) -> Result<RunRecord, Option<SweepError>> {
-        if self.control.is_cancelled() {
-            return Err(None);
-        }
-        let record = self.one(last, planned)?.ok_or(None)?;
-        self.finished.fetch_add(1, Ordering::Relaxed);
-        self.report();
-        Ok(record)
-    }
-
     fn report(&self) {
         let simulated = self.simulated_us.load(Ordering::Relaxed) as f64 * 1e-6;
         let done = self.finished.load(Ordering::Relaxed);
@@ -180,18 +173,19 @@ impl Shared<'_> {
         last: &mut Option<Gearbox>,
         planned: &PlannedRun,
     ) -> Result<Option<RunRecord>, SweepError> {
+        if self.control.is_cancelled() {
+            return Ok(None);
+        }
         let duration = planned.scene.solver.duration_s;
+        let whole_us = (duration * 1e6) as u64;
         let keep = self.plan.sweep.time_series;
         let engine = self.plan.engine(planned)?;
-        let scene = planned.scene.to_toml();
-        let identity = wanted(planned, engine.as_ref(), &scene);
+        let (scene, identity) = wanted_of(self.plan, planned)?;
         if let Some(record) = self.journal.find(&identity, keep) {
-            self.simulated_us
-                .fetch_add((duration * 1e6) as u64, Ordering::Relaxed);
+            self.simulated_us.fetch_add(whole_us, Ordering::Relaxed);
             return Ok(Some(record));
         }
         let seen_us = AtomicU64::new(0);
-        let whole_us = (duration * 1e6) as u64;
         let reached = |at: Progress<'_>| {
             let time_s = at.simulated_s.map_or(0.0, |[time_s, _]| time_s);
             let now = (time_s.clamp(0.0, duration) * 1e6) as u64;

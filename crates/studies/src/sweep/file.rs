@@ -216,9 +216,7 @@ impl Sweep {
         let limits = limits.map(|(figure, item)| specification::read(&document, figure, item));
         let stem = path.file_stem().unwrap_or("sweep".as_ref());
         Ok(Self {
-            name: top
-                .name
-                .unwrap_or_else(|| stem.to_string_lossy().into_owned()),
+            name: top.name.unwrap_or(stem.to_string_lossy().into_owned()),
             description: top.description,
             engines: top.engines.0,
             set,

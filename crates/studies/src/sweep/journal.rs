@@ -15,12 +15,11 @@
 
 use std::collections::HashMap;
 use std::fmt::Display;
-use std::fs::{self, File};
-use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
+use std::{fs, io};
 
 use pinwheel_files::fnv;
 use pinwheel_timeseries::TimeSeries;
@@ -62,15 +61,12 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let parts = text.split_once('/');
-        let numbers = parts.and_then(|(number, of)| {
-            let number: usize = number.trim().parse().ok()?;
-            Some((number, of.trim().parse::<usize>().ok()?))
-        });
-        match numbers {
-            Some((number, of)) if (1..=of).contains(&number) => Ok(Self { number, of }),
-            _ => Err("write the shard and how many there are, like 1/8 to 8/8".to_owned()),
-        }
+        let wrong = || "write the shard and how many there are, like 1/8 to 8/8".to_owned();
+        let whole = |text: &str| text.trim().parse().map_err(|_| wrong());
+        let (number, of) = text.split_once('/').ok_or_else(wrong)?;
+        let (number, of) = (whole(number)?, whole(of)?);
+        let is_one = (1..=of).contains(&number);
+        is_one.then_some(Self { number, of }).ok_or_else(wrong)
     }
 }
 
@@ -120,15 +116,12 @@ impl Journal {
         for shard in &shards {
             owners.push(Owner::take(shard, command)?);
         }
-        let places = earlier
-            .into_iter()
-            .chain(shards.iter().map(PathBuf::as_path));
-        let known = Self::read(folder, places)?;
+        let others = shards.iter().map(PathBuf::as_path);
         Ok(Self {
+            known: Self::read(folder, earlier.into_iter().chain(others))?,
             folder: folder.to_owned(),
             _owners: owners,
             shards,
-            known,
         })
     }
 
@@ -185,12 +178,11 @@ impl Journal {
         let others = shards_of(folder)?;
         drop(whole);
         let others = others.iter().map(PathBuf::as_path);
-        let known = Self::read(&own, [folder].into_iter().chain(others))?;
         Ok(Self {
+            known: Self::read(&own, [folder].into_iter().chain(others))?,
             folder: own,
             _owners: vec![owner],
             shards: Vec::new(),
-            known,
         })
     }
 
@@ -287,7 +279,9 @@ impl Journal {
         }
         let identity = record.identity();
         let path = place(&self.folder, &identity, "json");
-        write_new(&path, json(record).as_bytes()).map_err(at(&path))?;
+        // A file of its own: what stood there may have another name in an output.
+        let _ = fs::remove_file(&path);
+        fs::write(&path, json(record)).map_err(at(&path))?;
         pool::lock(&self.known).insert(identity, (record.clone(), path));
         Ok(())
     }
@@ -323,28 +317,13 @@ impl Journal {
 
 /// The same file under another name, which costs less than another file; a copy where the disk has no such thing.
 fn linked(from: &Path, to: &Path) -> Result<(), SweepError> {
-    match fs::hard_link(from, to) {
-        Ok(()) => Ok(()),
-        Err(_) => fs::copy(from, to).map(|_| ()).map_err(at(to)),
-    }
-}
-
-/// Writes a file of its own: what stood there may have another name in an output.
-fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let made = File::create_new(path).or_else(|error| match error.kind() {
-        io::ErrorKind::AlreadyExists => {
-            fs::remove_file(path)?;
-            File::create_new(path)
-        }
-        _ => Err(error),
-    });
-    made?.write_all(bytes)
+    let copied = fs::hard_link(from, to).or_else(|_| fs::copy(from, to).map(|_| ()));
+    copied.map_err(at(to))
 }
 
 fn at(path: &Path) -> impl Fn(io::Error) -> SweepError {
-    let path = path.to_owned();
-    move |source| SweepError::Io {
-        path: path.clone(),
+    |source| SweepError::Io {
+        path: path.to_owned(),
         source,
     }
 }

@@ -40,9 +40,8 @@ pub fn write(
     made: &Provenance,
 ) -> Result<(), SweepError> {
     write_with(dir, "results.csv", |sink| table.write_csv(sink))?;
-    write_with(dir, "costs.csv", |sink| {
-        costs(plan, records).write_csv(sink)
-    })?;
+    let costs = costs(plan, records);
+    write_with(dir, "costs.csv", |sink| costs.write_csv(sink))?;
     #[cfg(feature = "parquet")]
     {
         let path = dir.join("results.parquet");
@@ -56,6 +55,7 @@ pub fn write(
         journal.copy(record, plan.sweep.time_series, run.number, &runs)?;
     }
     let sweep = &plan.sweep;
+    let finished = records.iter().filter(|record| record.ending.is_finished());
     let found = Payload {
         name: &sweep.name,
         description: &sweep.description,
@@ -63,10 +63,7 @@ pub fn write(
         keys: plan.keys().collect(),
         engines: &sweep.engines,
         runs: records.len(),
-        finished: records
-            .iter()
-            .filter(|record| record.ending.word() == "finished")
-            .count(),
+        finished: finished.count(),
         rows: table,
         specification: &sweep.specification,
         sample: tolerances(plan, table),

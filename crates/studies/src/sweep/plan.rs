@@ -10,7 +10,7 @@ use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Draft, Override, Scene, SceneError, did_you_mean};
 use pinwheel_timeseries::{columns, group_of};
 
-use crate::sweep::axis::Value;
+use crate::sweep::axis::{Axis, Value};
 use crate::sweep::spread::columns_of;
 use crate::sweep::statics::{self, STATICS, Statics};
 use crate::sweep::{Sweep, SweepError};
@@ -116,15 +116,11 @@ impl Plan {
             let axis = axis.map_err(|what| refused(1, &values, &what))?;
             sweep.axes.push(axis);
         }
-        let points = sweep
-            .axes
-            .iter()
-            .try_fold(sweep.engines.len(), |product, axis| {
-                product.checked_mul(axis.len())
-            });
+        let factors = sweep.axes.iter().map(Axis::len);
+        let factors = factors.chain([sweep.engines.len()]);
+        let points = factors.clone().try_fold(1, usize::checked_mul);
         let count = points.filter(|&runs| runs <= MOST_RUNS).ok_or_else(|| {
-            let factors = sweep.axes.iter().map(|axis| axis.len().to_string());
-            let factors: Vec<String> = factors.chain([sweep.engines.len().to_string()]).collect();
+            let factors: Vec<String> = factors.map(|count| count.to_string()).collect();
             let runs = factors.join(" x ");
             SweepError::Input(format!(
                 "the sweep asks for {runs} runs, more than {MOST_RUNS}; give shorter lists, or split the sweep"
@@ -156,15 +152,10 @@ impl Plan {
             for name in &sweep.engines {
                 let engine = guests.engine(name, &scene).ok_or_else(|| {
                     let registry = pinwheel_engines::registry();
-                    let known: Vec<&str> = registry
-                        .iter()
-                        .map(|engine| engine.name())
-                        .chain([STATICS])
-                        .collect();
-                    wrong(format!(
-                        "there is no engine `{name}`; {}",
-                        did_you_mean(name, &known)
-                    ))
+                    let mut known: Vec<&str> = registry.iter().map(|e| e.name()).collect();
+                    known.push(STATICS);
+                    let remedy = did_you_mean(name, &known);
+                    wrong(format!("there is no engine `{name}`; {remedy}"))
                 })?;
                 runs.push(PlannedRun {
                     number: runs.len() + 1,
@@ -221,11 +212,8 @@ fn measured(sweep: &Sweep, scene: &CheckedScene) -> Result<(), String> {
     let figures: Vec<&str> = statics::FIGURES.iter().map(|(name, _)| *name).collect();
     let figures = if rests { figures } else { Vec::new() };
     let known: Vec<&str> = there.iter().chain(&figures).copied().collect();
-    let lost = sweep
-        .measure
-        .iter()
-        .find(|pattern| !known.iter().any(|name| fits(pattern, name)));
-    if let Some(pattern) = lost {
+    let fits_none = |pattern: &&String| !known.iter().any(|name| fits(pattern, name));
+    if let Some(pattern) = sweep.measure.iter().find(fits_none) {
         return Err(format!(
             "measure: `{pattern}` fits no quantity of the scene; there are {}",
             known.join(", ")
@@ -302,20 +290,16 @@ fn scene_at(
 
 /// `gear.backlash_m = 0.0003, contact.damping_n_s_m = 8`.
 pub(crate) fn in_words(values: &[(String, Value)]) -> String {
-    let words: Vec<String> = values
-        .iter()
-        .map(|(key, value)| match value {
-            Value::Other(list) if list.matches(',').count() > 2 => {
-                format!("{key} = {} values", list.matches(',').count() + 1)
-            }
-            value => format!("{key} = {value}"),
-        })
-        .collect();
-    if words.is_empty() {
-        "the scene as it is".to_owned()
-    } else {
-        words.join(", ")
+    if values.is_empty() {
+        return "the scene as it is".to_owned();
     }
+    let words = values.iter().map(|(key, value)| match value {
+        Value::Other(list) if list.matches(',').count() > 2 => {
+            format!("{key} = {} values", list.matches(',').count() + 1)
+        }
+        value => format!("{key} = {value}"),
+    });
+    words.collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

@@ -141,10 +141,12 @@ impl RunRecord {
         let powers = mean_powers(&run.time_series, samples, speed);
         let powers = powers.ok_or("a torque or the output's angle is missing");
         match powers.and_then(|[power_in, power_out]| efficiency(power_in, power_out)) {
+            Err(reason) => self.undefined.push(format!("no efficiency: {reason}")),
             // Powers of rounding have a ratio too.
-            Ok(_) if share == Some(None) => self
-                .undefined
-                .push("no efficiency: no work is done".to_owned()),
+            Ok(_) if share == Some(None) => {
+                let reason = "no efficiency: no work is done";
+                self.undefined.push(reason.to_owned());
+            }
             Ok(efficiency) => {
                 self.efficiency = Some(efficiency);
                 let created = created(run, planned.window_s);
@@ -162,7 +164,6 @@ impl RunRecord {
                     });
                 }
             }
-            Err(reason) => self.undefined.push(format!("no efficiency: {reason}")),
         }
     }
 
@@ -178,14 +179,9 @@ impl RunRecord {
     /// Everything that the figures depend on, as text: two records with one identity have the same figures.
     #[must_use]
     pub fn identity(&self) -> String {
-        identity(
-            &self.engine,
-            [&self.engine_version, &self.engine_build],
-            &self.pinwheel_version,
-            &self.program,
-            self.window_s,
-            &self.scene,
-        )
+        let made_by = (&*self.engine, &*self.engine_version, &*self.engine_build);
+        let program = (&*self.pinwheel_version, &*self.program);
+        identity(made_by, program, self.window_s, &self.scene)
     }
 }
 
@@ -204,26 +200,13 @@ fn created(run: &Run, [from, to]: [f64; 2]) -> Option<f64> {
 
 /// The sources that figures come from, as a hash (see `build.rs`): a changed solver gives other numbers under the same
 /// version.
-pub(crate) const SOURCES: &str = env!("PINWHEEL_SOURCES");
+pub(super) const SOURCES: &str = env!("PINWHEEL_SOURCES");
 
-/// The [`RunRecord::identity`] of a run that is planned; `scene` is its complete scene as TOML.
-pub(crate) fn wanted(planned: &PlannedRun, engine: &dyn Engine, scene: &str) -> String {
-    identity(
-        engine.name(),
-        [&engine.version(), &engine.build()],
-        env!("CARGO_PKG_VERSION"),
-        SOURCES,
-        planned.window_s,
-        scene,
-    )
-}
-
-/// Everything that the figures of a run depend on, as text.
-fn identity(
-    engine: &str,
-    [version, build]: [&str; 2],
-    pinwheel: &str,
-    program: &str,
+/// Everything that the figures of a run depend on, as text: the engine with its version and build, the program's version and
+/// sources, the window, and the complete scene as TOML.
+pub(super) fn identity(
+    (engine, version, build): (&str, &str, &str),
+    (pinwheel, program): (&str, &str),
     window_s: [f64; 2],
     scene: &str,
 ) -> String {

@@ -12,6 +12,25 @@ use crate::sweep::{Limit, Plan, statics};
 /// Column that says whether a run keeps the specification: 1 or 0.
 const WITHIN: &str = "within_specification";
 
+type FigureOfRun = fn(&RunRecord) -> Option<f64>;
+
+/// Figures of a run as a whole.
+const FIGURES_OF_RUNS: [(&str, FigureOfRun); 6] = [
+    ("diverged_at_s", diverged_at_s),
+    ("window_from_s", |r| Some(r.window_s[0])),
+    ("window_to_s", |r| Some(r.window_s[1])),
+    ("efficiency", |r| r.efficiency),
+    ("efficiency_accounted", |r| r.efficiency_accounted),
+    ("energy_remainder_share", |r| r.energy_remainder_share),
+];
+
+fn diverged_at_s(record: &RunRecord) -> Option<f64> {
+    match record.ending {
+        Ending::Diverged { time_s, .. } => Some(time_s),
+        _ => None,
+    }
+}
+
 /// The results of all runs, in the plan's order: the same whatever the number of threads.
 #[must_use]
 pub fn results(plan: &Plan, records: &[RunRecord]) -> Table {
@@ -29,32 +48,13 @@ pub fn results(plan: &Plan, records: &[RunRecord]) -> Table {
     }
     table = table
         .text("status", "status", |(_, record)| record.ending.word())
-        .marked(|(_, record)| Mark::bad(!record.ending.is_finished()))
-        .number(
-            "diverged_at_s",
-            "diverged_at_s",
-            |(_, record)| match record.ending {
-                Ending::Diverged { time_s, .. } => Some(time_s),
-                _ => None,
-            },
-        )
-        .number("window_from_s", "window_from_s", |(_, r)| r.window_s[0])
-        .number("window_to_s", "window_to_s", |(_, r)| r.window_s[1])
-        .number("efficiency", "efficiency", |(_, r)| r.efficiency)
-        .number(
-            "efficiency_accounted",
-            "efficiency_accounted",
-            |(_, record)| record.efficiency_accounted,
-        )
-        .number(
-            "energy_remainder_share",
-            "energy_remainder_share",
-            |(_, record)| record.energy_remainder_share,
-        )
+        .marked(|(_, record)| Mark::bad(!record.ending.is_finished()));
+    for (name, of) in FIGURES_OF_RUNS {
+        table = table.number(name, name, |(_, record)| of(record));
+    }
+    table = table
         .whole("steps", "steps", |(_, record)| Some(record.steps))
-        .whole("rhs_calls", "rhs_calls", |(_, record)| {
-            Some(record.rhs_calls)
-        });
+        .whole("rhs_calls", "rhs_calls", |(_, r)| Some(r.rhs_calls));
     for quantity in quantities(plan, records) {
         for (figure, of) in FIGURES {
             let name = format!("{figure}_{quantity}");

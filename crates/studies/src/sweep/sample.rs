@@ -141,13 +141,12 @@ impl Sample {
             match self.method {
                 Method::LatinHypercube => hypercube(&mut rng, self.points),
                 Method::Random => (0..self.points).map(|_| rng.share()).collect(),
-                Method::Sobol => (0..self.points)
-                    .map(|k| {
-                        // Points lie on a grid of 2^-24: the middle of their cell is never an end.
-                        let at = sobol_burley::sample(k as u32, columns - 1, self.seed);
-                        f64::from(at) + 0.5_f64.powi(25)
-                    })
-                    .collect::<Vec<f64>>(),
+                Method::Sobol => {
+                    let at = |k: usize| sobol_burley::sample(k as u32, columns - 1, self.seed);
+                    // Points lie on a grid of 2^-24: the middle of their cell is never an end.
+                    let middle = |k| f64::from(at(k)) + 0.5_f64.powi(25);
+                    (0..self.points).map(middle).collect()
+                }
             }
         };
         let mut keys = Vec::new();
@@ -158,12 +157,11 @@ impl Sample {
                 None => column().into_iter().map(Value::Number).collect(),
                 Some(count) => {
                     let lists: Vec<Vec<f64>> = (0..count).map(|_| column()).collect();
-                    (0..self.points)
-                        .map(|point| {
-                            let list = lists.iter().map(|values| values[point]);
-                            Value::Other(Toml::Array(list.map(Toml::Float).collect()).to_string())
-                        })
-                        .collect()
+                    let at = |point: usize| {
+                        let list = lists.iter().map(|values| Toml::Float(values[point]));
+                        Value::Other(Toml::Array(list.collect()).to_string())
+                    };
+                    (0..self.points).map(at).collect()
                 }
             };
             keys.push((key.clone(), values));
@@ -190,18 +188,13 @@ impl Distribution {
         if widths.iter().flatten().any(|x| *x <= 0.0) {
             return wrong("`deviation` or `plus_minus` is not above 0");
         }
-        if found
-            .each
-            .is_some_and(|count| !(1..=MOST_EACH).contains(&count))
-        {
+        let each = found.each.unwrap_or(1);
+        if !(1..=MOST_EACH).contains(&each) {
             return wrong(&format!("`each` is no whole number from 1 to {MOST_EACH}"));
         }
         let one_end = found.from.is_some() || found.to.is_some();
-        if found
-            .from
-            .zip(found.to)
-            .is_some_and(|(from, to)| from >= to)
-        {
+        let both = found.from.zip(found.to);
+        if both.is_some_and(|(from, to)| from >= to) {
             return wrong("`from` is not below `to`");
         }
         if one_end && found.plus_minus.is_some() {
@@ -242,16 +235,13 @@ impl Distribution {
             None => None,
             Some(deviation) => {
                 let mean = middle()?;
-                let wrong = || {
+                let normal = Normal::new(mean, deviation).map_err(|_| {
                     format!(
                         "sample.{key}: a mean of {mean} with a deviation of {deviation} is no distribution"
                     )
-                };
-                let normal = Normal::new(mean, deviation).map_err(|_| wrong())?;
-                let [below, until] = [
-                    ends[0].map_or(0.0, |x| normal.cdf(x)),
-                    ends[1].map_or(1.0, |x| normal.cdf(x)),
-                ];
+                })?;
+                let below = ends[0].map_or(0.0, |x| normal.cdf(x));
+                let until = ends[1].map_or(1.0, |x| normal.cdf(x));
                 if !(until - below > LEAST_SHARE) {
                     return Err(format!(
                         "sample.{key}: `from` and `to` leave next to nothing of the distribution about {mean}; move them, or the `mean`"
@@ -260,10 +250,8 @@ impl Distribution {
                 Some((normal, below, until - below))
             }
         };
-        let [low, high] = [
-            ends[0].unwrap_or(f64::NEG_INFINITY),
-            ends[1].unwrap_or(f64::INFINITY),
-        ];
+        let low = ends[0].unwrap_or(f64::NEG_INFINITY);
+        let high = ends[1].unwrap_or(f64::INFINITY);
         Ok(move |share: f64| match shape {
             None => low + (high - low) * share,
             // A first share may be 0, which has no quantile.

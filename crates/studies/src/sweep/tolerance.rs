@@ -134,19 +134,14 @@ pub fn tolerances(plan: &Plan, table: &Table) -> Vec<SampleResult> {
             };
             let sampled = |key: &str| sample.keys.iter().any(|(known, _)| known == key);
             let others = run.values.iter().filter(|(key, _)| !sampled(key));
-            let inputs = inputs(plan, &rows, &|key| sampled(key));
-            let numbers = table
-                .columns
-                .iter()
-                .filter_map(|column| match &column.values {
-                    Values::Number(values) if is_figure(&column.name, plan) => {
-                        Some((&column.name, values))
-                    }
-                    _ => None,
-                });
-            let figures = numbers.filter_map(|(name, values)| {
-                let values: Vec<Option<f64>> = rows.iter().map(|&row| values[row]).collect();
-                figure(name, &values, &inputs)
+            let inputs = inputs(plan, &rows, sampled);
+            let columns = table.columns.iter();
+            let figures = columns.filter_map(|column| match &column.values {
+                Values::Number(values) if is_figure(&column.name, plan) => {
+                    let values: Vec<_> = rows.iter().map(|&row| values[row]).collect();
+                    figure(&column.name, &values, &inputs)
+                }
+                _ => None,
             });
             all.push(SampleResult {
                 engine: run.engine.clone(),
@@ -165,10 +160,8 @@ pub fn tolerances(plan: &Plan, table: &Table) -> Vec<SampleResult> {
 fn yielded(limits: &[Limit], table: &Table, rows: &[usize]) -> Yield {
     let runs = rows.len();
     let share = |kept: usize| kept as f64 / runs.max(1) as f64;
-    let kept = rows
-        .iter()
-        .filter(|&&row| keeps(table, limits, row))
-        .count();
+    let kept = rows.iter().filter(|row| keeps(table, limits, **row));
+    let kept = kept.count();
     let alone = limits.iter().map(|limit| {
         let held = |row: &&usize| limit.holds(table.number(&limit.figure, **row));
         share(rows.iter().filter(held).count())
@@ -187,36 +180,20 @@ fn clopper_pearson(kept: usize, runs: usize) -> [f64; 2] {
     let at = |a: usize, b: usize, share: f64| {
         Beta::new(a as f64, b as f64).map_or(f64::NAN, |beta| beta.inverse_cdf(share))
     };
-    let low = if kept == 0 {
-        0.0
-    } else {
-        at(kept, runs - kept + 1, TAIL)
-    };
-    let high = if kept == runs {
-        1.0
-    } else {
-        at(kept + 1, runs - kept, 1.0 - TAIL)
-    };
-    [low, high]
+    let low = (kept > 0).then(|| at(kept, runs - kept + 1, TAIL));
+    let high = (kept < runs).then(|| at(kept + 1, runs - kept, 1.0 - TAIL));
+    [low.unwrap_or(0.0), high.unwrap_or(1.0)]
 }
 
 /// A key with its values in the rows; several lists where it is a list itself.
 type Input = (String, Vec<Vec<f64>>);
 
-fn inputs(plan: &Plan, rows: &[usize], sampled: &dyn Fn(&str) -> bool) -> Vec<Input> {
-    let Some(first) = rows.first() else {
-        return Vec::new();
-    };
-    let values = &plan.runs[*first].values;
-    let places = values
-        .iter()
-        .enumerate()
-        .filter(|(_, (key, _))| sampled(key));
+fn inputs(plan: &Plan, rows: &[usize], sampled: impl Fn(&str) -> bool) -> Vec<Input> {
+    let values = plan.runs[rows[0]].values.iter().enumerate();
+    let places = values.filter(|(_, (key, _))| sampled(key));
     let input = |(place, (key, _)): (usize, &(String, Value))| {
-        let lists: Vec<Vec<f64>> = rows
-            .iter()
-            .map(|&row| plan.runs[row].values[place].1.numbers())
-            .collect();
+        let at = |&row: &usize| plan.runs[row].values[place].1.numbers();
+        let lists: Vec<Vec<f64>> = rows.iter().map(at).collect();
         let columns = lists.iter().map(Vec::len).min().unwrap_or(0);
         let column = |k: usize| lists.iter().map(|list| list[k]).collect();
         (key.clone(), (0..columns).map(column).collect())
@@ -235,29 +212,25 @@ fn figure(name: &str, values: &[Option<f64>], inputs: &[Input]) -> Option<Figure
         return None;
     }
     let part = |column: &Vec<f64>| there.iter().map(|&k| column[k]).collect::<Vec<f64>>();
-    let columns: Vec<Vec<f64>> = inputs
-        .iter()
-        .flat_map(|(_, lists)| lists.iter().map(part))
-        .collect();
+    let columns = inputs.iter().flat_map(|(_, lists)| lists.iter().map(part));
+    let columns: Vec<Vec<f64>> = columns.collect();
     let regression = regression(&columns, &of);
     let mut place = 0;
-    let mut sensitivities: Vec<Sensitivity> = inputs
-        .iter()
-        .map(|(key, lists)| {
-            let own = place..place + lists.len();
-            place = own.end;
-            let coefficient = regression.as_ref().map(|(all, _)| match &all[own.clone()] {
-                [one] => *one,
-                several => several.iter().map(|c| c * c).sum::<f64>().sqrt(),
-            });
-            let indices = columns[own].iter().map(|column| first_order(column, &of));
-            Sensitivity {
-                key: key.clone(),
-                coefficient,
-                first_order: indices.sum::<Option<f64>>(),
-            }
-        })
-        .collect();
+    let sensitivity = |(key, lists): &Input| {
+        let own = place..place + lists.len();
+        place = own.end;
+        let coefficient = regression.as_ref().map(|(all, _)| match &all[own.clone()] {
+            [one] => *one,
+            several => several.iter().map(|c| c * c).sum::<f64>().sqrt(),
+        });
+        let indices = columns[own].iter().map(|column| first_order(column, &of));
+        Sensitivity {
+            key: key.clone(),
+            coefficient,
+            first_order: indices.sum::<Option<f64>>(),
+        }
+    };
+    let mut sensitivities: Vec<Sensitivity> = inputs.iter().map(sensitivity).collect();
     let size = |s: &Sensitivity| s.coefficient.unwrap_or(0.0).abs();
     sensitivities.sort_by(|a, b| size(b).total_cmp(&size(a)));
     Some(FigureOfSample {
@@ -324,8 +297,10 @@ fn regression(columns: &[Vec<f64>], of: &[f64]) -> Option<(Vec<f64>, f64)> {
     let with = DVector::from_fn(keys, |i, _| product(&columns[i], &of));
     let found = correlations.cholesky()?.solve(&with);
     let explained = found.dot(&with);
-    let sound = explained.is_finite();
-    sound.then(|| (found.iter().copied().collect(), explained.min(1.0)))
+    let coefficients = found.iter().copied().collect();
+    explained
+        .is_finite()
+        .then(|| (coefficients, explained.min(1.0)))
 }
 
 /// First-order Sobol index from classes of one key; `None` with too few runs for three classes.
@@ -339,13 +314,12 @@ fn first_order(column: &[f64], of: &[f64]) -> Option<f64> {
     order.sort_by(|&a, &b| column[a].total_cmp(&column[b]));
     let mean = of.iter().sum::<f64>() / runs as f64;
     let total: f64 = of.iter().map(|v| (v - mean) * (v - mean)).sum();
-    let between: f64 = (0..classes)
-        .map(|class| {
-            let members = &order[class * runs / classes..(class + 1) * runs / classes];
-            let sum: f64 = members.iter().map(|&k| of[k] - mean).sum();
-            sum * sum / members.len() as f64
-        })
-        .sum();
+    let apart = |class: usize| {
+        let members = &order[class * runs / classes..(class + 1) * runs / classes];
+        let sum: f64 = members.iter().map(|&k| of[k] - mean).sum();
+        sum * sum / members.len() as f64
+    };
+    let between: f64 = (0..classes).map(apart).sum();
     // Classes of noise have means too: their share of a variance that no key explains.
     let [classes, runs] = [classes as f64, runs as f64];
     let share = between / total;
