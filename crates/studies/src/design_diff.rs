@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use pinwheel_compare::{
-    Comparison, Context, Evidence, Participant, Rules, Scales, Status, WindowKind, compare,
+    Comparison, Context, Evidence, Participant, Rules, Scales, WindowKind, compare,
 };
 use pinwheel_engines::Engine;
 use pinwheel_gearbox::Gearbox;
@@ -132,21 +132,13 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
     for gearbox in input.gearboxes {
         single::prepare(input.engine, gearbox)?;
     }
-    let mut designs = Vec::new();
-    let mut ran = Vec::new();
-    for (k, gearbox) in on_one_grid(input.gearboxes)?.iter().enumerate() {
-        designs.push(design::run(input.gearboxes[k], true, control)?);
-        let at = Progress::new(k, 2, &names[k]);
-        let context = context(&gearbox.scene);
-        let (participant, evidence) = refine(
-            input.engine,
-            gearbox,
-            &context,
-            input.efforts[k],
-            at,
-            control,
-        )?;
-        let name = &names[k];
+    let grid = on_one_grid(input.gearboxes)?;
+    let answer = |k: usize| -> Result<_, StudyError> {
+        let design = design::run(input.gearboxes[k], true, control)?;
+        let (name, effort) = (&names[k], input.efforts[k]);
+        let (at, context) = (Progress::new(k, 2, name), context(&grid[k].scene));
+        let (participant, evidence) =
+            refine(input.engine, &grid[k], &context, effort, at, control)?;
         let participant = Participant {
             name: name.clone(),
             ..participant
@@ -155,9 +147,10 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
             engine: name.clone(),
             ..evidence
         };
-        ran.push((participant, evidence));
-    }
-    let (participants, evidence): (Vec<_>, Vec<_>) = ran.into_iter().unzip();
+        Ok((design, participant, evidence))
+    };
+    let [(a, first, of_a), (b, second, of_b)] = [answer(0)?, answer(1)?];
+    let (designs, participants, evidence) = ([a, b], vec![first, second], [of_a, of_b]);
     let rules = Rules {
         evidence: &evidence,
         resolution: input.efforts[0].resolution,
@@ -174,9 +167,6 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
         compare(&context, &participants[k..=k], &rules)
     };
     let alone = [alone(0)?, alone(1)?];
-    let designs: [design::DesignResult; 2] = designs
-        .try_into()
-        .map_err(|_| StudyError::Input("two designs are compared".to_owned()))?;
     Ok(DesignDiff {
         engine: input.engine.name().to_owned(),
         changed: changed(scenes)?,
@@ -340,16 +330,12 @@ fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<FigureDiff> {
                 uncertainty,
             ));
         };
-        row(
-            "mean",
-            statistics.map(|s| s.map(|s| s.mean)),
-            uncertainty.map(|u| u?.mean.u()),
+        let (mean, peak) = (
+            statistics.map(|s| Some(s?.mean)),
+            statistics.map(|s| Some(s?.peak)),
         );
-        row(
-            "peak",
-            statistics.map(|s| s.map(|s| s.peak)),
-            uncertainty.map(|u| u?.peak.u()),
-        );
+        row("mean", mean, uncertainty.map(|u| u?.mean.u()));
+        row("peak", peak, uncertainty.map(|u| u?.peak.u()));
     }
     rows
 }
@@ -364,13 +350,10 @@ impl FigureDiff {
     ) -> Self {
         let judged = match (values, uncertainty) {
             ([Some(a), Some(b)], _) if a == b => Judged::Same,
-            ([Some(a), Some(b)], [Some(u), Some(v)]) => {
-                if (a - b).abs() <= u + v {
-                    Judged::BelowUncertainty
-                } else {
-                    Judged::Differ
-                }
-            }
+            ([Some(a), Some(b)], [Some(u), Some(v)]) => match (a - b).abs() <= u + v {
+                true => Judged::BelowUncertainty,
+                false => Judged::Differ,
+            },
             ([Some(_), Some(_)], _) => Judged::NotKnown,
             _ => Judged::Missing,
         };
@@ -403,13 +386,8 @@ impl DesignDiff {
     /// The first run that did not finish, and why.
     #[must_use]
     pub fn broken(&self) -> Option<(&str, String)> {
-        let of = |p: &'_ Participant| match p.status {
-            Status::Finished => None,
-            _ => p.status.reason(),
-        };
-        self.participants
-            .iter()
-            .find_map(|p| Some((p.name.as_str(), of(p)?)))
+        let mut each = self.participants.iter();
+        each.find_map(|p| Some((p.name.as_str(), p.status.reason()?)))
     }
 
     /// Writes `summary.json` and, in `design-1` and `design-2`, what `pinwheel design` writes and `courses.csv` into the

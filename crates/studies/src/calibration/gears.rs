@@ -162,8 +162,7 @@ fn drive(rng: &mut Rng, scene: &mut Scene) {
 
 /// Everything of the contact that is measured by what the load does to it.
 fn contact(rng: &mut Rng, scene: &mut Scene) {
-    let scales = twist(scene);
-    let (depth, frequency) = (scales.0, scales.1);
+    let ((depth, frequency), stiffness) = (twist(scene), hertz(scene));
     let speed = depth * frequency;
     let gear = scene.gear.clone();
     let zeta = if rng.chance(0.2) {
@@ -178,9 +177,7 @@ fn contact(rng: &mut Rng, scene: &mut Scene) {
     let contact = &mut scene.contact;
     contact.damping_n_s_m = 2.0 * zeta * mass * frequency;
     contact.ramp_m = depth * rng.spread(1e-3, 0.5);
-    contact.constant_stiffness_n_m15 = 2.0 / 3.0 * contact.stiffness_multiplier * contact.young_pa
-        / (1.0 - contact.poisson * contact.poisson)
-        * gear.external_sleeve_radius_m.sqrt();
+    contact.constant_stiffness_n_m15 = stiffness;
     contact.restitution = rng.between(0.5, 0.95);
     contact.impact_speed_m_s = speed * rng.spread(0.3, 3.0);
     if rng.chance(0.4) {
@@ -225,11 +222,8 @@ fn solver(rng: &mut Rng, scene: &mut Scene) {
             / gear.internal_circle_radius_m;
     let torque = scene.drive.output_torque_n_m.abs();
     let moment = scene.mass.output_shaft.moment_kg_m2;
-    let flight = if torque > 0.0 {
-        (2.0 * play * moment / torque).sqrt()
-    } else {
-        0.0
-    };
+    let falls = (2.0 * play * moment / torque).sqrt();
+    let flight = if torque > 0.0 { falls } else { 0.0 };
     let has_friction = scene.contact.friction_coefficient > 0.0;
     let share = if has_friction { RUBBING } else { 1.0 };
     let duration = share * rng.between(OSCILLATIONS.0, OSCILLATIONS.1) * period

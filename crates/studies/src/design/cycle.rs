@@ -79,9 +79,8 @@ pub(super) fn run(
     let found = single::run(&slow, &Native::REDUCED, false, control)?;
     let time_series = &found.run.time_series;
     let time_s = time_series.time_s().to_vec();
-    let angle = time_series
-        .channel(columns::OUTPUT_ANGLE)
-        .unwrap_or_default();
+    let angle = time_series.channel(columns::OUTPUT_ANGLE);
+    let angle = angle.unwrap_or_default();
     let torque_n_m: Vec<f64> = time_s.iter().map(|&t| slow.load_torque(t)).collect();
     let angle_arcmin: Vec<f64> = angle.iter().map(|angle| ARCMIN * angle).collect();
     let from = |t: f64| time_s.partition_point(|&at| at < t);
@@ -94,11 +93,8 @@ pub(super) fn run(
         let at = |branch: &std::ops::Range<usize>| {
             let branch = branch.start.min(angle_arcmin.len())..branch.end.min(angle_arcmin.len());
             let thinned = |values: &[f64]| -> Vec<f64> {
-                values[branch.clone()]
-                    .iter()
-                    .step_by(every)
-                    .copied()
-                    .collect()
+                let values = values[branch.clone()].iter();
+                values.step_by(every).copied().collect()
             };
             crossing(&thinned(&torque_n_m), &thinned(&angle_arcmin), torque)
         };

@@ -157,15 +157,12 @@ impl Joint {
 
     fn of_masses(&self) -> [DesignFigure; 3] {
         let (input, output) = (self.input_inertia_kg_m2, self.output_inertia_kg_m2);
+        let both = output + self.ratio * self.ratio * input;
         [
-            (JOINT_INPUT_INERTIA, input),
-            (JOINT_OUTPUT_INERTIA, output),
-            (
-                JOINT_REFLECTED_INERTIA,
-                output + self.ratio * self.ratio * input,
-            ),
+            JOINT_INPUT_INERTIA.is(input, 0.0),
+            JOINT_OUTPUT_INERTIA.is(output, 0.0),
+            JOINT_REFLECTED_INERTIA.is(both, 0.0),
         ]
-        .map(|(what, value)| what.is(value, 0.0))
     }
 
     /// Friction in motion under the rated load, N m.
@@ -202,17 +199,18 @@ impl Joint {
         for figure in &self.figures {
             let off = figure.uncertainty.filter(|u| *u > 0.0);
             let off = off.map_or_else(String::new, |u| format!(" (within {u:.1e})"));
-            let value = figure.value.map_or_else(
-                || "not known".to_owned(),
-                |value| format!("{value:.6e} {}", figure.unit),
-            );
+            let value = figure
+                .value
+                .map(|value| format!("{value:.6e} {}", figure.unit));
+            let value = value.unwrap_or_else(|| "not known".to_owned());
             line(&format!("{}: {value}{off}; {}", figure.what, figure.how));
         }
-        if self.friction.is_some() {
-            line("Friction below is that under the rated load; at part of it less, see above.");
-        } else {
-            line("Friction is not known, because no runs were asked for, and left out.");
-        }
+        line(match self.friction {
+            Some(_) => {
+                "Friction below is that under the rated load; at part of it less, see above."
+            }
+            None => "Friction is not known, because no runs were asked for, and left out.",
+        });
         text
     }
 
@@ -237,11 +235,9 @@ impl Joint {
                  <joint joint=\"{name}-output\" coef=\"1\"/>\n      <joint joint=\"{name}-input\" coef=\"{coefficient}\"/>\n    </fixed>\n"
             )
         };
+        let tendons = self.springs.iter().enumerate().map(tendon);
         let values = [
-            (
-                "{tendons}",
-                self.springs.iter().enumerate().map(tendon).collect(),
-            ),
+            ("{tendons}", tendons.collect()),
             ("{remarks}", self.remarks()),
             ("{name}", name.clone()),
             ("{step}", format!("{step:.0e}")),
@@ -265,20 +261,11 @@ impl Joint {
     /// Sources: ROS wiki, urdf/XML/joint and urdf/XML/Transmission; SDFormat 1.8, `joint/axis`; Drake, multibody/parsing,
     /// `drake:gear_ratio`, `drake:rotor_inertia`, `//model/joint/drake:gear_ratio`.
     pub(super) fn write(&self, dir: &Path) -> Result<(), OutputError> {
-        for (name, text) in [
-            ("joint_mujoco.xml", self.mjcf()),
-            (
-                "joint.urdf",
-                self.filled(include_str!("../../templates/joint.urdf")),
-            ),
-            (
-                "joint.sdf",
-                self.filled(include_str!("../../templates/joint.sdf")),
-            ),
-        ] {
-            write_text(&dir.join(name), &text)?;
-        }
-        Ok(())
+        let urdf = self.filled(include_str!("../../templates/joint.urdf"));
+        let sdf = self.filled(include_str!("../../templates/joint.sdf"));
+        write_text(&dir.join("joint_mujoco.xml"), &self.mjcf())?;
+        write_text(&dir.join("joint.urdf"), &urdf)?;
+        write_text(&dir.join("joint.sdf"), &sdf)
     }
 }
 
@@ -331,12 +318,8 @@ fn springs(twists: &[f64], rated: f64) -> Vec<Spring> {
     for pair in corners.windows(2) {
         let steeper = slope(pair[0], pair[1]);
         // The first begins where its line meets no load.
-        let from = pair[0][0]
-            - if found.is_empty() {
-                pair[0][1] / steeper
-            } else {
-                0.0
-            };
+        let before = pair[0][1] / steeper;
+        let from = pair[0][0] - if found.is_empty() { before } else { 0.0 };
         found.push(Spring {
             dead_band_rad: from.max(0.0),
             stiffness_n_m_per_rad: steeper - stiffness,
@@ -360,10 +343,8 @@ fn of_balances(poses: &[&Pose], rated: f64) -> Vec<DesignFigure> {
     let line = twists[full] - rated / stiff(&twists);
     let dampings: Option<Vec<f64>> = poses.iter().map(|pose| pose.damping).collect();
     let damping = dampings.map(Spread::of);
-    let mut damped = JOINT_DAMPING.is(damping.as_ref().map(|spread| spread.mean), 0.0);
-    if let Some(spread) = &damping {
-        damped = damped.over(spread);
-    }
+    let damped = JOINT_DAMPING.is(damping.map(|spread| spread.mean), 0.0);
+    let damped = damping.map_or(damped, |spread| damped.over(&spread));
     vec![
         JOINT_BACKLASH.is(play.mean, 0.0).over(&play),
         JOINT_STIFFNESS.is(stiff(&twists), 0.0).over(&stiffness),

@@ -43,18 +43,15 @@ impl Poses {
         while rest > 0 {
             (g, rest) = (rest, g % rest);
         }
-        let times = match gear.errors.is_none() {
-            true => 1,
-            false => g * gear.external_sleeves,
-        };
+        let all = g * gear.external_sleeves;
+        let times = if gear.errors.is_none() { 1 } else { all };
         let meshes = [gear.lobes() / g, gear.internal_sleeves / g].map(|mesh| mesh * times);
         let period = TAU * meshes[0] as f64 / gear.external_sleeves as f64;
         let most = meshes[0].max(meshes[1]);
         let count = most * PER_MESH.min(MOST / most).max(4);
+        let angle = |k: usize| period * k as f64 / count as f64;
         Self {
-            angles: (0..count)
-                .map(|k| period * k as f64 / count as f64)
-                .collect(),
+            angles: (0..count).map(angle).collect(),
             period,
             meshes,
             per_turn: TAU / period,
@@ -135,15 +132,13 @@ impl Pose {
             sum[0] -= fx * c + fy * s;
             sum[1] -= fy * c - fx * s;
         }
+        let pair = |contact: &PairContact| {
+            let wheel = contact.wheel;
+            pair(gearbox, phi + phases[wheel], found.wheels[wheel], contact)
+        };
         let pose = Self {
             error_rad: found.output - gearbox.geometry.ideal_output_angle(phi),
-            pairs: touching
-                .iter()
-                .map(|contact| {
-                    let wheel = contact.wheel;
-                    pair(gearbox, phi + phases[wheel], found.wheels[wheel], contact)
-                })
-                .collect(),
+            pairs: touching.iter().map(pair).collect(),
             bearings,
         };
         *near = Some(found);
@@ -210,21 +205,16 @@ impl Sharing {
             *place = place.max(pair.force_n);
         }
         let largest = |pose: &&Pose| {
-            pose.of(stage)
-                .map(|pair| pair.force_n)
-                .fold(0.0_f64, f64::max)
+            let forces = pose.of(stage).map(|pair| pair.force_n);
+            forces.fold(0.0_f64, f64::max)
         };
+        let touching = |pose: &&Pose| pose.of(stage).count() as f64 / wheels as f64;
+        let place = |k: usize| 180.0 * ((k as f64 + 0.5) / PLACES as f64 - 1.0);
         Self {
             stage,
             largest_force_n: Spread::of(poses.iter().map(largest)),
-            touching: Spread::of(
-                poses
-                    .iter()
-                    .map(|pose| pose.of(stage).count() as f64 / wheels as f64),
-            ),
-            place_deg: (0..2 * PLACES)
-                .map(|k| 180.0 * ((k as f64 + 0.5) / PLACES as f64 - 1.0))
-                .collect(),
+            touching: Spread::of(poses.iter().map(touching)),
+            place_deg: (0..2 * PLACES).map(place).collect(),
             force_n: force,
         }
     }
@@ -289,17 +279,14 @@ impl Bearing {
             let forces = poses.iter().map(move |pose| pose.bearings[wheel][part]);
             forces.collect::<Vec<f64>>()
         };
-        (0..wheels)
-            .map(|wheel| Self {
-                wheel,
-                force_n: Spread::of(poses.iter().map(|pose| {
-                    let [radial, tangential] = pose.bearings[wheel];
-                    radial.hypot(tangential)
-                })),
-                radial_n: part(wheel, 0),
-                tangential_n: part(wheel, 1),
-                radial_harmonics: Vec::new(),
-            })
-            .collect()
+        let size = |[radial, tangential]: [f64; 2]| radial.hypot(tangential);
+        let bearing = |wheel: usize| Self {
+            wheel,
+            force_n: Spread::of(poses.iter().map(|pose| size(pose.bearings[wheel]))),
+            radial_n: part(wheel, 0),
+            tangential_n: part(wheel, 1),
+            radial_harmonics: Vec::new(),
+        };
+        (0..wheels).map(bearing).collect()
     }
 }

@@ -209,11 +209,8 @@ pub(crate) fn figures_of(
         )));
     }
     let of_scene = |source| of_scene(scene, source);
-    let total = 3 + if runs {
-        1 + SPEEDS.len() * TORQUES.len()
-    } else {
-        0
-    };
+    let dynamic = 1 + SPEEDS.len() * TORQUES.len();
+    let total = 3 + usize::from(runs) * dynamic;
     let step = |done: usize, what: &str| -> Result<(), StudyError> {
         (control.progress)(Progress::new(done, total, what));
         Ok(control.check()?)
@@ -347,18 +344,11 @@ fn curve(
     working: f64,
 ) -> Result<(Vec<f64>, Vec<f64>), GearboxError> {
     // No point at 0: with backlash the output has no place there.
-    let shares = (1..=CURVE).map(|k| k as f64 / CURVE as f64);
-    let shares: Vec<f64> = shares
-        .clone()
-        .rev()
-        .map(|share| -share)
-        .chain([-LOST, LOST])
-        .chain(shares)
-        .collect();
-    let twists = shares
-        .iter()
-        .map(|&share| twist(statics, gearbox, 0.0, share * working, working));
-    let twists = twists.collect::<Result<_, _>>()?;
+    let up = (1..=CURVE).map(|k| k as f64 / CURVE as f64);
+    let down = up.clone().rev().map(|share| -share);
+    let shares: Vec<f64> = down.chain([-LOST, LOST]).chain(up).collect();
+    let at = |share: &f64| twist(statics, gearbox, 0.0, share * working, working);
+    let twists = shares.iter().map(at).collect::<Result<_, _>>()?;
     let torques = shares.iter().map(|share| share * working.abs());
     Ok((torques.collect(), twists))
 }
@@ -381,16 +371,14 @@ fn operating(
     let gearbox = compile(&scene)?;
     let found = single::run(&gearbox, &Native::REDUCED, false, control)?;
     let account = found.run.stats.energy.last();
-    let efficiency = account
-        .filter(|_| found.run.ending.is_finished())
-        .and_then(Efficiency::of);
+    let account = account.filter(|_| found.run.ending.is_finished());
+    let efficiency = account.and_then(Efficiency::of);
     let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
+    let known = efficiency.zip(error);
     Ok(Operating {
         input_speed_rad_s: gearbox.scene.drive.input_speed_rad_s,
         output_torque_n_m: torque,
-        uncertainty: efficiency
-            .zip(error)
-            .map(|(e, error)| e.of_losses * error.driver_torque),
+        uncertainty: known.map(|(e, error)| e.of_losses * error.driver_torque),
         efficiency,
         status: found.run.ending.word(),
     })
