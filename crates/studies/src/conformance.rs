@@ -326,13 +326,13 @@ impl Trials<'_> {
                 worst = (off, &channel.name);
             }
         }
-        if !(worst.0 <= FIRST) {
+        let (off, name) = worst;
+        if !(off <= FIRST) {
             return failed(format!(
-                "{} is {:.1e} off at t = 0, relative to its peak",
-                worst.1, worst.0
+                "{name} is {off:.1e} off at t = 0, relative to its peak"
             ));
         }
-        Ok(format!("within {:.0e} of the native solver", worst.0))
+        Ok(format!("within {off:.0e} of the native solver"))
     }
 
     /// At rest under load, the balances of power and torque say what must come.
@@ -386,10 +386,8 @@ impl Trials<'_> {
         if one.time_series == two.time_series {
             return Ok("equal".to_owned());
         }
-        failed(format!(
-            "they differ by {:.1e}",
-            distance(&one.time_series, &two.time_series)
-        ))
+        let apart = distance(&one.time_series, &two.time_series);
+        failed(format!("they differ by {apart:.1e}"))
     }
 
     /// The finest of three runs, and what parts them.
@@ -606,11 +604,8 @@ fn distance(a: &TimeSeries, b: &TimeSeries) -> f64 {
     let apart = counted.filter_map(|quantity| {
         let whole = 0..a.len().min(b.len());
         let a = View::of(a, &quantity.channels, whole.clone())?;
-        Some(relative_l2(
-            &a,
-            &View::of(b, &quantity.channels, whole)?,
-            0.0,
-        ))
+        let b = View::of(b, &quantity.channels, whole)?;
+        Some(relative_l2(&a, &b, 0.0))
     });
     let worse = |worst, share: f64| {
         if share.is_nan() {

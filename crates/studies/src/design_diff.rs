@@ -330,10 +330,8 @@ fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<FigureDiff> {
                 uncertainty,
             ));
         };
-        let (mean, peak) = (
-            statistics.map(|s| Some(s?.mean)),
-            statistics.map(|s| Some(s?.peak)),
-        );
+        let mean = statistics.map(|s| Some(s?.mean));
+        let peak = statistics.map(|s| Some(s?.peak));
         row("mean", mean, uncertainty.map(|u| u?.mean.u()));
         row("peak", peak, uncertainty.map(|u| u?.peak.u()));
     }

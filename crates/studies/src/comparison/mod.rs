@@ -98,14 +98,8 @@ pub fn run_with(
     let (mut participants, mut evidence) = (Vec::new(), Vec::new());
     for (done, engine) in input.engines.iter().enumerate() {
         let at = Progress::new(done + 1, total, engine.name());
-        let (participant, shown) = refine::refine(
-            engine.as_ref(),
-            input.gearbox,
-            &context,
-            effort,
-            at,
-            control,
-        )?;
+        let (engine, gearbox) = (engine.as_ref(), input.gearbox);
+        let (participant, shown) = refine(engine, gearbox, &context, effort, at, control)?;
         participants.push(participant);
         evidence.push(shown);
     }
@@ -170,11 +164,8 @@ impl Outcome {
     /// A file cannot be written.
     pub fn write(&self, dir: &Path, made: &Provenance) -> Result<(), OutputError> {
         for participant in &self.participants {
-            let ran = matches!(
-                participant.status,
-                Status::Finished | Status::Diverged { .. }
-            );
-            if !ran {
+            let (status, cost) = (&participant.status, &participant.cost);
+            if !matches!(status, Status::Finished | Status::Diverged { .. }) {
                 continue;
             }
             let place = output::folder(dir, &participant.name)?;
@@ -184,7 +175,6 @@ impl Outcome {
                 continue;
             }
             let engine = (&*participant.name, &*participant.version, participant.track);
-            let (status, cost) = (&participant.status, &participant.cost);
             RunRecord::new(engine, &self.gearbox.scene, status, cost, made)
                 .write(&place, &participant.time_series)?;
         }

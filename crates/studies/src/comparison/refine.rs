@@ -12,7 +12,7 @@ use pinwheel_compare::{
     Context, Evidence, Level, Participant, RESOLUTION, RefinementStudy, Rules, Status, Track,
     Uncertainty, compare,
 };
-use pinwheel_engines::{Engine, Form, Native};
+use pinwheel_engines::{Engine, Form, Knob, Native, Refinement};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, Plan};
 use pinwheel_mbs::integrators::{Family, UNSEEN, method};
@@ -91,14 +91,6 @@ const MOST: f64 = 8.0;
 /// How much dearer a run at a tenth of the tolerance is.
 const DECADE: f64 = 1.8;
 
-/// What sets the error of an engine.
-enum Knob {
-    /// A fixed step of a method of this order.
-    Step(f64),
-    /// The tolerance of an adaptive method.
-    Tolerance,
-}
-
 /// An engine, and how its error is set.
 struct Engines<'a> {
     /// For the finest run as the scene has it.
@@ -107,7 +99,10 @@ struct Engines<'a> {
     levels: Option<Box<dyn Engine>>,
     /// The gearbox with a named method.
     gearbox: Gearbox,
+    /// What sets its error.
     knob: Knob,
+    /// Of the error in a step.
+    order: f64,
     /// Step (s) or tolerance of the finest run.
     value: f64,
     /// Whether its friction is not ours or explicit: at a prescribed step more may not be asked of it.
@@ -126,12 +121,13 @@ const ROSENBROCK: f64 = 1e-6;
 const EXPLICIT: &str = "its friction is not ours or explicit, and takes steps of about 2e-7 s";
 
 impl<'a> Engines<'a> {
-    fn new(own: &'a dyn Engine, gearbox: Gearbox, knob: Knob, value: f64) -> Self {
+    fn new(own: &'a dyn Engine, gearbox: Gearbox, by: Refinement, value: f64) -> Self {
         Self {
             own,
             levels: None,
             gearbox,
-            knob,
+            knob: by.knob,
+            order: by.order,
             value,
             explicit_friction: false,
             floor: 0.0,
@@ -149,15 +145,15 @@ impl<'a> Engines<'a> {
             None => info.refinement?,
         };
         let solver = &gearbox.scene.solver;
-        let foreign = |knob, value| Self::new(own, gearbox.clone(), knob, value);
+        let foreign = |value| Self::new(own, gearbox.clone(), refinement, value);
         Some(match refinement.knob {
-            pinwheel_engines::Knob::Step => Self {
+            Knob::Step => Self {
                 explicit_friction: gearbox.scene.contact.friction_coefficient > 0.0,
                 floor: info.floor,
-                ..foreign(Knob::Step(refinement.order), solver.step_s)
+                ..foreign(solver.step_s)
             },
             // Error control follows the friction.
-            pinwheel_engines::Knob::Tolerance => foreign(Knob::Tolerance, solver.tolerance),
+            Knob::Tolerance => foreign(solver.tolerance),
         })
     }
 
@@ -168,11 +164,12 @@ impl<'a> Engines<'a> {
         let (knob, value) = if method.adaptive {
             (Knob::Tolerance, solver.tolerance)
         } else {
-            (Knob::Step(f64::from(method.order)), solver.step_s)
+            (Knob::Step, solver.step_s)
         };
+        let order = f64::from(method.order);
         Some(Self {
             common_error: method.unseen,
-            ..Self::new(own, gearbox, knob, value)
+            ..Self::new(own, gearbox, Refinement { knob, order }, value)
         })
     }
 
@@ -183,12 +180,13 @@ impl<'a> Engines<'a> {
         let (knob, value) = if plan.adaptive() {
             (Knob::Tolerance, plan.tolerance)
         } else {
-            (Knob::Step(2.0), plan.step_s)
+            (Knob::Step, plan.step_s)
         };
+        let by = Refinement { knob, order: 2.0 };
         Some(Self {
             levels: Some(Box::new(Native::REDUCED)),
             common_error: method(plan.integrator).map_or(0.0, |method| method.unseen),
-            ..Self::new(own, plan.applied(gearbox).ok()?, knob, value)
+            ..Self::new(own, plan.applied(gearbox).ok()?, by, value)
         })
     }
 
@@ -220,8 +218,8 @@ impl<'a> Engines<'a> {
     fn method(&self) -> Method {
         let points = self.gearbox.scene.contact.detection == Detection::Points;
         match self.knob {
-            Knob::Step(order) => Method::Step {
-                order,
+            Knob::Step => Method::Step {
+                order: self.order,
                 limit: Some(match self.has_friction() || points {
                     true => FRICTION,
                     false => CONTACTS,
@@ -233,7 +231,7 @@ impl<'a> Engines<'a> {
 
     /// Begins where two coarser runs are possible.
     fn leave_room(&mut self) {
-        if let Knob::Step(_) = self.knob {
+        if self.knob == Knob::Step {
             self.value = self.value.min(self.gearbox.scene.solver.sample_s / 4.0);
         }
     }
@@ -241,7 +239,7 @@ impl<'a> Engines<'a> {
     /// Two coarser settings than `value`; fewer where a step would be longer than the samples are apart.
     fn coarser(&self, value: f64) -> Vec<f64> {
         let solver = &self.gearbox.scene.solver;
-        let Knob::Step(_) = self.knob else {
+        if self.knob == Knob::Tolerance {
             // The resolved form is dear, and its error small: its levels are further apart.
             let family = method(&solver.integrator).map(|method| method.family);
             let factor = match family {
@@ -251,7 +249,7 @@ impl<'a> Engines<'a> {
                 _ => 10.0,
             };
             return vec![value * factor, value * factor * factor];
-        };
+        }
         // No step is longer than the samples are apart: engines end one at each, so a longer one would show nothing.
         let sample_s = solver.sample_s;
         let steps = sample_s / value;
@@ -285,7 +283,7 @@ impl<'a> Engines<'a> {
             None => self.own,
         };
         let set = self.gearbox.with_solver(|solver| match self.knob {
-            Knob::Step(_) => solver.step_s = value.min(solver.duration_s),
+            Knob::Step => solver.step_s = value.min(solver.duration_s),
             Knob::Tolerance => solver.tolerance = value.min(1e-2),
         });
         // The resolved form takes its settings from the scene as it is.
@@ -299,7 +297,7 @@ impl<'a> Engines<'a> {
     /// What no run of its refinement study shows, as a share of a quantity, where the finest has this setting.
     fn left(&self, value: f64) -> f64 {
         match self.knob {
-            Knob::Step(_) => self.floor,
+            Knob::Step => self.floor,
             Knob::Tolerance => self.floor.max(self.common_error * value),
         }
     }
@@ -316,7 +314,7 @@ impl<'a> Engines<'a> {
     /// How much dearer a run is whose setting is `factor` times finer.
     fn dearer(&self, factor: f64) -> f64 {
         match self.knob {
-            Knob::Step(_) => factor,
+            Knob::Step => factor,
             Knob::Tolerance => DECADE.powf(factor.log10()),
         }
     }
@@ -455,7 +453,7 @@ pub(crate) fn refine(
             return Ok((finest, settled(evidence, &engines, is_final, found)));
         };
         let (mut factor, least) = match engines.knob {
-            Knob::Step(_) => (2_f64.powf(needed.log2().ceil()).clamp(2.0, MOST), 2.0),
+            Knob::Step => (2_f64.powf(needed.log2().ceil()).clamp(2.0, MOST), 2.0),
             Knob::Tolerance => (10_f64.powf(needed.log10().ceil()).clamp(10.0, 100.0), 10.0),
         };
         let next = |factor: f64| finest.cost.wall_s * engines.dearer(factor);

@@ -192,9 +192,9 @@ impl Joint {
             let _ = writeln!(text, "    {what}");
         };
         line("Equivalent joint of a cycloidal gear; SI units, angles in rad.");
+        let ratio = self.ratio;
         line(&format!(
-            "ratio: {}; input and output turn against each other",
-            self.ratio
+            "ratio: {ratio}; input and output turn against each other"
         ));
         for figure in &self.figures {
             let off = figure.uncertainty.filter(|u| *u > 0.0);

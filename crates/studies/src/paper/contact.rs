@@ -44,10 +44,9 @@ fn run(runs: &Runs<'_>, model: Model, backlash: f64) -> Result<Rc<Run>, StudyErr
 }
 
 fn course<'a>(time_series: &'a TimeSeries, name: &str, contact: &Contact) -> &'a [f64] {
-    time_series
-        .channel(&format!("{name}_{}", contact.sleeve))
-        .and_then(|values| values.get(contact.samples.clone()))
-        .unwrap_or(&[])
+    let values = time_series.channel(&format!("{name}_{}", contact.sleeve));
+    let values = values.and_then(|values| values.get(contact.samples.clone()));
+    values.unwrap_or(&[])
 }
 
 /// All contacts of wheel 0 that begin after `from` and have ended in the run. Gaps of a few samples, a sleeve

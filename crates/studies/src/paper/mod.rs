@@ -69,10 +69,8 @@ pub fn named(word: &str) -> Result<String, String> {
     if NAMES.contains(&name) {
         return Ok(name.to_owned());
     }
-    Err(format!(
-        "there is no figure `{word}`; name some of {}",
-        NAMES.join(", ")
-    ))
+    let names = NAMES.join(", ");
+    Err(format!("there is no figure `{word}`; name some of {names}"))
 }
 
 /// What to compute.

@@ -117,23 +117,23 @@ fn suspects() -> [Suspect; 5] {
     fn impact(scene: &mut Scene) {
         "adams-impact".clone_into(&mut scene.contact.law);
     }
+    fn stiff(scene: &mut Scene) {
+        impact(scene);
+        scene.contact.constant_stiffness_n_m15 *= 40.0;
+    }
     fn facets(scene: &mut Scene, count: usize) {
         scene.contact.detection = Detection::Points;
         (scene.contact.wheel_points, scene.contact.hole_points) = (count, 20);
     }
     [
         ("one stiffness for all contacts, Adams' IMPACT", impact),
-        ("the same with 40 times the stiffness", |s| {
-            impact(s);
-            s.contact.constant_stiffness_n_m15 *= 40.0;
-        }),
+        ("the same with 40 times the stiffness", stiff),
         ("a faceted wheel, 600 vertices", |s| facets(s, 600)),
         ("a faceted wheel, 300 vertices", |s| facets(s, 300)),
         (
             "a faceted wheel, 300 vertices, IMPACT of 40 times the stiffness",
             |s| {
-                impact(s);
-                s.contact.constant_stiffness_n_m15 *= 40.0;
+                stiff(s);
                 facets(s, 300);
             },
         ),

@@ -19,10 +19,8 @@ pub(super) const DYING: (f64, f64) = (0.06, 0.15);
 /// The values of one channel within a window; none if there is no such channel.
 pub(super) fn part<'a>(time_series: &'a TimeSeries, name: &str, window: (f64, f64)) -> &'a [f64] {
     let range = time_series.window(window.0, window.1);
-    time_series
-        .channel(name)
-        .and_then(|values| values.get(range))
-        .unwrap_or(&[])
+    let values = time_series.channel(name);
+    values.and_then(|values| values.get(range)).unwrap_or(&[])
 }
 
 /// The sample times within a window.
@@ -34,9 +32,8 @@ pub(super) fn times(time_series: &TimeSeries, window: (f64, f64)) -> Vec<f64> {
 pub(super) fn all(time_series: &TimeSeries, group: &str, window: (f64, f64)) -> Vec<f64> {
     let range = time_series.window(window.0, window.1);
     let channels = time_series.group(group);
-    let parts = channels
-        .iter()
-        .filter_map(|values| values.get(range.clone()));
+    let channels = channels.iter();
+    let parts = channels.filter_map(|values| values.get(range.clone()));
     parts.flatten().copied().collect()
 }
 

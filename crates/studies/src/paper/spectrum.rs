@@ -38,13 +38,13 @@ fn predicted(scene: &Scene, highest: f64) -> Vec<(f64, &'static str)> {
     let external = scene.gear.external_sleeves as f64;
     let internal = scene.gear.internal_sleeves as f64 * external / scene.gear.lobes() as f64;
     let multiples = |order: f64, name| {
-        (1..)
-            .map(move |k| f64::from(k) * order)
-            .take_while(move |o| *o <= highest)
-            .map(move |o| (o, name))
+        let orders = (1..).map(move |k| f64::from(k) * order);
+        let orders = orders.take_while(move |o| *o <= highest);
+        orders.map(move |o| (o, name))
     };
+    let internal = multiples(internal, "internal mesh");
     multiples(external, "external mesh")
-        .chain(multiples(internal, "internal mesh"))
+        .chain(internal)
         .collect()
 }
 

@@ -68,16 +68,13 @@ fn table(plot: &Plot) -> Table {
         "Time (s)" => "time_s",
         label => label,
     };
-    let others = plot
-        .curves
-        .iter()
-        .map(|curve| Column::numbers(format!("{}: {}", plot.y_label, curve.label), &curve.y));
-    Table {
-        caption: plot.title.clone(),
-        columns: std::iter::once(Column::numbers(first, &plot.x))
-            .chain(others)
-            .collect(),
-    }
+    let mut columns = vec![Column::numbers(first, &plot.x)];
+    columns.extend(plot.curves.iter().map(|curve| {
+        let name = format!("{}: {}", plot.y_label, curve.label);
+        Column::numbers(name, &curve.y)
+    }));
+    let caption = plot.title.clone();
+    Table { caption, columns }
 }
 
 #[cfg(test)]

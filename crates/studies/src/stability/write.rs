@@ -45,10 +45,9 @@ impl Atlas {
     pub fn resume(dir: &Path, options: &Options) -> Result<Self, StudyError> {
         let place = dir.join("summary.json");
         let refuse = |what: String| {
-            StudyError::Input(format!(
-                "--resume: {}: {what}; leave out --resume to begin anew",
-                place.display()
-            ))
+            let place = place.display();
+            let what = format!("--resume: {place}: {what}; leave out --resume to begin anew");
+            StudyError::Input(what)
         };
         let text = std::fs::read_to_string(&place)
             .map_err(|error| refuse(format!("cannot be read: {error}")))?;
@@ -72,50 +71,33 @@ impl Atlas {
             cells.map(move |cell| (row, cell))
         });
         type Row<'a> = (&'a SceneRow, Option<&'a Cell>);
-        let figure = |of: fn(&Cell) -> Option<f64>| move |row: &Row<'_>| of(row.1?);
         let word = |of: fn(&Cell) -> String| move |row: &Row<'_>| row.1.map(of).unwrap_or_default();
         Table::of("Every scene with every method", rows)
             .text("scene", "Scene", |(row, _)| &row.scene)
-            .text(
-                "formulation",
-                "Formulation",
-                word(|cell| cell.method.form().to_owned()),
-            )
-            .text(
-                "integrator",
-                "Integrator",
-                word(|cell| cell.method.integrator.clone()),
-            )
-            .number(
-                "tolerance",
-                "Tolerance",
-                figure(|cell| cell.method.tolerance),
-            )
-            .number(
-                "error_forces",
-                "Forces",
-                figure(|cell| Some(cell.error?.forces)),
-            )
-            .number(
-                "error_driver_torque",
-                "Driver torque",
-                figure(|cell| Some(cell.error?.driver_torque)),
-            )
+            .text("formulation", "Formulation", |row| {
+                row.1.map_or("", |cell| cell.method.form())
+            })
+            .text("integrator", "Integrator", |row| {
+                row.1.map_or("", |cell| &cell.method.integrator)
+            })
+            .number("tolerance", "Tolerance", |row| row.1?.method.tolerance)
+            .number("error_forces", "Forces", |row| Some(row.1?.error?.forces))
+            .number("error_driver_torque", "Driver torque", |row| {
+                Some(row.1?.error?.driver_torque)
+            })
             .text(
                 "failure",
                 "Failure",
                 word(|cell| said(cell.failure.as_ref(), Failure::word)),
             )
-            .number(
-                "largest_step_s",
-                "Largest step",
-                figure(|cell| cell.largest_step_s),
-            )
-            .text(
-                "never_failed",
-                "",
-                word(|cell| cell.never_failed.to_string()),
-            )
+            .number("largest_step_s", "Largest step", |row| {
+                row.1?.largest_step_s
+            })
+            .text("never_failed", "", |row| {
+                row.1
+                    .map(|cell| cell.never_failed.to_string())
+                    .unwrap_or_default()
+            })
             .text(
                 "fails_first",
                 "Fails first",
@@ -126,16 +108,10 @@ impl Atlas {
                 "",
                 word(|cell| said(cell.fails_first.as_ref(), Failure::sentence)),
             )
-            .number(
-                "energy_remainder_share",
-                "Energy",
-                figure(|cell| cell.energy_remainder_share),
-            )
-            .number(
-                "joint_drift_m",
-                "Joints",
-                figure(|cell| Some(cell.joint_drift_m)),
-            )
+            .number("energy_remainder_share", "Energy", |row| {
+                row.1?.energy_remainder_share
+            })
+            .number("joint_drift_m", "Joints", |row| Some(row.1?.joint_drift_m))
             .whole("evaluations", "Evaluations", |row| Some(row.1?.evaluations))
             .text("refused", "Refused", |(row, cell)| {
                 let reason = row.refused.as_deref().filter(|_| cell.is_none());

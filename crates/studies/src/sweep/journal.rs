@@ -353,10 +353,8 @@ fn json(record: &RunRecord) -> String {
 
 /// The file of a run in a journal's folder.
 fn place(folder: &Path, identity: &str, extension: &str) -> PathBuf {
-    folder.join(format!(
-        "{PREFIX}{:016x}.{extension}",
-        fnv(identity.bytes())
-    ))
+    let hash = fnv(identity.bytes());
+    folder.join(format!("{PREFIX}{hash:016x}.{extension}"))
 }
 
 /// Keeps the time series of a run in a journal's folder: on the disk before they have their name. Its record comes last: where it

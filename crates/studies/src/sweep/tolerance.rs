@@ -262,12 +262,9 @@ fn quantile(sorted: &[f64], share: f64) -> Quantile {
     let value = sorted[below] + (at - below as f64) * (sorted[above] - sorted[below]);
     // The place of the quantile among the order statistics is binomial.
     let interval = Binomial::new(share, count as u64).map_or([None; 2], |places| {
-        let low = places.inverse_cdf(TAIL) as usize;
+        let low = (places.inverse_cdf(TAIL) as usize).checked_sub(1);
         let high = places.inverse_cdf(1.0 - TAIL) as usize;
-        [
-            low.checked_sub(1).map(|k| sorted[k]),
-            sorted.get(high).copied(),
-        ]
+        [low.map(|k| sorted[k]), sorted.get(high).copied()]
     });
     Quantile {
         share,
