@@ -4,6 +4,7 @@
 //! an interrupted build leaves is removed by the next.
 
 use std::fs::{self, File, TryLockError};
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -24,59 +25,37 @@ pub(crate) use call::{Note, call};
 /// Names another folder than the user's cache folder.
 pub(crate) const CACHE: &str = "PINWHEEL_CACHE";
 
-/// Why something that an engine needs cannot be had.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum Missing {
-    /// One line with the remedy.
-    #[error("{0}")]
-    Because(String),
-    /// The user asked to stop.
-    #[error("stopped")]
-    Stopped,
+/// The file system refused to keep what an engine needs.
+pub(crate) fn storage(path: &Path, reason: impl ToString) -> Halt {
+    let (path, reason) = (path.display(), reason.to_string());
+    Ending::Absent {
+        reason: format!("{path}: {reason}; make room there, or choose another folder with {CACHE}"),
+    }
+    .into()
 }
 
-impl Missing {
-    /// A failure, unless it is the user's wish.
-    pub(crate) fn of(cancel: &AtomicBool, because: impl FnOnce() -> String) -> Self {
-        if cancel.load(Ordering::Relaxed) {
-            Self::Stopped
-        } else {
-            Self::Because(because())
-        }
-    }
-
-    /// The file system refused.
-    pub(crate) fn storage(path: &Path, reason: impl ToString) -> Self {
-        Self::Because(format!(
-            "{}: {}; make room there, or choose another folder with {CACHE}",
-            path.display(),
-            reason.to_string()
-        ))
-    }
-}
-
-impl From<Missing> for Halt {
-    fn from(missing: Missing) -> Self {
-        match missing {
-            Missing::Because(reason) => Ending::Absent { reason }.into(),
-            Missing::Stopped => Cancelled.into(),
-        }
+/// A failure, unless the user asked to stop: then that is why.
+pub(crate) fn unless_stopped(cancel: &AtomicBool, failure: Halt) -> Halt {
+    if cancel.load(Ordering::Relaxed) {
+        Cancelled.into()
+    } else {
+        failure
     }
 }
 
 /// What was made in this process, or why it cannot be had, found out once: asking again for every engine of a comparison
 /// would only take time. A stop by the user is forgotten.
-pub(crate) struct Kept<T>(Mutex<Option<Result<T, Missing>>>);
+pub(crate) struct Kept<T>(Mutex<Option<Result<T, Halt>>>);
 
 impl<T: Clone> Kept<T> {
     pub(crate) const fn new() -> Self {
         Self(Mutex::new(None))
     }
 
-    pub(crate) fn get(&self, make: impl FnOnce() -> Result<T, Missing>) -> Result<T, Missing> {
+    pub(crate) fn get(&self, make: impl FnOnce() -> Result<T, Halt>) -> Result<T, Halt> {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let found = kept.take().unwrap_or_else(make);
-        if !matches!(found, Err(Missing::Stopped)) {
+        if !matches!(found, Err(Halt::Cancelled(_))) {
             *kept = Some(found.clone());
         }
         found
@@ -84,17 +63,16 @@ impl<T: Clone> Kept<T> {
 }
 
 /// The folder of all that is made once and kept.
-pub(crate) fn folder() -> Result<PathBuf, Missing> {
+pub(crate) fn folder() -> Result<PathBuf, Halt> {
     let own = || Some(dirs::cache_dir()?.join("pinwheel"));
     let folder = crate::variable(CACHE).map(PathBuf::from).or_else(own);
-    let folder =
-        folder.ok_or_else(|| Missing::storage(Path::new("~"), "there is no home folder"))?;
-    fs::create_dir_all(&folder).map_err(|error| Missing::storage(&folder, error))?;
-    fs::canonicalize(&folder).map_err(|error| Missing::storage(&folder, error))
+    let folder = folder.ok_or_else(|| storage(Path::new("~"), "there is no home folder"))?;
+    fs::create_dir_all(&folder).map_err(|error| storage(&folder, error))?;
+    fs::canonicalize(&folder).map_err(|error| storage(&folder, error))
 }
 
 /// A folder with these files (name, text), kept under a name that depends on them.
-pub(crate) fn laid_out<N: AsRef<str>>(name: &str, files: &[(N, &str)]) -> Result<PathBuf, Missing> {
+pub(crate) fn laid_out<N: AsRef<str>>(name: &str, files: &[(N, &str)]) -> Result<PathBuf, Halt> {
     let texts = files.iter().flat_map(|(name, text)| [name.as_ref(), *text]);
     let texts: Vec<&str> = texts.collect();
     let folder = folder()?.join(format!("{name}-{:016x}", fingerprint(&texts)));
@@ -104,7 +82,7 @@ pub(crate) fn laid_out<N: AsRef<str>>(name: &str, files: &[(N, &str)]) -> Result
             continue;
         }
         // Whole or not at all, also for a process that reads at this moment.
-        replace(&path, text.as_bytes()).map_err(|error| Missing::storage(&path, error.reason))?;
+        replace(&path, text.as_bytes()).map_err(|error| storage(&path, error.reason))?;
     }
     Ok(folder)
 }
@@ -118,7 +96,7 @@ pub(crate) struct Made<'a, T> {
     /// What is in a folder that is whole.
     pub(crate) whole: &'a dyn Fn(&Path) -> Option<T>,
     /// Fills an empty folder.
-    pub(crate) build: &'a dyn Fn(&Path, &Note) -> Result<(), Missing>,
+    pub(crate) build: &'a dyn Fn(&Path, &Note) -> Result<(), Halt>,
 }
 
 impl<T> Made<'_, T> {
@@ -126,7 +104,7 @@ impl<T> Made<'_, T> {
     ///
     /// # Errors
     /// The build's; a folder that cannot be written; a stop.
-    pub(crate) fn once(&self, cache: &Path, cancel: &AtomicBool) -> Result<T, Missing> {
+    pub(crate) fn once(&self, cache: &Path, cancel: &AtomicBool) -> Result<T, Halt> {
         let folder = cache.join(self.name);
         if let Some(found) = (self.whole)(&folder) {
             return Ok(found);
@@ -137,23 +115,20 @@ impl<T> Made<'_, T> {
             return Ok(found);
         }
         remove_leftovers(cache, self.name);
-        let storage = |error| Missing::storage(&folder, error);
-        let draft = draft_in(cache, &drafts_of(self.name)).map_err(storage)?;
+        let refused = |error: io::Error| storage(&folder, error);
+        let draft = draft_in(cache, &drafts_of(self.name)).map_err(refused)?;
         let note = Note::new(self.title);
         let built = (self.build)(draft.path(), &note);
         drop(note);
         // Whatever it complains of, a stop is why.
-        built.map_err(|error| Missing::of(cancel, || error.to_string()))?;
+        built.map_err(|failure| unless_stopped(cancel, failure))?;
         if folder.exists() {
-            fs::remove_dir_all(&folder).map_err(storage)?;
+            fs::remove_dir_all(&folder).map_err(refused)?;
         }
-        fs::rename(draft.keep(), &folder).map_err(storage)?;
-        (self.whole)(&folder).ok_or_else(|| match cancel.load(Ordering::Relaxed) {
-            true => Missing::Stopped,
-            false => {
-                let reason = "what was just made does not start, or lacks what was asked for";
-                Missing::storage(&folder, reason)
-            }
+        fs::rename(draft.keep(), &folder).map_err(refused)?;
+        (self.whole)(&folder).ok_or_else(|| {
+            let reason = "what was just made does not start, or lacks what was asked for";
+            unless_stopped(cancel, storage(&folder, reason))
         })
     }
 }
@@ -174,13 +149,13 @@ fn remove_leftovers(cache: &Path, name: &str) {
 }
 
 /// An exclusive lock, held as long as the file lives; the system frees it when a process dies.
-pub(crate) fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, Missing> {
+pub(crate) fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, Halt> {
     let file = File::options()
         .create(true)
         .truncate(false)
         .write(true)
         .open(path)
-        .map_err(|error| Missing::storage(path, error))?;
+        .map_err(|error| storage(path, error))?;
     let mut note = None;
     loop {
         match file.try_lock() {
@@ -189,11 +164,11 @@ pub(crate) fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, Missing> {
                 note.get_or_insert_with(|| Note::new("waiting"))
                     .say("another process makes what this one needs");
                 if cancel.load(Ordering::Relaxed) {
-                    return Err(Missing::Stopped);
+                    return Err(Cancelled.into());
                 }
                 thread::sleep(Duration::from_millis(100));
             }
-            Err(TryLockError::Error(error)) => return Err(Missing::storage(path, error)),
+            Err(TryLockError::Error(error)) => return Err(storage(path, error)),
         }
     }
 }

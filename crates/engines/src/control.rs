@@ -110,27 +110,21 @@ impl<'a> Control<'a> {
 
     /// The same for a run that is the piece `at` of a study.
     #[must_use]
-    pub fn piece<'b>(&self, at: Progress<'b>) -> Control<'b>
-    where
-        'a: 'b,
-    {
-        Control { at, ..*self }
+    pub fn piece(self, at: Progress<'a>) -> Self {
+        Self { at, ..self }
     }
 
     /// The same piece, stopped and observed by others.
     #[must_use]
-    pub fn limited<'b>(
-        &self,
-        cancel: &'b AtomicBool,
-        progress: &'b (dyn Fn(Progress<'_>) + Sync),
-    ) -> Control<'b>
-    where
-        'a: 'b,
-    {
-        Control {
+    pub fn limited(
+        self,
+        cancel: &'a AtomicBool,
+        progress: &'a (dyn Fn(Progress<'_>) + Sync),
+    ) -> Self {
+        Self {
             cancel,
             progress,
-            ..*self
+            ..self
         }
     }
 

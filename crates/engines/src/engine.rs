@@ -202,7 +202,7 @@ impl<E: Engine + ?Sized> Engine for &E {
 ///
 /// impl Engine for Frozen {
 ///     fn info(&self) -> EngineInfo<'_> {
-///         EngineInfo::own("frozen", Track::SharedLaw, "nothing moves")
+///         EngineInfo::own("frozen", Track::SharedLaw)
 ///     }
 ///     fn version(&self) -> String { "1".into() }
 ///
@@ -317,6 +317,14 @@ pub trait Engine: Send + Sync {
 /// An engine made ready for one scene: runs it from its start, and may be called again. A divergence keeps what was computed;
 /// an error is a stop, or an ending without time series.
 pub type Prepared<'a> = Box<dyn Fn(&Control<'_>) -> Result<Run, Halt> + 'a>;
+
+/// A run of `gearbox` by `run`.
+pub(crate) fn prepared<'a>(
+    gearbox: Gearbox,
+    run: impl Fn(&Gearbox, &Control<'_>) -> Result<Run, Halt> + 'a,
+) -> Prepared<'a> {
+    Box::new(move |control| run(&gearbox, control))
+}
 
 /// The scene compiled, after another.
 pub(crate) fn compile(last: Option<&Gearbox>, scene: &CheckedScene) -> Result<Gearbox, Ending> {

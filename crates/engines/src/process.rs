@@ -198,12 +198,9 @@ fn signal(_pid: u32, _which: Signal) {}
 #[cfg(unix)]
 fn has_ended(child: &mut Child) -> bool {
     use rustix::process::{Pid, WaitId, WaitIdOptions, waitid};
-    let Some(pid) = i32::try_from(child.id()).ok().and_then(Pid::from_raw) else {
-        return true;
-    };
     let how = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
     // An error: it is nobody's child any more.
-    waitid(WaitId::Pid(pid), how).map_or(true, |status| status.is_some())
+    waitid(WaitId::Pid(Pid::from_child(child)), how).map_or(true, |status| status.is_some())
 }
 
 #[cfg(not(unix))]

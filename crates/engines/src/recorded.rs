@@ -8,11 +8,12 @@ use std::fmt::Write as _;
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Scene, Solver};
+use pinwheel_timeseries::norms::rows_at;
 use pinwheel_timeseries::{RecordedUncertainty, TimeSeries};
 use serde::{Deserialize, Serialize};
 
-use crate::control::{Cancelled, Control};
-use crate::engine::{Ending, Engine, Halt, Knob, Prepared, Run, RunStats};
+use crate::control::Cancelled;
+use crate::engine::{Ending, Engine, Halt, Knob, Prepared, Run, RunStats, prepared};
 use crate::registry::{self, EngineInfo};
 
 /// The recordings' files: path below their folder, text.
@@ -180,18 +181,8 @@ impl Recording {
     /// The recorded samples that a run of `scene` would have.
     fn at_samples_of(&self, scene: &Scene) -> TimeSeries {
         let wanted = scene.solver.sample_times_s();
-        let slack = 1e-6 * scene.solver.sample_s;
-        let rows: Vec<usize> = self
-            .time_series
-            .time_s()
-            .iter()
-            .enumerate()
-            .filter(|&(_, time)| {
-                let at = wanted.partition_point(|t| *t < time - slack);
-                wanted.get(at).is_some_and(|t| (t - time).abs() <= slack)
-            })
-            .map(|(row, _)| row)
-            .collect();
+        let rows = rows_at(&wanted, self.time_series.time_s());
+        let rows: Vec<usize> = rows.flatten().collect();
         self.time_series.select(&rows)
     }
 }
@@ -252,10 +243,8 @@ pub fn list() -> impl Iterator<Item = (&'static str, &'static str)> {
 pub fn find(scene: &str, engine: &str) -> Option<Result<Recording, RecordingError>> {
     let text = |ending: &str| {
         let name = format!("{scene}/{engine}.{ending}");
-        FILES
-            .iter()
-            .find(|(path, _)| *path == name)
-            .map(|(_, text)| *text)
+        let found = FILES.iter().find(|(path, _)| *path == name);
+        found.map(|(_, text)| *text)
     };
     Some(Recording::read(text("toml")?, text("csv")?))
 }
@@ -316,38 +305,23 @@ impl Engine for Recorded {
         if !self.recording.is_of(&gearbox.scene) {
             return Err(Ending::unsupported("there is no recording of it").into());
         }
-        let scene = gearbox.scene.clone();
-        Ok(Box::new(move |control: &Control<'_>| {
-            Ok(self.run(&scene, control)?)
+        Ok(prepared(gearbox.clone(), |gearbox, control| {
+            let scene = &gearbox.scene;
+            if control.reached(scene.solver.duration_s) {
+                return Err(Cancelled.into());
+            }
+            let (of, why) = (&self.recording, &self.why);
+            let recorded = format!(
+                "Recorded on {} with {} on {} by `{}`, because {why}.",
+                of.date, of.version, of.machine, of.command
+            );
+            let stats = RunStats {
+                recorded: Some(recorded),
+                recorded_uncertainty: of.uncertainty.clone(),
+                ..of.stats.clone()
+            };
+            Ok(Run::new(of.at_samples_of(scene), stats))
         }))
-    }
-}
-
-impl Recorded {
-    fn run(&self, scene: &Scene, control: &Control<'_>) -> Result<Run, Cancelled> {
-        if control.reached(scene.solver.duration_s) {
-            return Err(Cancelled);
-        }
-        let Recording {
-            version,
-            date,
-            command,
-            machine,
-            stats,
-            uncertainty,
-            ..
-        } = &self.recording;
-        Ok(Run::new(
-            self.recording.at_samples_of(scene),
-            RunStats {
-                recorded: Some(format!(
-                    "Recorded on {date} with {version} on {machine} by `{command}`, because {}.",
-                    self.why
-                )),
-                recorded_uncertainty: uncertainty.clone(),
-                ..stats.clone()
-            },
-        ))
     }
 }
 

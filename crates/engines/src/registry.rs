@@ -63,12 +63,12 @@ pub struct EngineInfo<'a> {
 impl<'a> EngineInfo<'a> {
     /// An engine of which nothing else is known.
     #[must_use]
-    pub const fn own(name: &'a str, track: Track, summary: &'a str) -> Self {
+    pub const fn own(name: &'a str, track: Track) -> Self {
         Self {
             name,
             short: name,
             track,
-            summary,
+            summary: "",
             differences: "",
             refinement: None,
             floor: 0.0,
@@ -99,35 +99,30 @@ pub fn family(name: &str) -> &str {
 
 /// See its fields.
 pub(crate) static NATIVE_REDUCED: EngineInfo<'static> = EngineInfo {
+    summary: "own solver, centre-pinned bodies eliminated exactly",
     short: "reduced",
     colour: Some(0),
     form: Some(Form::Reduced),
     differences: "One equation per angle that forces can change: wheels, output, and with friction the sleeves. \
         Translations of centre-pinned bodies are eliminated exactly, so there are no joints to drift.",
-    ..EngineInfo::own(
-        "native-reduced",
-        Track::Native,
-        "own solver, centre-pinned bodies eliminated exactly",
-    )
+    ..EngineInfo::own("native-reduced", Track::Native)
 };
 
 /// See its fields.
 pub(crate) static NATIVE_LAGRANGE: EngineInfo<'static> = EngineInfo {
+    summary: "own solver, every body and joint by multipliers (Eq. 2)",
     short: "lagrange",
     colour: Some(1),
     form: Some(Form::Lagrange),
     differences: "Three coordinates per body and multipliers for every joint, as the paper writes it. The saddle-point \
         system is factored along the joints; positions are put back onto the constraints at every stage \
         unless the scene says otherwise.",
-    ..EngineInfo::own(
-        "native-lagrange",
-        Track::Native,
-        "own solver, every body and joint by multipliers (Eq. 2)",
-    )
+    ..EngineInfo::own("native-lagrange", Track::Native)
 };
 
 /// See its fields.
 pub(crate) static NATIVE_RESOLVED: EngineInfo<'static> = EngineInfo {
+    summary: "own solver, reduced form, integrated until the step no longer matters",
     short: "resolved",
     colour: Some(2),
     form: Some(Form::Resolved),
@@ -135,15 +130,12 @@ pub(crate) static NATIVE_RESOLVED: EngineInfo<'static> = EngineInfo {
         scene's frequencies and are refined until two runs show the forces to be within 1e-7 (with friction or points \
         1e-5) of the exact solution; the notes say what was reached. Its distance from native-reduced is the error of the \
         scene's own integrator.",
-    ..EngineInfo::own(
-        "native-resolved",
-        Track::Native,
-        "own solver, reduced form, integrated until the step no longer matters",
-    )
+    ..EngineInfo::own("native-resolved", Track::Native)
 };
 
 /// See its fields.
 pub(crate) static RAPIER_SHARED_LAW: EngineInfo<'static> = EngineInfo {
+    summary: "rapier2d's bodies, joints and time integration; contact forces from Pinwheel's law",
     short: "rapier",
     colour: Some(3),
     feature: Some("rapier"),
@@ -156,15 +148,12 @@ pub(crate) static RAPIER_SHARED_LAW: EngineInfo<'static> = EngineInfo {
         friction included, so friction is explicit. The driver torque follows from the virtual work of the contact \
         forces on the eccentrics. Contact points and contact law are the native solver's own: this comparison \
         cannot find an error in them.",
-    ..EngineInfo::own(
-        "rapier-shared-law",
-        Track::SharedLaw,
-        "rapier2d's bodies, joints and time integration; contact forces from Pinwheel's law",
-    )
+    ..EngineInfo::own("rapier-shared-law", Track::SharedLaw)
 };
 
 /// See its fields.
 pub(crate) static RAPIER_HOOK: EngineInfo<'static> = EngineInfo {
+    summary: "rapier2d's contact solver and implicit Coulomb friction, with Pinwheel's points and normal forces",
     short: "rapier-hook",
     colour: Some(7),
     feature: Some("rapier"),
@@ -177,15 +166,12 @@ pub(crate) static RAPIER_HOOK: EngineInfo<'static> = EngineInfo {
         ramp speed (contact.friction_ramp_m_s is not used). Normal and friction forces are read from the impulses \
         rapier applied, so a sample averages over one step: an instant at which a contact begins to stick or slide \
         can differ visibly in the driver torque, for one step.",
-    ..EngineInfo::own(
-        "rapier-own-contact-hook",
-        Track::OwnContact,
-        "rapier2d's contact solver and implicit Coulomb friction, with Pinwheel's points and normal forces",
-    )
+    ..EngineInfo::own("rapier-own-contact-hook", Track::OwnContact)
 };
 
 /// See its fields.
 pub(crate) static RAPIER_COLLIDERS: EngineInfo<'static> = EngineInfo {
+    summary: "rapier2d alone: its collision detection, contact spring and friction, on polyline wheels",
     short: "rapier-colliders",
     colour: Some(8),
     feature: Some("rapier"),
@@ -199,15 +185,12 @@ pub(crate) static RAPIER_COLLIDERS: EngineInfo<'static> = EngineInfo {
         over more sleeves, which raises mean forces and lowers peaks; and having a potential, it takes from the driver \
         what the load demands, where the paper's law creates energy. So only means are comparable, torques to 1.5 % and \
         forces to 10 %: peaks, wave forms and the start-up are not.",
-    ..EngineInfo::own(
-        "rapier-own-contact-colliders",
-        Track::OwnContact,
-        "rapier2d alone: its collision detection, contact spring and friction, on polyline wheels",
-    )
+    ..EngineInfo::own("rapier-own-contact-colliders", Track::OwnContact)
 };
 
 /// See its fields.
 pub(crate) static MUJOCO_SHARED_LAW: EngineInfo<'static> = EngineInfo {
+    summary: "MuJoCo: hinges as a tree, Runge-Kutta 4; contact forces from Pinwheel's law",
     short: "mujoco",
     colour: Some(4),
     feature: Some("crossval"),
@@ -220,15 +203,12 @@ pub(crate) static MUJOCO_SHARED_LAW: EngineInfo<'static> = EngineInfo {
         steps costs Python time, the law does not. Friction is therefore explicit. The input speed is held by a rotor inertia 1e16 times a wheel's instead of a constraint (some \
         parts in 1e15), and the driver torque is that inertia times its deceleration. Contact points and contact law are \
         the native solver's own: this comparison cannot find an error in them.",
-    ..EngineInfo::own(
-        "mujoco-shared-law",
-        Track::SharedLaw,
-        "MuJoCo: hinges as a tree, Runge-Kutta 4; contact forces from Pinwheel's law",
-    )
+    ..EngineInfo::own("mujoco-shared-law", Track::SharedLaw)
 };
 
 /// See its fields.
 pub(crate) static EXUDYN_EXPLICIT: EngineInfo<'static> = EngineInfo {
+    summary: "exudyn: one kinematic tree, Runge-Kutta 4; contact forces from Pinwheel's law",
     short: "exudyn-explicit",
     colour: Some(5),
     feature: Some("crossval"),
@@ -240,15 +220,12 @@ pub(crate) static EXUDYN_EXPLICIT: EngineInfo<'static> = EngineInfo {
         law behind it is compiled; friction is therefore explicit. The input speed is \
         held by a rotor inertia 1e16 times a wheel's instead of a constraint (some parts in 1e15). Contact points and \
         contact law are the native solver's own: this comparison cannot find an error in them.",
-    ..EngineInfo::own(
-        "exudyn-shared-law-explicit",
-        Track::SharedLaw,
-        "exudyn: one kinematic tree, Runge-Kutta 4; contact forces from Pinwheel's law",
-    )
+    ..EngineInfo::own("exudyn-shared-law-explicit", Track::SharedLaw)
 };
 
 /// See its fields.
 pub(crate) static EXUDYN_CONSTRAINED: EngineInfo<'static> = EngineInfo {
+    summary: "exudyn: free bodies, joints and driver as constraints, implicit trapezoidal rule; Pinwheel's law",
     short: "exudyn-constrained",
     colour: Some(6),
     feature: Some("crossval"),
@@ -263,15 +240,12 @@ pub(crate) static EXUDYN_CONSTRAINED: EngineInfo<'static> = EngineInfo {
         iterations, our contact law in each of them; friction is implicit. Its error at the scene's step is that of \
         the trapezoidal rule, far above the Runge-Kutta methods', and falls four times when the step is halved. \
         Contact points and contact law are the native solver's own: this comparison cannot find an error in them.",
-    ..EngineInfo::own(
-        "exudyn-shared-law-constrained",
-        Track::SharedLaw,
-        "exudyn: free bodies, joints and driver as constraints, implicit trapezoidal rule; Pinwheel's law",
-    )
+    ..EngineInfo::own("exudyn-shared-law-constrained", Track::SharedLaw)
 };
 
 /// See its fields.
 pub(crate) static MUJOCO_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
+    summary: "MuJoCo alone: wheel edges as beds of 4000 small spheres or more, holes as limited tendons",
     short: "mujoco-own",
     colour: Some(9),
     feature: Some("crossval"),
@@ -285,15 +259,12 @@ pub(crate) static MUJOCO_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
         of the difference in the driver torque. Holes are tendons of limited length with a chord approximation of K \u{3b4}^1.5. There is no ramp S \
         and no friction, and semi-implicit steps are some six a period of a wheel's vibration: steady time series are \
         comparable, the start-up transient is not.",
-    ..EngineInfo::own(
-        "mujoco-own-contact",
-        Track::OwnContact,
-        "MuJoCo alone: wheel edges as beds of 4000 small spheres or more, holes as limited tendons",
-    )
+    ..EngineInfo::own("mujoco-own-contact", Track::OwnContact)
 };
 
 /// See its fields.
 pub(crate) static EXUDYN_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
+    summary: "exudyn alone: circles on a polygon of 8000 spring segments or more, spheres in hollow spheres",
     short: "exudyn-own",
     colour: Some(10),
     feature: Some("crossval"),
@@ -306,15 +277,12 @@ pub(crate) static EXUDYN_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
         hollow spheres with exponent 1.5, the law itself but for the ramp S. Damping of the external contacts acts \
         as a rotational damper on the wheels, because exudyn's own ignores how a body turns. There is no friction: \
         steady time series are comparable, the start-up transient is not.",
-    ..EngineInfo::own(
-        "exudyn-own-contact",
-        Track::OwnContact,
-        "exudyn alone: circles on a polygon of 8000 spring segments or more, spheres in hollow spheres",
-    )
+    ..EngineInfo::own("exudyn-own-contact", Track::OwnContact)
 };
 
 /// See its fields.
 pub(crate) static SIMBODY: EngineInfo<'static> = EngineInfo {
+    summary: "Simbody: pin mobilizers as a tree, Runge-Kutta-Merson, or CPodes with friction; Pinwheel's law",
     short: "simbody",
     colour: Some(11),
     feature: Some("crossval"),
@@ -326,15 +294,12 @@ pub(crate) static SIMBODY: EngineInfo<'static> = EngineInfo {
         solver.tolerance times the elastic twist: Runge-Kutta-Merson without friction, and with friction CPodes, a BDF \
         method of variable order with Newton iterations. Contact points and contact law are the native solver's own: \
         this comparison cannot find an error in them.",
-    ..EngineInfo::own(
-        "simbody-shared-law",
-        Track::SharedLaw,
-        "Simbody: pin mobilizers as a tree, Runge-Kutta-Merson, or CPodes with friction; Pinwheel's law",
-    )
+    ..EngineInfo::own("simbody-shared-law", Track::SharedLaw)
 };
 
 /// See its fields.
 pub(crate) static IDA: EngineInfo<'static> = EngineInfo {
+    summary: "SUNDIALS IDA: free bodies, joints and driver as constraints, stabilised index 2, BDF; Pinwheel's law",
     short: "ida",
     colour: Some(12),
     feature: Some("crossval"),
@@ -347,68 +312,40 @@ pub(crate) static IDA: EngineInfo<'static> = EngineInfo {
         solver.tolerance times the elastic twist, friction included, with Newton iterations on the whole system. Its \
         multipliers are not used: the driver torque is computed from the accelerations that positions and velocities \
         demand. Contact points and contact law are the native solver's own: this comparison cannot find an error in them.",
-    ..EngineInfo::own(
-        "ida-shared-law",
-        Track::SharedLaw,
-        "SUNDIALS IDA: free bodies, joints and driver as constraints, stabilised index 2, BDF; Pinwheel's law",
-    )
+    ..EngineInfo::own("ida-shared-law", Track::SharedLaw)
 };
 
 /// Makes an engine; `None` where this build or this Python lacks it.
 type Make = fn() -> Option<Box<dyn Engine>>;
 
-/// The maker of an engine of builds with a feature.
-macro_rules! built {
-    ($feature:tt, $engine:expr) => {
-        || {
-            #[cfg(feature = $feature)]
+/// Rows of engines: what is known of each, the builds that have it, and how it is made.
+macro_rules! rows {
+    ($($info:ident $builds:meta: $engine:expr;)*) => {
+        [$((&$info, || {
+            #[cfg($builds)]
             return $engine;
-            #[cfg(not(feature = $feature))]
+            #[cfg(not($builds))]
             None
-        }
+        })),*]
     };
 }
 
 /// All of them, in the order of reports.
-static ROWS: [(&EngineInfo<'static>, Make); 13] = [
-    (&NATIVE_REDUCED, || boxed(Native::REDUCED)),
-    (&NATIVE_LAGRANGE, || boxed(Native::LAGRANGE)),
-    (&NATIVE_RESOLVED, || boxed(Native::RESOLVED)),
-    (
-        &RAPIER_SHARED_LAW,
-        built!("rapier", boxed(&crate::rapier::SHARED_LAW)),
-    ),
-    (&RAPIER_HOOK, built!("rapier", boxed(&crate::rapier::HOOK))),
-    (
-        &RAPIER_COLLIDERS,
-        built!("rapier", boxed(&crate::rapier::COLLIDERS)),
-    ),
-    (
-        &MUJOCO_SHARED_LAW,
-        built!("python", crate::python::engine(&MUJOCO_SHARED_LAW)),
-    ),
-    (
-        &EXUDYN_EXPLICIT,
-        built!("python", crate::python::engine(&EXUDYN_EXPLICIT)),
-    ),
-    (
-        &EXUDYN_CONSTRAINED,
-        built!("python", crate::python::engine(&EXUDYN_CONSTRAINED)),
-    ),
-    (
-        &MUJOCO_OWN_CONTACT,
-        built!("python", crate::python::engine(&MUJOCO_OWN_CONTACT)),
-    ),
-    (
-        &EXUDYN_OWN_CONTACT,
-        built!("python", crate::python::engine(&EXUDYN_OWN_CONTACT)),
-    ),
-    (
-        &SIMBODY,
-        built!("crossval", boxed(&crate::solvers::SIMBODY)),
-    ),
-    (&IDA, built!("crossval", boxed(&crate::solvers::IDA))),
-];
+static ROWS: [(&EngineInfo<'static>, Make); 13] = rows! {
+    NATIVE_REDUCED all(): boxed(Native::REDUCED);
+    NATIVE_LAGRANGE all(): boxed(Native::LAGRANGE);
+    NATIVE_RESOLVED all(): boxed(Native::RESOLVED);
+    RAPIER_SHARED_LAW feature = "rapier": boxed(crate::rapier::SHARED_LAW);
+    RAPIER_HOOK feature = "rapier": boxed(crate::rapier::HOOK);
+    RAPIER_COLLIDERS feature = "rapier": boxed(crate::rapier::COLLIDERS);
+    MUJOCO_SHARED_LAW feature = "python": crate::python::engine(&MUJOCO_SHARED_LAW);
+    EXUDYN_EXPLICIT feature = "python": crate::python::engine(&EXUDYN_EXPLICIT);
+    EXUDYN_CONSTRAINED feature = "python": crate::python::engine(&EXUDYN_CONSTRAINED);
+    MUJOCO_OWN_CONTACT feature = "python": crate::python::engine(&MUJOCO_OWN_CONTACT);
+    EXUDYN_OWN_CONTACT feature = "python": crate::python::engine(&EXUDYN_OWN_CONTACT);
+    SIMBODY feature = "crossval": boxed(&crate::solvers::SIMBODY);
+    IDA feature = "crossval": boxed(&crate::solvers::IDA);
+};
 
 fn boxed(engine: impl Engine + 'static) -> Option<Box<dyn Engine>> {
     Some(Box::new(engine))

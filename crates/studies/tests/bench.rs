@@ -27,7 +27,7 @@ struct Peer;
 
 impl Engine for Peer {
     fn info(&self) -> EngineInfo<'_> {
-        EngineInfo::own("peer", Track::SharedLaw, "")
+        EngineInfo::own("peer", Track::SharedLaw)
     }
     fn version(&self) -> String {
         "1".to_owned()

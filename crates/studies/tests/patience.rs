@@ -45,7 +45,7 @@ impl Engine for Borrowed {
         let refined = self.0.track == Track::SharedLaw;
         EngineInfo {
             refinement: refined.then_some(Refinement::step(4.0)),
-            ..EngineInfo::own("slow", self.0.track, "slow")
+            ..EngineInfo::own("slow", self.0.track)
         }
     }
 

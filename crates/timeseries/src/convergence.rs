@@ -167,11 +167,9 @@ impl Estimate {
     #[must_use]
     pub fn spread(apart: f64, floor: f64) -> Self {
         Self {
-            u: (SAFETY_UNCONFIRMED * apart).max(floor),
             basis: Basis::Spread,
-            observed_order: None,
-            order: None,
             safety: Some(SAFETY_UNCONFIRMED),
+            ..Self::stated((SAFETY_UNCONFIRMED * apart).max(floor))
         }
     }
 

@@ -67,9 +67,7 @@ impl<'a> View<'a> {
 
     /// All values, channel by channel.
     pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
-        self.channels
-            .iter()
-            .flat_map(|channel| channel.iter().copied())
+        self.channels.iter().copied().flatten().copied()
     }
 
     /// Number of values.
@@ -81,26 +79,8 @@ impl<'a> View<'a> {
     /// Whether both have the same number of channels of the same lengths.
     #[must_use]
     pub fn same_shape(&self, other: &Self) -> bool {
-        self.channels.len() == other.channels.len()
-            && self
-                .channels
-                .iter()
-                .zip(&other.channels)
-                .all(|(a, b)| a.len() == b.len())
-    }
-
-    /// Channel and sample of the first value that is not finite.
-    #[must_use]
-    pub fn first_not_finite(&self) -> Option<(usize, usize)> {
-        self.channels
-            .iter()
-            .enumerate()
-            .find_map(|(channel, values)| {
-                values
-                    .iter()
-                    .position(|v| !v.is_finite())
-                    .map(|sample| (channel, sample))
-            })
+        let lengths = |view: &Self| view.channels.iter().map(|channel| channel.len());
+        lengths(self).eq(lengths(other))
     }
 
     /// Largest magnitude; `None` without values or with one that is not finite.
@@ -123,14 +103,7 @@ impl<'a> View<'a> {
     /// Mean; `None` without values or with one that is not finite.
     #[must_use]
     pub fn mean(&self) -> Option<f64> {
-        let scale = scale_of(extremes(&self.channels)?);
-        let mut sum = 0.0;
-        for channel in &self.channels {
-            for value in *channel {
-                sum += value * scale.recip();
-            }
-        }
-        Some(sum / self.count() as f64 * scale)
+        Some(Statistics::of(self)?.mean)
     }
 }
 
@@ -319,16 +292,6 @@ fn extremes(channels: &[&[f64]]) -> Option<[f64; 2]> {
     (low <= high && spoiled.iter().sum::<f64>() == 0.0).then_some([low, high])
 }
 
-/// A power of two near the largest magnitude: sums and squares of values over it neither overflow nor vanish.
-fn scale_of([low, high]: [f64; 2]) -> f64 {
-    let peak = high.max(-low);
-    if peak == 0.0 {
-        1.0
-    } else {
-        power_of_two_below(peak)
-    }
-}
-
 /// Largest magnitude of finite values; `None` otherwise.
 #[must_use]
 pub fn peak(mut values: impl Iterator<Item = f64>) -> Option<f64> {
@@ -338,7 +301,7 @@ pub fn peak(mut values: impl Iterator<Item = f64>) -> Option<f64> {
     })
 }
 
-/// The largest power of two not above `value` > 0, and at least the smallest normal number: neither dividing by it nor
+/// The largest power of two not above `value` >= 0, and at least the smallest normal number: neither dividing by it nor
 /// multiplying by its inverse rounds.
 fn power_of_two_below(value: f64) -> f64 {
     f64::from_bits(value.to_bits() & 0x7ff0_0000_0000_0000).max(f64::MIN_POSITIVE)
@@ -348,9 +311,6 @@ fn power_of_two_below(value: f64) -> f64 {
 /// that squares neither overflow nor vanish. `None` without values.
 #[must_use]
 pub fn rms(values: impl Iterator<Item = f64>, peak: f64) -> Option<f64> {
-    if peak == 0.0 {
-        return Some(0.0);
-    }
     let scale = power_of_two_below(peak);
     let (mut sum, mut count) = (0.0, 0usize);
     for value in values {
@@ -381,7 +341,9 @@ impl Statistics {
     #[must_use]
     pub fn of(view: &View<'_>) -> Option<Self> {
         let [min, max] = extremes(&view.channels)?;
-        let scale = scale_of([min, max]);
+        // Sums and squares of values over a power of two near the largest magnitude neither overflow nor vanish.
+        let peak = max.max(-min);
+        let scale = power_of_two_below(peak);
         let (mut sum, mut squares) = (0.0, 0.0);
         for channel in &view.channels {
             for value in *channel {
@@ -396,7 +358,7 @@ impl Statistics {
             min,
             max,
             rms: scale * (squares / count).sqrt(),
-            peak: max.max(-min),
+            peak,
         })
     }
 }
@@ -431,8 +393,6 @@ mod tests {
     fn nothing_and_non_finite() {
         assert!(Statistics::of(&View::new(vec![])).is_none());
         assert!(Statistics::of(&View::new(vec![&[]])).is_none());
-        let spoiled = View::new(vec![&[1.0, 2.0], &[3.0, f64::INFINITY]]);
-        assert_eq!(spoiled.first_not_finite(), Some((1, 1)));
         // Wherever it stands: values are taken four at a time.
         for place in 0..6 {
             for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {

@@ -32,9 +32,7 @@ impl Track {
             Self::Measured => "measured",
         }
     }
-}
 
-impl Track {
     /// What runs share with the native solver's: agreement says nothing about that.
     #[must_use]
     pub const fn shares(self) -> &'static str {

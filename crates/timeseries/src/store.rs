@@ -29,11 +29,8 @@ impl TimeSeries {
     /// [`TimeSeriesError::Time`] names the first row that does not increase.
     pub fn new(time_s: Vec<f64>) -> Result<Self, TimeSeriesError> {
         for (row, pair) in time_s.windows(2).enumerate() {
-            // Written so that a NaN on either side is caught as well.
-            if !matches!(
-                pair[0].partial_cmp(&pair[1]),
-                Some(std::cmp::Ordering::Less)
-            ) {
+            // A NaN on either side is caught as well.
+            if !(pair[0] < pair[1]) {
                 return Err(TimeSeriesError::Time {
                     row: row + 2,
                     before: pair[0],

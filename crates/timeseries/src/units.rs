@@ -52,12 +52,8 @@ pub(crate) fn factor(name: &str, unit: &str) -> Result<f64, Vec<&'static str>> {
     let stem = stem.strip_suffix("_*").unwrap_or(stem);
     let known = UNITS.iter().find(|(suffix, ..)| stem.ends_with(suffix));
     let list = known.map_or(&[][..], |(.., list)| list);
-    let wanted: String = unit
-        .chars()
-        .filter(|c| !c.is_whitespace())
-        .map(|c| if c == '\u{b7}' { '*' } else { c })
-        .collect();
-    let wanted = wanted.replace('\u{3bc}', "\u{b5}");
+    let wanted = unit.replace(char::is_whitespace, "");
+    let wanted = wanted.replace('\u{b7}', "*").replace('\u{3bc}', "\u{b5}");
     let found = list.iter().find(|(name, _)| *name == wanted);
     found
         .map(|(_, factor)| *factor)

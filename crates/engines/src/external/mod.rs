@@ -22,17 +22,16 @@ use std::time::{Duration, Instant};
 use pinwheel_files::{FileError, Fnv};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_law::job;
-use pinwheel_timeseries::TimeSeries;
 
 use crate::control::{Cancelled, Control};
-use crate::engine::{Ending, Engine, Halt, Knob, Prepared, Run, RunStats, settled};
+use crate::engine::{Ending, Engine, Halt, Knob, Prepared, Run, RunStats, prepared, settled};
 pub use crate::process::end_all;
 use crate::process::{self, End, Ended};
 use crate::registry::EngineInfo;
 pub use library::{fmu_library, law_library};
 pub use manifest::{Honours, Manifest, Stated};
 pub use pinwheel_law::job::{schema as job_schema, write as write_job};
-use result::{JobFolder, Told};
+use result::{Found, JobFolder, Told};
 use said::{Heard, Limits, WORDS, plain};
 
 /// Exit status of a run whose numbers ran away.
@@ -112,7 +111,7 @@ impl Solver {
     }
 
     /// The library, where the command cannot do without it.
-    fn library(&self) -> Result<Option<PathBuf>, Ending> {
+    fn library(&self) -> Result<Option<PathBuf>, Halt> {
         match law_library() {
             Ok(path) => Ok(Some(path)),
             Err(remedy) if self.manifest.wants("law") => Err(failed(remedy)),
@@ -165,7 +164,7 @@ impl Solver {
             ("python", python.as_path()),
         ]);
         let Some((program, arguments)) = argv.split_first() else {
-            return Err(failed("its command is empty").into());
+            return Err(failed("its command is empty"));
         };
         let mut command = Command::new(program);
         command
@@ -230,18 +229,18 @@ impl Solver {
         heard: &Heard,
         said: Option<String>,
     ) -> Result<Run, Halt> {
-        let and_said = said
-            .as_ref()
-            .map_or_else(String::new, |line| format!(": {line}"));
+        let said_in = |before: &str, after: &str| match &said {
+            Some(line) => format!("{before}{line}{after}"),
+            None => String::new(),
+        };
+        let (and_said, last_words) = (said_in(": ", ""), said_in(" (its last words: ", ")"));
         let status = match &ended.end {
             End::Cancelled => return Err(Cancelled.into()),
-            End::Stopped(why) => {
-                return Err(failed(format!("{why}{}", last_words(said.as_deref()))).into());
-            }
+            End::Stopped(why) => return Err(failed(format!("{why}{last_words}"))),
             End::TooLong(why) => {
                 return Err(Ending::TimedOut {
                     time_s: heard.reached_s.unwrap_or(0.0),
-                    reason: format!("{why}{}", last_words(said.as_deref())),
+                    reason: format!("{why}{last_words}"),
                 }
                 .into());
             }
@@ -253,11 +252,12 @@ impl Solver {
                 let reason = said.unwrap_or_else(|| "it gives no reason".to_owned());
                 return Err(Ending::Unsupported { reason }.into());
             }
-            Some(code) => {
-                return Err(failed(format!("it ended with status {code}{and_said}")).into());
-            }
+            Some(code) => return Err(failed(format!("it ended with status {code}{and_said}"))),
             None => {
-                return Err(failed(format!("it was ended by {}{and_said}", killer(status))).into());
+                return Err(failed(format!(
+                    "it was ended by {}{and_said}",
+                    killer(status)
+                )));
             }
         }
         let diverged = status.code() == Some(DIVERGED);
@@ -265,14 +265,8 @@ impl Solver {
         let found = match folder.time_series(gearbox, !diverged) {
             Ok(found) => found,
             // A run may diverge before its first row.
-            Err(_) if diverged => result::Found {
-                time_series: TimeSeries::default(),
-                diverged: None,
-                notes: Vec::new(),
-            },
-            Err(what) => {
-                return Err(failed(format!("{what}{}", last_words(said.as_deref()))).into());
-            }
+            Err(_) if diverged => Found::default(),
+            Err(what) => return Err(failed(format!("{what}{last_words}"))),
         };
         let mut run = Run::new(
             found.time_series,
@@ -336,7 +330,8 @@ impl Engine for Solver {
             differences: &manifest.differences,
             refinement: manifest.refine,
             outside: true,
-            ..EngineInfo::own(&manifest.name, manifest.track, &manifest.summary)
+            summary: &manifest.summary,
+            ..EngineInfo::own(&manifest.name, manifest.track)
         }
     }
 
@@ -357,10 +352,9 @@ impl Engine for Solver {
             return Err(Ending::Unsupported { reason }.into());
         }
         self.library()?;
-        let gearbox = gearbox.clone();
-        Ok(Box::new(move |control: &Control<'_>| {
-            self.drive(&gearbox, control, |folder, library| {
-                job::write(&gearbox, folder, library)
+        Ok(prepared(gearbox.clone(), |gearbox, control| {
+            self.drive(gearbox, control, |folder, library| {
+                job::write(gearbox, folder, library)
             })
         }))
     }
@@ -384,12 +378,8 @@ fn library_path(library: &Path) -> Option<(&'static str, OsString)> {
 }
 
 /// It broke, in its own words or ours.
-fn failed(reason: impl ToString) -> Ending {
-    Ending::failed(plain(&reason.to_string(), MESSAGE))
-}
-
-fn last_words(said: Option<&str>) -> String {
-    said.map_or_else(String::new, |line| format!(" (its last words: {line})"))
+fn failed(reason: impl ToString) -> Halt {
+    Ending::failed(plain(&reason.to_string(), MESSAGE)).into()
 }
 
 /// What ended a program that did not end itself.

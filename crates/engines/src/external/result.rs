@@ -30,7 +30,7 @@ pub(super) struct Told {
 }
 
 /// Time series, and why they end early if they do.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Found {
     pub(super) time_series: TimeSeries,
     /// Time and quantity at which the numbers ran away.

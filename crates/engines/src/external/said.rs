@@ -118,28 +118,20 @@ impl Heard {
 
     /// Orders are understood on stderr alone.
     fn understand(&mut self, stderr: bool) {
-        let line = &mut self.lines[usize::from(stderr)];
-        let is_said = {
-            let text = String::from_utf8_lossy(line);
-            let text = text.trim();
-            if let Some(time) = text.strip_prefix("@t ").filter(|_| stderr) {
-                let time = time.trim().parse().ok();
-                let time = time.filter(|time: &f64| time.is_finite());
-                self.reached_s = time.or(self.reached_s);
-                false
-            } else if let Some(note) = text.strip_prefix("@note ").filter(|_| stderr) {
-                if self.notes.len() < NOTES {
-                    self.notes.push(plain(note, WORDS));
-                }
-                false
-            } else {
-                !text.is_empty()
+        let line = std::mem::take(&mut self.lines[usize::from(stderr)]);
+        let text = String::from_utf8_lossy(&line);
+        let text = text.trim();
+        if let Some(time) = text.strip_prefix("@t ").filter(|_| stderr) {
+            let time = time.trim().parse().ok();
+            let time = time.filter(|time: &f64| time.is_finite());
+            self.reached_s = time.or(self.reached_s);
+        } else if let Some(note) = text.strip_prefix("@note ").filter(|_| stderr) {
+            if self.notes.len() < NOTES {
+                self.notes.push(plain(note, WORDS));
             }
-        };
-        if is_said {
-            std::mem::swap(&mut self.last, line);
+        } else if !text.is_empty() {
+            self.last = line;
         }
-        line.clear();
     }
 
     /// The last thing it said, when it is over.

@@ -11,21 +11,19 @@ use crate::engine::{Ending, Halt, Run, RunStats};
 /// A finished run, or the part of one, from the package's `Result`.
 pub(super) fn run(result: &Bound<'_, PyAny>) -> PyResult<Run> {
     let stats = result.getattr("stats")?;
-    let number = |name: &str| -> PyResult<f64> { stats.getattr(name)?.extract() };
-    let count = |name: &str| -> PyResult<u64> { stats.getattr(name)?.extract() };
-    let size = |name: &str| -> PyResult<usize> { stats.getattr(name)?.extract() };
+    let of = |name: &str| stats.getattr(name);
     let stats = RunStats {
-        wall_s: number("wall_s")?,
-        cpu_s: number("cpu_s")?,
-        rhs_calls: count("rhs_calls")?,
-        steps: count("steps")?,
-        rejected_steps: count("rejected_steps")?,
-        degrees_of_freedom: size("degrees_of_freedom")?,
-        bodies: size("bodies")?,
-        step_s: number("step_s")?,
-        settings: stats.getattr("settings")?.extract()?,
-        joint_drift_m: stats.getattr("joint_drift_m")?.extract()?,
-        notes: stats.getattr("notes")?.extract()?,
+        wall_s: of("wall_s")?.extract()?,
+        cpu_s: of("cpu_s")?.extract()?,
+        rhs_calls: of("rhs_calls")?.extract()?,
+        steps: of("steps")?.extract()?,
+        rejected_steps: of("rejected_steps")?.extract()?,
+        degrees_of_freedom: of("degrees_of_freedom")?.extract()?,
+        bodies: of("bodies")?.extract()?,
+        step_s: of("step_s")?.extract()?,
+        settings: of("settings")?.extract()?,
+        joint_drift_m: of("joint_drift_m")?.extract()?,
+        notes: of("notes")?.extract()?,
         ..RunStats::default()
     };
     Ok(match time_series(&result.getattr("columns")?)? {
@@ -61,46 +59,41 @@ fn known(py: Python<'_>, error: &PyErr) -> PyResult<Result<Run, Halt>> {
     let value = error.value(py);
     let is = |name: &str| -> PyResult<bool> { value.is_instance(&errors.getattr(name)?) };
     let text = |name: &str| -> PyResult<String> { value.getattr(name)?.extract() };
-    Ok(Ok(if is("Cancelled")? {
+    let ending = if is("Cancelled")? {
         return Ok(Err(Cancelled.into()));
     } else if is("Unsupported")? {
-        Run::ended(Ending::unsupported(text("reason")?))
+        Ending::unsupported(text("reason")?)
     } else if is("SceneError")? {
-        Run::ended(Ending::unsupported(value.str()?))
+        Ending::unsupported(value.str()?)
     } else if is("Diverged")? {
-        let partial = value.getattr("partial")?;
         let ending = Ending::Diverged {
             time_s: value.getattr("time_s")?.extract()?,
             quantity: text("quantity")?,
         };
-        if partial.is_none() {
-            Run::ended(ending)
-        } else {
-            run(&partial)?.with_ending(ending)
+        let partial = value.getattr("partial")?;
+        if !partial.is_none() {
+            return Ok(Ok(run(&partial)?.with_ending(ending)));
         }
+        ending
     } else if is("EngineFailed")? {
-        Run::ended(Ending::failed(text("reason")?))
+        Ending::failed(text("reason")?)
     } else if is("FrozenForces")? {
-        Run::ended(Ending::failed(format!("frozen forces: {}", value.str()?)))
+        Ending::failed(format!("frozen forces: {}", value.str()?))
     } else {
-        Run::ended(Ending::failed(text_of(py, error)))
-    }))
+        Ending::failed(text_of(py, error))
+    };
+    Ok(Ok(Run::ended(ending)))
 }
 
 /// A Python error on one line, its type first.
 pub(super) fn text_of(py: Python<'_>, error: &PyErr) -> String {
     let value = error.value(py);
-    let kind = value
-        .get_type()
-        .name()
-        .map_or_else(|_| "error".to_owned(), |name| name.to_string());
-    let text = value
-        .str()
-        .map_or_else(|_| String::new(), |text| text.to_string());
+    let kind = value.get_type().name();
+    let kind = kind.map_or_else(|_| "error".to_owned(), |name| name.to_string());
+    let text = value.str().map(|text| text.to_string()).unwrap_or_default();
     let text: Vec<&str> = text.split_whitespace().collect();
-    if text.is_empty() {
-        kind
-    } else {
-        format!("{kind}: {}", text.join(" "))
+    match text.is_empty() {
+        true => kind,
+        false => format!("{kind}: {}", text.join(" ")),
     }
 }

@@ -12,8 +12,9 @@ use pyo3::prelude::*;
 use super::convert::text_of;
 use super::environment::{ENGINES, ENVIRONMENT, Environment, environment};
 use super::host::{PACKAGE, package};
-use super::pins::pins;
-use crate::cache::{self, Kept, Missing};
+use super::pins::{LIST, installed, pins};
+use crate::cache::{self, Kept};
+use crate::engine::{Ending, Halt};
 
 /// The package's files: path below its folder, text.
 const SOURCES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/sources.rs"));
@@ -23,12 +24,12 @@ static READY: Kept<()> = Kept::new();
 ///
 /// # Errors
 /// Why that cannot be, with the remedy; a stop.
-pub(super) fn ready(cancel: &AtomicBool) -> Result<(), Missing> {
+pub(super) fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
     READY.get(|| load(&environment(ENGINES, cancel)?))
 }
 
 /// The environment is there, and the package cannot be loaded all the same. One that the user `named` is the user's to mend.
-pub(super) fn unusable(folder: &Path, named: bool, reason: &str) -> Missing {
+pub(super) fn unusable(folder: &Path, named: bool, reason: &str) -> Halt {
     let folder = folder.display();
     let remedy = if named {
         format!(
@@ -37,13 +38,12 @@ pub(super) fn unusable(folder: &Path, named: bool, reason: &str) -> Missing {
     } else {
         format!("remove {folder} to have it made anew")
     };
-    Missing::Because(format!(
-        "the Python package cannot be loaded: {reason}; {remedy}"
-    ))
+    let reason = format!("the Python package cannot be loaded: {reason}; {remedy}");
+    Ending::Absent { reason }.into()
 }
 
 /// Starts Python on an environment and loads the package.
-fn load(environment: &Environment) -> Result<(), Missing> {
+fn load(environment: &Environment) -> Result<(), Halt> {
     let files: Vec<(String, &str)> = SOURCES
         .iter()
         .map(|&(name, text)| (format!("{PACKAGE}/{name}"), text))
@@ -57,15 +57,11 @@ fn load(environment: &Environment) -> Result<(), Missing> {
             // As text: the search path ignores path objects.
             path.call_method1("insert", (0, environment.packages.as_os_str()))?;
             path.call_method1("insert", (0, sources.as_os_str()))?;
-            let metadata = py.import("importlib.metadata")?;
-            for pin in pins() {
-                let found: String = metadata
-                    .call_method1("version", (pin.package,))
-                    .and_then(|version| version.extract())?;
-                if found != pin.version {
+            for (package, version) in pins(LIST) {
+                let found = installed(py, package)?;
+                if found != version {
                     return Ok(Err(format!(
-                        "it has {} {found}, and recorded time series and limits belong to {}",
-                        pin.package, pin.version
+                        "it has {package} {found}, and recorded time series and limits belong to {version}"
                     )));
                 }
             }

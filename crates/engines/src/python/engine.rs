@@ -12,7 +12,7 @@ use super::mujoco::{Addresses, Attached, Place, attach, detach};
 use super::watch::hosted;
 use super::{convert, ffi, host, pins};
 use crate::control::Control;
-use crate::engine::{Ending, Engine, Halt, Prepared, Run, Track};
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, Track, prepared};
 use crate::registry::EngineInfo;
 
 /// One engine of the package.
@@ -91,7 +91,7 @@ impl Engine for PythonEngine {
     }
 
     fn version(&self) -> String {
-        pins::version(self.0.package)
+        pins::pinned(pins::LIST, self.0.package)
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
@@ -100,9 +100,8 @@ impl Engine for PythonEngine {
         if self.0.track != Track::SharedLaw {
             self.check(&gearbox.scene)?;
         }
-        let gearbox = gearbox.clone();
-        Ok(Box::new(move |control: &Control<'_>| {
-            self.run(&gearbox, control)
+        Ok(prepared(gearbox.clone(), |gearbox, control| {
+            self.run(gearbox, control)
         }))
     }
 }

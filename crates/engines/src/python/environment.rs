@@ -6,10 +6,11 @@
 use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use super::interpreter::{Interpreter, interpreter, no_interpreter};
-use crate::cache::{self, Missing, Note, call, fingerprint};
+use crate::cache::{self, Note, call, fingerprint, storage, unless_stopped};
+use crate::engine::{Ending, Halt};
 use crate::variable;
 
 /// Names an existing environment, which is used as it is.
@@ -68,10 +69,7 @@ pub struct Environment {
 ///
 /// # Errors
 /// Why there is none, with the remedy; a stop.
-pub fn environment(
-    requirements: Requirements,
-    cancel: &AtomicBool,
-) -> Result<Environment, Missing> {
+pub fn environment(requirements: Requirements, cancel: &AtomicBool) -> Result<Environment, Halt> {
     let interpreter = interpreter()?;
     if let Some(folder) = variable(ENVIRONMENT) {
         return named(Path::new(&folder), &interpreter, cancel);
@@ -91,28 +89,23 @@ fn named(
     folder: &Path,
     interpreter: &Interpreter,
     cancel: &AtomicBool,
-) -> Result<Environment, Missing> {
-    let refuse = |reason: String| {
-        format!(
+) -> Result<Environment, Halt> {
+    let refuse = |reason: String| -> Halt {
+        Ending::absent(format!(
             "{ENVIRONMENT} = {}: {reason}; name an environment made with `python3 -m venv` and filled with `pip install -r \
              python/requirements.txt`, or unset {ENVIRONMENT}",
             folder.display()
-        )
+        ))
+        .into()
     };
     let (found, version, _) =
-        probe(folder, cancel).map_err(|reason| Missing::of(cancel, || refuse(reason)))?;
-    let minor = |version: &'_ str| {
-        version
-            .splitn(3, '.')
-            .take(2)
-            .map(str::to_owned)
-            .collect::<Vec<_>>()
-    };
+        probe(folder, cancel).map_err(|reason| unless_stopped(cancel, refuse(reason)))?;
+    let minor = |version: &str| version.rsplit_once('.').map(|(minor, _)| minor.to_owned());
     if minor(&version) != minor(&interpreter.version) {
-        return Err(Missing::Because(refuse(format!(
+        return Err(refuse(format!(
             "it is of Python {version}, and this program embeds {}",
             interpreter.version
-        ))));
+        )));
     }
     Ok(found)
 }
@@ -155,7 +148,7 @@ fn ensure(
     cache: &Path,
     wheels: Option<&Path>,
     cancel: &AtomicBool,
-) -> Result<Environment, Missing> {
+) -> Result<Environment, Halt> {
     let made = cache::Made {
         name: &name_of(requirements, interpreter),
         title: "Python packages (once)",
@@ -202,7 +195,7 @@ fn whole(folder: &Path, requirements: Requirements, cancel: &AtomicBool) -> Opti
 }
 
 /// The executable of the embedded interpreter.
-fn executable(interpreter: &Interpreter, cancel: &AtomicBool) -> Result<PathBuf, Missing> {
+fn executable(interpreter: &Interpreter, cancel: &AtomicBool) -> Result<PathBuf, Halt> {
     let ask = "import sys; print('%d.%d.%d' % sys.version_info[:3])";
     interpreter
         .candidates
@@ -215,10 +208,7 @@ fn executable(interpreter: &Interpreter, cancel: &AtomicBool) -> Result<PathBuf,
         .ok_or_else(|| {
             let tried = interpreter.candidates.iter();
             let tried: Vec<String> = tried.map(|path| path.display().to_string()).collect();
-            match no_interpreter(&interpreter.version, &tried.join(", ")) {
-                _ if cancel.load(Ordering::Relaxed) => Missing::Stopped,
-                missing => missing,
-            }
+            no_interpreter(&interpreter.version, &tried.join(", "))
         })
 }
 
@@ -230,28 +220,19 @@ fn make(
     wheels: Option<&Path>,
     note: &Note,
     cancel: &AtomicBool,
-) -> Result<(), Missing> {
+) -> Result<(), Halt> {
     note.say("making a virtual environment");
-    call(
-        executable,
-        [
-            OsStr::new("-I"),
-            "-m".as_ref(),
-            "venv".as_ref(),
-            draft.as_ref(),
-        ],
-        Some(note),
-        cancel,
-    )
-    .map_err(|reason| {
-        Missing::Because(format!(
+    let venv = ["-I", "-m", "venv"].map(OsStr::new);
+    let arguments = venv.into_iter().chain([draft.as_os_str()]);
+    call(executable, arguments, Some(note), cancel).map_err(|reason| {
+        Ending::absent(format!(
             "no virtual environment can be made with {}: {reason}; install its module venv (Debian: apt install \
              python3-venv), or name an environment with {ENVIRONMENT}",
             executable.display()
         ))
     })?;
     let list = draft.join("requirements.txt");
-    fs::write(&list, requirements.text).map_err(|error| Missing::storage(&list, error))?;
+    fs::write(&list, requirements.text).map_err(|error| storage(&list, error))?;
     let install = "-I -m pip install --disable-pip-version-check --no-input --progress-bar off --only-binary :all: --retries 2";
     let mut arguments: Vec<&OsStr> = install.split(' ').map(OsStr::new).collect();
     let named = requirements.arguments(&list);
@@ -266,14 +247,14 @@ fn make(
     call(&python_of(draft), arguments, Some(note), cancel).map_err(|reason| {
         let by_hand = requirements.arguments(Path::new(requirements.file));
         let packages = by_hand.join(OsStr::new(" "));
-        Missing::Because(format!(
+        Ending::absent(format!(
             "the Python packages cannot be installed: {reason}; without a network fill a folder with `pip download {} \
              -d FOLDER` elsewhere and set {WHEELS}=FOLDER, or name an environment that has them with {ENVIRONMENT}",
             packages.display()
         ))
     })?;
     let marker = draft.join(MARKER);
-    fs::write(&marker, requirements.text).map_err(|error| Missing::storage(&marker, error))
+    fs::write(&marker, requirements.text).map_err(|error| storage(&marker, error))
 }
 
 /// The interpreter of an environment.

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use pyo3::prelude::*;
 use pyo3::types::PyModule;
 
-use super::pins;
+use super::pins::{LIST, installed, pins};
 use crate::engine::{Ending, Halt};
 
 /// Name of the package.
@@ -35,7 +35,7 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
         });
     }
     #[cfg(feature = "crossval")]
-    return Ok(super::embedded::ready(cancel)?);
+    return super::embedded::ready(cancel);
     #[cfg(not(feature = "crossval"))]
     {
         let _ = cancel;
@@ -58,18 +58,12 @@ pub(super) fn has(package: &str) -> bool {
     if let Some(found) = FOUND.get() {
         return found.contains(&package);
     }
-    let there = |pin: &pins::Pin| {
-        Python::attach(|py| -> PyResult<bool> {
-            let found: String = py
-                .import("importlib.metadata")?
-                .call_method1("version", (pin.package,))?
-                .extract()?;
-            Ok(pin.version == found)
-        })
-        .unwrap_or(false)
-    };
-    let found = pins::pins().filter(there).map(|pin| pin.package);
-    let found: Vec<&'static str> = found.collect();
+    let found: Vec<&'static str> = Python::attach(|py| {
+        let there =
+            |package: &str, version: &str| installed(py, package).is_ok_and(|v| v == version);
+        let found = pins(LIST).filter(|(package, version)| there(package, version));
+        found.map(|(package, _)| package).collect()
+    });
     let has = found.contains(&package);
     // Two threads may both ask; waiting for one another with the interpreter's lock they might wait for ever.
     let _ = FOUND.set(found);

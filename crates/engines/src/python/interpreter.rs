@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use super::convert::text_of;
 use super::environment::ENVIRONMENT;
-use crate::cache::Missing;
+use crate::engine::{Ending, Halt};
 
 /// The interpreter whose library this program embeds.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -18,11 +18,12 @@ pub(super) struct Interpreter {
 }
 
 /// The interpreter this process embeds.
-pub(super) fn interpreter() -> Result<Interpreter, Missing> {
+pub(super) fn interpreter() -> Result<Interpreter, Halt> {
     if let Some(home) = crate::variable("PYTHONHOME") {
-        return Err(Missing::Because(format!(
+        return Err(Ending::absent(format!(
             "PYTHONHOME = {home:?} would send the embedded Python to another installation; unset PYTHONHOME"
-        )));
+        ))
+        .into());
     }
     let asked = Python::attach(|py| -> PyResult<Interpreter> {
         let sys = py.import("sys")?;
@@ -56,9 +57,10 @@ pub(super) fn interpreter() -> Result<Interpreter, Missing> {
 }
 
 /// There is no interpreter of that version to make an environment with.
-pub(super) fn no_interpreter(version: &str, tried: &str) -> Missing {
-    Missing::Because(format!(
+pub(super) fn no_interpreter(version: &str, tried: &str) -> Halt {
+    Ending::absent(format!(
         "no Python {version} interpreter was found to make an environment with (tried {tried}); install it, or name an \
          environment of that version with {ENVIRONMENT}"
     ))
+    .into()
 }

@@ -22,8 +22,6 @@ mod pins;
 mod user_engine;
 mod watch;
 
-#[cfg(feature = "crossval")]
-pub use crate::cache::Missing;
 pub use agreement::{Agreement, law_agreement};
 #[cfg(feature = "crossval")]
 pub use environment::{ENGINES, Environment, Requirements, environment};

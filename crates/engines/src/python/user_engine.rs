@@ -19,7 +19,7 @@ use pyo3::types::PyCFunction;
 use super::law::{Published, locked};
 use super::watch::hosted;
 use crate::control::Control;
-use crate::engine::{Ending, Engine, Halt, Prepared, Refinement, Run, Track};
+use crate::engine::{Ending, Engine, Halt, Prepared, Refinement, Run, Track, prepared};
 use crate::registry::EngineInfo;
 
 /// A solver of the user's.
@@ -86,7 +86,8 @@ impl Engine for UserEngine {
         EngineInfo {
             differences: &self.differences,
             refinement: self.order.map(Refinement::step),
-            ..EngineInfo::own(&self.name, self.track, &self.summary)
+            summary: &self.summary,
+            ..EngineInfo::own(&self.name, self.track)
         }
     }
 
@@ -95,9 +96,8 @@ impl Engine for UserEngine {
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
-        let gearbox = gearbox.clone();
-        Ok(Box::new(move |control: &Control<'_>| {
-            self.run(&gearbox, control)
+        Ok(prepared(gearbox.clone(), |gearbox, control| {
+            self.run(gearbox, control)
         }))
     }
 }

@@ -20,12 +20,9 @@ use crate::engine::{Ending, Halt, Run};
 /// Enough for deep C++ recursion and Python's own.
 const STACK_BYTES: usize = 64 << 20;
 
-/// What a run tells the caller's thread.
-enum Message {
-    Reached(f64),
-    /// Said also by a run that panics; Python may keep the other sender alive.
-    Over,
-}
+/// What a run tells the caller's thread: the time reached, s; `None` when it is over, also by a panic, for Python may keep
+/// the other sender alive.
+type Message = Option<f64>;
 
 /// A run's way to its caller.
 struct Watch {
@@ -42,19 +39,18 @@ impl Watch {
             // Other threads may run Python while the caller draws its progress.
             Ok(args.py().detach(|| {
                 let line = line.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-                line.tell.send(Message::Reached(time_s)).is_err()
-                    || line.hear.recv().unwrap_or(true)
+                line.tell.send(Some(time_s)).is_err() || line.hear.recv().unwrap_or(true)
             }))
         })
     }
 }
 
-/// Says [`Message::Over`] however the run ends.
+/// Says that the run is over however it ends.
 struct End(SyncSender<Message>);
 
 impl Drop for End {
     fn drop(&mut self) {
-        let _ = self.0.send(Message::Over);
+        let _ = self.0.send(None);
     }
 }
 
@@ -111,7 +107,7 @@ fn watched<T: Send>(
                 let _end = End(tell);
                 work(watch)
             })?;
-        while let Ok(Message::Reached(time_s)) = told.recv() {
+        while let Ok(Some(time_s)) = told.recv() {
             if answer.send(control.reached(time_s)).is_err() {
                 break;
             }

@@ -18,8 +18,7 @@ use super::outlines::{closed, hole_edge, wheel_edge};
 use super::spring::{contact_frequency, spring_load};
 use super::sums::Sums;
 use super::world::{World, in_frame_of};
-use crate::control::Control;
-use crate::engine::{Ending, Halt, Prepared, Run, RunStats};
+use crate::engine::{Ending, Halt, Prepared, prepared};
 
 /// Points of a wheel's edge, and fewest on a lobe: a gear of 39 lobes has its mean forces right to
 /// 0.8 % with 103 points a lobe, against 267.
@@ -58,29 +57,21 @@ pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
     let mut field = gearbox.contact_field().map_err(Ending::unsupported)?;
     let frequency = contact_frequency(gearbox, &mut *field).map_err(Ending::unsupported)?;
     let grid = Grid::new(scene, step_s(scene, frequency))?;
-    let gearbox = gearbox.clone();
-    Ok(Box::new(move |control: &Control<'_>| {
-        run(&gearbox, &grid, frequency, control)
-    }))
-}
-
-fn run(gearbox: &Gearbox, grid: &Grid, frequency: f64, control: &Control<'_>) -> Result<Run, Halt> {
-    let mut world = World::new(gearbox, grid.step_s, SWEEPS);
-    world.contact_spring(SpringCoefficients {
-        natural_frequency: frequency,
-        damping_ratio: 0.0,
-    });
-    let mut contacts = Solid::new(gearbox, &mut world, grid.step_s);
-    let stats = RunStats {
-        settings: format!(
+    Ok(prepared(gearbox.clone(), move |gearbox, control| {
+        let mut world = World::new(gearbox, grid.step_s, SWEEPS);
+        world.contact_spring(frequency);
+        let mut contacts = Solid::new(gearbox, &mut world, grid.step_s);
+        let settings = format!(
             "impulse revolutes, 1 substep, {SWEEPS} constraint sweeps, warm start; {} points a wheel, {HOLE_POINTS} \
-                 a hole; contact spring {frequency:.0} Hz",
+             a hole; contact spring {frequency:.0} Hz",
             edge_points(&gearbox.scene.gear)
-        ),
-        notes: notes(gearbox, grid),
-        ..RunStats::default()
-    };
-    march(gearbox, world, &mut contacts, grid, stats, control)
+        );
+        let mut run = march(gearbox, world, &mut contacts, &grid, settings, control)?;
+        // Its contact law is not ours.
+        run.stats.rhs_calls = 0;
+        run.stats.notes = notes(gearbox, &grid);
+        Ok(run)
+    }))
 }
 
 /// Remarks for the reader.
@@ -237,10 +228,6 @@ impl Contacts for Solid {
             world,
             step_s: self.step_s,
         })
-    }
-
-    fn law_calls(&self) -> u64 {
-        0
     }
 }
 

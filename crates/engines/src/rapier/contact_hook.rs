@@ -17,8 +17,7 @@ use rapier2d_f64::prelude::*;
 use super::march::{Contacts, Grid, friction_is_plain, march};
 use super::sums::{Sums, sleeve_slot};
 use super::world::World;
-use crate::control::Control;
-use crate::engine::{Ending, Halt, Prepared, Run, RunStats};
+use crate::engine::{Ending, Halt, Prepared, prepared};
 
 /// Gauss-Seidel sweeps a step. Friction couples the sleeves through the shafts: in the driver
 /// torque five leave 1.6e-2, ten 1.0e-3, twenty 8.9e-4, forty 8.6e-4 (mu = 0.1, steady, 1e-5 s).
@@ -36,31 +35,21 @@ const LEAST_DEPTH: f64 = 1.6e-8;
 pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
     friction_is_plain(&gearbox.scene)?;
     let grid = Grid::new(&gearbox.scene, gearbox.scene.solver.step_s)?;
-    let gearbox = gearbox.clone();
-    Ok(Box::new(move |control: &Control<'_>| {
-        run(&gearbox, &grid, control)
-    }))
-}
-
-fn run(gearbox: &Gearbox, grid: &Grid, control: &Control<'_>) -> Result<Run, Halt> {
-    let field = gearbox.contact_field().map_err(Ending::unsupported)?;
-    let mut world = World::new(gearbox, grid.step_s, SWEEPS);
-    let mut contacts = Hooked::new(gearbox, field, &mut world, grid.step_s);
-    let stats = RunStats {
-        settings: format!(
+    Ok(prepared(gearbox.clone(), move |gearbox, control| {
+        let field = gearbox.contact_field().map_err(Ending::unsupported)?;
+        let mut world = World::new(gearbox, grid.step_s, SWEEPS);
+        let mut contacts = Hooked::new(gearbox, field, &mut world, grid.step_s);
+        let settings = format!(
             "impulse revolutes, leapfrog, 1 substep, {SWEEPS} constraint sweeps, warm start; contacts by hook"
-        ),
-        notes: Vec::new(),
-        ..RunStats::default()
-    };
-    march(gearbox, world, &mut contacts, grid, stats, control)
+        );
+        march(gearbox, world, &mut contacts, &grid, settings, control)
+    }))
 }
 
 /// The table of pairs that our law fills and rapier's hook reads.
 struct Hooked {
     layout: Layout,
     field: Box<dyn ContactField>,
-    calls: u64,
     friction: f64,
     /// See [`LEAST_DEPTH`].
     least_depth_m: f64,
@@ -89,10 +78,7 @@ impl Hooked {
         step_s: f64,
     ) -> Self {
         let (layout, gear) = (gearbox.layout, &gearbox.scene.gear);
-        world.contact_spring(SpringCoefficients {
-            natural_frequency: STEP_TIMES_FREQUENCY / (step_s * std::f64::consts::TAU),
-            damping_ratio: 0.0,
-        });
+        world.contact_spring(STEP_TIMES_FREQUENCY / (step_s * std::f64::consts::TAU));
 
         // A wheel's proxy covers every sleeve wherever a run may take it: every pair always meets.
         let reach = 2.0 * (gear.pitch_radius_m() + gear.backlash_m + gear.external_sleeve_radius_m);
@@ -128,7 +114,6 @@ impl Hooked {
         Self {
             layout,
             field,
-            calls: 0,
             friction: gearbox.scene.contact.friction_coefficient,
             least_depth_m: LEAST_DEPTH * gear.pitch_radius_m(),
             step_s,
@@ -137,9 +122,7 @@ impl Hooked {
             sleeves,
         }
     }
-}
 
-impl Hooked {
     /// Visits the pairs that touched in the last step, with the forces of rapier's impulses.
     fn transmitted(&self, world: &World, share: f64, visit: &mut dyn FnMut(&PairContact)) {
         for Load { pair, .. } in self.table.iter().flatten() {
@@ -218,7 +201,6 @@ impl Contacts for Hooked {
         now: &[BodyState],
         loads: &mut [Wrench],
     ) -> Result<(), String> {
-        self.calls += 1;
         self.table.fill(None);
         let (layout, table, count) = (self.layout, &mut self.table, self.sleeves.len());
         let per_inverse_mass = world.share() / (STEP_TIMES_FREQUENCY / self.step_s).powi(2);
@@ -253,10 +235,6 @@ impl Contacts for Hooked {
             world,
             share,
         })
-    }
-
-    fn law_calls(&self) -> u64 {
-        self.calls
     }
 }
 

@@ -38,9 +38,6 @@ pub(super) trait Contacts {
 
     /// What is known of single contacts at t_n, for channels; asked where [`forces`](Self::forces) is.
     fn seen<'a>(&'a mut self, world: &'a World, share: f64) -> Box<dyn PairSource + 'a>;
-
-    /// Evaluations of our contact law inside the steps so far.
-    fn law_calls(&self) -> u64;
 }
 
 /// Steps on the scene's sample grid.
@@ -95,7 +92,7 @@ pub(super) fn friction_is_plain(scene: &Scene) -> Result<(), Ending> {
     Ok(())
 }
 
-/// Marches `contacts` over the grid. `stats` holds the settings and notes, the rest is filled in.
+/// Marches `contacts` over the grid, which ask our contact law once a step; `settings` in words.
 ///
 /// # Errors
 /// A stop, or a failure if the samples do not make time series. A divergence keeps the time series until then.
@@ -104,7 +101,7 @@ pub(super) fn march(
     mut world: World,
     contacts: &mut dyn Contacts,
     grid: &Grid,
-    mut stats: RunStats,
+    settings: String,
     control: &Control<'_>,
 ) -> Result<Run, Halt> {
     let (wall, cpu) = (Instant::now(), ThreadTime::now());
@@ -116,7 +113,7 @@ pub(super) fn march(
     let mut samples = grid.samples.iter().peekable();
     let mut joints = Vec::new();
     let mut drift: f64 = 0.0;
-    let mut node: u64 = 0;
+    let (mut node, mut law_calls): (u64, u64) = (0, 0);
     let mut ran_away = None;
 
     while let Some(&&(sample_node, sample_s)) = samples.peek() {
@@ -132,6 +129,7 @@ pub(super) fn march(
             }
             drift = drift.max(world.joint_drift());
         }
+        law_calls += 1;
         if let Err(quantity) = contacts.step(&mut world, &now, &mut loads) {
             ran_away = Some((time_s, quantity));
             break;
@@ -159,15 +157,19 @@ pub(super) fn march(
         node += 1;
     }
 
-    stats.wall_s = wall.elapsed().as_secs_f64();
-    stats.cpu_s = cpu.elapsed().as_secs_f64();
-    stats.rhs_calls = contacts.law_calls();
-    stats.steps = node;
-    // Every body but the driven one keeps its three velocities.
-    stats.degrees_of_freedom = 3 * (layout.bodies() - 1);
-    stats.bodies = layout.bodies();
-    stats.step_s = grid.step_s;
-    stats.joint_drift_m = Some(drift);
+    let stats = RunStats {
+        wall_s: wall.elapsed().as_secs_f64(),
+        cpu_s: cpu.elapsed().as_secs_f64(),
+        rhs_calls: law_calls,
+        steps: node,
+        // Every body but the driven one keeps its three velocities.
+        degrees_of_freedom: 3 * (layout.bodies() - 1),
+        bodies: layout.bodies(),
+        step_s: grid.step_s,
+        settings,
+        joint_drift_m: Some(drift),
+        ..RunStats::default()
+    };
     let run = Run::new(recorder.finish().map_err(Ending::failed)?, stats);
     Ok(match ran_away {
         None => run,

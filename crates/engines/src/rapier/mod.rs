@@ -19,30 +19,19 @@ use pinwheel_gearbox::Gearbox;
 use crate::engine::{Engine, Halt, Prepared};
 use crate::registry::{self, EngineInfo};
 
-/// One of the three.
-pub(crate) struct Rapier {
-    info: &'static EngineInfo<'static>,
-    prepare: fn(&Gearbox) -> Result<Prepared<'static>, Halt>,
-}
+/// One of the three: what is known of it, and how it is made ready.
+pub(crate) struct Rapier(
+    &'static EngineInfo<'static>,
+    fn(&Gearbox) -> Result<Prepared<'static>, Halt>,
+);
 
-pub(crate) static SHARED_LAW: Rapier = Rapier {
-    info: &registry::RAPIER_SHARED_LAW,
-    prepare: shared_law::prepare,
-};
-
-pub(crate) static HOOK: Rapier = Rapier {
-    info: &registry::RAPIER_HOOK,
-    prepare: contact_hook::prepare,
-};
-
-pub(crate) static COLLIDERS: Rapier = Rapier {
-    info: &registry::RAPIER_COLLIDERS,
-    prepare: colliders::prepare,
-};
+pub(crate) const SHARED_LAW: Rapier = Rapier(&registry::RAPIER_SHARED_LAW, shared_law::prepare);
+pub(crate) const HOOK: Rapier = Rapier(&registry::RAPIER_HOOK, contact_hook::prepare);
+pub(crate) const COLLIDERS: Rapier = Rapier(&registry::RAPIER_COLLIDERS, colliders::prepare);
 
 impl Engine for Rapier {
     fn info(&self) -> EngineInfo<'_> {
-        *self.info
+        *self.0
     }
 
     fn version(&self) -> String {
@@ -50,6 +39,6 @@ impl Engine for Rapier {
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
-        (self.prepare)(gearbox)
+        self.1(gearbox)
     }
 }

@@ -8,8 +8,7 @@ use pinwheel_mbs::{BodyState, Wrench};
 use super::march::{Contacts, Grid, march};
 use super::sums::Sums;
 use super::world::World;
-use crate::control::Control;
-use crate::engine::{Ending, Halt, Prepared, Run, RunStats};
+use crate::engine::{Ending, Halt, Prepared, prepared};
 
 /// Gauss-Seidel sweeps a step. Ten leave the joints an error below that of the time step: four
 /// double the error of the internal sleeves, forty change nothing.
@@ -17,36 +16,18 @@ const SWEEPS: usize = 10;
 
 pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
     let grid = Grid::new(&gearbox.scene, gearbox.scene.solver.step_s)?;
-    let gearbox = gearbox.clone();
-    Ok(Box::new(move |control: &Control<'_>| {
-        run(&gearbox, &grid, control)
+    Ok(prepared(gearbox.clone(), move |gearbox, control| {
+        let mut law = Law(gearbox.contact_field().map_err(Ending::unsupported)?);
+        let world = World::new(gearbox, grid.step_s, SWEEPS);
+        let settings = format!(
+            "impulse revolutes, leapfrog, 1 substep, {SWEEPS} constraint sweeps, warm start"
+        );
+        march(gearbox, world, &mut law, &grid, settings, control)
     }))
 }
 
-fn run(gearbox: &Gearbox, grid: &Grid, control: &Control<'_>) -> Result<Run, Halt> {
-    let field = gearbox.contact_field().map_err(Ending::unsupported)?;
-    let world = World::new(gearbox, grid.step_s, SWEEPS);
-    let stats = RunStats {
-        settings: format!(
-            "impulse revolutes, leapfrog, 1 substep, {SWEEPS} constraint sweeps, warm start"
-        ),
-        ..RunStats::default()
-    };
-    march(
-        gearbox,
-        world,
-        &mut Law { field, calls: 0 },
-        grid,
-        stats,
-        control,
-    )
-}
-
 /// Pinwheel's contact law as a load.
-struct Law {
-    field: Box<dyn ContactField>,
-    calls: u64,
-}
+struct Law(Box<dyn ContactField>);
 
 impl Contacts for Law {
     fn step(
@@ -55,23 +36,18 @@ impl Contacts for Law {
         now: &[BodyState],
         loads: &mut [Wrench],
     ) -> Result<(), String> {
-        self.calls += 1;
-        self.field.add_loads(now, loads);
+        self.0.add_loads(now, loads);
         world.load(loads);
         world.advance(&())
     }
 
     fn forces(&mut self, _world: &World, now: &[BodyState], _share: f64, sums: &mut Sums) {
-        self.field.touching(now, &mut |pair| {
+        self.0.touching(now, &mut |pair| {
             sums.add(pair.wheel, pair.sleeve, pair.force_on_sleeve());
         });
     }
 
     fn seen<'a>(&'a mut self, _world: &'a World, _share: f64) -> Box<dyn PairSource + 'a> {
-        Box::new(LawPairs(self.field.as_mut()))
-    }
-
-    fn law_calls(&self) -> u64 {
-        self.calls
+        Box::new(LawPairs(self.0.as_mut()))
     }
 }

@@ -99,8 +99,12 @@ impl World {
             .insert_collider(collider, Some(self.handles[body]))
     }
 
-    /// Sets the spring of all contacts.
-    pub(super) fn contact_spring(&mut self, spring: SpringCoefficients<f64>) {
+    /// Gives the spring of all contacts a frequency, Hz, and no damping.
+    pub(super) fn contact_spring(&mut self, natural_frequency: f64) {
+        let spring = SpringCoefficients {
+            natural_frequency,
+            damping_ratio: 0.0,
+        };
         let parameters = &mut self.physics.integration_parameters;
         parameters.contact_softness = spring;
         parameters.static_contact_softness = spring;

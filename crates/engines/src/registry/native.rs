@@ -9,13 +9,11 @@ use pinwheel_scene::{Detection, Fault, Formulation, Scene, load_course};
 
 use super::{EngineInfo, Form, NATIVE_LAGRANGE, NATIVE_REDUCED, NATIVE_RESOLVED};
 use crate::control::{Cancelled, Control};
-use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats};
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, prepared};
 
 /// The native solver in one of its forms.
 #[derive(Debug, Clone, Copy)]
-pub struct Native {
-    form: Form,
-}
+pub struct Native(Form);
 
 /// What the resolved form aims at without friction: forces that no course shows the step in.
 const RESOLVED: f64 = 1e-7;
@@ -24,17 +22,11 @@ const RESOLVED_ROUGH: f64 = 1e-5;
 
 impl Native {
     /// Centre-pinned bodies eliminated.
-    pub const REDUCED: Self = Self {
-        form: Form::Reduced,
-    };
+    pub const REDUCED: Self = Self(Form::Reduced);
     /// All bodies, Eq. 2.
-    pub const LAGRANGE: Self = Self {
-        form: Form::Lagrange,
-    };
+    pub const LAGRANGE: Self = Self(Form::Lagrange);
     /// The reduced form with an integrator that leaves no visible error of the step.
-    pub const RESOLVED: Self = Self {
-        form: Form::Resolved,
-    };
+    pub const RESOLVED: Self = Self(Form::Resolved);
 
     /// The solver that a scene asks for.
     #[must_use]
@@ -48,11 +40,11 @@ impl Native {
     /// The gearbox as this form solves it.
     fn formed(&self, gearbox: &Gearbox) -> Result<Gearbox, Fault> {
         gearbox.with_solver(|solver| {
-            solver.formulation = match self.form {
+            solver.formulation = match self.0 {
                 Form::Lagrange => Formulation::Lagrange,
                 Form::Reduced | Form::Resolved => Formulation::Reduced,
             };
-            if self.form == Form::Resolved {
+            if self.0 == Form::Resolved {
                 auto::AUTO.clone_into(&mut solver.integrator);
             }
         })
@@ -71,7 +63,7 @@ impl Native {
 
     /// What its run aims at; `None` where the scene names its method.
     fn target(&self, scene: &Scene) -> Option<f64> {
-        if self.form == Form::Resolved {
+        if self.0 == Form::Resolved {
             return Some(Self::resolved_target(scene));
         }
         (scene.solver.integrator == auto::AUTO).then_some(auto::TARGET)
@@ -80,7 +72,7 @@ impl Native {
 
 impl Engine for Native {
     fn info(&self) -> EngineInfo<'_> {
-        match self.form {
+        match self.0 {
             Form::Reduced => NATIVE_REDUCED,
             Form::Lagrange => NATIVE_LAGRANGE,
             Form::Resolved => NATIVE_RESOLVED,
@@ -93,8 +85,8 @@ impl Engine for Native {
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         let gearbox = self.formed(gearbox).map_err(Ending::unsupported)?;
-        Ok(Box::new(move |control: &Control<'_>| {
-            self.integrate(&gearbox, control)
+        Ok(prepared(gearbox, |gearbox, control| {
+            self.integrate(gearbox, control)
         }))
     }
 }
@@ -134,7 +126,7 @@ impl Native {
                 run.end_s / counts.steps as f64
             },
             settings: settings(&gearbox.scene, uncertainty.as_ref()),
-            joint_drift_m: (self.form == Form::Lagrange).then_some(run.joint_drift_m),
+            joint_drift_m: (self.0 == Form::Lagrange).then_some(run.joint_drift_m),
             energy: windows(scene)
                 .into_iter()
                 .filter_map(|(from, to)| run.energy.audit(from, to))

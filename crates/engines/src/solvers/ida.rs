@@ -3,7 +3,8 @@
 use std::sync::atomic::AtomicBool;
 
 use super::shipped::Ready;
-use crate::cache::{self, Missing};
+use crate::cache;
+use crate::engine::Halt;
 use crate::python::{Requirements, environment, pinned};
 
 /// Its manifest.
@@ -30,7 +31,7 @@ pub(super) fn version() -> String {
 }
 
 /// Makes its environment if need be.
-pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Missing> {
+pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Halt> {
     let found = environment(REQUIREMENTS, cancel)?;
     Ok(Ready {
         here: cache::laid_out("ida", &FILES)?,

@@ -6,9 +6,8 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_gearbox::Gearbox;
 
 use super::{ida, simbody};
-use crate::cache::{Kept, Missing};
-use crate::control::Control;
-use crate::engine::{Ending, Engine, Halt, Prepared, Run};
+use crate::cache::Kept;
+use crate::engine::{Ending, Engine, Halt, Prepared, prepared};
 use crate::external::{Solver, law_library};
 use crate::registry::{self, EngineInfo};
 
@@ -26,7 +25,7 @@ pub(crate) struct Shipped {
     info: &'static EngineInfo<'static>,
     version: fn() -> String,
     /// Makes it ready.
-    make: fn(&AtomicBool) -> Result<Ready, Missing>,
+    make: fn(&AtomicBool) -> Result<Ready, Halt>,
     made: Kept<Ready>,
     /// Its manifest for scenes without friction, and with.
     manifests: [&'static str; 2],
@@ -59,11 +58,6 @@ impl Shipped {
         let solver = Solver::open(&manifest).map_err(Ending::failed)?;
         Ok(solver.known_as(self.info.name, ready.python))
     }
-
-    fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, Halt> {
-        let solver = self.solver(gearbox, control.cancel)?;
-        solver.prepare(gearbox)?(control)
-    }
 }
 
 impl Engine for Shipped {
@@ -76,9 +70,9 @@ impl Engine for Shipped {
     }
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
-        let gearbox = gearbox.clone();
-        Ok(Box::new(move |control: &Control<'_>| {
-            self.run(&gearbox, control)
+        Ok(prepared(gearbox.clone(), |gearbox, control| {
+            let solver = self.solver(gearbox, control.cancel)?;
+            solver.prepare(gearbox)?(control)
         }))
     }
 }

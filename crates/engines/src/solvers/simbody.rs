@@ -6,7 +6,8 @@ use std::sync::atomic::AtomicBool;
 use std::{env, fs};
 
 use super::shipped::Ready;
-use crate::cache::{self, Made, Missing, Note, call, fingerprint};
+use crate::cache::{self, Made, Note, call, fingerprint, storage, unless_stopped};
+use crate::engine::{Ending, Halt};
 
 /// Its manifests for scenes without friction, and with: an explicit method, and one for stiff equations.
 pub(super) const MANIFESTS: [&str; 2] = ["merson.toml", "cpodes.toml"];
@@ -78,28 +79,27 @@ pub(super) fn version() -> String {
 }
 
 /// Compiles its program if need be.
-pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Missing> {
-    let installed = installed().ok_or_else(|| {
-        Missing::Because(format!("Simbody is not installed; install it ({REMEDY})"))
-    })?;
+pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Halt> {
+    let not_installed =
+        || Ending::absent(format!("Simbody is not installed; install it ({REMEDY})"));
+    let installed = installed().ok_or_else(not_installed)?;
     let compiler = PathBuf::from(env::var_os("CXX").unwrap_or_else(|| "c++".into()));
     let described = call(&compiler, ["--version"], None, cancel).map_err(|reason| {
-        Missing::of(cancel, || {
-            format!(
-                "its program is compiled at the first use, and the C++ compiler does not answer ({reason}); install one \
-                 ({REMEDY}), or name it with CXX"
-            )
-        })
+        let absent = Ending::absent(format!(
+            "its program is compiled at the first use, and the C++ compiler does not answer ({reason}); install one \
+             ({REMEDY}), or name it with CXX"
+        ));
+        unless_stopped(cancel, absent.into())
     })?;
     let flags = installed.flags.join(" ");
     let version = installed.version.unwrap_or_default();
     let mut key: Vec<&str> = FILES.iter().map(|&(_, text)| text).collect();
     key.extend([described.as_str(), flags.as_str(), version.as_str()]);
-    let compile = |draft: &Path, note: &Note| -> Result<(), Missing> {
+    let compile = |draft: &Path, note: &Note| -> Result<(), Halt> {
         note.say("compiling");
         for (name, text) in &FILES {
             let path = draft.join(name);
-            fs::write(&path, text).map_err(|error| Missing::storage(&path, error))?;
+            fs::write(&path, text).map_err(|error| storage(&path, error))?;
         }
         let (program, source) = (draft.join("simbody"), draft.join("simbody.cpp"));
         let own = ["-std=c++17", "-O2", "-w", "-o"].map(OsStr::new);
@@ -107,14 +107,12 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Missing> {
         let libraries = installed.flags.iter().map(OsStr::new);
         let arguments = own.into_iter().chain(files).chain(libraries);
         let arguments = arguments.chain([OsStr::new("-ldl")]);
-        let done = call(&compiler, arguments, None, cancel);
-        done.map(|_| ()).map_err(|reason| {
-            Missing::of(cancel, || {
-                format!(
-                    "its program cannot be compiled ({reason}); install Simbody whole ({REMEDY})"
-                )
-            })
-        })
+        call(&compiler, arguments, None, cancel).map_err(|reason| {
+            Ending::absent(format!(
+                "its program cannot be compiled ({reason}); install Simbody whole ({REMEDY})"
+            ))
+        })?;
+        Ok(())
     };
     let made = Made {
         name: &format!("simbody-{:016x}", fingerprint(&key)),

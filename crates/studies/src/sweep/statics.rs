@@ -55,11 +55,8 @@ impl Engine for Statics {
     fn info(&self) -> EngineInfo<'_> {
         EngineInfo {
             differences: "No motion: inertia, damping and friction have no part.",
-            ..EngineInfo::own(
-                STATICS,
-                Track::Native,
-                "balances at rest over one period of the mesh; for sweeps alone",
-            )
+            summary: "balances at rest over one period of the mesh; for sweeps alone",
+            ..EngineInfo::own(STATICS, Track::Native)
         }
     }
 

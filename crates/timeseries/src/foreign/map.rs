@@ -36,37 +36,28 @@ pub fn is_reserved(name: &str) -> bool {
 }
 
 /// A map.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Map {
     /// Name in the comparison: letters, digits, `-`, `_` and `.`; the file's if left out.
-    #[serde(default)]
     pub name: Option<String>,
     /// Version of the program or rig behind the data.
-    #[serde(default)]
     pub version: String,
     /// One line on what it is.
-    #[serde(default)]
     pub summary: String,
     /// How it differs from the scene, in plain words.
-    #[serde(default)]
     pub differences: String,
     /// How the file is written.
-    #[serde(default)]
     pub file: FileFormat,
     /// The time.
-    #[serde(default)]
     pub time: TimeColumn,
     /// Our names and where their values stand. A name may hold one `*` for a number.
     pub columns: BTreeMap<String, Source>,
     /// What to do with rows that cannot be read.
-    #[serde(default)]
     pub rows: Rows,
     /// How values are put onto the run's sample times.
-    #[serde(default)]
     pub resample: Resampling,
     /// Limits that the comparison holds this set against; without any nothing of it is judged.
-    #[serde(default)]
     pub limits: Vec<StatedLimit>,
 }
 
@@ -183,29 +174,36 @@ pub enum Source {
 
 /// A column with its unit: `factor * unit * value + offset`.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(default, deny_unknown_fields)]
 pub struct FullSource {
     /// The column; one `*` stands for a number where our name has one.
-    #[serde(default)]
     pub column: Option<ColumnRef>,
     /// Columns whose root of the sum of squares is the value, for components of a force.
-    #[serde(default)]
     pub magnitude_of: Vec<ColumnRef>,
     /// Unit of the column; ours if left out.
-    #[serde(default)]
     pub unit: Option<String>,
     /// A further factor, for example -1 for the other sign.
-    #[serde(default = "one")]
     pub factor: f64,
     /// Added, in our unit.
-    #[serde(default)]
     pub offset: f64,
     /// Number of the file that is our 0.
-    #[serde(default)]
     pub first: usize,
     /// How uncertain the values are.
-    #[serde(default)]
     pub uncertainty: Option<ColumnUncertainty>,
+}
+
+impl Default for FullSource {
+    fn default() -> Self {
+        Self {
+            column: None,
+            magnitude_of: Vec::new(),
+            unit: None,
+            factor: 1.0,
+            offset: 0.0,
+            first: 0,
+            uncertainty: None,
+        }
+    }
 }
 
 /// How uncertain the values of a column are: one standard deviation (half of a bound that holds in 95 of 100 cases). The parts
@@ -237,10 +235,6 @@ impl ColumnUncertainty {
         let range = self.of_range == 0.0 || self.range > 0.0;
         range && parts.iter().all(|part| part.is_finite() && *part >= 0.0) && self.of(1.0) > 0.0
     }
-}
-
-fn one() -> f64 {
-    1.0
 }
 
 /// What to do with rows that cannot be read.
@@ -495,12 +489,7 @@ impl Source {
             Self::Full(full) => full.clone(),
             Self::Plain(column) => FullSource {
                 column: Some(column.clone()),
-                magnitude_of: Vec::new(),
-                unit: None,
-                factor: 1.0,
-                offset: 0.0,
-                first: 0,
-                uncertainty: None,
+                ..FullSource::default()
             },
         }
     }
@@ -542,8 +531,7 @@ mod tests {
     #[test]
     fn faults_have_a_remedy() {
         for (text, part) in [
-            ("", "missing field `columns`"),
-            ("[columns]\n", "names nothing"),
+            ("", "names nothing"),
             ("[columns]\na_n = 1\nx = [", "line 3"),
             ("colums = 1", "did you mean `columns`?"),
             (

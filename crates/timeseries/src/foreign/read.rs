@@ -15,6 +15,9 @@ const FEWEST_ROWS: usize = 10;
 /// Columns of ours that one of the file may feed: thousands would make a small file a large one in memory.
 const MOST_USES: usize = 16;
 
+/// Columns of a file without a header at most.
+const MOST_COLUMNS: usize = 10_000;
+
 /// Largest magnitude of a value in our units: squares and sums of such stay finite.
 const LARGEST: f64 = 1e100;
 
@@ -148,42 +151,23 @@ pub fn read(source: impl Read, map: &Map) -> Result<Foreign, ForeignError> {
 /// Names of the file's columns.
 struct Header {
     names: Vec<String>,
-    /// Where each name stands first.
+    /// Where each name stands first; empty without a header, where columns go by number only.
     places: HashMap<String, usize>,
-    /// Without a header columns go by number only.
-    named: bool,
 }
 
 impl Header {
-    fn new(names: Vec<String>, named: bool) -> Self {
-        let mut places = HashMap::new();
-        for (index, name) in names.iter().enumerate() {
-            places.entry(name.clone()).or_insert(index);
-        }
-        Self {
-            names,
-            places,
-            named,
-        }
-    }
-
     fn name(&self, index: usize) -> String {
-        self.names
-            .get(index)
-            .cloned()
-            .unwrap_or_else(|| (index + 1).to_string())
-    }
-
-    fn position(&self, column: &str) -> Option<usize> {
-        self.places.get(column).copied().filter(|_| self.named)
+        let name = self.names.get(index).cloned();
+        name.unwrap_or_else(|| (index + 1).to_string())
     }
 
     fn find(&self, key: &str, column: &ColumnRef) -> Result<usize, ForeignError> {
         let found = match column {
-            ColumnRef::Name(name) => self.position(name.trim()),
-            ColumnRef::Number(number) => number
-                .checked_sub(1)
-                .filter(|index| *index < self.names.len()),
+            ColumnRef::Name(name) => self.places.get(name.trim()).copied(),
+            ColumnRef::Number(number) => {
+                let index = number.checked_sub(1);
+                index.filter(|index| *index < self.names.len())
+            }
         };
         found.ok_or_else(|| {
             let names = self.names.iter().map(|name| format!("`{}`", short(name)));
@@ -261,121 +245,86 @@ fn wanted(map: &Map, header: &Header) -> Result<Vec<Wanted>, ForeignError> {
 }
 
 /// Rows of cells with their line numbers.
-enum Lines<R> {
-    Separated {
-        reader: Box<csv::Reader<BufReader<R>>>,
-        skipped: usize,
-        record: csv::ByteRecord,
-    },
-    Blanks {
-        reader: BufReader<R>,
-        line: usize,
-        comment: Option<u8>,
-    },
+struct Lines<R> {
+    reader: csv::Reader<BufReader<R>>,
+    record: csv::ByteRecord,
+    /// Lines before the reader's first.
+    skipped: usize,
+    /// Any number of blanks stands between cells; comments may be indented then.
+    blanks: bool,
+    comment: Option<u8>,
 }
 
 impl<R: Read> Lines<R> {
     fn new(source: R, format: &FileFormat) -> Result<Self, ForeignError> {
-        let mut reader = BufReader::new(source);
-        let mut first = Vec::new();
+        let mut source = BufReader::new(source);
         for _ in 0..format.skip_lines {
-            first.clear();
-            if reader
-                .read_until(b'\n', &mut first)
-                .map_err(ForeignError::unreadable)?
-                == 0
-            {
-                break;
-            }
+            source.skip_until(b'\n').map_err(ForeignError::unreadable)?;
         }
         let comment = format.comment.as_ref().and_then(|text| text.bytes().next());
-        Ok(match format.separator_byte() {
-            Some(separator) => Self::Separated {
-                reader: Box::new(
-                    csv::ReaderBuilder::new()
-                        .has_headers(false)
-                        .flexible(true)
-                        .delimiter(separator)
-                        .comment(comment)
-                        .from_reader(reader),
-                ),
-                skipped: format.skip_lines,
-                record: csv::ByteRecord::new(),
-            },
-            None => Self::Blanks {
-                reader,
-                line: format.skip_lines,
-                comment,
-            },
+        let separator = format.separator_byte();
+        let reader = csv::ReaderBuilder::new()
+            .has_headers(false)
+            .flexible(true)
+            .delimiter(separator.unwrap_or(b' '))
+            .quoting(separator.is_some())
+            .comment(comment)
+            .from_reader(source);
+        Ok(Self {
+            reader,
+            record: csv::ByteRecord::new(),
+            skipped: format.skip_lines,
+            blanks: separator.is_none(),
+            comment,
         })
     }
 
     /// The next row that is not empty.
     fn next(&mut self) -> Result<Option<(usize, Vec<String>)>, ForeignError> {
-        match self {
-            Self::Separated {
-                reader,
-                skipped,
-                record,
-            } => {
-                let more = reader
-                    .read_byte_record(record)
-                    .map_err(ForeignError::unreadable)?;
+        let unreadable = ForeignError::unreadable;
+        while (self.reader.read_byte_record(&mut self.record)).map_err(unreadable)? {
+            let mut cells = Vec::new();
+            for cell in &self.record {
                 // Old exports are Latin-1: names and units may hold what is no UTF-8.
-                let cells = record
-                    .iter()
-                    .map(|cell| String::from_utf8_lossy(cell).into_owned())
-                    .collect();
-                let line = record
-                    .position()
-                    .map_or(0, |position| position.line() as usize)
-                    + *skipped;
-                Ok(more.then_some((line, cells)))
+                let cell = String::from_utf8_lossy(cell);
+                if self.blanks {
+                    cells.extend(cell.split_whitespace().map(str::to_owned));
+                } else {
+                    cells.push(cell.into_owned());
+                }
             }
-            Self::Blanks {
-                reader,
-                line,
-                comment,
-            } => loop {
-                let mut bytes = Vec::new();
-                if reader
-                    .read_until(b'\n', &mut bytes)
-                    .map_err(ForeignError::unreadable)?
-                    == 0
-                {
-                    return Ok(None);
-                }
-                *line += 1;
-                let text = String::from_utf8_lossy(&bytes);
-                let cells: Vec<String> = text.split_whitespace().map(str::to_owned).collect();
-                let is_comment =
-                    comment.is_some_and(|c| text.trim_start().bytes().next() == Some(c));
-                if !cells.is_empty() && !is_comment {
-                    return Ok(Some((*line, cells)));
-                }
-            },
+            let first = cells.first().and_then(|cell| cell.bytes().next());
+            let is_comment = self.blanks && first.is_some() && first == self.comment;
+            if !cells.is_empty() && !is_comment {
+                let line = self.record.position().map_or(0, csv::Position::line);
+                return Ok(Some((line as usize + self.skipped, cells)));
+            }
         }
+        Ok(None)
     }
 
     fn header(&mut self, format: &FileFormat) -> Result<Header, ForeignError> {
-        // Without a header the first row of data only tells how many columns there are: it is read again.
-        let Some((_, cells)) = (if format.header { self.next()? } else { None }) else {
-            let most = if format.header { 0 } else { 10_000 };
-            let names = (1..=most).map(|number: usize| number.to_string()).collect();
-            return Ok(Header::new(names, false));
-        };
-        for _ in 0..format.lines_after_header {
-            if self.next()?.is_none() {
-                break;
-            }
+        if !format.header {
+            return Ok(Header {
+                names: (1..=MOST_COLUMNS)
+                    .map(|number| number.to_string())
+                    .collect(),
+                places: HashMap::new(),
+            });
         }
-        let clean = |name: String| {
-            name.trim()
-                .trim_start_matches('\u{feff}')
-                .trim_matches('"')
-                .trim()
-                .to_owned()
+        let (_, cells) = self.next()?.unwrap_or_default();
+        for _ in 0..format.lines_after_header {
+            self.next()?;
+        }
+        let clean = |name: &String| {
+            let name = name.trim().trim_start_matches('\u{feff}');
+            name.trim_matches('"').trim().to_owned()
         };
-        Ok(Header::new(cells.into_iter().map(clean).collect(), true))
+        let names: Vec<String> = cells.iter().map(clean).collect();
+        let mut places = HashMap::new();
+        for (index, name) in names.iter().enumerate() {
+            places.entry(name.clone()).or_insert(index);
+        }
+        Ok(Header { names, places })
     }
 }

@@ -62,17 +62,13 @@ pub fn resample(
              time.offset_s of the map"
         )));
     }
-    let (mut own, mut interpolated) = (0, 0);
     let places: Vec<Place> = times_s[covered.clone()]
         .iter()
         .map(|&t| Place::of(time, t, slack))
         .collect();
-    for place in &places {
-        match place {
-            Place::At(_) => own += 1,
-            Place::Between(..) => interpolated += 1,
-        }
-    }
+    let at_own = |place: &&Place| matches!(place, Place::At(_));
+    let own = places.iter().filter(at_own).count();
+    let interpolated = places.len() - own;
     let mut time_series = TimeSeries::new(times_s.to_vec()).map_err(ForeignError::unreadable)?;
     let mut restores: Option<(f64, String)> = None;
     for channel in foreign.channels() {

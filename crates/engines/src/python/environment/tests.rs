@@ -175,7 +175,7 @@ fn who_waits_for_the_lock_can_be_stopped() {
     let path = cache.path().join("x.lock");
     let held = lock(&path, &GO).unwrap();
     let stopped = lock(&path, &AtomicBool::new(true));
-    assert!(matches!(stopped, Err(Missing::Stopped)));
+    assert!(matches!(stopped, Err(Halt::Cancelled(_))));
     drop(held);
     assert!(lock(&path, &AtomicBool::new(true)).is_ok());
 }
