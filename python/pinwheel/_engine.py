@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import json
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -219,7 +220,7 @@ def engine(
 
     def made(function: Callable[[Job], object]) -> Engine:
         title = name or function.__name__.replace("_", "-")
-        if any(known["name"] == title for known in _core.engines()) or title == "native":
+        if any(known.name == title for known in engines()) or title == "native":
             raise InputError(f"there is an engine `{title}` already; give yours another name")
         if track not in ("shared-law", "own-contact"):
             raise InputError(f'track = {track!r}: write "shared-law" or "own-contact"')
@@ -255,4 +256,4 @@ def engines() -> list[EngineInfo]:
     >>> [e.name for e in engines()][:3]
     ['native-reduced', 'native-lagrange', 'native-resolved']
     """
-    return [EngineInfo(**engine) for engine in _core.engines()]
+    return [EngineInfo(**engine) for engine in json.loads(_core.engines())]

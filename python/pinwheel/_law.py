@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from typing import Any
 
@@ -66,4 +67,7 @@ def laws() -> list[LawInfo]:
     >>> [law.name for law in laws()][:2]
     ['paper', 'paper-conservative']
     """
-    return [LawInfo(name, summary, formula, source, tuple(keys)) for name, summary, formula, source, keys in _core.laws()]
+    return [
+        LawInfo(law["name"], law["summary"], law["formula"], law["source"], tuple(law["keys"]))
+        for law in json.loads(_core.laws())
+    ]

@@ -43,11 +43,9 @@ impl Folder {
     }
 
     /// Writes the page, gives the folder its name, and shows the text and where the page is.
-    pub(crate) fn show(self, html: &str, text: &str) -> Result<PathBuf, Failure> {
+    pub(crate) fn show(self, html: &str, text: &str) -> Result<(), Failure> {
         self.write_page(html)?;
-        let out = self.publish()?;
-        screen::show_with_page(text, &out.join(PAGE))?;
-        Ok(out)
+        screen::show_with_page(text, &self.publish()?.join(PAGE))
     }
 
     /// Gives the folder its name; returns it as the user wrote it.
@@ -72,10 +70,8 @@ fn named_files() -> Vec<PathBuf> {
     let words = std::env::args_os().skip(1);
     folder::named_files(words.flat_map(|word| {
         // `--against=FILE`
-        let value = word
-            .to_str()
-            .and_then(|word| word.split_once('='))
-            .map(|(_, value)| PathBuf::from(value));
+        let value = word.to_str().and_then(|word| word.split_once('='));
+        let value = value.map(|(_, value)| PathBuf::from(value));
         value.into_iter().chain([PathBuf::from(word)])
     }))
 }

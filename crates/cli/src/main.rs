@@ -38,31 +38,27 @@ fn keep_freed_memory() {
 }
 
 fn dispatch(command: &Command) -> Result<u8, Failure> {
-    match command {
-        Command::Run(args) => commands::run::run(args),
-        Command::Compare(args) => commands::compare::compare(args),
-        Command::Bench(args) => commands::bench::bench(args),
-        Command::Explain(args) => commands::explain::explain(args),
+    let done = match command {
+        Command::Run(args) => return commands::run::run(args),
+        Command::Compare(args) => return commands::compare::compare(args),
+        Command::Bench(args) => return commands::bench::bench(args),
+        Command::Sweep(args) => return commands::sweep::sweep(args),
+        Command::Solver(args) => return commands::solver::solver(args),
+        Command::Baseline(args) => return commands::baseline::baseline(args),
+        Command::Calibrate(args) => return commands::calibrate::calibrate(args),
+        Command::Stability(args) => return commands::stability::stability(args),
+        Command::Record(args) => return commands::record::record(args),
+        Command::Explain(args) => commands::tell::explain(args),
         Command::Init(args) => commands::design::init(args),
         Command::Design(args) => commands::design::design(args),
         Command::Fmu(args) => commands::fmu::fmu(args),
-        Command::Sweep(args) => commands::sweep::sweep(args),
-        Command::Engines(args) => commands::engines::engines(args),
-        Command::Laws(args) => commands::laws::laws(args),
-        Command::Schema { job: false } => {
-            screen::show_json(&pinwheel::scene::schema::schema()).map(|()| 0)
-        }
-        Command::Schema { job: true } => {
-            screen::show_json(&pinwheel::engines::external::job_schema()).map(|()| 0)
-        }
-        Command::Solver(args) => commands::solver::solver(args),
+        Command::Engines(args) => commands::tell::engines(args),
+        Command::Laws(args) => commands::tell::laws(args),
+        Command::Schema { job } => commands::tell::schema(*job),
         Command::Paper(args) => commands::paper::paper(args),
-        Command::Baseline(args) => commands::baseline::baseline(args),
-        Command::Calibrate(args) => commands::calibrate::calibrate(args),
-        Command::Stability(args) => commands::stability::stability(args),
-        Command::Record(args) => commands::record::record(args),
         Command::Open(args) => commands::open::open(args),
         Command::Completions { shell } => commands::shell::completions(*shell),
         Command::Man { out } => commands::shell::man(out.as_deref()),
-    }
+    };
+    done.map(|()| 0)
 }

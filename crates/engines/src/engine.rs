@@ -168,25 +168,6 @@ impl Refinement {
     }
 }
 
-/// Shared by those who hand engines on.
-impl<E: Engine + ?Sized> Engine for &E {
-    fn info(&self) -> EngineInfo<'_> {
-        (**self).info()
-    }
-
-    fn version(&self) -> String {
-        (**self).version()
-    }
-
-    fn build(&self) -> String {
-        (**self).build()
-    }
-
-    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
-        (**self).prepare(gearbox)
-    }
-}
-
 /// A solver that turns a scene into time series.
 ///
 /// One that keeps every body as it starts, recorded as all engines record:

@@ -65,18 +65,22 @@ pub fn require(holds: bool, what: impl Into<String>, remedy: &str) -> Result<(),
 /// The text on one line, control characters made visible, cut where it gets out of hand.
 #[must_use]
 pub fn one_line(text: &str) -> String {
-    const LONGEST: usize = 400;
+    cut(text, 400)
+}
+
+/// The same with as many characters as are wanted.
+#[must_use]
+pub fn cut(text: &str, longest: usize) -> String {
     let mut line = String::new();
-    for (count, c) in text.chars().enumerate() {
-        if count == LONGEST {
-            line.push_str("...");
-            break;
-        }
+    for c in text.chars().take(longest) {
         match c {
             '\n' | '\r' | '\t' => line.push(' '),
             c if c.is_control() => line.extend(c.escape_default()),
             c => line.push(c),
         }
+    }
+    if text.chars().nth(longest).is_some() {
+        line.push_str("...");
     }
     line
 }

@@ -15,6 +15,6 @@ pub mod ownership;
 mod suggest;
 
 pub use document::{Document, Entries, Item, MOST_BYTES, Node, read, read_text};
-pub use error::{Broken, FileError, one_line, quoted, require};
+pub use error::{Broken, FileError, cut, one_line, quoted, require};
 pub use fnv::{Fnv, fnv};
 pub use suggest::{did_you_mean, fits, nearest};

@@ -12,18 +12,15 @@ pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
         return None;
     }
     let typed = typed.to_lowercase();
-    let mut best: Option<(usize, &str)> = None;
-    for name in known {
+    let near = known.into_iter().filter_map(|name| {
         let lower = name.to_lowercase();
         let distance = strsim::osa_distance(&typed, &lower);
         let longer = typed.chars().count().max(lower.chars().count());
         let contained =
             typed.len() >= 4 && (lower.contains(&typed) || typed.contains(lower.as_str()));
-        let near = 3 * distance <= longer || contained;
-        if near && best.is_none_or(|(least, _)| distance < least) {
-            best = Some((distance, name));
-        }
-    }
+        (3 * distance <= longer || contained).then_some((distance, name))
+    });
+    let best = near.min_by_key(|(distance, _)| *distance);
     best.map(|(_, name)| name)
 }
 

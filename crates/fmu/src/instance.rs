@@ -232,13 +232,12 @@ impl Instance {
                 "{call}: {name} must be a finite number, not {value}"
             ));
         }
-        let early = [Phase::Instantiated, Phase::Initialising];
-        if matches!(variable.what, What::Input(_)) {
-            let call = format!("{call} of the input {name}");
-            self.in_phase(&call, &[early[0], early[1], Phase::Stepping])?;
-        } else {
-            self.in_phase(&format!("{call} of the parameter {name}"), &early)?;
-        }
+        let phases = [Phase::Instantiated, Phase::Initialising, Phase::Stepping];
+        let (kind, phases) = match variable.what {
+            What::Input(_) => ("input", &phases[..]),
+            _ => ("parameter", &phases[..2]),
+        };
+        self.in_phase(&format!("{call} of the {kind} {name}"), phases)?;
         self.prescribed.values[place] = value;
         if self.prescribed.phase != Phase::Stepping {
             self.gear = None;

@@ -219,19 +219,16 @@ impl Model {
             Gearbox::new(&scene).map_err(|error| error.to_string())?
         };
         let own = changed(What::Tolerance).map(|(_, value)| *value).next();
-        let prescribed = |flag, yes, no| if self.flag(values, flag) { yes } else { no };
+        let input = |input| values[self.place(What::Input(input))];
+        let by_torque = |torque| match torque {
+            true => Prescribed::ByTorque,
+            false => Prescribed::BySpeed,
+        };
         let setup = Setup {
-            input: prescribed(
-                Flag::DriveByTorque,
-                Prescribed::ByTorque,
-                Prescribed::BySpeed,
-            ),
-            output: prescribed(Flag::LoadBySpeed, Prescribed::BySpeed, Prescribed::ByTorque),
-            speeds_rad_s: [
-                self.input(values, Input::DriveSpeed),
-                self.input(values, Input::LoadSpeed),
-            ],
-            torque_n_m: self.input(values, Input::LoadTorque),
+            input: by_torque(self.flag(values, Flag::DriveByTorque)),
+            output: by_torque(!self.flag(values, Flag::LoadBySpeed)),
+            speeds_rad_s: [Input::DriveSpeed, Input::LoadSpeed].map(input),
+            torque_n_m: input(Input::LoadTorque),
             scene_load: self.flag(values, Flag::SceneLoad),
             tolerance: tolerance.or(own),
         };
@@ -240,39 +237,25 @@ impl Model {
 
     /// The variables that hold the input and the output.
     pub(crate) fn holders(&self, values: &[f64]) -> [usize; 2] {
-        let place = |input| {
-            let found = self
-                .variables
-                .iter()
-                .position(|v| v.what == What::Input(input));
-            found.unwrap_or(0)
+        let drive = match self.flag(values, Flag::DriveByTorque) {
+            true => Input::DriveTorque,
+            false => Input::DriveSpeed,
         };
-        [
-            place(if self.flag(values, Flag::DriveByTorque) {
-                Input::DriveTorque
-            } else {
-                Input::DriveSpeed
-            }),
-            place(if self.flag(values, Flag::LoadBySpeed) {
-                Input::LoadSpeed
-            } else {
-                Input::LoadTorque
-            }),
-        ]
+        let load = match self.flag(values, Flag::LoadBySpeed) {
+            true => Input::LoadSpeed,
+            false => Input::LoadTorque,
+        };
+        [drive, load].map(|input| self.place(What::Input(input)))
     }
 
-    fn of_what(&self, values: &[f64], what: What) -> f64 {
-        let mut all = self.variables.iter().zip(values);
-        all.find(|(v, _)| v.what == what)
-            .map_or(f64::NAN, |(_, x)| *x)
+    /// The place of the variable that stands for `what`; all flags and inputs are there.
+    fn place(&self, what: What) -> usize {
+        let found = self.variables.iter().position(|v| v.what == what);
+        found.unwrap_or(0)
     }
 
     fn flag(&self, values: &[f64], flag: Flag) -> bool {
-        self.of_what(values, What::Flag(flag)) != 0.0
-    }
-
-    fn input(&self, values: &[f64], input: Input) -> f64 {
-        self.of_what(values, What::Input(input))
+        values[self.place(What::Flag(flag))] != 0.0
     }
 }
 
@@ -340,12 +323,6 @@ fn guid(text: &str, variables: &[Variable]) -> String {
             (hash ^ u128::from(byte)).wrapping_mul(PRIME)
         });
     let digits = format!("{hash:032x}");
-    format!(
-        "{{{}-{}-{}-{}-{}}}",
-        &digits[..8],
-        &digits[8..12],
-        &digits[12..16],
-        &digits[16..20],
-        &digits[20..]
-    )
+    let parts = [0..8, 8..12, 12..16, 16..20, 20..32].map(|part| &digits[part]);
+    format!("{{{}}}", parts.join("-"))
 }

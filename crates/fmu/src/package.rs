@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use pinwheel_files::output::escape;
 use pinwheel_gearbox::Gearbox;
+use zip::result::ZipResult;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
@@ -28,12 +29,8 @@ const CHANNELS: [&str; 6] = [
 pub enum PackageError {
     /// The scene.
     Scene(String),
-    /// The library.
-    Library(String),
-    /// The first step fails.
-    Step(String),
-    /// The archive.
-    Archive(String),
+    /// The library, the first step, or the archive.
+    Unit(String),
 }
 
 /// A unit of FMI, as `UnitDefinitions` has it.
@@ -41,8 +38,8 @@ struct Unit {
     /// How names end that have it.
     ending: &'static str,
     name: &'static str,
-    /// Exponents of kg, m, s, rad; `None` where they are not whole.
-    base: Option<[i32; 4]>,
+    /// Exponents of kg, m, s, rad; 0 where they are not whole.
+    base: [i32; 4],
     factor: f64,
 }
 
@@ -50,24 +47,17 @@ const fn unit(ending: &'static str, name: &'static str, base: [i32; 4]) -> Unit 
     Unit {
         ending,
         name,
-        base: Some(base),
+        base,
         factor: 1.0,
     }
 }
 
 /// Longer endings first.
 const UNITS: [Unit; 15] = [
+    unit("_n_m15", "N/m1.5", [0; 4]),
     Unit {
-        ending: "_n_m15",
-        name: "N/m1.5",
-        base: None,
-        factor: 1.0,
-    },
-    Unit {
-        ending: "_arcmin",
-        name: "arcmin",
-        base: Some([0, 0, 0, 1]),
         factor: std::f64::consts::PI / 10_800.0,
+        ..unit("_arcmin", "arcmin", [0, 0, 0, 1])
     },
     unit("_n_s_m", "N.s/m", [1, 0, -1, 0]),
     unit("_kg_m2", "kg.m2", [1, 2, 0, 0]),
@@ -95,10 +85,10 @@ impl Unit {
 
     /// As the description defines it.
     fn definition(&self) -> String {
-        let Some(base) = self.base else {
+        if self.base == [0; 4] {
             return format!("    <Unit name=\"{}\"/>\n", self.name);
-        };
-        let powers = ["kg", "m", "s", "rad"].into_iter().zip(base);
+        }
+        let powers = ["kg", "m", "s", "rad"].into_iter().zip(self.base);
         let mut attributes: String = powers
             .filter(|(_, power)| *power != 0)
             .map(|(name, power)| format!(" {name}=\"{power}\""))
@@ -147,24 +137,24 @@ impl<'a> Row<'a> {
 
     /// As the description has it.
     fn variable(&self) -> String {
-        let Self {
-            reference,
-            of,
-            causality,
-            variability,
-            unit,
-            start,
-        } = self;
-        let kind = if of.is_boolean() { "Boolean" } else { "Real" };
-        let unit = unit.map_or_else(String::new, |unit| format!(" unit=\"{unit}\""));
-        let start = start
-            .as_ref()
-            .map_or_else(String::new, |start| format!(" start=\"{start}\""));
+        let kind = match self.of.is_boolean() {
+            true => "Boolean",
+            false => "Real",
+        };
+        let attributes = [("unit", self.unit), ("start", self.start.as_deref())];
+        let attributes = attributes.map(|(name, value)| match value {
+            Some(value) => format!(" {name}=\"{value}\""),
+            None => String::new(),
+        });
         format!(
-            "    <ScalarVariable name=\"{}\" valueReference=\"{reference}\" causality=\"{causality}\" variability=\"{variability}\" \
-             description=\"{}\"><{kind}{unit}{start}/></ScalarVariable>\n",
-            escape(&of.name),
-            escape(&of.about)
+            "    <ScalarVariable name=\"{}\" valueReference=\"{}\" causality=\"{}\" variability=\"{}\" \
+             description=\"{}\"><{kind}{}/></ScalarVariable>\n",
+            escape(&self.of.name),
+            self.reference,
+            self.causality,
+            self.variability,
+            escape(&self.of.about),
+            attributes.concat()
         )
     }
 
@@ -211,17 +201,17 @@ impl Package {
             trial.step(0.0, model.scene().solver.sample_s)?;
             Ok(trial.method())
         };
-        let method = first().map_err(|Refusal(what)| PackageError::Step(what))?;
+        let method = first().map_err(|Refusal(what)| PackageError::Unit(what))?;
         if platform().is_none() {
             let what = format!(
                 "FMI 2.0 has no place for libraries of {} on {}; build the unit on another machine",
                 std::env::consts::OS,
                 std::env::consts::ARCH
             );
-            return Err(PackageError::Library(what));
+            return Err(PackageError::Unit(what));
         }
         let bytes = std::fs::read(library).map_err(|error| {
-            PackageError::Library(format!("{} cannot be read: {error}", library.display()))
+            PackageError::Unit(format!("{} cannot be read: {error}", library.display()))
         })?;
         Ok(Self {
             identifier: identifier(&model.scene().name),
@@ -261,10 +251,10 @@ impl Package {
     /// What should not happen: an archive that cannot be written to memory.
     pub fn bytes(&self) -> Result<Vec<u8>, PackageError> {
         self.archive()
-            .map_err(|what| PackageError::Archive(format!("the unit cannot be written: {what}")))
+            .map_err(|what| PackageError::Unit(format!("the unit cannot be written: {what}")))
     }
 
-    fn archive(&self) -> Result<Vec<u8>, String> {
+    fn archive(&self) -> ZipResult<Vec<u8>> {
         let scene = self.model.scene();
         let all = self.model.variables().iter().enumerate();
         let rows: Vec<Row<'_>> = all.map(|(k, variable)| Row::new(k, variable)).collect();
@@ -299,7 +289,6 @@ impl Package {
             method = escape(&self.method),
             rows = rows.iter().map(Row::documentation).collect::<String>(),
         );
-        let words = |error: &dyn std::fmt::Display| error.to_string();
         let library = format!(
             "binaries/{}/{}{}",
             self.platform(),
@@ -322,13 +311,10 @@ impl Package {
                 .compression_method(CompressionMethod::Deflated)
                 .last_modified_time(DateTime::default())
                 .unix_permissions(mode);
-            archive
-                .start_file(name, options)
-                .map_err(|error| words(&error))?;
-            archive.write_all(bytes).map_err(|error| words(&error))?;
+            archive.start_file(name, options)?;
+            archive.write_all(bytes)?;
         }
-        let written = archive.finish().map_err(|error| words(&error))?;
-        Ok(written.into_inner())
+        Ok(archive.finish()?.into_inner())
     }
 }
 

@@ -60,25 +60,8 @@ impl Law {
     }
 }
 
-/// All laws: (name, summary, formula, source, keys).
+/// All laws: the program's `laws --json`.
 #[pyfunction]
-#[allow(clippy::type_complexity)]
-pub(crate) fn laws() -> Vec<(
-    &'static str,
-    &'static str,
-    &'static str,
-    &'static str,
-    Vec<&'static str>,
-)> {
-    LAWS.iter()
-        .map(|law| {
-            (
-                law.name,
-                law.summary,
-                law.formula,
-                law.source,
-                law.keys.to_vec(),
-            )
-        })
-        .collect()
+pub(crate) fn laws() -> Raises<String> {
+    Ok(serde_json::to_string(&pinwheel::pages::laws::json())?)
 }

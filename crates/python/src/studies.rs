@@ -7,7 +7,6 @@ use pinwheel::pages;
 use pinwheel::studies::comparison::foreign;
 use pinwheel::studies::{Provenance, bench as benches, choice, comparison, explained};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
 
 use crate::errors::{Raises, input, plain};
 use crate::guests::{self, Asked};
@@ -111,19 +110,7 @@ pub(crate) fn bench(
 ) -> Raises<Benched> {
     let checked = &scene.checked;
     let (target, repeats, longest_s) = options;
-    for (name, value) in [("target", target), ("longest_s", longest_s)] {
-        if !(value > 0.0 && value.is_finite()) {
-            return Err(input(format!("{name} = {value}: give a positive number")));
-        }
-    }
-    if repeats == 0 {
-        return Err(input("repeats = 0 measures nothing; use 1 or more"));
-    }
-    let known = benches::method_names();
-    if let Some(name) = methods.iter().find(|name| !known.contains(&name.as_str())) {
-        let remedy = pinwheel::scene::did_you_mean(name, &known);
-        return Err(input(format!("there is no integrator `{name}`; {remedy}")));
-    }
+    let options = benches::Options::asked(target, repeats, longest_s, methods)?;
     let (mut names, mut own) = (Vec::new(), Vec::new());
     for engine in Asked::each(&engines)? {
         match engine {
@@ -139,7 +126,6 @@ pub(crate) fn bench(
     for guest in own {
         engines.push(Box::new(guest));
     }
-    let options = benches::Options::asked(target, repeats, longest_s, methods)?;
     let found = supervised(py, progress.as_ref(), |control| {
         benches::run(checked, &engines, &options, control)
     })?;
@@ -155,17 +141,8 @@ pub(crate) fn explain(scene: &Core) -> Raises<(String, String)> {
     Ok((json, pages::explain::text(&found)))
 }
 
-/// The engines there are: name, track, version, summary, differences.
+/// The engines there are: the program's `engines --json`.
 #[pyfunction]
-pub(crate) fn engines(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
-    let each = choice::listed().into_iter().map(|engine| {
-        let row = PyDict::new(py);
-        row.set_item("name", &engine.name)?;
-        row.set_item("track", engine.track.as_str())?;
-        row.set_item("version", &engine.version)?;
-        row.set_item("summary", &engine.summary)?;
-        row.set_item("differences", &engine.differences)?;
-        Ok(row)
-    });
-    each.collect()
+pub(crate) fn engines() -> Raises<String> {
+    Ok(serde_json::to_string(&choice::listed())?)
 }

@@ -20,11 +20,7 @@ impl TimeSeries {
     /// # Errors
     /// The file cannot be made or written.
     pub fn save_csv(&self, path: &Path) -> Result<(), TimeSeriesError> {
-        let io = |source| TimeSeriesError::Io {
-            path: path.to_path_buf(),
-            source,
-        };
-        let file = std::fs::File::create(path).map_err(io)?;
+        let file = std::fs::File::create(path).map_err(io(path))?;
         self.write_csv(std::io::BufWriter::new(file))
     }
 
@@ -60,11 +56,15 @@ impl TimeSeries {
     /// # Errors
     /// The file cannot be opened, or its content is faulty.
     pub fn load_csv(path: &Path) -> Result<Self, TimeSeriesError> {
-        let file = std::fs::File::open(path).map_err(|source| TimeSeriesError::Io {
-            path: path.to_path_buf(),
-            source,
-        })?;
+        let file = std::fs::File::open(path).map_err(io(path))?;
         Self::read_csv(std::io::BufReader::new(file))
+    }
+}
+
+fn io(path: &Path) -> impl Fn(std::io::Error) -> TimeSeriesError {
+    |source| TimeSeriesError::Io {
+        path: path.to_owned(),
+        source,
     }
 }
 

@@ -79,8 +79,9 @@ impl<'a> View<'a> {
     /// Whether both have the same number of channels of the same lengths.
     #[must_use]
     pub fn same_shape(&self, other: &Self) -> bool {
-        let lengths = |view: &Self| view.channels.iter().map(|channel| channel.len());
-        lengths(self).eq(lengths(other))
+        let (own, others) = (self.channels.iter(), other.channels.iter());
+        own.map(|channel| channel.len())
+            .eq(others.map(|channel| channel.len()))
     }
 
     /// Largest magnitude; `None` without values or with one that is not finite.

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::{OutArgs, SceneArgs, positive};
+use super::{OutArgs, SceneArgs};
 
 /// `pinwheel bench`.
 #[derive(Debug, Args)]
@@ -18,10 +18,10 @@ pub(crate) struct BenchArgs {
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub(crate) methods: Vec<String>,
     /// Relative L2 force error over the whole run at which the engines are ranked.
-    #[arg(long, value_name = "ERROR", default_value_t = 1e-4, value_parser = positive)]
+    #[arg(long, value_name = "ERROR", default_value_t = 1e-4)]
     pub(crate) target: f64,
     /// CPU seconds that one run of a peer may take; the native solver gets a tenth.
-    #[arg(long, value_name = "S", default_value_t = 20.0, value_parser = positive)]
+    #[arg(long, value_name = "S", default_value_t = 20.0)]
     pub(crate) longest: f64,
     /// Runs of one setting at most, of which minimum and median are shown; long ones get fewer.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]

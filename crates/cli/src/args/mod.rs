@@ -333,12 +333,6 @@ impl OutArgs {
     }
 }
 
-fn positive(text: &str) -> Result<f64, &'static str> {
-    let number = text.parse().ok();
-    let positive = number.filter(|x: &f64| *x > 0.0 && x.is_finite());
-    positive.ok_or("a positive number is needed; leave it out for the default")
-}
-
 /// Cores this program may use.
 pub(crate) fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, usize::from)

@@ -12,7 +12,7 @@ use crate::folder::{Folder, replace};
 use crate::progress::watched;
 use crate::screen;
 
-pub(crate) fn init(args: &InitArgs) -> Result<u8, Failure> {
+pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     let to_screen = args.file == Path::new("-");
     let stem = args.file.file_stem().filter(|_| !to_screen);
     let name = stem.map_or_else(|| "mine".into(), |stem| stem.to_string_lossy().into_owned());
@@ -21,8 +21,7 @@ pub(crate) fn init(args: &InitArgs) -> Result<u8, Failure> {
         .draft()
         .map_err(|fault| by_flag(&fault))?;
     if to_screen {
-        screen::show(&draft.text)?;
-        return Ok(0);
+        return screen::show(&draft.text);
     }
     if args.file.exists() && !args.force {
         return Err(Failure::input(format!(
@@ -36,20 +35,19 @@ pub(crate) fn init(args: &InitArgs) -> Result<u8, Failure> {
         "{}\nscene   {}\nnext    pinwheel design {file}",
         pages::design::draft(&draft),
         args.file.display()
-    ))?;
-    Ok(0)
+    ))
 }
 
 /// The fault with the flag that gives the dimension.
 fn by_flag(fault: &Fault) -> Failure {
     let key = fault.keys.first().map_or("", AsRef::as_ref);
-    match args::flag(key) {
-        Some(flag) => Failure::input(format!("{flag}: {fault}")),
-        None => Failure::input(fault.to_string()),
-    }
+    Failure::input(match args::flag(key) {
+        Some(flag) => format!("{flag}: {fault}"),
+        None => fault.to_string(),
+    })
 }
 
-pub(crate) fn design(args: &DesignArgs) -> Result<u8, Failure> {
+pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
     let place = args.out.folder(&gearbox.scene.name, "design");
     let folder = Folder::prepare(&place, args.out.force)?;
@@ -59,6 +57,5 @@ pub(crate) fn design(args: &DesignArgs) -> Result<u8, Failure> {
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
     let page = pages::design::page(&found, &made)?;
-    folder.show(&page, &pages::design::text(&found))?;
-    Ok(0)
+    folder.show(&page, &pages::design::text(&found))
 }

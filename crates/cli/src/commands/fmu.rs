@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::folder::replace;
 use crate::screen;
 
-pub(crate) fn fmu(args: &FmuArgs) -> Result<u8, Failure> {
+pub(crate) fn fmu(args: &FmuArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
     let named = args.out.clone();
     let file = named.unwrap_or_else(|| {
@@ -48,6 +48,5 @@ pub(crate) fn fmu(args: &FmuArgs) -> Result<u8, Failure> {
             package.method(),
             package.platform()
         )
-    })?;
-    Ok(0)
+    })
 }

@@ -8,7 +8,7 @@ use crate::args::OpenArgs;
 use crate::failure::Failure;
 use crate::screen;
 
-pub(crate) fn open(args: &OpenArgs) -> Result<u8, Failure> {
+pub(crate) fn open(args: &OpenArgs) -> Result<(), Failure> {
     let page = match &args.place {
         Some(place) => folder::page_at(place).ok_or_else(|| {
             Failure::input(format!(
@@ -24,7 +24,7 @@ pub(crate) fn open(args: &OpenArgs) -> Result<u8, Failure> {
     };
     screen::show_with_page("", &page)?;
     if args.print {
-        return Ok(0);
+        return Ok(());
     }
     // Whatever the browser writes is none of ours.
     open::that_detached(&page).map_err(|error| {
@@ -32,6 +32,5 @@ pub(crate) fn open(args: &OpenArgs) -> Result<u8, Failure> {
             "no browser could be started: {error}; open {} yourself, or copy it to where there is one",
             page.display()
         ))
-    })?;
-    Ok(0)
+    })
 }

@@ -10,7 +10,7 @@ use crate::folder::Folder;
 use crate::interrupt;
 use crate::progress::watched;
 
-pub(crate) fn paper(args: &PaperArgs) -> Result<u8, Failure> {
+pub(crate) fn paper(args: &PaperArgs) -> Result<(), Failure> {
     let figures = args.figures.clone();
     let folder = Folder::prepare(&args.out.or("paper"), args.out.force)?;
     let peer = if figures.is_empty() || figures.iter().any(|f| f == "10") {
@@ -38,6 +38,5 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<u8, Failure> {
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &options, &made)?;
     let page = pages::paper::page(&found, &made, interrupt::flag())?;
-    folder.show(&page, &pages::paper::text(&found))?;
-    Ok(0)
+    folder.show(&page, &pages::paper::text(&found))
 }

@@ -10,14 +10,13 @@ use crate::args;
 use crate::failure::Failure;
 use crate::screen;
 
-pub(crate) fn completions(shell: clap_complete::Shell) -> Result<u8, Failure> {
+pub(crate) fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut args::definition(), "pinwheel", &mut script);
-    screen::show(&String::from_utf8_lossy(&script))?;
-    Ok(0)
+    screen::show(&String::from_utf8_lossy(&script))
 }
 
-pub(crate) fn man(out: Option<&Path>) -> Result<u8, Failure> {
+pub(crate) fn man(out: Option<&Path>) -> Result<(), Failure> {
     let page = |command: &clap::Command| -> Result<String, Failure> {
         let mut text = Vec::new();
         let written = clap_mangen::Man::new(command.clone())
@@ -29,8 +28,7 @@ pub(crate) fn man(out: Option<&Path>) -> Result<u8, Failure> {
     let mut program = args::definition();
     program.build();
     let Some(dir) = out else {
-        screen::show(&page(&program)?)?;
-        return Ok(0);
+        return screen::show(&page(&program)?);
     };
     fs::create_dir_all(dir).map_err(|error| {
         Failure::input(format!(
@@ -45,5 +43,5 @@ pub(crate) fn man(out: Option<&Path>) -> Result<u8, Failure> {
         let named = command.clone().name(name.clone());
         write_text(&dir.join(format!("{name}.1")), &page(&named)?)?;
     }
-    Ok(0)
+    Ok(())
 }

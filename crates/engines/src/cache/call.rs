@@ -6,7 +6,7 @@ use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressFinish, ProgressStyle};
 
 use crate::process::{self, End};
 
@@ -20,7 +20,7 @@ pub(crate) struct Note(ProgressBar);
 
 impl Note {
     pub(crate) fn new(title: &'static str) -> Self {
-        let bar = ProgressBar::new_spinner();
+        let bar = ProgressBar::new_spinner().with_finish(ProgressFinish::AndClear);
         if let Ok(style) = ProgressStyle::with_template("{prefix}: {msg} [{elapsed}]") {
             bar.set_style(style);
         }
@@ -30,14 +30,8 @@ impl Note {
     }
 
     pub(crate) fn say(&self, text: &str) {
-        self.0
-            .set_message(text.chars().take(LINE).collect::<String>());
-    }
-}
-
-impl Drop for Note {
-    fn drop(&mut self) {
-        self.0.finish_and_clear();
+        let line: String = text.chars().take(LINE).collect();
+        self.0.set_message(line);
     }
 }
 
@@ -102,11 +96,6 @@ fn last_words(text: &str) -> Option<String> {
     let line = lines()
         .rfind(|line| line.starts_with("ERROR:"))
         .or_else(|| lines().next_back())?;
-    Some(
-        line.trim_start_matches("ERROR:")
-            .trim()
-            .chars()
-            .take(LAST_WORDS)
-            .collect(),
-    )
+    let line = line.trim_start_matches("ERROR:").trim();
+    Some(line.chars().take(LAST_WORDS).collect())
 }

@@ -420,6 +420,8 @@ pub fn admit(path: &Path) -> Result<String, FileError> {
             "name each --solver once, and give them different names",
         ));
     }
+    // Its copies as engines know by then what it is built of.
+    solver.build();
     admitted.push(Box::leak(Box::new(solver)));
     Ok(name)
 }
@@ -427,7 +429,7 @@ pub fn admit(path: &Path) -> Result<String, FileError> {
 /// The solvers that joined, as engines.
 pub(crate) fn admitted() -> impl Iterator<Item = Box<dyn Engine>> {
     let solvers = joined().into_iter();
-    solvers.map(|solver| Box::new(solver) as Box<dyn Engine>)
+    solvers.map(|solver| Box::new(solver.clone()) as Box<dyn Engine>)
 }
 
 /// The solvers that joined.

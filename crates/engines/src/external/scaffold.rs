@@ -15,60 +15,28 @@ pub struct Language {
     header: bool,
 }
 
-macro_rules! example {
-    ($folder:literal / $source:literal, $header:literal) => {
-        Language {
+macro_rules! languages {
+    ($($typed:literal $about:literal: $folder:literal $source:literal, $header:literal;)*) => {
+        [$(($typed, $about, Language {
             example: $folder,
-            manifest: include_str!(concat!(
-                "../../../../examples/solvers/",
-                $folder,
-                "/solver.toml"
-            )),
-            source: [
-                $source,
-                include_str!(concat!(
-                    "../../../../examples/solvers/",
-                    $folder,
-                    "/",
-                    $source
-                )),
-            ],
+            manifest: include_str!(concat!("../../../../examples/solvers/", $folder, "/solver.toml")),
+            source: [$source, include_str!(concat!("../../../../examples/solvers/", $folder, "/", $source))],
             header: $header,
-        }
+        })),*]
     };
 }
 
 /// The languages that there are examples in: how they are typed, what the example is, the example.
-pub static LANGUAGES: [(&str, &str, Language); 5] = [
-    (
-        "c",
-        "C, Runge-Kutta 4",
-        example!("c-rk4" / "solver.c", true),
-    ),
-    (
-        "cpp",
-        "C++, Runge-Kutta 4",
-        example!("cpp-rk4" / "solver.cpp", true),
-    ),
-    (
-        "fortran",
-        "Fortran, Heun",
-        example!("fortran-heun" / "solver.f90", false),
-    ),
-    (
-        "python",
-        "Python, Heun",
-        example!("python-heun" / "solver.py", false),
-    ),
-    (
-        "julia",
-        "Julia, Runge-Kutta 4",
-        example!("julia-rk4" / "solver.jl", false),
-    ),
-];
+pub static LANGUAGES: [(&str, &str, Language); 5] = languages! {
+    "c" "C, Runge-Kutta 4": "c-rk4" "solver.c", true;
+    "cpp" "C++, Runge-Kutta 4": "cpp-rk4" "solver.cpp", true;
+    "fortran" "Fortran, Heun": "fortran-heun" "solver.f90", false;
+    "python" "Python, Heun": "python-heun" "solver.py", false;
+    "julia" "Julia, Runge-Kutta 4": "julia-rk4" "solver.jl", false;
+};
 
 /// The header of the law library.
-pub const HEADER: &str = include_str!("../../../law/include/pinwheel_law.h");
+pub(crate) const HEADER: &str = include_str!("../../../law/include/pinwheel_law.h");
 
 impl Language {
     /// The files of a solver called `name`: their names and texts.

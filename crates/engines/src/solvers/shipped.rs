@@ -60,7 +60,7 @@ impl Shipped {
     }
 }
 
-impl Engine for Shipped {
+impl Engine for &'static Shipped {
     fn info(&self) -> EngineInfo<'_> {
         *self.info
     }

@@ -8,29 +8,21 @@ use std::{env, fs};
 use super::shipped::Ready;
 use crate::cache::{self, Made, Note, call, fingerprint, storage, unless_stopped};
 use crate::engine::{Ending, Halt};
+use crate::external::scaffold::HEADER;
 
 /// Its manifests for scenes without friction, and with: an explicit method, and one for stiff equations.
 pub(super) const MANIFESTS: [&str; 2] = ["merson.toml", "cpodes.toml"];
 
+/// Files of the folder `solvers/simbody`: names and texts.
+macro_rules! files {
+    ($($name:literal)*) => {
+        [$(($name, include_str!(concat!("../../../../solvers/simbody/", $name))),)*
+            ("pinwheel_law.h", HEADER)]
+    };
+}
+
 /// What its folder holds besides the program.
-static FILES: [(&str, &str); 4] = [
-    (
-        "simbody.cpp",
-        include_str!("../../../../solvers/simbody/simbody.cpp"),
-    ),
-    (
-        "pinwheel_law.h",
-        include_str!("../../../law/include/pinwheel_law.h"),
-    ),
-    (
-        MANIFESTS[0],
-        include_str!("../../../../solvers/simbody/merson.toml"),
-    ),
-    (
-        MANIFESTS[1],
-        include_str!("../../../../solvers/simbody/cpodes.toml"),
-    ),
-];
+static FILES: [(&str, &str); 4] = files! { "simbody.cpp" "merson.toml" "cpodes.toml" };
 
 /// Where distributions put the headers, for systems without pkg-config.
 const HEADERS: [&str; 2] = ["/usr/include/simbody", "/usr/local/include/simbody"];

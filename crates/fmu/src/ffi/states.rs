@@ -1,10 +1,16 @@
 //! Whole states of a unit: kept, gone back to, written as bytes.
 
 use std::ptr;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::{Component, Kept, OK, Refusal, STATES, State, array, array_mut, done, null, on};
 use std::ffi::c_int;
+
+impl Kept {
+    fn bytes(&self) -> MutexGuard<'_, Vec<u8>> {
+        self.bytes.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
 
 /// A state of this unit.
 fn kept(component: Component, state: State) -> Result<Arc<Kept>, Refusal> {
@@ -21,8 +27,7 @@ fn keep(component: Component, bytes: Vec<u8>, place: &mut State) -> Result<(), R
             bytes: Mutex::new(bytes),
         });
     } else {
-        let there = kept(component, *place)?;
-        *there.bytes.lock().unwrap_or_else(PoisonError::into_inner) = bytes;
+        *kept(component, *place)?.bytes() = bytes;
     }
     Ok(())
 }
@@ -44,9 +49,7 @@ pub unsafe extern "C" fn fmi2GetFMUstate(component: Component, state: *mut State
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2SetFMUstate(component: Component, state: State) -> c_int {
     on(component, |unit| {
-        let kept = kept(component, state)?;
-        let bytes = kept.bytes.lock().unwrap_or_else(PoisonError::into_inner);
-        done(unit.restore(&bytes))
+        done(unit.restore(&kept(component, state)?.bytes()))
     })
 }
 
@@ -83,11 +86,7 @@ pub unsafe extern "C" fn fmi2SerializedFMUstateSize(
         let kept = kept(component, state)?;
         // SAFETY: null or a place.
         let size = unsafe { size.as_mut() }.ok_or_else(|| null("the place of the size"))?;
-        *size = kept
-            .bytes
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .len();
+        *size = kept.bytes().len();
         Ok(OK)
     })
 }
@@ -105,7 +104,7 @@ pub unsafe extern "C" fn fmi2SerializeFMUstate(
 ) -> c_int {
     on(component, |_| {
         let kept = kept(component, state)?;
-        let state = kept.bytes.lock().unwrap_or_else(PoisonError::into_inner);
+        let state = kept.bytes();
         // SAFETY: the caller promises its length.
         let place = unsafe { array_mut("the place of the bytes", bytes, size)? };
         let room = place

@@ -2,7 +2,7 @@
 
 use std::ffi::{c_char, c_int};
 
-use super::{Component, null, on};
+use super::{Component, Instance, null, on};
 
 /// `fmi2Discard` of `fmi2Status`: nothing to tell.
 const DISCARD: c_int = 2;
@@ -28,6 +28,27 @@ of_no_step! {
     fmi2GetStringStatus(*mut *const c_char);
 }
 
+/// Writes what is known of a unit, if it is what is asked for.
+///
+/// # Safety
+/// `value`: null or a place.
+unsafe fn tell<T>(
+    component: Component,
+    known: bool,
+    value: *mut T,
+    of: impl FnOnce(&Instance) -> T,
+) -> c_int {
+    on(component, |unit| {
+        if !known {
+            return Ok(DISCARD);
+        }
+        // SAFETY: null or a place.
+        let value = unsafe { value.as_mut() }.ok_or_else(|| null("the place of the value"))?;
+        *value = of(unit);
+        Ok(super::OK)
+    })
+}
+
 /// The time of the last step that went well.
 ///
 /// # Safety
@@ -38,15 +59,9 @@ pub unsafe extern "C" fn fmi2GetRealStatus(
     kind: c_int,
     value: *mut f64,
 ) -> c_int {
-    on(component, |unit| {
-        if kind != LAST_SUCCESSFUL_TIME {
-            return Ok(DISCARD);
-        }
-        // SAFETY: null or a place.
-        let value = unsafe { value.as_mut() }.ok_or_else(|| null("the place of the value"))?;
-        *value = unit.time_s();
-        Ok(super::OK)
-    })
+    let known = kind == LAST_SUCCESSFUL_TIME;
+    // SAFETY: as the caller promises.
+    unsafe { tell(component, known, value, |unit| unit.time_s()) }
 }
 
 /// The unit never wants to end a simulation.
@@ -59,13 +74,6 @@ pub unsafe extern "C" fn fmi2GetBooleanStatus(
     kind: c_int,
     value: *mut c_int,
 ) -> c_int {
-    on(component, |_| {
-        if kind != TERMINATED {
-            return Ok(DISCARD);
-        }
-        // SAFETY: null or a place.
-        let value = unsafe { value.as_mut() }.ok_or_else(|| null("the place of the value"))?;
-        *value = 0;
-        Ok(super::OK)
-    })
+    // SAFETY: as the caller promises.
+    unsafe { tell(component, kind == TERMINATED, value, |_| 0) }
 }

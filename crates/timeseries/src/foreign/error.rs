@@ -26,14 +26,5 @@ pub fn first_of(list: &[String], most: usize, between: &str) -> String {
 
 /// A foreign text inside a message: one line, short.
 pub(super) fn short(text: &str) -> String {
-    const LONGEST: usize = 40;
-    let mut line: String = text
-        .chars()
-        .take(LONGEST)
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
-    if text.chars().count() > LONGEST {
-        line.push_str("...");
-    }
-    line
+    pinwheel_files::cut(text, 40)
 }

@@ -1,6 +1,7 @@
 //! Environments that are cut off, refused, wanted twice at once, or impossible.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::Duration;
 

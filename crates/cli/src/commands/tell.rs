@@ -1,0 +1,34 @@
+//! `pinwheel explain`, `engines`, `laws` and `schema`: what is known without a run.
+
+use pinwheel::studies::{choice, explained};
+use pinwheel::{engines::external, pages, scene};
+
+use crate::args::{ExplainArgs, JsonArgs};
+use crate::failure::Failure;
+use crate::screen;
+
+/// What a scene models, assumes and lets one expect.
+pub(crate) fn explain(args: &ExplainArgs) -> Result<(), Failure> {
+    let gearbox = args.scene.load()?;
+    let found = explained::explain(&gearbox).map_err(|error| Failure::input(error.to_string()))?;
+    screen::show_or_json(args.out.json, &found, || pages::explain::text(&found))
+}
+
+/// What this build can compare.
+pub(crate) fn engines(args: &JsonArgs) -> Result<(), Failure> {
+    let listed = choice::listed();
+    screen::show_or_json(args.json, &listed, || pages::engines::text(&listed))
+}
+
+/// The contact laws a scene can name.
+pub(crate) fn laws(args: &JsonArgs) -> Result<(), Failure> {
+    screen::show_or_json(args.json, &pages::laws::json(), pages::laws::text)
+}
+
+/// What editors complete and check scenes by, or solvers from outside their job files.
+pub(crate) fn schema(job: bool) -> Result<(), Failure> {
+    screen::show_json(&match job {
+        true => external::job_schema(),
+        false => scene::schema::schema(),
+    })
+}
