@@ -23,7 +23,13 @@ pub(crate) fn watched<T, E>(
     work: impl FnOnce(&Control<'_>) -> Result<T, E>,
 ) -> Result<T, E> {
     interrupt::watched();
-    let bar = Bar::new(label);
+    let bar = Bar {
+        label,
+        started: Instant::now(),
+        visible: std::io::stderr().is_terminal(),
+        drawn_ms: AtomicU64::new(0),
+        bar: OnceLock::new(),
+    };
     let report = |progress: Progress<'_>| bar.show(progress);
     let found = work(&Control::new(interrupt::flag(), &report));
     if let Some(bar) = bar.bar.get() {
@@ -33,25 +39,15 @@ pub(crate) fn watched<T, E>(
 }
 
 /// A bar that is nothing where nobody sees it.
-struct Bar {
-    label: String,
+struct Bar<'a> {
+    label: &'a str,
     started: Instant,
     visible: bool,
     drawn_ms: AtomicU64,
     bar: OnceLock<ProgressBar>,
 }
 
-impl Bar {
-    fn new(label: &str) -> Self {
-        Self {
-            label: label.to_owned(),
-            started: Instant::now(),
-            visible: std::io::stderr().is_terminal(),
-            drawn_ms: AtomicU64::new(0),
-            bar: OnceLock::new(),
-        }
-    }
-
+impl Bar<'_> {
     fn show(&self, progress: Progress<'_>) {
         if !self.visible {
             return;
@@ -71,7 +67,7 @@ impl Bar {
             {
                 bar.set_style(style.progress_chars("=> "));
             }
-            bar.set_prefix(self.label.clone());
+            bar.set_prefix(self.label.to_owned());
             // Single pieces take many seconds: the clock shows that something happens.
             bar.enable_steady_tick(Duration::from_millis(500));
             bar

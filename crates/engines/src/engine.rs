@@ -73,11 +73,8 @@ impl Run {
         if missing.is_empty() {
             return;
         }
-        let families: Vec<&str> = missing
-            .families()
-            .into_iter()
-            .map(|(family, _)| family.pattern)
-            .collect();
+        let families = missing.families().into_iter();
+        let families: Vec<&str> = families.map(|(family, _)| family.pattern).collect();
         self.stats.notes.push(format!(
             "This engine does not know {} of the {} channels asked for: {}.",
             missing.len(),

@@ -21,8 +21,11 @@ fn overrides(sets: &[(String, String)]) -> Vec<Override> {
     sets.iter().map(each).collect()
 }
 
+#[pymethods]
 impl Core {
-    fn of(name: String, text: String, sets: Vec<(String, String)>) -> Raises<Self> {
+    /// A scene from TOML text; `name` is its file, beside which a base is looked for. `sets`: (dotted key, TOML value).
+    #[new]
+    fn new(name: String, text: String, sets: Vec<(String, String)>) -> Raises<Self> {
         let checked = Scene::from_toml(&text, &name, &overrides(&sets))?;
         Ok(Self {
             checked,
@@ -31,21 +34,12 @@ impl Core {
             sets,
         })
     }
-}
-
-#[pymethods]
-impl Core {
-    /// A scene from TOML text; `name` is its file, beside which a base is looked for. `sets`: (dotted key, TOML value).
-    #[new]
-    fn new(name: String, text: String, sets: Vec<(String, String)>) -> Raises<Self> {
-        Self::of(name, text, sets)
-    }
 
     /// A preset or a file.
     #[staticmethod]
     fn load(spec: String, sets: Vec<(String, String)>) -> Raises<Self> {
         if let Some(text) = preset(&spec) {
-            return Self::of(spec, text.to_owned(), sets);
+            return Self::new(spec, text.to_owned(), sets);
         }
         // Small plain files are read here; what cannot be read is told as the program does.
         let small = std::fs::metadata(&spec)
@@ -53,11 +47,8 @@ impl Core {
         match small.then(|| std::fs::read_to_string(&spec)) {
             Some(Ok(text)) => {
                 let path = std::path::absolute(&spec);
-                Self::of(
-                    path.map_or(spec, |path| path.display().to_string()),
-                    text,
-                    sets,
-                )
+                let name = path.map_or(spec, |path| path.display().to_string());
+                Self::new(name, text, sets)
             }
             _ => match Scene::load(&spec, &overrides(&sets)) {
                 Err(error) => Err(error.into()),
@@ -69,7 +60,7 @@ impl Core {
     /// The same scene with more keys set; what follows from written values is derived again.
     fn changed(&self, sets: Vec<(String, String)>) -> Raises<Self> {
         let all = self.sets.iter().cloned().chain(sets).collect();
-        Self::of(self.name.clone(), self.text.clone(), all)
+        Self::new(self.name.clone(), self.text.clone(), all)
     }
 
     /// What it was made of: name, text, settings.

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
+use pinwheel::engines::Engine;
 use pinwheel::pages;
 use pinwheel::studies::comparison::foreign;
 use pinwheel::studies::{Provenance, bench as benches, choice, comparison, explained};
@@ -111,23 +112,18 @@ pub(crate) fn bench(
     let checked = &scene.checked;
     let (target, repeats, longest_s) = options;
     let options = benches::Options::asked(target, repeats, longest_s, methods)?;
-    let (mut names, mut own) = (Vec::new(), Vec::new());
+    let (mut names, mut own) = (Vec::new(), Vec::<Box<dyn Engine>>::new());
     for engine in Asked::each(&engines)? {
         match engine {
             Asked::Name(name) => names.push(name),
-            Asked::Own(guest) => own.push(guest),
+            Asked::Own(guest) => own.push(Box::new(guest)),
         }
     }
-    let mut engines = if names.is_empty() && !own.is_empty() {
-        Vec::new()
-    } else {
-        benches::engines(&names, checked)?
-    };
-    for guest in own {
-        engines.push(Box::new(guest));
+    if !names.is_empty() || own.is_empty() {
+        own.splice(..0, benches::engines(&names, checked)?);
     }
     let found = supervised(py, progress.as_ref(), |control| {
-        benches::run(checked, &engines, &options, control)
+        benches::run(checked, &own, &options, control)
     })?;
     Ok(Benched(found?))
 }

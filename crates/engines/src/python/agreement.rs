@@ -49,9 +49,6 @@ pub fn law_agreement(scene: &CheckedScene, states: usize, seed: u64) -> Result<A
                 .call_method1("compare", (scene.to_toml(), pointer, states, seed))?;
             found.extract()
         };
-        match compare() {
-            Ok(found) => Ok(found),
-            Err(error) => Err(convert::ended(py, &error)?.ending.into()),
-        }
+        compare().map_err(|error| convert::halt(py, &error))
     })
 }

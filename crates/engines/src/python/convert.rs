@@ -53,7 +53,12 @@ pub(super) fn ended(py: Python<'_>, error: &PyErr) -> Result<Run, Halt> {
     known(py, error).unwrap_or_else(|broken| Ok(Run::ended(Ending::failed(text_of(py, &broken)))))
 }
 
-/// The same; the outer error came up on the way.
+/// The same of what makes no time series.
+pub(super) fn halt(py: Python<'_>, error: &PyErr) -> Halt {
+    ended(py, error).map_or_else(|halt| halt, |run| run.ending.into())
+}
+
+/// The same as [`ended`]; the outer error came up on the way.
 fn known(py: Python<'_>, error: &PyErr) -> PyResult<Result<Run, Halt>> {
     let errors = host::package(py)?.getattr("errors")?;
     let value = error.value(py);

@@ -114,10 +114,9 @@ impl PythonEngine {
         Python::attach(|py| {
             let checked = host::package(py)
                 .and_then(|package| package.call_method1("check", (scene_toml, self.0.name)));
-            match checked {
-                Ok(_) => Ok(()),
-                Err(error) => Err(convert::ended(py, &error)?.ending.into()),
-            }
+            checked
+                .map(|_| ())
+                .map_err(|error| convert::halt(py, &error))
         })
     }
 }
