@@ -1,4 +1,4 @@
-//! One file per command: arguments in, a study of the library, its files and its text out.
+//! A file for each command, or for a few that are alike: arguments in, a study of the library, its files and its text out.
 
 pub(crate) mod baseline;
 pub(crate) mod bench;
