@@ -1,7 +1,7 @@
 //! Why the program ends early: an exit status and one line with the remedy.
 
 use pinwheel::compare::CompareError;
-use pinwheel::pages::PageError;
+use pinwheel::engines::Cancelled;
 use pinwheel::scene::SceneError;
 use pinwheel::studies::StudyError;
 use pinwheel::studies::choice::ChoiceError;
@@ -87,12 +87,9 @@ impl From<ChoiceError> for Failure {
     }
 }
 
-impl From<PageError> for Failure {
-    fn from(error: PageError) -> Self {
-        match error {
-            PageError::Cancelled => Self::stopped(),
-            error => Self::engine(error.to_string()),
-        }
+impl From<Cancelled> for Failure {
+    fn from(_: Cancelled) -> Self {
+        Self::stopped()
     }
 }
 

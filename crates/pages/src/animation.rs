@@ -2,14 +2,13 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::native::{self, NativeError};
 use pinwheel_gearbox::resolve::{self, Budget};
 use pinwheel_gearbox::{Gearbox, GearboxError, auto};
 use pinwheel_report::animation::{Animation, CHANNELS, markup, sampling};
 use pinwheel_report::study::Block;
 use pinwheel_scene::{CheckedScene, Formulation, Scene};
-
-use crate::PageError;
 
 /// What a picture may cost where the scene's own method fails: a few seconds.
 const BUDGET: Budget = Budget {
@@ -21,7 +20,7 @@ const BUDGET: Budget = Budget {
 ///
 /// # Errors
 /// `cancel` was set.
-pub fn of(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<(Animation, f64)>, PageError> {
+pub fn of(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<(Animation, f64)>, Cancelled> {
     let scene = &gearbox.scene;
     let (step, duration) = sampled(scene);
     let title = format!("{}, native solver", scene.name);
@@ -46,7 +45,7 @@ fn window(
     (from_s, to_s): (f64, f64),
     step: f64,
     cancel: &AtomicBool,
-) -> Result<Option<Animation>, PageError> {
+) -> Result<Option<Animation>, Cancelled> {
     let recording = gearbox.with_solver(|solver| {
         solver.formulation = Formulation::Reduced;
         // No denser than the scene's own samples on short runs, which would only be straight lines.
@@ -61,7 +60,7 @@ fn window(
     let watch = &mut |_| cancel.load(Ordering::Relaxed);
     let mut run = match native::run(&gearbox, watch) {
         Ok(run) => run,
-        Err(NativeError::Stopped) => return Err(PageError::Cancelled),
+        Err(NativeError::Stopped) => return Err(Cancelled),
         Err(_) => return Ok(None),
     };
     let mut title = title.to_owned();
@@ -72,7 +71,7 @@ fn window(
                 title.push_str(", by a method that gets through");
                 run = other;
             }
-            Err(NativeError::Stopped) => return Err(PageError::Cancelled),
+            Err(NativeError::Stopped) => return Err(Cancelled),
             // What there is until then is worth seeing.
             _ => title.push_str(", until it diverges"),
         }
@@ -95,13 +94,12 @@ pub(crate) fn beside(
     step: f64,
     begin_s: f64,
     cancel: &AtomicBool,
-) -> Result<Option<Block>, PageError> {
+) -> Result<Option<Block>, Cancelled> {
     let mut views = Vec::new();
     for (title, scene) in scenes {
         if let Ok(gearbox) = Gearbox::new(scene) {
             views.extend(window(&gearbox, title, span, step, cancel)?);
         }
     }
-    let markup = (!views.is_empty()).then(|| markup(&views, begin_s));
-    Ok(markup.transpose()?.map(Block::Html))
+    Ok((!views.is_empty()).then(|| Block::Html(markup(&views, begin_s))))
 }

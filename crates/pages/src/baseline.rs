@@ -8,21 +8,17 @@ use pinwheel_studies::baseline::{
 };
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
-use crate::PageError;
-
 /// One quantity of one case.
 type Moved<'a> = (&'a CaseCheck, &'a QuantityCheck);
 
 /// The page of a check against the baseline `name`.
-///
-/// # Errors
-/// The page cannot be made.
+#[must_use]
 pub fn page(
     name: &str,
     baseline: &Baseline,
     check: &Check,
     made: &Provenance,
-) -> Result<String, PageError> {
+) -> String {
     let moved = moved(check);
     // What is worse is read, what passed is folded.
     let bad = |verdict: Verdict| verdict == Verdict::Worse;

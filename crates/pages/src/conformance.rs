@@ -6,8 +6,6 @@ use pinwheel_studies::Provenance;
 use pinwheel_studies::conformance::{Outcome, State};
 use pinwheel_timeseries::table::{Mark, Table};
 
-use crate::PageError;
-
 fn word(state: &State) -> &'static str {
     match state {
         State::Passed => "passed",
@@ -68,10 +66,8 @@ pub fn text(found: &Outcome) -> String {
 }
 
 /// The page.
-///
-/// # Errors
-/// It cannot be made.
-pub fn page(found: &Outcome, made: &Provenance) -> Result<String, PageError> {
+#[must_use]
+pub fn page(found: &Outcome, made: &Provenance) -> String {
     let study = Study {
         title: found.solver.clone(),
         eyebrow: "Conformance of a solver".to_owned(),

@@ -10,8 +10,6 @@ use pinwheel_studies::Provenance;
 use pinwheel_studies::design::{DesignFigure, DesignResult, Harmonic, Joint, Sharing};
 use pinwheel_timeseries::table::{Shown, Table};
 
-use crate::PageError;
-
 /// Significant digits of a figure: what a data sheet gives.
 const DIGITS: u8 = 4;
 const SHOWN: Shown = Shown::Digits(DIGITS);
@@ -26,10 +24,8 @@ pub(crate) const HEADLINES: [&str; 6] = [
 ];
 
 /// The whole page.
-///
-/// # Errors
-/// The page cannot be made.
-pub fn page(found: &DesignResult, made: &Provenance) -> Result<String, PageError> {
+#[must_use]
+pub fn page(found: &DesignResult, made: &Provenance) -> String {
     let scene = &found.scene;
     let mut sections = vec![
         all_figures(found),

@@ -3,6 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_compare::WindowKind;
+use pinwheel_engines::Cancelled;
 use pinwheel_report::format::{self, NONE, significant};
 use pinwheel_report::study::{Block, Section, Study, Tile, TimeSeries, Tone, Verdict};
 use pinwheel_report::terminal::{self, TITLE, paragraph, styled};
@@ -13,7 +14,7 @@ use pinwheel_timeseries::table::{Mark, Table, TableOf};
 use serde_json::Value;
 
 use crate::design::{self, HEADLINES, figure, with_uncertainty};
-use crate::{PageError, animation};
+use crate::animation;
 
 /// Keys that one reads before the figures; more are folded.
 const MANY: usize = 12;
@@ -21,12 +22,12 @@ const MANY: usize = 12;
 /// The whole page; `cancel` stops it while the motion is computed.
 ///
 /// # Errors
-/// Stopped, or the page cannot be made.
+/// `cancel` was set.
 pub fn page(
     found: &DesignDiff,
     made: &Provenance,
     cancel: &AtomicBool,
-) -> Result<String, PageError> {
+) -> Result<String, Cancelled> {
     let [a, b] = &found.names;
     let mut sections = vec![scene(found), figures(found)];
     sections.extend(over_time(found));
@@ -45,7 +46,7 @@ pub fn page(
         sections,
         ..Study::default()
     };
-    crate::render(study, made)
+    Ok(crate::render(study, made))
 }
 
 /// What a terminal shows.
@@ -391,7 +392,7 @@ fn curves(found: &DesignDiff) -> Section {
 }
 
 /// Both in motion, over the time that both run.
-fn motion(found: &DesignDiff, cancel: &AtomicBool) -> Result<Option<Section>, PageError> {
+fn motion(found: &DesignDiff, cancel: &AtomicBool) -> Result<Option<Section>, Cancelled> {
     let scenes = [0, 1].map(|k| &found.designs[k].scene);
     let [a, b] = scenes.map(|scene| animation::sampled(scene));
     let (step, duration) = (a.0.min(b.0), a.1.min(b.1));

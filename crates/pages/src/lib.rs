@@ -25,7 +25,6 @@ pub mod conformance;
 pub mod design;
 pub mod design_diff;
 pub mod engines;
-mod error;
 pub mod explain;
 pub mod laws;
 pub mod paper;
@@ -33,14 +32,12 @@ pub mod single;
 pub mod stability;
 pub mod sweep;
 
-pub use error::PageError;
-
 use pinwheel_report::study::{self, Study};
 use pinwheel_scene::Scene;
 use pinwheel_studies::Provenance;
 
 /// A page with what made it: the command, versions beside those that the study names, the machine.
-fn render(mut study: Study, made: &Provenance) -> Result<String, PageError> {
+fn render(mut study: Study, made: &Provenance) -> String {
     study.command.clone_from(&made.command);
     for own in std::mem::replace(&mut study.versions, made.versions()) {
         if !study.versions.contains(&own) {
@@ -48,7 +45,7 @@ fn render(mut study: Study, made: &Provenance) -> Result<String, PageError> {
         }
     }
     study.machine = made.machine.rows();
-    Ok(study::render(&study)?)
+    study::render(&study)
 }
 
 /// Name and description of a scene.

@@ -1,6 +1,5 @@
 //! Errors as the package's exceptions. Messages name keys as Python writes them, and never the program's options.
 
-use pinwheel::pages::PageError;
 use pinwheel::scene::{Location, SceneError};
 use pinwheel::studies::StudyError;
 use pinwheel::studies::choice::ChoiceError;
@@ -178,12 +177,6 @@ impl From<OutputError> for Raised {
 impl From<FolderError> for Raised {
     fn from(error: FolderError) -> Self {
         PyOSError::new_err(format!("{error}; choose another `out`")).into()
-    }
-}
-
-impl From<PageError> for Raised {
-    fn from(error: PageError) -> Self {
-        plain(error)
     }
 }
 

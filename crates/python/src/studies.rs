@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use pinwheel::engines::Engine;
 use pinwheel::pages;
 use pinwheel::studies::comparison::foreign;
-use pinwheel::studies::{Provenance, bench as benches, choice, comparison, explained};
+use pinwheel::studies::{Provenance, StudyError, bench as benches, choice, comparison, explained};
 use pyo3::prelude::*;
 
 use crate::errors::{Raises, input, plain};
@@ -43,7 +43,7 @@ impl Compared {
     /// The page that opens offline.
     fn page(&self, py: Python<'_>) -> Raises<String> {
         let page = py.detach(|| pages::comparison::page(&self.0, &made(), &AtomicBool::new(false)));
-        Ok(page?)
+        Ok(page.map_err(StudyError::from)?)
     }
 
     /// What a terminal shows.
@@ -90,8 +90,8 @@ impl Benched {
         Ok(rows)
     }
 
-    fn page(&self) -> Raises<String> {
-        Ok(pages::bench::page(&self.0, &made())?)
+    fn page(&self) -> String {
+        pages::bench::page(&self.0, &made())
     }
 
     fn text(&self) -> String {

@@ -191,7 +191,7 @@ impl Sweep {
         let target = Folder::prepare(&self.out, request(self.force))?;
         let (table, made) = (sweeps::results(&self.plan, &records), made());
         sweeps::write(target.path(), &self.plan, &records, &table, held, &made)?;
-        let page = pages::sweep::page(&self.plan, &records, &table, &made)?;
+        let page = pages::sweep::page(&self.plan, &records, &table, &made);
         write_text(&target.path().join("index.html"), &page)?;
         target.publish()?;
         journal

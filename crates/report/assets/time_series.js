@@ -4,11 +4,10 @@
   const { $, make, onRedraw } = PinwheelPage;
   const data = JSON.parse($('chart-data').textContent);
   const { engines, windows, quantities } = data;
-  const time = data.time.values
-    || Array.from({ length: data.time.count }, (_, k) => data.time.start + k * data.time.step);
+  const spaced = ({ from, step, count, at }) => at || Array.from({ length: count }, (_, k) => from + k * step);
+  const time = spaced(data.time);
   const [begin, end] = [time[0], time[time.length - 1]];
-  const placesOf = ({ from, every, count, at }) => at || Array.from({ length: count }, (_, k) => from + k * every);
-  engines.forEach((engine) => { engine.places = placesOf(engine.places); });
+  engines.forEach((engine) => { engine.places = spaced(engine.places); });
 
   // One channel of every engine on the samples that are kept: values of the first that has it, the others' differences to it.
   // Unpacked when first shown.

@@ -7,7 +7,8 @@ use std::error::Error;
 
 use pinwheel_compare::uncertainty::Source;
 use pinwheel_compare::{Context, Cost, Evidence, Participant, Rules, Status, Track, compare};
-use pinwheel_report::{ReportInput, render};
+use pinwheel_report::comparison::study;
+use pinwheel_report::study::{Study, render};
 use pinwheel_timeseries::TimeSeries;
 use pinwheel_timeseries::table::Table;
 
@@ -158,19 +159,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..Rules::default()
     };
     let comparison = compare(&context, &participants, &rules)?;
-    let page = render(&ReportInput {
-        comparison: &comparison,
-        participants: &participants,
-        animation: None,
-        model: vec![
-            Table::of(
-                "Assumptions",
-                [("Friction coefficient 0", "The paper gives none.")],
-            )
-            .text("", "What", |fact| fact.0)
-            .text("", "Why", |fact| fact.1)
-            .done(),
-        ],
+    let assumed = [("Friction coefficient 0", "The paper gives none.")];
+    let model = Table::of("Assumptions", assumed)
+        .text("", "What", |fact| fact.0)
+        .text("", "Why", |fact| fact.1)
+        .done();
+    let scene = "name = \"synthetic\"\n[gear]\neccentricity_m = 0.0028\n".to_owned();
+    let page = render(&Study {
         versions: vec![
             ("pinwheel".into(), "0.1.0".into()),
             ("rapier2d-f64".into(), "0.36.1".into()),
@@ -180,9 +175,8 @@ fn main() -> Result<(), Box<dyn Error>> {
             ("system".into(), "none".into()),
         ],
         command: "pinwheel compare synthetic --out report".to_owned(),
-        scene_toml: "name = \"synthetic\"\n[gear]\neccentricity_m = 0.0028\n".to_owned(),
-        made: None,
-    })?;
+        ..study(&comparison, &participants, None, vec![model], scene)
+    });
     std::fs::write(path, page)?;
     Ok(())
 }

@@ -10,7 +10,6 @@ use pinwheel_scene::{Gear, Scene};
 use pinwheel_timeseries::{TimeSeries, columns};
 use serde::Serialize;
 
-use crate::ReportError;
 use crate::chart_data::json_for_script;
 use crate::packed::{Rounding, Writer};
 
@@ -244,12 +243,10 @@ impl Animation {
 
 /// Markup of one block with a clock for all of `views`, which must have the same sample times; style and script
 /// are included, so there should be one block on a page. `begin_s`: where it starts and begins again.
-///
-/// # Errors
-/// Never in practice: the data cannot be written.
-pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> {
+#[must_use]
+pub fn markup(views: &[Animation], begin_s: f64) -> String {
     let Some(first) = views.first() else {
-        return Ok(String::new());
+        return String::new();
     };
     let begin = ((begin_s - first.view.from) / first.view.step)
         .round()
@@ -274,7 +271,7 @@ pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> 
             "<button type=\"button\" data-wheel=\"{i}\" aria-pressed=\"true\"><i style=\"--dot:var(--wheel-{colour});--rim:var(--wheel-{colour}-edge)\"></i>Wheel {i}</button>"
         )
     });
-    Ok(format!(
+    format!(
         include_str!("../templates/gearboxes.html"),
         css = include_str!("../assets/animation.css"),
         views = drawn.collect::<String>(),
@@ -284,11 +281,11 @@ pub fn markup(views: &[Animation], begin_s: f64) -> Result<String, ReportError> 
             true => " and its errors; parts stand where theirs put them, to scale",
             false => "",
         },
-        data = json_for_script(&block)?,
+        data = json_for_script(&block),
         gearbox = include_str!("../assets/gearbox.js"),
         picture = include_str!("../assets/gearbox-picture.js"),
         animation = include_str!("../assets/animation.js")
-    ))
+    )
 }
 
 #[cfg(test)]
@@ -342,7 +339,7 @@ mod tests {
         for (value, wanted) in first.iter().zip([3.0, 4.0, 5.0, 6.0, 7.0]) {
             assert!((value - wanted).abs() < 7.0 / 16_000.0, "{first:?}");
         }
-        let html = markup(&[made], 0.004).unwrap();
+        let html = markup(&[made], 0.004);
         assert!(html.contains("a &lt;gear&gt;") && html.contains("\"begin\":2"));
         assert!(!html.contains("http:") && !html.contains("https:"));
     }
@@ -383,7 +380,7 @@ mod tests {
         let bare = TimeSeries::new(vec![0.0, 1.0]).unwrap();
         assert!(Animation::of("x", &scene(), &bare, (0.0, 1.0)).is_none());
         assert!(Animation::of("x", &scene(), &time_series(), (0.5, 1.0)).is_none());
-        assert_eq!(markup(&[], 0.0).unwrap(), "");
+        assert_eq!(markup(&[], 0.0), "");
     }
 
     #[test]

@@ -31,7 +31,8 @@ const SAME_TIME: f64 = 1e-9;
 /// What the page's script reads.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct ChartData {
-    time: Time,
+    /// Sample times, s.
+    time: Spaced,
     engines: Vec<Line>,
     quantities: Vec<ChartQuantity>,
     windows: Vec<Value>,
@@ -41,13 +42,6 @@ pub(crate) struct ChartData {
     pub(crate) notes: Vec<String>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(untagged)]
-enum Time {
-    Even { start: f64, step: f64, count: usize },
-    Listed { values: Vec<f64> },
-}
-
 #[derive(Debug, Clone, Serialize)]
 struct Line {
     name: String,
@@ -55,23 +49,17 @@ struct Line {
     /// Colour and dash.
     style: usize,
     /// Places of its samples among the times.
-    places: Places,
+    places: Spaced,
     /// Its samples are too far apart for a line.
     marks: bool,
 }
 
-/// Every so many times from one on, or a list.
+/// Rising numbers: evenly spaced ones, or a list.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(untagged)]
-enum Places {
-    Even {
-        from: usize,
-        every: usize,
-        count: usize,
-    },
-    Listed {
-        at: Vec<usize>,
-    },
+enum Spaced {
+    Even { from: f64, step: f64, count: usize },
+    Listed { at: Vec<f64> },
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -120,14 +108,20 @@ impl ChartData {
         let drawn = drawn(participants, &styles, &mut notes);
         let time_s = drawn.first()?.participant.time_series.time_s();
         let quantities = quantities::derive(drawn.iter().map(|d| &d.participant.time_series));
-        let (plan, mut quantities) = fitting(&quantities, &drawn);
-        plan.tell(&mut notes);
+        let most = quantities.iter().map(|q| q.channels.len()).max();
+        let whole = Plan {
+            channels: most.unwrap_or(0),
+            samples: time_s.len(),
+            digits: DIFFERENCE_DIGITS[0],
+        };
+        let (plan, mut quantities) = fitting(whole, &quantities, &drawn);
+        plan.tell(whole, &mut notes);
         let line = |d: &Drawn<'_>| Line {
             name: d.participant.name.clone(),
             track: d.participant.track,
             style: d.style,
             marks: 2 * d.places.len() < time_s.len(),
-            places: places(&d.places),
+            places: spaced(d.places.iter().map(|&place| place as f64).collect()),
         };
         let engines: Vec<Line> = drawn.iter().map(line).collect();
         for quantity in &mut quantities {
@@ -136,7 +130,7 @@ impl ChartData {
         let windows = comparison.windows.iter();
         let windows = windows.map(|w| json!({ "kind": w.kind, "from": w.from_s, "to": w.to_s }));
         Some(Self {
-            time: time(time_s),
+            time: spaced(time_s.to_vec()),
             first: first(comparison, &engines, &quantities),
             windows: windows.collect(),
             engines,
@@ -208,28 +202,19 @@ struct Plan {
     samples: usize,
     /// Binary digits of differences.
     digits: i32,
-    /// Whether groups or samples were cut.
-    cut: [bool; 2],
 }
 
 /// All that fits: digits that nobody reads go first, then samples between peaks, then channels.
-fn fitting(quantities: &[Quantity], drawn: &[Drawn<'_>]) -> (Plan, Vec<ChartQuantity>) {
-    let samples = drawn.first().map_or(0, |d| d.places.len());
-    let most = quantities.iter().map(|q| q.channels.len()).max();
-    let mut plan = Plan {
-        channels: most.unwrap_or(0),
-        samples,
-        digits: DIFFERENCE_DIGITS[0],
-        cut: [false; 2],
-    };
+fn fitting(
+    whole: Plan,
+    quantities: &[Quantity],
+    drawn: &[Drawn<'_>],
+) -> (Plan, Vec<ChartQuantity>) {
+    let mut plan = whole;
     // Packing the whole of a long run only to see that it is too long would take its time: a value is never
     // smaller than a quarter of a byte.
     let columns = quantities.iter().map(|q| q.channels.len()).sum::<usize>() * drawn.len();
-    let most = (4 * BUDGET / columns.max(1)).max(FEW_SAMPLES);
-    if samples > most {
-        plan.samples = most;
-        plan.cut[1] = true;
-    }
+    plan.samples = plan.samples.min((4 * BUDGET / columns.max(1)).max(FEW_SAMPLES));
     loop {
         let packed: Vec<ChartQuantity> = quantities
             .iter()
@@ -248,10 +233,8 @@ fn fitting(quantities: &[Quantity], drawn: &[Drawn<'_>]) -> (Plan, Vec<ChartQuan
             plan.digits = digits;
         } else if plan.samples > FEW_SAMPLES {
             plan.samples = fit(plan.samples).max(FEW_SAMPLES);
-            plan.cut[1] = true;
         } else if plan.channels > FEW_CHANNELS {
             plan.channels = fit(plan.channels).max(FEW_CHANNELS);
-            plan.cut[0] = true;
         } else {
             return (plan, packed);
         }
@@ -259,20 +242,20 @@ fn fitting(quantities: &[Quantity], drawn: &[Drawn<'_>]) -> (Plan, Vec<ChartQuan
 }
 
 impl Plan {
-    fn tell(self, notes: &mut Vec<String>) {
+    /// What is left out of the whole.
+    fn tell(self, whole: Self, notes: &mut Vec<String>) {
         notes.push(format!(
             "Drawn are values to five digits of the largest and differences to {:.1}\u{202f}% of those nearby; metrics use \
              all digits and samples.",
             100.0 * 0.5f64.powi(self.digits + 1)
         ));
-        let [channels, samples] = self.cut;
-        if channels {
+        if self.channels < whole.channels {
             notes.push(format!(
                 "To keep this page small, {} evenly spaced channels of larger groups are drawn.",
                 self.channels
             ));
         }
-        if samples {
+        if self.samples < whole.samples {
             notes.push(format!(
                 "To keep this page small, of every stretch only the samples are drawn in which a channel is smallest or \
                  largest or its engines are furthest apart, {} in all: no peak is lost.",
@@ -288,31 +271,16 @@ impl Plan {
     }
 }
 
-fn time(values: &[f64]) -> Time {
-    if let [start, .., end] = *values {
-        let count = values.len();
-        let step = (end - start) / (count - 1) as f64;
-        let off = |(k, t): (usize, &f64)| (t - (start + k as f64 * step)).abs();
-        if values.iter().enumerate().map(off).all(|d| d <= 1e-6 * step) {
-            return Time::Even { start, step, count };
+fn spaced(at: Vec<f64>) -> Spaced {
+    if let [from, .., end] = *at {
+        let count = at.len();
+        let step = (end - from) / (count - 1) as f64;
+        let off = |(k, value): (usize, &f64)| (value - (from + k as f64 * step)).abs();
+        if at.iter().enumerate().map(off).all(|d| d <= 1e-6 * step) {
+            return Spaced::Even { from, step, count };
         }
     }
-    Time::Listed {
-        values: values.to_vec(),
-    }
-}
-
-fn places(at: &[usize]) -> Places {
-    let every = match at {
-        [a, b, ..] => b - a,
-        _ => 1,
-    };
-    let from = at.first().copied().unwrap_or(0);
-    if at.iter().enumerate().all(|(k, p)| *p == from + k * every) {
-        let count = at.len();
-        return Places::Even { from, every, count };
-    }
-    Places::Listed { at: at.to_vec() }
+    Spaced::Listed { at }
 }
 
 /// What to look at first: measured data against the first engine; else what differs, else the first quantity.
@@ -464,13 +432,14 @@ fn kept(base: &[f64], having: &[(usize, Vec<(usize, f64)>)], most: usize) -> Vec
 }
 
 /// JSON that may stand inside a script element: no character can end it or begin a comment.
-pub(crate) fn json_for_script(value: &impl Serialize) -> Result<String, serde_json::Error> {
-    Ok(serde_json::to_string(value)?
+pub(crate) fn json_for_script(value: &impl Serialize) -> String {
+    json!(value)
+        .to_string()
         .replace('<', "\\u003c")
         .replace('>', "\\u003e")
         .replace('&', "\\u0026")
         .replace('\u{2028}', "\\u2028")
-        .replace('\u{2029}', "\\u2029"))
+        .replace('\u{2029}', "\\u2029")
 }
 
 #[cfg(test)]
@@ -479,7 +448,7 @@ mod tests {
 
     #[test]
     fn scripts_cannot_be_left() {
-        let json = json_for_script(&"</script><!-- & \u{2028}").unwrap();
+        let json = json_for_script(&"</script><!-- & \u{2028}");
         assert_eq!(json, "\"\\u003c/script\\u003e\\u003c!-- \\u0026 \\u2028\"");
         assert_eq!(
             serde_json::from_str::<String>(&json).unwrap(),
@@ -493,7 +462,6 @@ mod tests {
             channels: 4,
             samples: 1,
             digits: 6,
-            cut: [true; 2],
         };
         assert_eq!(plan.chosen(16), [0, 4, 8, 12]);
         assert_eq!(plan.chosen(3), [0, 1, 2]);
@@ -505,17 +473,9 @@ mod tests {
         let whole: Vec<f64> = (0..=100).map(|k| f64::from(k) * 1e-4).collect();
         let every: Vec<f64> = (0..=10).map(|k| f64::from(k) * 1e-3).collect();
         let found = standing(&every, &whole).unwrap();
-        assert_eq!(
-            places(&found),
-            Places::Even {
-                from: 0,
-                every: 10,
-                count: 11
-            }
-        );
+        assert_eq!(found, (0..11).map(|k| 10 * k).collect::<Vec<_>>());
         assert_eq!(standing(&whole[40..], &whole).unwrap()[0], 40);
         assert_eq!(standing(&[1.5e-4], &whole), None);
-        assert_eq!(places(&[1, 5, 6]), Places::Listed { at: vec![1, 5, 6] });
     }
 
     #[test]
@@ -679,8 +639,9 @@ mod tests {
     #[test]
     fn even_times_are_short() {
         let times: Vec<f64> = (0..=100).map(|k| f64::from(k) * 1e-4).collect();
-        assert!(matches!(time(&times), Time::Even { count: 101, .. }));
-        assert!(matches!(time(&[0.0, 1.0, 3.0]), Time::Listed { .. }));
-        assert!(matches!(time(&[]), Time::Listed { .. }));
+        assert!(matches!(spaced(times), Spaced::Even { count: 101, .. }));
+        for few in [vec![0.0, 1.0, 3.0], vec![2.0], Vec::new()] {
+            assert_eq!(spaced(few.clone()), Spaced::Listed { at: few });
+        }
     }
 }

@@ -85,7 +85,7 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
 
     let made = Provenance::here(args::typed());
     baseline::write(&found, &accepted, folder.path(), &made)?;
-    let page = pages::baseline::page(name, &accepted, &found, &made)?;
+    let page = pages::baseline::page(name, &accepted, &found, &made);
     folder.show(&page, &pages::baseline::text(&found))?;
     if let Some(path) = &args.junit {
         junit::write(

@@ -27,7 +27,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
 
     let made = Provenance::here(args::typed());
     measured.write(folder.path(), &made)?;
-    let page = pages::bench::page(&measured, &made)?;
+    let page = pages::bench::page(&measured, &made);
     let text = pages::bench::text(&measured);
     if measured.complete {
         folder.show(&page, &text)?;

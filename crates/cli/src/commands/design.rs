@@ -56,6 +56,6 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     })?;
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
-    let page = pages::design::page(&found, &made)?;
+    let page = pages::design::page(&found, &made);
     folder.show(&page, &pages::design::text(&found))
 }

@@ -55,7 +55,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
         Provenance::here(args::typed()),
     );
     sweep::write(folder.path(), &plan, &records, &table, &journal, &made)?;
-    let page = pages::sweep::page(&plan, &records, &table, &made)?;
+    let page = pages::sweep::page(&plan, &records, &table, &made);
     let csv = out.join("results.csv").display().to_string();
     let text = pages::sweep::text(&plan, &records, &[("results", csv.clone())]);
     folder.write_page(&page)?;

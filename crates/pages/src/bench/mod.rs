@@ -5,8 +5,6 @@ use pinwheel_report::study::{Block, Section, Study, Tile, Tone, Verdict};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::bench::{Advantage, Ranking, WorkPrecision};
 
-use crate::PageError;
-
 mod figures;
 mod scene;
 mod text;
@@ -15,10 +13,8 @@ pub use figures::failure;
 pub use text::text;
 
 /// Everything on the page.
-///
-/// # Errors
-/// The page cannot be made.
-pub fn page(measured: &WorkPrecision, made: &Provenance) -> Result<String, PageError> {
+#[must_use]
+pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
     let rankings = &measured.rankings();
     let ranking = rankings.first();
     let lead_over = ranking.and_then(|ranking| Some((ranking, ranking.advantage.as_ref()?)));

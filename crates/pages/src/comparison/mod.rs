@@ -4,21 +4,23 @@ mod text;
 
 use std::sync::atomic::AtomicBool;
 
+use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::Statement;
-use pinwheel_report::ReportInput;
+use pinwheel_report::comparison::study;
+use pinwheel_report::study::Study;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::comparison::Outcome;
 use pinwheel_timeseries::table::Table;
 
 pub use text::text;
 
-use crate::{PageError, animation};
+use crate::animation;
 
 /// The page; `cancel` stops it while the motion is computed.
 ///
 /// # Errors
-/// Stopped, or the page cannot be made.
-pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<String, PageError> {
+/// `cancel` was set.
+pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<String, Cancelled> {
     let statements = |caption: &str, list: &[Statement]| {
         Table::of(caption, list)
             .text("", "What", |statement| &statement.what)
@@ -29,26 +31,20 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
         .text("", "What", |a| format!("{} = {}", a.key, a.value))
         .text("", "Why", |a| &a.reason)
         .done();
-    let mut versions = made.versions();
-    versions.extend(
-        found
-            .participants
-            .iter()
-            .map(|p| (p.name.clone(), p.version.clone())),
-    );
-    Ok(pinwheel_report::render(&ReportInput {
-        comparison: &found.comparison,
-        participants: &found.participants,
-        animation: animation::of(&found.gearbox, cancel)?,
-        model: vec![
-            statements("What was modelled", &found.model.modelled),
-            statements("What was left out, and why", &found.model.left_out),
-            assumptions,
-        ],
-        versions,
-        machine: made.machine.rows(),
-        command: made.command.clone(),
-        scene_toml: found.gearbox.scene.to_toml(),
+    let model = vec![
+        statements("What was modelled", &found.model.modelled),
+        statements("What was left out, and why", &found.model.left_out),
+        assumptions,
+    ];
+    let participants = &found.participants;
+    let motion = animation::of(&found.gearbox, cancel)?;
+    let scene = found.gearbox.scene.to_toml();
+    let versions = participants.iter();
+    let versions = versions.map(|p| (p.name.clone(), p.version.clone()));
+    let study = Study {
+        versions: versions.collect(),
         made: Some(made.date.clone()),
-    })?)
+        ..study(&found.comparison, participants, motion, model, scene)
+    };
+    Ok(crate::render(study, made))
 }

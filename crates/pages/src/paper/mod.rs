@@ -2,13 +2,14 @@
 
 use std::sync::atomic::AtomicBool;
 
+use pinwheel_engines::Cancelled;
 use pinwheel_report::study::{self, Axis, Block, Chart, Section, Series, Study, Style, Tile, Tone};
 use pinwheel_scene::Scene;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::paper::{ClaimVerdict, Cost, PaperFigure, PaperResult, Plot};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
-use crate::{PageError, animation};
+use crate::animation;
 
 mod text;
 
@@ -17,12 +18,12 @@ pub use text::text;
 /// The page; `cancel` stops it while the motion is computed.
 ///
 /// # Errors
-/// Stopped, or the page cannot be made.
+/// `cancel` was set.
 pub fn page(
     found: &PaperResult,
     made: &Provenance,
     cancel: &AtomicBool,
-) -> Result<String, PageError> {
+) -> Result<String, Cancelled> {
     let verdicts = || {
         let figures = found
             .figures
@@ -64,7 +65,7 @@ pub fn page(
         sections,
         ..Study::default()
     };
-    crate::render(study, made)
+    Ok(crate::render(study, made))
 }
 
 /// One number of a figure, if it is there.
@@ -114,7 +115,7 @@ fn tiles(found: &PaperResult) -> Vec<Tile> {
 }
 
 /// The gearbox without and with backlash, over the input turn that most figures draw.
-fn motion(cancel: &AtomicBool) -> Result<Option<Section>, PageError> {
+fn motion(cancel: &AtomicBool) -> Result<Option<Section>, Cancelled> {
     const TURN: (f64, f64) = (0.24, 0.36);
     let paper = Scene::paper();
     let (step, _) = animation::sampled(&paper);

@@ -12,13 +12,9 @@ use pinwheel_studies::Provenance;
 use pinwheel_studies::stability::{Atlas, Cell, SERVED, SceneRow};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
-use crate::PageError;
-
 /// The whole page.
-///
-/// # Errors
-/// The page cannot be made.
-pub fn page(atlas: &Atlas, made: &Provenance) -> Result<String, PageError> {
+#[must_use]
+pub fn page(atlas: &Atlas, made: &Provenance) -> String {
     let mut sections = maps::sections(atlas);
     sections.insert(0, scenes(atlas));
     let study = Study {

@@ -11,8 +11,6 @@ use pinwheel_timeseries::table::{Column, Table, Values};
 
 use pinwheel_studies::Provenance;
 
-use crate::PageError;
-
 mod text;
 mod tolerances;
 
@@ -24,15 +22,13 @@ const MOST_ROWS: usize = 500;
 const MOST_FIGURES: usize = 40;
 
 /// The page of a finished sweep; `table`: [its results](pinwheel_studies::sweep::results).
-///
-/// # Errors
-/// The page cannot be made.
+#[must_use]
 pub fn page(
     plan: &Plan,
     records: &[RunRecord],
     table: &Table,
     made: &Provenance,
-) -> Result<String, PageError> {
+) -> String {
     let unfinished = records
         .iter()
         .filter(|record| !record.ending.is_finished())

@@ -5,51 +5,46 @@ mod pairs;
 
 use pinwheel_compare::comparison::{EngineSummary, Figures};
 use pinwheel_compare::{
-    Assessment, Comparison, Metric, Quantity, Track, Verdict, WindowKind, quantities,
+    Assessment, Comparison, Metric, Participant, Quantity, Track, Verdict, WindowKind, quantities,
 };
 use pinwheel_timeseries::norms::Statistics;
 use pinwheel_timeseries::table::{Mark, Shown, Table, TableOf};
 
 use crate::study::{Block, Section, Study, TimeSeries};
-use crate::{ReportError, ReportInput, animation, colours, format};
+use crate::animation::{self, Animation};
+use crate::{colours, format};
 
-/// The study of a comparison.
-///
-/// # Errors
-/// The comparison and the participants do not belong together, or the motion cannot be written.
-pub(crate) fn study(input: &ReportInput<'_>) -> Result<Study, ReportError> {
-    let comparison = input.comparison;
-    for engine in &comparison.engines {
-        if !input.participants.iter().any(|p| p.name == engine.name) {
-            return Err(ReportError::UnknownEngine(engine.name.clone()));
-        }
-    }
+/// The study of a comparison of `participants`. `motion`: the gearbox in motion and the time it begins at, s; `model`: what was
+/// modelled, left out and assumed; `scene_toml`: the scene with every key, as run.
+#[must_use]
+pub fn study(
+    comparison: &Comparison,
+    participants: &[Participant],
+    motion: Option<(Animation, f64)>,
+    model: Vec<Table>,
+    scene_toml: String,
+) -> Study {
     let page = Page::new(comparison);
-    let motion = input.animation.as_ref();
-    let motion = motion.map(|(view, begin)| animation::markup(std::slice::from_ref(view), *begin));
     let mut sections = Vec::new();
-    if let Some(time_series) = TimeSeries::of_engines(comparison, input.participants) {
-        sections.push(Section::new(
-            "courses",
-            "Over time",
-            [Block::TimeSeries(time_series)],
-        ));
+    if let Some(time_series) = TimeSeries::of_engines(comparison, participants) {
+        let blocks = [Block::TimeSeries(time_series)];
+        sections.push(Section::new("courses", "Over time", blocks));
     }
     sections.extend(page.tracks());
     sections.extend(page.energy());
     sections.push(page.costs());
-    let model = input.model.iter().filter(|table| !table.is_empty());
-    let model: Vec<Block> = model.cloned().map(Block::Table).collect();
+    let model = model.into_iter().filter(|table| !table.is_empty());
+    let model: Vec<Block> = model.map(Block::Table).collect();
     sections.push(Section::new("model", "Model", model).folded(""));
     sections.push(page.engines());
     let engines = comparison.engines.len();
     let plural = if engines == 1 { "" } else { "s" };
-    let mut appendix = Vec::new();
-    if !input.scene_toml.is_empty() {
-        let scene = Block::Code(input.scene_toml.clone());
-        appendix.push(Block::folded("The scene, every key", [scene]));
-    }
-    Ok(Study {
+    let motion = motion.map(|(view, begin_s)| {
+        let heading = Block::Heading("The gearbox in motion".to_owned());
+        [heading, Block::Html(animation::markup(&[view], begin_s))]
+    });
+    let scene = Block::Code(scene_toml);
+    Study {
         title: comparison.context.scene.clone(),
         eyebrow: format!("Comparison of {engines} engine{plural} on the scene"),
         lead: comparison.context.description.clone(),
@@ -58,20 +53,11 @@ pub(crate) fn study(input: &ReportInput<'_>) -> Result<Study, ReportError> {
         tiles_title: page.tiles_title(),
         tiles: page.tiles(),
         below: page.below(),
-        aside: match motion.transpose()? {
-            Some(markup) => vec![
-                Block::Heading("The gearbox in motion".to_owned()),
-                Block::Html(markup),
-            ],
-            None => Vec::new(),
-        },
+        aside: motion.into_iter().flatten().collect(),
         sections,
-        appendix,
-        command: input.command.clone(),
-        versions: input.versions.clone(),
-        machine: input.machine.clone(),
-        made: input.made.clone(),
-    })
+        appendix: vec![Block::folded("The scene, every key", [scene])],
+        ..Study::default()
+    }
 }
 
 /// What the parts of the page have in common.

@@ -5,7 +5,6 @@ use pinwheel_timeseries::table::{Column, Table};
 use serde_json::{Value, json};
 
 use super::{Block, Chart, Item, Mark, Section, Study, Tile, TimeSeries, Tone, Verdict, chart};
-use crate::ReportError;
 use crate::chart_data::{ChartData, json_for_script};
 use crate::{packed, table};
 
@@ -20,18 +19,14 @@ struct Drawn<'a> {
     time_series: Option<&'a ChartData>,
 }
 
-/// Fills in a study's page. The page depends on the study alone.
-///
-/// # Errors
-/// Never in practice: the data of what is drawn cannot be written.
-pub fn render(study: &Study) -> Result<String, ReportError> {
+/// Fills in a study's page. The page depends on the study alone: the same study gives the same bytes.
+#[must_use]
+pub fn render(study: &Study) -> String {
     let mut drawn = Drawn::default();
     let sections = study.sections.iter().map(|one| section(one, &mut drawn));
-    let sections = sections.collect::<Result<String, ReportError>>()?;
-    let top = blocks(&study.top, &mut drawn)?;
-    let below = blocks(&study.below, &mut drawn)?;
-    let aside = blocks(&study.aside, &mut drawn)?;
-    let appendix = blocks(&study.appendix, &mut drawn)?;
+    let sections: String = sections.collect();
+    let [top, below, aside, appendix] =
+        [&study.top, &study.below, &study.aside, &study.appendix].map(|one| blocks(one, &mut drawn));
     let link = |one: &Section| {
         format!(
             "<a href=\"#{}\">{}</a>",
@@ -39,7 +34,7 @@ pub fn render(study: &Study) -> Result<String, ReportError> {
             escape(&one.title)
         )
     };
-    Ok(format!(
+    format!(
         include_str!("../../templates/page.html"),
         title = escape(&study.title),
         eyebrow = escape(&study.eyebrow),
@@ -67,13 +62,13 @@ pub fn render(study: &Study) -> Result<String, ReportError> {
         machine = pairs("Machine", &study.machine),
         appendix = appendix,
         made = escape(study.made.as_deref().unwrap_or_default()),
-        scripts = drawn.scripts()?,
-    ))
+        scripts = drawn.scripts(),
+    )
 }
 
 impl Drawn<'_> {
     /// The data of what is drawn, and the scripts that draw it.
-    fn scripts(&self) -> Result<String, ReportError> {
+    fn scripts(&self) -> String {
         let script = |code: &str| format!("<script>{code}</script>\n");
         let data = |id: &str, json: String| {
             format!("<script type=\"application/json\" id=\"{id}\">{json}</script>\n")
@@ -81,7 +76,7 @@ impl Drawn<'_> {
         let mut all = script(include_str!("../../assets/shell.js"));
         all += &script(include_str!("../../assets/packed.js"));
         if !self.later.is_empty() {
-            let packed = packed::text(&serde_json::to_string(&self.later)?);
+            let packed = packed::text(&json!(self.later).to_string());
             all += &format!("<script type=\"text/plain\" id=\"later-data\">{packed}</script>\n");
         }
         if self.grids || !self.charts.is_empty() || self.time_series.is_some() {
@@ -92,15 +87,15 @@ impl Drawn<'_> {
             all += &script(include_str!("../../assets/grid.js"));
         }
         if let Some(time_series) = self.time_series {
-            all += &data("chart-data", json_for_script(time_series)?);
+            all += &data("chart-data", json_for_script(time_series));
             all += &script(include_str!("../../assets/time_series.js"));
         }
         if !self.charts.is_empty() {
             let charts: Vec<Value> = self.charts.iter().map(|one| chart::json(one)).collect();
-            all += &data("study-data", json_for_script(&charts)?);
+            all += &data("study-data", json_for_script(&charts));
             all += &script(include_str!("../../assets/study.js"));
         }
-        Ok(all)
+        all
     }
 }
 
@@ -154,7 +149,7 @@ fn pairs(title: &str, list: &[(String, String)]) -> String {
     }
 }
 
-fn section<'a>(section: &'a Section, drawn: &mut Drawn<'a>) -> Result<String, ReportError> {
+fn section<'a>(section: &'a Section, drawn: &mut Drawn<'a>) -> String {
     let (id, title) = (escape(&section.id), escape(&section.title));
     let heading = format!("<h2 id=\"{id}-title\">{title}</h2>");
     let body = match section.blocks.as_slice() {
@@ -166,25 +161,21 @@ fn section<'a>(section: &'a Section, drawn: &mut Drawn<'a>) -> Result<String, Re
         ] => format!(
             "<details class=\"depth\"><summary>{heading} <span class=\"beside\">{}</span></summary>\n{}</details>",
             inline(summary),
-            blocks(inside, drawn)?
+            blocks(inside, drawn)
         ),
-        inside => format!("{heading}\n{}", blocks(inside, drawn)?),
+        inside => format!("{heading}\n{}", blocks(inside, drawn)),
     };
-    Ok(format!(
-        "<section id=\"{id}\" aria-labelledby=\"{id}-title\">\n{body}</section>\n"
-    ))
+    format!("<section id=\"{id}\" aria-labelledby=\"{id}-title\">\n{body}</section>\n")
 }
 
 /// The blocks' markup; what is drawn is collected for the page's scripts.
-fn blocks<'a>(blocks: &'a [Block], drawn: &mut Drawn<'a>) -> Result<String, ReportError> {
-    blocks
-        .iter()
-        .map(|block| Ok(block_html(block, drawn)? + "\n"))
-        .collect()
+fn blocks<'a>(blocks: &'a [Block], drawn: &mut Drawn<'a>) -> String {
+    let html = blocks.iter().map(|block| block_html(block, drawn) + "\n");
+    html.collect()
 }
 
-fn block_html<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> Result<String, ReportError> {
-    Ok(match block {
+fn block_html<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> String {
+    match block {
         Block::Heading(text) => format!("<h3>{}</h3>", inline(text)),
         Block::Text(text) => format!("<p class=\"about\">{}</p>", inline(text)),
         Block::List(points) => {
@@ -216,9 +207,9 @@ fn block_html<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> Result<String, Rep
         } => format!(
             "<details><summary>{}</summary><div class=\"inside\">{}</div></details>",
             inline(summary),
-            blocks(inside, drawn)?
+            blocks(inside, drawn)
         ),
-        Block::Item(item) => item_html(item, &blocks(&item.blocks, drawn)?),
+        Block::Item(item) => item_html(item, &blocks(&item.blocks, drawn)),
         Block::Later { summary, table } => {
             let words = |row| table::shown(table).map(move |column| table::words(column, row));
             drawn.later.push(json!({
@@ -254,10 +245,10 @@ fn block_html<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> Result<String, Rep
             drawn.grids = true;
             format!(
                 "<div class=\"grid\"><noscript><p class=\"notice\">Charts and maps need a script; the table of runs has all figures.</p></noscript><script type=\"application/json\">{}</script></div>",
-                json_for_script(grid)?
+                json_for_script(grid)
             )
         }
-    })
+    }
 }
 
 fn item_html(item: &Item, inside: &str) -> String {
