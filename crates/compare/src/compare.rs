@@ -1,5 +1,7 @@
 //! The comparison itself: participants and rules in, verdicts out.
 
+use std::collections::BTreeSet;
+
 use pinwheel_timeseries::TimeSeries;
 
 use crate::comparison::{Comparison, EngineSummary};
@@ -11,7 +13,6 @@ use crate::participant::{Context, Participant};
 use crate::quantities::{self, Quantity};
 use crate::rules::Rules;
 use crate::summary::engine_summary;
-use crate::uncertainty::Evidence;
 use crate::verdict::Counts;
 use crate::windows::{self, SETTLING_S, Window};
 use crate::{CompareError, grid};
@@ -32,21 +33,13 @@ pub fn compare(
     if participants.is_empty() {
         return Err(CompareError::Empty);
     }
-    for (k, participant) in participants.iter().enumerate() {
-        if participants[..k]
-            .iter()
-            .any(|other| other.name == participant.name)
-        {
-            return Err(CompareError::Duplicate(participant.name.clone()));
-        }
+    let mut names = BTreeSet::new();
+    if let Some(twice) = participants.iter().find(|p| !names.insert(&p.name)) {
+        return Err(CompareError::Duplicate(twice.name.clone()));
     }
-    for (k, evidence) in rules.evidence.iter().enumerate() {
-        let same = |other: &Evidence| other.engine == evidence.engine;
-        if !participants.iter().any(|p| p.name == evidence.engine)
-            || rules.evidence[..k].iter().any(same)
-        {
-            return Err(CompareError::Evidence(evidence.engine.clone()));
-        }
+    // Who has evidence is taken out: nobody has it twice.
+    if let Some(strange) = rules.evidence.iter().find(|e| !names.remove(&e.engine)) {
+        return Err(CompareError::Evidence(strange.engine.clone()));
     }
     let finished: Vec<&Participant> = participants
         .iter()
@@ -73,14 +66,13 @@ pub fn compare(
     matched(rules.stated, &finished, &windows, &quantities)?;
     let judge = Judge {
         rules,
-        friction: context.friction_coefficient > 0.0,
         context,
         negligible: Negligible::of(context, &finished, &quantities),
     };
 
     let engines: Vec<EngineSummary> = participants
         .iter()
-        .map(|p| engine_summary(p, context, &windows, &quantities, judge))
+        .map(|p| engine_summary(p, &windows, &quantities, judge))
         .collect();
     let mut pairs = Vec::new();
     for (k, b) in finished.iter().enumerate() {
@@ -122,31 +114,21 @@ fn matched(
         let Some(owner) = finished.iter().find(|p| p.name == limit.engine) else {
             continue;
         };
-        let has = |p: &Participant, q: &Quantity| {
-            q.channels
-                .iter()
-                .any(|name| p.time_series.channel(name).is_some())
-        };
-        // With someone else who has it too.
         let there = |q: &&Quantity| {
-            has(owner, q) && finished.iter().any(|p| p.name != owner.name && has(p, q))
+            let mut has = finished.iter().filter(|p| q.is_in(&p.time_series));
+            // With someone else who has it too.
+            q.is_in(&owner.time_series) && has.any(|p| p.name != owner.name)
         };
-        let shared: Vec<&str> = quantities
-            .iter()
-            .filter(there)
-            .map(|q| q.name.as_str())
-            .collect();
+        let shared = quantities.iter().filter(there);
+        let shared: Vec<&str> = shared.map(|q| q.name.as_str()).collect();
         let window = windows.iter().any(|w| w.kind == limit.window);
         if window && shared.iter().any(|name| fits(&limit.quantity, name)) {
             continue;
         }
         let words: Vec<&str> = windows.iter().map(|w| w.kind.word()).collect();
-        let list = |names: &[&str]| {
-            if names.is_empty() {
-                "none".to_owned()
-            } else {
-                names.join(", ")
-            }
+        let list = |names: &[&str]| match names {
+            [] => "none".to_owned(),
+            names => names.join(", "),
         };
         return Err(CompareError::Unmatched {
             engine: limit.engine.clone(),

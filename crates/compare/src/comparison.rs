@@ -71,6 +71,25 @@ pub struct EngineSummary {
     pub refinement: Option<RefinementSummary>,
 }
 
+impl EngineSummary {
+    /// Its uncertainty of a quantity in a window, where evidence was given.
+    #[must_use]
+    pub fn uncertainty_of(
+        &self,
+        quantity: &str,
+        window: WindowKind,
+    ) -> Option<&QuantityUncertainty> {
+        let mut all = self.uncertainty.iter();
+        all.find(|u| u.quantity == quantity && u.window == window)
+    }
+
+    /// Its figures in a window.
+    #[must_use]
+    pub fn figures_in(&self, window: WindowKind) -> Option<&Figures> {
+        self.figures.iter().find(|figures| figures.window == window)
+    }
+}
+
 /// What a refinement study was and what it cost.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RefinementSummary {

@@ -16,9 +16,7 @@ use crate::windows::Window;
 pub(crate) struct Judge<'a> {
     /// Limits, evidence, tolerances.
     pub(crate) rules: &'a Rules<'a>,
-    /// Whether the scene has friction.
-    pub(crate) friction: bool,
-    /// The scene, for its divergence horizon.
+    /// The scene: its friction, its divergence horizon.
     pub(crate) context: &'a Context,
     /// Force (N) and torque (N m) below which a load is rounding.
     pub(crate) negligible: Negligible,
@@ -30,7 +28,7 @@ const ROUNDED_RAD: f64 = 1e-15;
 /// Loads below these are rounding.
 #[derive(Clone, Copy)]
 pub(crate) struct Negligible {
-    pub(crate) force_n: f64,
+    force_n: f64,
     pub(crate) torque_n_m: f64,
 }
 
@@ -50,35 +48,26 @@ impl Negligible {
                 .filter(|v| v.is_finite())
                 .fold(0.0_f64, |most, v| most.max(v.abs()))
         };
-        let force_n = context
-            .scales
-            .force_n
-            .unwrap_or_else(|| largest(Quantity::is_force));
-        let torque_n_m = context
-            .scales
-            .torque_n_m
-            .unwrap_or_else(|| largest(Quantity::is_torque));
+        let share = |stated: Option<f64>, wanted: fn(&Quantity) -> bool| {
+            NEGLIGIBLE_SHARE * stated.unwrap_or_else(|| largest(wanted)).abs()
+        };
         Self {
-            force_n: NEGLIGIBLE_SHARE * force_n.abs(),
-            torque_n_m: NEGLIGIBLE_SHARE * torque_n_m.abs(),
+            force_n: share(context.scales.force_n, Quantity::is_force),
+            torque_n_m: share(context.scales.torque_n_m, Quantity::is_torque),
         }
     }
 
     /// Of one quantity; `None` for what is neither a load nor an angle.
     fn below(&self, quantity: &Quantity) -> Option<f64> {
-        if quantity.is_force() {
-            Some(self.force_n)
-        } else {
-            quantity.is_torque().then_some(self.torque_n_m).or_else(|| {
-                // An angle has no size to scale with: a gear that stands still turns by roundings of a radian.
-                (quantity.unit == "rad").then_some(ROUNDED_RAD)
-            })
+        match quantity.unit.as_str() {
+            "N" => Some(self.force_n),
+            "N m" => Some(self.torque_n_m),
+            // An angle has no size to scale with: a gear that stands still turns by roundings of a radian.
+            "rad" => Some(ROUNDED_RAD),
+            _ => None,
         }
     }
 }
-
-/// The uncertainties of both sides of a pair; `None` where no evidence was given.
-pub(crate) type Uncertainties<'a> = [Option<&'a QuantityUncertainty>; 2];
 
 /// Two engines and the track they are compared on.
 #[derive(Clone, Copy)]
@@ -88,8 +77,53 @@ pub(crate) struct Sides<'a> {
     pub(crate) b: &'a Participant,
 }
 
+/// One quantity of a pair in one window.
+pub(crate) struct Case<'a> {
+    pub(crate) sides: Sides<'a>,
+    pub(crate) quantity: &'a Quantity,
+    pub(crate) window: &'a Window,
+    pub(crate) metrics: &'a PairMetrics,
+    /// Of both sides; `None` where no evidence was given.
+    pub(crate) uncertainties: [Option<&'a QuantityUncertainty>; 2],
+    /// Whether samples may be held against samples.
+    pub(crate) pointwise: bool,
+}
+
 /// In the mean the contact forces on the output shaft balance the load, whatever law and engine: to this share of it.
 pub const LOAD_BALANCE: f64 = 1e-4;
+
+impl<'a> Case<'a> {
+    /// The metrics that say something here.
+    fn metrics(&self) -> impl Iterator<Item = Metric> {
+        let pointwise = self.pointwise;
+        Metric::of_pairs().filter(move |metric| pointwise || !metric.is_pointwise())
+    }
+
+    /// Both sides with their uncertainty in a metric.
+    fn sides(&self, metric: Metric) -> [Side<'a>; 2] {
+        let [of_a, of_b] = self.uncertainties;
+        [(self.sides.a, of_a), (self.sides.b, of_b)].map(|(participant, of)| Side {
+            name: &participant.name,
+            uncertainty: relative(of, metric, self.metrics),
+        })
+    }
+
+    /// A distance that has no value.
+    fn not_finite(&self, metric: Metric) -> Assessment {
+        let Sides { a, b, .. } = self.sides;
+        let spoiled = |p: &&Participant| {
+            let mut values = p.time_series.channels().iter().flat_map(|c| &c.values);
+            values.any(|v| !v.is_finite())
+        };
+        let who = &[a, b].into_iter().find(spoiled).unwrap_or(a).name;
+        let found = Assessment {
+            metric: Some(metric),
+            ..Assessment::not_compared("")
+        };
+        let remedy = format!("look at the time series of {who}");
+        found.inconclusive(who, "a value is not finite".to_owned(), remedy)
+    }
+}
 
 impl Judge<'_> {
     /// What is inconclusive, with nothing to act on where its participant says why it has to be so, or where the scene itself
@@ -112,42 +146,29 @@ impl Judge<'_> {
     }
 
     /// Judges one quantity of a pair in one window, in one metric or several.
-    pub(crate) fn pair(
-        &self,
-        sides: Sides<'_>,
-        quantity: &Quantity,
-        window: &Window,
-        metrics: &PairMetrics,
-        uncertainties: Uncertainties<'_>,
-    ) -> Vec<Assessment> {
-        let below = self.negligible.below(quantity).zip(metrics.larger_peak);
+    pub(crate) fn pair(&self, case: &Case<'_>) -> Vec<Assessment> {
+        let below = self.negligible.below(case.quantity);
+        let below = below.zip(case.metrics.larger_peak);
         if let Some((below, _)) = below.filter(|(below, peak)| peak < below) {
             return vec![Assessment::not_compared(format!(
                 "both stay below {below:.0e} {}: only rounding at the size of this scene",
-                quantity.unit
+                case.quantity.unit
             ))];
         }
-        let pointwise = self.context.is_pointwise(window.to_s);
-        let (found, otherwise) = if sides.track == Track::Measured {
-            let mut found = self.limits(sides, quantity, window, metrics);
-            found.extend(self.measured(sides, quantity, metrics, uncertainties));
-            let nothing =
-                "measured data: no limit and no uncertainty is stated for this quantity and window";
-            (found, nothing)
-        } else if self.rules.evidence.is_empty() {
-            (Vec::new(), "no numerical uncertainties are given")
-        } else if sides.track == Track::OwnContact {
-            (
-                self.models(sides, quantity, window, metrics, uncertainties),
-                "",
-            )
-        } else {
-            (self.one_law(sides, window, metrics, uncertainties), "")
+        let (found, otherwise) = match case.sides.track {
+            Track::Measured => (
+                [self.limits(case), self.measured(case)].concat(),
+                "measured data: no limit and no uncertainty is stated for this quantity and window",
+            ),
+            _ if self.rules.evidence.is_empty() => {
+                (Vec::new(), "no numerical uncertainties are given")
+            }
+            Track::OwnContact => (self.models(case), ""),
+            Track::Native | Track::SharedLaw => (self.one_law(case), ""),
         };
-        let mut found: Vec<Assessment> = found
-            .into_iter()
-            .map(|one| self.settled(one, pointwise))
-            .collect();
+        let settled = found.into_iter();
+        let settled = settled.map(|one| self.settled(one, case.pointwise));
+        let mut found: Vec<Assessment> = settled.collect();
         if !found.iter().any(|one| one.decides) {
             found.push(Assessment::not_compared(otherwise));
         }
@@ -155,91 +176,59 @@ impl Judge<'_> {
     }
 
     /// Limits stated for measured data.
-    fn limits(
-        &self,
-        Sides { a, b, .. }: Sides<'_>,
-        quantity: &Quantity,
-        window: &Window,
-        metrics: &PairMetrics,
-    ) -> Vec<Assessment> {
+    fn limits(&self, case: &Case<'_>) -> Vec<Assessment> {
+        let Sides { a, b, .. } = case.sides;
         let rows = self.rules.stated.iter().filter(|row| {
             [&a.name, &b.name].contains(&&row.engine)
-                && row.window == window.kind
-                && fits(&row.quantity, &quantity.name)
+                && row.window == case.window.kind
+                && fits(&row.quantity, &case.quantity.name)
         });
         rows.map(|row| {
-            let value = (row.metric.row().of)(metrics);
+            let value = row.metric.of(case.metrics);
             Assessment::limit(row.metric, value, row.limit, &row.reason)
         })
         .collect()
     }
 
     /// Two participants of one law: any difference beyond the uncertainties is a finding.
-    fn one_law(
-        &self,
-        Sides { a, b, .. }: Sides<'_>,
-        window: &Window,
-        metrics: &PairMetrics,
-        [of_a, of_b]: Uncertainties<'_>,
-    ) -> Vec<Assessment> {
-        let pointwise = self.context.is_pointwise(window.to_s);
-        let decides = |metric| {
-            if pointwise {
-                metric == Metric::RelativeL2
-            } else {
-                matches!(metric, Metric::Mean | Metric::Rms)
-            }
+    fn one_law(&self, case: &Case<'_>) -> Vec<Assessment> {
+        let assess = |metric: Metric| {
+            let decides = match case.pointwise {
+                true => metric == Metric::RelativeL2,
+                false => matches!(metric, Metric::Mean | Metric::Rms),
+            };
+            let sides = case.sides(metric);
+            let found = match metric.of(case.metrics) {
+                Some(d) => verdict::pair(metric, d, sides.each_ref(), self.rules.resolution),
+                None if decides => case.not_finite(metric),
+                None => return None,
+            };
+            Some(Assessment { decides, ..found })
         };
-        let metrics_there = Metric::of_pairs().filter(|metric| pointwise || !metric.is_pointwise());
-        metrics_there
-            .filter_map(|metric| {
-                let sides = [
-                    &side(a, of_a, metric, metrics),
-                    &side(b, of_b, metric, metrics),
-                ];
-                let found = match (metric.row().of)(metrics) {
-                    Some(d) => verdict::pair(metric, d, sides, self.rules.resolution),
-                    None if decides(metric) => not_finite(metric, a, b),
-                    None => return None,
-                };
-                Some(Assessment {
-                    decides: decides(metric),
-                    ..found
-                })
-            })
-            .collect()
+        case.metrics().filter_map(assess).collect()
     }
 
     /// At least one contact model of its own: the interval of the difference, against what the engine states.
-    fn models(
-        &self,
-        Sides { a, b, .. }: Sides<'_>,
-        quantity: &Quantity,
-        window: &Window,
-        metrics: &PairMetrics,
-        [of_a, of_b]: Uncertainties<'_>,
-    ) -> Vec<Assessment> {
-        let pointwise = self.context.is_pointwise(window.to_s);
+    fn models(&self, case: &Case<'_>) -> Vec<Assessment> {
+        let Sides { a, b, .. } = case.sides;
+        let friction = self.context.friction_coefficient > 0.0;
         let tolerance = |engine: &Participant, metric: Metric| {
             let stated = self.rules.tolerances.iter();
             let mut own = stated.filter(|(name, _)| *name == engine.name);
             let here = |t: &ModelTolerance| {
-                t.metric == metric && t.applies(self.friction, window.kind, &quantity.name)
+                t.metric == metric && t.applies(friction, case.window.kind, &case.quantity.name)
             };
             own.find_map(|(_, t)| here(t).then_some(t))
         };
         let assess = |metric: Metric, distance: Option<f64>, allowed: Result<Allowed, &str>| {
-            let sides = [
-                &side(a, of_a, metric, metrics),
-                &side(b, of_b, metric, metrics),
-            ];
+            let (sides, resolution) = (case.sides(metric), self.rules.resolution);
             match distance {
-                Some(d) => verdict::model(metric, d, sides, self.rules.resolution, allowed),
-                None => not_finite(metric, a, b),
+                Some(d) => verdict::model(metric, d, sides.each_ref(), resolution, allowed),
+                None => case.not_finite(metric),
             }
         };
         let mut found = Vec::new();
-        for metric in Metric::of_pairs().filter(|m| pointwise || !m.is_pointwise()) {
+        for metric in case.metrics() {
             let own = [a, b].into_iter().filter(|p| p.track != Track::Native);
             let Some(tolerances) = own
                 .map(|p| tolerance(p, metric))
@@ -250,11 +239,13 @@ impl Judge<'_> {
             let energy = tolerances
                 .iter()
                 .any(|t| t.predicted == Prediction::LawEnergy);
-            let predicted = energy.then(|| model::predicted(a, b, window)).flatten();
+            let predicted = energy
+                .then(|| model::predicted(a, b, case.window))
+                .flatten();
             // A prediction has a sign, and so has the difference that is held against it.
             let distance = match predicted {
-                Some(_) => metrics.signed_mean_difference(),
-                None => (metric.row().of)(metrics),
+                Some(_) => case.metrics.signed_mean_difference(),
+                None => metric.of(case.metrics),
             };
             let allowed = if energy && predicted.is_none() {
                 Err("no energy account predicts this difference")
@@ -268,60 +259,52 @@ impl Judge<'_> {
             found.push(assess(metric, distance, allowed));
         }
         if found.is_empty() {
-            let metric = if pointwise {
-                Metric::RelativeL2
-            } else {
-                Metric::Mean
+            let metric = match case.pointwise {
+                true => Metric::RelativeL2,
+                false => Metric::Mean,
             };
             let nothing =
                 "models that differ on purpose state no tolerance for this quantity and window";
-            found.push(assess(metric, (metric.row().of)(metrics), Err(nothing)));
+            found.push(assess(metric, metric.of(case.metrics), Err(nothing)));
         }
         found
     }
 
     /// A simulation against measured data whose owner states their uncertainty.
-    fn measured(
-        &self,
-        Sides { a, b, .. }: Sides<'_>,
-        quantity: &Quantity,
-        metrics: &PairMetrics,
-        [of_a, of_b]: Uncertainties<'_>,
-    ) -> Vec<Assessment> {
-        let (data, simulation, of_simulation, sign) = match (a.track, b.track) {
-            (Track::Measured, Track::Measured) => return Vec::new(),
-            // E = S - D.
-            (Track::Measured, _) => (a, b, of_b, -1.0),
-            _ => (b, a, of_a, 1.0),
+    fn measured(&self, case: &Case<'_>) -> Vec<Assessment> {
+        // E = S - D. Place of the simulation, and the sign of a difference a - b in that.
+        let (simulation, sign) = match [case.sides.a, case.sides.b].map(|p| p.track) {
+            [Track::Measured, Track::Measured] => return Vec::new(),
+            [Track::Measured, _] => (1, -1.0),
+            _ => (0, 1.0),
         };
+        let data = &[case.sides.b, case.sides.a][simulation].name;
         let about = |d: &&crate::DataUncertainty| {
-            d.engine == data.name && fits(&d.quantity, &quantity.name)
+            d.engine == *data && fits(&d.quantity, &case.quantity.name)
         };
         let Some(stated) = self.rules.data.iter().find(about) else {
             return Vec::new();
         };
-        let metrics_there = [Metric::RelativeL2, Metric::Mean, Metric::Peak, Metric::Rms];
         let assess = |metric: Metric| {
-            let one = side(simulation, of_simulation, metric, metrics);
-            let other = Side::known(&data.name, Estimate::stated(stated.data));
-            let sides = if sign > 0.0 {
-                [&one, &other]
-            } else {
-                [&other, &one]
-            };
-            let plain = (metric.row().of)(metrics);
+            let mut sides = case.sides(metric);
+            sides[1 - simulation] = Side::known(data, Estimate::stated(stated.data));
+            let plain = metric.of(case.metrics);
             let distance = match metric {
-                Metric::Mean => metrics.signed_mean_difference().map(|d| sign * d).or(plain),
+                Metric::Mean => case
+                    .metrics
+                    .signed_mean_difference()
+                    .map(|d| sign * d)
+                    .or(plain),
                 _ => plain,
             };
-            let found = match (distance, &one.uncertainty) {
-                (None, _) => not_finite(metric, a, b),
-                (Some(error), Ok(numerical)) => {
-                    let budget = Budget::new(numerical.u, stated.input, stated.data);
-                    verdict::measured(metric, error, sides, budget)
+            let found = match (distance, sides[simulation].u()) {
+                (None, _) => case.not_finite(metric),
+                (Some(error), Some(numerical)) => {
+                    let budget = Budget::new(numerical, stated.input, stated.data);
+                    verdict::measured(metric, error, sides.each_ref(), budget)
                 }
-                (Some(error), Err(_)) => {
-                    verdict::pair(metric, error.abs(), sides, self.rules.resolution)
+                (Some(error), None) => {
+                    verdict::pair(metric, error.abs(), sides.each_ref(), self.rules.resolution)
                 }
             };
             Assessment {
@@ -329,7 +312,8 @@ impl Judge<'_> {
                 ..found
             }
         };
-        metrics_there.into_iter().map(assess).collect()
+        let metrics = [Metric::RelativeL2, Metric::Mean, Metric::Peak, Metric::Rms];
+        metrics.map(assess).into()
     }
 
     /// Judges the mean output torque of one engine against the load, on any scene: this is mechanics. `u`: the
@@ -378,53 +362,30 @@ impl Judge<'_> {
 }
 
 /// One side's uncertainty in a metric, relative as the metric is.
-fn side<'a>(
-    participant: &'a Participant,
+fn relative(
     of: Option<&QuantityUncertainty>,
     metric: Metric,
     metrics: &PairMetrics,
-) -> Side<'a> {
-    let row = metric.row();
-    let uncertainty = match of.map(|of| of.of(row.norm)) {
+) -> Result<Estimate, Unresolved> {
+    let norm = metric.row().norm;
+    match of.map(|of| of.of(norm)) {
         None => Err(Unresolved::new(
             "its numerical uncertainty is not known",
             "give the runs of its refinement study, or a recording that holds its uncertainty",
         )),
         Some(Uncertainty::Unknown(missing)) => Err(missing.clone()),
         Some(Uncertainty::Known(estimate)) => {
-            let relative = match (row.scale)(metrics) {
+            let u = match metrics.larger(norm) {
                 _ if estimate.u == 0.0 => Some(0.0),
-                Some(scale) => Some(row.sensitivity * estimate.u / scale),
-                None => None,
+                larger => larger.map(|larger| metric.sensitivity() * estimate.u / larger),
             };
-            match relative.filter(|u| u.is_finite()) {
-                Some(u) => Ok(Estimate { u, ..*estimate }),
-                None => Err(Unresolved::new(
+            let known = u.filter(|u| u.is_finite());
+            known.map(|u| Estimate { u, ..*estimate }).ok_or_else(|| {
+                Unresolved::new(
                     "the quantity is zero throughout and its uncertainty is not",
                     "look at the runs of its refinement study",
-                )),
-            }
+                )
+            })
         }
-    };
-    Side {
-        name: &participant.name,
-        uncertainty,
     }
-}
-
-/// A distance that has no value.
-fn not_finite(metric: Metric, a: &Participant, b: &Participant) -> Assessment {
-    let spoiled = |p: &&&Participant| {
-        let channels = p.time_series.channels();
-        channels
-            .iter()
-            .any(|c| c.values.iter().any(|v| !v.is_finite()))
-    };
-    let who = [a, b].iter().find(spoiled).map_or(a, |p| *p);
-    let found = Assessment {
-        metric: Some(metric),
-        ..Assessment::not_compared("")
-    };
-    let remedy = format!("look at the time series of {}", who.name);
-    found.inconclusive(&who.name, "a value is not finite".to_owned(), remedy)
 }

@@ -4,6 +4,8 @@
 //! differs by per cents on purpose; in one table each would hide the other. Native engines stand
 //! in every matrix.
 
+use std::collections::BTreeSet;
+
 use crate::comparison::{Cell, Matrix, Pair};
 use crate::metrics::Metric;
 use crate::participant::{Participant, Track};
@@ -27,112 +29,79 @@ pub(crate) fn matrices(
     quantities: &[Quantity],
     windows: &[Window],
 ) -> Vec<Matrix> {
-    let mut tracks: Vec<Track> = Vec::new();
-    for participant in finished {
-        if participant.track != Track::Native && !tracks.contains(&participant.track) {
-            tracks.push(participant.track);
-        }
-    }
-    tracks.sort_unstable();
+    let foreign = finished.iter().map(|p| p.track);
+    let mut tracks: BTreeSet<Track> = foreign.filter(|track| *track != Track::Native).collect();
     if tracks.is_empty() {
-        tracks.push(Track::Native);
+        tracks.insert(Track::Native);
     }
     let mut matrices = Vec::new();
     for track in tracks {
-        let engines: Vec<String> = finished
-            .iter()
-            .filter(|p| p.track == track || p.track == Track::Native)
-            .map(|p| p.name.clone())
-            .collect();
+        let engines = finished.iter();
+        let engines = engines.filter(|p| p.track == track || p.track == Track::Native);
+        let engines: Vec<String> = engines.map(|p| p.name.clone()).collect();
         if engines.len() < 2 {
             continue;
         }
         for window in windows {
-            let cells = cells(&engines, pairs, quantities, window);
+            let places =
+                (1..engines.len()).flat_map(|row| (0..row).map(move |column| [row, column]));
+            let cells = places.filter_map(|place| cell(place, &engines, pairs, quantities, window));
             matrices.push(Matrix {
                 track,
                 window: window.kind,
+                cells: cells.collect(),
                 engines: engines.clone(),
-                cells,
             });
         }
     }
     matrices
 }
 
-fn cells(
+/// `None` where the two were not compared.
+fn cell(
+    [row, column]: [usize; 2],
     engines: &[String],
     pairs: &[Pair],
     quantities: &[Quantity],
     window: &Window,
-) -> Vec<Cell> {
-    let mut cells = Vec::new();
-    for row in 1..engines.len() {
-        for column in 0..row {
-            // Engines and pairs have one order, so the smaller index is always `a`.
-            let found = pairs
-                .iter()
-                .position(|p| p.a == engines[column] && p.b == engines[row]);
-            if let Some(pair) = found {
-                cells.push(cell(row, column, pair, &pairs[pair], quantities, window));
-            }
-        }
-    }
-    cells
-}
-
-fn cell(
-    row: usize,
-    column: usize,
-    pair: usize,
-    entries: &Pair,
-    quantities: &[Quantity],
-    window: &Window,
-) -> Cell {
-    let entries: Vec<_> = entries
-        .entries
-        .iter()
-        .filter(|e| e.window == window.kind)
-        .collect();
+) -> Option<Cell> {
+    // Engines and pairs have one order, so the smaller index is always `a`.
+    let both = |p: &Pair| p.a == engines[column] && p.b == engines[row];
+    let pair = pairs.iter().position(both)?;
+    let entries = || {
+        let all = pairs[pair].entries.iter();
+        all.filter(|e| e.window == window.kind)
+    };
     let largest = |wanted: fn(&Quantity) -> bool| {
-        entries
-            .iter()
+        entries()
             .filter(|e| quantities.iter().any(|q| q.name == e.quantity && wanted(q)))
             .filter_map(|e| Some((e.metrics.as_ref()?.relative_l2?, &e.quantity)))
             .max_by(|(a, _), (b, _)| a.total_cmp(b))
     };
-    let worst = entries.iter().reduce(|a, b| {
-        let graver = Assessment::worst([&a.result, &b.result]);
-        if graver == Some(&a.result) { a } else { b }
-    });
-    let decided = worst.filter(|entry| entry.result.rank() > 0);
-    let (quantity, result) = match (decided, largest(Quantity::is_load)) {
-        (None, Some((value, quantity))) => {
-            let shown = Assessment {
-                metric: Some(Metric::RelativeL2),
-                difference: Some(value),
-                u_a: None,
-                u_b: None,
-                ..worst.map_or_else(nothing, |entry| entry.result.clone())
-            };
-            (Some(quantity.clone()), shown)
-        }
-        _ => (
-            worst.map(|entry| entry.quantity.clone()),
-            worst.map_or_else(nothing, |entry| entry.result.clone()),
-        ),
+    let worst = Assessment::gravest(entries(), |entry| &entry.result);
+    let (mut quantity, mut result) = match worst {
+        Some(entry) => (Some(&entry.quantity), entry.result.clone()),
+        None => (None, Assessment::not_compared("nothing to compare")),
     };
-    Cell {
+    if result.rank() == 0
+        && let Some((value, of)) = largest(Quantity::is_load)
+    {
+        quantity = Some(of);
+        result = Assessment {
+            metric: Some(Metric::RelativeL2),
+            difference: Some(value),
+            u_a: None,
+            u_b: None,
+            ..result
+        };
+    }
+    Some(Cell {
         row,
         column,
         pair,
-        quantity,
+        quantity: quantity.cloned(),
         force: largest(Quantity::is_force).map(|(value, _)| value),
         torque: largest(Quantity::is_torque).map(|(value, _)| value),
         result,
-    }
-}
-
-fn nothing() -> Assessment {
-    Assessment::not_compared("nothing to compare")
+    })
 }

@@ -39,92 +39,56 @@ pub struct Row {
     pub key: &'static str,
     /// For readers.
     pub label: &'static str,
-    /// Whether it holds one run's samples against the other's, which means nothing once a rounding has driven two
-    /// runs of one solver apart.
-    pub pointwise: bool,
+    /// The uncertainty that carries over to it.
+    pub norm: Norm,
     /// Its value of a pair; `None` for what is of one engine alone.
     pub of: fn(&PairMetrics) -> Option<f64>,
-    /// The uncertainty that carries over to it,
-    pub norm: Norm,
-    /// times this at most,
-    pub sensitivity: f64,
-    /// over this, in the quantity's unit.
-    pub scale: fn(&PairMetrics) -> Option<f64>,
+}
+
+const fn row(
+    metric: Metric,
+    [key, label]: [&'static str; 2],
+    norm: Norm,
+    of: fn(&PairMetrics) -> Option<f64>,
+) -> Row {
+    Row {
+        metric,
+        key,
+        label,
+        norm,
+        of,
+    }
 }
 
 /// The one table of metrics: adding one is a variant of [`Metric`] and a row here.
 pub const METRICS: [Row; 7] = [
-    Row {
-        metric: Metric::RelativeL2,
-        key: "relative-l2",
-        label: "relative L2",
-        pointwise: true,
-        of: |m| m.relative_l2,
-        norm: Norm::L2,
-        sensitivity: 1.0,
-        scale: |m| m.larger_rms,
-    },
-    Row {
-        metric: Metric::RelativeLinf,
-        key: "relative-linf",
-        label: "relative L\u{221e}",
-        pointwise: true,
-        of: |m| m.relative_linf,
-        norm: Norm::Linf,
-        sensitivity: 1.0,
-        scale: |m| m.larger_peak,
-    },
-    Row {
-        metric: Metric::Mean,
-        key: "mean",
-        label: "mean",
-        pointwise: false,
-        of: |m| m.mean_difference,
-        norm: Norm::Mean,
-        sensitivity: 1.0,
-        scale: |m| m.larger_mean,
-    },
-    Row {
-        metric: Metric::Peak,
-        key: "peak",
-        label: "peak",
-        pointwise: false,
-        of: |m| m.peak_difference,
-        norm: Norm::Peak,
-        sensitivity: 1.0,
-        scale: |m| m.larger_peak,
-    },
-    Row {
-        metric: Metric::Rms,
-        key: "rms",
-        label: "rms",
-        pointwise: false,
-        of: |m| m.rms_difference,
-        norm: Norm::Rms,
-        sensitivity: 1.0,
-        scale: |m| m.larger_rms,
-    },
-    Row {
-        metric: Metric::SpragueGeers,
-        key: "sprague-geers",
-        label: "Sprague\u{2013}Geers C",
-        pointwise: true,
-        of: |m| m.sprague_geers_c,
-        // M moves by the relative L2 at most, the angle P pi as well: C by sqrt(1 + 1/pi^2).
-        norm: Norm::L2,
-        sensitivity: 1.0495,
-        scale: |m| m.larger_rms,
-    },
-    Row {
-        metric: Metric::MeanAgainstLoad,
-        key: "mean-against-load",
-        label: "mean against the load",
-        pointwise: false,
-        of: |_| None,
-        norm: Norm::Mean,
-        sensitivity: 1.0,
-        scale: |_| None,
-    },
+    row(
+        Metric::RelativeL2,
+        ["relative-l2", "relative L2"],
+        Norm::L2,
+        |m| m.relative_l2,
+    ),
+    row(
+        Metric::RelativeLinf,
+        ["relative-linf", "relative L\u{221e}"],
+        Norm::Linf,
+        |m| m.relative_linf,
+    ),
+    row(Metric::Mean, ["mean"; 2], Norm::Mean, |m| m.mean_difference),
+    row(Metric::Peak, ["peak"; 2], Norm::Peak, |m| m.peak_difference),
+    row(Metric::Rms, ["rms"; 2], Norm::Rms, |m| m.rms_difference),
+    row(
+        Metric::SpragueGeers,
+        ["sprague-geers", "Sprague\u{2013}Geers C"],
+        Norm::L2,
+        |m| m.sprague_geers_c,
+    ),
+    row(
+        Metric::MeanAgainstLoad,
+        ["mean-against-load", "mean against the load"],
+        Norm::Mean,
+        |_| None,
+    ),
 ];
 
 impl Metric {
@@ -147,10 +111,25 @@ impl Metric {
         self.row().label
     }
 
-    /// Whether it holds samples against samples.
+    /// Whether it holds one run's samples against the other's, which means nothing once a rounding has driven two
+    /// runs of one solver apart.
     #[must_use]
     pub fn is_pointwise(self) -> bool {
-        self.row().pointwise
+        matches!(self.row().norm, Norm::L2 | Norm::Linf)
+    }
+
+    /// Its value of a pair.
+    pub(crate) fn of(self, metrics: &PairMetrics) -> Option<f64> {
+        (self.row().of)(metrics)
+    }
+
+    /// How far it moves at most with the uncertainty that carries over to it, both relative.
+    pub(crate) fn sensitivity(self) -> f64 {
+        match self {
+            // M moves by the relative L2 at most, the angle P pi as well: C by sqrt(1 + 1/pi^2).
+            Self::SpragueGeers => 1.0495,
+            _ => 1.0,
+        }
     }
 
     /// Those that judge a pair, in the order of a report.
@@ -232,23 +211,18 @@ impl PairMetrics {
     /// `None` if the shapes differ or `time_s` has another length.
     #[must_use]
     pub fn of(a: &View<'_>, b: &View<'_>, time_s: &[f64]) -> Option<Self> {
-        let fits = |view: &View<'_>| view.channels().iter().all(|c| c.len() == time_s.len());
-        if !a.same_shape(b) || !fits(a) || !fits(b) {
+        let fits = |channel: &&[f64]| channel.len() == time_s.len();
+        if !a.same_shape(b) || !a.channels().iter().all(fits) {
             return None;
         }
         let means = a.mean().zip(b.mean());
         let peaks = a.peak().zip(b.peak());
         let squares = a.rms().zip(b.rms());
-        let differences = || a.values().zip(b.values()).map(|(a, b)| a - b);
-        let difference_max = norms::peak(differences());
-        let difference_rms = difference_max.and_then(|peak| norms::rms(differences(), peak));
+        let difference_max = norms::peak(a.less(b));
+        let difference_rms = difference_max.and_then(|peak| norms::rms(a.less(b), peak));
         Some(Self {
-            relative_l2: difference_rms
-                .zip(squares)
-                .and_then(|(d, both)| over_larger(d, both)),
-            relative_linf: difference_max
-                .zip(peaks)
-                .and_then(|(d, both)| over_larger(d, both)),
+            relative_l2: over_larger(difference_rms, squares),
+            relative_linf: over_larger(difference_max, peaks),
             difference_rms,
             difference_max,
             worst: worst(a, b, time_s),
@@ -256,12 +230,12 @@ impl PairMetrics {
             larger_rms: squares.map(|(a, b)| a.max(b)),
             larger_mean: means.map(|(a, b)| a.abs().max(b.abs())),
             end_value: end_value(a, b),
-            mean_difference: means.and_then(apart),
-            peak_difference: peaks.and_then(apart),
-            rms_difference: squares.and_then(apart),
-            mean_ratio: means.and_then(ratio),
-            peak_ratio: peaks.and_then(ratio),
-            rms_ratio: squares.and_then(ratio),
+            mean_difference: apart(means),
+            peak_difference: apart(peaks),
+            rms_difference: apart(squares),
+            mean_ratio: ratio(means),
+            peak_ratio: ratio(peaks),
+            rms_ratio: ratio(squares),
             sprague_geers: sprague_geers::sprague_geers(a, b),
             sprague_geers_c: sprague_geers::comprehensive(a, b),
         })
@@ -269,6 +243,15 @@ impl PairMetrics {
 }
 
 impl PairMetrics {
+    /// What an uncertainty in a norm is relative to, in the quantity's unit.
+    pub(crate) fn larger(&self, norm: Norm) -> Option<f64> {
+        match norm {
+            Norm::L2 | Norm::Rms => self.larger_rms,
+            Norm::Linf | Norm::Peak => self.larger_peak,
+            Norm::Mean => self.larger_mean,
+        }
+    }
+
     /// The difference of the means as [`Metric::Mean`], positive where the mean of `a` has the larger magnitude.
     /// `None` if one of them is zero or they have opposite signs.
     #[must_use]
@@ -282,8 +265,9 @@ impl PairMetrics {
     }
 }
 
-/// `difference` over the larger magnitude of the two; 0 for 0/0, `None` if not finite.
-fn over_larger(difference: f64, (a, b): (f64, f64)) -> Option<f64> {
+/// `difference` over the larger magnitude of the two; 0 for 0/0, `None` if one is not there or the result is not finite.
+fn over_larger(difference: Option<f64>, both: Option<(f64, f64)>) -> Option<f64> {
+    let (difference, (a, b)) = difference.zip(both)?;
     let larger = a.abs().max(b.abs());
     if difference == 0.0 {
         return larger.is_finite().then_some(0.0);
@@ -292,27 +276,25 @@ fn over_larger(difference: f64, (a, b): (f64, f64)) -> Option<f64> {
 }
 
 /// Relative difference of two figures, free of direction.
-fn apart((a, b): (f64, f64)) -> Option<f64> {
-    over_larger(a - b, (a, b))
+fn apart(both: Option<(f64, f64)>) -> Option<f64> {
+    over_larger(both.map(|(a, b)| a - b), both)
 }
 
 /// a / b; `None` unless finite.
-fn ratio((a, b): (f64, f64)) -> Option<f64> {
-    Some(a / b).filter(|value| value.is_finite())
+fn ratio(both: Option<(f64, f64)>) -> Option<f64> {
+    both.map(|(a, b)| a / b).filter(|value| value.is_finite())
 }
 
 /// Relative L2 of the last sample over all channels.
 fn end_value(a: &View<'_>, b: &View<'_>) -> Option<f64> {
-    let last = |view: &View<'_>| {
-        view.channels()
-            .iter()
-            .map(|c| c.last().copied())
-            .collect::<Option<Vec<_>>>()
+    let last = |view: &View<'_>| -> Option<Vec<f64>> {
+        let channels = view.channels().iter();
+        channels.map(|c| c.last().copied()).collect()
     };
     let (a, b) = (last(a)?, last(b)?);
     let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
-    let rms = |values: &[f64]| View::new(vec![values]).rms();
-    over_larger(rms(&differences)?, (rms(&a)?, rms(&b)?))
+    let rms = |values: &[f64]| View::from(values).rms();
+    over_larger(rms(&differences), rms(&a).zip(rms(&b)))
 }
 
 fn worst(a: &View<'_>, b: &View<'_>, time_s: &[f64]) -> Option<WorstSample> {

@@ -4,7 +4,7 @@ use pinwheel_timeseries::TimeSeries;
 
 use crate::comparison::{EngineSummary, Pair, PairEntry};
 use crate::grid::Common;
-use crate::judge::{Judge, Sides};
+use crate::judge::{Case, Judge, Sides};
 use crate::metrics::PairMetrics;
 use crate::participant::Participant;
 use crate::quantities::Quantity;
@@ -57,17 +57,11 @@ fn pair_entry(
             result: Assessment::not_compared(reason),
         })
     };
-    let has = |p: &Participant| {
-        quantity
-            .channels
-            .iter()
-            .filter(|name| p.time_series.channel(name).is_some())
-            .count()
-    };
-    match (has(a), has(b)) {
-        (0, 0) => return None,
-        (0, _) => return unjudged(format!("{} has no `{}`", a.name, quantity.name)),
-        (_, 0) => return unjudged(format!("{} has no `{}`", b.name, quantity.name)),
+    let lacks = |p: &Participant| unjudged(format!("{} has no `{}`", p.name, quantity.name));
+    match [a, b].map(|p| quantity.is_in(&p.time_series)) {
+        [false, false] => return None,
+        [false, _] => return lacks(a),
+        [_, false] => return lacks(b),
         _ => {}
     }
     let samples = of_a.window(window.from_s, window.to_s);
@@ -97,17 +91,19 @@ fn pair_entry(
             return uncertainty(p, quantity, window, covered(&[(p, common)], samples), judge);
         }
         let summary = engines.iter().find(|e| e.name == p.name)?;
-        let found = summary
-            .uncertainty
-            .iter()
-            .find(|u| u.quantity == quantity.name && u.window == window.kind)?;
-        Some(found.clone())
+        summary.uncertainty_of(&quantity.name, window.kind).cloned()
     };
-    let of_sides = [uncertainty(a, of_a), uncertainty(b, of_b)];
-    let of_sides = [of_sides[0].as_ref(), of_sides[1].as_ref()];
-    let assessments = judge.pair(sides, quantity, window, &metrics, of_sides);
+    let uncertainties = [uncertainty(a, of_a), uncertainty(b, of_b)];
+    let assessments = judge.pair(&Case {
+        sides,
+        quantity,
+        window,
+        metrics: &metrics,
+        uncertainties: uncertainties.each_ref().map(Option::as_ref),
+        pointwise: judge.context.is_pointwise(window.to_s),
+    });
     let deciding = assessments.iter().filter(|one| one.decides);
-    let result = Assessment::worst(deciding)?.clone();
+    let result = Assessment::gravest(deciding, |one| one)?.clone();
     Some(PairEntry {
         quantity: quantity.name.clone(),
         window: window.kind,

@@ -43,6 +43,12 @@ impl Quantity {
         }
     }
 
+    /// Whether time series have any of its channels.
+    pub(crate) fn is_in(&self, time_series: &TimeSeries) -> bool {
+        let mut channels = self.channels.iter();
+        channels.any(|name| time_series.channel(name).is_some())
+    }
+
     /// A force or a torque: what the matrices show.
     #[must_use]
     pub fn is_load(&self) -> bool {

@@ -21,11 +21,9 @@ use crate::windows::{Window, WindowKind};
 fn floor(participant: &Participant, evidence: &Evidence, context: &Context) -> f64 {
     let walk = rounding_floor(participant.cost.steps);
     // What a rounding did to the scene where that was measured, unless it parts the runs altogether.
-    let grown = context
-        .divergence
-        .as_ref()
-        .filter(|d| d.horizon_s.is_none())
-        .map_or(0.0, |d| d.largest_share);
+    let measured = context.divergence.as_ref();
+    let grown = measured.filter(|d| d.horizon_s.is_none());
+    let grown = grown.map_or(0.0, |d| d.largest_share);
     walk.max(grown).max(evidence.floor)
 }
 
@@ -69,10 +67,10 @@ pub(crate) fn uncertainty(
                     let rms = own.and_then(|view| view.rms());
                     QuantityUncertainty::of_record(record, window.kind, rms)
                 }
-                None => missing(&Unresolved {
-                    reason: "its recording holds no uncertainty of this window".to_owned(),
-                    remedy: "record it anew, or run it live".to_owned(),
-                }),
+                None => missing(&Unresolved::new(
+                    "its recording holds no uncertainty of this window",
+                    "record it anew, or run it live",
+                )),
             }
         }
         Source::Exact(share) => {
@@ -93,19 +91,14 @@ pub(crate) fn uncertainty(
 
 pub(crate) fn engine_summary(
     participant: &Participant,
-    context: &Context,
     windows: &[Window],
     quantities: &[Quantity],
     judge: Judge<'_>,
 ) -> EngineSummary {
     let (mut all_figures, mut judged, mut uncertainties) = (Vec::new(), Vec::new(), Vec::new());
-    let windows = if participant.status.is_finished() {
-        windows
-    } else {
-        &[]
-    };
-    for window in windows {
-        let figures = figures(participant, context, window, quantities, judge);
+    let finished = participant.status.is_finished();
+    for window in windows.iter().filter(|_| finished) {
+        let figures = figures(participant, window, quantities, judge);
         let samples = participant.time_series.window(window.from_s, window.to_s);
         let there = quantities
             .iter()
@@ -115,7 +108,7 @@ pub(crate) fn engine_summary(
             .collect();
         let steady = window.kind == WindowKind::Steady && participant.track != Track::Measured;
         let there = quantities.iter().any(|q| q.name == OUTPUT_TORQUE);
-        if let Some(load_n_m) = context.load_n_m.filter(|_| steady && there) {
+        if let Some(load_n_m) = judge.context.load_n_m.filter(|_| steady && there) {
             let mean = figures.quantities.get(OUTPUT_TORQUE).map(|s| s.mean);
             let u = found.iter().find(|u| u.quantity == OUTPUT_TORQUE);
             judged.push(EngineEntry {
@@ -147,7 +140,6 @@ pub(crate) fn engine_summary(
 
 fn figures(
     participant: &Participant,
-    context: &Context,
     window: &Window,
     quantities: &[Quantity],
     judge: Judge<'_>,
@@ -166,14 +158,13 @@ fn figures(
         })
         .collect();
     let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
-    let (efficiency, efficiency_reason) =
-        match efficiency(participant, context, window, samples, judge) {
-            Ok(efficiency) if efficiency > 1.0 && created.is_none() => {
-                (Some(efficiency), Some(ABOVE_ONE.to_owned()))
-            }
-            Ok(efficiency) => (Some(efficiency), None),
-            Err(reason) => (None, reason.map(str::to_owned)),
-        };
+    let (efficiency, efficiency_reason) = match efficiency(participant, window, samples, judge) {
+        Ok(efficiency) if efficiency > 1.0 && created.is_none() => {
+            (Some(efficiency), Some(ABOVE_ONE.to_owned()))
+        }
+        Ok(efficiency) => (Some(efficiency), None),
+        Err(reason) => (None, reason.map(str::to_owned)),
+    };
     Figures {
         window: window.kind,
         efficiency,
@@ -193,7 +184,6 @@ const ABOVE_ONE: &str =
 /// Power out over power in; or why there is none, where a reader would look for it.
 fn efficiency(
     participant: &Participant,
-    context: &Context,
     window: &Window,
     samples: Range<usize>,
     judge: Judge<'_>,
@@ -201,16 +191,15 @@ fn efficiency(
     if window.kind == WindowKind::Transient {
         return Err(Some("a start-up stores and returns energy"));
     }
+    let context = judge.context;
     let speed_in = context.input_speed_rad_s.ok_or(None)?;
     let [power_in, power_out] =
         mean_powers(&participant.time_series, samples, speed_in).ok_or(None)?;
     if speed_in == 0.0 {
         return Err(Some("the driver stands still"));
     }
-    if context
-        .load_n_m
-        .is_some_and(|load| load.abs() <= judge.negligible.torque_n_m)
-    {
+    let negligible = |load: f64| load.abs() <= judge.negligible.torque_n_m;
+    if context.load_n_m.is_some_and(negligible) {
         return Err(Some("the scene has no load, so no power is delivered"));
     }
     ratio(power_in, power_out).map_err(Some)

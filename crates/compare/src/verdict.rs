@@ -3,6 +3,8 @@
 //! No engine counts as the truth. A difference D is held against a bound: the numerical error U = uA + uB of both, a model's
 //! tolerance, the uncertainty of a measurement, or a limit that a user states.
 
+use std::cmp::Ordering;
+
 use serde::Serialize;
 
 use crate::metrics::Metric;
@@ -48,19 +50,6 @@ pub enum Against {
     Measurement,
     /// A limit: the user's, or that of the balance with the load.
     Limit,
-}
-
-impl Against {
-    /// The words for readers.
-    #[must_use]
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::NumericalError => "numerical error",
-            Self::ModelTolerance => "model tolerance",
-            Self::Measurement => "measurement",
-            Self::Limit => "limit",
-        }
-    }
 }
 
 /// A verdict with everything it rests on. All figures are relative, as the metric is (see [`Metric`]).
@@ -235,15 +224,20 @@ impl Assessment {
         }
     }
 
-    /// The gravest of several, and among equals the one that uses most of its bound.
-    pub fn worst<'a>(all: impl IntoIterator<Item = &'a Self>) -> Option<&'a Self> {
-        all.into_iter().reduce(|worst, other| {
-            let graver = other.rank().cmp(&worst.rank());
-            match graver.then(other.share().total_cmp(&worst.share())) {
-                std::cmp::Ordering::Greater => other,
+    /// By [rank](Self::rank), and among equals by the share of the bound that is used.
+    #[must_use]
+    pub fn graver(&self, other: &Self) -> Ordering {
+        let by_rank = self.rank().cmp(&other.rank());
+        by_rank.then(self.share().total_cmp(&other.share()))
+    }
+
+    /// The [gravest](Self::graver) of several, the first of equals; `of`: the assessment of one.
+    pub fn gravest<T>(all: impl IntoIterator<Item = T>, of: impl Fn(&T) -> &Self) -> Option<T> {
+        all.into_iter()
+            .reduce(|worst, other| match of(&other).graver(of(&worst)) {
+                Ordering::Greater => other,
                 _ => worst,
-            }
-        })
+            })
     }
 }
 
@@ -347,7 +341,7 @@ fn between(
 ///
 /// # Errors
 /// The side whose uncertainty is not known.
-pub fn combined<'a>([a, b]: [&'a Side<'a>; 2]) -> Result<f64, (&'a str, Unresolved)> {
+fn combined<'a>([a, b]: [&'a Side<'a>; 2]) -> Result<f64, (&'a str, Unresolved)> {
     let of = |side: &'a Side<'a>| match &side.uncertainty {
         Ok(estimate) => Ok(estimate.u),
         Err(missing) => Err((side.name, missing.clone())),
@@ -435,10 +429,8 @@ pub fn model(
     let allowed = match allowed {
         Ok(allowed) => allowed,
         Err(reason) => {
-            return Assessment {
-                reason: reason.to_owned(),
-                ..found
-            };
+            let reason = reason.to_owned();
+            return Assessment { reason, ..found };
         }
     };
     let sum = match combined(sides) {

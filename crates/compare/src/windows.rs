@@ -112,15 +112,13 @@ pub fn windows(
             absent.push(AbsentWindow { kind, reason });
             return false;
         }
+        let changes = load_changes_s.iter();
         present.push(Window {
             kind,
             from_s,
             to_s,
             samples,
-            load_changes: load_changes_s
-                .iter()
-                .filter(|&&t| from_s < t && t < to_s)
-                .count(),
+            load_changes: changes.filter(|&&t| from_s < t && t < to_s).count(),
         });
         true
     };
@@ -140,30 +138,23 @@ pub fn windows(
     if !steady && duration > transient_s * (1.0 + 1e-9) {
         offer(WindowKind::Whole, start, end);
     }
-    if !settled {
-        let reason = format!(
+    let reason = match changed {
+        _ if !settled => Some(format!(
             "the run lasts {} s; the start-up transient takes {settling_s} s, so a steady window \
              needs {} s",
             rounded(duration),
             2.0 * settling_s
-        );
-        absent.push(AbsentWindow {
-            kind: WindowKind::Steady,
-            reason,
-        });
-    }
-    if let (true, false, Some(last)) = (settled, reached, changed) {
-        let reason = format!(
+        )),
+        Some(last) if !reached => Some(format!(
             "the load still changes at {} s and the transient of that takes {decays_s} s, so a steady window \
              needs a run of {} s",
             rounded(*last),
             rounded(last + decays_s + transient_s)
-        );
-        absent.push(AbsentWindow {
-            kind: WindowKind::Steady,
-            reason,
-        });
-    }
+        )),
+        _ => None,
+    };
+    let kind = WindowKind::Steady;
+    absent.extend(reason.map(|reason| AbsentWindow { kind, reason }));
     (present, absent)
 }
 

@@ -214,7 +214,9 @@ fn fitting(
     // Packing the whole of a long run only to see that it is too long would take its time: a value is never
     // smaller than a quarter of a byte.
     let columns = quantities.iter().map(|q| q.channels.len()).sum::<usize>() * drawn.len();
-    plan.samples = plan.samples.min((4 * BUDGET / columns.max(1)).max(FEW_SAMPLES));
+    plan.samples = plan
+        .samples
+        .min((4 * BUDGET / columns.max(1)).max(FEW_SAMPLES));
     loop {
         let packed: Vec<ChartQuantity> = quantities
             .iter()
@@ -310,7 +312,7 @@ fn bands(comparison: &Comparison, engines: &[Line], quantity: &str) -> Vec<(usiz
         for entry in pair.entries.iter().filter(|e| e.quantity == quantity) {
             let rms = |name: &str| {
                 let engine = comparison.engines.iter().find(|e| e.name == name)?;
-                let figures = engine.figures.iter().find(|f| f.window == entry.window)?;
+                let figures = engine.figures_in(entry.window)?;
                 Some(figures.quantities.get(quantity)?.rms)
             };
             let budget = entry.assessments.iter().find_map(|one| one.budget);

@@ -9,10 +9,7 @@ use pinwheel_engines::info;
 #[must_use]
 pub fn gravest(pair: &Pair) -> Option<&PairEntry> {
     let known = |entry: &&PairEntry| entry.result.rank() > 0 || entry.result.interval().is_some();
-    pair.entries.iter().filter(known).reduce(|a, b| {
-        let worst = Assessment::worst([&a.result, &b.result]);
-        if worst == Some(&a.result) { a } else { b }
-    })
+    Assessment::gravest(pair.entries.iter().filter(known), |entry| &entry.result)
 }
 
 /// A verdict with its numbers, which `number` writes.
@@ -121,23 +118,18 @@ fn results(comparison: &Comparison) -> impl Iterator<Item = &Assessment> {
 
 /// What those are who leave something inconclusive with nothing to act on.
 fn groups(comparison: &Comparison) -> Vec<&'static str> {
-    let mut found: Vec<&str> = Vec::new();
-    for one in results(comparison).filter(|one| !one.group.is_empty()) {
-        if !found.contains(&one.group) {
-            found.push(one.group);
-        }
-    }
-    found
+    let groups = results(comparison).map(|one| one.group);
+    distinct(groups.filter(|group| !group.is_empty()))
 }
 
 /// Each participant that leaves something to act on inconclusive, with its first reason and the remedy.
 #[must_use]
 pub fn inconclusive(comparison: &Comparison) -> Vec<(String, String)> {
     let mut told: Vec<(String, String)> = Vec::new();
-    for found in results(comparison).filter(|one| one.actionable) {
-        let Some((who, why)) = why(found) else {
-            continue;
-        };
+    for (who, why) in results(comparison)
+        .filter(|one| one.actionable)
+        .filter_map(why)
+    {
         if !told.iter().any(|(known, _)| *known == who) {
             told.push((who, why));
         }
@@ -154,6 +146,17 @@ pub fn why(found: &Assessment) -> Option<(String, String)> {
         remedy => format!("{}; {remedy}", found.reason),
     };
     Some((who, why))
+}
+
+/// Each once, in the order of their first appearance.
+pub(crate) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
+    let mut found = Vec::new();
+    for one in all {
+        if !found.contains(&one) {
+            found.push(one);
+        }
+    }
+    found
 }
 
 /// An engine's name where what it shares is said beside it.

@@ -195,9 +195,13 @@ impl Evidence {
     /// Evidence from a refinement study.
     #[must_use]
     pub fn refinement(engine: impl Into<String>, study: RefinementStudy) -> Self {
+        Self::of(engine, Source::Refinement(study))
+    }
+
+    fn of(engine: impl Into<String>, source: Source) -> Self {
         Self {
             engine: engine.into(),
-            source: Source::Refinement(study),
+            source,
             is_final: None,
             floor: 0.0,
         }
@@ -209,15 +213,7 @@ impl Evidence {
         reason: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        Self {
-            engine: engine.into(),
-            source: Source::Unknown(Unresolved {
-                reason: reason.into(),
-                remedy: remedy.into(),
-            }),
-            is_final: None,
-            floor: 0.0,
-        }
+        Self::of(engine, Source::Unknown(Unresolved::new(reason, remedy)))
     }
 
     /// The same of an engine whose iterations leave this share of every quantity.

@@ -144,12 +144,11 @@ impl RefinementStudy {
         let own = figures[0];
         let (floor_rms, floor_peak) = (settings.floor * own.rms, settings.floor * own.peak);
         let steps = |norm: fn(&Gap) -> f64| -> Vec<Step> {
-            gaps.iter()
-                .map(|gap| Step {
-                    ratio: gap.ratio,
-                    difference: norm(gap),
-                })
-                .collect()
+            let step = |gap: &Gap| Step {
+                ratio: gap.ratio,
+                difference: norm(gap),
+            };
+            gaps.iter().map(step).collect()
         };
         let cosine = alignment(&views);
         let (l2, linf) = if settings.pointwise {
@@ -175,17 +174,14 @@ impl RefinementStudy {
                     Ok(spread(&values, floor))
                 }
             };
+        let relative_l2 = l2.as_ref().ok().map(|e| e.u / own.rms);
         QuantityUncertainty {
             quantity: quantity.name.clone(),
             window,
             mean: figure(|s| s.mean, floor_rms, &l2).into(),
             peak: figure(|s| s.peak, floor_peak, &linf).into(),
             rms: figure(|s| s.rms, floor_rms, &l2).into(),
-            relative_l2: l2
-                .as_ref()
-                .ok()
-                .map(|e| e.u / own.rms)
-                .filter(|u| u.is_finite()),
+            relative_l2: relative_l2.filter(|u| u.is_finite()),
             l2: l2.into(),
             linf: linf.into(),
         }
@@ -211,14 +207,14 @@ impl RefinementStudy {
         else {
             return Ok(bound);
         };
-        let steps: Vec<Step> = values
-            .windows(2)
+        let steps = values
+            .array_windows::<2>()
             .zip(gaps)
-            .map(|(pair, gap)| Step {
+            .map(|([fine, coarse], gap)| Step {
                 ratio: gap.ratio,
-                difference: (pair[1] - pair[0]).abs(),
-            })
-            .collect();
+                difference: (coarse - fine).abs(),
+            });
+        let steps: Vec<Step> = steps.collect();
         let sign = match values {
             [one, two, three, ..] => Some(((two - one) * (three - two)).signum()),
             _ => None,
@@ -247,21 +243,15 @@ impl RefinementStudy {
 }
 
 fn gaps(views: &[(f64, View<'_>)]) -> Option<Vec<Gap>> {
-    views
-        .windows(2)
-        .map(|pair| {
-            let [(fine, of_fine), (coarse, of_coarse)] = pair else {
-                return None;
-            };
-            let apart = || of_coarse.values().zip(of_fine.values()).map(|(c, f)| c - f);
-            let linf = peak(apart())?;
-            Some(Gap {
-                ratio: coarse / fine,
-                l2: rms(apart(), linf)?,
-                linf,
-            })
+    let gap = |[(fine, of_fine), (coarse, of_coarse)]: &[(f64, View<'_>); 2]| {
+        let linf = peak(of_coarse.less(of_fine))?;
+        Some(Gap {
+            ratio: coarse / fine,
+            l2: rms(of_coarse.less(of_fine), linf)?,
+            linf,
         })
-        .collect()
+    };
+    views.array_windows().map(gap).collect()
 }
 
 /// Cosine between `f3 - f2` and `f2 - f1`: 1 where every sample converges along one line.

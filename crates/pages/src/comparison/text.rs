@@ -77,8 +77,7 @@ type Said = (String, Mark);
 fn engines(comparison: &Comparison) -> Table {
     let window = shown_window(comparison);
     let statistics = |engine: &EngineSummary, quantity: &str| {
-        let mut all = engine.figures.iter();
-        let figures = all.find(|figures| Some(figures.window) == window)?;
+        let figures = engine.figures_in(window?)?;
         figures.quantities.get(quantity).copied()
     };
     let peak = |engine: &EngineSummary, quantity| Some(statistics(engine, quantity)?.peak);

@@ -5,7 +5,7 @@ use pinwheel_compare::{Comparison, Metric, Quantity, Track, Verdict, WindowKind,
 use pinwheel_timeseries::norms::Statistics;
 use pinwheel_timeseries::table::Table;
 
-use super::{Page, figures_of, mark, pairs, uncertainty};
+use super::{Page, mark, pairs, uncertainty};
 use crate::study::{self, Block, Tile, Tone};
 use crate::{format, words};
 
@@ -85,7 +85,7 @@ impl Page<'_> {
     }
 
     fn efficiency(&self, engines: &[&EngineSummary], window: WindowKind) -> Option<Tile> {
-        let figures = || engines.iter().filter_map(|e| figures_of(e, window));
+        let figures = || engines.iter().filter_map(|e| e.figures_in(window));
         let all: Vec<f64> = figures().filter_map(|f| f.efficiency).collect();
         let value = median(&all)?;
         // Only where the law's own energy is seen.
@@ -98,8 +98,8 @@ impl Page<'_> {
         });
         // How far an efficiency may be off: its powers are those of the mean torques.
         let share = |engine: &EngineSummary, name: &str| {
-            let quantity = self.comparison.quantities.iter().find(|q| q.name == name)?;
-            let mean = figures_of(engine, window)?.quantities.get(name)?.mean.abs();
+            let quantity = self.quantity_of(name)?;
+            let mean = engine.figures_in(window)?.quantities.get(name)?.mean.abs();
             let share = uncertainty(engine, quantity, window, "mean")? / mean;
             Some(share).filter(|share| share.is_finite())
         };
@@ -119,7 +119,7 @@ impl Page<'_> {
     }
 
     fn tile(&self, engines: &[&EngineSummary], of: &Quantity, window: WindowKind) -> Option<Tile> {
-        let figures = engines.iter().filter_map(|e| figures_of(e, window));
+        let figures = engines.iter().filter_map(|e| e.figures_in(window));
         let statistics: Vec<&Statistics> =
             figures.filter_map(|f| f.quantities.get(&of.name)).collect();
         let all = |of: fn(&Statistics) -> f64| statistics.iter().map(|s| of(s)).collect::<Vec<_>>();
@@ -206,12 +206,8 @@ impl Page<'_> {
         let windows = self.comparison.absent_windows.iter();
         let windows = windows.map(|w| format!("No {} window: {}.", w.kind.word(), w.reason));
         let remarks = self.comparison.windows.iter().filter_map(|w| w.remark());
-        let divergence = self
-            .comparison
-            .context
-            .divergence
-            .iter()
-            .map(|d| d.told.clone());
+        let divergence = self.comparison.context.divergence.iter();
+        let divergence = divergence.map(|d| d.told.clone());
         let remarks = windows.chain(remarks).chain(divergence).map(Block::Text);
         let most = (!most.is_empty()).then_some(Block::Table(most));
         most.into_iter().chain(remarks).collect()

@@ -3,6 +3,8 @@
 mod answer;
 mod pairs;
 
+use std::collections::BTreeMap;
+
 use pinwheel_compare::comparison::{EngineSummary, Figures};
 use pinwheel_compare::{
     Assessment, Comparison, Metric, Participant, Quantity, Track, Verdict, WindowKind, quantities,
@@ -10,8 +12,8 @@ use pinwheel_compare::{
 use pinwheel_timeseries::norms::Statistics;
 use pinwheel_timeseries::table::{Mark, Shown, Table, TableOf};
 
-use crate::study::{Block, Section, Study, TimeSeries};
 use crate::animation::{self, Animation};
+use crate::study::{Block, Section, Study, TimeSeries};
 use crate::{colours, format};
 
 /// The study of a comparison of `participants`. `motion`: the gearbox in motion and the time it begins at, s; `model`: what was
@@ -63,16 +65,17 @@ pub fn study(
 /// What the parts of the page have in common.
 struct Page<'a> {
     comparison: &'a Comparison,
-    /// Colour and dash of each engine.
-    styles: Vec<usize>,
+    /// Colour and dash of each engine by its name.
+    styles: BTreeMap<&'a str, usize>,
 }
 
 impl<'a> Page<'a> {
     fn new(comparison: &'a Comparison) -> Self {
         let names: Vec<&str> = comparison.engines.iter().map(|e| e.name.as_str()).collect();
+        let styles = colours::styles(&names);
         Self {
             comparison,
-            styles: colours::styles(&names),
+            styles: names.into_iter().zip(styles).collect(),
         }
     }
 
@@ -83,20 +86,19 @@ impl<'a> Page<'a> {
         rows: impl IntoIterator<Item = R>,
         engine: impl Fn(&R) -> &'a EngineSummary,
     ) -> TableOf<R> {
-        let style = |engine: &EngineSummary| {
-            let mut all = self.comparison.engines.iter().zip(&self.styles);
-            all.find(|(one, _)| one.name == engine.name)
-                .map(|(_, style)| *style)
-        };
         Table::of(caption, rows)
             .text("", "Engine", |row| &engine(row).name)
-            .coloured(|row| style(engine(row)))
+            .coloured(|row| self.styles.get(engine(row).name.as_str()).copied())
+    }
+
+    fn quantity_of(&self, name: &str) -> Option<&'a Quantity> {
+        let mut all = self.comparison.quantities.iter();
+        all.find(|q| q.name == name)
     }
 
     /// A quantity in words; its name if the comparison does not list it.
     fn quantity(&self, name: &'a str) -> &'a str {
-        let mut all = self.comparison.quantities.iter();
-        all.find(|q| q.name == name).map_or(name, |q| &q.label)
+        self.quantity_of(name).map_or(name, |q| &q.label)
     }
 
     /// A quantity and a window, e.g. `driver torque, steady`.
@@ -184,13 +186,12 @@ impl<'a> Page<'a> {
     fn matrices(&self, track: Track, explains: bool) -> Vec<Block> {
         let all = self.comparison.matrices.iter();
         let all: Vec<_> = all.filter(|matrix| matrix.track == track).collect();
-        let mut blocks = Vec::new();
-        if !all.is_empty() {
-            blocks.push(Block::Heading(
-                "Every engine against every other".to_owned(),
-            ));
+        if all.is_empty() {
+            return Vec::new();
         }
-        if explains && !all.is_empty() {
+        let heading = "Every engine against every other".to_owned();
+        let mut blocks = vec![Block::Heading(heading)];
+        if explains {
             blocks.push(Block::text(
                 "Each cell shows the figure that decides the pair's verdict: a relative difference, after \u{b1} the \
                  numerical uncertainty of both together, or how it was measured. Darker is larger, from 10\u{207b}\u{b9}\u{b2} \
@@ -224,7 +225,7 @@ impl<'a> Page<'a> {
         for window in &self.comparison.windows {
             let engines = self.comparison.engines.iter();
             let engines = engines.filter(|e| e.track == track || e.track == Track::Native);
-            let rows = engines.filter_map(|e| Some((e, figures_of(e, window.kind)?)));
+            let rows = engines.filter_map(|e| Some((e, e.figures_in(window.kind)?)));
             let rows: Vec<(&EngineSummary, &Figures)> = rows.collect();
             if rows.is_empty() || loads.is_empty() {
                 continue;
@@ -243,18 +244,15 @@ impl<'a> Page<'a> {
                         .uncertain(|(engine, _)| uncertainty(engine, quantity, window.kind, name));
                 }
             }
-            if rows.iter().any(|(_, figures)| figures.efficiency.is_some()) {
-                table = table
-                    .number("", "Efficiency", |(_, figures)| {
-                        figures.efficiency.map(|e| 100.0 * e)
-                    })
-                    .unit("%")
-                    .number("", "by losses", |(_, figures)| {
-                        figures.efficiency_accounted.map(|e| 100.0 * e)
-                    })
-                    .unit("%");
-            }
-            let table = table.done().into();
+            let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
+            let table = table
+                .number("", "Efficiency", |(_, figures)| percent(figures.efficiency))
+                .unit("%")
+                .number("", "by losses", |(_, figures)| {
+                    percent(figures.efficiency_accounted)
+                })
+                .unit("%");
+            let table = table.done().without_empty().into();
             blocks.push(if blocks.is_empty() {
                 table
             } else {
@@ -313,7 +311,7 @@ impl<'a> Page<'a> {
         let longest = all.iter().filter_map(|e| wall(&e)).fold(0.0, f64::max);
         let count = |e: &&EngineSummary, of: u64| Some(of).filter(|_| own(e));
         let grouped = |n: u64| format::count(n);
-        let mut table = self
+        let table = self
             .of_engines("Costs of each engine", all, |e| e)
             .text("", "Shares", |e| e.track.shares())
             .text("", "Run", |e| match &e.cost.recorded {
@@ -329,34 +327,27 @@ impl<'a> Page<'a> {
             .said(|e| count(e, e.cost.rhs_calls).map(grouped))
             .whole("", "Steps", |e| count(e, e.cost.steps))
             .said(|e| count(e, e.cost.steps).map(grouped));
-        if all.iter().any(|e| e.cost.rejected_steps > 0) {
-            table = table
-                .whole("", "Rejected", |e| count(e, e.cost.rejected_steps))
-                .said(|e| count(e, e.cost.rejected_steps).map(grouped));
-        }
-        table = table
+        let rejects = all.iter().any(|e| e.cost.rejected_steps > 0);
+        let rejected = |e: &&EngineSummary| count(e, e.cost.rejected_steps).filter(|_| rejects);
+        let table = table
+            .whole("", "Rejected", rejected)
+            .said(|e| rejected(e).map(grouped))
             .number("", "Step", |e| time(e, e.cost.step_s))
             .shown(Shown::Seconds)
             .whole("", "Degrees of freedom", |e| {
                 count(e, e.cost.degrees_of_freedom as u64)
             })
-            .whole("", "Bodies", |e| count(e, e.cost.bodies as u64));
-        if all.iter().any(|e| e.cost.joint_drift_m.is_some()) {
-            table = table
-                .number("", "Joint drift", |e| e.cost.joint_drift_m)
-                .shown(Shown::Metres);
-        }
-        let table = table.text("", "Settings and notes", |e| {
-            let notes = e.cost.recorded.iter().chain(&e.cost.notes);
-            let all: Vec<&str> = [&e.cost.settings]
-                .into_iter()
-                .chain(notes)
-                .map(String::as_str)
-                .collect();
-            all.join("; ").trim_start_matches("; ").to_owned()
-        });
+            .whole("", "Bodies", |e| count(e, e.cost.bodies as u64))
+            .number("", "Joint drift", |e| e.cost.joint_drift_m)
+            .shown(Shown::Metres)
+            .text("", "Settings and notes", |e| {
+                let notes = e.cost.recorded.iter().chain(&e.cost.notes);
+                let all = [&e.cost.settings].into_iter().chain(notes);
+                let all: Vec<&str> = all.map(String::as_str).collect();
+                all.join("; ").trim_start_matches("; ").to_owned()
+            });
         let about = "Times are of this machine, but for those of recorded runs; counts are not.";
-        let blocks = [Block::text(about), table.done().into()];
+        let blocks = [Block::text(about), table.done().without_empty().into()];
         Section::new("costs", "Costs", blocks).folded("")
     }
 
@@ -412,14 +403,6 @@ fn shade(relative: f64) -> f64 {
     }
 }
 
-/// Figures of an engine in a window.
-fn figures_of(engine: &EngineSummary, window: WindowKind) -> Option<&Figures> {
-    engine
-        .figures
-        .iter()
-        .find(|figures| figures.window == window)
-}
-
 /// What is shown of a quantity: a name and how it is taken.
 fn statistics(quantity: &Quantity) -> &'static [(&'static str, fn(&Statistics) -> f64)] {
     if quantity.name == quantities::OUTPUT_TORQUE {
@@ -438,8 +421,7 @@ fn uncertainty(
     window: WindowKind,
     statistic: &str,
 ) -> Option<f64> {
-    let mut all = engine.uncertainty.iter();
-    let known = all.find(|u| u.window == window && u.quantity == quantity.name)?;
+    let known = engine.uncertainty_of(&quantity.name, window)?;
     match statistic {
         "mean" => known.mean.u(),
         "rms" => known.rms.u(),

@@ -109,9 +109,8 @@ impl Page<'_> {
         let compared = engine.judged.iter().filter(|entry| entry.result.rank() > 0);
         let rows = compared.map(|e| (e.quantity.as_str(), e.window, &e.result));
         let rows: Vec<Judged<'_>> = rows.collect();
-        let worst = Assessment::worst(rows.iter().map(|(.., one)| *one))?;
-        let (quantity, window, _) = rows.iter().find(|(.., one)| *one == worst)?;
-        let beside = self.place(quantity, *window);
+        let (quantity, window, worst) = *Assessment::gravest(&rows, |(.., one)| one)?;
+        let beside = self.place(quantity, window);
         let name = format!("{} \u{2194} load", engine.name);
         let item = Item {
             id: format!("alone-{}", engine.name),
@@ -119,7 +118,7 @@ impl Page<'_> {
             said: words::verdict(worst, relative),
             beside,
             open: worst.rank() == 4,
-            blocks: self.judged(&name, rows.clone()),
+            blocks: self.judged(&name, rows),
             name,
         };
         Some((worst.rank(), 1.0, item))
@@ -127,19 +126,11 @@ impl Page<'_> {
 
     /// What was judged, the gravest first, then what is nearest to its bound; before it why something is inconclusive.
     fn judged(&self, name: &str, mut rows: Vec<Judged<'_>>) -> Vec<Block> {
-        rows.sort_by(|(.., a), (.., b)| {
-            b.rank()
-                .cmp(&a.rank())
-                .then(b.share().total_cmp(&a.share()))
-        });
-        let mut reasons: Vec<String> = Vec::new();
-        for (who, why) in rows.iter().filter_map(|(.., one)| words::why(one)) {
-            let reason = format!("Inconclusive: {who}: {why}");
-            if !reasons.contains(&reason) {
-                reasons.push(reason);
-            }
-        }
-        let mut blocks: Vec<Block> = reasons.into_iter().map(Block::Text).collect();
+        rows.sort_by(|(.., a), (.., b)| b.graver(a));
+        let reasons = rows.iter().filter_map(|(.., one)| words::why(one));
+        let reasons = reasons.map(|(who, why)| format!("Inconclusive: {who}: {why}"));
+        let reasons = words::distinct(reasons).into_iter();
+        let mut blocks: Vec<Block> = reasons.map(Block::Text).collect();
         let table = Table::of(format!("Compared of {name}"), rows)
             .text("", "Quantity", |(quantity, ..)| self.quantity(quantity))
             .text("", "Window", |(_, window, _)| window.word())
@@ -183,14 +174,13 @@ impl Page<'_> {
         let of_pairs = pairs.flat_map(|p| &p.entries).flat_map(|e| &e.assessments);
         let engines = self.comparison.engines.iter().filter(|e| e.track == track);
         let alone = engines.flat_map(|e| &e.judged).map(|e| &e.result);
-        let mut found: Vec<String> = Vec::new();
         let compared = |one: &&Assessment| matches!(one.verdict, Verdict::Agree | Verdict::Differ);
-        for one in of_pairs.chain(alone).filter(compared) {
-            if !one.reason.is_empty() && !found.contains(&one.reason) {
-                found.push(one.reason.clone());
-            }
-        }
-        found
+        let reasons = of_pairs
+            .chain(alone)
+            .filter(compared)
+            .map(|one| &one.reason);
+        let reasons = words::distinct(reasons.filter(|reason| !reason.is_empty()));
+        reasons.into_iter().cloned().collect()
     }
 
     /// Every metric of every quantity and window.
@@ -224,14 +214,11 @@ impl Page<'_> {
                     .shown(shown);
             }
         }
-        let quantity = |entry: &PairEntry| {
-            let mut all = self.comparison.quantities.iter();
-            all.find(|q| q.name == entry.quantity)
-        };
         table
             .text("", "largest difference", |entry| {
+                let quantity = self.quantity_of(&entry.quantity);
                 let metrics = entry.metrics.as_ref();
-                let found = metrics.and_then(|metrics| largest(metrics, quantity(entry)));
+                let found = metrics.and_then(|metrics| largest(metrics, quantity));
                 found.unwrap_or_else(|| NONE.to_owned())
             })
             .done()
