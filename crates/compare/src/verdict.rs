@@ -52,6 +52,19 @@ pub enum Against {
     Limit,
 }
 
+impl Against {
+    /// The words for readers.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::NumericalError => "numerical error",
+            Self::ModelTolerance => "model tolerance",
+            Self::Measurement => "measurement",
+            Self::Limit => "limit",
+        }
+    }
+}
+
 /// A verdict with everything it rests on. All figures are relative, as the metric is (see [`Metric`]).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Assessment {

@@ -1,6 +1,6 @@
 //! A check against a baseline: what moved, before and after, by how much it moved.
 
-use pinwheel_report::study::{self, Block, Section, Study, Tile, Tone};
+use pinwheel_report::study::{self, Block, Section, Study, Tone};
 use pinwheel_report::terminal::{self, QUIET, TITLE, styled};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::baseline::{
@@ -13,12 +13,7 @@ type Moved<'a> = (&'a CaseCheck, &'a QuantityCheck);
 
 /// The page of a check against the baseline `name`.
 #[must_use]
-pub fn page(
-    name: &str,
-    baseline: &Baseline,
-    check: &Check,
-    made: &Provenance,
-) -> String {
+pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -> String {
     let moved = moved(check);
     // What is worse is read, what passed is folded.
     let bad = |verdict: Verdict| verdict == Verdict::Worse;
@@ -51,7 +46,6 @@ pub fn page(
             headline: headline(check.verdict).to_owned(),
             detail: sentence(check),
         }),
-        tiles: tiles(check, &moved),
         sections: vec![
             Section::new("moved", "What moved", moved_blocks(&moved)),
             cases,
@@ -210,24 +204,6 @@ fn cases_table<'a>(caption: &str, cases: impl Iterator<Item = &'a CaseCheck>) ->
             })
         })
         .done()
-}
-
-fn tiles(check: &Check, moved: &[Moved<'_>]) -> Vec<Tile> {
-    let worse = check.cases.iter();
-    let worse = worse.filter(|case| case.verdict == Verdict::Worse).count();
-    let (all, beyond) = (check.cases.len(), "beyond what roundings make");
-    let mut tiles = vec![
-        Tile::new("cases worse", worse.to_string(), format!("of {all}")),
-        Tile::new("quantities moved", moved.len().to_string(), beyond),
-    ];
-    if let Some((case, quantity)) = moved.first() {
-        tiles.push(Tile::new(
-            "largest change",
-            format!("{:.1e}", quantity.change),
-            format!("{}, {}, {}", quantity.label, case.scene, case.choice),
-        ));
-    }
-    tiles
 }
 
 fn moved_blocks(moved: &[Moved<'_>]) -> Vec<Block> {

@@ -1,5 +1,7 @@
 //! A design's page and text: what it is like to the shafts, who carries the load, and what the contacts bear.
 
+use std::f64::consts::PI;
+
 use pinwheel_report::colours;
 use pinwheel_report::format::{self, NONE, significant};
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Study, Style, Tile};
@@ -7,7 +9,7 @@ use pinwheel_report::terminal::{self, TITLE, list, styled};
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::design::{DesignFigure, DesignResult, Harmonic, Joint, Sharing};
+use pinwheel_studies::design::{DesignFigure, DesignResult, Joint};
 use pinwheel_timeseries::table::{Shown, Table};
 
 /// Significant digits of a figure: what a data sheet gives.
@@ -27,8 +29,11 @@ pub(crate) const HEADLINES: [&str; 6] = [
 #[must_use]
 pub fn page(found: &DesignResult, made: &Provenance) -> String {
     let scene = &found.scene;
+    let caption = "For a data sheet; after \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own \
+                   verification";
+    let all = figures(caption, &found.figures, |one| how(found, one));
     let mut sections = vec![
-        all_figures(found),
+        Section::new("figures", "Figures", [all.into()]),
         torsion(found),
         transmission(found),
         sharing(found),
@@ -149,20 +154,14 @@ fn how(found: &DesignResult, one: &DesignFigure) -> String {
     parts.join("; ")
 }
 
-fn touching(sharing: &Sharing) -> String {
-    format!(
-        "{} pins touch a wheel on average",
-        figure(sharing.touching.mean)
-    )
-}
-
 fn tiles(found: &DesignResult) -> Vec<Tile> {
     let wanted = |one: &&DesignFigure| HEADLINES.contains(&one.key);
-    // The uncertainty stands in the unit's small type.
-    let bound = |u: Option<f64>| u.map(|u| format!("\u{b1} {} ", significant(u, 1)));
     let tile = |one: &DesignFigure| {
         let value = one.value.map_or_else(|| NONE.to_owned(), figure);
-        let bound = bound(one.uncertainty).unwrap_or_default();
+        // The uncertainty stands in the unit's small type.
+        let bound = one
+            .uncertainty
+            .map_or_else(String::new, |u| format!("\u{b1} {} ", significant(u, 1)));
         Tile::new(one.what, value, how(found, one)).unit(format!("{bound}{}", one.unit))
     };
     found.figures.iter().filter(wanted).map(tile).collect()
@@ -183,24 +182,16 @@ fn figures(
         .done()
 }
 
-fn all_figures(found: &DesignResult) -> Section {
-    let caption = "For a data sheet; after \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own \
-                   verification";
-    let all = figures(caption, &found.figures, |one| how(found, one));
-    Section::new("figures", "Figures", [all.into()])
-}
-
 /// How a figure is counted, and its spread over the mesh.
 fn counted(one: &DesignFigure) -> String {
-    let mean = one
-        .mean_over_the_mesh
-        .filter(|mean| one.value != Some(*mean));
+    let Some(spread) = one.over_the_mesh else {
+        return one.how.to_owned();
+    };
+    let [least, largest] = spread.map(figure);
+    let mean = one.mean_over_the_mesh;
+    let mean = mean.filter(|mean| one.value != Some(*mean));
     let mean = mean.map_or_else(String::new, |mean| format!(", {} on average", figure(mean)));
-    let spread = one.over_the_mesh.map(|[least, largest]| {
-        let (least, largest) = (figure(least), figure(largest));
-        format!("{}; {least} to {largest} over the mesh{mean}", one.how)
-    });
-    spread.unwrap_or_else(|| one.how.to_owned())
+    format!("{}; {least} to {largest} over the mesh{mean}", one.how)
 }
 
 fn joint(joint: &Joint) -> Section {
@@ -325,11 +316,10 @@ pub(crate) fn transmission_charts(designs: &Drawn<'_>) -> [Chart; 2] {
             if n > 0 && designs.len() > 1 {
                 continue; // Points have no dash that tells them apart.
             }
-            let column = |value: fn(&Harmonic) -> f64| -> Vec<f64> {
-                of.harmonics.iter().map(value).collect()
-            };
-            let orders = column(|harmonic| harmonic.input_order);
-            let amplitudes = column(|harmonic| harmonic.amplitude_arcmin);
+            let harmonics = of.harmonics.iter();
+            let (orders, amplitudes): (Vec<f64>, Vec<f64>) = harmonics
+                .map(|h| (h.input_order, h.amplitude_arcmin))
+                .unzip();
             let points = line(&orders, &amplitudes).styled(Style::Points);
             spectrum.push(of_design(designs, k, (n, load), points));
         }
@@ -392,7 +382,10 @@ pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
             of_design(designs, k, (0, "largest force"), line(&x, &y))
         });
         let note = match designs {
-            [(_, found)] => format!("{}.", touching(&found.sharing[stage])),
+            [(_, found)] => {
+                let touching = figure(found.sharing[stage].touching.mean);
+                format!("{touching} pins touch a wheel on average.")
+            }
             _ => String::new(),
         };
         let (x, y) = ("Place of the pin from the eccentric (degrees)", "Force (N)");
@@ -406,35 +399,27 @@ pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
 }
 
 fn sharing(found: &DesignResult) -> Section {
-    let rows = found.sharing.iter().zip(&found.pressure);
-    let contacts = Table::of(
-        "Contacts under the rated load",
-        rows.zip(["external", "internal"]),
-    )
-    .text("", "Pins", |(_, label)| *label)
-    .number("", "Largest force", |((sharing, _), _)| {
-        sharing.largest_force_n.max
-    })
-    .unit("N")
-    .shown(SHOWN)
-    .number("", "Largest pressure", |((_, pressure), _)| {
-        1e-6 * pressure.largest_pa
-    })
-    .unit("MPa")
-    .shown(SHOWN)
-    .number("", "at", |((_, pressure), _)| pressure.largest_at_deg)
-    .unit("degrees")
-    .shown(SHOWN)
-    .number("", "Largest sliding", |((_, pressure), _)| {
-        pressure.sliding_m_s
-    })
-    .unit("m/s")
-    .shown(SHOWN)
-    .number("", "p v", |((_, pressure), _)| {
-        1e-6 * pressure.pressure_sliding_w_m2
-    })
-    .unit("MPa m/s")
-    .shown(SHOWN);
+    let sharing = ["external", "internal"].into_iter().zip(&found.sharing);
+    let rows = sharing
+        .zip(&found.pressure)
+        .map(|((pins, force), pressure)| (pins, force, pressure));
+    let contacts = Table::of("Contacts under the rated load", rows)
+        .text("", "Pins", |(pins, ..)| *pins)
+        .number("", "Largest force", |(_, of, _)| of.largest_force_n.max)
+        .unit("N")
+        .shown(SHOWN)
+        .number("", "Largest pressure", |(.., of)| 1e-6 * of.largest_pa)
+        .unit("MPa")
+        .shown(SHOWN)
+        .number("", "at", |(.., of)| of.largest_at_deg)
+        .unit("degrees")
+        .shown(SHOWN)
+        .number("", "Largest sliding", |(.., of)| of.sliding_m_s)
+        .unit("m/s")
+        .shown(SHOWN)
+        .number("", "p v", |(.., of)| 1e-6 * of.pressure_sliding_w_m2)
+        .unit("MPa m/s")
+        .shown(SHOWN);
     Section::new(
         "contacts",
         "Load sharing and pressure",
@@ -454,14 +439,15 @@ fn sharing(found: &DesignResult) -> Section {
 pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
     let mut series = Vec::new();
     for (k, (_, found)) in designs.iter().enumerate() {
+        let Some(bearing) = found.bearings.first() else {
+            continue;
+        };
         let turn = degrees(&found.input_angle_rad);
-        for bearing in found.bearings.iter().take(1) {
-            for (part, force) in [
-                ((0, "away from the input's axis"), &bearing.radial_n),
-                ((1, "around the input's axis"), &bearing.tangential_n),
-            ] {
-                series.push(of_design(designs, k, part, line(&turn, force)));
-            }
+        for (part, force) in [
+            ((0, "away from the input's axis"), &bearing.radial_n),
+            ((1, "around the input's axis"), &bearing.tangential_n),
+        ] {
+            series.push(of_design(designs, k, part, line(&turn, force)));
         }
     }
     chart(
@@ -474,15 +460,10 @@ pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
 
 /// Harmonics of the part that only loads the bearing.
 fn bearing_orders(found: &DesignResult) -> Chart {
-    let harmonics = found
-        .bearings
-        .first()
-        .map(|bearing| &bearing.radial_harmonics);
-    let (orders, sizes): (Vec<f64>, Vec<f64>) = harmonics
-        .into_iter()
-        .flatten()
-        .map(|harmonic| (harmonic.input_order, harmonic.amplitude_n))
-        .unzip();
+    let wheel = found.bearings.iter().take(1);
+    let harmonics = wheel.flat_map(|bearing| &bearing.radial_harmonics);
+    let (orders, sizes): (Vec<f64>, Vec<f64>) =
+        harmonics.map(|h| (h.input_order, h.amplitude_n)).unzip();
     let points = Series::line("away from the input's axis", orders, sizes).styled(Style::Points);
     let x = Axis::linear("Cycles per turn of the input");
     Chart::new(
@@ -510,9 +491,7 @@ fn bearings(found: &DesignResult) -> Section {
 
 fn efficiency(found: &DesignResult) -> Section {
     let efficiency = Table::of("Efficiency over speed and torque", &found.efficiency)
-        .number("", "Input", |run| {
-            run.input_speed_rad_s.abs() * 30.0 / std::f64::consts::PI
-        })
+        .number("", "Input", |run| run.input_speed_rad_s.abs() * 30.0 / PI)
         .unit("rpm")
         .shown(SHOWN)
         .number("", "Load", |run| run.output_torque_n_m)
@@ -525,13 +504,10 @@ fn efficiency(found: &DesignResult) -> Section {
         .unit("%")
         .shown(Shown::Percent)
         .number("", "Created by the law", |run| {
-            run.efficiency.map(|e| e.created_share)
+            Some(run.efficiency?.created_share)
         })
         .unit("%")
-        .said(|run| {
-            run.efficiency
-                .map(|e| format::signed_percent(e.created_share))
-        })
+        .said(|run| Some(format::signed_percent(run.efficiency?.created_share)))
         .text("", "Run", |run| run.status);
     Section::new(
         "efficiency",

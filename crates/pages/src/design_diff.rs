@@ -2,7 +2,6 @@
 
 use std::sync::atomic::AtomicBool;
 
-use pinwheel_compare::WindowKind;
 use pinwheel_engines::Cancelled;
 use pinwheel_report::format::{self, NONE, significant};
 use pinwheel_report::study::{Block, Section, Study, Tile, TimeSeries, Tone, Verdict};
@@ -13,11 +12,18 @@ use pinwheel_studies::design_diff::{DesignDiff, FigureDiff, Judged, KeyDiff};
 use pinwheel_timeseries::table::{Mark, Table, TableOf};
 use serde_json::Value;
 
-use crate::design::{self, HEADLINES, figure, with_uncertainty};
 use crate::animation;
+use crate::design::{self, HEADLINES, figure, with_uncertainty};
 
 /// Keys that one reads before the figures; more are folded.
 const MANY: usize = 12;
+
+/// Of the time series these are shown where there is little room.
+const SERIES: [&str; 3] = [
+    "input_torque_n_m mean",
+    "external_sleeve_force_n peak",
+    "internal_sleeve_force_n peak",
+];
 
 /// The whole page; `cancel` stops it while the motion is computed.
 ///
@@ -64,12 +70,10 @@ pub fn text(found: &DesignDiff) -> String {
         text.push_str(&format!("and {keys} from them\n"));
     }
     let derived = found.derived.iter().filter(|r| r.judged != Judged::Same);
-    let means = found.time_series.first().map(|(_, rows)| rows.as_slice());
-    let torque = means
-        .unwrap_or_default()
-        .iter()
-        .filter(|row| is_headline(row));
-    let all = derived.chain(&found.figures).chain(torque);
+    let means = found.time_series.iter().take(1);
+    let means = means.flat_map(|(_, rows)| rows);
+    let means = means.filter(|row| SERIES.contains(&row.key.as_str()));
+    let all = derived.chain(&found.figures).chain(means);
     let figures = both(found, "", all)
         .said(|row| match row.judged {
             Judged::BelowUncertainty => "not shown".to_owned(),
@@ -81,15 +85,9 @@ pub fn text(found: &DesignDiff) -> String {
         });
     let hidden =
         "not shown: the difference is below the uncertainty of both together (after \u{b1})";
-    let below = found
-        .figures
-        .iter()
-        .any(|row| row.judged == Judged::BelowUncertainty);
-    let note = if below {
-        paragraph(hidden)
-    } else {
-        String::new()
-    };
+    let mut all = found.figures.iter();
+    let below = all.any(|row| row.judged == Judged::BelowUncertainty);
+    let note = below.then(|| paragraph(hidden)).unwrap_or_default();
     format!(
         "{text}\n{}{note}\n{}",
         terminal::table(&figures.done()),
@@ -97,19 +95,14 @@ pub fn text(found: &DesignDiff) -> String {
     )
 }
 
-/// Of the time series these are shown where there is little room.
-fn is_headline(row: &FigureDiff) -> bool {
-    const SERIES: [&str; 3] = [
-        "input_torque_n_m mean",
-        "external_sleeve_force_n peak",
-        "internal_sleeve_force_n peak",
-    ];
-    SERIES.contains(&row.key.as_str())
-}
-
 fn verdict(found: &DesignDiff) -> Verdict {
-    let steady = found.time_series.first().map(|(_, rows)| rows.as_slice());
-    let all = || found.figures.iter().chain(steady.unwrap_or_default());
+    let steady = || found.time_series.iter().take(1);
+    let all = || {
+        found
+            .figures
+            .iter()
+            .chain(steady().flat_map(|(_, rows)| rows))
+    };
     let count = |judged: Judged| all().filter(|row| row.judged == judged).count();
     let (same, below) = (count(Judged::Same), count(Judged::BelowUncertainty));
     let (differ, total) = (count(Judged::Differ), all().count());
@@ -120,7 +113,11 @@ fn verdict(found: &DesignDiff) -> Verdict {
             "No difference was shown: none of {total} figures differs by more than its uncertainty"
         )
     } else {
-        let most: Vec<String> = most(found).iter().map(|row| moved(row)).collect();
+        let most = most(found).into_iter();
+        // `torsional stiffness × 43.5`.
+        let most: Vec<String> = most
+            .map(|row| format!("{} {}", row.what, change(row)))
+            .collect();
         match most.as_slice() {
             [] => format!("{differ} of {total} figures differ by more than their uncertainty"),
             most => format!(
@@ -161,25 +158,14 @@ fn most(found: &DesignDiff) -> Vec<&FigureDiff> {
     const MOST: usize = 3;
     let differs = |row: &&FigureDiff| row.judged == Judged::Differ && row.change().is_some();
     let headline = |row: &&FigureDiff| HEADLINES.contains(&row.key.as_str());
-    let mut rows: Vec<&FigureDiff> = found
-        .figures
-        .iter()
-        .filter(headline)
-        .filter(differs)
-        .collect();
+    let rows = found.figures.iter().filter(headline);
+    let mut rows: Vec<&FigureDiff> = rows.filter(differs).collect();
     // By the factor, whichever way.
-    let factor = |row: &FigureDiff| {
-        row.change()
-            .map_or(0.0, |share| (1.0 + share).abs().ln().abs())
-    };
+    let size = |share: f64| (1.0 + share).abs().ln().abs();
+    let factor = |row: &FigureDiff| row.change().map_or(0.0, size);
     rows.sort_by(|a, b| factor(b).total_cmp(&factor(a)));
     rows.truncate(MOST);
     rows
-}
-
-/// `torsional stiffness × 43.5`.
-fn moved(row: &FigureDiff) -> String {
-    format!("{} {}", row.what, change(row))
 }
 
 fn counted(count: usize, one: &str, many: &str) -> String {
@@ -225,12 +211,10 @@ fn scaled(row: &FigureDiff) -> (String, f64) {
     format::readable_unit(&row.unit, sizes.fold(0.0, f64::max))
 }
 
-fn shown(row: &FigureDiff) -> [String; 2] {
+fn shown(row: &FigureDiff, k: usize) -> String {
     let (_, factor) = scaled(row);
-    [0, 1].map(|k| {
-        let scale = |v: Option<f64>| v.map(|v| factor * v);
-        with_uncertainty(scale(row.values[k]), scale(row.uncertainty[k]))
-    })
+    let scale = |v: Option<f64>| v.map(|v| factor * v);
+    with_uncertainty(scale(row.values[k]), scale(row.uncertainty[k]))
 }
 
 fn tiles(found: &DesignDiff) -> Vec<Tile> {
@@ -267,13 +251,13 @@ fn both<'a>(
     caption: &str,
     rows: impl Iterator<Item = &'a FigureDiff>,
 ) -> TableOf<&'a FigureDiff> {
-    let [a, b] = &found.names;
-    Table::of(caption, rows)
-        .text("", "Figure", |row| label(row))
-        .number("", a, |row| row.values[0])
-        .said(|row| shown(row)[0].clone())
-        .number("", b, |row| row.values[1])
-        .said(|row| shown(row)[1].clone())
+    let mut table = Table::of(caption, rows).text("", "Figure", |row| label(row));
+    for (k, name) in found.names.iter().enumerate() {
+        table = table
+            .number("", name, |row| row.values[k])
+            .said(|row| shown(row, k));
+    }
+    table
         .number("", "Change", |row| row.change())
         .said(|row| change(row))
 }
@@ -324,17 +308,11 @@ fn scene(found: &DesignDiff) -> Section {
             "Every key of both scenes has the same value, but for name and description.",
         ));
     }
-    let mut differing = found
-        .derived
-        .iter()
-        .filter(|row| row.judged != Judged::Same)
-        .peekable();
+    let derived = found.derived.iter();
+    let mut differing = derived.filter(|row| row.judged != Judged::Same).peekable();
     if differing.peek().is_some() {
-        blocks.push(table(
-            found,
-            "What follows from the dimensions and the load",
-            differing,
-        ));
+        let caption = "What follows from the dimensions and the load";
+        blocks.push(table(found, caption, differing));
     }
     if let Some(followed) = keys("Keys that both scenes leave to a formula", true) {
         blocks.push(Block::folded(
@@ -361,14 +339,11 @@ fn figures(found: &DesignDiff) -> Section {
 
 fn over_time(found: &DesignDiff) -> Option<Section> {
     let time_series = TimeSeries::of(&found.comparison, &found.participants)?;
-    let of_window = |window: &WindowKind, rows: &[FigureDiff]| {
+    let windows = found.time_series.iter();
+    let mut tables = windows.map(|(window, rows)| {
         let caption = format!("Means and peaks, {} window", window.word());
         table(found, &caption, rows.iter())
-    };
-    let mut tables = found
-        .time_series
-        .iter()
-        .map(|(window, rows)| of_window(window, rows));
+    });
     let mut blocks = vec![Block::TimeSeries(time_series)];
     blocks.extend(tables.next());
     let rest: Vec<Block> = tables.collect();
@@ -379,11 +354,7 @@ fn over_time(found: &DesignDiff) -> Option<Section> {
 }
 
 fn curves(found: &DesignDiff) -> Section {
-    let [a, b] = &found.names;
-    let designs = [
-        (a.as_str(), &found.designs[0]),
-        (b.as_str(), &found.designs[1]),
-    ];
+    let designs = [0, 1].map(|k| (found.names[k].as_str(), &found.designs[k]));
     let mut charts = vec![design::torsion_chart(&designs)];
     charts.extend(design::transmission_charts(&designs));
     charts.extend(design::sharing_charts(&designs));

@@ -9,6 +9,7 @@ use pinwheel_files::output::escape;
 use pinwheel_scene::{Gear, Scene};
 use pinwheel_timeseries::{TimeSeries, columns};
 use serde::Serialize;
+use serde_json::json;
 
 use crate::chart_data::json_for_script;
 use crate::packed::{Rounding, Writer};
@@ -112,6 +113,18 @@ impl GearJson {
         // To a tenth of a nanometre.
         let place =
             |[x, y]: [f64; 2], radius: f64| [x, y, radius].map(|v| (1e10 * v).round() * 1e-7);
+        let outer = |j| {
+            place(
+                gear.external_sleeve_m(j),
+                gear.external_sleeve_radius_of_m(j),
+            )
+        };
+        let inner = |k| {
+            place(
+                gear.internal_sleeve_m(k),
+                gear.internal_sleeve_radius_of_m(k),
+            )
+        };
         let lobes = gear.external_sleeves as f64 - 1.0;
         let body = |i: usize| {
             // Holes are cut where eccentrics without errors put their sleeves.
@@ -137,32 +150,11 @@ impl GearJson {
             rh: mm(gear.hole_radius_m),
             wheels: gear.wheels,
             d: mm(gear.backlash_m),
-            external: (0..gear.external_sleeves)
-                .map(|j| {
-                    place(
-                        gear.external_sleeve_m(j),
-                        gear.external_sleeve_radius_of_m(j),
-                    )
-                })
-                .collect(),
-            internal: (0..gear.internal_sleeves)
-                .map(|k| {
-                    place(
-                        gear.internal_sleeve_m(k),
-                        gear.internal_sleeve_radius_of_m(k),
-                    )
-                })
-                .collect(),
+            external: (0..gear.external_sleeves).map(outer).collect(),
+            internal: (0..gear.internal_sleeves).map(inner).collect(),
             bodies: (0..gear.wheels).map(body).collect(),
         }
     }
-}
-
-#[derive(Serialize)]
-struct Block<'a> {
-    views: Vec<&'a View>,
-    /// Sample it begins at.
-    begin: usize,
 }
 
 impl Animation {
@@ -192,10 +184,8 @@ impl Animation {
             part("transmission_error_arcmin", ARCMIN)?,
         ];
         for i in 0..gear.wheels {
-            columns.push(part(
-                &format!("wheel_transmission_error_arcmin_{i}"),
-                ARCMIN,
-            )?);
+            let name = format!("wheel_transmission_error_arcmin_{i}");
+            columns.push(part(&name, ARCMIN)?);
         }
         let forces = columns.len();
         for i in 0..gear.wheels {
@@ -215,12 +205,8 @@ impl Animation {
             writer.column(&column, Rounding::OfPeak(DIGITS));
         }
         let later = time.len() / 2;
-        let mut loads: Vec<f64> = columns[forces..]
-            .iter()
-            .flat_map(|c| &c[later..])
-            .copied()
-            .filter(|f| *f > 0.0)
-            .collect();
+        let loads = columns[forces..].iter().flat_map(|c| &c[later..]);
+        let mut loads: Vec<f64> = loads.copied().filter(|f| *f > 0.0).collect();
         loads.sort_by(f64::total_cmp);
         let full = loads.get(loads.len() * 99 / 100).copied().unwrap_or(1.0);
         Some(Self {
@@ -251,10 +237,8 @@ pub fn markup(views: &[Animation], begin_s: f64) -> String {
     let begin = ((begin_s - first.view.from) / first.view.step)
         .round()
         .max(0.0) as usize;
-    let block = Block {
-        views: views.iter().map(|v| &v.view).collect(),
-        begin: begin.min(first.view.count - 1),
-    };
+    let data: Vec<&View> = views.iter().map(|v| &v.view).collect();
+    let data = json!({ "views": data, "begin": begin.min(first.view.count - 1) });
     let drawn = views.iter().map(|Animation { title, view, .. }| {
         format!(
             include_str!("../templates/gearbox.html"),
@@ -281,7 +265,7 @@ pub fn markup(views: &[Animation], begin_s: f64) -> String {
             true => " and its errors; parts stand where theirs put them, to scale",
             false => "",
         },
-        data = json_for_script(&block),
+        data = json_for_script(&data),
         gearbox = include_str!("../assets/gearbox.js"),
         picture = include_str!("../assets/gearbox-picture.js"),
         animation = include_str!("../assets/animation.js")

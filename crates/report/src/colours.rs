@@ -27,12 +27,6 @@ pub fn styles(names: &[&str]) -> Vec<usize> {
         .collect()
 }
 
-/// The style of one engine among others that are not known here.
-#[must_use]
-pub fn style(name: &str) -> usize {
-    styles(&[name])[0]
-}
-
 /// A place that follows from the name alone (FNV-1a).
 fn place(name: &str) -> usize {
     let hash = pinwheel_files::fnv(name.bytes());
@@ -50,7 +44,7 @@ mod tests {
         let few = styles(&["my-solver", "native-reduced"]);
         let more = styles(&["exudyn-own-contact", "native-reduced", "my-solver", "rig"]);
         assert_eq!((few[0], few[1]), (more[2], more[1]));
-        assert_eq!(style("native-resolved"), 2);
+        assert_eq!(styles(&["native-resolved"]), [2]);
     }
 
     #[test]

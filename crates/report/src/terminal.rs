@@ -68,24 +68,13 @@ fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
     };
     let figures = |column: usize| of(column).any(|cell| cell.right);
     let last = columns.saturating_sub(1);
-    let whole = |k: usize| {
-        if k == last {
-            word(k).min(LEAST)
-        } else {
-            word(k)
-        }
-    };
-    let cut = |k: usize| {
-        if figures(k) {
-            word(k)
-        } else {
-            word(k).min(LEAST)
-        }
-    };
-    for least in [
-        (0..columns).map(whole).collect::<Vec<usize>>(),
-        (0..columns).map(cut).collect(),
-    ] {
+    for only_last in [true, false] {
+        let least = (0..columns).map(|k| match only_last {
+            true if k == last => word(k).min(LEAST),
+            false if !figures(k) => word(k).min(LEAST),
+            _ => word(k),
+        });
+        let least: Vec<usize> = least.collect();
         while widths.iter().sum::<usize>() + 2 * last > room {
             let gives = (0..columns).filter(|&k| widths[k] > least[k]);
             let prose = |k: usize| k == last && widths[k] > 2 * LEAST && !figures(k);

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::Cancelled;
-use pinwheel_report::study::{self, Axis, Block, Chart, Section, Series, Study, Style, Tile, Tone};
+use pinwheel_report::study::{self, Axis, Block, Chart, Section, Series, Study, Style, Tone};
 use pinwheel_scene::Scene;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::paper::{ClaimVerdict, Cost, PaperFigure, PaperResult, Plot};
@@ -61,57 +61,10 @@ pub fn page(
                 found.runs
             ),
         }),
-        tiles: tiles(found),
         sections,
         ..Study::default()
     };
     Ok(crate::render(study, made))
-}
-
-/// One number of a figure, if it is there.
-fn number(found: &PaperResult, figure: &str, name: &str) -> Option<f64> {
-    let figure = found.figures.iter().find(|f| f.id == figure)?;
-    figure
-        .numbers
-        .iter()
-        .find(|n| n.name == name)
-        .map(|n| n.value)
-}
-
-fn tiles(found: &PaperResult) -> Vec<Tile> {
-    let mut tiles = Vec::new();
-    let mut add = |label: &str, value: Option<String>, unit: &str, detail: &str| {
-        tiles.extend(value.map(|value| Tile::new(label, value, detail).unit(unit)));
-    };
-    let per_cent = |v: f64| format!("{:+.0}", 100.0 * v);
-    add(
-        "External force, 0.6 mm of backlash",
-        number(found, "fig-12", "growth").map(per_cent),
-        "%",
-        "the paper: 50 %",
-    );
-    add(
-        "Internal peaks, 0.6 mm, steady",
-        number(found, "fig-13", "growth_steady").map(|v| format!("{:+.1}", 100.0 * v)),
-        "%",
-        "the paper: up to 25 %, temporarily",
-    );
-    add(
-        "Torque at predicted orders",
-        number(found, "spectrum", "predicted_share, exact profile")
-            .map(|v| format!("{:.1}", 100.0 * v)),
-        "%",
-        "the paper: a random function of time",
-    );
-    if let Some(cost) = found.costs.iter().find(|c| c.what.starts_with("4000")) {
-        add(
-            "0.6 s with 4000 points",
-            Some(format!("{:.2}", cost.ours_s)),
-            "s",
-            "the paper: 25 min",
-        );
-    }
-    tiles
 }
 
 /// The gearbox without and with backlash, over the input turn that most figures draw.

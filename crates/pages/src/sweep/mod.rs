@@ -23,12 +23,7 @@ const MOST_FIGURES: usize = 40;
 
 /// The page of a finished sweep; `table`: [its results](pinwheel_studies::sweep::results).
 #[must_use]
-pub fn page(
-    plan: &Plan,
-    records: &[RunRecord],
-    table: &Table,
-    made: &Provenance,
-) -> String {
+pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance) -> String {
     let unfinished = records
         .iter()
         .filter(|record| !record.ending.is_finished())

@@ -25,8 +25,8 @@ pub fn render(study: &Study) -> String {
     let mut drawn = Drawn::default();
     let sections = study.sections.iter().map(|one| section(one, &mut drawn));
     let sections: String = sections.collect();
-    let [top, below, aside, appendix] =
-        [&study.top, &study.below, &study.aside, &study.appendix].map(|one| blocks(one, &mut drawn));
+    let [top, below, aside, appendix] = [&study.top, &study.below, &study.aside, &study.appendix]
+        .map(|one| blocks(one, &mut drawn));
     let link = |one: &Section| {
         format!(
             "<a href=\"#{}\">{}</a>",

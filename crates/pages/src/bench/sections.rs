@@ -1,4 +1,4 @@
-//! The scene's sections: costs at given errors, work-precision plots, the reference, what is unequal, all points.
+//! The sections: costs at given errors, work-precision plots, the reference, what is unequal, all points.
 
 use pinwheel_engines::{Knob, Track};
 use pinwheel_report::colours;
@@ -11,7 +11,7 @@ use pinwheel_timeseries::table::{Mark, Shown, Table};
 use super::figures;
 
 /// All sections of the scene.
-pub(super) fn sections(study: &WorkPrecision, rankings: &[Ranking]) -> Vec<Section> {
+pub(super) fn all(study: &WorkPrecision, rankings: &[Ranking]) -> Vec<Section> {
     vec![
         plots(study),
         costs(study, rankings),
