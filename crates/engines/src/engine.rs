@@ -125,6 +125,15 @@ impl Knob {
         }
     }
 
+    /// Where it stands: a step, s, or a tolerance.
+    #[must_use]
+    pub fn get(self, scene: &Scene) -> f64 {
+        match self {
+            Self::Step => scene.solver.step_s,
+            Self::Tolerance => scene.solver.tolerance,
+        }
+    }
+
     /// Turns it.
     pub fn set(self, scene: &mut Scene, setting: f64) {
         match self {

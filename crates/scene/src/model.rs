@@ -201,10 +201,11 @@ pub struct Contact {
 }
 
 /// Which equations are integrated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Formulation {
     /// Centre-pinned bodies eliminated exactly: one angle per free body.
+    #[default]
     Reduced,
     /// All bodies, three coordinates each, joints by multipliers (Eq. 2).
     Lagrange,

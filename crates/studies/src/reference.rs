@@ -86,13 +86,10 @@ pub fn solve(
 ) -> Result<(Solution, TimeSeries), StudyError> {
     let scene = self::scene(scene, setting);
     let run = complete(&scene, control)?;
-    let solver = &scene.solver;
+    let method = scene.solver.integrator.clone();
     let solution = Solution {
-        method: solver.integrator.clone(),
-        setting: match Knob::of(&solver.integrator) {
-            Knob::Step => solver.step_s,
-            Knob::Tolerance => solver.tolerance,
-        },
+        setting: Knob::of(&method).get(&scene),
+        method,
         rhs_calls: run.counts.evaluations,
     };
     Ok((solution, run.time_series))

@@ -14,7 +14,7 @@ use crate::StudyError;
 use crate::control::Control;
 
 /// One scene by one solver.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct CaseCheck {
     /// Name of the scene.
     pub scene: String,
@@ -125,11 +125,7 @@ impl CaseCheck {
         Self {
             scene: scene.to_owned(),
             choice: choice.to_owned(),
-            quantities: Vec::new(),
-            costs: Vec::new(),
-            bits: 0,
-            trouble: None,
-            verdict: Verdict::Same,
+            ..Self::default()
         }
     }
 

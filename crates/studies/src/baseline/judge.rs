@@ -8,10 +8,11 @@ use super::runner::Costs;
 use super::snapshot::{Quantity, Statistics};
 
 /// What became of a figure; the most urgent last.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
     /// Same to rounding.
+    #[default]
     Same,
     /// Moved, and is as good as before.
     Changed,

@@ -121,14 +121,15 @@ const ROSENBROCK: f64 = 1e-6;
 const EXPLICIT: &str = "its friction is not ours or explicit, and takes steps of about 2e-7 s";
 
 impl<'a> Engines<'a> {
-    fn new(own: &'a dyn Engine, gearbox: Gearbox, by: Refinement, value: f64) -> Self {
+    /// From what the scene says on.
+    fn new(own: &'a dyn Engine, gearbox: Gearbox, by: Refinement) -> Self {
         Self {
             own,
             levels: None,
-            gearbox,
             knob: by.knob,
             order: by.order,
-            value,
+            value: by.knob.get(&gearbox.scene),
+            gearbox,
             explicit_friction: false,
             floor: 0.0,
             common_error: UNSEEN,
@@ -144,32 +145,25 @@ impl<'a> Engines<'a> {
             Some(_) => return Self::native(own, gearbox.clone()),
             None => info.refinement?,
         };
-        let solver = &gearbox.scene.solver;
-        let foreign = |value| Self::new(own, gearbox.clone(), refinement, value);
+        let foreign = Self::new(own, gearbox.clone(), refinement);
         Some(match refinement.knob {
             Knob::Step => Self {
-                explicit_friction: gearbox.scene.contact.friction_coefficient > 0.0,
+                explicit_friction: foreign.has_friction(),
                 floor: info.floor,
-                ..foreign(solver.step_s)
+                ..foreign
             },
             // Error control follows the friction.
-            Knob::Tolerance => foreign(solver.tolerance),
+            Knob::Tolerance => foreign,
         })
     }
 
     /// A native engine with the method that the scene names.
     fn native(own: &'a dyn Engine, gearbox: Gearbox) -> Option<Self> {
-        let solver = &gearbox.scene.solver;
-        let method = method(&solver.integrator)?;
-        let (knob, value) = if method.adaptive {
-            (Knob::Tolerance, solver.tolerance)
-        } else {
-            (Knob::Step, solver.step_s)
-        };
-        let order = f64::from(method.order);
+        let method = method(&gearbox.scene.solver.integrator)?;
+        let (knob, order) = (Knob::of(method.name), f64::from(method.order));
         Some(Self {
             common_error: method.unseen,
-            ..Self::new(own, gearbox, Refinement { knob, order }, value)
+            ..Self::new(own, gearbox, Refinement { knob, order })
         })
     }
 
@@ -177,16 +171,15 @@ impl<'a> Engines<'a> {
     /// begins with, at coarser settings than the plan's.
     fn resolved(own: &'a dyn Engine, gearbox: &Gearbox) -> Option<Self> {
         let plan = auto::plan(&gearbox.scene, Native::resolved_target(&gearbox.scene));
-        let (knob, value) = if plan.adaptive() {
-            (Knob::Tolerance, plan.tolerance)
-        } else {
-            (Knob::Step, plan.step_s)
-        };
-        let by = Refinement { knob, order: 2.0 };
+        let (knob, order) = (Knob::of(plan.integrator), 2.0);
         Some(Self {
             levels: Some(Box::new(Native::REDUCED)),
+            value: match knob {
+                Knob::Step => plan.step_s,
+                Knob::Tolerance => plan.tolerance,
+            },
             common_error: method(plan.integrator).map_or(0.0, |method| method.unseen),
-            ..Self::new(own, plan.applied(gearbox).ok()?, by, value)
+            ..Self::new(own, plan.applied(gearbox).ok()?, Refinement { knob, order })
         })
     }
 

@@ -157,22 +157,14 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, Stud
 fn costs(runs: &Runs<'_>) -> Result<(Vec<Cost>, Measured), StudyError> {
     let mut costs = Vec::new();
     let mut found = Measured::new("cost", Vec::new(), Vec::new());
+    let (rough, fine) = (Model::ROUGH, Model::FINE);
     for (what, name, paper_s, model) in [
-        (
-            "600 points on a wheel",
-            "wall_600_points",
-            Some(240.0),
-            Model::ROUGH,
-        ),
-        (
-            "4000 points on a wheel",
-            "wall_4000_points",
-            Some(1500.0),
-            Model::FINE,
-        ),
-        ("exact profile", "wall_exact", None, Model::Ours),
+        ("600 points on a wheel", "600_points", Some(240.0), rough),
+        ("4000 points on a wheel", "4000_points", Some(1500.0), fine),
+        ("exact profile", "exact", None, Model::Ours),
     ] {
         let run = runs.get(model, |s| "rk2".clone_into(&mut s.solver.integrator))?;
+        let name = format!("wall_{name}");
         found.numbers.push(number(name, run.wall_s, "s"));
         costs.push(Cost {
             what: what.to_owned(),

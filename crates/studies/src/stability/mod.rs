@@ -27,7 +27,7 @@ use crate::pool;
 use crate::reference::{self, Reference};
 
 /// A formulation with an integrator, or a solver from outside.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Method {
     /// Name of a solver that joined; the rest is then what the scene has.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -162,7 +162,7 @@ impl Options {
 }
 
 /// What one method does on one scene.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Cell {
     /// The method.
     pub method: Method,
@@ -346,15 +346,7 @@ fn cell(
     };
     let mut cell = Cell {
         method: method.clone(),
-        error: None,
-        failure: None,
-        level: None,
-        energy_remainder_share: None,
-        joint_drift_m: 0.0,
-        evaluations: 0,
-        largest_step_s: None,
-        never_failed: false,
-        fails_first: None,
+        ..Cell::default()
     };
     let run = at(options.step_s)?;
     cell.failure = judge.failure(&run);
