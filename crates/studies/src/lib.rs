@@ -72,5 +72,4 @@ pub use pinwheel_files::{folder, output, ownership};
 
 pub use control::{Control, Progress};
 pub use error::StudyError;
-pub use pinwheel_timeseries::norms::{Distance, Level};
 pub use provenance::Provenance;

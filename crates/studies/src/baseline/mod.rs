@@ -83,11 +83,10 @@ impl Options {
         }
         let scene = case.scene(&[])?;
         let honours = |name: &&String| {
-            let supports = by_name(name, &scene).map(|engine| engine.supports(&scene));
-            !matches!(
-                supports,
-                None | Some(Err(Halt::Ended(Ending::Unsupported { .. })))
-            )
+            by_name(name, &scene).is_some_and(|engine| match engine.supports(&scene) {
+                Err(Halt::Ended(ending)) => !matches!(ending, Ending::Unsupported { .. }),
+                _ => true,
+            })
         };
         let way = |name: &'a String| Way {
             name,

@@ -1,5 +1,6 @@
 //! Data from elsewhere (another program's export, a test rig) as one more participant.
 
+use std::fmt::Display;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -9,7 +10,7 @@ use pinwheel_compare::{
 };
 use pinwheel_files::read_text;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_scene::channels::Channels;
+use pinwheel_scene::channels::{Channels, FAMILIES};
 use pinwheel_scene::{Scene, did_you_mean};
 use pinwheel_timeseries::foreign::{self, ForeignError, Map, Offset, Resampled};
 use pinwheel_timeseries::{TimeSeries, TimeSeriesError, columns, group_of};
@@ -74,15 +75,17 @@ pub fn open_all(files: &[PathBuf], maps: &[PathBuf]) -> Result<Vec<Data>, StudyE
     open(files.zip(maps.iter().cycle().map(PathBuf::as_path)))
 }
 
+/// What is wrong with a file.
+fn fault(path: &Path, what: impl Display) -> StudyError {
+    StudyError::Input(format!("{}: {what}", path.display()))
+}
+
 fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
-    let fail = |path: &Path, what: &dyn std::fmt::Display| {
-        StudyError::Input(format!("{}: {what}", path.display()))
-    };
     let map = read_text(map_path, "give a TOML file that says what the columns are")
         .and_then(|text| Map::from_toml(&text, &map_path.display().to_string()))
         .map_err(|error| StudyError::Input(error.to_string()))?;
-    let file = File::open(path).map_err(|error| fail(path, &ForeignError::unreadable(error)))?;
-    let foreign = foreign::read(file, &map).map_err(|error| fail(path, &error))?;
+    let file = File::open(path).map_err(|error| fault(path, ForeignError::unreadable(error)))?;
+    let foreign = foreign::read(file, &map).map_err(|error| fault(path, error))?;
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     let own = map.name.clone();
@@ -96,7 +99,7 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
             "`{name}` is the name of a file of the report; give the data another `name` in {}",
             map_path.display()
         );
-        return Err(fail(path, &what));
+        return Err(fault(path, what));
     }
     Ok(Data {
         path: path.to_owned(),
@@ -132,10 +135,8 @@ pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyEr
                 } else {
                     "see docs/channels.md for their names".to_owned()
                 };
-                return Err(StudyError::Input(format!(
-                    "{}: `{name}` is no column of this gearbox; {remedy}",
-                    data.map_path.display()
-                )));
+                let what = format!("`{name}` is no column of this gearbox; {remedy}");
+                return Err(fault(&data.map_path, what));
             }
             if !gearbox.channels.names().any(|known| known == name) {
                 channels.push(name.to_owned());
@@ -157,9 +158,8 @@ fn patterns(names: &[String]) -> Vec<String> {
     }
     let mut list: Vec<String> = Vec::new();
     for name in names {
-        let family = pinwheel_scene::channels::FAMILIES
-            .iter()
-            .find(|family| fits(family.pattern, name));
+        let mut families = FAMILIES.iter();
+        let family = families.find(|family| fits(family.pattern, name));
         let pattern = family.map_or(name.as_str(), |family| family.pattern);
         if !list.iter().any(|known| known == pattern) {
             list.push(pattern.to_owned());
@@ -180,20 +180,15 @@ impl Data {
         scene: &Scene,
         others: &[Participant],
     ) -> Result<(Participant, Vec<StatedLimit>), StudyError> {
-        let fail = |error: &dyn std::fmt::Display| {
-            StudyError::Input(format!("{}: {error}", self.path.display()))
-        };
         if others.iter().any(|other| other.name == self.name) {
-            return Err(fail(&format!(
-                "`{}` is an engine's name; give it another `name` in {}",
-                self.name,
-                self.map_path.display()
-            )));
+            let (name, map) = (&self.name, self.map_path.display());
+            let what = format!("`{name}` is an engine's name; give it another `name` in {map}");
+            return Err(fault(&self.path, what));
         }
         let times = scene.solver.sample_times_s();
         let (own, told) = self.placed(others)?;
-        let found =
-            foreign::resample(&own, &times, self.map.resample).map_err(|error| fail(&error))?;
+        let found = foreign::resample(&own, &times, self.map.resample);
+        let found = found.map_err(|error| fault(&self.path, error))?;
         let mut notes = self.notes(scene, &own, &found);
         notes.extend(told);
         let cost = Cost {
@@ -212,9 +207,8 @@ impl Data {
             cost,
             status: Status::Finished,
         };
-        let stated = self
-            .stated()
-            .map_err(|error| StudyError::Input(format!("{}: {error}", self.map_path.display())))?;
+        let stated = self.stated();
+        let stated = stated.map_err(|error| fault(&self.map_path, error))?;
         Ok((participant, stated))
     }
 
@@ -227,11 +221,11 @@ impl Data {
             finished.max_by_key(|other| (other.track == Track::Native, other.time_series.len()));
         let found = run.and_then(|run| Some((&run.name, foreign::shift(&run.time_series, own)?)));
         match (offset, found) {
-            (Offset::Word(_), None) => Err(StudyError::Input(format!(
-                "{}: offset_s = \"align\" finds nothing to align by: no engine finished, or no column of the file changes \
+            (Offset::Word(_), None) => Err(fault(
+                &self.map_path,
+                "offset_s = \"align\" finds nothing to align by: no engine finished, or no column of the file changes \
                  over at least half of the run; give offset_s in seconds",
-                self.map_path.display()
-            ))),
+            )),
             (Offset::Word(_), Some((name, shift))) => {
                 let seconds = shift.seconds;
                 let times = own.time_s().iter().map(|t| t + seconds).collect();

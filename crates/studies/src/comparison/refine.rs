@@ -367,18 +367,18 @@ pub(crate) fn refine(
         engines.leave_room();
     }
     // A foreign engine is asked for its coarsest run first: what that takes tells whether the others fit the time.
-    let mut coarsest = None;
+    let (mut coarsest, mut spent, mut rest) = (None, 0.0, 0.0);
     if limited
         && free
         && let Some(&value) = engines.coarser(engines.value).last()
     {
         let run = engines.run(value, at, control)?;
-        let shows = run.status.is_finished() && run.cost.recorded.is_none();
-        coarsest = shows.then_some((value, run));
+        if run.status.is_finished() && run.cost.recorded.is_none() {
+            spent = run.cost.wall_s;
+            rest = engines.rest(value, spent);
+            coarsest = Some((value, run));
+        }
     }
-    let mut spent = coarsest.as_ref().map_or(0.0, |(_, run)| run.cost.wall_s);
-    let rest = coarsest.as_ref();
-    let rest = rest.map_or(0.0, |(value, run)| engines.rest(*value, run.cost.wall_s));
     let (mut value, mut finest) = match coarsest.take_if(|_| spent + rest > longest) {
         // It becomes the finest level of a study that fits.
         Some(coarsest) => coarsest,

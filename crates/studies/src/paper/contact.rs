@@ -53,26 +53,15 @@ fn course<'a>(time_series: &'a TimeSeries, name: &str, contact: &Contact) -> &'a
 /// bouncing at its start, do not end a contact.
 fn contacts(time_series: &TimeSeries, from: f64) -> Vec<Contact> {
     let start = time_series.time_s().partition_point(|t| *t < from);
-    let bridged = 40; // 2 ms
+    // From one touch to the next: 2 ms, and a sample at either end.
+    let bridged = 42;
     let mut found = Vec::new();
     for (sleeve, depth) in time_series.group(PENETRATION).into_iter().enumerate() {
-        let mut open: Option<Range<usize>> = None;
-        for (k, delta) in depth.iter().enumerate() {
-            if *delta > 0.0 {
-                match &mut open {
-                    Some(samples) => samples.end = k + 1,
-                    None => open = Some(k..k + 1),
-                }
-            } else if let Some(samples) = &open
-                && k > samples.end + bridged
-            {
-                if samples.start > start {
-                    found.push(Contact {
-                        sleeve,
-                        samples: samples.clone(),
-                    });
-                }
-                open = None;
+        let touching: Vec<usize> = (0..depth.len()).filter(|&k| depth[k] > 0.0).collect();
+        for touches in touching.chunk_by(|one, next| next - one <= bridged) {
+            let samples = touches[0]..touches[touches.len() - 1] + 1;
+            if samples.start > start && samples.end + bridged <= depth.len() {
+                found.push(Contact { sleeve, samples });
             }
         }
     }
