@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use pinwheel_engines::Control;
 use pinwheel_gearbox::auto::TARGET;
-use pinwheel_gearbox::resolve::{Budget, Uncertainty, run_resolved};
+use pinwheel_gearbox::resolve::{Uncertainty, run_resolved};
 use pinwheel_gearbox::{Distance, Gearbox};
 use pinwheel_scene::Scene;
 use pinwheel_studies::calibration::gears::gear;
@@ -24,9 +24,7 @@ use pinwheel_timeseries::TimeSeries;
 /// Gears of an ordinary test run.
 const GEARS: u64 = 300;
 /// Evaluations a gear may take: the dearest two per cent end as not resolved.
-const BUDGET: Budget = Budget {
-    evaluations: 600_000,
-};
+const BUDGET: u64 = 600_000;
 /// An error beyond this many targets is a silent failure.
 const SILENT: f64 = 3.0;
 

@@ -163,25 +163,22 @@ impl CoSimulation {
         }
         let mut mechanism = gearbox.mechanism();
         mechanism.drivers.clear();
-        let mut motions = Vec::new();
-        let shafts = [(setup.input, Layout::INPUT), (setup.output, Layout::OUTPUT)];
-        for (_, child) in shafts
-            .into_iter()
-            .filter(|(by, _)| *by == Prescribed::BySpeed)
-        {
+        for (by, child) in [(setup.input, Layout::INPUT), (setup.output, Layout::OUTPUT)] {
             let BodyState { angle, rate, .. } = mechanism.bodies[child].start;
-            let motion = Motion {
-                angle,
-                rate,
-                ..Motion::default()
-            };
-            motions.push(motion);
-            mechanism.drivers.push(Driver {
-                parent: None,
-                child,
-                motion,
-            });
+            if by == Prescribed::BySpeed {
+                mechanism.drivers.push(Driver {
+                    parent: None,
+                    child,
+                    motion: Motion {
+                        angle,
+                        rate,
+                        ..Motion::default()
+                    },
+                });
+            }
         }
+        let motions = mechanism.drivers.iter().map(|driver| driver.motion);
+        let motions = motions.collect();
         let mut forces = GearForces::new(&loaded)?;
         forces.usual = (setup.input, setup.output) == (Prescribed::BySpeed, Prescribed::ByTorque);
         let system = reduced(&gearbox, mechanism, forces)?;
@@ -244,19 +241,16 @@ impl CoSimulation {
             slope,
             from_s: t,
         });
-        let sides = [self.setup.input, self.setup.output];
-        let mut driver = 0;
-        for (side, prescribed) in sides.into_iter().zip(self.prescribed) {
-            if side == Prescribed::BySpeed {
-                let (angle, ..) = self.motions[driver].at(t);
-                self.motions[driver] = Motion {
-                    from_s: t,
-                    angle,
-                    rate: prescribed.value,
-                    acceleration: prescribed.slope,
-                };
-                driver += 1;
-            }
+        let sides = [self.setup.input, self.setup.output].into_iter();
+        let driven = sides.zip(self.prescribed);
+        let driven = driven.filter(|(side, _)| *side == Prescribed::BySpeed);
+        for (motion, (_, prescribed)) in self.motions.iter_mut().zip(driven) {
+            *motion = Motion {
+                from_s: t,
+                angle: motion.at(t).0,
+                rate: prescribed.value,
+                acceleration: prescribed.slope,
+            };
         }
         self.apply_prescribed();
         self.restart();

@@ -5,7 +5,7 @@ use pinwheel_scene::Fault;
 /// Why a checked scene still cannot be modelled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GearboxError {
-    /// No such curve.
+    /// No such curve or channel, or contacts that the detection cannot give.
     #[error("{0}")]
     Geometry(String),
     /// No such law.
@@ -31,9 +31,6 @@ pub enum GearboxError {
         /// The load, N m.
         load_n_m: f64,
     },
-    /// No such channel.
-    #[error("{0}")]
-    Channel(String),
     /// A change that the scene's checks refuse.
     #[error(transparent)]
     Refused(#[from] Fault),

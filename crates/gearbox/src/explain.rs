@@ -5,8 +5,8 @@ use serde::Serialize;
 
 use pinwheel_scene::free_play;
 
+use crate::Gearbox;
 use crate::scene::{Detection, Formulation, Gear, Scene, Stabilisation};
-use crate::{Gearbox, GearboxError};
 
 /// One statement with its reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -54,10 +54,8 @@ pub struct Explanation {
 }
 
 /// Explains the model of a compiled scene.
-///
-/// # Errors
-/// The friction's contacts cannot be set up.
-pub fn explain(gearbox: &Gearbox) -> Result<Explanation, GearboxError> {
+#[must_use]
+pub fn explain(gearbox: &Gearbox) -> Explanation {
     let scene: &Scene = &gearbox.scene;
     let mechanism = gearbox.mechanism();
     let (layout, contact, solver) = (gearbox.layout, &scene.contact, &scene.solver);
@@ -224,7 +222,7 @@ pub fn explain(gearbox: &Gearbox) -> Result<Explanation, GearboxError> {
     for family in pinwheel_scene::channels::FAMILIES {
         channels_available.add(family.pattern, family.about);
     }
-    Ok(Explanation {
+    Explanation {
         bodies,
         joints,
         lagrange_coordinates: coordinates,
@@ -235,7 +233,7 @@ pub fn explain(gearbox: &Gearbox) -> Result<Explanation, GearboxError> {
         left_out: left_out.0,
         channels: gearbox.channels.names().map(str::to_owned).collect(),
         channels_available: channels_available.0,
-    })
+    }
 }
 
 /// The modified profile and the errors of single parts.

@@ -56,9 +56,7 @@ impl GearForces {
 
 impl Forces for GearForces {
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
-        loads[Layout::OUTPUT].moment += self.load.torque(time);
-        self.field.add_loads(bodies, loads);
-        self.add_held(time, loads);
+        self.evaluate(time, bodies, Pose::Any, &mut Sums::of_loads(loads));
     }
 
     fn evaluate(&mut self, t: f64, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {

@@ -9,7 +9,8 @@ use crate::contacts::{self, ContactField, Kernel};
 use crate::error::GearboxError;
 use crate::geometry::Geometry;
 use crate::load_course;
-use crate::scene::{BodyMass, CheckedScene, Fault, Solver};
+use crate::scene::{BodyMass, CheckedScene, Fault, Solver, Start};
+use crate::statics::Statics;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::scales::{hertz, least_depth};
 
@@ -31,6 +32,38 @@ pub struct Gearbox {
 }
 
 impl Gearbox {
+    /// Compiles a checked scene.
+    ///
+    /// # Errors
+    /// Parameters that only fail once the model is built (see [`GearboxError`]).
+    pub fn new(scene: &CheckedScene) -> Result<Self, GearboxError> {
+        Self::after(None, scene)
+    }
+
+    /// The same gearbox as [`new`](Self::new) gives, made with less work where one like it was made before.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn after(earlier: Option<&Self>, scene: &CheckedScene) -> Result<Self, GearboxError> {
+        pinwheel_faults::compiled();
+        let earlier = earlier.map(|gearbox| &gearbox.geometry);
+        let geometry = Geometry::after(earlier, &scene.gear)?;
+        let mut gearbox = Self {
+            scene: scene.clone(),
+            layout: Layout::of(&scene.gear),
+            geometry,
+            channels: Channels::of(scene).map_err(GearboxError::Geometry)?,
+            kernel: Kernel::default(),
+            start: None,
+        };
+        gearbox.contact_field()?;
+        if scene.drive.start == Start::Equilibrium {
+            let start = Statics::new(&gearbox)?.moving()?;
+            gearbox.start = Some(start);
+        }
+        Ok(gearbox)
+    }
+
     /// The same gearbox under other settings of the solver. What the gear, its masses, loads and contacts give (the
     /// equilibrium it starts from is the dear part) is not computed again.
     ///
@@ -52,7 +85,7 @@ impl Gearbox {
             .scene
             .changed(|scene| scene.output.channels = patterns)?;
         Ok(Self {
-            channels: Channels::of(&scene).map_err(GearboxError::Channel)?,
+            channels: Channels::of(&scene).map_err(GearboxError::Geometry)?,
             scene,
             ..self.clone()
         })

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! ```
-//! use pinwheel_gearbox::resolve::{Budget, run_resolved};
+//! use pinwheel_gearbox::resolve::{BUDGET, run_resolved};
 //! use pinwheel_gearbox::{Gearbox, native};
 //! use pinwheel_scene::Scene;
 //!
@@ -18,7 +18,7 @@
 //! let run = native::run(&gearbox, &mut |_time_s| false)?;
 //! assert_eq!(run.time_series.len(), 51);
 //!
-//! let (run, known) = run_resolved(&gearbox, 1e-3, Budget::default(), &mut |_| false)?;
+//! let (run, known) = run_resolved(&gearbox, 1e-3, BUDGET, &mut |_| false)?;
 //! assert!(known.is_resolved() && run.counts.evaluations > 0, "{}", known.sentence());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -26,7 +26,6 @@
 pub mod auto;
 mod balance;
 pub mod channels;
-mod compile;
 pub mod contacts;
 pub mod cosimulation;
 mod efficiency;

@@ -14,7 +14,7 @@
 mod remedy;
 mod uncertainty;
 
-pub use remedy::{Remedy, remedy};
+pub use remedy::remedy;
 pub use uncertainty::{Level, Uncertainty, Verdict};
 
 use std::rc::Rc;
@@ -42,21 +42,9 @@ const MOST_LEVELS: usize = 12;
 /// Levels in a row that may fail before the next method is tried.
 const MOST_FAILURES: usize = 3;
 
-/// What a verified run may cost in all.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Budget {
-    /// Evaluations of the forces, over all levels.
-    pub evaluations: u64,
-}
-
-impl Default for Budget {
-    /// Half a minute for the paper's gear, which takes 8e4 of them over 0.6 s.
-    fn default() -> Self {
-        Self {
-            evaluations: 30_000_000,
-        }
-    }
-}
+/// What a verified run may usually cost in all, evaluations of the forces over all levels: half a minute for the paper's gear,
+/// which takes 8e4 of them over 0.6 s.
+pub const BUDGET: u64 = 30_000_000;
 
 /// Runs the scene until its time series are within `target` (relative L2 of the forces and of the driver's torque), within
 /// the budget; returns the finest run and what is known of its error, or a diverged one if every method of ours diverges. The integrator, step and tolerance of the scene are
@@ -67,13 +55,13 @@ impl Default for Budget {
 pub fn run_resolved(
     gearbox: &Gearbox,
     target: f64,
-    budget: Budget,
+    budget: u64,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(NativeRun, Uncertainty), NativeError> {
     let mut search = Search {
         gearbox,
         target,
-        left: budget.evaluations,
+        left: budget,
         levels: Vec::new(),
         best: None,
         stopped: None,
@@ -254,7 +242,7 @@ impl Search<'_> {
 
     fn finish(
         self,
-        budget: Budget,
+        budget: u64,
         watch: &mut dyn FnMut(f64) -> bool,
     ) -> Result<(NativeRun, Uncertainty), NativeError> {
         let unresolved = |error| Verdict::NotResolved {

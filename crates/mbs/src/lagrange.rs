@@ -157,12 +157,6 @@ impl<F: Forces> Lagrange<F> {
         self
     }
 
-    /// The mechanism being solved.
-    #[must_use]
-    pub fn mechanism(&self) -> &Mechanism {
-        &self.mechanism
-    }
-
     /// All bodies as y has them.
     fn unpack(&mut self, y: &[f64]) {
         self.projected.valid = false;

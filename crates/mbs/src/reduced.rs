@@ -208,12 +208,6 @@ impl<F: Forces> Reduced<F> {
         self
     }
 
-    /// The mechanism being solved.
-    #[must_use]
-    pub fn mechanism(&self) -> &Mechanism {
-        &self.mechanism
-    }
-
     /// Bodies whose angles are integrated, in the order of y.
     #[must_use]
     pub fn free_bodies(&self) -> &[BodyId] {

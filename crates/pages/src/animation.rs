@@ -4,16 +4,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::native::{self, NativeError};
-use pinwheel_gearbox::resolve::{self, Budget};
+use pinwheel_gearbox::resolve;
 use pinwheel_gearbox::{Gearbox, GearboxError, auto};
 use pinwheel_report::animation::{Animation, CHANNELS, markup, sampling};
 use pinwheel_report::study::Block;
 use pinwheel_scene::{CheckedScene, Formulation, Scene};
 
 /// What a picture may cost where the scene's own method fails: a few seconds.
-const BUDGET: Budget = Budget {
-    evaluations: 3_000_000,
-};
+const BUDGET: u64 = 3_000_000;
 
 /// A gearbox's motion over as long as a page holds, and the time to begin at, s: its second half, where the
 /// start-up transient has died down. `None` where there is nothing to show, as when the run diverges at once.

@@ -132,7 +132,7 @@ pub(crate) fn bench(
 #[pyfunction]
 pub(crate) fn explain(scene: &Core) -> Raises<(String, String)> {
     let gearbox = pinwheel::compile(&scene.checked)?;
-    let found = explained::explain(&gearbox).map_err(|error| input(error.to_string()))?;
+    let found = explained::explain(&gearbox);
     let json = serde_json::to_string(&found)?;
     Ok((json, pages::explain::text(&found)))
 }

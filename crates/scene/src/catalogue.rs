@@ -109,20 +109,14 @@ const OUTPUT_PINS: [usize; 5] = [8, 6, 10, 5, 4];
 /// Face width as a share of R.
 const FACE: f64 = 0.15;
 
-/// The gear's numbers, and which of them nobody gave.
-struct Plan {
-    gear: Gear,
-    suggested: Vec<&'static str>,
-}
-
 impl Catalogue {
     /// Makes the scene.
     ///
     /// # Errors
     /// What is given cannot be built, or leaves no room for what is to be suggested; the message names the dimension.
     pub fn draft(&self) -> Result<Draft, Fault> {
-        let plan = self.plan()?;
-        let text = self.write(&plan);
+        let (gear, suggested) = self.plan()?;
+        let text = self.write(&gear, &suggested);
         // Where in the text it stands would help nobody: nobody has seen it yet.
         let scene = Scene::from_toml(&text, "draft", &[]).map_err(|error| match error {
             SceneError::Key {
@@ -138,11 +132,11 @@ impl Catalogue {
         Ok(Draft {
             text,
             scene,
-            suggested: plan.suggested,
+            suggested,
         })
     }
 
-    fn plan(&self) -> Result<Plan, Fault> {
+    fn plan(&self) -> Result<(Gear, Vec<&'static str>), Fault> {
         let mut suggested = Vec::new();
         let mut take = |given: Option<f64>, key: &'static str, suggest: &dyn Fn() -> f64| {
             given.unwrap_or_else(|| {
@@ -209,7 +203,7 @@ impl Catalogue {
         if self.wheels.is_none() {
             suggested.push("gear.wheels");
         }
-        Ok(Plan { gear, suggested })
+        Ok((gear, suggested))
     }
 
     /// Output pins, their circle and the holes: what is given, and the largest that fits for what is not.
@@ -283,8 +277,7 @@ impl Catalogue {
     }
 
     /// The scene's file.
-    fn write(&self, plan: &Plan) -> String {
-        let gear = &plan.gear;
+    fn write(&self, gear: &Gear, suggested: &[&str]) -> String {
         let mut text = format!(
             "# A gear of ratio {} for {} N m at {} rpm of the input, in SI units. Lines marked `suggested` were not given.\n\
              # What a scene leaves out is computed or usual; `pinwheel explain` lists it with its formula.\n",
@@ -294,7 +287,7 @@ impl Catalogue {
         );
         let _ = writeln!(text, "name = {:?}\n\n[gear]", self.name);
         let mut line = |key: &'static str, value: String, about: &str| {
-            let mark = if plan.suggested.contains(&key) {
+            let mark = if suggested.contains(&key) {
                 "suggested: "
             } else {
                 ""

@@ -3,7 +3,7 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use toml::{Table, Value};
 
 use crate::check;
@@ -23,9 +23,11 @@ use crate::table::lookup;
 /// assert!(paper.changed(|scene| scene.solver.step_s = 0.0).is_err());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
+#[serde(transparent)]
 pub struct CheckedScene {
     scene: Scene,
+    #[serde(skip)]
     origins: Arc<[Origin]>,
 }
 
@@ -67,12 +69,6 @@ impl Source {
 impl PartialEq for CheckedScene {
     fn eq(&self, other: &Self) -> bool {
         self.scene == other.scene
-    }
-}
-
-impl Serialize for CheckedScene {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.scene.serialize(serializer)
     }
 }
 

@@ -15,28 +15,21 @@
 use std::f64::consts::PI;
 
 use pinwheel_contact::{HertzStiffness, Law, LawParameters, NormalLaw as _};
-use serde::Serialize;
 
 use crate::load_course;
 use crate::model::{Contact, Scene};
 
 /// See the module. SI units.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scales {
     /// Load torque on one wheel, N m: the largest of the run, or where there is none what makes the [`least_depth`].
     pub wheel_torque_n_m: f64,
     /// Largest static force of an external sleeve on a wheel, N.
     pub external_force_n: f64,
-    /// Largest static force of an internal sleeve on a wheel, N.
-    pub internal_force_n: f64,
     /// Penetration under the external force, m.
     pub penetration_m: f64,
-    /// Twist of a wheel under its load, rad: the penetration over the lever e zs.
-    pub twist_rad: f64,
     /// Tangent stiffness of an external contact under its largest force, N/m.
     pub contact_stiffness_n_m: f64,
-    /// Angular frequency of a wheel against the housing alone, rad/s.
-    pub wheel_rad_s: f64,
     /// Slowest and fastest mode of the wheels and the output together, rad/s.
     pub modes_rad_s: [f64; 2],
 }
@@ -192,11 +185,8 @@ impl Scales {
         Self {
             wheel_torque_n_m: torque,
             external_force_n: force,
-            internal_force_n: internal_force(gear, torque),
             penetration_m: penetration,
-            twist_rad: penetration / lever,
             contact_stiffness_n_m: outer.tangent(penetration),
-            wheel_rad_s: (housing / scene.mass.wheel.moment_kg_m2).sqrt(),
             modes_rad_s: modes(scene, housing, output),
         }
     }
@@ -282,7 +272,6 @@ mod tests {
             let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
             near(other.penetration_m, one.penetration_m * length);
             near(other.external_force_n, one.external_force_n * force);
-            near(other.twist_rad, one.twist_rad);
             for k in 0..2 {
                 near(other.modes_rad_s[k], one.modes_rad_s[k] / time);
             }

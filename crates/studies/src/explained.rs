@@ -1,6 +1,6 @@
 //! What a scene models, assumes and lets one expect, without running it.
 
-use pinwheel_gearbox::{Explanation as Model, Gearbox, GearboxError};
+use pinwheel_gearbox::{Explanation as Model, Gearbox};
 use pinwheel_scene::{Assumption, Derived, Scene, assumptions, derived};
 use serde::Serialize;
 
@@ -19,15 +19,13 @@ pub struct Explanation<'a> {
 }
 
 /// Explains the scene of `gearbox`.
-///
-/// # Errors
-/// The friction's contacts cannot be set up.
-pub fn explain(gearbox: &Gearbox) -> Result<Explanation<'_>, GearboxError> {
+#[must_use]
+pub fn explain(gearbox: &Gearbox) -> Explanation<'_> {
     let scene = &gearbox.scene;
-    Ok(Explanation {
+    Explanation {
         scene,
-        model: pinwheel_gearbox::explain(gearbox)?,
+        model: pinwheel_gearbox::explain(gearbox),
         derived: derived(scene),
         assumptions: assumptions(&gearbox.scene),
-    })
+    }
 }

@@ -60,12 +60,11 @@ pub fn remedy(gearbox: &Gearbox, track: Track) -> String {
     if track != Track::Native {
         return "try a smaller solver.step_s, or the engine native-resolved".to_owned();
     }
-    match resolve::remedy(&gearbox.scene, TRIED_WITHIN) {
-        Some(remedy) => remedy.sentence(),
-        None => "make solver.step_s or solver.tolerance smaller, or set solver.integrator to \"auto\", which chooses \
-                 and checks its method itself"
-            .to_owned(),
-    }
+    resolve::remedy(&gearbox.scene, TRIED_WITHIN).unwrap_or_else(|| {
+        "make solver.step_s or solver.tolerance smaller, or set solver.integrator to \"auto\", which chooses and checks its \
+         method itself"
+            .to_owned()
+    })
 }
 
 /// Writes time series as CSV.

@@ -10,7 +10,7 @@ use crate::screen;
 /// What a scene models, assumes and lets one expect.
 pub(crate) fn explain(args: &ExplainArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
-    let found = explained::explain(&gearbox).map_err(|error| Failure::input(error.to_string()))?;
+    let found = explained::explain(&gearbox);
     screen::show_or_json(args.out.json, &found, || pages::explain::text(&found))
 }
 

@@ -2,7 +2,7 @@
 
 use cpu_time::ThreadTime;
 use pinwheel_gearbox::native::{self, NativeError};
-use pinwheel_gearbox::resolve::{self, Budget, Uncertainty};
+use pinwheel_gearbox::resolve::{self, BUDGET, Uncertainty};
 use pinwheel_gearbox::{Gearbox, auto};
 use pinwheel_mbs::integrators::method;
 use pinwheel_scene::{Detection, Fault, Formulation, Scene, load_course};
@@ -97,7 +97,7 @@ impl Native {
         let (wall, cpu) = (std::time::Instant::now(), ThreadTime::now());
         let mut watch = |t| control.reached(t);
         let outcome = match self.target(scene) {
-            Some(target) => resolve::run_resolved(gearbox, target, Budget::default(), &mut watch)
+            Some(target) => resolve::run_resolved(gearbox, target, BUDGET, &mut watch)
                 .map(|(run, uncertainty)| (run, Some(uncertainty))),
             None => native::run(gearbox, &mut watch).map(|run| (run, None)),
         };

@@ -235,11 +235,11 @@ impl<D: Detection> Pairs<D> {
 }
 
 /// Of the free bodies, which are all but the first.
-const OUTPUT: usize = Layout::OUTPUT - 1;
+pub(super) const OUTPUT: usize = Layout::OUTPUT - 1;
 /// Shares of stiffness and penetration, and the closing speed (m/s), by which the law's differences go to either side.
-const STIFFNESS_SHARE: f64 = 1e-4;
-const PENETRATION_SHARE: f64 = 1e-5;
-const CLOSING: f64 = 1e-6;
+pub(super) const STIFFNESS_SHARE: f64 = 1e-4;
+pub(super) const PENETRATION_SHARE: f64 = 1e-5;
+pub(super) const CLOSING: f64 = 1e-6;
 
 /// Slopes of the moments of a pair on its wheel, on the output and on the sleeve.
 type Moments = [f64; 3];

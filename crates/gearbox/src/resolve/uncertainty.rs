@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Budget;
 use crate::Distance;
 
 /// One run of a refinement.
@@ -120,13 +119,13 @@ impl Uncertainty {
 }
 
 /// What helps a run that was not resolved.
-pub(super) fn remedy(target: f64, error: Option<Distance>, budget: Budget) -> String {
+pub(super) fn remedy(target: f64, error: Option<Distance>, budget: u64) -> String {
     let reached = error.map(|e| e.worst()).filter(|e| e.is_finite());
     match reached {
         Some(worst) if worst < 0.1 => format!(
             "Its figures hold to {worst:.0e}; a shorter solver.duration_s or more than {:.0e} evaluations would \
              bring {target:.0e}.",
-            budget.evaluations as f64
+            budget as f64
         ),
         Some(_) => {
             "Its forces are not to be trusted as a course: errors grow from impact to impact; look at a shorter \
@@ -135,7 +134,7 @@ pub(super) fn remedy(target: f64, error: Option<Distance>, budget: Budget) -> St
         }
         None => format!(
             "Nothing is known of its error; a shorter solver.duration_s or more than {:.0e} evaluations would tell.",
-            budget.evaluations as f64
+            budget as f64
         ),
     }
 }
@@ -181,7 +180,7 @@ mod tests {
                 forces,
                 driver_torque: 0.0,
             };
-            remedy(1e-3, Some(error), Budget { evaluations: 1000 })
+            remedy(1e-3, Some(error), 1000)
         };
         assert!(of(0.09).contains("hold to 9e-2"));
         assert!(of(0.1).contains("not to be trusted"));

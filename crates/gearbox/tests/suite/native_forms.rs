@@ -233,7 +233,7 @@ fn auto_runs_its_plan() {
 }
 
 fn explained(scene: &Scene) -> Result<Explanation, GearboxError> {
-    explain(&Gearbox::new(&scene.clone().check().unwrap())?)
+    Ok(explain(&Gearbox::new(&scene.clone().check().unwrap())?))
 }
 
 #[test]
@@ -342,7 +342,6 @@ fn explanations_say_what_is_so() {
     for (sets, modelled, left_out, nowhere) in cases {
         let overrides: Vec<_> = sets.iter().map(|set| set.parse().unwrap()).collect();
         let told = explain(&Gearbox::new(&Scene::load("paper", &overrides).unwrap()).unwrap());
-        let told = told.unwrap();
         let [models, leaves] = [&told.modelled, &told.left_out].map(|list| {
             let lines = list.iter().map(|s| format!("{}: {}", s.what, s.why));
             lines.collect::<Vec<_>>().join("\n")

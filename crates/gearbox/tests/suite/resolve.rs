@@ -5,7 +5,7 @@ use std::time::Duration;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, TARGET};
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
-use pinwheel_gearbox::resolve::{Budget, Uncertainty, Verdict, remedy, run_resolved};
+use pinwheel_gearbox::resolve::{BUDGET, Uncertainty, Verdict, remedy, run_resolved};
 use pinwheel_scene::{BodyMass, Override, Scene};
 use pinwheel_timeseries::Ending;
 
@@ -16,7 +16,7 @@ fn scene(name: &str, sets: &[&str]) -> Scene {
 
 fn resolved(scene: &Scene) -> (NativeRun, Uncertainty) {
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
-    run_resolved(&gearbox, TARGET, Budget::default(), &mut |_| false).unwrap()
+    run_resolved(&gearbox, TARGET, BUDGET, &mut |_| false).unwrap()
 }
 
 fn named(scene: &Scene, integrator: &str, tolerance: f64) -> NativeRun {
@@ -202,9 +202,7 @@ fn bad_input_a_budget_too_small_is_told() {
     let scene = scene("paper", &["solver.duration_s=0.02"]);
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     // Enough for the first run of 1e-7 and not for the second.
-    let budget = Budget {
-        evaluations: named(&scene, "etd-adams", 5e-10).counts.evaluations * 6 / 5,
-    };
+    let budget = named(&scene, "etd-adams", 5e-10).counts.evaluations * 6 / 5;
     let found = run_resolved(&gearbox, 1e-7, budget, &mut |_| false);
     let Ok((run, uncertainty)) = found else {
         panic!("one run fits the budget");
@@ -249,7 +247,7 @@ fn remedies_are_tried_before_they_are_offered() {
     assert!(matches!(failed.unwrap().ending, Ending::Diverged { .. }));
     let found =
         remedy(&steel.clone().check().unwrap(), Duration::from_secs(60)).expect("auto resolves it");
-    assert!(found.sentence().contains("solver.integrator = \"auto\""));
+    assert!(found.contains("solver.integrator = \"auto\""));
     assert!(
         remedy(&steel.clone().check().unwrap(), Duration::ZERO).is_none(),
         "no time to try"
@@ -261,7 +259,7 @@ fn remedies_are_tried_before_they_are_offered() {
 #[test]
 fn stopping_is_heard() {
     let gearbox = Gearbox::new(&scene("paper", &[]).clone().check().unwrap()).unwrap();
-    let found = run_resolved(&gearbox, TARGET, Budget::default(), &mut |t| t > 1e-3);
+    let found = run_resolved(&gearbox, TARGET, BUDGET, &mut |t| t > 1e-3);
     assert!(matches!(found, Err(NativeError::Stopped)));
     assert_eq!(
         auto::chain(&gearbox.scene, TARGET)[0].integrator,

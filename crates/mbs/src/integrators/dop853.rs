@@ -15,15 +15,16 @@ use serde::{Deserialize, Serialize};
 use super::clock::{Clock, Method, fields};
 use super::dop853_coefficients::{A, C, D, E3, E5, EXTENDED, STAGES};
 use super::weighted::{each_sum, set_scaled, set_sum};
-use super::{Family, MethodInfo, StepError, check_finite};
+use super::{ADAPTIVE, Family, MethodInfo, StepError, check_finite};
 use crate::OdeSystem;
 
-pub(super) const INFO: MethodInfo = MethodInfo::adaptive(
-    "dop853",
-    "Dormand-Prince 8(5,3), steps from the tolerance, dense output: for smooth motion and many digits",
-    8,
-    Family::Explicit,
-);
+pub(super) const INFO: MethodInfo = MethodInfo {
+    name: "dop853",
+    summary: "Dormand-Prince 8(5,3), steps from the tolerance, dense output: for smooth motion and many digits",
+    order: 8,
+    family: Family::Explicit,
+    ..ADAPTIVE
+};
 
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 1.0 / 3.0;

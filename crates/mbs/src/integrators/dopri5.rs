@@ -14,15 +14,16 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Method, fields};
 use super::weighted::{Row, each_sum, set_sum};
-use super::{Family, MethodInfo, StepError, check_finite};
+use super::{ADAPTIVE, Family, MethodInfo, StepError, check_finite};
 use crate::OdeSystem;
 
-pub(super) const INFO: MethodInfo = MethodInfo::adaptive(
-    "dopri5",
-    "Dormand-Prince 5(4), steps from the tolerance, dense output",
-    5,
-    Family::Explicit,
-);
+pub(super) const INFO: MethodInfo = MethodInfo {
+    name: "dopri5",
+    summary: "Dormand-Prince 5(4), steps from the tolerance, dense output",
+    order: 5,
+    family: Family::Explicit,
+    ..ADAPTIVE
+};
 
 const STAGES: usize = 7;
 
@@ -116,9 +117,7 @@ impl Dense {
 
     pub(super) fn copy_from(&mut self, other: &Self) {
         (self.end, self.taken) = (other.end, other.taken);
-        for (to, from) in self.coefficients.iter_mut().zip(&other.coefficients) {
-            to.copy_from_slice(from);
-        }
+        self.coefficients.clone_from(&other.coefficients);
     }
 
     /// The state at `t`, which lies inside the step.
@@ -176,7 +175,7 @@ impl Dopri5 {
         }
     }
 
-    /// RMS of the scaled error; infinite if anything is not finite.
+    /// RMS of the scaled error; not finite if anything is not.
     fn error<S: OdeSystem>(&mut self, system: &S) -> f64 {
         system.scale(&self.next, &mut self.scale);
         let (mut sum, h, tolerance, scale) = (0.0, self.clock.h, self.tolerance, &self.scale[..]);
@@ -184,12 +183,7 @@ impl Dopri5 {
             let relative = h * error / (tolerance * scale[c]);
             sum += relative * relative;
         });
-        let norm = (sum / self.y.len() as f64).sqrt();
-        if norm.is_finite() {
-            norm
-        } else {
-            f64::INFINITY
-        }
+        (sum / self.y.len() as f64).sqrt()
     }
 
     fn remember(&mut self) {

@@ -6,7 +6,7 @@
 //! y+ = y + h/2 (k1 + k2)
 //! ```
 
-use super::{Family, MethodInfo, Tableau};
+use super::{FIXED, Family, MethodInfo, Tableau};
 
 pub(super) const TABLEAU: Tableau = Tableau {
     a: &[&[], &[1.0]],
@@ -14,9 +14,10 @@ pub(super) const TABLEAU: Tableau = Tableau {
     c: &[0.0, 1.0],
 };
 
-pub(super) const INFO: MethodInfo = MethodInfo::fixed(
-    "rk2",
-    "Heun, second order, fixed step (the paper's method)",
-    2,
-    Family::Explicit,
-);
+pub(super) const INFO: MethodInfo = MethodInfo {
+    name: "rk2",
+    summary: "Heun, second order, fixed step (the paper's method)",
+    order: 2,
+    family: Family::Explicit,
+    ..FIXED
+};

@@ -17,15 +17,16 @@
 use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Method, fields};
-use super::{Family, MethodInfo, StepError, check_finite};
+use super::{FIXED, Family, MethodInfo, StepError, check_finite};
 use crate::OdeSystem;
 
-pub(super) const INFO: MethodInfo = MethodInfo::fixed(
-    "imex2",
-    "ARS(2,2,2), second order, fixed step, friction implicit: for scenes with friction",
-    2,
-    Family::SplitImplicit,
-);
+pub(super) const INFO: MethodInfo = MethodInfo {
+    name: "imex2",
+    summary: "ARS(2,2,2), second order, fixed step, friction implicit: for scenes with friction",
+    order: 2,
+    family: Family::SplitImplicit,
+    ..FIXED
+};
 
 /// g.
 pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;

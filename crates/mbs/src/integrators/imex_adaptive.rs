@@ -16,18 +16,17 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Method, fields};
 use super::imex::{Point, advance};
-use super::{Family, MethodInfo, StepError, check_finite};
+use super::{ADAPTIVE, Family, MethodInfo, StepError, check_finite};
 use crate::OdeSystem;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
+    name: "imex2-adaptive",
+    summary: "ARS(2,2,2), second order, steps from the tolerance, friction implicit",
+    order: 2,
+    family: Family::SplitImplicit,
     step_power: 0.5,
     usual_tolerance: 1e-3,
-    ..MethodInfo::adaptive(
-        "imex2-adaptive",
-        "ARS(2,2,2), second order, steps from the tolerance, friction implicit",
-        2,
-        Family::SplitImplicit,
-    )
+    ..ADAPTIVE
 };
 
 /// Share of the step that the estimate allows.

@@ -200,44 +200,28 @@ pub struct MethodInfo {
     pub usual_tolerance: f64,
 }
 
-impl MethodInfo {
-    /// A method with a fixed step.
-    pub(crate) const fn fixed(
-        name: &'static str,
-        summary: &'static str,
-        order: u32,
-        family: Family,
-    ) -> Self {
-        Self {
-            name,
-            summary,
-            order,
-            family,
-            adaptive: false,
-            unseen: 0.0,
-            step_power: 0.0,
-            usual_tolerance: 1e-6,
-        }
-    }
+/// What methods with a fixed step share.
+const FIXED: MethodInfo = MethodInfo {
+    name: "",
+    summary: "",
+    order: 1,
+    family: Family::Explicit,
+    adaptive: false,
+    unseen: 0.0,
+    step_power: 0.0,
+    usual_tolerance: 1e-6,
+};
 
-    /// A method with steps from the tolerance of a step.
-    ///
-    /// Near rest the step is bounded by stability, whatever the tolerance, and all runs err alike: by 5e-10 at 5e-7 where their
-    /// differences said 1.5e-10.
-    pub(crate) const fn adaptive(
-        name: &'static str,
-        summary: &'static str,
-        order: u32,
-        family: Family,
-    ) -> Self {
-        Self {
-            adaptive: true,
-            unseen: UNSEEN,
-            step_power: 0.2,
-            ..Self::fixed(name, summary, order, family)
-        }
-    }
-}
+/// What methods with steps from the tolerance of a step share.
+///
+/// Near rest the step is bounded by stability, whatever the tolerance, and all runs err alike: by 5e-10 at 5e-7 where their
+/// differences said 1.5e-10.
+const ADAPTIVE: MethodInfo = MethodInfo {
+    adaptive: true,
+    unseen: UNSEEN,
+    step_power: 0.2,
+    ..FIXED
+};
 
 /// [`MethodInfo::unseen`] of error control.
 pub const UNSEEN: f64 = 2e-3;

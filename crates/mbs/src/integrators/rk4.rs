@@ -6,7 +6,7 @@
 //! y+ = y + h/6 (k1 + 2 k2 + 2 k3 + k4)
 //! ```
 
-use super::{Family, MethodInfo, Tableau};
+use super::{FIXED, Family, MethodInfo, Tableau};
 
 pub(super) const TABLEAU: Tableau = Tableau {
     a: &[&[], &[0.5], &[0.0, 0.5], &[0.0, 0.0, 1.0]],
@@ -14,9 +14,10 @@ pub(super) const TABLEAU: Tableau = Tableau {
     c: &[0.0, 0.5, 0.5, 1.0],
 };
 
-pub(super) const INFO: MethodInfo = MethodInfo::fixed(
-    "rk4",
-    "classical Runge-Kutta, fourth order, fixed step",
-    4,
-    Family::Explicit,
-);
+pub(super) const INFO: MethodInfo = MethodInfo {
+    name: "rk4",
+    summary: "classical Runge-Kutta, fourth order, fixed step",
+    order: 4,
+    family: Family::Explicit,
+    ..FIXED
+};

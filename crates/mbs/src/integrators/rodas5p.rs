@@ -17,17 +17,18 @@ use serde::{Deserialize, Serialize};
 
 use super::clock::{Clock, Method, fields};
 use super::rodas5p_coefficients::{A, C, D, GAMMA, H, STAGES, TIMES};
-use super::{Family, MethodInfo, StepError, check_finite};
+use super::{ADAPTIVE, Family, MethodInfo, StepError, check_finite};
 use crate::OdeSystem;
 use crate::differences::Differences;
 use crate::jacobian::Jacobian;
 
-pub(super) const INFO: MethodInfo = MethodInfo::adaptive(
-    "rodas5p",
-    "RODAS5P, Rosenbrock 5(4), steps from the tolerance, dense output: for friction and other stiffness at tight tolerances",
-    5,
-    Family::Rosenbrock,
-);
+pub(super) const INFO: MethodInfo = MethodInfo {
+    name: "rodas5p",
+    summary: "RODAS5P, Rosenbrock 5(4), steps from the tolerance, dense output: for friction and other stiffness at tight tolerances",
+    order: 5,
+    family: Family::Rosenbrock,
+    ..ADAPTIVE
+};
 
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;

@@ -62,7 +62,8 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
     }
 
     // Time, torques and angle beside the sleeves, and what is asked for.
-    let columns = (sleeves + 4 + channels(scene)?) as f64;
+    let channels = select(&scene.output.channels, Layout::of(gear))?;
+    let columns = (sleeves + 4 + channels.len()) as f64;
     let most = MOST_SAMPLES.min(MOST_VALUES / columns);
     let samples = duration / solver.sample_s + 1.0;
     if samples > most {
@@ -80,10 +81,4 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
         ));
     }
     Ok(())
-}
-
-/// Number of the channels that a scene asks for; all must exist in its gearbox.
-fn channels(scene: &Scene) -> Result<usize, Fault> {
-    let chosen = select(&scene.output.channels, Layout::of(&scene.gear));
-    Ok(chosen?.len())
 }

@@ -21,7 +21,7 @@ use pinwheel_scene::{Assumption, Scene, Start, assumptions, load_course};
 use pinwheel_timeseries::columns;
 use serde::Serialize;
 
-use crate::control::{Control, Patience, Progress, WITHIN, of_scene};
+use crate::control::{Control, Patience, Progress, WITHIN};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
 use crate::single::{RunRecord, save};
@@ -86,8 +86,7 @@ pub fn run_with(
     control: &Control<'_>,
 ) -> Result<Outcome, StudyError> {
     let scene = &input.gearbox.scene;
-    let model =
-        pinwheel_gearbox::explain(input.gearbox).map_err(|source| of_scene(scene, source))?;
+    let model = pinwheel_gearbox::explain(input.gearbox);
     let total = input.engines.len() + 1;
     let at = Progress::new(0, total, "divergence of a rounding");
     let several = input.engines.len() + input.data.len() > 1;

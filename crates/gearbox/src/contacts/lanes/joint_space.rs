@@ -41,20 +41,10 @@ use crate::scene::Scene;
 /// What rounding may do to the test of what is outside, in units of R.
 const ROUNDING: f64 = 1e-14;
 
-/// Whether the sleeves at the ends of a window are outside for certain: the one before it, its first, its last, the one after.
-const ENDS: [bool; 4] = [true, false, false, true];
-/// 1 where they are, -1 where they are not, for all lanes of a register.
-const SIGNS: [f64; PADDING / 2] = {
-    let mut signs = [1.0; PADDING / 2];
-    let mut k = 0;
-    while k < PADDING / 2 {
-        if !ENDS[k % ENDS.len()] {
-            signs[k] = -1.0;
-        }
-        k += 1;
-    }
-    signs
-};
+/// Sleeves at the ends of a window: the one before it, its first, its last, the one after.
+const ENDS: usize = 4;
+/// 1 where these are outside for certain, -1 where they are not, for all lanes of a register.
+const SIGNS: [f64; PADDING / 2] = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0];
 
 /// What does not change, and room for what does.
 #[derive(Debug, Clone)]
@@ -126,15 +116,9 @@ struct Sums<S: Simd> {
 }
 
 /// Numbers of a register's lanes.
-const NUMBERS: [f64; PADDING] = {
-    let mut numbers = [0.0; PADDING];
-    let mut k = 0;
-    while k < PADDING {
-        numbers[k] = k as f64;
-        k += 1;
-    }
-    numbers
-};
+const NUMBERS: [f64; PADDING] = [
+    0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
+];
 
 /// The two segments of a group.
 #[inline(always)]
@@ -363,7 +347,7 @@ impl JointSpace {
         }
         let mut segments = take(&mut self.segments[0]);
         segments.clear();
-        self.is_bounded = S::F64_LANES >= ENDS.len();
+        self.is_bounded = S::F64_LANES >= ENDS;
         for (number, wheel) in self.wheels.iter().enumerate() {
             // The first and the last that is near; before the one and after the other there is one that is not.
             let (mut any, mut first, mut last) = (false, None, 0);
@@ -390,7 +374,7 @@ impl JointSpace {
             let near = (last + count - first) % count + 1;
             split::<S>(&mut segments, number, first, near, count);
             for k in 0..PADDING / 2 {
-                let end = [first + count - 1, first, last, last + 1][k % ENDS.len()];
+                let end = [first + count - 1, first, last, last + 1][k % ENDS];
                 let (to, end) = (number * PADDING / 2 + k, self.directions.at(end % count));
                 (self.ends.x[to], self.ends.y[to]) = (end.re, end.im);
             }

@@ -63,16 +63,8 @@ impl<K: Sink> pulp::WithSimd for PairLoop<'_, K> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) {
-        let LanePairs {
-            layout,
-            shapes,
-            external,
-            internal,
-        } = self.pairs;
-        let sleeves = [&mut *external, &mut *internal];
-        pair_loop(simd, *layout, shapes, sleeves, self.bodies, &mut self.sink);
-        self.sink.finish([external, internal]);
+    fn with_simd<S: Simd>(self, simd: S) {
+        pair_loop(simd, self.pairs, self.bodies, self.sink);
     }
 }
 

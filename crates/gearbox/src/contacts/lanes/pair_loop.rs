@@ -4,9 +4,9 @@ use pinwheel_contact::{Complex, ComplexLanes, Lanes, Law, NormalLaw};
 use pinwheel_mbs::BodyState;
 use pulp::Simd;
 
+use super::LanePairs;
 use super::columns::Sleeves;
 use super::shapes::{Shapes, Touching};
-use crate::Layout;
 
 /// A wheel's frame, and what its contacts add up to (in that frame).
 pub(super) struct Wheel<S: Simd> {
@@ -131,12 +131,16 @@ pub(super) trait Sink {
 #[inline(always)]
 pub(super) fn pair_loop<S: Simd>(
     simd: S,
-    layout: Layout,
-    shapes: &Shapes,
-    [external, internal]: [&mut Sleeves; 2],
+    pairs: &mut LanePairs,
     bodies: &[BodyState],
-    sink: &mut impl Sink,
+    mut sink: impl Sink,
 ) {
+    let LanePairs {
+        layout,
+        shapes,
+        external,
+        internal,
+    } = pairs;
     external.gather(bodies);
     internal.gather(bodies);
     for (i, body) in layout.wheel_bodies().enumerate() {
@@ -178,4 +182,5 @@ pub(super) fn pair_loop<S: Simd>(
         }
         sink.end(body, &wheel);
     }
+    sink.finish([external, internal]);
 }

@@ -21,11 +21,7 @@ use pulp::Simd;
 
 use super::pair_loop::{Group, Sink, Wheel};
 use crate::Layout;
-
-/// Shares of stiffness and penetration, and the closing speed (m/s), by which the law's differences go to either side.
-const STIFFNESS_SHARE: f64 = 1e-4;
-const PENETRATION_SHARE: f64 = 1e-5;
-const CLOSING: f64 = 1e-6;
+use crate::contacts::pairs::{CLOSING, OUTPUT, PENETRATION_SHARE, STIFFNESS_SHARE};
 
 /// Adds the slopes of the moments about the pins to a Jacobian.
 pub(super) struct Slopes<'a, const FRICTION: bool> {
@@ -40,8 +36,6 @@ pub(super) struct Slopes<'a, const FRICTION: bool> {
     first: [usize; 2],
 }
 
-/// Of the free bodies, which are all but the first.
-const OUTPUT: usize = Layout::OUTPUT - 1;
 /// The angles that move a contact besides the sleeve's own: wheel, output, input.
 const WHEEL: usize = 0;
 const CARRIER: usize = 1;
@@ -174,24 +168,23 @@ impl<const FRICTION: bool> Slopes<'_, FRICTION> {
         let rows = [hub, OUTPUT];
         let count = if group.external { 1 } else { 2 };
         for (&row, moment) in rows.iter().zip(column).take(count) {
-            let sum = moment.sum();
-            match target {
-                Target::Position(of) => self.position.add(row, of, sum),
-                Target::Rate(of) => self.rate.add(row, of, sum),
-                Target::Time => self.time[row] += sum,
-            }
+            self.put(target, row, moment.sum());
         }
         if FRICTION {
             for (k, &value) in column[2].as_slice().iter().enumerate() {
                 if value != 0.0 {
-                    let row = self.sleeve(group, k);
-                    match target {
-                        Target::Position(of) => self.position.add(row, of, value),
-                        Target::Rate(of) => self.rate.add(row, of, value),
-                        Target::Time => self.time[row] += value,
-                    }
+                    self.put(target, self.sleeve(group, k), value);
                 }
             }
+        }
+    }
+
+    #[inline(always)]
+    fn put(&mut self, target: Target, row: usize, value: f64) {
+        match target {
+            Target::Position(of) => self.position.add(row, of, value),
+            Target::Rate(of) => self.rate.add(row, of, value),
+            Target::Time => self.time[row] += value,
         }
     }
 

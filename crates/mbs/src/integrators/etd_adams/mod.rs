@@ -30,23 +30,24 @@ use self::history::{History, Line, shift};
 use self::propagator::{Linear, Propagator};
 use super::clock::Method as _;
 use super::dopri5::{Dense, Dopri5};
-use super::{Family, MethodInfo, StepCounts, StepError, Stepper, restored, saved, short_step};
+use super::{
+    ADAPTIVE, Family, MethodInfo, StepCounts, StepError, Stepper, restored, saved, short_step,
+};
 use crate::OdeSystem;
 use crate::jacobian::Jacobian;
 
 pub(super) const INFO: MethodInfo = MethodInfo {
+    name: "etd-adams",
+    summary: "exponential Adams, exact for the linear part, steps from the tolerance, one evaluation a step: for gears without \
+                  friction",
+    order: 4,
+    family: Family::Exponential,
     // Steps end at samples, so that all runs of a refinement take the same ones where little happens: errors to 3.3 tolerances
     // where these agreed (28 random gears; a gear of three wheels was 1.4 off foreign engines).
     unseen: 4.0,
     // Twice the step for ten times the tolerance.
     step_power: std::f64::consts::LOG10_2,
-    ..MethodInfo::adaptive(
-        "etd-adams",
-        "exponential Adams, exact for the linear part, steps from the tolerance, one evaluation a step: for gears without \
-                  friction",
-        4,
-        Family::Exponential,
-    )
+    ..ADAPTIVE
 };
 
 /// K: the lower where contacts come and go, the higher on what is smooth; each step takes the one with the smaller error.
