@@ -9,7 +9,7 @@ use pinwheel::studies::comparison::foreign;
 use pinwheel::studies::{Provenance, StudyError, bench as benches, choice, comparison, explained};
 use pyo3::prelude::*;
 
-use crate::errors::{Raises, input, plain};
+use crate::errors::{Raises, plain};
 use crate::guests::{self, Asked};
 use crate::scene::Core;
 use crate::supervise::supervised;
