@@ -90,12 +90,6 @@ impl ProfilePoints {
         }
         (vertex(best), least)
     }
-
-    /// All vertices, in the order of a.
-    #[must_use]
-    pub fn vertices(&self) -> &[Vertex] {
-        &self.vertices
-    }
 }
 
 /// Signed curvature (1/m) of the circle through three points, positive when they turn left.
@@ -138,12 +132,6 @@ impl HolePoints {
         let k = (offset.arg() * self.per_radian).round() as i64;
         self.directions[k.rem_euclid(n) as usize]
     }
-
-    /// All directions.
-    #[must_use]
-    pub fn directions(&self) -> &[Complex] {
-        &self.directions
-    }
 }
 
 #[cfg(test)]
@@ -168,7 +156,7 @@ mod tests {
             let at = curve.at(a);
             let p = at.position - at.normal.scale(depth);
             let (_, found) = points.nearest(p, curve.closest(p).parameter());
-            let scan = points.vertices().iter().map(|v| (p - v.position).norm2()).fold(f64::INFINITY, f64::min);
+            let scan = points.vertices.iter().map(|v| (p - v.position).norm2()).fold(f64::INFINITY, f64::min);
             prop_assert!(found == scan, "{found} {scan}");
         }
 
@@ -178,7 +166,7 @@ mod tests {
             let points = HolePoints::new(count);
             let offset = Complex::unit(angle).scale(0.0028);
             let found = points.nearest(offset).dot(offset);
-            let scan = points.directions().iter().map(|d| d.dot(offset)).fold(f64::MIN, f64::max);
+            let scan = points.directions.iter().map(|d| d.dot(offset)).fold(f64::MIN, f64::max);
             prop_assert!((found - scan).abs() < 1e-15);
         }
     }
@@ -211,7 +199,7 @@ mod tests {
                 .at(std::f64::consts::TAU * k as f64 / 40_000.0)
                 .curvature;
             let exact = hertz.of_edge(0.006, 0.006, kappa);
-            let found = points.vertices()[k].stiffness(0.006, &hertz);
+            let found = points.vertices[k].stiffness(0.006, &hertz);
             assert!((found / exact - 1.0).abs() < 2e-3, "{k}: {found} {exact}");
         }
     }

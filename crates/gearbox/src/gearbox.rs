@@ -129,7 +129,7 @@ impl Gearbox {
     #[must_use]
     pub fn error_scales(&self) -> ErrorScales {
         let gear = &self.scene.gear;
-        let lever = gear.eccentricity_m * gear.lobes() as f64;
+        let lever = gear.lever_m();
         let per_force = 0.25 * lever * gear.external_sleeves as f64;
         let torque = (load_course::largest(&self.scene.drive) / gear.wheels as f64)
             .max(self.least_force_n() * per_force);

@@ -72,10 +72,10 @@ pub struct Statics<'a> {
 struct Motion {
     /// Of the input, rad/s.
     speed: f64,
-    wheel_rates: Vec<f64>,
-    output_rate: f64,
-    wheel_accelerations: Vec<f64>,
-    output_acceleration: f64,
+    /// Rate and acceleration of each wheel.
+    wheels: Vec<[f64; 2]>,
+    /// Those of the output.
+    output: [f64; 2],
 }
 
 impl Motion {
@@ -83,10 +83,8 @@ impl Motion {
     fn none(wheels: usize) -> Self {
         Self {
             speed: 0.0,
-            wheel_rates: vec![0.0; wheels],
-            output_rate: 0.0,
-            wheel_accelerations: vec![0.0; wheels],
-            output_acceleration: 0.0,
+            wheels: vec![[0.0; 2]; wheels],
+            output: [0.0; 2],
         }
     }
 }
@@ -127,13 +125,13 @@ impl<'a> Statics<'a> {
         self.loads.fill(Wrench::default());
         let (layout, geometry) = (self.gearbox.layout, &self.gearbox.geometry);
         let motion = &self.motion;
-        let (input, output) = ([phi, motion.speed], [psi, motion.output_rate]);
+        let (input, output) = ([phi, motion.speed], [psi, motion.output[0]]);
         for (body, [angle, rate]) in [(Layout::INPUT, input), (Layout::OUTPUT, output)] {
             self.bodies[body].angle = angle;
             self.bodies[body].rate = rate;
         }
         for (i, body) in layout.wheel_bodies().enumerate() {
-            self.bodies[body] = geometry.wheel_state(i, input, [wheels[i], motion.wheel_rates[i]]);
+            self.bodies[body] = geometry.wheel_state(i, input, [wheels[i], motion.wheels[i][0]]);
         }
         for (k, body) in layout.internal_bodies().enumerate() {
             self.bodies[body] = geometry.internal_state(k, output);
@@ -170,7 +168,7 @@ impl<'a> Statics<'a> {
         let layout = self.gearbox.layout;
         let mass = &self.gearbox.scene.mass;
         for (i, body) in layout.wheel_bodies().enumerate() {
-            let inertia = mass.wheel.moment_kg_m2 * self.motion.wheel_accelerations[i];
+            let inertia = mass.wheel.moment_kg_m2 * self.motion.wheels[i][1];
             out[i] = self.loads[body].moment - inertia;
         }
         let sleeves: f64 = layout
@@ -182,7 +180,7 @@ impl<'a> Statics<'a> {
             .sum();
         let rw = self.gearbox.scene.gear.internal_circle_radius_m;
         let carried = mass.internal_sleeve.mass_kg * rw * rw * layout.internal_sleeves as f64;
-        sleeves - (mass.output_shaft.moment_kg_m2 + carried) * self.motion.output_acceleration
+        sleeves - (mass.output_shaft.moment_kg_m2 + carried) * self.motion.output[1]
     }
 
     /// Half widths of the brackets: of a wheel about its ideal mesh, of the output about its own.
@@ -383,15 +381,15 @@ impl<'a> Statics<'a> {
                 self.solve_near(&here, -h, load)?,
                 self.solve_near(&here, h, load)?,
             ];
-            let rate = |a: f64, b: f64| speed * (b - a) / (2.0 * h);
-            let bend = |a: f64, m: f64, b: f64| speed * speed * (a - 2.0 * m + b) / (h * h);
-            let wheels = || before.wheels.iter().zip(&here.wheels).zip(&after.wheels);
+            let slopes = |a: f64, m: f64, b: f64| {
+                let bend = speed * speed * (a - 2.0 * m + b) / (h * h);
+                [speed * (b - a) / (2.0 * h), bend]
+            };
+            let wheels = before.wheels.iter().zip(&here.wheels).zip(&after.wheels);
             self.motion = Motion {
                 speed,
-                wheel_rates: wheels().map(|((a, _), b)| rate(*a, *b)).collect(),
-                output_rate: rate(before.output, after.output),
-                wheel_accelerations: wheels().map(|((a, m), b)| bend(*a, *m, *b)).collect(),
-                output_acceleration: bend(before.output, here.output, after.output),
+                wheels: wheels.map(|((a, m), b)| slopes(*a, *m, *b)).collect(),
+                output: slopes(before.output, here.output, after.output),
             };
             here = self.solve_near(&here, 0.0, load)?;
         }

@@ -215,13 +215,17 @@ pub unsafe extern "C" fn pinwheel_law_body(
 /// Rate of the input shaft, rad/s.
 #[unsafe(no_mangle)]
 pub extern "C" fn pinwheel_law_rate(law: *const PinwheelLaw) -> f64 {
-    on(law, |_| f64::NAN, |law| Ok(law.rate_rad_s()))
+    on(
+        law,
+        |_| f64::NAN,
+        |law| Ok(law.gearbox.scene.drive.input_speed_rad_s),
+    )
 }
 
 /// The scene's step, s.
 #[unsafe(no_mangle)]
 pub extern "C" fn pinwheel_law_step(law: *const PinwheelLaw) -> f64 {
-    on(law, |_| f64::NAN, |law| Ok(law.scene().solver.step_s))
+    on(law, |_| f64::NAN, |law| Ok(law.gearbox.scene.solver.step_s))
 }
 
 /// How many samples the time series hold; as many of their times as there is room for are written.
@@ -236,7 +240,7 @@ pub unsafe extern "C" fn pinwheel_law_samples(
 ) -> i64 {
     on(law, i64::from, |law| {
         let room = usize::try_from(room).map_err(|_| argument("`room` is below 0"))?;
-        let samples = law.samples_s();
+        let samples = &law.samples;
         let fit = room.min(samples.len());
         if fit > 0 {
             // SAFETY: the caller promises `room` numbers, and no more are touched.
@@ -299,7 +303,7 @@ pub extern "C" fn pinwheel_law_load_torque(law: *const PinwheelLaw, time_s: f64)
         |_| f64::NAN,
         |law| {
             if time_s.is_finite() {
-                return Ok(law.load_torque_n_m(time_s));
+                return Ok(law.gearbox.load_torque(time_s));
             }
             Err(Failure(NOT_FINITE, "the time is not finite".to_owned()))
         },

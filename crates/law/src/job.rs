@@ -78,10 +78,10 @@ pub fn job(gearbox: &Gearbox, law_library: Option<&Path>) -> Result<Value, LawEr
         "protocol": JOB_PROTOCOL,
         "scene": scene,
         "bodies": bodies.collect::<Vec<_>>(),
-        "rate_rad_s": law.rate_rad_s(),
+        "rate_rad_s": gearbox.scene.drive.input_speed_rad_s,
         "elastic_twist_rad": scales.angle,
         "vibration_rad_s": scales.frequency,
-        "samples_s": law.samples_s(),
+        "samples_s": law.samples,
         "columns": columns,
         "law_library": law_library,
     }))

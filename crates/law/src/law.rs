@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use pinwheel_gearbox::{Gearbox, GearboxError};
-use pinwheel_scene::{CheckedScene, Scene, SceneError, preset};
+use pinwheel_scene::{Scene, SceneError, preset};
 
 use crate::evaluator::{Evaluator, LOAD, STATE, numbers};
 
@@ -64,11 +64,12 @@ pub struct Body {
 
 /// A scene's contact law, bodies, start and load.
 pub struct Law {
-    gearbox: Gearbox,
+    pub(crate) gearbox: Gearbox,
     evaluator: Evaluator,
     bodies: Vec<Body>,
     start: Vec<f64>,
-    samples: Vec<f64>,
+    /// The times at which time series hold a sample, s.
+    pub(crate) samples: Vec<f64>,
     calls: u64,
     job: Option<PathBuf>,
 }
@@ -108,12 +109,6 @@ impl Law {
         })
     }
 
-    /// The scene.
-    #[must_use]
-    pub fn scene(&self) -> &CheckedScene {
-        &self.gearbox.scene
-    }
-
     /// Input, output, wheels, external sleeves, internal sleeves.
     #[must_use]
     pub fn bodies(&self) -> &[Body] {
@@ -124,24 +119,6 @@ impl Law {
     #[must_use]
     pub fn start(&self) -> &[f64] {
         &self.start
-    }
-
-    /// The times at which time series hold a sample, s.
-    #[must_use]
-    pub fn samples_s(&self) -> &[f64] {
-        &self.samples
-    }
-
-    /// Rate of the input shaft, rad/s: constant.
-    #[must_use]
-    pub fn rate_rad_s(&self) -> f64 {
-        self.gearbox.scene.drive.input_speed_rad_s
-    }
-
-    /// The load's torque on the output shaft, N m, counter-clockwise positive; at a jump what it jumps to.
-    #[must_use]
-    pub fn load_torque_n_m(&self, time_s: f64) -> f64 {
-        self.gearbox.load_torque(time_s)
     }
 
     /// Contact forces at these states, [`LOAD`] numbers a body; a function of the states alone.

@@ -136,6 +136,7 @@ impl Mechanism {
     /// The first fault found.
     pub fn check(&self) -> Result<(), MechanismError> {
         let n = self.bodies.len();
+        let value = |what: String| Err(MechanismError::Value { what });
         let ends = |joint: String, parent: Option<BodyId>, child: BodyId| {
             let bad = |body| {
                 Err(MechanismError::Body {
@@ -152,30 +153,22 @@ impl Mechanism {
         for body in &self.bodies {
             let positive = body.mass > 0.0 && body.moment > 0.0;
             if !(positive && body.mass.is_finite() && body.moment.is_finite()) {
-                return Err(MechanismError::Value {
-                    what: format!("mass and moment of `{}`", body.name),
-                });
+                return value(format!("mass and moment of `{}`", body.name));
             }
         }
         for (k, joint) in self.revolutes.iter().enumerate() {
             ends(format!("revolute {k}"), joint.parent, joint.child)?;
             let points = [joint.parent_point, joint.child_point];
             if !points.iter().flatten().all(|x| x.is_finite()) {
-                return Err(MechanismError::Value {
-                    what: format!("points of revolute {k}"),
-                });
+                return value(format!("points of revolute {k}"));
             }
         }
         for (k, driver) in self.drivers.iter().enumerate() {
             ends(format!("driver {k}"), driver.parent, driver.child)?;
             let m = driver.motion;
-            if ![m.from_s, m.angle, m.rate, m.acceleration]
-                .iter()
-                .all(|x| x.is_finite())
-            {
-                return Err(MechanismError::Value {
-                    what: format!("motion of driver {k}"),
-                });
+            let numbers = [m.from_s, m.angle, m.rate, m.acceleration];
+            if !numbers.iter().all(|x| x.is_finite()) {
+                return value(format!("motion of driver {k}"));
             }
         }
         Ok(())

@@ -60,13 +60,11 @@ impl Kernel {
     }
 }
 
-#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 fn at_most_avx2() -> pulp::Arch {
-    pulp::x86::V3::try_new().map_or(pulp::Arch::Scalar, pulp::Arch::V3)
-}
-
-#[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
-fn at_most_avx2() -> pulp::Arch {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if let Some(v3) = pulp::x86::V3::try_new() {
+        return pulp::Arch::V3(v3);
+    }
     pulp::Arch::Scalar
 }
 

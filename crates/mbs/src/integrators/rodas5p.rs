@@ -36,14 +36,6 @@ const GROW: f64 = 5.0;
 /// The step's exponent.
 const EXPONENT: f64 = 0.2;
 
-/// What is made when the first step shows how the system's f depends on y.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-struct Slopes {
-    jacobian: Jacobian,
-    /// `None` until the system has refused to tell its own.
-    differences: Option<Differences>,
-}
-
 /// A run with steps from a tolerance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Rodas5p {
@@ -54,7 +46,10 @@ pub struct Rodas5p {
     before: Vec<f64>,
     /// f at the current state.
     f: Vec<f64>,
-    slopes: Option<Slopes>,
+    /// `None` until the first step shows how the system's f depends on y.
+    jacobian: Option<Jacobian>,
+    /// `None` until the system has refused to tell its own.
+    differences: Option<Differences>,
     /// u of the last step, and the argument of a stage.
     u: Vec<Vec<f64>>,
     argument: Vec<f64>,
@@ -75,7 +70,8 @@ impl Rodas5p {
             y: y.to_vec(),
             before: y.to_vec(),
             f: zeros.clone(),
-            slopes: None,
+            jacobian: None,
+            differences: None,
             u: vec![zeros.clone(); STAGES],
             argument: zeros.clone(),
             scale: zeros.clone(),
@@ -90,19 +86,15 @@ impl Rodas5p {
         self.clock.counts.evaluations += 1;
         check_finite(&[&self.f], self.clock.time)?;
         let n = self.y.len();
-        let slopes = self.slopes.get_or_insert_with(|| Slopes {
-            jacobian: Jacobian::new(&system.structure(), n),
-            differences: None,
-        });
-        slopes.jacobian.clear();
+        let new = || Jacobian::new(&system.structure(), n);
+        let jacobian = self.jacobian.get_or_insert_with(new);
+        jacobian.clear();
         self.clock.counts.jacobians += 1;
-        if !system.jacobian(self.clock.time, &self.y, &mut slopes.jacobian) {
-            let own = slopes
-                .differences
-                .get_or_insert_with(|| Differences::new(n));
-            let (t, y) = (self.clock.time, &self.y);
-            self.clock.counts.evaluations +=
-                own.write(system, t, y, self.clock.h, &mut slopes.jacobian);
+        if !system.jacobian(self.clock.time, &self.y, jacobian) {
+            let own = &mut self.differences;
+            let own = own.get_or_insert_with(|| Differences::new(n));
+            let (t, y, h) = (self.clock.time, &self.y, self.clock.h);
+            self.clock.counts.evaluations += own.write(system, t, y, h, jacobian);
         }
         Ok(())
     }
@@ -110,7 +102,7 @@ impl Rodas5p {
     /// All stages of a step; `argument` becomes y+. False if a stage has no solution.
     fn stages<S: OdeSystem>(&mut self, system: &mut S) -> bool {
         let h = self.clock.h;
-        let Some(Slopes { jacobian, .. }) = &mut self.slopes else {
+        let Some(jacobian) = &mut self.jacobian else {
             return false;
         };
         if !jacobian.factor(1.0 / (h * GAMMA)) {

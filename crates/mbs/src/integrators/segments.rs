@@ -65,15 +65,9 @@ impl<S: OdeSystem> Segments<S> {
         self.ends.last().copied().unwrap_or(f64::INFINITY)
     }
 
-    /// True when the last step has reached the end of this segment.
-    #[must_use]
-    pub fn is_at_end(&self) -> bool {
-        self.end() - self.stepper.time() <= THERE * self.settings.step
-    }
-
     /// Enters the next segment, at whose start the state is what it was. Before the end of a segment nothing happens.
     pub fn enter(&mut self, system: &mut S) {
-        if !self.is_at_end() {
+        if self.end() - self.stepper.time() > THERE * self.settings.step {
             return;
         }
         if let Some(from) = self.ends.pop() {

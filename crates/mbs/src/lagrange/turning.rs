@@ -38,26 +38,21 @@ pub(super) fn at_rest(joint: &Revolute) -> Arms {
 impl Turning {
     /// All that turn.
     pub(super) fn of(mechanism: &Mechanism) -> Vec<Self> {
-        let arms_of = |body: BodyId| -> Vec<Arm> {
-            let joints = mechanism.revolutes.iter().enumerate();
-            let ends = joints.flat_map(|(revolute, j)| {
-                let ends = [
-                    (Some(j.child), true, j.child_point),
-                    (j.parent, false, j.parent_point),
-                ];
-                ends.map(|(of, child, point)| {
-                    (
-                        of,
-                        Arm {
+        let arms_of = |body: BodyId| {
+            let mut arms = Vec::new();
+            for (revolute, j) in mechanism.revolutes.iter().enumerate() {
+                let child_end = (Some(j.child), true, j.child_point);
+                for (of, child, point) in [child_end, (j.parent, false, j.parent_point)] {
+                    if of == Some(body) && point != [0.0; 2] {
+                        arms.push(Arm {
                             revolute,
                             child,
                             point,
-                        },
-                    )
-                })
-            });
-            let own = ends.filter(|(of, arm)| *of == Some(body) && arm.point != [0.0; 2]);
-            own.map(|(_, arm)| arm).collect()
+                        });
+                    }
+                }
+            }
+            arms
         };
         let all = (0..mechanism.bodies.len()).map(|body| Self {
             body,
