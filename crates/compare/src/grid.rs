@@ -30,17 +30,17 @@ pub(crate) fn common<'a>(
     let Err(error) = check(a, b) else {
         return Ok((Cow::Borrowed(of_a), Cow::Borrowed(of_b)));
     };
-    if b.cost.recorded.is_some()
-        && let Some(rows) = rows_of(of_b, of_a)
-    {
-        return Ok((Cow::Owned(of_a.select(&rows)), Cow::Borrowed(of_b)));
+    let at_samples_of = |part: &Participant, whole: &TimeSeries| {
+        part.cost.recorded.as_ref()?;
+        Some(whole.select(&rows_of(&part.time_series, whole)?))
+    };
+    if let Some(of_a) = at_samples_of(b, of_a) {
+        return Ok((Cow::Owned(of_a), Cow::Borrowed(of_b)));
     }
-    if a.cost.recorded.is_some()
-        && let Some(rows) = rows_of(of_a, of_b)
-    {
-        return Ok((Cow::Borrowed(of_a), Cow::Owned(of_b.select(&rows))));
+    match at_samples_of(a, of_b) {
+        Some(of_b) => Ok((Cow::Borrowed(of_a), Cow::Owned(of_b))),
+        None => Err(error),
     }
-    Err(error)
 }
 
 /// Rows of `whole` at the times of `part`; `None` if one is missing.

@@ -6,11 +6,12 @@ use pinwheel_studies::Provenance;
 use pinwheel_studies::conformance::{Outcome, State};
 use pinwheel_timeseries::table::{Mark, Table};
 
-fn word(state: &State) -> &'static str {
+/// A state in a word, and how that is marked.
+fn shown(state: &State) -> (&'static str, Mark) {
     match state {
-        State::Passed => "passed",
-        State::Failed => "FAILED",
-        State::Skipped => "skipped",
+        State::Passed => ("passed", Mark::Good),
+        State::Failed => ("FAILED", Mark::Bad),
+        State::Skipped => ("skipped", Mark::Muted),
     }
 }
 
@@ -28,12 +29,8 @@ fn headline(found: &Outcome) -> String {
 fn table(found: &Outcome, terminal: bool) -> Table {
     let table = Table::of("Trials of the solver", &found.findings)
         .text("", "trial", |finding| finding.name)
-        .text("", "result", |finding| word(&finding.state))
-        .marked(|finding| match finding.state {
-            State::Passed => Mark::Good,
-            State::Failed => Mark::Bad,
-            State::Skipped => Mark::Muted,
-        });
+        .text("", "result", |finding| shown(&finding.state).0)
+        .marked(|finding| shown(&finding.state).1);
     let table = if terminal {
         table.text("", "seen", |finding| match finding.state {
             State::Failed => format!("must: {}. Seen: {}", finding.must, finding.seen),

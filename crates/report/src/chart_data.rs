@@ -33,25 +33,14 @@ const SAME_TIME: f64 = 1e-9;
 pub(crate) struct ChartData {
     /// Sample times, s.
     time: Spaced,
-    engines: Vec<Line>,
+    /// Name, track, colour and dash, places of its samples among the times, and whether these are too far apart for a line.
+    engines: Vec<Value>,
     quantities: Vec<ChartQuantity>,
     windows: Vec<Value>,
     /// What is drawn first: a quantity, one of its channels, and the engine that differences are taken to.
     first: [usize; 3],
     /// What is left out of the charts, for the reader.
     pub(crate) notes: Vec<String>,
-}
-
-#[derive(Debug, Clone, Serialize)]
-struct Line {
-    name: String,
-    track: Track,
-    /// Colour and dash.
-    style: usize,
-    /// Places of its samples among the times.
-    places: Spaced,
-    /// Its samples are too far apart for a line.
-    marks: bool,
 }
 
 /// Rising numbers: evenly spaced ones, or a list.
@@ -116,24 +105,25 @@ impl ChartData {
         };
         let (plan, mut quantities) = fitting(whole, &quantities, &drawn);
         plan.tell(whole, &mut notes);
-        let line = |d: &Drawn<'_>| Line {
-            name: d.participant.name.clone(),
-            track: d.participant.track,
-            style: d.style,
-            marks: 2 * d.places.len() < time_s.len(),
-            places: spaced(d.places.iter().map(|&place| place as f64).collect()),
+        let line = |d: &Drawn<'_>| {
+            json!({
+                "name": d.participant.name,
+                "track": d.participant.track,
+                "style": d.style,
+                "marks": 2 * d.places.len() < time_s.len(),
+                "places": spaced(d.places.iter().map(|&place| place as f64).collect()),
+            })
         };
-        let engines: Vec<Line> = drawn.iter().map(line).collect();
         for quantity in &mut quantities {
-            quantity.bands = bands(comparison, &engines, &quantity.name);
+            quantity.bands = bands(comparison, &drawn, &quantity.name);
         }
         let windows = comparison.windows.iter();
         let windows = windows.map(|w| json!({ "kind": w.kind, "from": w.from_s, "to": w.to_s }));
         Some(Self {
             time: spaced(time_s.to_vec()),
-            first: first(comparison, &engines, &quantities),
+            first: first(comparison, &drawn, &quantities),
             windows: windows.collect(),
-            engines,
+            engines: drawn.iter().map(line).collect(),
             quantities,
             notes,
         })
@@ -286,8 +276,9 @@ fn spaced(at: Vec<f64>) -> Spaced {
 }
 
 /// What to look at first: measured data against the first engine; else what differs, else the first quantity.
-fn first(comparison: &Comparison, engines: &[Line], quantities: &[ChartQuantity]) -> [usize; 3] {
-    let measured = engines.iter().position(|e| e.track == Track::Measured);
+fn first(comparison: &Comparison, drawn: &[Drawn<'_>], quantities: &[ChartQuantity]) -> [usize; 3] {
+    let rig = |d: &Drawn<'_>| d.participant.track == Track::Measured;
+    let measured = drawn.iter().position(rig);
     if let Some(engine) = measured {
         let shown = quantities.iter().enumerate().find_map(|(q, quantity)| {
             let has = |c: &ChartChannel| c.engines.contains(&engine);
@@ -305,8 +296,8 @@ fn first(comparison: &Comparison, engines: &[Line], quantities: &[ChartQuantity]
 }
 
 /// The budget of every comparison with measured data, in the quantity's unit.
-fn bands(comparison: &Comparison, engines: &[Line], quantity: &str) -> Vec<(usize, usize, f64)> {
-    let place = |name: &str| engines.iter().position(|e| e.name == name);
+fn bands(comparison: &Comparison, drawn: &[Drawn<'_>], quantity: &str) -> Vec<(usize, usize, f64)> {
+    let place = |name: &str| drawn.iter().position(|d| d.participant.name == name);
     let mut found = Vec::new();
     for pair in &comparison.pairs {
         for entry in pair.entries.iter().filter(|e| e.quantity == quantity) {
@@ -542,7 +533,7 @@ mod tests {
             engine("rapier-shared-law", Track::SharedLaw, 1.0 + 1e-6, 1),
         ];
         let data = data(&participants);
-        let names: Vec<&str> = data.engines.iter().map(|e| e.name.as_str()).collect();
+        let names: Vec<&Value> = data.engines.iter().map(|e| &e["name"]).collect();
         assert_eq!(
             names,
             [
@@ -553,7 +544,7 @@ mod tests {
             ]
         );
         assert_eq!(data.first, [0, 0, 1], "what was measured comes first");
-        let marks: Vec<bool> = data.engines.iter().map(|e| e.marks).collect();
+        let marks: Vec<&Value> = data.engines.iter().map(|e| &e["marks"]).collect();
         assert_eq!(marks, [false, false, true, false]);
         let channel = &data.quantities[0].channels[1];
         assert_eq!(

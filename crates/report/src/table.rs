@@ -16,7 +16,7 @@ pub fn heading(column: &Column) -> String {
 /// A cell in words: what is said in place of the value, or the value with no digit beyond its uncertainty.
 #[must_use]
 pub fn words(column: &Column, row: usize) -> String {
-    if let Some(said) = column.said.get(row).cloned().flatten() {
+    if let Some(said) = of_row(&column.said, row) {
         return said;
     }
     match &column.values {
@@ -24,13 +24,7 @@ pub fn words(column: &Column, row: usize) -> String {
         Values::Whole(_) => column.values.text(row),
         Values::Number(_) => column.values.number(row).map_or_else(
             || format::NONE.to_owned(),
-            |value| {
-                number(
-                    value,
-                    column.uncertainty.get(row).copied().flatten(),
-                    column.shown,
-                )
-            },
+            |value| number(value, of_row(&column.uncertainty, row), column.shown),
         ),
     }
 }
@@ -61,6 +55,11 @@ pub(crate) fn shown(table: &Table) -> impl Iterator<Item = &Column> + Clone {
         .columns
         .iter()
         .filter(|column| !column.label.is_empty())
+}
+
+/// What a list beside the values says of a row.
+pub(crate) fn of_row<T: Clone>(list: &[Option<T>], row: usize) -> Option<T> {
+    list.get(row).cloned().flatten()
 }
 
 /// How a cell is marked.

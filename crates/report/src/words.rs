@@ -1,7 +1,7 @@
 //! Verdicts in words, for pages and terminals alike.
 
 use pinwheel_compare::comparison::{Pair, PairEntry};
-use pinwheel_compare::{Against, Assessment, Comparison, Verdict};
+use pinwheel_compare::{Against, Assessment, Comparison, Track, Verdict};
 use pinwheel_engines::info;
 
 /// The entry of a pair that says most against it, and among equals the one that uses most of its bound. `None` where nothing
@@ -63,25 +63,10 @@ pub fn verdict(found: &Assessment, number: fn(f64) -> String) -> String {
     }
 }
 
-/// What a whole comparison amounts to.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Summary {
-    /// `PASS`, `DIFFERS`, `NOT CONFIRMED` or `NOTHING COMPARED`.
-    pub headline: &'static str,
-    /// `444 comparisons: 296 agree, 0 differ, 148 inconclusive (recordings)`.
-    pub counts: String,
-}
-
-/// The headline and the counts behind it.
+/// What a whole comparison amounts to: `444 comparisons: 296 agree, 0 differ, 148 inconclusive (recordings)`.
 #[must_use]
-pub fn summary(comparison: &Comparison) -> Summary {
+pub fn counts(comparison: &Comparison) -> String {
     let counts = comparison.counts;
-    let headline = match counts.exit_status() {
-        1 => "DIFFERS",
-        4 => "NOT CONFIRMED",
-        _ if counts.agree + counts.differ > 0 => "PASS",
-        _ => "NOTHING COMPARED",
-    };
     let groups = groups(comparison);
     let mut inconclusive = groups.join(", ");
     let open = counts.inconclusive_actionable;
@@ -98,16 +83,32 @@ pub fn summary(comparison: &Comparison) -> Summary {
     } else {
         String::new()
     };
-    Summary {
-        headline,
-        counts: format!(
-            "{} comparisons: {} agree, {} differ{measured}, {} inconclusive{inconclusive}",
-            counts.compared(),
-            counts.agree,
-            counts.differ,
-            counts.inconclusive
-        ),
-    }
+    format!(
+        "{} comparisons: {} agree, {} differ{measured}, {} inconclusive{inconclusive}",
+        counts.compared(),
+        counts.agree,
+        counts.differ,
+        counts.inconclusive
+    )
+}
+
+/// What is to be known of the windows: which are not there, and in which the load changes.
+pub fn of_windows(comparison: &Comparison) -> impl Iterator<Item = String> {
+    let absent = comparison.absent_windows.iter();
+    let absent = absent.map(|w| format!("No {} window: {}.", w.kind.word(), w.reason));
+    absent.chain(comparison.windows.iter().filter_map(|w| w.remark()))
+}
+
+/// What is to be known of measured data, each with its name.
+pub fn of_measured(comparison: &Comparison) -> impl Iterator<Item = String> {
+    let rigs = comparison.engines.iter();
+    let rigs = rigs.filter(|e| e.track == Track::Measured);
+    rigs.flat_map(|e| {
+        e.cost
+            .notes
+            .iter()
+            .map(|note| format!("{}: {note}", e.name))
+    })
 }
 
 fn results(comparison: &Comparison) -> impl Iterator<Item = &Assessment> {

@@ -101,44 +101,40 @@ fn plots(study: &WorkPrecision) -> Section {
          better. Right-hand-side calls do not depend on the machine, and do not see what an engine spends beside \
          them.",
     )];
-    let reduced = |series: &bench::Series| series.engine != "native-lagrange";
+    let charts = |window: usize, saddle_point: bool| {
+        let both = [Measure::Cpu, Measure::Rhs];
+        Block::Charts(both.map(|of| chart(study, window, of, saddle_point)).into())
+    };
     for (k, window) in study.windows.iter().enumerate() {
         let title = format!("{}: {} s to {} s", window.name, window.from_s, window.to_s);
-        let charts = Block::Charts(vec![
-            chart(study, k, Measure::Cpu, &reduced),
-            chart(study, k, Measure::Rhs, &reduced),
-        ]);
+        let charts = charts(k, false);
         // One pair is read first.
         blocks.push(match k {
             0 => charts,
             _ => Block::folded(title, [charts]),
         });
     }
-    let lagrange = |series: &bench::Series| series.engine == "native-lagrange";
-    if study.series.iter().any(lagrange) {
+    if study.series.iter().any(is_saddle_point) {
         blocks.push(Block::folded(
             "The saddle-point form: all bodies and joints, factored along the joint tree",
-            [Block::Charts(vec![
-                chart(study, 0, Measure::Cpu, &lagrange),
-                chart(study, 0, Measure::Rhs, &lagrange),
-            ])],
+            [charts(0, true)],
         ));
     }
     Section::new("plots", "Work and precision", blocks)
 }
 
-fn chart(
-    study: &WorkPrecision,
-    window: usize,
-    measure: Measure,
-    take: &dyn Fn(&bench::Series) -> bool,
-) -> Chart {
+fn is_saddle_point(series: &bench::Series) -> bool {
+    series.engine == "native-lagrange"
+}
+
+fn chart(study: &WorkPrecision, window: usize, measure: Measure, saddle_point: bool) -> Chart {
     // An engine and method has one colour on all charts.
     let labels: Vec<String> = study.series.iter().map(bench::Series::label).collect();
     let names: Vec<&str> = labels.iter().map(String::as_str).collect();
     let styles = colours::styles(&names);
     let colour = |label: &str| Some(styles[names.iter().position(|name| *name == label)?]);
-    let all = study.series.iter().filter(|series| take(series));
+    let all = study.series.iter();
+    let all = all.filter(|series| is_saddle_point(series) == saddle_point);
     let series = all.filter_map(|series| {
         let (x, y): (Vec<f64>, Vec<f64>) = series.points(window, measure).into_iter().unzip();
         let finished = series.points.iter().filter(|p| !p.errors.is_empty());
@@ -157,13 +153,11 @@ fn chart(
     });
     let mut series: Vec<Series> = series.collect();
     let floor = study.reference_errors[window].force_l2;
-    let most = |get: fn(f64, f64) -> f64, start: f64| {
-        series
-            .iter()
-            .flat_map(|s| s.x.iter().copied())
-            .fold(start, get)
-    };
-    let ends = vec![most(f64::min, f64::INFINITY), most(f64::max, 0.0)];
+    let costs = || series.iter().flat_map(|s| s.x.iter().copied());
+    let ends = [
+        costs().fold(f64::INFINITY, f64::min),
+        costs().fold(0.0, f64::max),
+    ];
     if floor > 0.0 && !series.is_empty() {
         let own = Series::line("reference's own error", ends, [floor; 2]);
         series.push(own.styled(Style::Dashed));
@@ -243,26 +237,20 @@ fn differences(study: &WorkPrecision) -> Section {
                 .to_owned(),
         );
     }
-    let uncounted: Vec<&str> = study
-        .series
-        .iter()
-        .filter(|s| {
-            let mut costs = s.points.iter().filter_map(|p| p.cost).peekable();
-            costs.peek().is_some() && costs.all(|cost| cost.rhs_calls.is_none())
-        })
-        .map(|s| s.engine.as_str())
-        .collect();
+    let uncounted = study.series.iter().filter(|s| {
+        let mut costs = s.points.iter().filter_map(|p| p.cost).peekable();
+        costs.peek().is_some() && costs.all(|cost| cost.rhs_calls.is_none())
+    });
+    let uncounted: Vec<&str> = uncounted.map(|s| s.engine.as_str()).collect();
     if !uncounted.is_empty() {
         points.push(format!(
             "Right-hand sides are not counted by {}.",
             uncounted.join(", ")
         ));
     }
-    let details: Vec<Block> = study
-        .differences
-        .iter()
-        .map(|(name, text)| Block::Text(format!("`{name}`: {text}")))
-        .collect();
+    let details = study.differences.iter();
+    let details = details.map(|(name, text)| Block::Text(format!("`{name}`: {text}")));
+    let details: Vec<Block> = details.collect();
     Section::new(
         "unequal",
         "What is unequal",

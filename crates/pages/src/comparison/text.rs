@@ -15,52 +15,42 @@ use pinwheel_timeseries::table::{Mark, Shown, Table};
 pub fn text(scene: &Scene, comparison: &Comparison) -> String {
     let mut text = format!("{}\n\n", styled(TITLE, &paragraph(&crate::title(scene))));
     text.push_str(&terminal::table(&engines(comparison)));
-    for engine in &comparison.engines {
-        if let Some(reason) = engine.status.reason() {
-            text.push_str(&paragraph(&format!("{}: {reason}", engine.name)));
-            text.push('\n');
-        }
-    }
+    let lost = comparison.engines.iter();
+    text += &lines(lost.filter_map(|e| Some(format!("{}: {}", e.name, e.status.reason()?))));
     let measured = measured(comparison);
     if !measured.is_empty() {
         text.push('\n');
         text.push_str(&terminal::table(&measured));
-        let rigs = comparison
-            .engines
-            .iter()
-            .filter(|e| e.track == Track::Measured);
-        for (name, note) in rigs.flat_map(|e| e.cost.notes.iter().map(|note| (&e.name, note))) {
-            text.push_str(&format!("{}\n", paragraph(&format!("{name}: {note}"))));
-        }
+        text += &lines(words::of_measured(comparison));
     }
     let pairs = pairs(comparison);
     if !pairs.is_empty() {
         text.push('\n');
         text.push_str(&terminal::table(&pairs));
     }
-    for remark in comparison.windows.iter().filter_map(|w| w.remark()) {
-        text.push_str(&format!("{}\n", paragraph(&remark)));
-    }
-    for absent in &comparison.absent_windows {
-        let words = format!("No {} window: {}.", absent.kind.word(), absent.reason);
-        text.push_str(&format!("{}\n", paragraph(&words)));
-    }
     let inconclusive = words::inconclusive(comparison).into_iter();
     let inconclusive = inconclusive.map(|(who, why)| format!("inconclusive: {who}: {why}"));
-    for line in budgets(comparison).into_iter().chain(inconclusive) {
-        text.push_str(&format!("{}\n", paragraph(&line)));
-    }
+    let told = words::of_windows(comparison).chain(budgets(comparison));
+    text += &lines(told.chain(inconclusive));
     format!("{text}\n{}", total(comparison))
+}
+
+/// Each as a paragraph of its own.
+fn lines(all: impl IntoIterator<Item = String>) -> String {
+    let lines = all.into_iter();
+    lines.map(|line| paragraph(&line) + "\n").collect()
 }
 
 /// The last line: what all verdicts amount to.
 fn total(comparison: &Comparison) -> String {
-    let words::Summary { headline, counts } = words::summary(comparison);
-    let style = match (comparison.counts.exit_status(), comparison.passed) {
-        (0, true) => GOOD,
-        (0, false) => QUIET,
-        _ => BAD,
+    let (headline, style) = match comparison.counts.exit_status() {
+        1 => ("DIFFERS", BAD),
+        4 => ("NOT CONFIRMED", BAD),
+        _ if comparison.passed => ("PASS", GOOD),
+        _ if comparison.counts.differ > 0 => ("PASS", QUIET),
+        _ => ("NOTHING COMPARED", QUIET),
     };
+    let counts = words::counts(comparison);
     styled(style, &paragraph(&format!("{headline}  {counts}")))
 }
 

@@ -165,18 +165,15 @@ fn simulated_s(plan: &Plan) -> f64 {
     moving.fold(0.0, |sum, run| sum + run.scene.solver.duration_s)
 }
 
-/// A figure that is charted: column, values, heading, unit.
-type Figure<'a> = (&'a str, &'a [Option<f64>], String, String);
-
 /// Heading and unit of a column, if it is a figure.
 fn heading(name: &str, records: &[RunRecord]) -> Option<(String, String)> {
-    let share = |words: &str| Some((words.to_owned(), String::new()));
-    match name {
-        "efficiency" => return share("Efficiency, by means, with what the contact law creates"),
-        "efficiency_accounted" => {
-            return share("Efficiency, what the contact law creates taken out");
-        }
-        _ => {}
+    let share = match name {
+        "efficiency" => Some("Efficiency, by means, with what the contact law creates"),
+        "efficiency_accounted" => Some("Efficiency, what the contact law creates taken out"),
+        _ => None,
+    };
+    if let Some(words) = share {
+        return Some((words.to_owned(), String::new()));
     }
     if let Some((word, quantity)) = name.split_once('_')
         && ["mean", "peak", "rms"].contains(&word)
@@ -188,29 +185,27 @@ fn heading(name: &str, records: &[RunRecord]) -> Option<(String, String)> {
     balanced.then(|| quantities::label_and_unit(name))
 }
 
-/// Numeric figures that are not the same in every run.
-fn figures<'a>(table: &'a Table, records: &[RunRecord]) -> Vec<Figure<'a>> {
-    let figure = |column: &'a Column| {
-        let Values::Number(values) = &column.values else {
-            return None;
-        };
-        let (label, unit) = heading(&column.name, records)?;
-        let mut present = values.iter().flatten();
-        let first = present.next()?;
-        let differ = present.any(|value| value != first);
-        differ.then_some((column.name.as_str(), values.as_slice(), label, unit))
+/// A column of numbers that are not the same in every run, as a figure.
+fn figure(column: &Column, records: &[RunRecord]) -> Option<GridFigure> {
+    let Values::Number(values) = &column.values else {
+        return None;
     };
-    let mut list: Vec<Figure<'_>> = table.columns.iter().filter_map(figure).collect();
-    // Peaks of forces and means of torques say most; the rest follows in its order.
-    list.sort_by_key(|(column, ..)| match *column {
-        "peak_external_sleeve_force_n" => 0,
-        "peak_internal_sleeve_force_n" => 1,
-        "mean_input_torque_n_m" => 2,
-        "efficiency_accounted" => 3,
-        name if name.starts_with("rms_") || name.ends_with("_rad") => 5,
-        _ => 4,
-    });
-    list
+    let (label, unit) = heading(&column.name, records)?;
+    let mut present = values.iter().flatten();
+    let first = present.next()?;
+    if present.all(|value| value == first) {
+        return None;
+    }
+    let (unit, factor) = readable_unit(&unit, largest(values.iter().flatten()));
+    let scaled = |value: &Option<f64>| value.map(|v| factor * v);
+    let off = records.iter().zip(values);
+    let off =
+        off.map(|(record, value)| Some(factor * uncertainty(record, &column.name, (*value)?)?));
+    Some(GridFigure {
+        label: named(&label, &unit),
+        values: values.iter().map(scaled).collect(),
+        uncertainty: off.collect(),
+    })
 }
 
 /// The largest magnitude.
@@ -231,22 +226,21 @@ fn grid(plan: &Plan, records: &[RunRecord], table: &Table) -> Grid {
             numbers: None,
         });
     }
-    let found = figures(table, records).into_iter().take(MOST_FIGURES);
-    let figures = found.map(|(column, values, label, unit)| {
-        let (unit, factor) = readable_unit(&unit, largest(values.iter().flatten()));
-        let off = records.iter().zip(values);
-        let off = off.map(|(record, value)| Some(factor * uncertainty(record, column, (*value)?)?));
-        GridFigure {
-            label: named(&label, &unit),
-            values: values
-                .iter()
-                .map(|value| value.map(|v| factor * v))
-                .collect(),
-            uncertainty: off.collect(),
-        }
+    let mut columns: Vec<&Column> = table.columns.iter().collect();
+    // Peaks of forces and means of torques say most; the rest follows in its order.
+    columns.sort_by_key(|column| match column.name.as_str() {
+        "peak_external_sleeve_force_n" => 0,
+        "peak_internal_sleeve_force_n" => 1,
+        "mean_input_torque_n_m" => 2,
+        "efficiency_accounted" => 3,
+        name if name.starts_with("rms_") || name.ends_with("_rad") => 5,
+        _ => 4,
     });
+    let figures = columns
+        .into_iter()
+        .filter_map(|column| figure(column, records));
     Grid {
-        figures: figures.collect(),
+        figures: figures.take(MOST_FIGURES).collect(),
         runs: (0..plan.runs.len()).map(|run| plan.places(run)).collect(),
         axes,
     }

@@ -27,7 +27,7 @@ pub(super) fn verdict(comparison: &Comparison) -> study::Verdict {
         _ if finished == 0 => (Tone::Open, "No engine could run this scene".to_owned()),
         _ => (Tone::Open, "Nothing compared".to_owned()),
     };
-    let counts = words::summary(comparison).counts;
+    let counts = words::counts(comparison);
     let all = comparison.engines.len();
     study::Verdict {
         tone,
@@ -203,12 +203,10 @@ impl Page<'_> {
             })
             .marked(|(.., entry)| mark(&entry.result))
             .done();
-        let windows = self.comparison.absent_windows.iter();
-        let windows = windows.map(|w| format!("No {} window: {}.", w.kind.word(), w.reason));
-        let remarks = self.comparison.windows.iter().filter_map(|w| w.remark());
+        let windows = words::of_windows(self.comparison);
         let divergence = self.comparison.context.divergence.iter();
         let divergence = divergence.map(|d| d.told.clone());
-        let remarks = windows.chain(remarks).chain(divergence).map(Block::Text);
+        let remarks = windows.chain(divergence).map(Block::Text);
         let most = (!most.is_empty()).then_some(Block::Table(most));
         most.into_iter().chain(remarks).collect()
     }

@@ -14,7 +14,7 @@ use pinwheel_timeseries::table::{Mark, Shown, Table, TableOf};
 
 use crate::animation::{self, Animation};
 use crate::study::{Block, Section, Study, TimeSeries};
-use crate::{colours, format};
+use crate::{colours, format, words};
 
 /// The study of a comparison of `participants`. `motion`: the gearbox in motion and the time it begins at, s; `model`: what was
 /// modelled, left out and assumed; `scene_toml`: the scene with every key, as run.
@@ -161,9 +161,7 @@ impl<'a> Page<'a> {
         };
         let mut blocks = vec![Block::text(about)];
         if track == Track::Measured {
-            let rigs = self.comparison.engines.iter().filter(|e| e.track == track);
-            let notes = rigs.flat_map(|e| e.cost.notes.iter().map(move |note| (&e.name, note)));
-            blocks.extend(notes.map(|(name, note)| Block::text(format!("{name}: {note}"))));
+            blocks.extend(words::of_measured(self.comparison).map(Block::Text));
         }
         let explains = place == 0;
         let pairs = self.pairs(track, explains);

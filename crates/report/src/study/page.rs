@@ -314,21 +314,16 @@ fn cell(column: &Column, row: usize, first: bool) -> String {
         Mark::Muted => ("muted", ""),
     };
     let mut body = inline(&table::words(column, row));
-    if let Some(anchor) = column.links.get(row).cloned().flatten() {
+    if let Some(anchor) = table::of_row(&column.links, row) {
         body = format!("<a href=\"#{}\">{body}</a>", escape(&anchor));
     }
-    if let Some(colour) = column.colours.get(row).copied().flatten() {
+    if let Some(colour) = table::of_row(&column.colours, row) {
         body.insert_str(
             0,
             &format!("<span class=\"swatch\" data-style=\"{colour}\"></span>"),
         );
     }
-    let shade = column
-        .shades
-        .get(row)
-        .copied()
-        .flatten()
-        .filter(|shade| shade.is_finite());
+    let shade = table::of_row(&column.shades, row).filter(|shade| shade.is_finite());
     let classes = [
         (column.values.is_numeric(), "num"),
         (first && body.len() <= 30, "name"),
