@@ -10,7 +10,7 @@ use serde::Serialize;
 use crate::metrics::PairMetrics;
 use crate::participant::{Context, Cost, Status, Track};
 use crate::quantities::Quantity;
-use crate::uncertainty::{Evidence, Method, QuantityUncertainty, Source};
+use crate::uncertainty::{Evidence, Method, Norm, QuantityUncertainty, Source};
 use crate::verdict::{Assessment, Counts};
 use crate::windows::{AbsentWindow, Window, WindowKind};
 use pinwheel_timeseries::norms::Statistics;
@@ -73,14 +73,19 @@ pub struct EngineSummary {
 
 impl EngineSummary {
     /// Its uncertainty of a quantity in a window, where evidence was given.
-    #[must_use]
-    pub fn uncertainty_of(
+    pub(crate) fn uncertainty_of(
         &self,
         quantity: &str,
         window: WindowKind,
     ) -> Option<&QuantityUncertainty> {
         let mut all = self.uncertainty.iter();
         all.find(|u| u.quantity == quantity && u.window == window)
+    }
+
+    /// How far its figure may be off, in the quantity's unit; `None` where that is not known.
+    #[must_use]
+    pub fn u(&self, quantity: &str, window: WindowKind, norm: Norm) -> Option<f64> {
+        self.uncertainty_of(quantity, window)?.of(norm).u()
     }
 
     /// Its figures in a window.

@@ -87,6 +87,11 @@ pub fn failure(series: &Series) -> Option<String> {
     })
 }
 
+/// Why a series has no more points.
+pub(super) fn end(series: &Series) -> String {
+    failure(series).unwrap_or_else(|| series.stopped.words().to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -43,9 +43,7 @@ fn costs(study: &WorkPrecision, rankings: &[Ranking]) -> Section {
         table = figures::column(table, &label, figures::cpu, |(k, _)| entry(ranking, *k));
     }
     let table = table
-        .text("", "Series ends", |(_, series)| {
-            figures::failure(series).unwrap_or_else(|| series.stopped.words().to_owned())
-        })
+        .text("", "Series ends", |(_, series)| figures::end(series))
         .marked(|(_, series)| match figures::failure(series) {
             Some(_) => Mark::Warn,
             None => Mark::Muted,

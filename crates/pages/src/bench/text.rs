@@ -51,6 +51,6 @@ pub fn text(study: &WorkPrecision) -> String {
 fn note(series: &bench::Series, cost: Option<CostAt>) -> String {
     match cost {
         Some(cost) if cost.reached() => String::new(),
-        _ => figures::failure(series).unwrap_or_else(|| series.stopped.words().to_owned()),
+        _ => figures::end(series),
     }
 }

@@ -119,10 +119,8 @@ fn mark(verdict: Verdict) -> Mark {
 
 /// How far measured data are from each engine, quantity by quantity.
 fn measured(comparison: &Comparison) -> Table {
-    let pairs = comparison
-        .pairs
-        .iter()
-        .filter(|p| p.track == Track::Measured);
+    let pairs = comparison.pairs.iter();
+    let pairs = pairs.filter(|p| p.track == Track::Measured);
     let entries = pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)));
     let rows = entries.filter_map(|(pair, entry)| Some((pair, entry, entry.metrics.as_ref()?)));
     const SHARES: [(&str, fn(&PairMetrics) -> Option<f64>); 3] = [
@@ -219,10 +217,8 @@ fn brief_number(value: f64) -> String {
 
 /// `external_sleeve_force_n` as `external sleeve force`.
 fn brief(quantity: &str) -> String {
-    let units = ["_n_m", "_n", "_rad_s", "_rad"];
-    let bare = units.iter().find_map(|unit| quantity.strip_suffix(unit));
-    bare.unwrap_or(quantity)
-        .replace("external_sleeve", "ext")
+    let (stem, _) = pinwheel_timeseries::stem_and_unit(quantity);
+    stem.replace("external_sleeve", "ext")
         .replace("internal_sleeve", "int")
         .replace('_', " ")
 }
@@ -241,10 +237,9 @@ fn budgets(comparison: &Comparison) -> Vec<String> {
                 continue;
             };
             let signs = |share: f64| (share * BAR as f64).round() as usize;
-            let bar: String = shares
-                .iter()
-                .zip(['n', 'i', 'd'])
-                .map(|(share, sign)| sign.to_string().repeat(signs(*share)))
+            let parts = shares.iter().zip(["n", "i", "d"]);
+            let bar: String = parts
+                .map(|(share, sign)| sign.repeat(signs(*share)))
                 .collect();
             let [numerical, input, data] = shares.map(|share| 100.0 * share);
             told.push(format!(

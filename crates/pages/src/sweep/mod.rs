@@ -5,11 +5,9 @@ use pinwheel_report::format::{count, plain, readable_unit, seconds, significant}
 use pinwheel_report::study::{
     Block, Grid, GridAxis, GridFigure, Section, Study, Tile, Tone, Verdict,
 };
-use pinwheel_studies::sweep::{Axis, Plan, RunRecord, Value};
-use pinwheel_studies::sweep::{STATICS, tolerances as found_of};
-use pinwheel_timeseries::table::{Column, Table, Values};
-
 use pinwheel_studies::Provenance;
+use pinwheel_studies::sweep::{self, Axis, Plan, RunRecord, STATICS, Value};
+use pinwheel_timeseries::table::{Column, Table, Values};
 
 mod text;
 mod tolerances;
@@ -24,28 +22,20 @@ const MOST_FIGURES: usize = 40;
 /// The page of a finished sweep; `table`: [its results](pinwheel_studies::sweep::results).
 #[must_use]
 pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance) -> String {
-    let unfinished = records
-        .iter()
-        .filter(|record| !record.ending.is_finished())
-        .count();
+    let ended = records.iter().filter(|record| record.ending.is_finished());
+    let unfinished = records.len() - ended.count();
     let cpu: f64 = records.iter().map(|record| record.cpu_s).sum();
     let sweep = &plan.sweep;
     let keys = sweep.axes.iter().flat_map(|axis| &axis.keys);
-    let varied: Vec<String> = keys
-        .map(|(key, list)| format!("{key} ({})", list.len()))
-        .collect();
-    let lead = if sweep.description.is_empty() {
-        format!(
-            "{} runs of the scene {} over {}.",
-            records.len(),
-            sweep.scene,
-            varied.join(" x ")
-        )
-    } else {
-        sweep.description.clone()
+    let varied = keys.map(|(key, list)| format!("{key} ({})", list.len()));
+    let varied: Vec<String> = varied.collect();
+    let (runs_done, over) = (records.len(), varied.join(" x "));
+    let lead = match sweep.description.as_str() {
+        "" => format!("{runs_done} runs of the scene {} over {over}.", sweep.scene),
+        description => description.to_owned(),
     };
     let mut sections = Vec::new();
-    let sampled = found_of(plan, table);
+    let sampled = sweep::tolerances(plan, table);
     if !sampled.is_empty() {
         sections.push(tolerances::section(plan, table, &sampled));
     }
@@ -65,15 +55,11 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
     } else {
         all.folded("Every run: what was varied, how it ended, its figures")
     });
-    let file = Section::new(
-        "sweep",
-        "Sweep file",
-        [Block::Code(sweep.text.trim_end().to_owned())],
-    );
+    let file = Block::Code(sweep.text.trim_end().to_owned());
+    let file = Section::new("sweep", "Sweep file", [file]);
     sections.push(file.folded("What was asked for"));
-    let engines = records.iter();
-    let engines = engines.map(|record| (record.engine.clone(), record.engine_version.clone()));
-    let versions = engines.collect();
+    let versions = records.iter();
+    let versions = versions.map(|record| (record.engine.clone(), record.engine_version.clone()));
     let study = Study {
         title: sweep.name.clone(),
         eyebrow: "Sweep".to_owned(),
@@ -81,18 +67,14 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
         verdict: (unfinished > 0)
             .then(|| Verdict {
                 tone: Tone::Bad,
-                headline: format!("{unfinished} of {} runs did not finish", records.len()),
+                headline: format!("{unfinished} of {runs_done} runs did not finish"),
                 detail: "They are in the table with the reason, and gaps in the figures."
                     .to_owned(),
             })
             .or_else(|| tolerances::verdict(&sampled))
             .or(answer),
         tiles: vec![
-            Tile::new(
-                "Runs",
-                count(records.len() as u64),
-                sweep.engines.join(", "),
-            ),
+            Tile::new("Runs", count(runs_done as u64), sweep.engines.join(", ")),
             Tile::new("Varied", varied.len().to_string(), varied.join(", ")),
             Tile::new("Simulated", seconds(simulated_s(plan)), "all runs together"),
             Tile::new(
@@ -102,7 +84,7 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
             ),
         ],
         sections,
-        versions,
+        versions: versions.collect(),
         ..Study::default()
     };
     crate::render(study, made)
@@ -210,9 +192,8 @@ fn figure(column: &Column, records: &[RunRecord]) -> Option<GridFigure> {
 
 /// The largest magnitude.
 fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
-    values
-        .into_iter()
-        .fold(0.0, |most, value| value.abs().max(most))
+    let values = values.into_iter();
+    values.fold(0.0, |most, value| value.abs().max(most))
 }
 
 /// What was varied, and the engines where there are several, with every figure that is not the same in every run.
@@ -264,10 +245,8 @@ fn axis(axis: &Axis) -> GridAxis {
     const OWN: [(&str, &str); 2] = [("_n_s_m", "N s/m"), ("_kg_m3", "kg/m\u{b3}")];
     let name = |key: &str| {
         let key = key.rsplit('.').next().unwrap_or(key);
-        let own = OWN
-            .iter()
-            .find_map(|(suffix, unit)| Some((key.strip_suffix(suffix)?, *unit)));
-        match own {
+        let mut own = OWN.iter();
+        match own.find_map(|(suffix, unit)| Some((key.strip_suffix(suffix)?, *unit))) {
             Some((stem, unit)) => (quantities::label_and_unit(stem).0, unit.to_owned()),
             None => quantities::label_and_unit(key),
         }
@@ -299,15 +278,12 @@ fn uncertainty(record: &RunRecord, column: &str, value: f64) -> Option<f64> {
     let [forces, driver] = record.uncertainty.unwrap_or([f64::NAN; 2]);
     let share = if torque { driver } else { forces };
     let numerical = value.abs() * share;
-    let spread = column
-        .strip_prefix("mean_")
-        .and_then(|quantity| record.figures.get(quantity));
+    let mean_of = column.strip_prefix("mean_");
+    let spread = mean_of.and_then(|quantity| record.figures.get(quantity));
     let drift = spread.map_or(f64::NAN, |spread| spread.drift);
     // What is not known adds nothing; if neither is, nothing is said.
-    let known = [numerical, drift]
-        .into_iter()
-        .filter(|part| part.is_finite());
-    known.reduce(f64::hypot)
+    let parts = [numerical, drift].into_iter();
+    parts.filter(|part| part.is_finite()).reduce(f64::hypot)
 }
 
 /// The table of runs.
@@ -323,7 +299,8 @@ fn runs(plan: &Plan, table: &Table) -> Vec<Block> {
     // Figures are shaded from the column's least to its largest.
     let varied = |name: &str| plan.keys().any(|key| key == name);
     for column in &mut shown.columns {
-        let figure = ["mean_", "peak_", "rms_", "efficiency"]
+        let prefixes = ["mean_", "peak_", "rms_", "efficiency"];
+        let figure = prefixes
             .iter()
             .any(|prefix| column.name.starts_with(prefix));
         let Values::Number(values) = &column.values else {

@@ -28,10 +28,8 @@ pub fn list(plan: &Plan) -> String {
 #[must_use]
 pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> String {
     let count = |wanted: &str| {
-        records
-            .iter()
-            .filter(|record| record.ending.word() == wanted)
-            .count()
+        let all = records.iter();
+        all.filter(|record| record.ending.word() == wanted).count()
     };
     let mut runs = vec![format!("{} finished", count("finished"))];
     for word in &Ending::WORDS[1..] {

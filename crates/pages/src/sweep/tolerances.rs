@@ -22,10 +22,9 @@ pub(super) fn shown<'a>(plan: &Plan, found: &'a SampleResult) -> Vec<&'a FigureO
     let limits = &plan.sweep.specification;
     let rank = |figure: &&FigureOfSample| {
         let place = limits.iter().position(|limit| limit.figure == figure.name);
-        let plain = !["min_", "max_", "rms_"]
-            .iter()
-            .any(|p| figure.name.starts_with(p));
-        place.unwrap_or(limits.len() + usize::from(!plain))
+        let prefixes = ["min_", "max_", "rms_"];
+        let other = prefixes.iter().any(|p| figure.name.starts_with(p));
+        place.unwrap_or(limits.len() + usize::from(other))
     };
     let mut figures: Vec<&FigureOfSample> = found.figures.iter().collect();
     figures.sort_by_key(rank);
@@ -45,10 +44,8 @@ pub(super) fn yield_in_words(found: &Yield) -> String {
 
 /// Where a sample stands: its engine and what else is varied.
 pub(super) fn place(found: &SampleResult) -> String {
-    let varied = found
-        .varied
-        .iter()
-        .map(|(key, value)| format!("{key} = {value}"));
+    let varied = found.varied.iter();
+    let varied = varied.map(|(key, value)| format!("{key} = {value}"));
     let words: Vec<String> = [found.engine.clone()].into_iter().chain(varied).collect();
     words.join(", ")
 }
@@ -187,18 +184,10 @@ fn charts(plan: &Plan, table: &Table, found: &SampleResult) -> Vec<Chart> {
         let shares = (0..sorted.len()).map(|k| 100.0 * k as f64 / last);
         let shares: Vec<f64> = shares.collect();
         let mut all = vec![Series::line("runs", sorted, shares)];
-        let own = plan
-            .sweep
-            .specification
-            .iter()
-            .find(|l| l.figure == figure.name);
-        for end in own
-            .into_iter()
-            .flat_map(|limit| [limit.least, limit.most])
-            .flatten()
-        {
-            all.push(Series::line("limit", [end, end], [0.0, 100.0]));
-        }
+        let mut limits = plan.sweep.specification.iter();
+        let own = limits.find(|limit| limit.figure == figure.name).into_iter();
+        let ends = own.flat_map(|limit| [limit.least, limit.most]).flatten();
+        all.extend(ends.map(|end| Series::line("limit", [end, end], [0.0, 100.0])));
         let x = Axis::linear(named(&figure.name));
         let title = label_and_unit(&figure.name).0;
         Some(Chart::new(title, x, Axis::linear("Runs below (%)"), all))

@@ -1,11 +1,12 @@
 //! The top of the page: the verdict in one sentence, and the figures people come for.
 
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
+use pinwheel_compare::uncertainty::Norm;
 use pinwheel_compare::{Comparison, Metric, Quantity, Track, Verdict, WindowKind, quantities};
 use pinwheel_timeseries::norms::Statistics;
 use pinwheel_timeseries::table::Table;
 
-use super::{Page, mark, pairs, uncertainty};
+use super::{Page, mark, pairs};
 use crate::study::{self, Block, Tile, Tone};
 use crate::{format, words};
 
@@ -98,16 +99,13 @@ impl Page<'_> {
         });
         // How far an efficiency may be off: its powers are those of the mean torques.
         let share = |engine: &EngineSummary, name: &str| {
-            let quantity = self.quantity_of(name)?;
             let mean = engine.figures_in(window)?.quantities.get(name)?.mean.abs();
-            let share = uncertainty(engine, quantity, window, "mean")? / mean;
+            let share = engine.u(name, window, Norm::Mean)? / mean;
             Some(share).filter(|share| share.is_finite())
         };
         let shares = engines.iter().filter_map(|engine| {
-            Some(
-                share(engine, quantities::INPUT_TORQUE)?
-                    + share(engine, quantities::OUTPUT_TORQUE)?,
-            )
+            let [driver, load] = [quantities::INPUT_TORQUE, quantities::OUTPUT_TORQUE];
+            Some(share(engine, driver)? + share(engine, load)?)
         });
         let off = median(&shares.collect::<Vec<_>>()).map_or_else(String::new, |share| {
             let off = format::significant(100.0 * value.abs() * share, 1);
@@ -124,27 +122,26 @@ impl Page<'_> {
             figures.filter_map(|f| f.quantities.get(&of.name)).collect();
         let all = |of: fn(&Statistics) -> f64| statistics.iter().map(|s| of(s)).collect::<Vec<_>>();
         let figure = |of| median(&all(of)).map(format::figure);
-        let (main, kind, mut detail) = if of.is_torque() {
+        let scales = self.comparison.context.scales;
+        let (main, kind, norm, scale, mut detail) = if of.is_torque() {
             let range = format!("{} to {}", figure(|s| s.min)?, figure(|s| s.max)?);
-            (all(|s| s.mean), "mean", range)
+            (
+                all(|s| s.mean),
+                "mean",
+                Norm::Mean,
+                scales.torque_n_m,
+                range,
+            )
         } else {
             let rest = format!("mean {}, rms {}", figure(|s| s.mean)?, figure(|s| s.rms)?);
-            (all(|s| s.max), "largest", rest)
+            (all(|s| s.max), "largest", Norm::Peak, scales.force_n, rest)
         };
         let load = self.comparison.context.load_n_m;
         if let Some(load) = load.filter(|_| of.name == quantities::OUTPUT_TORQUE) {
             detail.push_str(&format!("; load {}", format::significant(load, 3)));
         }
-        let known = |e: &&EngineSummary| {
-            uncertainty(e, of, window, if of.is_torque() { "mean" } else { "max" })
-        };
-        let known: Vec<f64> = engines.iter().filter_map(known).collect();
-        let scales = self.comparison.context.scales;
-        let scale = if of.is_torque() {
-            scales.torque_n_m
-        } else {
-            scales.force_n
-        };
+        let known = engines.iter().filter_map(|e| e.u(&of.name, window, norm));
+        let known: Vec<f64> = known.collect();
         let (value, off) = format::bounded(median(&main)?, median(&known), scale.unwrap_or(0.0));
         let detail = if value == "0" {
             format!("{} engines, all of them rounding", main.len())

@@ -6,6 +6,7 @@ mod pairs;
 use std::collections::BTreeMap;
 
 use pinwheel_compare::comparison::{EngineSummary, Figures};
+use pinwheel_compare::uncertainty::Norm;
 use pinwheel_compare::{
     Assessment, Comparison, Metric, Participant, Quantity, Track, Verdict, WindowKind, quantities,
 };
@@ -231,7 +232,7 @@ impl<'a> Page<'a> {
             let label = self.window(window.kind);
             let mut table = self.of_engines(&label, rows.iter().copied(), |(engine, _)| engine);
             for quantity in &loads {
-                for (name, of) in statistics(quantity) {
+                for (name, of, norm) in statistics(quantity) {
                     table = table
                         .number(
                             "",
@@ -239,7 +240,7 @@ impl<'a> Page<'a> {
                             |(_, figures)| figures.quantities.get(&quantity.name).map(of),
                         )
                         .unit(&quantity.unit)
-                        .uncertain(|(engine, _)| uncertainty(engine, quantity, window.kind, name));
+                        .uncertain(|(engine, _)| engine.u(&quantity.name, window.kind, (*norm)?));
                 }
             }
             let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
@@ -401,30 +402,24 @@ fn shade(relative: f64) -> f64 {
     }
 }
 
-/// What is shown of a quantity: a name and how it is taken.
-fn statistics(quantity: &Quantity) -> &'static [(&'static str, fn(&Statistics) -> f64)] {
-    if quantity.name == quantities::OUTPUT_TORQUE {
-        &[("mean", |s| s.mean)]
-    } else if quantity.is_torque() {
-        &[("mean", |s| s.mean), ("min", |s| s.min), ("max", |s| s.max)]
-    } else {
-        &[("max", |s| s.max), ("mean", |s| s.mean), ("rms", |s| s.rms)]
-    }
-}
+/// What is shown of a quantity: a name, how it is taken, and the norm of its uncertainty.
+type Shows = (&'static str, fn(&Statistics) -> f64, Option<Norm>);
 
-/// How far a statistic of an engine may be off, in the quantity's unit.
-fn uncertainty(
-    engine: &EngineSummary,
-    quantity: &Quantity,
-    window: WindowKind,
-    statistic: &str,
-) -> Option<f64> {
-    let known = engine.uncertainty_of(&quantity.name, window)?;
-    match statistic {
-        "mean" => known.mean.u(),
-        "rms" => known.rms.u(),
-        "max" if !quantity.is_torque() => known.peak.u(),
-        _ => None,
+fn statistics(quantity: &Quantity) -> &'static [Shows] {
+    if quantity.name == quantities::OUTPUT_TORQUE {
+        &[("mean", |s| s.mean, Some(Norm::Mean))]
+    } else if quantity.is_torque() {
+        &[
+            ("mean", |s| s.mean, Some(Norm::Mean)),
+            ("min", |s| s.min, None),
+            ("max", |s| s.max, None),
+        ]
+    } else {
+        &[
+            ("max", |s| s.max, Some(Norm::Peak)),
+            ("mean", |s| s.mean, Some(Norm::Mean)),
+            ("rms", |s| s.rms, Some(Norm::Rms)),
+        ]
     }
 }
 
