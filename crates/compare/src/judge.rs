@@ -6,7 +6,7 @@ use crate::model::{self, ModelTolerance, Prediction};
 use crate::participant::{Context, Participant, Track};
 use crate::quantities::Quantity;
 use crate::rules::Rules;
-use crate::uncertainty::{Estimate, Final, QuantityUncertainty, Uncertainty, Unresolved};
+use crate::uncertainty::{Estimate, QuantityUncertainty, Uncertainty, Unresolved};
 use crate::validation::Budget;
 use crate::verdict::{self, Allowed, Assessment, Side, Verdict};
 use crate::windows::Window;
@@ -129,19 +129,15 @@ impl Judge<'_> {
     /// What is inconclusive, with nothing to act on where its participant says why it has to be so, or where the scene itself
     /// parts runs by their roundings.
     fn settled(&self, found: Assessment, pointwise: bool) -> Assessment {
-        let parted = || {
-            Final {
-            group: "figures of windows in which a rounding parts two runs",
-            reason: "a rounding parts two runs here, so figures are samples: only a longer run makes them sharper"
-                .to_owned(),
-        }
-        };
         let own = found.participant.as_ref();
         let own = own.and_then(|name| self.rules.evidence_of(name));
-        let why = own.and_then(|e| e.is_final.clone());
-        match why.or_else(|| (!pointwise).then(parted)) {
-            Some(why) => found.beyond_settings(&why),
-            None => found,
+        match own.and_then(|evidence| evidence.is_final.as_ref()) {
+            Some(why) => found.beyond_settings(why.group, &why.reason),
+            None if pointwise => found,
+            None => found.beyond_settings(
+                "figures of windows in which a rounding parts two runs",
+                "a rounding parts two runs here, so figures are samples: only a longer run makes them sharper",
+            ),
         }
     }
 

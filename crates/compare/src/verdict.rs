@@ -8,7 +8,7 @@ use std::cmp::Ordering;
 use serde::Serialize;
 
 use crate::metrics::Metric;
-use crate::uncertainty::{Estimate, Final, Unresolved};
+use crate::uncertainty::{Estimate, Unresolved};
 use crate::validation::Budget;
 
 /// What follows from a difference.
@@ -180,11 +180,10 @@ impl Assessment {
     }
 
     /// What is inconclusive, with nothing to act on because its participant can bring nothing sharper.
-    #[must_use]
-    pub fn beyond_settings(mut self, why: &Final) -> Self {
+    pub(crate) fn beyond_settings(mut self, group: &'static str, reason: &str) -> Self {
         if self.verdict == Verdict::Inconclusive {
-            self.reason = format!("{}; {}", self.reason, why.reason);
-            self.group = why.group;
+            self.reason = format!("{}; {reason}", self.reason);
+            self.group = group;
             self.actionable = false;
             self.remedy.clear();
         }

@@ -162,6 +162,11 @@ fn both<T: PartialEq>(before: T, after: T, words: impl Fn(T) -> String) -> Strin
     }
 }
 
+/// A scene and what solves it.
+fn place(case: &CaseCheck) -> String {
+    format!("{}, {}", case.scene, case.choice)
+}
+
 /// The quantity that moved most, if any did.
 fn most(case: &CaseCheck) -> Option<&QuantityCheck> {
     case.moved_most().filter(|moved| moved.change > 0.0)
@@ -177,15 +182,15 @@ fn count(case: &CaseCheck) -> Option<&CostCheck> {
 /// A row a case: what moved most, and the count that moved most.
 fn cases_table<'a>(caption: &str, cases: impl Iterator<Item = &'a CaseCheck>) -> Table {
     Table::of(caption, cases)
-        .text("scene", "Scene", |case| case.scene.clone())
-        .text("solver", "Solver", |case| case.choice.clone())
-        .text("verdict", "Verdict", |case| case.verdict.label())
+        .text("", "Scene", |case| &case.scene)
+        .text("", "Solver", |case| &case.choice)
+        .text("", "Verdict", |case| case.verdict.label())
         .marked(|case| mark(case.verdict))
-        .text("moved_most", "Moved most", |case| match &case.trouble {
+        .text("", "Moved most", |case| match &case.trouble {
             Some(trouble) => trouble.clone(),
             None => most(case).map_or("", |moved| moved.label).to_owned(),
         })
-        .number("change", "Change", |case| Some(most(case)?.change))
+        .number("", "Change", |case| Some(most(case)?.change))
         .shown(Shown::Relative)
         .text("", "Error before > after", |case| {
             most(case).map_or_else(String::new, |moved| {
@@ -212,36 +217,22 @@ fn moved_blocks(moved: &[Moved<'_>]) -> Vec<Block> {
         return vec![Block::Text(text.to_owned())];
     }
     let table = Table::of("Quantities beyond their rounding", moved)
-        .text("case", "Case", |(case, _)| {
-            format!("{}, {}", case.scene, case.choice)
-        })
-        .text("quantity", "Quantity", |(_, quantity)| quantity.label)
-        .number("change", "Change", |(_, quantity)| quantity.change)
+        .text("", "Case", |(case, _)| place(case))
+        .text("", "Quantity", |(_, of)| of.label)
+        .number("", "Change", |(_, of)| of.change)
         .shown(Shown::Relative)
-        .number("rounding", "Rounding up to", |(_, quantity)| {
-            quantity.rounding_limit
-        })
+        .number("", "Rounding up to", |(_, of)| of.rounding_limit)
         .shown(Shown::Relative)
-        .number("error_before", "Error before", |(_, quantity)| {
-            quantity.error_before
-        })
+        .number("", "Error before", |(_, of)| of.error_before)
         .shown(Shown::Relative)
-        .number("error_after", "Error after", |(_, quantity)| {
-            quantity.error_after
-        })
+        .number("", "Error after", |(_, of)| of.error_after)
         .shown(Shown::Relative)
-        .number("mean_before", "Mean before", |(_, quantity)| {
-            quantity.mean[0]
-        })
-        .number("mean_after", "Mean after", |(_, quantity)| quantity.mean[1])
-        .number("peak_before", "Peak before", |(_, quantity)| {
-            quantity.peak[0]
-        })
-        .number("peak_after", "Peak after", |(_, quantity)| quantity.peak[1])
-        .text("verdict", "Verdict", |(_, quantity)| {
-            quantity.verdict.label()
-        })
-        .marked(|(_, quantity)| mark(quantity.verdict))
+        .number("", "Mean before", |(_, of)| of.mean[0])
+        .number("", "Mean after", |(_, of)| of.mean[1])
+        .number("", "Peak before", |(_, of)| of.peak[0])
+        .number("", "Peak after", |(_, of)| of.peak[1])
+        .text("", "Verdict", |(_, of)| of.verdict.label())
+        .marked(|(_, of)| mark(of.verdict))
         .done();
     let text = "Change, rounding and errors are shares of the quantity's size; errors are against the converged run, which \
                 was recorded with the accepted ones.";
@@ -254,17 +245,15 @@ fn costs_blocks(check: &Check) -> Vec<Block> {
     let differ = costs.filter(|(_, cost)| cost.before != cost.after);
     let caption = "Counts that differ; they depend on the program alone, not on the machine";
     let table = Table::of(caption, differ)
-        .text("case", "Case", |(case, _)| {
-            format!("{}, {}", case.scene, case.choice)
-        })
-        .text("count", "Count", |(_, cost)| cost.label)
-        .number("before", "Before", |(_, cost)| cost.before)
+        .text("", "Case", |(case, _)| place(case))
+        .text("", "Count", |(_, cost)| cost.label)
+        .number("", "Before", |(_, cost)| cost.before)
         .shown(Shown::Decimals(0))
-        .number("after", "After", |(_, cost)| cost.after)
+        .number("", "After", |(_, cost)| cost.after)
         .shown(Shown::Decimals(0))
-        .number("limit", "May move", |(_, cost)| cost.limit)
+        .number("", "May move", |(_, cost)| cost.limit)
         .shown(Shown::Decimals(0))
-        .text("verdict", "Verdict", |(_, cost)| cost.verdict.label())
+        .text("", "Verdict", |(_, cost)| cost.verdict.label())
         .marked(|(_, cost)| mark(cost.verdict))
         .done();
     vec![match table.is_empty() {
@@ -281,8 +270,8 @@ fn history_blocks(baseline: &Baseline, check: &Check) -> Vec<Block> {
         )
     };
     let table = Table::of("Why results were accepted", &baseline.accepted)
-        .text("date", "Date", |one| one.date.clone())
-        .text("reason", "Reason", |one| one.reason.clone())
+        .text("", "Date", |one| &one.date)
+        .text("", "Reason", |one| &one.reason)
         .done();
     vec![
         Block::List(vec![

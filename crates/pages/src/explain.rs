@@ -18,10 +18,8 @@ pub fn text(explanation: &Explanation<'_>) -> String {
     for (title, facts) in [("Modelled", &model.modelled), ("Left out", &model.left_out)] {
         section(title, pairs(facts.iter().map(|s| (&s.what, &s.why))));
     }
-    section(
-        "What follows from the dimensions",
-        list(figures(explanation, false)),
-    );
+    let sizes = list(figures(explanation, false));
+    section("What follows from the dimensions", sizes);
     section("To be expected", list(expected(explanation)));
     let frequencies = explanation.derived.frequencies.iter().map(|frequency| {
         [
@@ -68,14 +66,9 @@ fn expected(explanation: &Explanation<'_>) -> Vec<[String; 3]> {
         [what.to_owned(), String::new(), how.to_owned()]
     };
     let of = &explanation.derived;
+    let (external, internal) = (of.external_ripple_in_phase, of.internal_ripple_in_phase);
     let mut rows = figures(explanation, true);
-    rows.push(phase(
-        "wheels at the external sleeves",
-        of.external_ripple_in_phase,
-    ));
-    rows.push(phase(
-        "wheels at the internal sleeves",
-        of.internal_ripple_in_phase,
-    ));
+    rows.push(phase("wheels at the external sleeves", external));
+    rows.push(phase("wheels at the internal sleeves", internal));
     rows
 }

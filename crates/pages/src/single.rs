@@ -27,14 +27,9 @@ fn results(found: &Results) -> Vec<(&'static str, String)> {
     let torque = columns::INPUT_TORQUE;
     if let Some(mean) = found.get(&format!("mean_{torque}")) {
         let [least, most] = ["min", "max"].map(|end| plain(&format!("{end}_{torque}")));
-        rows.push((
-            "driver torque",
-            format!(
-                "mean {} N m; {least} to {most}, from {} s on",
-                known(mean, 1.0),
-                format::plain(found.from_s)
-            ),
-        ));
+        let (mean, from_s) = (known(mean, 1.0), format::plain(found.from_s));
+        let said = format!("mean {mean} N m; {least} to {most}, from {from_s} s on");
+        rows.push(("driver torque", said));
     }
     for (label, group) in [
         ("external forces", columns::EXTERNAL_FORCE),
@@ -42,14 +37,9 @@ fn results(found: &Results) -> Vec<(&'static str, String)> {
     ] {
         if let Some(peak) = found.get(&format!("peak_{group}")) {
             let mean = found.get(&format!("mean_{group}"));
-            rows.push((
-                label,
-                format!(
-                    "peak {} N, mean {} N",
-                    known(peak, 1.0),
-                    mean.map_or_else(|| NONE.to_owned(), |mean| known(mean, 1.0))
-                ),
-            ));
+            let mean = mean.map_or_else(|| NONE.to_owned(), |mean| known(mean, 1.0));
+            let peak = known(peak, 1.0);
+            rows.push((label, format!("peak {peak} N, mean {mean} N")));
         }
     }
     if let (Some(lost), Some(works), Some(created)) = (
@@ -84,37 +74,21 @@ pub fn text(found: &Outcome, time_series: &str) -> String {
     let stats = &found.run.stats;
     // What one runs it for comes first.
     let mut rows = results(&found.results());
+    let track = found.track.as_str();
+    let (samples, end_s) = (found.run.time_series.len(), found.scene.solver.duration_s);
+    let time = format!("{:.3} s wall, {:.3} s CPU", stats.wall_s, stats.cpu_s);
+    let steps = format!("{}, {} contact evaluations", stats.steps, stats.rhs_calls);
+    let freedom = format!("{} velocities integrated", stats.degrees_of_freedom);
     rows.extend([
         (
             "engine",
-            format!(
-                "{} {} ({})",
-                found.engine,
-                found.version,
-                found.track.as_str()
-            ),
+            format!("{} {} ({track})", found.engine, found.version),
         ),
         ("settings", stats.settings.clone()),
-        (
-            "samples",
-            format!(
-                "{}, to {} s",
-                found.run.time_series.len(),
-                found.scene.solver.duration_s
-            ),
-        ),
-        (
-            "time",
-            format!("{:.3} s wall, {:.3} s CPU", stats.wall_s, stats.cpu_s),
-        ),
-        (
-            "steps",
-            format!("{}, {} contact evaluations", stats.steps, stats.rhs_calls),
-        ),
-        (
-            "freedom",
-            format!("{} velocities integrated", stats.degrees_of_freedom),
-        ),
+        ("samples", format!("{samples}, to {end_s} s")),
+        ("time", time),
+        ("steps", steps),
+        ("freedom", freedom),
     ]);
     if let Some(resolution) = &found.resolution {
         rows.push(("resolution", resolution.sentence()));

@@ -25,20 +25,16 @@ pub fn page(
     cancel: &AtomicBool,
 ) -> Result<String, Cancelled> {
     let verdicts = || {
-        let figures = found
-            .figures
-            .iter()
+        let figures = found.figures.iter();
+        let figures = figures
             .filter(|f| f.id.starts_with("fig"))
             .map(|f| f.verdict);
         figures.chain(found.claims.iter().map(|c| c.verdict))
     };
     let count = |wanted: ClaimVerdict| verdicts().filter(|v| *v == wanted).count();
     let all = verdicts().count();
-    let (holds, sometimes, not) = (
-        count(ClaimVerdict::Holds),
-        count(ClaimVerdict::Conditional),
-        count(ClaimVerdict::DoesNotHold),
-    );
+    let (holds, sometimes) = (ClaimVerdict::Holds, ClaimVerdict::Conditional);
+    let [holds, sometimes, not] = [holds, sometimes, ClaimVerdict::DoesNotHold].map(count);
     let mut sections = vec![overview(found)];
     if !found.claims.is_empty() {
         sections.push(claims(found));
@@ -129,14 +125,10 @@ fn chart(plot: &Plot) -> Chart {
         label: plot.y_label.clone(),
         log: plot.y_log,
     };
+    let x = Axis::linear(&plot.x_label);
     Chart {
         note: plot.note.clone(),
-        ..Chart::new(
-            &plot.title,
-            Axis::linear(&plot.x_label),
-            y,
-            series.collect(),
-        )
+        ..Chart::new(&plot.title, x, y, series.collect())
     }
 }
 

@@ -18,15 +18,15 @@ fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
 }
 
 /// The largest step, or the error of a method that chooses its steps.
-pub(super) fn shown_step(cell: &Cell) -> String {
+fn shown_step(cell: &Cell) -> String {
     match (&cell.failure, cell.largest_step_s) {
         (_, Some(step)) if cell.never_failed => format!("> {}", format::seconds(step)),
         (_, Some(step)) => format::seconds(step),
         (Some(failure), None) => failure.word().to_owned(),
-        (None, None) => cell.error.map_or_else(
-            || "ok".to_owned(),
-            |error| format!("ok, {}", format::relative(error.forces)),
-        ),
+        (None, None) => match cell.error {
+            Some(error) => format!("ok, {}", format::relative(error.forces)),
+            None => "ok".to_owned(),
+        },
     }
 }
 
@@ -101,12 +101,10 @@ fn energy(cell: &Cell) -> Place {
     let Some(share) = share else {
         return Place::marked(format::NONE, Mark::Muted);
     };
+    let mark = Mark::warn(share.abs() > REMAINDER);
     Place {
         key: Some(share),
-        ..Place::marked(
-            format!("{:+.2} %", 100.0 * share),
-            Mark::warn(share.abs() > REMAINDER),
-        )
+        ..Place::marked(format!("{:+.2} %", 100.0 * share), mark)
     }
 }
 
@@ -169,11 +167,7 @@ pub(super) fn sections(atlas: &Atlas) -> Vec<Section> {
                 "At a step of {step_s} (or the tolerance), against the converged run: forces of all sleeves / driver torque, \
                  relative L2 over the whole run, start-up included. Darker is worse."
             ),
-            map(
-                atlas,
-                &format!("Errors at {step_s}, forces / driver torque"),
-                error,
-            ),
+            map(atlas, &format!("Errors at {step_s}, forces / driver torque"), error),
         ),
         section(
             "failures",
