@@ -87,7 +87,10 @@ pub fn text(found: &DesignDiff) -> String {
         "not shown: the difference is below the uncertainty of both together (after \u{b1})";
     let mut all = found.figures.iter();
     let below = all.any(|row| row.judged == Judged::BelowUncertainty);
-    let note = below.then(|| paragraph(hidden)).unwrap_or_default();
+    let note = match below {
+        true => paragraph(hidden),
+        false => String::new(),
+    };
     format!(
         "{text}\n{}{note}\n{}",
         terminal::table(&figures.done()),
