@@ -69,11 +69,12 @@ fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
     let figures = |column: usize| of(column).any(|cell| cell.right);
     let last = columns.saturating_sub(1);
     for only_last in [true, false] {
-        let least = (0..columns).map(|k| match only_last {
-            true if k == last => word(k).min(LEAST),
-            false if !figures(k) => word(k).min(LEAST),
-            _ => word(k),
-        });
+        let gives_way = |k: usize| match only_last {
+            true => k == last,
+            false => !figures(k),
+        };
+        let most = |k: usize| if gives_way(k) { LEAST } else { usize::MAX };
+        let least = (0..columns).map(|k| word(k).min(most(k)));
         let least: Vec<usize> = least.collect();
         while widths.iter().sum::<usize>() + 2 * last > room {
             let gives = (0..columns).filter(|&k| widths[k] > least[k]);
