@@ -1,8 +1,8 @@
-//! Pages of studies: one shell for every page that is not a comparison of engines on one scene.
+//! Pages of studies: one shell for every page.
 //!
 //! A [`Study`] is data: sections of text, tables and charts. [`render`] turns it into one
-//! self-contained page with the comparison page's look: it opens without a network, reads without
-//! a script (but for the charts), and works on a phone, in the dark and on paper.
+//! self-contained page: it opens without a network, reads without a script (but for the charts),
+//! and works on a phone, in the dark and on paper.
 //!
 //! ```
 //! use pinwheel_report::study::{Section, Study, render};
