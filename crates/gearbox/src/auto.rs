@@ -49,15 +49,6 @@ const TOLERANCES: (f64, f64) = (1e-13, 1e-2);
 /// The method for gears without friction.
 pub(crate) const EXPONENTIAL: &str = "etd-adams";
 
-/// A method and the reason for it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Choice {
-    /// Name of the method.
-    pub integrator: String,
-    /// Why, one sentence.
-    pub reason: String,
-}
-
 /// One way to run a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
@@ -151,21 +142,15 @@ impl Plan {
     }
 }
 
-/// The integrator that a run of `scene` uses.
+/// Name of the integrator that a scene is solved with, and why.
 #[must_use]
-pub fn integrator(scene: &Scene) -> Choice {
+pub fn integrator(scene: &Scene) -> (String, String) {
     let named = &scene.solver.integrator;
     if named != AUTO {
-        return Choice {
-            integrator: named.clone(),
-            reason: "named by the scene".to_owned(),
-        };
+        return (named.clone(), "named by the scene".to_owned());
     }
     let plan = plan(scene, TARGET);
-    Choice {
-        integrator: plan.integrator.to_owned(),
-        reason: plan.reason,
-    }
+    (plan.integrator.to_owned(), plan.reason)
 }
 
 /// How a run that promises `target` goes about a scene, whose own step and tolerance are for named methods.
@@ -361,36 +346,36 @@ mod tests {
     #[test]
     fn auto_follows_what_the_scene_holds() {
         let mut scene = Scene::paper();
-        assert_eq!(integrator(&scene).integrator, "rk2", "named");
+        assert_eq!(integrator(&scene).0, "rk2", "named");
         scene.solver.integrator = AUTO.to_owned();
-        assert_eq!(integrator(&scene).integrator, EXPONENTIAL);
+        assert_eq!(integrator(&scene).0, EXPONENTIAL);
         let names: Vec<&str> = chain(&scene, TARGET)
             .iter()
             .map(|plan| plan.integrator)
             .collect();
         assert_eq!(names, [EXPONENTIAL, "dopri5", "rk4"]);
         scene.solver.formulation = Formulation::Lagrange;
-        assert_eq!(integrator(&scene).integrator, "dopri5", "no Jacobian");
+        assert_eq!(integrator(&scene).0, "dopri5", "no Jacobian");
         scene.solver.formulation = Formulation::Reduced;
         scene.contact.detection = Detection::Points;
-        assert_eq!(integrator(&scene).integrator, "rk4");
+        assert_eq!(integrator(&scene).0, "rk4");
         scene.contact.friction_coefficient = 0.1;
-        assert_eq!(integrator(&scene).integrator, "imex2", "points");
+        assert_eq!(integrator(&scene).0, "imex2", "points");
         scene.contact.detection = Detection::Exact;
-        assert_eq!(integrator(&scene).integrator, "rodas5p");
+        assert_eq!(integrator(&scene).0, "rodas5p");
         // Without a Jacobian in closed form a Rosenbrock step is dear.
         scene.solver.formulation = Formulation::Lagrange;
-        assert_eq!(integrator(&scene).integrator, "imex2-adaptive");
+        assert_eq!(integrator(&scene).0, "imex2-adaptive");
         scene.solver.formulation = Formulation::Reduced;
         scene.contact.law = "paper-conservative".to_owned();
-        assert_eq!(integrator(&scene).integrator, "rodas5p");
+        assert_eq!(integrator(&scene).0, "rodas5p");
         // Slow friction, and digits that an implicit method of order two would pay for.
         assert_eq!(plan(&scene, 1e-7).integrator, "dopri5");
         scene.contact.friction_ramp_m_s = 1e-3;
-        assert_eq!(integrator(&scene).integrator, "dopri5");
+        assert_eq!(integrator(&scene).0, "dopri5");
         scene.contact.friction_ramp_m_s = 5e-5;
         scene.contact.friction_law = FrictionLaw::Adams;
-        assert_eq!(integrator(&scene).integrator, "dopri5");
+        assert_eq!(integrator(&scene).0, "dopri5");
         let chain = chain(&scene, TARGET);
         assert!(
             chain

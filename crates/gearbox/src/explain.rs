@@ -187,8 +187,8 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
             format!("output.channels: {}", family.about),
         );
     }
-    let choice = crate::auto::integrator(scene);
-    modelled.add(format!("integrator {}", choice.integrator), choice.reason);
+    let (integrator, reason) = crate::auto::integrator(scene);
+    modelled.add(format!("integrator {integrator}"), reason);
     if scene.gear.backlash_m > 0.0 {
         let backlash_mm = scene.gear.backlash_m * 1e3;
         modelled.add(

@@ -168,75 +168,64 @@ fn integrate<F: Formulation>(
     let times = solver.sample_times_s();
     let mut recorder = Recorder::with_room(gearbox, times.len());
     let mut joint_drift_m: f64 = 0.0;
-    let mut fault = None;
     let mut energy = EnergyAccount::with_room(times.len());
     let mut balance = Balance::new(gearbox);
     let mut pace = Pace::new(&gearbox.scene, gearbox.has_friction());
     let mut before = 0.0;
     let mut list = Vec::new();
-    'samples: for t in times {
-        Event::list(&mut list, before, t, &breaks, solver.step_s);
-        for &due in &list {
-            match reach(
-                &mut stepper,
-                &mut system,
-                due.time(),
-                gearbox,
-                limits,
-                &mut pace,
-                watch,
-            ) {
-                Ok(()) => {}
-                Err(Stop::Asked) => return Err(NativeError::Stopped),
-                Err(Stop::Fault(time, quantity)) => {
-                    fault = Some((time, quantity));
-                    break 'samples;
+    let samples = || -> Result<(), NativeError> {
+        for t in times {
+            Event::list(&mut list, before, t, &breaks, solver.step_s);
+            for &due in &list {
+                let time = due.time();
+                stepper.set_stop_time(time);
+                let until = time - 1e-9 * solver.step_s;
+                reach(&mut stepper, &mut system, until, limits, &mut pace, watch)?;
+                stepper.interpolate(&mut system, time, &mut y);
+                if let Event::Entry(time) | Event::Break(time, _) = due {
+                    let seen = system.observe_reduced(time, &y);
+                    let contacts = contact_energy(&seen, field.as_mut());
+                    energy.add(load.torque(time), &seen, &contacts);
+                }
+                if let Event::Break(_, from) = due {
+                    stepper.enter(&mut system);
+                    load = load_course::piece_at(&gearbox.scene.drive, from);
+                    energy.restart_at();
                 }
             }
-            stepper.interpolate(&mut system, due.time(), &mut y);
-            if let Event::Entry(time) | Event::Break(time, _) = due {
-                let seen = system.observe_reduced(time, &y);
-                let contacts = contact_energy(&seen, field.as_mut());
-                energy.add(load.torque(time), &seen, &contacts);
+            joint_drift_m = joint_drift_m.max(system.joint_error(t, &y));
+            let seen = if recorder.wants_channels() {
+                system.observe(t, &y)
+            } else {
+                system.observe_reduced(t, &y)
+            };
+            guard::check(gearbox, seen.bodies).map_err(diverged(t))?;
+            let contacts = contact_energy(&seen, field.as_mut());
+            energy.add_sample(load.torque(t), &seen, &contacts);
+            if let Some(audit) = energy.latest() {
+                balance.add(&audit).map_err(diverged(t))?;
             }
-            if let Event::Break(_, from) = due {
-                stepper.enter(&mut system);
-                load = load_course::piece_at(&gearbox.scene.drive, from);
-                energy.restart_at();
+            recorder.record_observed(&seen, seen.driver_torques[0]);
+            if recorder.wants_channels() {
+                recorder.record_channels(&mut Seen {
+                    bodies: seen.bodies,
+                    driver_torque_n_m: seen.driver_torques[0],
+                    reactions: seen.reactions,
+                    contacts: &mut LawPairs(field.as_mut()),
+                });
+            }
+            before = t;
+            if watch(t) {
+                return Err(NativeError::Stopped);
             }
         }
-        joint_drift_m = joint_drift_m.max(system.joint_error(t, &y));
-        let seen = if recorder.wants_channels() {
-            system.observe(t, &y)
-        } else {
-            system.observe_reduced(t, &y)
-        };
-        if let Err(quantity) = guard::check(gearbox, seen.bodies) {
-            fault = Some((t, quantity));
-            break;
-        }
-        let contacts = contact_energy(&seen, field.as_mut());
-        energy.add_sample(load.torque(t), &seen, &contacts);
-        if let Some(audit) = energy.latest()
-            && let Err(quantity) = balance.add(&audit)
-        {
-            fault = Some((t, quantity));
-            break;
-        }
-        recorder.record_observed(&seen, seen.driver_torques[0]);
-        if recorder.wants_channels() {
-            recorder.record_channels(&mut Seen {
-                bodies: seen.bodies,
-                driver_torque_n_m: seen.driver_torques[0],
-                reactions: seen.reactions,
-                contacts: &mut LawPairs(field.as_mut()),
-            });
-        }
-        before = t;
-        if watch(t) {
-            return Err(NativeError::Stopped);
-        }
-    }
+        Ok(())
+    };
+    let ending = match samples() {
+        Ok(()) => Ending::Finished,
+        Err(NativeError::Ended(ending)) => ending,
+        Err(other) => return Err(other),
+    };
     Ok(NativeRun {
         time_series: recorder.finish()?,
         counts: stepper.counts(),
@@ -245,11 +234,13 @@ fn integrate<F: Formulation>(
         joint_drift_m,
         end_s: stepper.time(),
         energy,
-        ending: match fault {
-            None => Ending::Finished,
-            Some((time_s, quantity)) => Ending::Diverged { time_s, quantity },
-        },
+        ending,
     })
+}
+
+/// Ends a run at that time, s, in these words.
+fn diverged(time_s: f64) -> impl FnOnce(String) -> NativeError {
+    move |quantity| NativeError::Ended(Ending::Diverged { time_s, quantity })
 }
 
 /// The contacts' energy as the forces told it, or asked for.
@@ -257,41 +248,30 @@ fn contact_energy(seen: &Observation<'_>, field: &mut dyn ContactField) -> Conta
     seen.energy.unwrap_or_else(|| field.energy(seen.bodies))
 }
 
-/// Why stepping ended.
-enum Stop {
-    /// The observer asked for it.
-    Asked,
-    /// When, s, and why no step can follow.
-    Fault(f64, String),
-}
-
-/// Steps until `t` is reached.
+/// Steps until that time, s, is reached.
 fn reach<F: Formulation>(
     stepper: &mut Segments<F>,
     system: &mut F,
-    t: f64,
-    gearbox: &Gearbox,
+    until: f64,
     limits: Limits,
     pace: &mut Pace,
     watch: &mut dyn FnMut(f64) -> bool,
-) -> Result<(), Stop> {
-    stepper.set_stop_time(t);
-    while stepper.time() < t - 1e-9 * gearbox.scene.solver.step_s {
+) -> Result<(), NativeError> {
+    while stepper.time() < until {
         if pace.is_due() {
             let (time, counts) = (stepper.time(), stepper.counts());
             if counts.evaluations > limits.evaluations {
                 let told = format!("more than {:.1e} evaluations", limits.evaluations as f64);
-                return Err(Stop::Fault(time, told));
+                return Err(diverged(time)(told));
             }
             if watch(time) {
-                return Err(Stop::Asked);
+                return Err(NativeError::Stopped);
             }
-            pace.look(time, counts.steps)
-                .map_err(|quantity| Stop::Fault(time, quantity))?;
+            pace.look(time, counts.steps).map_err(diverged(time))?;
         }
         stepper.step(system).map_err(|error| {
             let (StepError::NotFinite { time } | StepError::StepTooSmall { time }) = error;
-            Stop::Fault(time, error.to_string())
+            diverged(time)(error.to_string())
         })?;
     }
     Ok(())

@@ -2,7 +2,7 @@
 //!
 //! What engineering software offers, and the simplest law with a potential.
 
-use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, Ramp};
+use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, paper};
 use crate::Real;
 
 /// Eq. 20 with constant K.
@@ -10,25 +10,21 @@ use crate::Real;
 pub struct ConstantStiffness {
     /// K, N/m^1.5.
     pub stiffness: f64,
-    /// C, N s/m.
-    pub damping: f64,
-    /// S.
-    pub ramp: Ramp,
+    /// The rest of the law.
+    pub paper: PaperLaw,
 }
 
 impl NormalLaw for ConstantStiffness {
     #[inline(always)]
     fn force<R: Real>(&self, _hertz: R, penetration: R, rate: R) -> R {
-        let paper = PaperLaw {
-            damping: self.damping,
-            ramp: self.ramp,
-        };
-        paper.force(rate.like(self.stiffness), penetration, rate)
+        let stiffness = rate.like(self.stiffness);
+        self.paper.force(stiffness, penetration, rate)
     }
 
     #[inline(always)]
     fn stored<R: Real>(&self, _hertz: R, penetration: R) -> R {
-        penetration.like(self.stiffness) * self.ramp.integral(penetration)
+        let stiffness = penetration.like(self.stiffness);
+        self.paper.stored(stiffness, penetration)
     }
 
     #[inline]
@@ -40,8 +36,7 @@ impl NormalLaw for ConstantStiffness {
 pub(super) fn new(parameters: &LawParameters) -> ConstantStiffness {
     ConstantStiffness {
         stiffness: parameters.constant_stiffness,
-        damping: parameters.damping,
-        ramp: Ramp::new(parameters.ramp),
+        paper: paper::new(parameters),
     }
 }
 

@@ -117,10 +117,10 @@ fn energy_lost_grows_with_damping_as_it_must() {
     let v = 0.3;
     let depth = (5.0 * MASS * v * v / (4.0 * 1e8)).powf(0.4);
     let lost = |damping: f64| {
+        let ramp = Ramp::new(1e-12);
         let law = ConstantStiffness {
             stiffness: 1e8,
-            damping,
-            ramp: Ramp::new(1e-12),
+            paper: PaperLaw { damping, ramp },
         };
         let out = drop_on_profile(law, 0.0, v).speed_out;
         0.5 * MASS * (v * v - out * out)

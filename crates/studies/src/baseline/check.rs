@@ -89,7 +89,7 @@ pub fn check(
             let found = scene.cases.iter().find(|c| c.choice == choice.name);
             found.map(|accepted| (scene, accepted))
         });
-        let integrator = auto::integrator(&job.scene).integrator;
+        let integrator = auto::integrator(&job.scene).0;
         // The counts of a solver from outside may follow from roundings as an adaptive method's do.
         let adaptive = job.solver.is_some() || method(&integrator).is_some_and(|m| m.adaptive);
         let mut found = CaseCheck::new(&case.name, choice.name);

@@ -293,7 +293,7 @@ fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<SceneRow,
     let mut row = SceneRow {
         scene: scene.name.clone(),
         why: scene.description.clone(),
-        auto: auto::integrator(&automatic).integrator,
+        auto: auto::integrator(&automatic).0,
         reference: None,
         refused: None,
         cells: Vec::new(),
