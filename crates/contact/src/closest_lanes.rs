@@ -308,13 +308,7 @@ impl Epitrochoid {
     ) {
         let (r, zk) = (self.pitch_radius, self.search.zk);
         let mut found = offset.re.like(1.0).only(*inside);
-        let lost = offset.re.like(1.0).only(lost);
-        for (k, _) in lost
-            .as_slice()
-            .iter()
-            .enumerate()
-            .filter(|lane| *lane.1 != 0.0)
-        {
+        for k in (0..Lanes::<S>::COUNT).filter(|&k| lost.lane(k)) {
             found.as_mut_slice()[k] = 0.0;
             // Any a0 of this phase.
             let phase = phase.lane(k);

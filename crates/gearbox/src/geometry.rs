@@ -119,13 +119,11 @@ impl Geometry {
     #[must_use]
     pub(crate) fn is_uniform(&self, gear: &Gear) -> bool {
         let alike = |all: &[f64], nominal: f64| all.iter().all(|&one| one == nominal);
+        let mut holes = self.hole_radii_m.iter();
         gear.is_plain()
             && alike(&self.external_radii_m, self.edge_offset_m)
             && alike(&self.internal_radii_m, gear.internal_sleeve_radius_m)
-            && self
-                .hole_radii_m
-                .iter()
-                .all(|wheel| alike(wheel, gear.hole_radius_m))
+            && holes.all(|wheel| alike(wheel, gear.hole_radius_m))
     }
 
     /// Wheel `i` where the input stands at an angle and turns at a rate (rad, rad/s), and the wheel at its `own`.

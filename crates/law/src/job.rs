@@ -49,10 +49,8 @@ pub fn job(gearbox: &Gearbox, law_library: Option<&Path>) -> Result<Value, LawEr
             Kind::Text => json!(""),
             Kind::Number(_) | Kind::Count(..) | Kind::Choice(..) => continue,
         };
-        let place = key
-            .name
-            .split('.')
-            .fold(&mut scene, |at, part| &mut at[part]);
+        let path = key.name.split('.');
+        let place = path.fold(&mut scene, |at, part| &mut at[part]);
         if place.is_null() {
             *place = nothing;
         }

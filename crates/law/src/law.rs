@@ -182,19 +182,16 @@ fn is_text(spec: &str) -> bool {
 /// sleeves on the output shaft.
 fn bodies(gearbox: &Gearbox) -> Vec<Body> {
     let mechanism = gearbox.mechanism();
-    mechanism
-        .bodies
-        .into_iter()
-        .enumerate()
-        .map(|(index, body)| {
-            let pin = mechanism.revolutes.iter().find(|pin| pin.child == index);
-            Body {
-                name: body.name,
-                carrier: pin.and_then(|pin| pin.parent),
-                seat_m: pin.map_or([0.0; 2], |pin| pin.parent_point),
-                mass_kg: body.mass,
-                moment_kg_m2: body.moment,
-            }
-        })
-        .collect()
+    let bodies = mechanism.bodies.into_iter().enumerate();
+    let bodies = bodies.map(|(index, body)| {
+        let pin = mechanism.revolutes.iter().find(|pin| pin.child == index);
+        Body {
+            name: body.name,
+            carrier: pin.and_then(|pin| pin.parent),
+            seat_m: pin.map_or([0.0; 2], |pin| pin.parent_point),
+            mass_kg: body.mass,
+            moment_kg_m2: body.moment,
+        }
+    });
+    bodies.collect()
 }

@@ -50,12 +50,9 @@ impl Place {
     pub(crate) fn all(is_leaf: &[bool]) -> (Vec<Self>, usize, usize) {
         let (mut hubs, mut leaves) = (0, 0);
         let places = is_leaf.iter().map(|&leaf| {
-            let (counter, place): (_, fn(usize) -> Self) = if leaf {
-                (&mut leaves, Self::Leaf)
-            } else {
-                (&mut hubs, Self::Hub)
-            };
+            let counter = if leaf { &mut leaves } else { &mut hubs };
             *counter += 1;
+            let place = if leaf { Self::Leaf } else { Self::Hub };
             place(*counter - 1)
         });
         (places.collect(), hubs, leaves)
@@ -85,14 +82,10 @@ impl Arrow {
     }
 
     fn clear(&mut self) {
-        for part in [
-            &mut self.hubs,
-            &mut self.down,
-            &mut self.up,
-            &mut self.leaves,
-        ] {
-            part.fill(0.0);
-        }
+        self.hubs.fill(0.0);
+        self.down.fill(0.0);
+        self.up.fill(0.0);
+        self.leaves.fill(0.0);
     }
 
     /// Adds to an entry; of two different leaves there is none, and nothing happens.
@@ -175,24 +168,19 @@ impl Parted {
             *sum += factor * dot(&matrix.hubs[i * m..(i + 1) * m], &x.hubs);
             *sum += factor * dot(&matrix.up[i * l..(i + 1) * l], &x.leaves);
         }
-        for (sum, (d, x)) in self
-            .leaves
-            .iter_mut()
-            .zip(matrix.leaves.iter().zip(&x.leaves))
-        {
+        let own = matrix.leaves.iter().zip(&x.leaves);
+        for (sum, (d, x)) in self.leaves.iter_mut().zip(own) {
             *sum += factor * d * x;
         }
         for (i, x) in x.hubs.iter().enumerate() {
-            axpy(
-                factor * x,
-                &matrix.down[i * l..(i + 1) * l],
-                &mut self.leaves,
-            );
+            let down = &matrix.down[i * l..(i + 1) * l];
+            axpy(factor * x, down, &mut self.leaves);
         }
     }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+/// a . b.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::jacobian::dot;
+
 /// P A = L U with the largest pivot of each column.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Lu {
@@ -73,13 +75,11 @@ impl Lu {
         }
         for k in 1..n {
             let row = &self.entries[k * n..k * n + k];
-            let known: f64 = row.iter().zip(x.iter()).map(|(l, x)| l * x).sum();
-            x[k] -= known;
+            x[k] -= dot(row, x);
         }
         for k in (0..n).rev() {
             let row = &self.entries[k * n + k + 1..(k + 1) * n];
-            let known: f64 = row.iter().zip(&x[k + 1..]).map(|(u, x)| u * x).sum();
-            x[k] = (x[k] - known) * self.inverse[k];
+            x[k] = (x[k] - dot(row, &x[k + 1..])) * self.inverse[k];
         }
     }
 }

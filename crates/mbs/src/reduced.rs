@@ -116,20 +116,16 @@ impl<F: Forces> Reduced<F> {
         let mut inertia: Vec<f64> = mechanism.bodies.iter().map(|b| b.moment).collect();
         let mut bodies: Vec<BodyState> = mechanism.bodies.iter().map(|b| b.start).collect();
         let (mut carried, mut carriers) = (Vec::new(), Vec::new());
-        for (body, pin) in pin.iter().enumerate() {
+        for (body, own) in pin.iter().enumerate() {
             let name = &mechanism.bodies[body].name;
-            match *pin {
+            match *own {
                 None => return no(format!("`{name}` is not held by any revolute")),
                 Some((None, [x, y])) => {
                     (bodies[body].x, bodies[body].y) = (x, y);
                     (bodies[body].vx, bodies[body].vy) = (0.0, 0.0);
                 }
                 Some((Some(carrier), arm)) => {
-                    let grounded = mechanism
-                        .revolutes
-                        .iter()
-                        .any(|j| j.child == carrier && j.parent.is_none());
-                    if !grounded {
+                    if !matches!(pin[carrier], Some((None, _))) {
                         return no(format!(
                             "the carrier of `{name}` is not pinned to the ground"
                         ));

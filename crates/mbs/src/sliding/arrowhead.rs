@@ -10,7 +10,7 @@
 //! Cholesky. H is a positive diagonal plus positive rank-one terms, so no pivoting is needed.
 
 use super::contact::Row;
-use crate::jacobian::Place;
+use crate::jacobian::{Place, dot};
 
 /// Which velocities are hubs, and room for one factorisation.
 #[derive(Debug, Clone)]
@@ -119,8 +119,7 @@ impl Arrowhead {
                 Place::Hub(i) => *x = self.hub_rhs[i],
                 Place::Leaf(l) => {
                     let row = &self.border[l * m..(l + 1) * m];
-                    let known: f64 = row.iter().zip(&self.hub_rhs).map(|(b, v)| b * v).sum();
-                    *x = (*x - known) / self.leaf_diagonal[l];
+                    *x = (*x - dot(row, &self.hub_rhs)) / self.leaf_diagonal[l];
                 }
             }
         }
@@ -137,7 +136,7 @@ impl Arrowhead {
                 } else {
                     &upper[j * m..j * m + j]
                 };
-                let sum = row[j] - left.iter().zip(row.iter()).map(|(a, b)| a * b).sum::<f64>();
+                let sum = row[j] - dot(left, row);
                 row[j] = if j == i {
                     sum.sqrt()
                 } else {
@@ -147,12 +146,7 @@ impl Arrowhead {
         }
         let x = &mut self.hub_rhs;
         for i in 0..m {
-            let known: f64 = l[i * m..i * m + i]
-                .iter()
-                .zip(x.iter())
-                .map(|(a, b)| a * b)
-                .sum();
-            x[i] = (x[i] - known) / l[i * m + i];
+            x[i] = (x[i] - dot(&l[i * m..i * m + i], x)) / l[i * m + i];
         }
         for i in (0..m).rev() {
             let known: f64 = (i + 1..m).map(|k| l[k * m + i] * x[k]).sum();

@@ -35,12 +35,8 @@ impl Sink for ActivePairs<'_, '_> {
             rate: wheel.rate.as_slice()[0],
         };
         let ones = pressure.like(1.0).only(touching.mask);
-        for (k, _) in ones
-            .as_slice()
-            .iter()
-            .enumerate()
-            .filter(|(_, x)| **x != 0.0)
-        {
+        let ones = ones.as_slice();
+        for k in (0..ones.len()).filter(|&k| ones[k] != 0.0) {
             let number = group.from + k;
             let normal_force = pressure.as_slice()[k];
             let tangential_rate = tangential_rate.as_slice()[k];
