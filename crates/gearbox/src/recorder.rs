@@ -11,7 +11,6 @@ use crate::{Layout, Sleeve};
 /// One sample's values, in column order after the time.
 #[derive(Debug, Clone)]
 pub struct Recorder {
-    arch: pulp::Arch,
     layout: Layout,
     time: Vec<f64>,
     columns: Vec<Vec<f64>>,
@@ -25,38 +24,6 @@ pub struct Recorder {
     channels: Option<Values>,
 }
 
-fn contract(layout: Layout) -> impl Iterator<Item = String> {
-    columns::of_gearbox(layout.external_sleeves, layout.internal_sleeves)
-}
-
-/// Of forces, N. `hypot` is exact to the last digit where squares overflow, which costs 2 % of a fast run; roots of a slice of
-/// its own are taken several at a time, by what the processor has.
-struct Magnitudes<'a>(&'a mut [f64], &'a [Wrench]);
-
-impl pulp::WithSimd for Magnitudes<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: pulp::Simd>(self, simd: S) {
-        let Self(magnitudes, forces) = self;
-        let count = magnitudes.len().min(forces.len());
-        // No zipped iterators: the compiler may leave them outside of the function that has the vector instructions.
-        let (magnitudes, forces) = (&mut magnitudes[..count], &forces[..count]);
-        for k in 0..count {
-            let Wrench { fx, fy, .. } = forces[k];
-            magnitudes[k] = fx * fx + fy * fy;
-        }
-        // Roots take longest, and one takes as long as a register of them: the compiler's own loop leaves too many single.
-        let (groups, rest) = S::as_mut_simd_f64s(magnitudes);
-        for group in groups {
-            *group = simd.sqrt_f64s(*group);
-        }
-        for square in rest {
-            *square = square.sqrt();
-        }
-    }
-}
-
 /// Samples that are brought to their columns at a time.
 const ROWS: usize = 128;
 
@@ -64,7 +31,8 @@ impl Recorder {
     /// Names of the contract's columns after the time, in their order.
     #[must_use]
     pub fn contract(gearbox: &Gearbox) -> Vec<String> {
-        contract(gearbox.layout).collect()
+        let layout = gearbox.layout;
+        columns::of_gearbox(layout.external_sleeves, layout.internal_sleeves).collect()
     }
 
     /// An empty recording with room for the scene's samples.
@@ -81,7 +49,6 @@ impl Recorder {
         Self {
             rows: vec![0.0; ROWS * (columns::HEAD.len() + sleeves)],
             pending: 0,
-            arch: pulp::Arch::new(),
             layout,
             time: Vec::with_capacity(samples),
             // A clone of an empty column would have no room.
@@ -180,7 +147,10 @@ impl Recorder {
         let (heads, magnitudes) =
             self.rows[self.pending * width..][..width].split_at_mut(head.len());
         heads.copy_from_slice(&head);
-        self.arch.dispatch(Magnitudes(magnitudes, forces));
+        // `hypot` is exact to the last digit where squares overflow, which costs 2 % of a fast run.
+        for (magnitude, Wrench { fx, fy, .. }) in magnitudes.iter_mut().zip(forces) {
+            *magnitude = (fx * fx + fy * fy).sqrt();
+        }
         self.pending += 1;
     }
 
@@ -241,7 +211,8 @@ impl Recorder {
         self.flush();
         let samples = self.time.len();
         let mut time_series = TimeSeries::new(self.time)?;
-        let names = contract(self.layout);
+        let layout = self.layout;
+        let names = columns::of_gearbox(layout.external_sleeves, layout.internal_sleeves);
         for (name, values) in names.zip(self.columns) {
             time_series.push(name, values)?;
         }

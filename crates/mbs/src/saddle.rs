@@ -126,11 +126,8 @@ impl SaddlePoint {
                 (slot(child), parent.map(&mut slot))
             })
             .collect();
-        let widest = pivots
-            .iter()
-            .map(|p| p.below.1 - p.below.0)
-            .max()
-            .unwrap_or(0);
+        let widths = pivots.iter().map(|p| p.below.1 - p.below.0);
+        let widest = widths.max().unwrap_or(0);
         Self {
             pinned,
             left: [rest.bodies, rest.constraints],

@@ -74,8 +74,6 @@ pub const PRESETS: &[Preset] = presets![
 /// Text of the preset called `name`.
 #[must_use]
 pub fn preset(name: &str) -> Option<&'static str> {
-    PRESETS
-        .iter()
-        .find(|preset| preset.name == name)
-        .map(|preset| preset.text)
+    let mut all = PRESETS.iter();
+    Some(all.find(|preset| preset.name == name)?.text)
 }

@@ -43,11 +43,7 @@ pub struct FixedStep {
 
 /// Stands for a tableau until it is put back.
 fn none() -> &'static Tableau {
-    &Tableau {
-        a: &[],
-        b: &[],
-        c: &[],
-    }
+    &super::heun::TABLEAU
 }
 
 impl FixedStep {

@@ -60,11 +60,8 @@ pub(super) fn prerequisites(mechanism: &Mechanism) -> Vec<Vec<usize>> {
         let top = shared.saturating_sub(1);
         a[top..].iter().chain(&b[shared..]).copied().collect()
     };
-    let mut waits: Vec<Vec<usize>> = mechanism
-        .revolutes
-        .iter()
-        .map(|joint| path(joint.child, joint.parent))
-        .collect();
+    let joints = mechanism.revolutes.iter();
+    let mut waits: Vec<_> = joints.map(|j| path(j.child, j.parent)).collect();
     for branch in &forest.branches {
         waits[branch.revolute] = vec![branch.body];
     }

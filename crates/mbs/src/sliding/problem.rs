@@ -151,12 +151,9 @@ impl SlidingProblem {
         let kinetic: f64 = (0..v.len())
             .map(|k| self.inertia[k] * (v[k] + s * self.step[k] - target[k]) * self.step[k])
             .sum();
-        let friction: f64 = slips
-            .iter()
-            .zip(&self.rates)
-            .map(|(slip, &[u, du])| slip.force(u + s * du) * du)
-            .sum();
-        kinetic + a * friction
+        let powers = slips.iter().zip(&self.rates);
+        let powers = powers.map(|(slip, &[u, du])| slip.force(u + s * du) * du);
+        kinetic + a * powers.sum::<f64>()
     }
 
     /// Share of the step to take: 1 where the function still falls there, else near the minimum along it.

@@ -113,11 +113,7 @@ impl SlidingStage {
     /// Every contact with the change of its normal force and its friction against the sliding (t), N.
     pub fn contact_forces(&self) -> impl Iterator<Item = (&Contact, f64, f64)> {
         let forces = self.normal_forces.iter().zip(&self.friction);
-        self.contacts
-            .iter()
-            .zip(forces)
-            .map(|(contact, (normal, friction))| {
-                (contact, normal - contact.normal_force, *friction)
-            })
+        let all = self.contacts.iter().zip(forces);
+        all.map(|(contact, (normal, friction))| (contact, normal - contact.normal_force, *friction))
     }
 }

@@ -255,13 +255,10 @@ impl Layers {
                 table.insert(name.clone(), value);
                 self.places.insert(full, place);
             }
-            for inner in rows
-                .iter()
-                .filter(|row| !table.contains_key(row.name))
-                .collect::<Vec<_>>()
-            {
+            for inner in rows {
+                let is_missing = !table.contains_key(inner.name);
                 match inner.otherwise {
-                    Otherwise::Required => {
+                    Otherwise::Required if is_missing => {
                         let needed = rows.iter();
                         let needed =
                             needed.filter(|row| matches!(row.otherwise, Otherwise::Required));
@@ -275,8 +272,10 @@ impl Layers {
                             remedy,
                         ));
                     }
-                    Otherwise::Usual(text, _) => insert(&mut table, &[inner.name], usual(text)),
-                    Otherwise::Nothing | Otherwise::Follows(..) => {}
+                    Otherwise::Usual(text, _) if is_missing => {
+                        insert(&mut table, &[inner.name], usual(text));
+                    }
+                    _ => {}
                 }
             }
             list.push(Value::Table(table));

@@ -323,11 +323,6 @@ impl EtdAdams {
         }
     }
 
-    /// Whether the multistep method may be tried after the next step of the other, or now.
-    fn is_due(&self) -> bool {
-        !self.refused && self.begun >= self.wait
-    }
-
     /// Steps from here to the next time asked for, none longer than `most`; 0 if none is asked for.
     fn count_to_stop(&self, most: f64) -> f64 {
         let distance = self.stop_time - self.time;
@@ -342,7 +337,8 @@ impl EtdAdams {
     fn take_over<S: OdeSystem>(&mut self, system: &mut S) -> bool {
         // At a time asked for, or where the next one is far.
         let begins = self.at_stop || self.stop_time - self.time > FAR * self.pieces[0].taken;
-        if !self.is_due() || self.known_pieces < 2 || !begins {
+        let due = !self.refused && self.begun >= self.wait;
+        if !due || self.known_pieces < 2 || !begins {
             return false;
         }
         let mut multistep = match self.multistep.take() {
