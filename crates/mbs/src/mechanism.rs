@@ -121,6 +121,13 @@ impl Mechanism {
         2 * self.revolutes.len() + self.drivers.len()
     }
 
+    /// Child and parent of every revolute, then of every driver.
+    pub(crate) fn ends(&self) -> Vec<(BodyId, Option<BodyId>)> {
+        let joints = self.revolutes.iter().map(|j| (j.child, j.parent));
+        let drivers = self.drivers.iter().map(|d| (d.child, d.parent));
+        joints.chain(drivers).collect()
+    }
+
     /// Kinetic energy of the bodies in these states, J.
     #[must_use]
     pub fn kinetic_j(&self, states: &[BodyState]) -> f64 {

@@ -95,12 +95,7 @@ impl SaddlePoint {
         let (pinned, rest) = Pinned::new(mechanism);
         let mechanism = &rest.mechanism;
         let bodies = mechanism.bodies.len();
-        let ends: Vec<(usize, Option<usize>)> = mechanism
-            .revolutes
-            .iter()
-            .map(|j| (j.child, j.parent))
-            .chain(mechanism.drivers.iter().map(|d| (d.child, d.parent)))
-            .collect();
+        let ends = mechanism.ends();
         let nodes = bodies + ends.len();
         let mut sizes = vec![3; bodies];
         sizes.extend(mechanism.revolutes.iter().map(|_| 2));

@@ -125,27 +125,21 @@ pub(super) struct Rest {
 impl Pinned {
     pub(super) fn new(mechanism: &Mechanism) -> (Self, Rest) {
         let revolutes = mechanism.revolutes.len();
-        let joints = mechanism.revolutes.iter().map(|j| (j.child, j.parent));
-        let drivers = mechanism.drivers.iter().map(|d| (d.child, d.parent));
-        let ends: Vec<_> = joints.chain(drivers).collect();
+        let ends = mechanism.ends();
         let mut held = vec![0_u32; mechanism.bodies.len()];
-        for body in ends
-            .iter()
-            .flat_map(|&(child, parent)| once(child).chain(parent))
-        {
-            held[body] += 1;
+        for &(child, parent) in &ends {
+            for body in once(child).chain(parent) {
+                held[body] += 1;
+            }
         }
         let mut left = vec![true; held.len()];
         let mut leaves = Vec::new();
-        let mut inertia: Vec<Inertia> = mechanism
-            .bodies
-            .iter()
-            .map(|b| Inertia {
-                mass: b.mass,
-                second: b.moment,
-                ..Inertia::default()
-            })
-            .collect();
+        let alone = mechanism.bodies.iter().map(|b| Inertia {
+            mass: b.mass,
+            second: b.moment,
+            ..Inertia::default()
+        });
+        let mut inertia: Vec<Inertia> = alone.collect();
         let touching =
             |body: usize| move |e: &(usize, Option<usize>)| e.0 == body || e.1 == Some(body);
         for (constraint, joint) in mechanism.revolutes.iter().enumerate() {
@@ -199,7 +193,7 @@ impl Pinned {
             carriers: carriers.collect(),
             on_ground,
             leaves: leaves.into_iter().map(|(_, leaf)| leaf).collect(),
-            hubs: Vec::new(),
+            hubs,
             inertia,
         };
         let points = |j: &Revolute| Arms {
@@ -208,13 +202,11 @@ impl Pinned {
         };
         // As if all angles were 0: bodies turn with all they carry.
         pinned.place(&mechanism.revolutes.iter().map(points).collect::<Vec<_>>());
-        for hub in &mut hubs {
-            let [x, y] = mechanism.revolutes[hub.constraint].child_point;
-            let free = Vector3::new(y, -x, 1.0);
-            hub.over_inertia = free.dot(&pinned.inertia[hub.body].times(&free)).recip();
+        for hub in &mut pinned.hubs {
+            let times = pinned.inertia[hub.body].times(&hub.free);
+            hub.over_inertia = hub.free.dot(&times).recip();
             left[hub.body] = false;
         }
-        pinned.hubs = hubs;
         (pinned, Rest::new(mechanism, &left, &ends))
     }
 
