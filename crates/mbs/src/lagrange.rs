@@ -450,17 +450,14 @@ impl<F: Forces> Formulation for Lagrange<F> {
         self.prepare(t, y);
         let energy = self.sum_loads(t, true);
         let solved = self.accelerate(t).is_ok();
-        for k in 0..self.reactions.len() {
-            let mu = self.saddle.constraints()[k];
-            self.reactions[k] = if solved {
-                [-mu.x, -mu.y]
-            } else {
-                [f64::NAN; 2]
-            };
+        // Without a solution nothing is known of them.
+        let sign = if solved { -1.0 } else { f64::NAN };
+        let (joints, drivers) = self.saddle.constraints().split_at(self.arms.len());
+        for (reaction, mu) in zip(&mut self.reactions, joints) {
+            *reaction = [sign * mu.x, sign * mu.y];
         }
-        for k in 0..self.torques.len() {
-            let mu = self.saddle.constraints()[self.arms.len() + k];
-            self.torques[k] = if solved { -mu.x } else { f64::NAN };
+        for (torque, mu) in zip(&mut self.torques, drivers) {
+            *torque = sign * mu.x;
         }
         Observation {
             time: t,

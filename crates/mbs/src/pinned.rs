@@ -21,10 +21,8 @@ pub(crate) enum Angle {
 /// The free rates of a mechanism, and the contacts of one stage.
 #[derive(Debug, Clone)]
 pub struct PinnedContacts {
-    /// What the angle of every body is.
-    pub(crate) angles: Vec<Angle>,
-    /// The body that carries each of them.
-    pub(crate) carrier_of: Vec<Option<BodyId>>,
+    /// Of every body: what its angle is, and what carries it.
+    pub(crate) pins: Vec<(Angle, Option<BodyId>)>,
     /// Bodies whose rates are free, in order.
     pub(crate) free: Vec<BodyId>,
     /// The contacts, to be listed by the forces, and what their friction does to the free rates.
@@ -42,49 +40,45 @@ impl PinnedContacts {
         forces: &F,
         rates: &mut [f64],
     ) -> bool {
-        self.stage.clear_rows();
-        for k in 0..self.stage.contacts.len() {
-            let contact = self.stage.contacts[k];
-            let [tangent, normal] = self.rows(&contact, bodies);
-            self.stage.push(&contact, tangent, normal);
-        }
+        let pins = &self.pins;
+        self.stage.set_rows(|contact| rows(pins, contact, bodies));
         let law = |k: usize, listed: f64, rate: f64| forces.normal_force(k, listed, rate);
         self.stage.solve(a, guess, rates, law)
     }
+}
 
-    /// How fast `contact` slides and closes, in the free rates.
-    #[inline]
-    fn rows(&self, contact: &Contact, bodies: &[BodyState]) -> [Row; 2] {
-        let [x, y] = contact.point;
-        let [nx, ny] = contact.normal;
-        let (mut tangent, mut normal) = (Row::default(), Row::default());
-        let (mut known_t, mut known_n) = (0.0, 0.0);
-        for (body, sign) in [(contact.bodies[0], 1.0), (contact.bodies[1], -1.0)] {
-            let at = bodies[body];
-            // What a unit rate about (cx, cy) does at a point (px, py) away: (-py, px).
-            let rates = |px: f64, py: f64| (sign * (px * nx + py * ny), sign * (px * ny - py * nx));
-            known_t += sign * (nx * at.vy - ny * at.vx);
-            known_n += sign * (nx * at.vx + ny * at.vy);
-            let (spin_t, spin_n) = rates(x - at.x, y - at.y);
-            if let Angle::Free(dof) = self.angles[body] {
-                tangent.push(dof, spin_t);
-                normal.push(dof, spin_n);
-            } else {
-                known_t += spin_t * at.rate;
-                known_n += spin_n * at.rate;
-            }
-            if let Some(carrier) = self.carrier_of[body]
-                && let Angle::Free(dof) = self.angles[carrier]
-            {
-                let base = bodies[carrier];
-                let (swing_t, swing_n) = rates(at.x - base.x, at.y - base.y);
-                tangent.push(dof, swing_t);
-                normal.push(dof, swing_n);
-                known_t -= swing_t * base.rate;
-                known_n -= swing_n * base.rate;
-            }
+/// How fast `contact` slides and closes, in the free rates.
+#[inline]
+fn rows(pins: &[(Angle, Option<BodyId>)], contact: &Contact, bodies: &[BodyState]) -> [Row; 2] {
+    let [x, y] = contact.point;
+    let [nx, ny] = contact.normal;
+    let (mut tangent, mut normal) = (Row::default(), Row::default());
+    let (mut known_t, mut known_n) = (0.0, 0.0);
+    for (body, sign) in [(contact.bodies[0], 1.0), (contact.bodies[1], -1.0)] {
+        let at = bodies[body];
+        // What a unit rate about (cx, cy) does at a point (px, py) away: (-py, px).
+        let rates = |px: f64, py: f64| (sign * (px * nx + py * ny), sign * (px * ny - py * nx));
+        known_t += sign * (nx * at.vy - ny * at.vx);
+        known_n += sign * (nx * at.vx + ny * at.vy);
+        let (spin_t, spin_n) = rates(x - at.x, y - at.y);
+        if let Angle::Free(dof) = pins[body].0 {
+            tangent.push(dof, spin_t);
+            normal.push(dof, spin_n);
+        } else {
+            known_t += spin_t * at.rate;
+            known_n += spin_n * at.rate;
         }
-        (tangent.offset, normal.offset) = (tangent.offset + known_t, normal.offset + known_n);
-        [tangent, normal]
+        if let Some(carrier) = pins[body].1
+            && let Angle::Free(dof) = pins[carrier].0
+        {
+            let base = bodies[carrier];
+            let (swing_t, swing_n) = rates(at.x - base.x, at.y - base.y);
+            tangent.push(dof, swing_t);
+            normal.push(dof, swing_n);
+            known_t -= swing_t * base.rate;
+            known_n -= swing_n * base.rate;
+        }
     }
+    (tangent.offset, normal.offset) = (tangent.offset + known_t, normal.offset + known_n);
+    [tangent, normal]
 }

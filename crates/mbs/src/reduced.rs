@@ -139,8 +139,7 @@ impl<F: Forces> Reduced<F> {
                 }
             }
         }
-        let carrier_of = pin.iter().map(|pin| pin.and_then(|(carrier, _)| carrier));
-        let carrier_of = carrier_of.collect();
+        let carriers_of = pin.iter().map(|pin| pin.and_then(|(carrier, _)| carrier));
         let idle = (0..n).filter(|&body| angles[body] == Angle::Idle);
         let idle = idle.map(|body| (body, mechanism.bodies[body].start));
         let idle: Vec<_> = idle.filter(|(_, start)| start.rate != 0.0).collect();
@@ -160,8 +159,7 @@ impl<F: Forces> Reduced<F> {
             free_inverse: moving.iter().map(|inertia| inertia.recip()).collect(),
             contacts: PinnedContacts {
                 stage: SlidingStage::new(moving, &is_leaf),
-                angles,
-                carrier_of,
+                pins: angles.into_iter().zip(carriers_of).collect(),
                 free: free.clone(),
             },
             is_leaf,
@@ -356,7 +354,7 @@ impl<F: Forces> Reduced<F> {
                 (fx, fy) = (fx - load.fx, fy - load.fy);
                 if let Some(parent) = joint.parent {
                     let base = self.bodies[parent];
-                    let turning = match self.contacts.angles[parent] {
+                    let turning = match self.contacts.pins[parent].0 {
                         Angle::Driven(driver) => self.mechanism.drivers[driver].motion.at(t).2,
                         Angle::Free(_) => self.moments[parent] / self.inertia[parent],
                         Angle::Idle => 0.0,
@@ -475,9 +473,8 @@ impl<F: Forces> Formulation for Reduced<F> {
     fn initial(&self) -> Vec<f64> {
         let start = |body: &BodyId| self.mechanism.bodies[*body].start;
         let angles = self.free.iter().map(|b| start(b).angle);
-        angles
-            .chain(self.free.iter().map(|b| start(b).rate))
-            .collect()
+        let rates = self.free.iter().map(|b| start(b).rate);
+        angles.chain(rates).collect()
     }
 
     fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_> {

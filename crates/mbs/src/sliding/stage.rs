@@ -35,22 +35,21 @@ impl SlidingStage {
         }
     }
 
-    /// Forgets the rows of the stage before.
-    pub fn clear_rows(&mut self) {
+    /// Takes the listed contacts as rows: sliding speed u and closing speed of the normal.
+    pub fn set_rows(&mut self, rows: impl Fn(&Contact) -> [Row; 2]) {
         self.slips.clear();
         self.normals.clear();
         self.normal_forces.clear();
-    }
-
-    /// Adds the next contact as rows: sliding speed u and closing speed of its normal.
-    pub fn push(&mut self, contact: &Contact, tangent: Row, normal: Row) {
-        self.slips.push(Slip {
-            rate: tangent,
-            limit: contact.coefficient * contact.normal_force,
-            ramp: contact.ramp,
-        });
-        self.normals.push(normal);
-        self.normal_forces.push(contact.normal_force);
+        for contact in &self.contacts {
+            let [tangent, normal] = rows(contact);
+            self.slips.push(Slip {
+                rate: tangent,
+                limit: contact.coefficient * contact.normal_force,
+                ramp: contact.ramp,
+            });
+            self.normals.push(normal);
+            self.normal_forces.push(contact.normal_force);
+        }
     }
 
     /// Solves `v = v* + a i(v)` for the friction's accelerations i, in place (`v` holds v*).
