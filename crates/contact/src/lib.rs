@@ -68,9 +68,6 @@ pub use friction::{AdamsFriction, Friction, RegularisedCoulomb};
 pub use hertz::HertzStiffness;
 pub use hole::Hole;
 pub use lanes::{ComplexLanes, Lanes, Mask};
-pub use laws::{
-    AdamsImpact, ConstantStiffness, Hysteresis, Law, LawParameters, LineContact, NormalLaw,
-    PaperConservative, PaperLaw, PaperPrinted, Ramp,
-};
+pub use laws::{ConstantStiffness, Hysteresis, Law, LawParameters, NormalLaw, PaperLaw, Ramp};
 pub use points::{HolePoints, ProfilePoints, Vertex};
 pub use real::Real;

@@ -215,6 +215,8 @@ impl<'a> Planner<'a> {
     }
 
     fn first(&self) -> Plan {
+        // The form whose Jacobian is known in closed form, without which a Rosenbrock step costs ten times as much.
+        let is_reduced = self.scene.solver.formulation == Formulation::Reduced;
         let Frequencies {
             contact_rad_s: contact,
             friction_1_s: rate,
@@ -230,7 +232,7 @@ impl<'a> Planner<'a> {
             };
         }
         if !self.has_friction() {
-            return if self.scene.solver.formulation == Formulation::Reduced {
+            return if is_reduced {
                 self.exponential()
             } else {
                 self.explicit(&format!(
@@ -252,7 +254,7 @@ impl<'a> Planner<'a> {
                  oscillation: cheaper to follow than to solve",
                 rate / contact
             ))
-        } else if self.has_slopes() {
+        } else if is_reduced {
             self.rosenbrock(&format!(
                 "friction relaxes the sleeves' spins at about {rate:.1e} 1/s, {:.0e} times in a radian of the \
                  contacts' oscillation: implicitly to order five, by the exact Jacobian",
@@ -298,12 +300,6 @@ impl<'a> Planner<'a> {
     /// A law stiffer than Hertz' twists less than errors are weighed by.
     fn twist(&self) -> f64 {
         Frequencies::depth_share(self.scene).min(1.0)
-    }
-
-    /// Whether the equations of a gear that rubs know their Jacobian in closed form, without which a Rosenbrock step costs ten
-    /// times as much.
-    fn has_slopes(&self) -> bool {
-        self.scene.solver.formulation == Formulation::Reduced
     }
 
     fn rosenbrock(&self, reason: &str) -> Plan {

@@ -12,7 +12,7 @@
 //! are summed over all bodies and slopes are differences: more evaluations, the same motion.
 
 use pinwheel_mbs::integrators::{Segments, StepCounts, Stepper};
-use pinwheel_mbs::{BodyState, Driver, Formulation, Motion, Reduced};
+use pinwheel_mbs::{BodyState, Driver, Formulation, Motion, OdeSystem as _, Reduced};
 use serde::{Deserialize, Serialize};
 
 use crate::auto::{self, AUTO};
@@ -271,7 +271,6 @@ impl CoSimulation {
 
     /// The method anew from here.
     fn restart(&mut self) {
-        use pinwheel_mbs::OdeSystem as _;
         let speed = self.gearbox.scene.drive.input_speed_rad_s;
         let now = self.setup.input.choose(self.prescribed[0].value, speed);
         // Contacts come and go as fast as the input turns.
@@ -356,7 +355,6 @@ impl CoSimulation {
 
     /// Goes back to a saved state. False: these bytes are none of this gear, and nothing has changed.
     pub fn restore(&mut self, bytes: &[u8]) -> bool {
-        use pinwheel_mbs::OdeSystem as _;
         let Ok(state) = postcard::from_bytes::<State>(bytes) else {
             return false;
         };

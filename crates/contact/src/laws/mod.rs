@@ -2,8 +2,7 @@
 //!
 //! One file a law; each opens with its equation and source, implements [`NormalLaw`], and has `INFO` (what it is, for
 //! users) and `new` (the law of a scene's parameters). One line below registers it, and everything follows from that
-//! line: [`LAWS`], [`Law`] with its forces, energy and force along the profile, [`Law::named`], and
-//! [`Law::visit`], by which loops are compiled for each law.
+//! line: [`LAWS`], [`Law`] with its forces, energy and force along the profile, and [`Law::named`].
 
 mod adams_impact;
 mod constant;
