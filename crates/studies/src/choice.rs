@@ -100,7 +100,7 @@ pub struct Listed {
 /// The engines of this build.
 #[must_use]
 pub fn listed() -> Vec<Listed> {
-    let one = |engine: &Box<dyn Engine>| {
+    let one = |engine: &dyn Engine| {
         let info = engine.info();
         Listed {
             name: info.name.to_owned(),
@@ -110,5 +110,5 @@ pub fn listed() -> Vec<Listed> {
             differences: info.differences.to_owned(),
         }
     };
-    registry().iter().map(one).collect()
+    registry().iter().map(|engine| one(&**engine)).collect()
 }

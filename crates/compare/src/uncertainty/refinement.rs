@@ -207,13 +207,10 @@ impl RefinementStudy {
         else {
             return Ok(bound);
         };
-        let steps = values
-            .array_windows::<2>()
-            .zip(gaps)
-            .map(|([fine, coarse], gap)| Step {
-                ratio: gap.ratio,
-                difference: (coarse - fine).abs(),
-            });
+        let steps = values.windows(2).zip(gaps).map(|(pair, gap)| Step {
+            ratio: gap.ratio,
+            difference: (pair[1] - pair[0]).abs(),
+        });
         let steps: Vec<Step> = steps.collect();
         let sign = match values {
             [one, two, three, ..] => Some(((two - one) * (three - two)).signum()),
@@ -243,7 +240,10 @@ impl RefinementStudy {
 }
 
 fn gaps(views: &[(f64, View<'_>)]) -> Option<Vec<Gap>> {
-    let gap = |[(fine, of_fine), (coarse, of_coarse)]: &[(f64, View<'_>); 2]| {
+    let gap = |pair: &[(f64, View<'_>)]| {
+        let [(fine, of_fine), (coarse, of_coarse)] = pair else {
+            return None;
+        };
         let linf = peak(of_coarse.less(of_fine))?;
         Some(Gap {
             ratio: coarse / fine,
@@ -251,7 +251,7 @@ fn gaps(views: &[(f64, View<'_>)]) -> Option<Vec<Gap>> {
             linf,
         })
     };
-    views.array_windows().map(gap).collect()
+    views.windows(2).map(gap).collect()
 }
 
 /// Cosine between `f3 - f2` and `f2 - f1`: 1 where every sample converges along one line.
