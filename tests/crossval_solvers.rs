@@ -61,7 +61,7 @@ fn assert_within(errors: [f64; 2], limits: [f64; 2]) {
 }
 
 /// Start-up and steady state, and the same with the tolerance ten times smaller.
-fn paper(engine: &str, transient: [f64; 2], steady: [f64; 2], gain: std::ops::Range<f64>) {
+fn paper(engine: &str, transient: [f64; 2], steady: [f64; 2], gain: f64) {
     let start = scene("paper", &[("solver.duration_s", "0.05")]);
     let resolved = run("native-resolved", &start);
     let window = (0.0, 0.05);
@@ -71,10 +71,7 @@ fn paper(engine: &str, transient: [f64; 2], steady: [f64; 2], gain: std::ops::Ra
     finer.solver.tolerance *= 0.1;
     let fine = errors(engine, &finer, window, &resolved);
     let found = coarse[0] / fine[0];
-    assert!(
-        gain.contains(&found),
-        "{found} for a tenth of the tolerance"
-    );
+    assert!(found > gain, "{found} for a tenth of the tolerance");
 
     let long = scene("paper", &[("solver.duration_s", "0.32")]);
     let resolved = run("native-resolved", &long);
@@ -86,14 +83,15 @@ fn paper(engine: &str, transient: [f64; 2], steady: [f64; 2], gain: std::ops::Ra
 #[test]
 fn crossval_simbody_paper() {
     if simbody() {
-        paper(SIMBODY, [1.2e-6; 2], [8e-7; 2], 2.0..10.0);
+        paper(SIMBODY, [1.2e-6; 2], [8e-7; 2], 2.0);
     }
 }
 
-/// Measured 5.3e-6 and 5.8e-6 in the transient, 2.6e-6 and 2.8e-6 steady: times 4. 5.6 times nearer at a tenth of the tolerance.
+/// Measured 5.3e-6 and 5.8e-6 in the transient, 2.6e-6 and 2.8e-6 steady: times 4. 5.6 times nearer at a tenth of the
+/// tolerance on one processor and 17 times on another, whose rounding leads to other steps.
 #[test]
 fn crossval_ida_paper() {
-    paper(IDA, [2.4e-5; 2], [1e-5; 2], 2.5..12.0);
+    paper(IDA, [2.4e-5; 2], [1e-5; 2], 2.5);
 }
 
 fn friction() -> (Scene, TimeSeries) {

@@ -207,7 +207,7 @@ const SERVED: &[Served] = &[
     Served { scene: "hard-one-sleeve", by: "auto", bound: 1.6e-5 },
     Served { scene: "hard-points-120", by: "auto", bound: 6.6e-5 },
     Served { scene: "hard-points-16000", by: "auto", bound: 8.1e-5 },
-    Served { scene: "hard-points-600", by: "auto", bound: 4.4e-5 },
+    Served { scene: "hard-points-600", by: "auto", bound: 8.1e-5 },
     Served { scene: "hard-ramp-1e-7", by: "auto", bound: 4.3e-5 },
     Served { scene: "hard-ramp-1e-9", by: "auto", bound: 3.0e-5 },
     Served { scene: "hard-rpm-20", by: "auto", bound: 2.0e-5 },

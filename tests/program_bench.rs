@@ -57,8 +57,8 @@ fn program_bench_refuses_what_it_cannot_measure() {
     for (words, code, part) in [
         (&["--engines", "native-resolved"][..], 2, "native-lagrange"),
         (&["--methods", "rk5"], 2, "integrator `rk5`"),
-        (&["--target", "0"], 2, "--target"),
-        (&["--longest=-1"], 2, "--longest"),
+        (&["--target", "0"], 2, "target: 0"),
+        (&["--longest=-1"], 2, "longest: -1"),
         (&["--repeats", "0"], 2, "--repeats"),
     ] {
         let outcome = bench(dir.path(), words);

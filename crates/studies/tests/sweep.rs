@@ -412,7 +412,7 @@ fn bad_input_samples() {
         let line = told(&text);
         assert!(line.contains(part), "{text}\n{line}");
     }
-    assert!(told("scene = \"paper\"\n[sample]\n").contains("no `points`"));
+    assert!(told("scene = \"paper\"\n[sample]\n").contains("missing field `points`"));
     assert!(told("scene = \"paper\"\n[sample]\npoints = 3\n").contains("no key of the scene"));
     let wide = "scene = \"paper\"\n[sample]\npoints = 9\nmethod = \"sobol\"\noutput.x = { from = 0, to = 1, each = 300 }";
     assert!(told(wide).contains("latin-hypercube"));

@@ -153,7 +153,10 @@ impl<'a> Engines<'a> {
                 ..foreign
             },
             // Error control follows the friction.
-            Knob::Tolerance => foreign,
+            Knob::Tolerance => Self {
+                common_error: info.unseen,
+                ..foreign
+            },
         })
     }
 
