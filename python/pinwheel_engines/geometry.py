@@ -100,6 +100,21 @@ class Epitrochoid:
         c = np.cos(self.lobes * a)
         return np.asarray((1.0 + zk * m * m + (zk + 1) * m * c) / (self.radius_m * (1.0 + m * m + 2.0 * m * c) ** 1.5))
 
+    def curvature_slope(self, a: Floats) -> Floats:
+        """Derivative of the curvature with the parameter, 1/m.
+
+        With c = cos zs a, N = 1 + zk m^2 + (zk + 1) m c and g = 1 + m^2 + 2 m c: kappa = N/(R g^1.5), so
+        d kappa/dc = m ((zk + 1) g - 3 N)/(R g^2.5), and dc/da = -zs sin zs a.
+        """
+        m, zk, zs = self.shortening, self.external_sleeves, self.lobes
+        c = np.cos(zs * a)
+        g, n = 1.0 + m * m + 2.0 * m * c, 1.0 + zk * m * m + (zk + 1) * m * c
+        return np.asarray(-zs * np.sin(zs * a) * m * ((zk + 1) * g - 3.0 * n) / (self.radius_m * g**2.5))
+
+    def speed(self, a: Floats) -> Floats:
+        """|C'(a)| = R |1 + m e^{i zs a}|, m."""
+        return np.asarray(self.radius_m * np.abs(1.0 + self.shortening * np.exp(1j * self.lobes * a)))
+
     def parameter_at(self, polar: Floats) -> Floats:
         """The parameter a whose point C(a) has the given polar angle."""
         mu, zs = self.ratio, self.lobes

@@ -12,7 +12,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from pinwheel_engines.bed import nominal_penetration_m, nominal_rate_rad_s
+from pinwheel_engines.bed import hertz, nominal_penetration_m, nominal_rate_rad_s
 from pinwheel_engines.errors import Diverged
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
 from pinwheel_engines.scene import Scene
@@ -27,8 +27,8 @@ class Guard:
         self.engine = engine
         self.scene = scene
         self.kinematics = Kinematics(scene.gear)
-        gear, contact = scene.gear, scene.contact
-        factor = 2.0 * contact.stiffness_multiplier * contact.young_pa / (3.0 * (1.0 - contact.poisson**2))
+        gear, law = scene.gear, hertz(scene)
+        factor = max(law.stiffness_factor, law.hole_stiffness_factor)
         radius = max(gear.external_sleeve_radius_m, gear.internal_sleeve_radius_m)
         # Hertz with the sleeve's radius as the reduced radius, pressed in by one radius.
         self.force_limit_n = factor * math.sqrt(radius) * radius**1.5

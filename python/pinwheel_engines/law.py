@@ -9,6 +9,9 @@ A pair is a sleeve (centre P, radius r_s) and a wheel; W is the wheel's point cl
     F_t = -mu F_n clamp(v_t/v_s, -1, 1) along t on the sleeve                                               Eq. 21, 22
 Both forces act at W on both bodies, so a pair balances in force and moment.
 
+The law `line-hertz` has F_n = max(0, F + S(delta) C v_n) with F of `line_hertz`, and a third force: A = -dU/dR dR/ds along t
+on the sleeve, where s is the way of P along t. It acts at P on both bodies. Points know no dR/ds: they are for `paper`.
+
 Four slips of the printed equations are put right: n's rate of change (Eq. 16, 17) is not taken from an un-normalised
 velocity, friction acts against sliding in both directions (Eq. 22 gives none for v_t < 0), the sleeve's spin counts in
 v_rel, and the contact never pulls.
@@ -25,14 +28,19 @@ import numpy.typing as npt
 from pinwheel_engines.errors import SceneError, Unsupported
 from pinwheel_engines.geometry import Epitrochoid, circle_curvature, nearest_vertex
 from pinwheel_engines.layout import Layout, hole_centres, turns
+from pinwheel_engines.line_hertz import LineHertz, disc_depth_m
 from pinwheel_engines.scene import Scene
 
 Floats = npt.NDArray[np.float64]
 Points = npt.NDArray[np.complex128]
 Ints = npt.NDArray[np.intp]
 
-# W, n, delta and K of touches.
-Contact = tuple[Points, Points, Floats, Floats]
+# W, n, delta, R and dR/ds of touches, R = R_c R_p/(R_c + R_p).
+Touch = tuple[Points, Points, Floats, Floats, Floats]
+# State, wheel and sleeve of pairs, and their touches.
+Pairs = tuple[Ints, Ints, Ints, Points, Points, Floats, Floats, Floats]
+
+LAWS = ("paper", "line-hertz")
 
 # States handled at once: keeps the scratch arrays of points detection within some 100 MB.
 STATES_AT_ONCE = 1024
@@ -43,7 +51,8 @@ class Contacts:
     """All touching pairs of a batch of states, one entry a pair, in the order state, wheel, sleeve.
 
     Bodies are indices of the layout; points and directions are complex numbers in the ground frame; forces as in the
-    module's equations, so the sleeve takes `-normal_force n + friction t`, the wheel its opposite.
+    module's equations, so the sleeve takes `-normal_force n + friction t` at the point and `along t` at its centre, the
+    wheel their opposites at the same places.
     """
 
     state: Ints
@@ -57,21 +66,35 @@ class Contacts:
     stiffness: Floats
     normal_force_n: Floats
     friction_force_n: Floats
+    along_force_n: Floats
+    slope_n_m: Floats
+    """Of the normal force with the penetration at rest."""
 
     @property
     def force_on_sleeve_n(self) -> Points:
-        """Force on the sleeve, ground frame, N."""
+        """Force on the sleeve at the point, ground frame, N."""
         return self.normal * (-self.normal_force_n + 1j * self.friction_force_n)
+
+    @property
+    def force_on_centre_n(self) -> Points:
+        """Force on the sleeve at its centre, ground frame, N."""
+        return 1j * self.normal * self.along_force_n
 
 
 class ContactLaw:
     """The contact forces of one scene. Keeps no history: the same states give the same bits."""
 
     def __init__(self, scene: Scene) -> None:
-        """Raises Unsupported for a law other than `paper`, SceneError for points too coarse to have a stiffness."""
+        """Raises Unsupported for what it does not know, SceneError for points too coarse to have a stiffness."""
         contact, gear = scene.contact, scene.gear
-        if contact.law != "paper":
-            raise Unsupported("the numpy contact law", f'contact.law = "{contact.law}"; it knows only "paper"')
+        if contact.law not in LAWS:
+            raise Unsupported("the numpy contact law", f'contact.law = "{contact.law}"; it knows only {", ".join(LAWS)}')
+        if contact.law != "paper" and contact.detection == "points":
+            raise Unsupported(
+                "the numpy contact law",
+                f'contact.detection = "points" with contact.law = "{contact.law}", whose force along the profile needs the '
+                'slope of the curvature; use contact.detection = "exact"',
+            )
         if contact.friction_law != "regularised" and contact.friction_coefficient > 0.0:
             raise Unsupported(
                 "the numpy contact law", f'contact.friction_law = "{contact.friction_law}"; it knows only "regularised"'
@@ -79,10 +102,15 @@ class ContactLaw:
         self.scene = scene
         self.layout = Layout.of(gear)
         self.curve = Epitrochoid.of(gear)
-        # Eq. 23 and 24 with equal materials: pi (h_c + h_p) = 2 (1 - nu^2)/E.
-        compliance = 2.0 * (1.0 - contact.poisson**2) / (math.pi * contact.young_pa)
+        # Eq. 23 and 24: K/sqrt(R) of the profile and of the holes, which balls may have apart.
+        compliance = (1.0 - contact.poisson**2) / (math.pi * contact.young_pa)
+        compliance += (1.0 - contact.pin_poisson**2) / (math.pi * contact.pin_young_pa)
         self.stiffness_factor: float = 4.0 * contact.stiffness_multiplier / (3.0 * math.pi * compliance)
-        self.hole_stiffness = float(self._hole_stiffness(gear.hole_radius_m, gear.internal_sleeve_radius_m))
+        internal = contact.internal_stiffness_multiplier if contact.law == "paper" else contact.stiffness_multiplier
+        self.hole_stiffness_factor: float = 4.0 * internal / (3.0 * math.pi * compliance)
+        hole_radius = _radius_in_hole(gear.hole_radius_m, gear.internal_sleeve_radius_m)
+        self.hole_stiffness = self.hole_stiffness_factor * math.sqrt(hole_radius)
+        self._line = LineHertz.of(contact, disc_depth_m(gear, contact)) if contact.law == "line-hertz" else None
         self._holes = hole_centres(gear)
         self._hole_radii = gear.hole_radius_m + gear.errors("hole_radius_m", self._holes.size).reshape(self._holes.shape)
         self._outer_radii = gear.external_sleeve_radius_m + gear.errors("external_sleeve_radius_m", gear.external_sleeves)
@@ -121,37 +149,62 @@ class ContactLaw:
         self._stiffness_rounding = float(np.max(0.5 * gear.external_sleeve_radius_m * curvature_rounding / softness))
         self._rim = turns(contact.hole_points)
 
-    def _hole_stiffness(self, hole: Floats | float, sleeve: Floats | float) -> Floats:
-        return np.asarray(self.stiffness_factor * np.sqrt(-hole * sleeve / (sleeve - hole)))
-
-    def profile_stiffness(self, a: Floats, radius: Floats | None = None) -> Floats:
-        """K at the profile's parameter a, N/m^1.5, of a sleeve of that radius (m), by default the nominal one.
+    def profile_radius(self, a: Floats, radius: Floats | None = None) -> Floats:
+        """R at the profile's parameter a, m, of a sleeve of that radius (m), by default the nominal one.
 
         With R_c = 1/kappa_C - q': R_c R_p/(R_c + R_p) = r (1 - q' kappa_C)/(1 + (r - q') kappa_C).
         """
         gear, kappa = self.scene.gear, self.curve.curvature(a)
         r, q = gear.external_sleeve_radius_m if radius is None else radius, gear.edge_offset_m
-        return np.asarray(self.stiffness_factor * np.sqrt(r * (1.0 - q * kappa) / (1.0 + (r - q) * kappa)))
+        return np.asarray(r * (1.0 - q * kappa) / (1.0 + (r - q) * kappa))
+
+    def profile_stiffness(self, a: Floats, radius: Floats | None = None) -> Floats:
+        """K there, N/m^1.5."""
+        return np.asarray(self.stiffness_factor * np.sqrt(self.profile_radius(a, radius)))
+
+    def _profile_radius_slope(self, a: Floats, radius: Floats, signed: Floats) -> Floats:
+        """dR/ds of sleeves whose centres lie `signed` (m) outside of the curve; no unit.
+
+        dR/d kappa = -(r/(1 + (r - q') kappa))^2. With da the centre moves by |C'| (1 + signed kappa) along the curve, and
+        t = R90 n, n = -outward, points against it.
+        """
+        kappa, q = self.curve.curvature(a), self.scene.gear.edge_offset_m
+        by_kappa = -((radius / (1.0 + (radius - q) * kappa)) ** 2)
+        return np.asarray(-by_kappa * self.curve.curvature_slope(a) / (self.curve.speed(a) * (1.0 + signed * kappa)))
 
     def contacts(self, states: Floats) -> Contacts:
         """The touching pairs of states (n, bodies, 6)."""
         outer = self._touching_profile(states)
         inner = self._touching_holes(states)
-        state, wheel, sleeve, point, normal, delta, stiffness = (
+        state, wheel, sleeve, point, normal, delta, effective, effective_slope = (
             np.concatenate(pair) for pair in zip(outer, inner, strict=True)
         )
         order = np.lexsort((sleeve, wheel, state))
-        state, wheel, sleeve = state[order], wheel[order], sleeve[order]
-        point, normal, delta, stiffness = point[order], normal[order], delta[order], stiffness[order]
+        state, wheel, sleeve, point, normal = state[order], wheel[order], sleeve[order], point[order], normal[order]
+        delta, effective, effective_slope = delta[order], effective[order], effective_slope[order]
         v_rel = velocity_at(states[state, sleeve], point) - velocity_at(states[state, wheel], point)
         relative = v_rel * np.conj(normal)
         v_n, v_t = relative.real, relative.imag
         contact = self.scene.contact
+        in_hole = sleeve >= self.layout.internal_bodies.start
+        stiffness = np.where(in_hole, self.hole_stiffness_factor, self.stiffness_factor) * np.sqrt(effective)
         ramp = np.clip(delta / contact.ramp_m, 0.0, 1.0)
-        normal_force = np.maximum(0.0, ramp * (stiffness * delta**1.5 + contact.damping_n_s_m * v_n))
+        damping = contact.damping_n_s_m * v_n
+        if self._line is None:
+            elastic, along = stiffness * delta**1.5, np.zeros_like(delta)
+            normal_force = np.maximum(0.0, ramp * (elastic + damping))
+            above = 1.5 * stiffness * np.sqrt(delta)
+            slope = np.where(delta < contact.ramp_m, 2.5 * elastic / contact.ramp_m, above)
+        else:
+            own = np.concatenate([self._outer_radii, self._inner_radii])[sleeve - self.layout.external_bodies.start]
+            elastic, slope = self._line.force_and_slope(delta, effective, own)
+            along = self._line.along_n(elastic, effective, effective_slope)
+            normal_force = np.maximum(0.0, elastic + ramp * damping)
         slide = np.clip(v_t / contact.friction_ramp_m_s, -1.0, 1.0)
         friction = -contact.friction_coefficient * normal_force * slide
-        return Contacts(state, wheel, sleeve, point, normal, delta, v_n, v_t, stiffness, normal_force, friction)
+        return Contacts(
+            state, wheel, sleeve, point, normal, delta, v_n, v_t, stiffness, normal_force, friction, along, slope
+        )
 
     def loads(self, states: Floats) -> Floats:
         """Loads (n, bodies, 3) = fx, fy, moment about the centre of mass, of states (n, bodies, 6)."""
@@ -168,8 +221,9 @@ class ContactLaw:
         A penetration is the difference of lengths of about the pitch radius, so it is known to their unit in the last place
         (1.4e-17 m), however small it is itself; the normal force follows with its slope. Friction below its ramp follows the
         sliding rate, a difference of speeds of up to R times the greatest rate, in the same way. With points detection the
-        stiffness follows a curvature through three of them. Two implementations that differ by more than a few of these do
-        not compute the same law.
+        stiffness follows a curvature through three of them. A force along the profile goes with the square of the force at
+        rest, which rises by at most 1.4 shares as the penetration does by one. Two implementations that differ by more than
+        a few of these do not compute the same law.
         """
         states = np.asarray(states, dtype=np.float64)
         bound = np.zeros(states.shape[0])
@@ -178,13 +232,12 @@ class ContactLaw:
             part = states[start : start + STATES_AT_ONCE]
             found = self.contacts(part)
             delta, damping = found.penetration_m, contact.damping_n_s_m * np.abs(found.normal_rate_m_s)
-            above = 1.5 * found.stiffness * np.sqrt(delta)
-            below = (2.5 * found.stiffness * delta**1.5 + damping) / contact.ramp_m
-            length = np.spacing(reach) * np.where(delta < contact.ramp_m, below, above)
+            length = np.spacing(reach) * (found.slope_n_m + np.where(delta < contact.ramp_m, damping / contact.ramp_m, 0.0))
             speed = np.spacing(reach * np.max(np.abs(part[..., 5]), axis=1))[found.state]
             friction = contact.friction_coefficient * found.normal_force_n / contact.friction_ramp_m_s
             force = length * (1.0 + contact.friction_coefficient) + speed * (friction + contact.damping_n_s_m)
             force += self._stiffness_rounding * found.normal_force_n
+            force += np.spacing(reach) * 2.8 * np.abs(found.along_force_n) / delta
             bound[start : start + STATES_AT_ONCE] = np.bincount(found.state, force, part.shape[0])
         return bound
 
@@ -206,16 +259,18 @@ class ContactLaw:
 
     def _add_loads(self, states: Floats, loads: Floats) -> None:
         found = self.contacts(states)
-        force = found.force_on_sleeve_n
+        at_point, at_centre = found.force_on_sleeve_n, found.force_on_centre_n
         count, bodies = states.shape[0], states.shape[1]
-        for body, acting in ((found.sleeve, force), (found.wheel, -force)):
+        middle = states[found.state, found.sleeve, 0] + 1j * states[found.state, found.sleeve, 1]
+        for body, sign in ((found.sleeve, 1.0), (found.wheel, -1.0)):
             centre = states[found.state, body, 0] + 1j * states[found.state, body, 1]
-            moment = np.imag(np.conj(found.point_m - centre) * acting)
+            moment = sign * np.imag(np.conj(found.point_m - centre) * at_point + np.conj(middle - centre) * at_centre)
+            acting = sign * (at_point + at_centre)
             slot = found.state * bodies + body
             for column, value in enumerate((acting.real, acting.imag, moment)):
                 loads[:, :, column] += np.bincount(slot, value, count * bodies).reshape(count, bodies)
 
-    def _touching_profile(self, states: Floats) -> tuple[Ints, Ints, Ints, Points, Points, Floats, Floats]:
+    def _touching_profile(self, states: Floats) -> Pairs:
         """External sleeves against the wheels' profiles."""
         state, wheel, sleeve, local, turn = self._sleeves_in_wheel_frame(states, *self._outer)
         radius = self._outer_radii[sleeve - self.layout.external_bodies.start]
@@ -236,17 +291,16 @@ class ContactLaw:
         kept = np.nonzero(within)[0]
         feet = [self._on_edge(p[kept], a[kept], radius[kept]) for p, a in at]
         found = feet[0] if len(feet) == 1 else self._on_flanks(local[kept], radius[kept], feet)
-        point, normal, delta, stiffness = found
-        return _on_ground(states, kept, state, wheel, sleeve, turn, point, normal, delta, stiffness)
+        return _on_ground(states, kept, state, wheel, sleeve, turn, found)
 
-    def _on_flanks(self, local: Points, radius: Floats, feet: list[Contact]) -> Contact:
+    def _on_flanks(self, local: Points, radius: Floats, feet: list[Touch]) -> Touch:
         """What touches, of the feet on either turned wheel: the nearer one on the edge of their common part, or its corner.
 
         Counter-clockwise of a lobe's middle that edge is the wheel's that is turned clockwise.
         """
         zs = self.curve.lobes
         turned = zip(feet, self._flanks, strict=True)
-        sides = [(point * flank, normal * flank, delta, stiffness) for (point, normal, delta, stiffness), flank in turned]
+        sides = [(point * flank, normal * flank, *rest) for (point, normal, *rest), flank in turned]
         on_edge = [sign * np.sin(zs * np.angle(side[0])) >= 0.0 for side, sign in zip(sides, (-1.0, 1.0), strict=True)]
         second = on_edge[1] & (~on_edge[0] | (sides[1][2] > sides[0][2]))
         number = np.rint(np.angle(local) * zs / math.pi)
@@ -256,12 +310,12 @@ class ContactLaw:
         apart = np.abs(corner - local)
         with np.errstate(divide="ignore", invalid="ignore"):
             normal = (corner - local) / apart
-        last = (corner, normal, radius - apart, self.profile_stiffness(a, radius))
+        last = (corner, normal, radius - apart, self.profile_radius(a, radius), np.zeros_like(radius))
         none = ~(on_edge[0] | on_edge[1])
-        point, normal, delta, stiffness = (
+        point, normal, delta, effective, slope = (
             np.where(none, end, np.where(second, other, one)) for one, other, end in zip(*sides, last, strict=True)
         )
-        return point, normal, delta, stiffness
+        return point, normal, delta, effective, slope
 
     def _corners(self) -> list[float]:
         """The curve's parameters at which the edge stands delta beyond the middle of a lobe, and of a pit."""
@@ -279,21 +333,22 @@ class ContactLaw:
             found.append(high)
         return found
 
-    def _on_edge(self, local: Points, a: Floats, radius: Floats) -> Contact:
-        """W, n, delta and K of sleeves centred at `local`; `a`: the curve's parameter at their polar angles."""
+    def _on_edge(self, local: Points, a: Floats, radius: Floats) -> Touch:
+        """W, n, delta, R and dR/ds of sleeves centred at `local`; `a`: the curve's parameter at their polar angles."""
         if self.points:
             vertex, apart = nearest_vertex(local, self._profile)
             point, softness = self._profile[vertex], 1.0 + radius * self._profile_curvature[vertex]
             with np.errstate(divide="ignore", invalid="ignore"):
                 normal = (point - local) / apart
-                stiffness = self.stiffness_factor * np.sqrt(radius / softness)
-            return point, normal, radius - apart, stiffness
+            return point, normal, radius - apart, radius / softness, np.zeros_like(radius)
         q = self.scene.gear.edge_offset_m
         a, signed = self.curve.closest(local, a)
         outward = self.curve.normal(a)
-        return self.curve.point(a) - q * outward, -outward, (radius - q) - signed, self.profile_stiffness(a, radius)
+        effective = self.profile_radius(a, radius)
+        slope = np.zeros_like(radius) if self._line is None else self._profile_radius_slope(a, radius, signed)
+        return self.curve.point(a) - q * outward, -outward, (radius - q) - signed, effective, slope
 
-    def _touching_holes(self, states: Floats) -> tuple[Ints, Ints, Ints, Points, Points, Floats, Floats]:
+    def _touching_holes(self, states: Floats) -> Pairs:
         """Internal sleeves against the holes."""
         state, wheel, sleeve, local, turn = self._sleeves_in_wheel_frame(states, *self._inner)
         which_wheel = wheel - self.layout.wheel_bodies.start
@@ -316,8 +371,8 @@ class ContactLaw:
             normal = from_centre / away
             point = hole + rim * normal
             delta = radius - (rim - away)
-        stiffness = self._hole_stiffness(rim, radius)
-        return _on_ground(states, kept, state, wheel, sleeve, turn, point, normal, delta, stiffness)
+        touch = point, normal, delta, _radius_in_hole(rim, radius), np.zeros_like(radius)
+        return _on_ground(states, kept, state, wheel, sleeve, turn, touch)
 
     @staticmethod
     def _sleeves_in_wheel_frame(states: Floats, wheels: Ints, sleeves: Ints) -> tuple[Ints, Ints, Ints, Points, Points]:
@@ -331,25 +386,20 @@ class ContactLaw:
         return state, wheel, sleeve, local, turn
 
 
-def _on_ground(
-    states: Floats,
-    kept: Ints,
-    state: Ints,
-    wheel: Ints,
-    sleeve: Ints,
-    turn: Points,
-    point: Points,
-    normal: Points,
-    delta: Floats,
-    stiffness: Floats,
-) -> tuple[Ints, Ints, Ints, Points, Points, Floats, Floats]:
+def _radius_in_hole(hole: Floats, sleeve: Floats) -> Floats:
+    """R of sleeves in holes, m: R_c is minus the hole's radius."""
+    return np.asarray(-hole * sleeve / (sleeve - hole))
+
+
+def _on_ground(states: Floats, kept: Ints, state: Ints, wheel: Ints, sleeve: Ints, turn: Points, touch: Touch) -> Pairs:
     """Turns the touching pairs among `kept` from the wheel's frame into the ground's."""
+    point, normal, delta, effective, slope = touch
     touching = delta > 0.0
     pair = kept[touching]
     state, wheel, sleeve, turn = state[pair], wheel[pair], sleeve[pair], turn[pair]
     centre = states[state, wheel, 0] + 1j * states[state, wheel, 1]
     ground = centre + point[touching] * turn
-    return state, wheel, sleeve, ground, normal[touching] * turn, delta[touching], stiffness[touching]
+    return state, wheel, sleeve, ground, normal[touching] * turn, delta[touching], effective[touching], slope[touching]
 
 
 def velocity_at(body: Floats, point: Points) -> Points:

@@ -197,6 +197,36 @@ class Drive(Table):
 
 
 @dataclass(frozen=True)
+class Contact(Table):
+    """Contact law (Eq. 20-24) and detection. Keys that a scene leaves to others say what they stand for then."""
+
+    def _given(self, key: str, other: Any) -> Any:
+        found = self._keys.get(key)
+        return other if found is None else found
+
+    @property
+    def pin_young_pa(self) -> float:
+        """E of the sleeves, Pa; as the wheels'."""
+        return float(self._given("pin_young_pa", self.young_pa))
+
+    @property
+    def pin_poisson(self) -> float:
+        """Poisson's ratio of the sleeves; as the wheels'."""
+        return float(self._given("pin_poisson", self.poisson))
+
+    @property
+    def internal_stiffness_multiplier(self) -> float:
+        """H of the internal contacts, of laws of balls; as the external ones'."""
+        return float(self._given("internal_stiffness_multiplier", self.stiffness_multiplier))
+
+    @property
+    def disc_depth_m(self) -> float | None:
+        """How deep a wheel is behind a contact, m; None: the wall between a hole and the profile."""
+        found = self._keys.get("disc_depth_m")
+        return None if found is None else float(found)
+
+
+@dataclass(frozen=True)
 class Solver(Table):
     """Formulation, integrator, sampling. Foreign engines take the step, the duration and the sampling."""
 
@@ -219,7 +249,7 @@ class Scene:
     gear: Gear
     mass: Masses
     drive: Drive
-    contact: Table
+    contact: Contact
     solver: Solver
 
     @staticmethod
@@ -246,7 +276,7 @@ class Scene:
             Gear(*keys("gear")),
             Masses(*keys("mass")),
             Drive(*keys("drive")),
-            Table(*keys("contact")),
+            Contact(*keys("contact")),
             Solver(*keys("solver")),
         )
 

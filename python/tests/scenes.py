@@ -51,6 +51,7 @@ hole_radius_m = {[3e-6 * math.sin(23 * k) for k in range(16)]}
 eccentricity_m = [4e-6, -3e-6]
 phase_rad = [3e-4, -5e-4]
 """
+LINE = '[contact]\nlaw = "line-hertz"\npin_young_pa = 1.1e11\npin_poisson = 0.25\nfriction_coefficient = 0.1\n'
 
 ALL = {
     "paper": "",
@@ -61,6 +62,7 @@ ALL = {
     "one-wheel": ONE_WHEEL,
     "modified": MODIFIED,
     "errors": ERRORS,
+    "line": LINE,
 }
 
 

@@ -1,13 +1,25 @@
 """The contact law against its own definitions: rates by finite differences, balance, hand calculations, convergence."""
 
+import csv
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from pinwheel_engines import ContactLaw, SceneError, Unsupported, evaluate
 from pinwheel_engines.layout import Kinematics
+from pinwheel_engines.line_hertz import LineHertz, disc_depth_m, wall_m
 from tests import scenes
+
+VECTORS = Path(__file__).parents[2] / "reference/law-vectors"
+
+
+def vectors(file, case):
+    """Columns of the rows of a case."""
+    with (VECTORS / file).open(encoding="utf-8", newline="") as text:
+        rows = [row for row in csv.DictReader(text) if row["case"] == case]
+    return {key: np.array([float(row[key]) for row in rows]) for key in rows[0] if key != "case"}
 
 
 @pytest.mark.parametrize("name", scenes.ALL)
@@ -26,7 +38,7 @@ def test_forces_and_moments_balance(name):
     assert np.all(loads[:, :2] == 0.0)
 
 
-@pytest.mark.parametrize("name", ["paper", "backlash", "points", "eleven", "one-wheel"])
+@pytest.mark.parametrize("name", ["paper", "backlash", "points", "eleven", "one-wheel", "line"])
 def test_normal_rate_is_the_rate_of_penetration(name):
     scene = scenes.scene(scenes.ALL[name])
     law = ContactLaw(scene)
@@ -115,7 +127,7 @@ def test_a_batch_gives_the_bits_of_single_states(name):
         np.testing.assert_allclose(law.loads(states[i : i + 1])[0], together[i], rtol=0, atol=1e-10)
 
 
-@pytest.mark.parametrize("name", ["paper", "friction", "backlash", "eleven", "one-wheel"])
+@pytest.mark.parametrize("name", ["paper", "friction", "backlash", "eleven", "one-wheel", "line"])
 def test_rounding_stays_within_its_bound(name):
     scene = scenes.scene(scenes.ALL[name])
     law = ContactLaw(scene)
@@ -173,3 +185,121 @@ def test_points_without_a_stiffness_are_refused(monkeypatch):
 def test_other_laws_are_refused(text):
     with pytest.raises(Unsupported, match="knows only"):
         ContactLaw(scenes.scene(text))
+
+
+def test_known_laws_are_listed():
+    with pytest.raises(Unsupported, match="knows only paper, line-hertz"):
+        ContactLaw(scenes.scene('[contact]\nlaw = "constant"'))
+
+
+def test_line_contacts_at_points_are_refused():
+    with pytest.raises(Unsupported, match="exact"):
+        ContactLaw(scenes.scene(scenes.POINTS + 'law = "line-hertz"\n'))
+
+
+@pytest.mark.parametrize("law", ["paper", "line-hertz"])
+def test_the_published_vectors(law):
+    # Forces, forces along the profile and loads of the library, at the states that it publishes.
+    scene = scenes.scene(f'[contact]\nlaw = "{law}"')
+    bodies, wanted = vectors("bodies.csv", f"law-{law}"), vectors("contacts.csv", f"law-{law}")
+    columns = ("x_m", "y_m", "angle_rad", "vx_m_s", "vy_m_s", "rate_rad_s")
+    states = np.stack([bodies[name] for name in columns], axis=-1)[None]
+    numpy_law = ContactLaw(scene)
+    found = numpy_law.contacts(states)
+    np.testing.assert_array_equal(found.wheel - 2, wanted["wheel"])
+    np.testing.assert_array_equal(found.sleeve, wanted["sleeve_body"])
+    largest = np.abs(wanted["normal_force_n"]).max()
+    # Measured 4.2e-12 at most: penetrations are known to 1.4e-17 m.
+    assert np.abs(found.normal_force_n - wanted["normal_force_n"]).max() < 1e-11 * largest
+    assert np.abs(found.friction_force_n - wanted["friction_force_n"]).max() < 1e-11 * largest
+    along = np.abs(wanted["along_force_n"]).max()
+    assert (along > 5e-4 * largest) == (law == "line-hertz")
+    assert np.abs(found.along_force_n - wanted["along_force_n"]).max() <= 1e-11 * along
+    np.testing.assert_allclose(found.stiffness, wanted["stiffness_n_m15"], rtol=1e-12)
+    loads = numpy_law.loads(states)[0]
+    for column, name in enumerate(("force_x_n", "force_y_n", "moment_n_m")):
+        assert np.abs(loads[:, column] - bodies[name]).max() < 1e-11 * np.abs(bodies[name]).max()
+
+
+@pytest.mark.parametrize("text", ["", scenes.MODIFIED, scenes.ERRORS])
+def test_line_forces_come_from_an_energy(text):
+    # The force field over the places of one sleeve, the rest held, has no curl: dFx/dy = dFy/dx.
+    scene = scenes.scene(text).with_keys("contact", law="line-hertz", pin_young_pa=5e10, damping_n_s_m=0.0)
+    law, h, curls = ContactLaw(scene), 1e-9, []
+    for state in scenes.random_states(scene, 6, seed=3, spread_rad=1e-3):
+        here = law.contacts(state[None])
+        for sleeve in np.unique(here.sleeve[here.sleeve < law.layout.internal_bodies.start]):
+            if here.penetration_m[here.sleeve == sleeve].min() < 1e-5:
+                continue
+            moved = np.repeat(state[None], 4, axis=0)
+            for row, (axis, way) in enumerate(((0, h), (0, -h), (1, h), (1, -h))):
+                moved[row, sleeve, axis] += way
+            force = law.loads(moved)[:, sleeve, :2]
+            by_x, by_y = (force[0] - force[1]) / (2.0 * h), (force[2] - force[3]) / (2.0 * h)
+            curls.append((by_y[0] - by_x[1]) / max(np.abs(by_x).max(), np.abs(by_y).max()))
+    assert len(curls) > 5
+    # Measured 1.3e-8, which is rounding; 1e-2 without the force along the profile, twice that with its sign turned.
+    assert np.abs(curls).max() < 1e-7
+
+
+def test_line_contacts_follow_the_approach():
+    # A force found from a depth presses the bodies in by that depth, up to where they are a spring.
+    line = LineHertz(3e-8, 5e-8, 0.3, 0.01)
+    radius, sleeve = np.full(40, 0.02), np.full(40, 0.006)
+    depth = np.geomspace(1e-12, 2e-4, 40)
+    force, slope = line.force_and_slope(depth, radius, sleeve)
+    approach = line.approach_m(force, radius, sleeve)
+    np.testing.assert_allclose(approach, depth, rtol=1e-14)
+    h = 1e-5
+    more, less = (line.force_and_slope(depth * by, radius, sleeve)[0] for by in (1.0 + h, 1.0 - h))
+    np.testing.assert_allclose((more - less) / (2.0 * h * depth), slope, rtol=1e-8)
+    deep, secant = line.force_and_slope(np.array([1.0, 2.0]), radius[:2], sleeve[:2])
+    assert deep[1] == pytest.approx(2.0 * deep[0], rel=1e-14)
+    np.testing.assert_allclose(secant, deep[0], rtol=1e-14)
+
+
+def test_wall_of_the_paper():
+    # The thinnest place of 16 holes among 15 lobes, by looking at the edge everywhere.
+    scene = scenes.scene()
+    law = ContactLaw(scene)
+    a = np.linspace(0.0, 2.0 * math.pi, 400_001)
+    edge = law.curve.point(a) - scene.gear.edge_offset_m * law.curve.normal(a)
+    apart = min(np.abs(edge - centre).min() for centre in law._holes.ravel())
+    assert wall_m(scene.gear) == pytest.approx(apart - scene.gear.hole_radius_m, abs=1e-9)
+
+
+def test_the_wall_is_the_depth_where_a_scene_has_none():
+    plain = scenes.scene('[contact]\nlaw = "line-hertz"')
+    states = scenes.random_states(plain, 5)
+    loads = evaluate(plain, states)
+    assert np.array_equal(loads, evaluate(plain.with_keys("contact", disc_depth_m=wall_m(plain.gear)), states))
+    # A deeper disc gives way by more.
+    deeper = evaluate(plain.with_keys("contact", disc_depth_m=0.02, damping_n_s_m=0.0), states)
+    still = evaluate(plain.with_keys("contact", damping_n_s_m=0.0), states)
+    assert 0.8 < np.abs(deeper).max() / np.abs(still).max() < 0.95
+    # Holes that leave the wheel leave half a sleeve's radius.
+    leaving = plain.with_keys("gear", internal_circle_radius_m=0.06)
+    assert disc_depth_m(leaving.gear, leaving.contact) == 0.003
+
+
+def test_pins_of_another_material():
+    # Steel discs on pins half as stiff: h_c + h_p is three halves of what it was.
+    steel = ContactLaw(scenes.scene())
+    soft = ContactLaw(scenes.scene("[contact]\npin_young_pa = 1e11\npin_poisson = 0.3"))
+    assert soft.stiffness_factor == pytest.approx(steel.stiffness_factor / 1.5, rel=1e-15)
+    assert soft.hole_stiffness == pytest.approx(steel.hole_stiffness / 1.5, rel=1e-15)
+
+
+def test_internal_contacts_of_another_stiffness():
+    text = "[contact]\ndamping_n_s_m = 0.0\n"
+    one, other = scenes.scene(text), scenes.scene(text + "internal_stiffness_multiplier = 0.03\n")
+    both = scenes.scene(text + "stiffness_multiplier = 0.03\n")
+    states = scenes.random_states(one, 5)
+    a, b, c = (ContactLaw(scene).contacts(states) for scene in (one, other, both))
+    inner = a.sleeve >= ContactLaw(one).layout.internal_bodies.start
+    np.testing.assert_array_equal(b.normal_force_n, np.where(inner, c.normal_force_n, a.normal_force_n))
+    np.testing.assert_array_equal(b.stiffness, np.where(inner, c.stiffness, a.stiffness))
+    assert ContactLaw(other).hole_stiffness == pytest.approx(3.0 * ContactLaw(one).hole_stiffness, rel=1e-15)
+    # It is of balls; rollers have one H.
+    one, other = (scene.with_keys("contact", law="line-hertz") for scene in (one, other))
+    assert np.array_equal(evaluate(one, states), evaluate(other, states))

@@ -159,11 +159,6 @@ pub struct Figures {
     /// Why there is no efficiency, or why it is above 1.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub efficiency_reason: Option<String>,
-    /// The efficiency with the energy that nothing accounts for added to the power in: efficiency / (1 + remainder /
-    /// driver's work). Where a contact law creates energy this is the efficiency of the gear. `None` without an
-    /// energy account.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub efficiency_accounted: Option<f64>,
 }
 
 /// A verdict on one engine alone.

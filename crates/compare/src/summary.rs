@@ -158,26 +158,36 @@ fn figures(
         })
         .collect();
     let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
-    let (efficiency, efficiency_reason) = match efficiency(participant, window, samples, judge) {
-        Ok(efficiency) if efficiency > 1.0 && created.is_none() => {
-            (Some(efficiency), Some(ABOVE_ONE.to_owned()))
-        }
-        Ok(efficiency) => (Some(efficiency), None),
-        Err(reason) => (None, reason.map(str::to_owned)),
+    let works = efficiency(participant, window, samples, judge);
+    let accounted = works.ok().zip(created);
+    let accounted = accounted.map(|(works, created)| works / (1.0 + created));
+    let (efficiency, efficiency_reason) = match (works, created) {
+        (Err(reason), _) => (None, reason.map(str::to_owned)),
+        (Ok(_), Some(created)) if created.abs() > CREATED => (
+            None,
+            Some(format!(
+                "not defined: the contact law {} {:.2} % of the power",
+                if created > 0.0 { "creates" } else { "destroys" },
+                100.0 * created.abs()
+            )),
+        ),
+        (Ok(_), _) if judge.context.friction_coefficient == 0.0 => (None, Some(SMOOTH.to_owned())),
+        (Ok(works), None) if works > 1.0 => (None, Some(ABOVE_ONE.to_owned())),
+        (Ok(works), _) => (accounted.or(Some(works)).map(|share| share.min(1.0)), None),
     };
     Figures {
         window: window.kind,
         efficiency,
         efficiency_reason,
-        efficiency_accounted: efficiency
-            .zip(created)
-            .map(|(efficiency, created)| efficiency / (1.0 + created))
-            .filter(|e| e.is_finite()),
         quantities: statistics,
     }
 }
 
-/// What is said of an efficiency above 1 by an engine without an energy account.
+/// Share of the power from which a law that creates or destroys it leaves no efficiency to speak of.
+const CREATED: f64 = 1e-3;
+/// Why a scene without friction has none.
+const SMOOTH: &str = "no loss modelled: nothing rubs in this scene";
+/// Why an engine without an energy account has none above 1.
 const ABOVE_ONE: &str =
     "above 1: what the contact law creates is in it, and this engine keeps no account of that";
 

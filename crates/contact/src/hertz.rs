@@ -9,37 +9,111 @@
 
 use pinwheel_faults::{Fault, factor};
 
+/// What elastic contacts know of a body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Young's modulus, Pa.
+    pub young: f64,
+    /// Poisson's ratio.
+    pub poisson: f64,
+}
+
+impl Material {
+    /// h = (1 - nu^2)/(pi E), 1/Pa.
+    #[must_use]
+    pub fn compliance(&self) -> f64 {
+        (1.0 - self.poisson * self.poisson) / (std::f64::consts::PI * self.young)
+    }
+}
+
 /// K as a function of the effective radius.
 ///
 /// ```
-/// use pinwheel_contact::HertzStiffness;
+/// use pinwheel_contact::{HertzStiffness, Material};
 ///
-/// let steel = HertzStiffness::new(2e11, 0.3, 1.0);
+/// let steel = Material { young: 2e11, poisson: 0.3 };
+/// let k = HertzStiffness::new(steel, steel, 1.0);
 /// // A sleeve of 6 mm in a hole of 8.8 mm is stiffer than one on a plane: R_c R_p/(R_c + R_p) is 18.9 mm and not 6 mm.
-/// let ratio = steel.of_hole(0.006, 0.0088) / steel.of_edge(0.006, 0.006, 0.0);
+/// let ratio = k.of_hole(0.006, 0.0088) / k.on_flat(0.006);
 /// assert!((ratio - (0.0088_f64 / 0.0028).sqrt()).abs() < 1e-12);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HertzStiffness {
     coefficient: f64,
+    /// Sleeve radius and power, of laws that a sleeve's radius enters beside R.
+    sleeve: Option<(f64, f64)>,
+    /// Factor in holes.
+    internal: f64,
+    /// External and internal, of laws that curvature does not enter.
+    stages: Option<[f64; 2]>,
 }
 
 impl HertzStiffness {
-    /// Both bodies of one material: Young's modulus (Pa), Poisson's ratio, multiplier H.
+    /// Materials of sleeve and wheel, and the multiplier H.
     #[must_use]
-    pub fn new(young: f64, poisson: f64, multiplier: f64) -> Self {
+    pub fn new(sleeve: Material, wheel: Material, multiplier: f64) -> Self {
         let multiplier = multiplier * factor(Fault::Stiffness, 1.01);
-        let h = (1.0 - poisson * poisson) / (std::f64::consts::PI * young);
+        let h = sleeve.compliance() + wheel.compliance();
         Self {
-            coefficient: 4.0 * multiplier / (3.0 * std::f64::consts::PI * 2.0 * h),
+            coefficient: 4.0 * multiplier / (3.0 * std::f64::consts::PI * h),
+            sleeve: None,
+            internal: 1.0,
+            stages: None,
         }
     }
 
-    /// K, N/m^1.5, for R_c R_p/(R_c + R_p) = `radius`, m (> 0).
+    /// With a factor on K in holes.
+    #[must_use]
+    pub fn with_internal(self, internal: f64) -> Self {
+        Self { internal, ..self }
+    }
+
+    /// K of external and internal sleeves, whatever their radii.
+    #[must_use]
+    pub fn of_stages(self, stages: [f64; 2]) -> Self {
+        Self {
+            stages: Some(stages),
+            ..self
+        }
+    }
+
+    /// Whether K changes with the curvature.
+    #[must_use]
+    pub fn is_curved(&self) -> bool {
+        self.stages.is_none()
+    }
+
+    /// With a factor (`radius`/sleeve)^`power` on K: sleeves of that radius (m) have Hertz's.
+    #[must_use]
+    pub fn with_sleeve(self, radius: f64, power: f64) -> Self {
+        Self {
+            sleeve: Some((radius, power)),
+            ..self
+        }
+    }
+
+    /// K/sqrt(R), N/m^2.
+    #[must_use]
+    pub fn coefficient(&self) -> f64 {
+        self.coefficient
+    }
+
+    /// K, N/m^1.5, of a sleeve of radius `sleeve` where R_c R_p/(R_c + R_p) = `radius`, m (both > 0).
     #[must_use]
     #[inline]
-    pub fn of_radius(&self, radius: f64) -> f64 {
-        self.coefficient * radius.sqrt()
+    pub fn of(&self, sleeve: f64, radius: f64) -> f64 {
+        let k = self.coefficient * radius.sqrt();
+        match (self.stages, self.sleeve) {
+            (Some([external, _]), _) => external,
+            (None, Some((usual, power))) if sleeve != usual => k * (usual / sleeve).powf(power),
+            _ => k,
+        }
+    }
+
+    /// K of a sleeve on a flat.
+    #[must_use]
+    pub fn on_flat(&self, sleeve: f64) -> f64 {
+        self.of(sleeve, sleeve)
     }
 
     /// K of a sleeve of radius `sleeve` on the inward offset by `offset` of a curve that bends by `kappa`: with
@@ -47,13 +121,17 @@ impl HertzStiffness {
     #[must_use]
     #[inline]
     pub fn of_edge(&self, sleeve: f64, offset: f64, kappa: f64) -> f64 {
-        self.of_radius(sleeve * (1.0 - offset * kappa) / (1.0 + (sleeve - offset) * kappa))
+        let radius = sleeve * (1.0 - offset * kappa) / (1.0 + (sleeve - offset) * kappa);
+        self.of(sleeve, radius)
     }
 
     /// K of a sleeve of radius `sleeve` in a hole of radius `hole` (R_c = -hole).
     #[must_use]
     pub fn of_hole(&self, sleeve: f64, hole: f64) -> f64 {
-        self.of_radius(hole * sleeve / (hole - sleeve))
+        match self.stages {
+            Some([_, internal]) => internal,
+            None => self.internal * self.of(sleeve, hole * sleeve / (hole - sleeve)),
+        }
     }
 }
 
@@ -64,7 +142,11 @@ mod tests {
 
     #[test]
     fn profile_form_is_equation_23() {
-        let steel = HertzStiffness::new(2.0e11, 0.3, 0.01);
+        let steel = Material {
+            young: 2.0e11,
+            poisson: 0.3,
+        };
+        let steel = HertzStiffness::new(steel, steel, 0.01);
         let (q, kappa): (f64, f64) = (0.006, 65.96);
         let rc: f64 = 1.0 / kappa - q;
         let h: f64 = 0.91 / (std::f64::consts::PI * 2.0e11);
@@ -76,7 +158,7 @@ mod tests {
         assert_relative_eq!(steel.of_edge(rp, q, kappa), k, max_relative = 1e-14);
         assert_relative_eq!(
             steel.of_hole(0.006, 0.0088),
-            steel.of_radius(0.018_857_142_857_142_857),
+            steel.of(0.006, 0.018_857_142_857_142_857),
             max_relative = 1e-14
         );
     }

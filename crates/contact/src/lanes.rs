@@ -282,6 +282,50 @@ impl<S: Simd> Real for Lanes<S> {
         self
     }
 
+    /// To 2 units of the last place: exponent and mantissa m in [1/sqrt 2, sqrt 2] by integers, then
+    /// ln m = 2 artanh((m - 1)/(m + 1)).
+    #[inline(always)]
+    fn ln(mut self) -> Self {
+        const MANTISSA: u64 = (1 << 52) - 1;
+        // The exponent stands 20 bits up in the upper half; there the lowest bit of a number of 2^20 is 1.
+        const UNIT: f64 = 1_048_576.0;
+        const UPPER: u64 = 0x7ff << 32;
+        // 32 bits, so that multiples of it are exact, and the rest.
+        const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
+        if const { size_of::<S::u32s>() != size_of::<S::f64s>() } {
+            for x in self.as_mut_slice() {
+                *x = x.ln();
+            }
+            return self;
+        }
+        let c = |x: f64| self.like(x);
+        let bits = |x: u64| self.simd.splat_f64s(f64::from_bits(x));
+        let (upper, unit) = (bits(UPPER), bits(UNIT.to_bits()));
+        let (mantissa, one) = (bits(MANTISSA), bits(1.0_f64.to_bits()));
+        let twenty = self.simd.splat_u32s(20);
+        let exponent = both!(self, k, {
+            let moved = self.simd.wrapping_dyn_shr_u32s(cast(self.v[k]), twenty);
+            self.simd
+                .or_f64s(self.simd.and_f64s(cast(moved), upper), unit)
+        }) - c(UNIT + 1023.0);
+        let m = both!(self, k, {
+            self.simd
+                .or_f64s(self.simd.and_f64s(self.v[k], mantissa), one)
+        });
+        let large = c(std::f64::consts::SQRT_2).less(m);
+        let m = (m * c(0.5)).or_where(large, m);
+        let exponent = (exponent + c(1.0)).or_where(large, exponent);
+        let s = (m - c(1.0)) / (m + c(1.0));
+        let s2 = s * s;
+        let mut series = c(1.0 / 21.0);
+        for k in 1..10 {
+            series = series.mul_add(s2, c(1.0 / f64::from(21 - 2 * k)));
+        }
+        let s = s + s;
+        let low = exponent.mul_add(c(LN_2[1]), s * s2 * series);
+        exponent.mul_add(c(LN_2[0]), s + low)
+    }
+
     #[inline(always)]
     fn max(self, other: Self) -> Self {
         both!(self, k, self.simd.max_f64s(self.v[k], other.v[k]))

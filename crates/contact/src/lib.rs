@@ -27,7 +27,7 @@
 //! A sleeve pressed 20 um into the tip of a lobe of the paper's wheel (e = 2.8 mm, zk = 16, m = 0.7), by the program and by
 //! hand:
 //! ```
-//! use pinwheel_contact::{Complex, Epitrochoid, HertzStiffness, Law, LawParameters, NormalLaw};
+//! use pinwheel_contact::{Complex, Epitrochoid, HertzStiffness, Law, LawParameters, Material, NormalLaw};
 //!
 //! let curve = Epitrochoid::new(0.0028, 16, 0.7).expect("a gear has it");
 //! // The tip is at a = 0: C = R + e = 64 + 2.8 mm on the x axis.
@@ -36,7 +36,8 @@
 //! assert!((foot.distance + 20e-6).abs() < 1e-15);
 //!
 //! // Sleeve of radius 6 mm, steel, stiffness multiplier 0.01: Eq. 23 with 1/kappa = 15.16 mm.
-//! let stiffness = HertzStiffness::new(2e11, 0.3, 0.01).of_edge(0.006, 0.006, foot.at.curvature);
+//! let steel = Material { young: 2e11, poisson: 0.3 };
+//! let stiffness = HertzStiffness::new(steel, steel, 0.01).of_edge(0.006, 0.006, foot.at.curvature);
 //! let h = (1.0 - 0.3_f64.powi(2)) / (std::f64::consts::PI * 2e11);
 //! let by_hand = 4.0 * 0.01 / (6.0 * std::f64::consts::PI * h) * (0.006_f64 * (1.0 - 0.006 / 0.015_160_7)).sqrt();
 //! assert!((stiffness / by_hand - 1.0).abs() < 1e-5);
@@ -65,7 +66,7 @@ pub use closest_lanes::{FeetLanes, LocalFeet};
 pub use complex::Complex;
 pub use epitrochoid::{CurvePoint, Epitrochoid, Foot};
 pub use friction::{AdamsFriction, Friction, RegularisedCoulomb};
-pub use hertz::HertzStiffness;
+pub use hertz::{HertzStiffness, Material};
 pub use hole::Hole;
 pub use lanes::{ComplexLanes, Lanes, Mask};
 pub use laws::{ConstantStiffness, Hysteresis, Law, LawParameters, NormalLaw, PaperLaw, Ramp};

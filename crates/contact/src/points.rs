@@ -22,7 +22,7 @@ impl Vertex {
     #[must_use]
     #[inline]
     pub fn stiffness(&self, q: f64, hertz: &HertzStiffness) -> f64 {
-        hertz.of_radius(1.0 / (self.curvature + 1.0 / q))
+        hertz.of(q, 1.0 / (self.curvature + 1.0 / q))
     }
 }
 
@@ -192,7 +192,11 @@ mod tests {
     #[test]
     fn fine_points_have_the_exact_curvature() {
         let curve = Epitrochoid::new(0.0028, 16, 0.7).unwrap();
-        let hertz = HertzStiffness::new(2e11, 0.3, 0.01);
+        let steel = crate::Material {
+            young: 2e11,
+            poisson: 0.3,
+        };
+        let hertz = HertzStiffness::new(steel, steel, 0.01);
         let points = ProfilePoints::new(&curve, 0.006, 0.006, 40_000).unwrap();
         for k in (0..40_000).step_by(97) {
             let kappa = curve

@@ -23,6 +23,10 @@ pub trait Real:
     #[must_use]
     fn powf(self, exponent: f64) -> Self;
 
+    /// Natural logarithm of a positive, normal number.
+    #[must_use]
+    fn ln(self) -> Self;
+
     /// Larger of two.
     #[must_use]
     fn max(self, other: Self) -> Self;
@@ -54,6 +58,11 @@ impl Real for f64 {
     #[inline(always)]
     fn powf(self, exponent: f64) -> Self {
         self.powf(exponent)
+    }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.ln()
     }
 
     #[inline(always)]

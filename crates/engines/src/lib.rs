@@ -29,6 +29,7 @@ mod cache;
 mod control;
 mod engine;
 pub mod external;
+mod own_contact;
 mod process;
 #[cfg(feature = "python")]
 pub mod python;
@@ -42,6 +43,7 @@ mod stopping;
 
 pub use control::{Cancelled, Control, Progress};
 pub use engine::{Ending, Engine, Halt, Knob, Prepared, Refinement, Run, RunStats, Track};
+pub use own_contact::OwnContact;
 pub use registry::{EngineInfo, Form, Native, by_name, family, info, known, registry};
 pub use stopping::stop_preparing;
 

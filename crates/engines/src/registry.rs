@@ -9,6 +9,7 @@ use pinwheel_mbs::integrators::UNSEEN;
 use pinwheel_scene::Scene;
 
 use crate::engine::{Engine, Refinement, Track};
+use crate::own_contact::OwnContact;
 pub use native::Native;
 
 /// The form of the equations that a native engine solves.
@@ -42,6 +43,8 @@ pub struct EngineInfo<'a> {
     pub floor: f64,
     /// Error that none of its coarser runs show, as a share of its tolerance.
     pub unseen: f64,
+    /// What it has in place of the scene's contact law.
+    pub own_contact: OwnContact,
     /// How far a contact model of its own is from ours.
     pub model: &'a [ModelTolerance],
     /// Whether friction is evaluated explicitly, so that it takes short steps to resolve it.
@@ -76,6 +79,7 @@ impl<'a> EngineInfo<'a> {
             refinement: None,
             floor: 0.0,
             unseen: UNSEEN,
+            own_contact: OwnContact::SceneLaw,
             model: &[],
             explicit_friction: false,
             outside: false,
@@ -180,6 +184,7 @@ pub(crate) static RAPIER_COLLIDERS: EngineInfo<'static> = EngineInfo {
     colour: Some(8),
     feature: Some("rapier"),
     stands_in: Some(2),
+    own_contact: OwnContact::Springs,
     model: model::COLLIDERS,
     differences: "Everything in contact is rapier's own. Wheels and holes are closed polylines made from Eq. 1 alone, sleeves are \
         discs, contacts come from its collision detection (of several segments that touch a sleeve only the nearest \
@@ -256,6 +261,7 @@ pub(crate) static MUJOCO_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
     package: "mujoco-core",
     digits: 6,
     stands_in: Some(1),
+    own_contact: OwnContact::Balls,
     model: model::BED,
     differences: "MuJoCo finds the contacts and computes the forces; nothing of ours runs in its step. Each wheel's \
         edge is a bed of 4000 spheres or more (seven in a loaded contact) with linear springs, which together give \
@@ -275,6 +281,7 @@ pub(crate) static EXUDYN_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
     package: "exudyn",
     digits: 6,
     stands_in: Some(0),
+    own_contact: OwnContact::Balls,
     model: model::BED,
     differences: "exudyn finds the contacts and computes the forces; nothing of ours runs in its step. Each wheel's \
         edge is a polygon of 8000 spring segments or more, which conserve energy where the paper's law does not; holes are \

@@ -20,7 +20,14 @@ pub struct Efficiency {
     /// The account's remainder as a share of the work taken in: what the law (and the run) created, negative if destroyed.
     /// Its size is the half-truth of `measured`: their difference, but for storage.
     pub created_share: f64,
+    /// What contacts lose, as a share of the work delivered and lost.
+    pub lost_share: f64,
+    /// Whether anything rubs, so that the loss is more than that of the contacts' damping.
+    pub rubs: bool,
 }
+
+/// Share of the power from which a law that creates or destroys it leaves no efficiency to speak of.
+const CREATED: f64 = 1e-3;
 
 impl Efficiency {
     /// From an account; `None` where no work passes from one shaft to the other, or more is stored than passes.
@@ -35,11 +42,38 @@ impl Efficiency {
         if audit.remainder_share.is_none() || !(delivered > 0.0) {
             return None;
         }
+        let lost = audit.damping_j + audit.friction_j;
         Some(Self {
             measured: efficiency(taken, delivered).ok()?,
-            of_losses: delivered / (delivered + audit.damping_j + audit.friction_j),
+            of_losses: delivered / (delivered + lost),
             created_share: audit.remainder_j / taken,
+            lost_share: lost / (delivered + lost),
+            rubs: audit.friction_j != 0.0,
         })
+    }
+
+    /// The efficiency by what contacts lose, at most 1.
+    ///
+    /// # Errors
+    /// Why there is none, in words: the law creates or destroys power, or nothing is lost because nothing rubs.
+    pub fn defined(&self) -> Result<f64, String> {
+        let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+        if self.created_share.abs() > CREATED {
+            let does = if self.created_share > 0.0 {
+                "creates"
+            } else {
+                "destroys"
+            };
+            return Err(format!(
+                "not defined under this contact law, which {does} {} of the power; contacts lose {}",
+                percent(self.created_share.abs()),
+                percent(self.lost_share)
+            ));
+        }
+        if !self.rubs {
+            return Err("no loss modelled: nothing rubs in this scene".to_owned());
+        }
+        Ok(self.of_losses.min(1.0))
     }
 
     /// Below and above: what to show where one figure would mislead.
@@ -79,6 +113,11 @@ mod tests {
         assert!((found.of_losses - 100.0 / 102.0).abs() < 1e-15);
         assert!((found.created_share - 3.0 / 99.0).abs() < 1e-15);
         assert_eq!(found.interval(), [found.of_losses, found.measured]);
+        let why = found.defined().unwrap_err();
+        assert!(
+            why.contains("creates 3.03 %") && why.contains("lose 1.96 %"),
+            "{why}"
+        );
     }
 
     #[test]
@@ -86,6 +125,12 @@ mod tests {
         let found = Efficiency::of(&audit(-90.0, 100.0, 10.0)).unwrap();
         assert!((found.measured - 0.9).abs() < 1e-15 && (found.of_losses - 0.9).abs() < 1e-15);
         assert_eq!(found.created_share, 0.0);
+        assert_eq!(found.defined(), Ok(found.of_losses));
+        let smooth = Efficiency {
+            rubs: false,
+            ..found
+        };
+        assert!(smooth.defined().unwrap_err().contains("nothing rubs"));
         assert!(Efficiency::of(&audit(10.0, 10.0, 20.0)).is_none());
         assert!(Efficiency::of(&audit(0.0, 0.0, 0.0)).is_none());
     }

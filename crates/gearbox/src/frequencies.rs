@@ -38,18 +38,15 @@ impl Frequencies {
     /// which adaptive methods weigh errors by ([`Gearbox::error_scales`](crate::Gearbox::error_scales)).
     #[must_use]
     pub fn depth_share(scene: &Scene) -> f64 {
-        let (gear, contact) = (&scene.gear, &scene.contact);
+        let gear = &scene.gear;
         let force = external_force(
             gear,
             load_course::largest(&scene.drive) / gear.wheels as f64,
         );
-        let stiffness = hertz(contact).of_radius(gear.external_sleeve_radius_m);
+        let stiffness = hertz(scene).on_flat(gear.external_sleeve_radius_m);
         let least = least_depth(scene);
-        let plain = Spring {
-            stiffness,
-            exponent: 1.5,
-        };
-        Spring::of(contact, stiffness).depth(force, least) / plain.depth(force, least)
+        let plain = (force / stiffness).powf(2.0 / 3.0).max(least);
+        Spring::of(scene, stiffness).depth(force, least) / plain
     }
 
     /// Longest step that cannot pass over a contact unseen, s: a third of a touch at the contacts' frequency, and an

@@ -134,7 +134,7 @@ impl Gearbox {
         let torque = (load_course::largest(&self.scene.drive) / gear.wheels as f64)
             .max(self.least_force_n() * per_force);
         let force = 4.0 * torque / (lever * gear.external_sleeves as f64);
-        let stiffness = hertz(&self.scene.contact).of_radius(gear.external_sleeve_radius_m);
+        let stiffness = hertz(&self.scene).on_flat(gear.external_sleeve_radius_m);
         let penetration = (force / stiffness).powf(2.0 / 3.0);
         let angle = penetration / lever;
         // Torsional stiffness of the loaded half of the sleeves against the wheel's inertia.
@@ -151,7 +151,7 @@ impl Gearbox {
     #[must_use]
     pub fn least_force_n(&self) -> f64 {
         let radius = self.scene.gear.external_sleeve_radius_m;
-        hertz(&self.scene.contact).of_radius(radius) * least_depth(&self.scene).powf(1.5)
+        hertz(&self.scene).on_flat(radius) * least_depth(&self.scene).powf(1.5)
     }
 
     /// The least force, and as torque that force on the eccentric.

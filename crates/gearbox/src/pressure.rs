@@ -1,4 +1,5 @@
-//! Pressure of line contacts after Hertz: p0 = sqrt(F E*/(pi L R)), E* = E/(2 (1 - nu^2)), over the line length L.
+//! Pressure of line contacts after Hertz: p0 = sqrt(F E*/(pi L R)), 1/E* = (1 - nu_p^2)/E_p + (1 - nu_d^2)/E_d, over the line
+//! length L.
 //!
 //! Source: K. L. Johnson, Contact Mechanics, Cambridge University Press, 1985, section 4.2.
 
@@ -21,7 +22,13 @@ impl LinePressure {
     /// Of this material and length.
     #[must_use]
     pub fn new(contact: &Contact) -> Self {
-        let modulus = contact.young_pa / (2.0 * (1.0 - contact.poisson * contact.poisson));
+        let softness = |young: f64, poisson: f64| (1.0 - poisson * poisson) / young;
+        let (young, poisson) = (contact.young_pa, contact.poisson);
+        let pins = softness(
+            contact.pin_young_pa.unwrap_or(young),
+            contact.pin_poisson.unwrap_or(poisson),
+        );
+        let modulus = (softness(young, poisson) + pins).recip();
         Self {
             per_line: modulus / (PI * contact.line_length_m),
         }

@@ -12,6 +12,8 @@ use pinwheel_studies::Provenance;
 use pinwheel_studies::design::{DesignFigure, DesignResult, Joint};
 use pinwheel_timeseries::table::{Shown, Table};
 
+use crate::band;
+
 /// Significant digits of a figure: what a data sheet gives.
 const DIGITS: u8 = 4;
 const SHOWN: Shown = Shown::Digits(DIGITS);
@@ -25,15 +27,23 @@ pub(crate) const HEADLINES: [&str; 6] = [
     "efficiency_rated_percent",
 ];
 
+/// What lost motion and stiffness are of.
+const CONTACTS_ONLY: &str = "Lost motion and stiffness are those of the contacts: bearings, pins, discs and housing are rigid here. Real \
+                             gears are softer by factors.";
+
 /// The whole page.
 #[must_use]
 pub fn page(found: &DesignResult, made: &Provenance) -> String {
     let scene = &found.scene;
-    let caption = "For a data sheet; after \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own \
+    let caption = "For a data sheet; after \u{b1} how far a figure may be off numerically: by the poses that were looked at, or by the run's own \
                    verification";
     let all = figures(caption, &found.figures, |one| how(found, one));
+    let mut blocks = vec![Block::text(CONTACTS_ONLY), all.into()];
+    if let Some(bands) = &found.bands {
+        blocks.extend(band::blocks(bands));
+    }
     let mut sections = vec![
-        Section::new("figures", "Figures", [all.into()]),
+        Section::new("figures", "Figures", blocks),
         torsion(found),
         transmission(found),
         sharing(found),
@@ -66,10 +76,17 @@ pub fn page(found: &DesignResult, made: &Provenance) -> String {
 #[must_use]
 pub fn text(found: &DesignResult) -> String {
     let table = figures("", &found.figures, |one| how(found, one));
+    let mut rows = vec![("contacts only", CONTACTS_ONLY.to_owned())];
+    if let Some(bands) = &found.bands {
+        rows.push(("by contact law", band::about(bands)));
+        rows.extend(band::outside(bands).map(|said| ("law", said)));
+        rows.extend(band::fit(bands).map(|said| ("fit", said)));
+    }
     format!(
-        "{}\n{}",
+        "{}\n{}\n{}",
         styled(TITLE, &found.scene.name),
-        terminal::table(&table)
+        terminal::table(&table),
+        terminal::pairs(rows)
     )
 }
 
@@ -124,6 +141,24 @@ pub(crate) fn with_uncertainty(value: Option<f64>, uncertainty: Option<f64>) -> 
     }
 }
 
+/// Its band, where that is wider than the figure is off numerically.
+fn wide(one: &DesignFigure) -> Option<[f64; 2]> {
+    let off = one.uncertainty.unwrap_or(0.0);
+    one.by_contact_law.filter(|[low, high]| high - low > off)
+}
+
+/// A figure with the digits that its band leaves, and how far it may be off numerically.
+fn with_band(one: &DesignFigure) -> String {
+    match (one.value, wide(one)) {
+        (Some(value), Some(laws)) => {
+            let off = one.uncertainty.filter(|u| *u > 0.0);
+            let off = off.map_or_else(String::new, |u| format!(" \u{b1} {}", significant(u, 1)));
+            format!("{}{off}", band::rounded(value, laws))
+        }
+        _ => with_uncertainty(one.value, one.uncertainty),
+    }
+}
+
 /// How a figure is counted, its spread over the mesh, and what only this gear's outcome knows.
 fn how(found: &DesignResult, one: &DesignFigure) -> String {
     let mut parts = vec![counted(one)];
@@ -134,13 +169,7 @@ fn how(found: &DesignResult, one: &DesignFigure) -> String {
         )),
         "efficiency_rated_percent" => {
             let rated = found.efficiency.last().and_then(|run| run.efficiency);
-            parts.extend(rated.map(|efficiency| {
-                format!(
-                    "{} % by the works, {} % of them created by the law",
-                    figure(100.0 * efficiency.measured),
-                    format::signed_percent(efficiency.created_share)
-                )
-            }));
+            parts.extend(rated.and_then(|efficiency| efficiency.defined().err()));
         }
         _ => {}
     }
@@ -157,12 +186,16 @@ fn how(found: &DesignResult, one: &DesignFigure) -> String {
 fn tiles(found: &DesignResult) -> Vec<Tile> {
     let wanted = |one: &&DesignFigure| HEADLINES.contains(&one.key);
     let tile = |one: &DesignFigure| {
-        let value = one.value.map_or_else(|| NONE.to_owned(), figure);
-        // The uncertainty stands in the unit's small type.
-        let bound = one
-            .uncertainty
-            .map_or_else(String::new, |u| format!("\u{b1} {} ", significant(u, 1)));
-        Tile::new(one.what, value, how(found, one)).unit(format!("{bound}{}", one.unit))
+        let value = match (one.value, wide(one)) {
+            (Some(value), Some(laws)) => band::rounded(value, laws),
+            (value, _) => value.map_or_else(|| NONE.to_owned(), figure),
+        };
+        let laws = wide(one).map(band::interval);
+        let laws = laws.map_or_else(String::new, |laws| format!("{laws} by contact law; "));
+        let bound = one.uncertainty.map_or_else(String::new, |u| {
+            format!("\u{b1} {} numerical; ", significant(u, 1))
+        });
+        Tile::new(one.what, value, format!("{laws}{bound}{}", how(found, one))).unit(one.unit)
     };
     found.figures.iter().filter(wanted).map(tile).collect()
 }
@@ -176,7 +209,10 @@ fn figures(
     Table::of(caption, figures)
         .text("", "Figure", |one| one.what)
         .number("", "Value", |one| one.value)
-        .said(|one| with_uncertainty(one.value, one.uncertainty))
+        .said(|one| with_band(one))
+        .text("", "By contact law", |one| {
+            wide(one).map_or_else(String::new, band::interval)
+        })
         .text("", "Unit", |one| one.unit)
         .text("", "How", |one| how(one))
         .done()
@@ -497,10 +533,9 @@ fn efficiency(found: &DesignResult) -> Section {
         .number("", "Load", |run| run.output_torque_n_m)
         .unit("N m")
         .shown(SHOWN)
-        .number("", "By losses", |run| run.efficiency.map(|e| e.of_losses))
-        .unit("%")
-        .shown(Shown::Percent)
-        .number("", "By works", |run| run.efficiency.map(|e| e.measured))
+        .number("", "Lost in contacts", |run| {
+            run.efficiency.map(|e| e.lost_share)
+        })
         .unit("%")
         .shown(Shown::Percent)
         .number("", "Created by the law", |run| {
@@ -515,7 +550,7 @@ fn efficiency(found: &DesignResult) -> Section {
         [
             Block::text(
                 "Runs with the scene's own friction and damping. Losses of bearings, seals and oil are not in the model. What a contact law creates or \
-                 destroys by itself stands beside it: the figure by losses is free of it.",
+                 destroys by itself stands beside them.",
             ),
             efficiency.done().into(),
         ],

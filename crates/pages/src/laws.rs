@@ -1,6 +1,6 @@
 //! The contact laws a scene can name.
 
-use pinwheel_contact::laws::{LAWS, LawInfo};
+use pinwheel_contact::laws::{LAWS, LawInfo, Shape};
 use pinwheel_report::terminal::{TITLE, pairs, paragraph, styled};
 use serde_json::json;
 
@@ -23,6 +23,9 @@ pub fn json() -> serde_json::Value {
             "slow_impact": law.slow_impact,
             "keys": law.keys,
             "conservative": law.conservative,
+            "contacts_of": law.shape.name(),
+            "face_width_enters": law.shape == Shape::Line,
+            "materials": law.materials,
         })
     });
     each.collect()
@@ -37,6 +40,8 @@ fn in_words(law: &LawInfo) -> String {
     let keys = law.keys.join(", ");
     let facts = [
         ("force", law.formula),
+        ("contacts", law.shape.words()),
+        ("materials", law.materials),
         ("source", law.source),
         ("domain", law.domain),
         ("slow", law.slow_impact),

@@ -17,6 +17,7 @@
 //! ```
 
 pub mod animation;
+mod band;
 pub mod baseline;
 pub mod bench;
 pub mod calibration;

@@ -6,6 +6,8 @@ use pinwheel_studies::results::{Figure, Results};
 use pinwheel_studies::single::Outcome;
 use pinwheel_timeseries::columns;
 
+use crate::band;
+
 /// A figure, `factor` times, with what it may be off by.
 fn known(figure: &Figure, factor: f64) -> String {
     let value = factor * figure.value;
@@ -42,20 +44,13 @@ fn results(found: &Results) -> Vec<(&'static str, String)> {
             rows.push((label, format!("peak {peak} N, mean {mean} N")));
         }
     }
-    if let (Some(lost), Some(works), Some(created)) = (
-        found.get("efficiency_accounted"),
-        found.get("efficiency"),
-        found.get("created_share"),
-    ) {
-        rows.push((
-            "efficiency",
-            format!(
-                "{} % by what contacts lose; {:.2} % by the works, {} % of them created by the law",
-                known(lost, 100.0),
-                100.0 * works.value,
-                format::signed_percent(created.value)
-            ),
-        ));
+    match (&found.efficiency_reason, found.get("efficiency")) {
+        (Some(reason), _) => rows.push(("efficiency", reason.clone())),
+        (None, Some(share)) => {
+            let said = format!("{} % by what contacts lose", known(share, 100.0));
+            rows.push(("efficiency", said));
+        }
+        (None, None) => {}
     }
     if !rows.is_empty() {
         let how = match found.uncertainty {
@@ -63,7 +58,7 @@ fn results(found: &Results) -> Vec<(&'static str, String)> {
             "estimated" => "\u{b1}: estimated from one more run, see resolution",
             _ => "not verified: the run was made once, how far its figures may be off is not known",
         };
-        rows.push(("uncertainty", how.to_owned()));
+        rows.push(("numerical error", how.to_owned()));
     }
     rows
 }
@@ -74,6 +69,9 @@ pub fn text(found: &Outcome, time_series: &str) -> String {
     let stats = &found.run.stats;
     // What one runs it for comes first.
     let mut rows = results(&found.results());
+    if let Some(bands) = &found.bands {
+        rows.extend(band::rows(bands));
+    }
     let track = found.track.as_str();
     let (samples, end_s) = (found.run.time_series.len(), found.scene.solver.duration_s);
     let time = format!("{:.3} s wall, {:.3} s CPU", stats.wall_s, stats.cpu_s);

@@ -27,5 +27,6 @@ fn regress_a_comparison_compiles_its_gearbox_once() {
     let made = Provenance::here("pinwheel compare paper".to_owned());
     let page = pinwheel_pages::comparison::page(&found, &made, &AtomicBool::new(false)).unwrap();
     assert!(page.contains("native solver"), "the motion");
-    assert_eq!(compilations(), 1);
+    // Twins are other gears.
+    assert_eq!(compilations(), 1 + found.twins.len() as u64);
 }

@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let control = Control::new(&stop, &progress);
     let found = comparison::run(&input, &control)?;
-    let text = pages::comparison::text(&scene, &found.comparison);
+    let text = pages::comparison::text(&scene, &found);
     println!("{}", plain(&text));
 
     // Time series, summary.json and the page, as the program writes them.

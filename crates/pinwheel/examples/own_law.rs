@@ -6,8 +6,8 @@
 
 use std::error::Error;
 
-use pinwheel::contact::HertzStiffness;
 use pinwheel::contact::laws::{NormalLaw, PaperLaw, Ramp};
+use pinwheel::contact::{HertzStiffness, Material};
 
 /// Hertz's force with a damping that grows with the penetration: F = K delta^1.5 (1 + d v), never pulling.
 struct Own {
@@ -47,7 +47,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = pinwheel::load("paper", &[])?;
     let (gear, contact) = (&scene.gear, &scene.contact);
     // Steel with the scene's multiplier, a sleeve in a hole of a wheel.
-    let hertz = HertzStiffness::new(2.0e11, 0.3, contact.stiffness_multiplier);
+    let steel = Material {
+        young: 2.0e11,
+        poisson: 0.3,
+    };
+    let hertz = HertzStiffness::new(steel, steel, contact.stiffness_multiplier);
     let stiffness = hertz.of_hole(gear.internal_sleeve_radius_m, gear.hole_radius_m);
     let paper = PaperLaw {
         damping: contact.damping_n_s_m,

@@ -29,7 +29,7 @@
 //! # let paper = pinwheel::load("paper", &["solver.duration_s = 0.02"])?;
 //! let names = ["native-reduced", "native-lagrange", "native-resolved"];
 //! let found = pinwheel::compare(&paper, &names)?;
-//! println!("{}", pinwheel::pages::comparison::text(&paper, &found.comparison));
+//! println!("{}", pinwheel::pages::comparison::text(&paper, &found));
 //! # assert_eq!(found.comparison.pairs.len(), 3);
 //! # assert!(found.participants.iter().all(|p| p.status.is_finished()));
 //! # Ok(())

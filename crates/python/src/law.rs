@@ -1,7 +1,7 @@
 //! Contact laws on arrays.
 
-use pinwheel::contact::laws::{LAWS, Law as Normal, LawParameters, NormalLaw as _};
-use pinwheel::scene::did_you_mean;
+use pinwheel::contact::laws::{LAWS, Law as Normal, NormalLaw as _};
+use pinwheel::scene::{Scene, did_you_mean, scales};
 use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -18,18 +18,10 @@ impl Law {
     /// The law called `name` with the parameters of a scene.
     #[new]
     fn new(name: &str, scene: &Core) -> Raises<Self> {
-        let contact = &scene.checked.contact;
-        let parameters = LawParameters {
-            damping: contact.damping_n_s_m,
-            ramp: contact.ramp_m,
-            constant_stiffness: contact.constant_stiffness_n_m15,
-            stiffness_multiplier: contact.stiffness_multiplier,
-            line_length: contact.line_length_m,
-            restitution: contact.restitution,
-            impact_speed: contact.impact_speed_m_s,
-        };
+        let mut scene = Scene::clone(&scene.checked);
+        name.clone_into(&mut scene.contact.law);
         let known: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
-        Normal::named(name, &parameters).map(Self).ok_or_else(|| {
+        scales::law(&scene).map(Self).ok_or_else(|| {
             let remedy = did_you_mean(name, &known);
             input(format!("there is no contact law `{name}`; {remedy}"))
         })

@@ -48,7 +48,7 @@ impl Compared {
 
     /// What a terminal shows.
     fn text(&self) -> String {
-        pages::comparison::text(&self.0.gearbox.scene, &self.0.comparison)
+        pages::comparison::text(&self.0.gearbox.scene, &self.0)
     }
 }
 

@@ -336,7 +336,7 @@ impl Catalogue {
         let _ = write!(
             text,
             "\n[drive]\ninput_speed_rad_s = {speed:<24} # {rpm} rpm\noutput_torque_n_m = {torque}\n\
-             \n[contact]\nyoung_pa = {young:<33} # {name}\npoisson = {poisson}\n{friction}\
+             \n[contact]\nlaw = \"line-hertz\"                         # rollers on a line; `pinwheel laws` lists others\nyoung_pa = {young:<33} # {name}\npoisson = {poisson}\n{friction}\
              \n[mass]\ndensity_kg_m3 = {density:<28} # {name}\n"
         );
         text

@@ -136,7 +136,7 @@ impl Derived {
             "gap, external sleeves" walls.sleeve_to_sleeve_m, "m", "between neighbours";
             "free play to one side" self.free_play_rad, "rad", "d sqrt(1 - m^2)/(e zs), at the wheel";
             "driver torque, ideal" self.ideal_input_torque_n_m, "N m", expected;
-            "largest external sleeve force" self.external_force_estimate_n, "N", "a wheel, rigid and without clearance: 4 T/(e zs zk)";
+            "largest external sleeve force" self.external_force_estimate_n, "N", "a wheel, springs all alike, without clearance: 4 T/(e zs zk); the contact law and play move it, see `pinwheel design`";
             "largest internal sleeve force" self.internal_force_estimate_n, "N", "a wheel, likewise: 4 T/(zi Rw)";
         }
     }

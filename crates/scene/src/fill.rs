@@ -1,5 +1,6 @@
 //! Filling in what a scene leaves out, by the table of keys.
 
+use pinwheel_contact::laws::law_info;
 use toml::{Table, Value};
 
 use crate::check;
@@ -33,6 +34,8 @@ pub(crate) fn fill(table: &mut Table) -> Result<Vec<Origin>, Gap> {
     // Placeholders must not pass for the scene's own.
     scene.solver.duration_s = f64::MAX;
     let (mut part, mut sound) = ("", false);
+    // Rows that follow may rest on what the law reads.
+    let mut stale = false;
     let gaps: Vec<&Key> = keys::values(table)
         .filter_map(|(row, value)| value.is_none().then_some(row))
         .collect();
@@ -46,8 +49,8 @@ pub(crate) fn fill(table: &mut Table) -> Result<Vec<Origin>, Gap> {
             Otherwise::Nothing => continue,
             Otherwise::Usual(text, why) => (usual(text), Source::Usual(why)),
             Otherwise::Follows(formula, words) => {
-                if new_part != part {
-                    part = new_part;
+                if new_part != part || stale {
+                    (part, stale) = (new_part, false);
                     refresh(&mut scene, table);
                     if part != "gear" && missing.is_empty() && !sound {
                         check::gear(&scene.gear).map_err(Gap::Fault)?;
@@ -73,6 +76,7 @@ pub(crate) fn fill(table: &mut Table) -> Result<Vec<Origin>, Gap> {
             }
         };
         insert(table, &row.path(), value.clone());
+        stale |= law_info(&scene.contact.law).is_some_and(|law| law.keys.contains(&row.name));
         origins.push(Origin {
             key: row.name,
             value,

@@ -122,11 +122,8 @@ pub(crate) fn friction_dynamic_speed(given: &Given<'_>) -> Option<f64> {
 }
 
 pub(crate) fn constant_stiffness(given: &Given<'_>) -> Option<f64> {
-    let contact = &given.scene.contact;
-    let hertz = hertz(contact);
-    Some(short(
-        hertz.of_radius(given.gear()?.external_sleeve_radius_m),
-    ))
+    let radius = given.gear()?.external_sleeve_radius_m;
+    Some(short(hertz(given.scene).on_flat(radius)))
 }
 
 pub(crate) fn wheel_points(given: &Given<'_>) -> Option<f64> {

@@ -206,10 +206,15 @@ pub const KEYS: &[Key] = keys! {
     "drive.load_ramp_s" TIME, Usual("0.0", "the load acts at once"), "the load rises linearly over this time; 0: at once", SECONDS;
     "drive.load_changes" Tables(CHANGE), Nothing, "what the load becomes during the run", "write it like [{ time_s = 0.3, output_torque_n_m = -22.0 }]";
 
-    "contact.law" Choice("contact law", names::laws), Usual("\"paper-conservative\"", "Hertz with its part along the profile, which creates no energy"), "normal law", "see `pinwheel laws`";
-    "contact.young_pa" Number(From(1e5, 1e13)), Usual("2.1e11", "steel"), "E of both bodies", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
-    "contact.poisson" Number(Between(-1.0, 0.5)), Usual("0.3", "steel"), "Poisson's ratio of both bodies", "steel has 0.3; outside these bounds no isotropic material is stable";
+    "contact.law" Choice("contact law", names::laws), Usual("\"line-hertz\"", "rollers on a line, both bodies elastic; creates no energy"), "normal law", "see `pinwheel laws`";
+    "contact.young_pa" Number(From(1e5, 1e13)), Usual("2.1e11", "steel"), "E of the wheels", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
+    "contact.poisson" Number(Between(-1.0, 0.5)), Usual("0.3", "steel"), "Poisson's ratio of the wheels", "steel has 0.3; outside these bounds no isotropic material is stable";
+    "contact.pin_young_pa" Number(From(1e5, 1e13)), Nothing, "E of the sleeves; absent: that of the wheels", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
+    "contact.pin_poisson" Number(Between(-1.0, 0.5)), Nothing, "Poisson's ratio of the sleeves; absent: that of the wheels", "steel has 0.3; outside these bounds no isotropic material is stable";
     "contact.stiffness_multiplier" Number(From(1e-9, 1e6)), Usual("1.0", "the full stiffness after Hertz"), "H: factor on the stiffness after Hertz", "1 is the Hertzian stiffness, the paper uses 0.01";
+    "contact.internal_stiffness_multiplier" Number(From(1e-9, 1e6)), Nothing, "H of internal contacts, of laws of balls; absent: that of all", "1 is the Hertzian stiffness";
+    "contact.external_spring_n_m" Number(From(1.0, 1e15)), Nothing, "k of external contacts under the law linear; absent: the secant of line-hertz under the largest load", "steel rollers have 1e8 to 1e9 N/m";
+    "contact.internal_spring_n_m" Number(From(1.0, 1e15)), Nothing, "k of internal contacts, likewise", "steel rollers have 1e8 to 1e9 N/m";
 
     "mass.density_kg_m3" Number(From(1.0, 1e5)), Nothing, "density of all bodies; for masses that are left out", "densities are in kg/m^3: steel has 7850";
     "mass.input_shaft.mass_kg" MASS, Follows(formulas::input_shaft_mass, "a cylinder through the bores, as long as all wheels, bores of 0.6 (internal circle - hole radius)"), "mass of the driven shaft with its eccentrics", KILOGRAMS;
@@ -223,6 +228,9 @@ pub const KEYS: &[Key] = keys! {
     "mass.external_sleeve.mass_kg" MASS, Follows(formulas::external_sleeve_mass, "a solid cylinder, as long as all wheels"), "mass of a sleeve on the housing", KILOGRAMS;
     "mass.external_sleeve.moment_kg_m2" MOMENT, Follows(formulas::external_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a sleeve on the housing", MOMENTS;
 
+    "contact.constant_stiffness_n_m15" Number(From(1e-6, 1e15)), Follows(formulas::constant_stiffness, "after Hertz, of an external sleeve on a flat; used by laws of one stiffness only"), "K of laws with one stiffness for all contacts", "the paper's contacts have 5e7 to 2e8 N/m^1.5";
+    "contact.line_length_m" Number(From(1e-6, 10.0)), Follows(formulas::face_width, "the face width, or 0.15 R; used by laws of rollers and for pressures"), "length of a line contact", METRES;
+    "contact.disc_depth_m" Number(From(1e-6, 10.0)), Nothing, "how deep a wheel is behind a contact, of the law line-hertz; absent: the wall between a hole and the profile, at least half of the external sleeves' radius", METRES;
     "contact.damping_n_s_m" Number(From(0.0, 1e9)), Follows(formulas::damping, "5 % of critical damping of the fastest mode under the largest static load; gear meshes have 3 to 17 %"), "C: damping of a contact", "the paper uses 8; negative damping would feed energy in";
     "contact.ramp_m" Number(From(1e-15, 1e-2)), Follows(formulas::ramp, "a tenth of the penetration under the largest static load"), "penetration at which S reaches 1", "the paper uses 1e-5, the penetration at which the force is fully on";
     "contact.friction_coefficient" Number(From(0.0, 10.0)), Usual("0.0", "no friction"), "mu; 0: no friction", "0 switches friction off; dry steel has 0.1 to 0.2";
@@ -230,10 +238,8 @@ pub const KEYS: &[Key] = keys! {
     "contact.friction_law" Choice("friction law", || vec!["regularised", "adams"]), Usual("\"regularised\"", "Coulomb with a linear ramp"), "form of the friction", "\"regularised\" or \"adams\"";
     "contact.friction_dynamic_coefficient" Number(From(0.0, 10.0)), Usual("0.0", "used by the friction law adams only"), "mu_d of the friction law adams", "the coefficient of fast sliding, at most contact.friction_coefficient";
     "contact.friction_dynamic_speed_m_s" Number(From(1e-18, 1e3)), Follows(formulas::friction_dynamic_speed, "20 times contact.friction_ramp_m_s; used by the friction law adams only"), "sliding speed from which mu_d holds", "the sliding speed from which the dynamic coefficient holds";
-    "contact.constant_stiffness_n_m15" Number(From(1e-6, 1e15)), Follows(formulas::constant_stiffness, "after Hertz, of an external sleeve on a flat; used by laws of one stiffness only"), "K of laws with one stiffness for all contacts", "the paper's contacts have 5e7 to 2e8 N/m^1.5";
     "contact.restitution" Number(From(1e-3, 1.0)), Usual("0.9", "used by the hysteresis laws only"), "c of the hysteresis laws", "the share of the impact speed that is left after an impact, 1 without loss";
     "contact.impact_speed_m_s" Number(From(1e-9, 1e3)), Usual("0.01", "used by the hysteresis laws only"), "speed of an impact with that restitution", "the impact speed at which the restitution holds; 0.01 is usual in a gearbox";
-    "contact.line_length_m" Number(From(1e-6, 10.0)), Follows(formulas::face_width, "the face width, or 0.15 R; used by the law line-contact only"), "length of a line contact", METRES;
     "contact.detection" Choice("detection", || vec!["exact", "points"]), Usual("\"exact\"", "the closest point of the curve"), "how the contact point is found", "\"exact\" or \"points\"";
     "contact.wheel_points" Count(24, 1_000_000), Follows(formulas::wheel_points, "100 a lobe, at least 4000; used by detection points only"), "points on a wheel's profile", "the paper uses 600 and 4000; more than a million costs memory and gains nothing over detection = \"exact\"";
     "contact.hole_points" Count(8, 1_000_000), Usual("100", "used by detection points only"), "points on a hole", "the paper uses 20 to 100; more than a million costs memory and gains nothing over detection = \"exact\"";
@@ -284,6 +290,12 @@ mod tests {
         let mut scene = crate::Scene::paper();
         scene.gear.face_width_m = Some(0.01);
         scene.mass.density_kg_m3 = Some(7850.0);
+        scene.contact.pin_young_pa = Some(2e11);
+        scene.contact.pin_poisson = Some(0.3);
+        scene.contact.disc_depth_m = Some(0.01);
+        scene.contact.internal_stiffness_multiplier = Some(0.01);
+        scene.contact.external_spring_n_m = Some(1e8);
+        scene.contact.internal_spring_n_m = Some(1e8);
         scene.gear.modification.radial_m = -1e-5;
         scene.gear.errors = every_error();
         scene.drive.load_changes.push(crate::LoadChange {

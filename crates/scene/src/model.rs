@@ -164,12 +164,27 @@ pub enum FrictionLaw {
 pub struct Contact {
     /// Name of the normal law; `pinwheel laws` lists them.
     pub law: String,
-    /// E of both bodies, Pa.
+    /// E of the wheels, Pa.
     pub young_pa: f64,
-    /// Poisson's ratio of both bodies.
+    /// Poisson's ratio of the wheels.
     pub poisson: f64,
+    /// E of the sleeves, Pa; `None`: as the wheels'.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pin_young_pa: Option<f64>,
+    /// Poisson's ratio of the sleeves; `None`: as the wheels'.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pin_poisson: Option<f64>,
     /// H, factor on the Hertzian stiffness.
     pub stiffness_multiplier: f64,
+    /// H of internal contacts; `None`: that of all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub internal_stiffness_multiplier: Option<f64>,
+    /// k of external contacts under the law of linear springs, N/m; `None`: the secant of steel rollers under the largest load.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub external_spring_n_m: Option<f64>,
+    /// k of internal contacts, likewise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub internal_spring_n_m: Option<f64>,
     /// C, N s/m.
     pub damping_n_s_m: f64,
     /// Penetration at which S reaches 1, m.
@@ -192,6 +207,9 @@ pub struct Contact {
     pub impact_speed_m_s: f64,
     /// Length of the line of a line contact, m.
     pub line_length_m: f64,
+    /// How deep a wheel is behind a contact, m; `None`: the wall between a hole and the profile.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub disc_depth_m: Option<f64>,
     /// How the contact point is found.
     pub detection: Detection,
     /// Points on a wheel's profile (points detection only).

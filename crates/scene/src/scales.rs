@@ -2,8 +2,8 @@
 //!
 //! They set error scales, steps, samples and windows, so that a gear of millimetres and one of metres are treated
 //! alike. Linear springs without clearance: the most loaded sleeve of a stage carries about F = 4 T/(l z) (T: load on one
-//! wheel, l: lever, e zs or R_w, z: sleeves). Under the scene's own law, F = K delta^n, it is pressed in by
-//! (F/K)^(1/n) and has the tangent stiffness k = n F/delta. A quarter of all sleeves, weighted by their levers, make
+//! wheel, l: lever, e zs or R_w, z: sleeves). The scene's own law tells how far it is pressed in by that, and its tangent
+//! stiffness k. A quarter of all sleeves, weighted by their levers, make
 //! the torsional stiffness k l^2 z/4. All wheels in phase and the output are then two masses on two springs:
 //!
 //! ```text
@@ -14,10 +14,14 @@
 
 use std::f64::consts::PI;
 
-use pinwheel_contact::{HertzStiffness, Law, LawParameters, NormalLaw as _};
+use pinwheel_contact::laws::law_info;
+use pinwheel_contact::{
+    HertzStiffness, Law, LawParameters, Material, NormalLaw as _, PaperLaw, Ramp,
+};
 
+use crate::check::hole_to_profile_m;
 use crate::load_course;
-use crate::model::{Contact, Scene};
+use crate::model::Scene;
 
 /// See the module. SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,63 +48,125 @@ pub fn least_depth(scene: &Scene) -> f64 {
     LEAST_DEPTH * scene.gear.external_sleeve_radius_m
 }
 
-/// Hertz' stiffness of a scene's material.
-#[must_use]
-pub fn hertz(contact: &Contact) -> HertzStiffness {
-    HertzStiffness::new(
-        contact.young_pa,
-        contact.poisson,
-        contact.stiffness_multiplier,
-    )
+const DEPTH: &str = "contact.disc_depth_m";
+const SPRING: &str = "contact.external_spring_n_m";
+
+/// Springs of a scene's external and internal contacts, N/m: its own, or the secants of rollers under the largest static
+/// forces.
+fn springs(scene: &Scene) -> [f64; 2] {
+    let (contact, gear) = (&scene.contact, &scene.gear);
+    let mut rollers = scene.clone();
+    "line-hertz".clone_into(&mut rollers.contact.law);
+    let (hertz, load) = (hertz(&rollers), load_course::largest(&scene.drive));
+    let torque = load / gear.wheels as f64;
+    let secant = |stiffness: f64, force: f64| {
+        let spring = Spring::of(&rollers, stiffness);
+        let depth = spring.depth(force, least_depth(scene));
+        spring.force(depth) / depth
+    };
+    let (pin, hole) = (gear.internal_sleeve_radius_m, gear.hole_radius_m);
+    let hole = hole.max(pin + gear.eccentricity_m);
+    [
+        contact.external_spring_n_m.unwrap_or_else(|| {
+            let flat = hertz.on_flat(gear.external_sleeve_radius_m);
+            secant(flat, external_force(gear, torque))
+        }),
+        contact
+            .internal_spring_n_m
+            .unwrap_or_else(|| secant(hertz.of_hole(pin, hole), internal_force(gear, torque))),
+    ]
 }
 
-/// The law that a scene names, with what it reads of the scene; `None` if there is none of that name.
+/// What a scene's law reads of it.
 #[must_use]
-pub fn law(contact: &Contact) -> Option<Law> {
-    let parameters = LawParameters {
+pub fn law_parameters(scene: &Scene) -> LawParameters {
+    let contact = &scene.contact;
+    let pin = Material {
+        young: contact.pin_young_pa.unwrap_or(contact.young_pa),
+        poisson: contact.pin_poisson.unwrap_or(contact.poisson),
+    };
+    let reads = |key: &str| law_info(&contact.law).is_some_and(|law| law.keys.contains(&key));
+    let springs = match reads(SPRING) {
+        true => springs(scene),
+        false => [1.0; 2],
+    };
+    let least = 0.5 * scene.gear.external_sleeve_radius_m;
+    let wall = || reads(DEPTH).then(|| hole_to_profile_m(&scene.gear).max(least));
+    LawParameters {
         damping: contact.damping_n_s_m,
         ramp: contact.ramp_m,
         constant_stiffness: contact.constant_stiffness_n_m15,
         stiffness_multiplier: contact.stiffness_multiplier,
+        internal_multiplier: contact
+            .internal_stiffness_multiplier
+            .unwrap_or(contact.stiffness_multiplier),
+        springs,
         line_length: contact.line_length_m,
+        pin,
+        disc: Material {
+            young: contact.young_pa,
+            poisson: contact.poisson,
+        },
+        disc_depth: contact.disc_depth_m.or_else(wall).unwrap_or_default(),
+        sleeve_radius: scene.gear.external_sleeve_radius_m,
         restitution: contact.restitution,
         impact_speed: contact.impact_speed_m_s,
-    };
-    Law::named(&contact.law, &parameters)
+    }
 }
 
-/// A contact at rest under a law: F = K delta^n.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Hertz' stiffness of a scene's materials, as its law wants it.
+#[must_use]
+pub fn hertz(scene: &Scene) -> HertzStiffness {
+    law_parameters(scene).hertz(&scene.contact.law)
+}
+
+/// The law that a scene names; `None` if there is none of that name.
+#[must_use]
+pub fn law(scene: &Scene) -> Option<Law> {
+    Law::named(&scene.contact.law, &law_parameters(scene))
+}
+
+/// A contact at rest under a scene's law.
+#[derive(Debug, Clone, Copy)]
 pub struct Spring {
-    /// K, N/m^n.
-    pub stiffness: f64,
-    /// n.
-    pub exponent: f64,
+    law: Law,
+    hertz: f64,
 }
 
 impl Spring {
-    /// That of the scene's law where Hertz' stiffness is `hertz`, N/m^1.5.
+    /// Where Hertz' stiffness is `hertz`, N/m^1.5; of a law that is none a spring after Hertz.
     #[must_use]
-    pub fn of(contact: &Contact, hertz: f64) -> Self {
-        let is_line = contact.law == "line-contact";
+    pub fn of(scene: &Scene, hertz: f64) -> Self {
+        let plain = || PaperLaw {
+            damping: 0.0,
+            ramp: Ramp::new(scene.contact.ramp_m),
+        };
         Self {
-            stiffness: law(contact).map_or(hertz, |law| law.stiffness(hertz)),
-            exponent: if is_line { 10.0 / 9.0 } else { 1.5 },
+            law: law(scene).unwrap_or_else(|| Law::Paper(plain())),
+            hertz,
         }
+    }
+
+    /// F, N.
+    #[must_use]
+    pub fn force(&self, depth: f64) -> f64 {
+        self.law.elastic(self.hertz, depth)
     }
 
     /// delta under a force, m, and at least `least`.
     #[must_use]
     pub fn depth(&self, force_n: f64, least: f64) -> f64 {
-        (force_n / self.stiffness)
-            .powf(self.exponent.recip())
-            .max(least)
+        if force_n > 0.0 {
+            self.law.depth(self.hertz, force_n).max(least)
+        } else {
+            least
+        }
     }
 
     /// dF/d delta, N/m.
     #[must_use]
     pub fn tangent(&self, depth: f64) -> f64 {
-        self.exponent * self.stiffness * depth.powf(self.exponent - 1.0)
+        self.law.tangent(self.hertz, depth)
     }
 }
 
@@ -161,13 +227,13 @@ impl Scales {
     /// The scales of a scene whose values are in range.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
-        let (gear, contact) = (&scene.gear, &scene.contact);
-        let hertz = hertz(contact);
-        let outer = Spring::of(contact, hertz.of_radius(gear.external_sleeve_radius_m));
+        let gear = &scene.gear;
+        let hertz = hertz(scene);
+        let outer = Spring::of(scene, hertz.on_flat(gear.external_sleeve_radius_m));
         // A hole that fits tightly is far stiffer; nothing moves faster than in one with the usual clearance of e.
         let sleeve = gear.internal_sleeve_radius_m;
         let hole = gear.hole_radius_m.max(sleeve + gear.eccentricity_m);
-        let inner = Spring::of(contact, hertz.of_hole(sleeve, hole));
+        let inner = Spring::of(scene, hertz.of_hole(sleeve, hole));
         let lever = gear.lever_m();
         let least = least_depth(scene);
         let load = load_course::largest(&scene.drive) / gear.wheels as f64;
@@ -176,7 +242,7 @@ impl Scales {
             let depth = spring.depth(4.0 * load / (lever * sleeves), least);
             0.25 * sleeves * spring.tangent(depth) * lever * lever
         };
-        let unloaded = outer.stiffness * least.powf(outer.exponent);
+        let unloaded = outer.force(least);
         let torque = load.max(0.25 * unloaded * lever * gear.external_sleeves as f64);
         let force = external_force(gear, torque);
         let penetration = outer.depth(force, least);

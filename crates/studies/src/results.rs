@@ -28,6 +28,9 @@ pub struct Results {
     pub uncertainty: &'static str,
     /// In the order in which they are shown.
     pub figures: Vec<Figure>,
+    /// Why there is no efficiency.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub efficiency_reason: Option<String>,
 }
 
 /// Where the results of a run begin, s: with the last window of its energy account, or at its half.
@@ -48,7 +51,7 @@ impl Results {
         shares: Option<Distance>,
     ) -> Self {
         let from_s = from_s(run, scene);
-        let mut figures = Vec::new();
+        let (mut figures, mut efficiency_reason) = (Vec::new(), None);
         let mut push = |name: &str, value: f64, size: f64, share: Option<f64>| {
             figures.push(Figure {
                 name: name.to_owned(),
@@ -71,15 +74,18 @@ impl Results {
             }
         }
         if let Some(found) = run.stats.energy.last().and_then(Efficiency::of) {
-            push("efficiency", found.measured, found.measured, torque);
-            let lost = found.of_losses;
-            push("efficiency_accounted", lost, lost, torque);
+            match found.defined() {
+                Ok(share) => push("efficiency", share, share, torque),
+                Err(reason) => efficiency_reason = Some(reason),
+            }
+            push("lost_share", found.lost_share, 1.0, torque);
             push("created_share", found.created_share, 1.0, torque);
         }
         Self {
             from_s,
             uncertainty,
             figures,
+            efficiency_reason,
         }
     }
 

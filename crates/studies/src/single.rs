@@ -11,6 +11,7 @@ use pinwheel_timeseries::{Ending, TimeSeries};
 use serde::Serialize;
 
 use crate::StudyError;
+use crate::band::{self, Bands};
 use crate::control::{Control, Progress, of_scene};
 use crate::output::{OutputError, write_json};
 use crate::provenance::{Machine, Provenance};
@@ -43,6 +44,9 @@ pub(crate) struct RunRecord<'a> {
     /// What it was run for, with how far that may be off.
     #[serde(skip_serializing_if = "Option::is_none")]
     results: Option<Results>,
+    /// What other contact laws and fits would give.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    by_contact_law: Option<&'a Bands>,
     scene: &'a Scene,
     /// Values of the scene that its file does not write.
     assumptions: Vec<Assumption>,
@@ -110,6 +114,8 @@ pub struct Outcome {
     pub run: Run,
     /// What the same run at twice the step shows, where that was looked at.
     pub resolution: Option<Resolution>,
+    /// What other contact laws and fits would give; `None`: there is nothing to compare, or nobody asked.
+    pub bands: Option<Bands>,
 }
 
 /// Runs the scene of `gearbox` on `engine`; `checked`: a native run is repeated at twice its step, which shows whether the step
@@ -142,6 +148,7 @@ pub fn run(
         scene: scene.clone(),
         run,
         resolution,
+        bands: None,
     })
 }
 
@@ -172,6 +179,15 @@ fn check(
 }
 
 impl Outcome {
+    /// With what other contact laws and fits would give.
+    ///
+    /// # Errors
+    /// Cancelled.
+    pub fn with_bands(self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Self, StudyError> {
+        let bands = band::of(gearbox, control)?;
+        Ok(Self { bands, ..self })
+    }
+
     /// That the run diverged: when, and by what.
     #[must_use]
     pub fn diverged(&self) -> Option<String> {
@@ -219,6 +235,7 @@ impl Outcome {
             resolution: self.resolution.as_ref(),
             uncertainty: self.run.uncertainty.as_ref(),
             results: ending.is_finished().then(|| self.results()),
+            by_contact_law: self.bands.as_ref(),
             ..RunRecord::new(engine, &self.scene, ending, stats, made)
         };
         record.write(dir, &self.run.time_series)
@@ -251,6 +268,7 @@ impl<'a> RunRecord<'a> {
             resolution: None,
             uncertainty: None,
             results: None,
+            by_contact_law: None,
             scene,
             assumptions: assumptions(scene),
             pinwheel_version: made.version,

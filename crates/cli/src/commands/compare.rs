@@ -36,7 +36,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
     let page = pages::comparison::page(&found, &made, interrupt::flag())?;
-    let text = pages::comparison::text(scene, &found.comparison);
+    let text = pages::comparison::text(scene, &found);
     folder.show(&page, &text)?;
     if let Some(path) = &args.junit {
         junit::write(
@@ -50,7 +50,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         screen::complain(&broken);
         return Ok(ENGINE);
     }
-    Ok(found.comparison.counts.exit_status())
+    Ok(found.exit_status())
 }
 
 /// Two designs by one engine.

@@ -1,8 +1,7 @@
 //! `pinwheel run`: one scene, one engine.
 
 use pinwheel::pages;
-use pinwheel::studies::single;
-use pinwheel::studies::{Provenance, choice};
+use pinwheel::studies::{Provenance, choice, single};
 
 use crate::args::{self, RunArgs};
 use crate::failure::{ENGINE, Failure, INCONCLUSIVE};
@@ -18,7 +17,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
     single::prepare(engine.as_ref(), &gearbox)?;
     let folder = Folder::prepare(&args.out.folder(&scene.name, "run"), args.out.force)?;
     let found = watched("run", |control| {
-        single::run(&gearbox, engine.as_ref(), !args.unchecked, control)
+        let found = single::run(&gearbox, engine.as_ref(), !args.unchecked, control)?;
+        match args.unchecked {
+            true => Ok(found),
+            false => found.with_bands(&gearbox, control),
+        }
     })?;
     found.write(folder.path(), &Provenance::here(args::typed()))?;
     let time_series = folder.publish()?.join(single::file(&found.run.ending));

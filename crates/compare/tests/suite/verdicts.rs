@@ -126,9 +126,18 @@ fn load_balance() {
 #[test]
 fn efficiency() {
     // 22 N m at omega/15 over 1.45 N m at omega.
-    let comparison = compare(&context(), &[native()], &Rules::default()).unwrap();
-    let wanted = 22.0 / 15.0 / 1.45;
-    let found = comparison.engines[0].figures[0].efficiency.unwrap();
+    let mut rubs = context();
+    rubs.friction_coefficient = 0.1;
+    let of = |context: &Context| {
+        let comparison = compare(context, &[native()], &Rules::default()).unwrap();
+        comparison.engines[0].figures[0].clone()
+    };
+    // More leaves than enters, and this engine keeps no account: there is no figure above 1.
+    let above = of(&rubs);
+    assert!(above.efficiency.is_none() && above.efficiency_reason.unwrap().contains("above 1"));
+    rubs.input_speed_rad_s = rubs.input_speed_rad_s.map(|speed| 1.05 * speed);
+    let wanted = 22.0 / 15.0 / 1.45 / 1.05;
+    let found = of(&rubs).efficiency.unwrap();
     // The ripple's mean over the window's 40.01 periods is not quite zero.
     assert!((found - wanted).abs() < 1e-4, "{found} {wanted}");
 }

@@ -3,7 +3,7 @@
 //! Adams writes it with the gap q and its rate: `max(0, k (q1 - q)^e - STEP(q, q1 - d, c_max, q1, 0) dq/dt)`. The
 //! exponent e is 1.5 here; the damping reaches c_max at the depth d.
 
-use super::{LawInfo, LawParameters, NormalLaw, step};
+use super::{LawInfo, LawParameters, NormalLaw, Shape, step};
 use crate::Real;
 
 /// IMPACT with exponent 1.5.
@@ -59,4 +59,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     ],
     restitution_factor: None,
     conservative: true,
+    shape: Shape::Fitted,
+    materials: "that of the stiffness given",
+    stiffness: None,
 };

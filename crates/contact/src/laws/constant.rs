@@ -2,7 +2,7 @@
 //!
 //! What engineering software offers, and the simplest law with a potential.
 
-use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, paper};
+use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, Shape, paper};
 use crate::Real;
 
 /// Eq. 20 with constant K.
@@ -54,4 +54,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     ],
     restitution_factor: None,
     conservative: true,
+    shape: Shape::Fitted,
+    materials: "that of the stiffness given",
+    stiffness: None,
 };

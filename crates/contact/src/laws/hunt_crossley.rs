@@ -1,6 +1,6 @@
 //! Hunt and Crossley: `chi = 3 (1 - c)/2`; see [`super::hysteresis`].
 
-use super::{Hysteresis, LawInfo, LawParameters};
+use super::{Hysteresis, LawInfo, LawParameters, Shape};
 
 /// chi for the restitution `c`.
 fn factor(c: f64) -> f64 {
@@ -22,4 +22,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     keys: &["contact.restitution", "contact.impact_speed_m_s"],
     restitution_factor: Some(factor),
     conservative: false,
+    shape: Shape::Sphere,
+    materials: "any elastic one, by modulus and Poisson's ratio",
+    stiffness: None,
 };

@@ -3,7 +3,7 @@
 //! Sleeves and wheels are cylinders. Palmgren measured steel rollers: delta = 3.84e-5 F^0.9/L^0.8 with delta and L in
 //! mm and F in N, so `K_L = H (1000/3.84e-5)^(10/9) L^(8/9)`, N/m^(10/9), whatever the radii; H as for the other laws.
 
-use super::{LawInfo, LawParameters, NormalLaw, Ramp};
+use super::{LawInfo, LawParameters, NormalLaw, Ramp, Shape};
 use crate::Real;
 
 /// Palmgren's law with the paper's damping.
@@ -32,6 +32,11 @@ impl NormalLaw for LineContact {
     fn stiffness(&self, _hertz: f64) -> f64 {
         self.stiffness
     }
+
+    #[inline]
+    fn exponent(&self) -> f64 {
+        10.0 / 9.0
+    }
 }
 
 pub(super) fn new(parameters: &LawParameters) -> LineContact {
@@ -58,6 +63,9 @@ pub(super) const INFO: LawInfo = LawInfo {
     ],
     restitution_factor: None,
     conservative: true,
+    shape: Shape::Line,
+    materials: "steel: Palmgren measured bearings",
+    stiffness: None,
 };
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ pub trait NormalLaw: Copy {
     /// force is the whole gradient of U(K, delta). `None`, always or never: the force is normal only.
     #[must_use]
     #[inline(always)]
-    fn along<R: Real>(&self, _penetration: R) -> Option<R> {
+    fn along<R: Real>(&self, _stiffness: R, _penetration: R) -> Option<R> {
         None
     }
 
@@ -28,6 +28,30 @@ pub trait NormalLaw: Copy {
     #[inline]
     fn stiffness(&self, hertz: f64) -> f64 {
         hertz
+    }
+
+    /// n of laws whose force at rest, above a ramp, is stiffness times delta^n.
+    #[inline]
+    fn exponent(&self) -> f64 {
+        1.5
+    }
+
+    /// Force at rest, N, above a ramp, where Hertz's stiffness is `hertz`.
+    #[must_use]
+    fn elastic(&self, hertz: f64, depth: f64) -> f64 {
+        self.stiffness(hertz) * depth.powf(self.exponent())
+    }
+
+    /// The depth, m, of that force, N.
+    #[must_use]
+    fn depth(&self, hertz: f64, force: f64) -> f64 {
+        (force / self.stiffness(hertz)).powf(self.exponent().recip())
+    }
+
+    /// Its slope, N/m.
+    #[must_use]
+    fn tangent(&self, hertz: f64, depth: f64) -> f64 {
+        self.exponent() * self.stiffness(hertz) * depth.powf(self.exponent() - 1.0)
     }
 
     /// The force at this rate and at rest, N, and the energy stored, J, whose roots are the same.

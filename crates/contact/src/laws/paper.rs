@@ -4,7 +4,7 @@
 //! Because K varies along the profile while the force is normal only, the law has no potential and
 //! creates about 1 % energy on the paper's gear.
 
-use super::{LawInfo, LawParameters, NormalLaw, Ramp};
+use super::{LawInfo, LawParameters, NormalLaw, Ramp, Shape};
 use crate::Real;
 
 /// Eq. 20.
@@ -47,6 +47,9 @@ pub(super) const INFO: LawInfo = LawInfo {
     keys: &["contact.damping_n_s_m", "contact.ramp_m"],
     restitution_factor: None,
     conservative: false,
+    shape: Shape::Sphere,
+    materials: "any elastic one, by modulus and Poisson's ratio",
+    stiffness: None,
 };
 
 #[cfg(test)]

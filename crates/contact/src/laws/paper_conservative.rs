@@ -28,7 +28,7 @@ impl NormalLaw for PaperConservative {
     }
 
     #[inline(always)]
-    fn along<R: Real>(&self, penetration: R) -> Option<R> {
+    fn along<R: Real>(&self, _stiffness: R, penetration: R) -> Option<R> {
         Some(self.0.ramp.integral(penetration))
     }
 }

@@ -1,5 +1,7 @@
 //! What a law reads of its scene.
 
+use crate::{HertzStiffness, Material};
+
 /// The parameters of all laws, SI; each reads what its [`keys`](super::LawInfo::keys) name. The default is the paper's
 /// gear, and for laws that are not the paper's what a scene has that says nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,22 +14,57 @@ pub struct LawParameters {
     pub constant_stiffness: f64,
     /// H, factor on the stiffness of laws that do not take Hertz's; `contact.stiffness_multiplier`.
     pub stiffness_multiplier: f64,
+    /// H in holes; `contact.internal_stiffness_multiplier`.
+    pub internal_multiplier: f64,
+    /// Springs of external and internal contacts, N/m; `contact.external_spring_n_m`, `contact.internal_spring_n_m`.
+    pub springs: [f64; 2],
     /// Length of the line of a line contact, m; `contact.line_length_m`.
     pub line_length: f64,
+    /// Of pins; `contact.pin_young_pa`, `contact.pin_poisson`.
+    pub pin: Material,
+    /// Of discs; `contact.young_pa`, `contact.poisson`.
+    pub disc: Material,
+    /// What a disc has behind a contact, m; `contact.disc_depth_m`.
+    pub disc_depth: f64,
+    /// Radius of the external sleeves, m; `gear.external_sleeve_radius_m`.
+    pub sleeve_radius: f64,
     /// c of the hysteresis laws, 0 < c <= 1; `contact.restitution`.
     pub restitution: f64,
     /// v0 of the hysteresis laws, m/s; `contact.impact_speed_m_s`.
     pub impact_speed: f64,
 }
 
+impl LawParameters {
+    /// K of these materials, as the law called `name` wants it.
+    #[must_use]
+    pub fn hertz(&self, name: &str) -> HertzStiffness {
+        let hertz = HertzStiffness::new(self.pin, self.disc, self.stiffness_multiplier)
+            .with_internal(self.internal_multiplier / self.stiffness_multiplier);
+        match super::law_info(name).and_then(|law| law.stiffness) {
+            Some(stiffness) => stiffness(hertz, self),
+            None => hertz,
+        }
+    }
+}
+
 impl Default for LawParameters {
     fn default() -> Self {
+        let steel = Material {
+            young: 2e11,
+            poisson: 0.3,
+        };
         Self {
             damping: 8.0,
             ramp: 1e-5,
             constant_stiffness: 1e8,
             stiffness_multiplier: 0.01,
+            internal_multiplier: 0.01,
+            springs: [1e8; 2],
             line_length: 0.01,
+            pin: steel,
+            disc: steel,
+            disc_depth: 0.01,
+            sleeve_radius: 0.006,
             restitution: 0.9,
             impact_speed: 0.01,
         }

@@ -48,9 +48,9 @@ macro_rules! registry {
             }
 
             #[inline(always)]
-            fn along<R: Real>(&self, penetration: R) -> Option<R> {
+            fn along<R: Real>(&self, stiffness: R, penetration: R) -> Option<R> {
                 match self {
-                    $(Self::$law(law) => law.along(penetration)),*
+                    $(Self::$law(law) => law.along(stiffness, penetration)),*
                 }
             }
 
@@ -58,6 +58,31 @@ macro_rules! registry {
             fn stiffness(&self, hertz: f64) -> f64 {
                 match self {
                     $(Self::$law(law) => law.stiffness(hertz)),*
+                }
+            }
+
+            #[inline]
+            fn exponent(&self) -> f64 {
+                match self {
+                    $(Self::$law(law) => law.exponent()),*
+                }
+            }
+
+            fn elastic(&self, hertz: f64, depth: f64) -> f64 {
+                match self {
+                    $(Self::$law(law) => law.elastic(hertz, depth)),*
+                }
+            }
+
+            fn depth(&self, hertz: f64, force: f64) -> f64 {
+                match self {
+                    $(Self::$law(law) => law.depth(hertz, force)),*
+                }
+            }
+
+            fn tangent(&self, hertz: f64, depth: f64) -> f64 {
+                match self {
+                    $(Self::$law(law) => law.tangent(hertz, depth)),*
                 }
             }
 

@@ -4,3 +4,4 @@ mod brute;
 mod feet;
 mod lanes;
 mod published_impact;
+mod published_rollers;

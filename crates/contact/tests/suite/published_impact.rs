@@ -4,8 +4,18 @@
 //! contact time 2.9432 times depth over v [Johnson 1985, 11.1; the number is (4/5) sqrt(pi) Gamma(2/5)/Gamma(9/10)].
 
 use pinwheel_contact::laws::{LAWS, hysteresis_factor};
+
+/// Hertz' stiffness of the paper's steel.
+fn paper() -> HertzStiffness {
+    let steel = Material {
+        young: 2e11,
+        poisson: 0.3,
+    };
+    HertzStiffness::new(steel, steel, 0.01)
+}
 use pinwheel_contact::{
-    Complex, ConstantStiffness, Epitrochoid, HertzStiffness, Hysteresis, NormalLaw, PaperLaw, Ramp,
+    Complex, ConstantStiffness, Epitrochoid, HertzStiffness, Hysteresis, Material, NormalLaw,
+    PaperLaw, Ramp,
 };
 
 /// The paper's sleeve, kg.
@@ -23,7 +33,7 @@ struct Impact {
 /// Drops the sleeve along the normal at the parameter `a` of the paper's wheel with the speed `v`, RK4.
 fn drop_on_profile(law: impl NormalLaw, a: f64, v: f64) -> Impact {
     let curve = Epitrochoid::new(0.0028, 16, 0.7).unwrap();
-    let hertz = HertzStiffness::new(2e11, 0.3, 0.01);
+    let hertz = paper();
     let at = curve.at(a);
     let start = Complex::unit(a);
     let multiple = start.powu(16);
@@ -68,7 +78,7 @@ fn drop_on_profile(law: impl NormalLaw, a: f64, v: f64) -> Impact {
 
 fn stiffness_at(a: f64) -> f64 {
     let curve = Epitrochoid::new(0.0028, 16, 0.7).unwrap();
-    HertzStiffness::new(2e11, 0.3, 0.01).of_edge(0.006, 0.006, curve.at(a).curvature)
+    paper().of_edge(0.006, 0.006, curve.at(a).curvature)
 }
 
 /// Lobe tip, flank and pit: three stiffnesses. The ramp is made so thin that it does not matter.

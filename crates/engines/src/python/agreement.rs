@@ -3,7 +3,8 @@
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_gearbox::Gearbox;
-use pinwheel_scene::CheckedScene;
+use pinwheel_scene::scales::law_parameters;
+use pinwheel_scene::{CheckedScene, Scene};
 use pyo3::prelude::*;
 
 use super::law::Published;
@@ -40,13 +41,16 @@ pub fn law_agreement(scene: &CheckedScene, states: usize, seed: u64) -> Result<A
     host::ready(&AtomicBool::new(false))?;
     let gearbox = Gearbox::new(scene).map_err(Ending::failed)?;
     let law = Published::new(&gearbox)?;
+    // numpy does not look for the wall behind a contact.
+    let mut told = Scene::clone(scene);
+    told.contact.disc_depth_m = Some(law_parameters(scene).disc_depth).filter(|depth| *depth > 0.0);
     Python::attach(|py| {
         let compare = || -> PyResult<Agreement> {
             let package = host::package(py)?;
             let pointer = engine::pointer(&package, &law)?;
             let found = py
                 .import("pinwheel_engines.agreement")?
-                .call_method1("compare", (scene.to_toml(), pointer, states, seed))?;
+                .call_method1("compare", (told.to_toml(), pointer, states, seed))?;
             found.extract()
         };
         compare().map_err(|error| convert::halt(py, &error))

@@ -96,11 +96,17 @@ impl Engine for PythonEngine {
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         gearbox.contact_field().map_err(Ending::unsupported)?;
+        let mut gearbox = gearbox.clone();
         // The law is ours: what the native solver can do, it can do.
         if self.0.track != Track::SharedLaw {
+            let given = self.0.own_contact.given(Scene::clone(&gearbox.scene));
+            if given != *gearbox.scene {
+                let given = given.check().map_err(Ending::unsupported)?;
+                gearbox = Gearbox::new(&given).map_err(Ending::unsupported)?;
+            }
             self.check(&gearbox.scene)?;
         }
-        Ok(prepared(gearbox.clone(), |gearbox, control| {
+        Ok(prepared(gearbox, |gearbox, control| {
             self.run(gearbox, control)
         }))
     }

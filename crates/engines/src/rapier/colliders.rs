@@ -9,13 +9,14 @@ use pinwheel_gearbox::channels::{PairSource, Visit};
 use pinwheel_gearbox::contacts::{ContactEnergy, PairContact};
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::Sleeve;
-use pinwheel_scene::{Detection, Gear, Scene, Start};
+use pinwheel_scene::scales::{Scales, external_force, internal_force};
+use pinwheel_scene::{CheckedScene, Detection, Scene, Start};
 use rapier2d_f64::parry::query::PointQuery;
 use rapier2d_f64::prelude::*;
 
 use super::march::{Contacts, Grid, friction_is_plain, march};
-use super::outlines::{closed, hole_edge, wheel_edge};
-use super::spring::{contact_frequency, spring_load};
+use super::outlines::{closed, corners_for_sag, hole_edge, sag_of_corners, wheel_edge};
+use super::spring::{contact_spring, spring_load};
 use super::sums::Sums;
 use super::world::{World, in_frame_of};
 use crate::engine::{Ending, Halt, Prepared, prepared};
@@ -24,8 +25,14 @@ use crate::engine::{Ending, Halt, Prepared, prepared};
 /// 0.8 % with 103 points a lobe, against 267.
 const EDGE_POINTS: usize = 4000;
 const LOBE_POINTS: usize = 100;
-/// Points of a hole's edge: chords 0.3 micrometres deep in a hole of 8.8 mm.
+/// And most: beyond that an outline costs more than it shows.
+const MOST_POINTS: usize = 16_000;
+/// Fewest and most points of a hole's edge: with the former chords are 0.3 micrometres deep in a hole of 8.8 mm.
 const HOLE_POINTS: usize = 400;
+const MOST_HOLE_POINTS: usize = 4000;
+/// By how much an outline should miss its curve, and by how much it may, as shares of the depth of contacts.
+const SAG: f64 = 0.01;
+const MOST_SAG: f64 = 0.05;
 
 /// Gauss-Seidel sweeps a step, as in the contact hook.
 const SWEEPS: usize = 20;
@@ -55,16 +62,35 @@ pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
             .into());
     }
     let mut field = gearbox.contact_field().map_err(Ending::unsupported)?;
-    let frequency = contact_frequency(gearbox, &mut *field).map_err(Ending::unsupported)?;
+    let spring = contact_spring(gearbox, &mut *field).map_err(Ending::unsupported)?;
+    let corners = Corners::of(scene, spring.stiffness_n_m).map_err(Ending::unsupported)?;
+    let frequency = spring.frequency_hz;
     let grid = Grid::new(scene, step_s(scene, frequency))?;
-    Ok(prepared(gearbox.clone(), move |gearbox, control| {
+    let mut gearbox = gearbox.clone();
+    if let Some([external, internal]) = spring.masses_kg {
+        let mut lighter = Scene::clone(scene);
+        let (mass, gear) = (&mut lighter.mass, &scene.gear);
+        let carried = gear.internal_sleeves as f64 * (mass.internal_sleeve.mass_kg - internal);
+        mass.output_shaft.moment_kg_m2 += carried * gear.internal_circle_radius_m.powi(2);
+        for (sleeve, kg) in [
+            (&mut mass.external_sleeve, external),
+            (&mut mass.internal_sleeve, internal),
+        ] {
+            sleeve.moment_kg_m2 *= kg / sleeve.mass_kg;
+            sleeve.mass_kg = kg;
+        }
+        // Only this engine sees the scene, whose other values were checked.
+        gearbox = Gearbox::new(&CheckedScene::unchecked(lighter)).map_err(Ending::unsupported)?;
+    }
+    Ok(prepared(gearbox, move |gearbox, control| {
         let mut world = World::new(gearbox, grid.step_s, SWEEPS);
         world.contact_spring(frequency);
-        let mut contacts = Solid::new(gearbox, &mut world, grid.step_s);
+        let mut contacts = Solid::new(gearbox, &mut world, grid.step_s, corners);
+        let [external, internal] = spring.stiffness_n_m;
         let settings = format!(
-            "impulse revolutes, 1 substep, {SWEEPS} constraint sweeps, warm start; {} points a wheel, {HOLE_POINTS} \
-             a hole; contact spring {frequency:.0} Hz",
-            edge_points(&gearbox.scene.gear)
+            "impulse revolutes, 1 substep, {SWEEPS} constraint sweeps, warm start; {} corners a wheel, {} a hole; contact \
+             springs of {external:.2e} N/m outside, {internal:.2e} N/m inside, {frequency:.0} Hz",
+            corners.wheel, corners.hole
         );
         let mut run = march(gearbox, world, &mut contacts, &grid, settings, control)?;
         // Its contact law is not ours.
@@ -92,8 +118,37 @@ fn notes(gearbox: &Gearbox, grid: &Grid) -> Vec<String> {
     notes
 }
 
-fn edge_points(gear: &Gear) -> usize {
-    EDGE_POINTS.max(LOBE_POINTS * gear.lobes())
+/// Corners of outlines.
+#[derive(Debug, Clone, Copy)]
+struct Corners {
+    wheel: usize,
+    hole: usize,
+}
+
+impl Corners {
+    /// So many that outlines miss their curves by a hundredth of the depth of springs of this stiffness (external, internal, N/m)
+    /// under the static load.
+    fn of(scene: &Scene, stiffness_n_m: [f64; 2]) -> Result<Self, String> {
+        let gear = &scene.gear;
+        let torque = Scales::of(scene).wheel_torque_n_m;
+        let forces = [external_force(gear, torque), internal_force(gear, torque)];
+        let depth = |stage: usize| forces[stage] / stiffness_n_m[stage];
+        let fewest = EDGE_POINTS.max(LOBE_POINTS * gear.lobes());
+        let wanted = corners_for_sag(gear, SAG * depth(0)).ceil();
+        let wheel = (wanted.min(MOST_POINTS as f64) as usize).max(fewest);
+        let sag = sag_of_corners(gear, wheel);
+        if sag > MOST_SAG * depth(0) {
+            return Err(format!(
+                "limited by its polygon: with {wheel} corners an edge misses the curve by {sag:.1e} m, and contacts are \
+                 pressed in by {:.1e} m; take a softer contact, or the engine rapier-own-contact-hook",
+                depth(0)
+            ));
+        }
+        // Chords of a circle of radius r over an angle a miss it by r a^2/8.
+        let hole = std::f64::consts::TAU * (gear.hole_radius_m / (8.0 * SAG * depth(1))).sqrt();
+        let hole = (hole.ceil().min(MOST_HOLE_POINTS as f64) as usize).max(HOLE_POINTS);
+        Ok(Self { wheel, hole })
+    }
 }
 
 /// The longest allowed step that divides the sampling step; `frequency` of the contact spring, Hz.
@@ -127,7 +182,7 @@ const HOLES: Group = Group::GROUP_3;
 const INTERNALS: Group = Group::GROUP_4;
 
 impl Solid {
-    fn new(gearbox: &Gearbox, world: &mut World, step_s: f64) -> Self {
+    fn new(gearbox: &Gearbox, world: &mut World, step_s: f64, corners: Corners) -> Self {
         let (layout, gear, geometry) = (gearbox.layout, &gearbox.scene.gear, &gearbox.geometry);
         let friction = gearbox.scene.contact.friction_coefficient;
         // The tag of a hole and of its sleeve is the sleeve's number.
@@ -157,10 +212,9 @@ impl Solid {
         let internals = discs(radii, layout.internal_bodies(), INTERNALS, HOLES);
 
         let starts = gearbox.kinematic_states();
-        let points = edge_points(gear);
         let mut meetings = Vec::new();
         for (wheel, body) in layout.wheel_bodies().enumerate() {
-            let outline = wheel_edge(gear, points);
+            let outline = wheel_edge(gear, corners.wheel);
             let segments = closed(outline.len());
             let outline = ColliderBuilder::polyline(outline, Some(segments));
             let edge = add(outline, body, EDGES, EXTERNALS, 0);
@@ -184,8 +238,8 @@ impl Solid {
                     Vector::new(re, im)
                 };
                 let outline = ColliderBuilder::polyline_with_flags(
-                    hole_edge(centre, geometry.hole_radii_m[wheel][k], HOLE_POINTS),
-                    Some(closed(HOLE_POINTS)),
+                    hole_edge(centre, geometry.hole_radii_m[wheel][k], corners.hole),
+                    Some(closed(corners.hole)),
                     PolylineFlags::ORIENTED,
                 );
                 let edge = add(outline, body, HOLES, INTERNALS, k);

@@ -42,3 +42,12 @@ impl Engine for Rapier {
         self.1(gearbox)
     }
 }
+
+/// The linear springs of external and internal contacts that the colliders have, N/m.
+///
+/// # Errors
+/// In words, if the law cannot carry the load.
+pub(crate) fn stage_stiffness(gearbox: &Gearbox) -> Result<[f64; 2], String> {
+    let mut field = gearbox.contact_field().map_err(|error| error.to_string())?;
+    spring::contact_spring(gearbox, &mut *field).map(|spring| spring.stiffness_n_m)
+}

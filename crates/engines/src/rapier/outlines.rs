@@ -6,14 +6,23 @@ use std::f64::consts::TAU;
 use pinwheel_scene::Gear;
 use rapier2d_f64::prelude::{Rotation, Vector};
 
-/// About `count` points of a wheel's edge, counter-clockwise, in the wheel's frame, m: at equal steps of the curve
-/// parameter, and where flanks are turned at equal steps of it along each flank.
+/// About `count` points of a wheel's edge, counter-clockwise, in the wheel's frame, m: all chords miss the edge by as much
+/// ([`sag_of_corners`]), along each flank where flanks are turned.
 pub(super) fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
     let turn = gear.modification.rotational_rad;
+    let pitch = TAU / gear.lobes() as f64;
     if turn == 0.0 {
-        return around(count).map(|a| edge_point(gear, a)).collect();
+        let lobe = Lobe::new(gear, 0.0, pitch);
+        let steps = (count as f64 / gear.lobes() as f64).ceil() as usize;
+        let parameters: Vec<f64> = (0..steps)
+            .map(|k| lobe.parameter(k as f64 / steps as f64))
+            .collect();
+        let lobes = (0..gear.lobes()).map(|number| pitch * number as f64);
+        return lobes
+            .flat_map(|from| parameters.iter().map(move |a| edge_point(gear, from + a)))
+            .collect();
     }
-    let half = std::f64::consts::PI / gear.lobes() as f64;
+    let half = 0.5 * pitch;
     let polar = |a: f64| {
         let point = edge_point(gear, a);
         point.y.atan2(point.x)
@@ -34,8 +43,9 @@ pub(super) fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
     let (tip, pit) = (at(turn), at(half + turn));
     let steps = (count / (2 * gear.lobes())).max(2);
     let back = Rotation::new(-turn);
+    let along = Lobe::new(gear, tip, pit);
     let flank: Vec<Vector> = (0..=steps)
-        .map(|k| back * edge_point(gear, tip + (pit - tip) * k as f64 / steps as f64))
+        .map(|k| back * edge_point(gear, along.parameter(k as f64 / steps as f64)))
         .collect();
     (0..gear.lobes())
         .flat_map(|lobe| {
@@ -46,6 +56,73 @@ pub(super) fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
             whole
         })
         .collect()
+}
+
+/// How many corners a wheel's edge needs for chords that miss it by `sag_m`.
+pub(super) fn corners_for_sag(gear: &Gear, sag_m: f64) -> f64 {
+    whole(gear) / (8.0 * sag_m).sqrt()
+}
+
+/// By how much the chords between so many corners miss a wheel's edge, m: `c^2 |kappa|/8` of a chord c.
+pub(super) fn sag_of_corners(gear: &Gear, count: usize) -> f64 {
+    (whole(gear) / count as f64).powi(2) / 8.0
+}
+
+/// Integral of `sqrt |kappa|` along the edge, m^0.5.
+fn whole(gear: &Gear) -> f64 {
+    let lobes = gear.lobes() as f64;
+    let lobe = Lobe::new(gear, 0.0, TAU / lobes);
+    lobes * lobe.weights.last().copied().unwrap_or_default()
+}
+
+/// Places on a stretch of the edge by `sqrt |kappa|`, at the ends of equal steps of the curve parameter.
+struct Lobe {
+    from: f64,
+    step: f64,
+    /// Integrals from the stretch's beginning.
+    weights: Vec<f64>,
+}
+
+/// Steps of a stretch.
+const STEPS: usize = 2000;
+/// Least curvature that counts, as a share of one over the wheel's radius: chords on straight pieces stay short.
+const LEAST_CURVATURE: f64 = 3.0;
+
+impl Lobe {
+    fn new(gear: &Gear, from: f64, to: f64) -> Self {
+        let step = (to - from) / STEPS as f64;
+        let point = |k: f64| edge_point(gear, from + k * step);
+        let least = LEAST_CURVATURE / gear.generating_radius_m();
+        let mut weights = vec![0.0];
+        let mut sum = 0.0;
+        for k in 0..STEPS {
+            // A circle through three points of the step.
+            let k = k as f64;
+            let [a, b, c] = [k, k + 0.5, k + 1.0].map(point);
+            let (ab, bc, ac) = (b - a, c - b, c - a);
+            let sides = ab.length() * bc.length() * ac.length();
+            let curvature = (2.0 * ab.perp_dot(ac) / sides).abs().max(least);
+            sum += curvature.sqrt() * ac.length();
+            weights.push(sum);
+        }
+        Self {
+            from,
+            step,
+            weights,
+        }
+    }
+
+    /// The curve parameter up to which this share of the stretch's weight lies.
+    fn parameter(&self, share: f64) -> f64 {
+        let wanted = share * self.weights[STEPS];
+        let after = self
+            .weights
+            .partition_point(|w| *w < wanted)
+            .clamp(1, STEPS);
+        let (low, high) = (self.weights[after - 1], self.weights[after]);
+        let part = ((wanted - low) / (high - low)).clamp(0.0, 1.0);
+        self.from + self.step * (after as f64 - 1.0 + part)
+    }
 }
 
 /// Eq. 1 with the modified radii: the edge at the curve parameter `a`.

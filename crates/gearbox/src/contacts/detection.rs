@@ -135,7 +135,7 @@ struct Shapes {
 
 impl Shapes {
     fn new(scene: &Scene, geometry: &Geometry) -> Self {
-        let hertz = hertz(&scene.contact);
+        let hertz = hertz(scene);
         let offset = geometry.edge_offset_m;
         let external = |&radius: &f64| External {
             radius,
@@ -175,6 +175,9 @@ impl Shapes {
     /// dK/da of K = k sqrt(r (1 - q' kappa)/(1 + (r - q') kappa)) over the way |C'| (1 + s kappa) that P, s outside of C,
     /// moves with da, along t = R90 n; n is minus the curve's normal, so t points towards smaller a.
     fn stiffness_slope(&self, j: usize, foot: &Foot, stiffness: f64) -> f64 {
+        if !self.hertz.is_curved() {
+            return 0.0;
+        }
         let (External { radius, larger }, at) = (self.external[j], &foot.at);
         let bend = self
             .curve
@@ -193,7 +196,7 @@ pub(super) struct Exact(Shapes, bool);
 impl Exact {
     /// The slope of K is only found for laws with a force along the profile.
     pub(super) fn new(scene: &Scene, geometry: &Geometry, law: &Law) -> Self {
-        Self(Shapes::new(scene, geometry), law.along(0.0).is_some())
+        Self(Shapes::new(scene, geometry), law.along(1.0, 1.0).is_some())
     }
 
     #[inline]

@@ -74,8 +74,7 @@ pub(crate) fn field(
     geometry: &Geometry,
     kernel: Kernel,
 ) -> Result<Box<dyn ContactField>, GearboxError> {
-    let law =
-        law(&scene.contact).ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
+    let law = law(scene).ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
     // Lanes take all sleeves, and all holes, for alike.
     let in_lanes = kernel != Kernel::Scalar
         && scene.contact.friction_law == FrictionLaw::Regularised
@@ -89,7 +88,7 @@ pub(crate) fn field(
             Box::new(Pairs::new(scene, geometry, law, exact))
         }
         // A force along the profile needs the slope of K, which points do not have.
-        Detection::Points if law.along(0.0).is_some() => {
+        Detection::Points if law.along(1.0, 1.0).is_some() => {
             return Err(GearboxError::Geometry(format!(
                 "contact.detection = \"points\" has no slope of the stiffness, which the law `{}` needs; \
                  use contact.detection = \"exact\"",

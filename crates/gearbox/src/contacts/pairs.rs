@@ -189,7 +189,7 @@ impl<D: Detection> Pairs<D> {
         let tangential_rate = relative.dot(touch.normal.turned());
         let (stiffness, depth) = (touch.stiffness, touch.penetration);
         let normal_force = self.law.force(stiffness, depth, normal_rate);
-        let along = self.law.along(depth);
+        let along = self.law.along(stiffness, depth);
         Loaded {
             touch,
             arm,
@@ -303,14 +303,18 @@ impl<D: Detection> Pairs<D> {
             stiffening,
             bend,
         } = *slopes;
-        // A = -K' I(delta), and its slopes by the way along t and by the depth; K' itself grows with the depth by -turning.
-        let at_centre = law.along(depth).filter(|_| !is_internal).map(|along| {
+        // A = -K' Y, and its slopes by the way along t and by the depth; K' itself grows with the depth by -turning.
+        let along = law.along(stiffness, depth).filter(|_| !is_internal);
+        let at_centre = along.map(|along| {
             let rise = either(PENETRATION_SHARE * depth, &|h| {
-                law.along(depth + h).unwrap_or_default()
+                law.along(stiffness, depth + h).unwrap_or_default()
+            });
+            let by_stiffness = either(STIFFNESS_SHARE * stiffness, &|h| {
+                law.along(stiffness + h, depth).unwrap_or_default()
             });
             (
                 -stiffening * along,
-                -bend * along,
+                -(bend * along + stiffening * stiffening * by_stiffness),
                 stiffening * (turning * along - rise),
             )
         });
@@ -373,7 +377,7 @@ impl<D: Detection> Pairs<D> {
         let on_sleeve = pair.on_sleeve();
         let mut total = on_sleeve;
         left.moment -= pair.touch.point.cross(on_sleeve);
-        if self.law.along(pair.touch.penetration).is_some() {
+        if self.law.along(1.0, 1.0).is_some() {
             let centre = pair.touch.point - pair.arm;
             total = total + pair.at_centre();
             left.moment -= centre.cross(pair.at_centre());

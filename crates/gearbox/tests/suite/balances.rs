@@ -182,6 +182,7 @@ fn newton_finds_what_brackets_find() {
             Kernel::Lanes,
         ),
         ("paper", &[("contact.law", "line-contact")], Kernel::Lanes),
+        ("paper", &[("contact.law", "line-hertz")], Kernel::Lanes),
         (
             "paper",
             &[("drive.output_torque_n_m", "-30")],

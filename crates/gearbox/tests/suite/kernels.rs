@@ -244,7 +244,7 @@ proptest! {
     #[test]
     fn lanes_equal_the_scalar_loop(
         zk in 5_usize..121, m in 0.3..0.9_f64, zi in 3_usize..20, wheels in 1_usize..4, friction: bool,
-        along: bool, kernel in prop::sample::select(&LANES), backlash in prop_oneof![Just(0.0), 0.0..1.4e-3], input in 0.0..40.0_f64, twist in 0.0..2e-3_f64,
+        law in 0..4_usize, kernel in prop::sample::select(&LANES), backlash in prop_oneof![Just(0.0), 0.0..1.4e-3], input in 0.0..40.0_f64, twist in 0.0..2e-3_f64,
         rates in prop::array::uniform16(-1.0..1.0_f64),
     ) {
         let mut scene = Scene::paper();
@@ -255,9 +255,7 @@ proptest! {
         scene.gear.backlash_m = backlash;
         scene.gear.external_sleeve_radius_m = 0.004;
         scene.contact.friction_coefficient = if friction { 0.1 } else { 0.0 };
-        if along {
-            scene.contact.law = "paper-conservative".to_owned();
-        }
+        scene.contact.law = ["paper", "paper-conservative", "line-hertz", "linear"][law].to_owned();
         // Holes may leave the wheel: the kernels do not mind.
         let gearbox = Gearbox::new(&CheckedScene::unchecked(scene.clone())).unwrap();
         let bodies = states(&gearbox, input, twist, &rates);
@@ -277,8 +275,14 @@ proptest! {
         });
         let force = noise + 1e-13 * largest;
         let moment = force * gearbox.geometry.curve.pitch_radius();
-        let (listed, oracle) = (pairs(&gearbox, kernel, &bodies), pairs(&gearbox, Kernel::Scalar, &bodies));
+        let (mut listed, mut oracle) = (pairs(&gearbox, kernel, &bodies), pairs(&gearbox, Kernel::Scalar, &bodies));
         check_depths(&gearbox, &bodies, &oracle.0);
+        // Rounding decides whether sleeves touch that only just do; rollers press there already.
+        if law > 1 {
+            for list in [&mut listed.0, &mut oracle.0] {
+                list.retain(|pair| pair.penetration_m > 100.0 * ulps);
+            }
+        }
         prop_assert_eq!(listed.0.len(), oracle.0.len());
         for (a, b) in listed.0.iter().zip(&oracle.0) {
             prop_assert_eq!((a.wheel, a.sleeve), (b.wheel, b.sleeve));
@@ -287,7 +291,7 @@ proptest! {
             prop_assert!((a.normal_force_n - b.normal_force_n).abs() <= force, "{a:?} {b:?} {force}");
             prop_assert!((a.friction_force_n - b.friction_force_n).abs() <= force, "{a:?} {b:?} {force}");
             prop_assert!((a.along_force_n - b.along_force_n).abs() <= force, "{a:?} {b:?} {force}");
-            prop_assert!(along || b.along_force_n == 0.0);
+            prop_assert!(law > 0 || b.along_force_n == 0.0);
             let near = |x: [f64; 2], y: [f64; 2], bound: f64| (x[0] - y[0]).abs().max((x[1] - y[1]).abs()) <= bound;
             prop_assert!(near(a.point, b.point, 1e-12) && near(a.centre, b.centre, 1e-15), "{a:?} {b:?}");
         }

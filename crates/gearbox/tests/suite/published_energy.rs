@@ -43,7 +43,12 @@ fn the_paper_s_law_creates_energy() {
 /// The same law with the force along the profile, and constant stiffness: nothing is left over.
 #[test]
 fn laws_with_a_potential_close() {
-    for (law, mean_known) in [("paper-conservative", 1.46671), ("constant", 1.46673)] {
+    for (law, mean_known) in [
+        ("paper-conservative", 1.46671),
+        ("constant", 1.46673),
+        ("line-hertz", 1.46667),
+        ("linear", 1.46667),
+    ] {
         let (audit, mean) = steady(law);
         assert!((mean - mean_known).abs() < 2e-5, "{law}: {mean}");
         // Measured 4e-8 and 1.5e-8; the published balance of independent programs is 1e-5.

@@ -1,6 +1,7 @@
 //! Statics beside others: closed forms, an independent package, the quasi-static prototype.
 
 use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::pressure::LinePressure;
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_scene::Sleeve;
 use pinwheel_scene::{Scene, free_play};
@@ -230,6 +231,7 @@ fn equilibria_do_the_work_of_the_load() {
         ("paper-conservative", 22.0 / 15.0, 2e-6),
         ("constant", 22.0 / 15.0, 2e-6),
         ("line-contact", 22.0 / 15.0, 2e-6),
+        ("line-hertz", 22.0 / 15.0, 2e-6),
     ];
     std::thread::scope(|scope| {
         for (law, mean, tolerance) in known {
@@ -424,13 +426,17 @@ fn printed_drive(printed: &toml::Table) -> Gearbox {
     gear.wheels = 2;
     gear.modification.equidistant_m = of("clearance_m");
     scene.drive.output_torque_n_m = of("torque_n_m");
-    scene.contact.law = "line-contact".into();
-    scene.contact.line_length_m = of("line_length_m");
-    // Palmgren's rollers are of steel; depths go with 1/E* to the power of 1 over the load's 10/9.
-    let softness = |e: f64, nu: f64| (1.0 - nu * nu) / e;
+    let contact = &mut scene.contact;
+    contact.law = "line-hertz".into();
+    contact.line_length_m = of("line_length_m");
+    contact.stiffness_multiplier = 1.0;
     let moduli = numbers(printed, "moduli");
-    let both = softness(moduli[0], moduli[1]) + softness(moduli[2], moduli[3]);
-    scene.contact.stiffness_multiplier = (2.0 * softness(210.0, 0.3) / both).powf(10.0 / 9.0);
+    (contact.young_pa, contact.poisson) = (1e9 * moduli[0], moduli[1]);
+    (contact.pin_young_pa, contact.pin_poisson) = (Some(1e9 * moduli[2]), Some(moduli[3]));
+    // The package takes the disc for half a cylinder too, of at most the pin circle's radius: as deep a half plane.
+    let nu = moduli[1];
+    let depth = 2.0 * of("pin_circle_m") * (0.5 * (nu / (1.0 - nu) - 1.0)).exp();
+    contact.disc_depth_m = Some(depth);
     Gearbox::new(&scene.check().unwrap()).unwrap()
 }
 
@@ -451,4 +457,45 @@ fn figures_of(gearbox: &Gearbox, torque: f64) -> ((f64, f64), f64, f64) {
     }
     let (low, high) = range(&twists);
     (range(&plays), stiffness, high - low)
+}
+
+/// The printed reference of a calculator (K. Aggarwal, Cycloidal-Gearbox-Simulator, docs/SPEC.md, which gives itself 2 %): equal
+/// springs, 1 N m on one disc of aluminium against pins of steel.
+#[test]
+fn published_calculator_shares_the_load_alike() {
+    let mut scene = Scene::paper();
+    let gear = &mut scene.gear;
+    gear.external_sleeves = 18;
+    (gear.eccentricity_m, gear.wheels) = (0.0013, 1);
+    gear.shortening = 0.0013 * 18.0 / 0.0425;
+    gear.external_sleeve_radius_m = 0.0025;
+    gear.internal_sleeves = 6;
+    (gear.internal_sleeve_radius_m, gear.hole_radius_m) = (0.0025, 0.0038);
+    gear.internal_circle_radius_m = 0.0329;
+    scene.drive.output_torque_n_m = 1.0;
+    let contact = &mut scene.contact;
+    contact.law = "linear".into();
+    (contact.young_pa, contact.poisson) = (69e9, 0.33);
+    (contact.pin_young_pa, contact.pin_poisson) = (Some(200e9), Some(0.3));
+    contact.line_length_m = 0.00635;
+    let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
+    let pressure = LinePressure::new(&gearbox.scene.contact);
+    let mut statics = Statics::new(&gearbox).unwrap();
+    let mut largest = [[0.0_f64; 2]; 2];
+    for k in 0..400_u32 {
+        let phi = TAU * 17.0 / 18.0 * f64::from(k) / 400.0;
+        let found = statics.solve(phi, 1.0).unwrap();
+        let wheel = found.bodies[gearbox.layout.wheel_bodies().start];
+        for pair in statics.touching(&found) {
+            let stage = usize::from(matches!(pair.sleeve, Sleeve::Internal(_)));
+            let p = pressure.of(&gearbox.geometry, &pair, [wheel.x, wheel.y], wheel.angle);
+            let [force, most] = &mut largest[stage];
+            *force = force.max(pair.normal_force_n);
+            *most = most.max(1e-6 * p);
+        }
+    }
+    println!("{largest:?}");
+    for (found, wanted) in largest.iter().flatten().zip([10.04, 118.56, 20.26, 89.21]) {
+        close(*found, wanted, 0.02, "calculator");
+    }
 }

@@ -120,13 +120,15 @@ fn deviate(scene: &mut Scene, noise: &[f64]) {
     gear.errors.phase_rad = list(wheels, 10);
 }
 
-const LAWS: [&str; 8] = [
+const LAWS: [&str; 10] = [
     "paper",
     "paper-conservative",
     "paper-printed",
     "constant",
     "adams-impact",
     "line-contact",
+    "line-hertz",
+    "linear",
     "hunt-crossley",
     "flores",
 ];

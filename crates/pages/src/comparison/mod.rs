@@ -1,6 +1,7 @@
 //! A comparison of engines on one scene.
 
 mod text;
+mod twins;
 
 use std::sync::atomic::AtomicBool;
 
@@ -14,7 +15,7 @@ use pinwheel_timeseries::table::Table;
 
 pub use text::text;
 
-use crate::animation;
+use crate::{animation, band};
 
 /// The page; `cancel` stops it while the motion is computed.
 ///
@@ -41,10 +42,17 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
     let scene = found.gearbox.scene.to_toml();
     let versions = participants.iter();
     let versions = versions.map(|p| (p.name.clone(), p.version.clone()));
-    let study = Study {
+    let mut study = Study {
         versions: versions.collect(),
         made: Some(made.date.clone()),
         ..study(&found.comparison, participants, motion, model, scene)
     };
+    if let Some(bands) = &found.bands {
+        study.below.splice(0..0, band::blocks(bands));
+    }
+    if let Some(verdict) = twins::verdict(found) {
+        study.verdict = Some(verdict);
+    }
+    study.below.splice(0..0, twins::blocks(found));
     Ok(crate::render(study, made))
 }

@@ -7,12 +7,16 @@ use pinwheel_compare::{Comparison, Counts, Track, Verdict, WindowKind};
 use pinwheel_report::terminal::{self, BAD, GOOD, QUIET, TITLE, paragraph, styled};
 use pinwheel_report::words;
 use pinwheel_scene::Scene;
+use pinwheel_studies::comparison::Outcome;
 use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
+use crate::band;
+
 /// The whole text, without the place of the page.
 #[must_use]
-pub fn text(scene: &Scene, comparison: &Comparison) -> String {
+pub fn text(scene: &Scene, found: &Outcome) -> String {
+    let comparison = &found.comparison;
     let mut text = format!("{}\n\n", styled(TITLE, &paragraph(&crate::title(scene))));
     text.push_str(&terminal::table(&engines(comparison)));
     let lost = comparison.engines.iter();
@@ -30,9 +34,15 @@ pub fn text(scene: &Scene, comparison: &Comparison) -> String {
     }
     let inconclusive = words::inconclusive(comparison).into_iter();
     let inconclusive = inconclusive.map(|(who, why)| format!("inconclusive: {who}: {why}"));
+    if let Some(bands) = &found.bands {
+        text.push('\n');
+        text.push_str(&terminal::pairs(band::rows(bands)));
+    }
     let told = words::of_windows(comparison).chain(budgets(comparison));
     text += &lines(told.chain(inconclusive));
-    format!("{text}\n{}", total(comparison))
+    let twins = super::twins::lines(found);
+    text += &lines(twins);
+    format!("{text}\n{}", total(found))
 }
 
 /// Each as a paragraph of its own.
@@ -42,10 +52,12 @@ fn lines(all: impl IntoIterator<Item = String>) -> String {
 }
 
 /// The last line: what all verdicts amount to.
-fn total(comparison: &Comparison) -> String {
-    let (headline, style) = match comparison.counts.exit_status() {
+fn total(found: &Outcome) -> String {
+    let comparison = &found.comparison;
+    let (headline, style) = match found.exit_status() {
         1 => ("DIFFERS", BAD),
         4 => ("NOT CONFIRMED", BAD),
+        _ if found.is_unexplained() => ("NOT CONFIRMED", BAD),
         _ if comparison.passed => ("PASS", GOOD),
         _ if comparison.counts.differ > 0 => ("PASS", QUIET),
         _ => ("NOTHING COMPARED", QUIET),

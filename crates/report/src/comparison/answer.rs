@@ -10,9 +10,6 @@ use super::{Page, mark, pairs};
 use crate::study::{self, Block, Tile, Tone};
 use crate::{format, words};
 
-/// Difference of two efficiencies that a reader sees.
-const VISIBLE_SHARE: f64 = 1e-6;
-
 /// The verdict.
 pub(super) fn verdict(comparison: &Comparison) -> study::Verdict {
     let engines = || comparison.engines.iter();
@@ -62,91 +59,83 @@ pub(super) fn inconclusive(comparison: &Comparison) -> Vec<Block> {
 impl Page<'_> {
     /// What the tiles are of.
     pub(super) fn tiles_title(&self) -> String {
-        let first = self.comparison.windows.first();
-        let window = first.map_or_else(String::new, |w| self.window(w.kind));
-        format!("{window}; median of the engines that share the contact law")
+        let first = self.comparison.windows.first().map(|w| w.kind);
+        let of = first.and_then(|window| Some((window, self.best(window)?)));
+        of.map_or_else(String::new, |(window, engine)| {
+            format!("{}, by `{}`", self.window(window), engine.name)
+        })
     }
 
-    /// Headline figures: torques by their mean, forces by their largest value, and the efficiency; each the median of the
-    /// engines that share the contact law, or of all if none does.
+    /// The engines that the tiles speak of: those that share the contact law, or all if none does.
+    fn shown(&self) -> Vec<&EngineSummary> {
+        let all = self.comparison.engines.iter();
+        let finished: Vec<&EngineSummary> = all.filter(|e| e.status.is_finished()).collect();
+        let shares = |e: &&EngineSummary| matches!(e.track, Track::Native | Track::SharedLaw);
+        let sharing: Vec<&EngineSummary> = finished.iter().copied().filter(shares).collect();
+        match sharing.is_empty() {
+            true => finished,
+            false => sharing,
+        }
+    }
+
+    /// The one of them whose figures are shown: not recorded, and of the smallest uncertainty.
+    fn best(&self, window: WindowKind) -> Option<&EngineSummary> {
+        let off = |engine: &EngineSummary| {
+            let known = self.comparison.quantities.iter().filter(|q| q.is_load());
+            let shares = known.filter_map(|q| {
+                let size = engine.figures_in(window)?.quantities.get(&q.name)?.rms;
+                Some(engine.u(&q.name, window, Norm::L2)? / size)
+            });
+            shares.reduce(f64::max).unwrap_or(f64::INFINITY)
+        };
+        let rank = |engine: &EngineSummary| (engine.cost.recorded.is_some(), off(engine));
+        let mut engines = self.shown();
+        engines.retain(|engine| engine.figures_in(window).is_some());
+        engines.into_iter().min_by(|a, b| {
+            let (a, b) = (rank(a), rank(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        })
+    }
+
+    /// Headline figures: torques by their mean, forces by their largest value, and the efficiency, of one engine at all its
+    /// samples; how far the others are from it beside them.
     pub(super) fn tiles(&self) -> Vec<Tile> {
         let Some(window) = self.comparison.windows.first().map(|w| w.kind) else {
             return Vec::new();
         };
-        let all = self.comparison.engines.iter();
-        let finished: Vec<&EngineSummary> = all.filter(|e| e.status.is_finished()).collect();
-        let mut engines = finished.clone();
-        engines.retain(|e| matches!(e.track, Track::Native | Track::SharedLaw));
-        if engines.is_empty() {
-            engines = finished;
-        }
-        let loads = self.comparison.quantities.iter().filter(|q| q.is_load());
-        let tiles = loads.filter_map(|q| self.tile(&engines, q, window));
-        tiles.chain(self.efficiency(&engines, window)).collect()
-    }
-
-    fn efficiency(&self, engines: &[&EngineSummary], window: WindowKind) -> Option<Tile> {
-        let figures = || engines.iter().filter_map(|e| e.figures_in(window));
-        let all: Vec<f64> = figures().filter_map(|f| f.efficiency).collect();
-        let value = median(&all)?;
-        // Only where the law's own energy is seen.
-        let both = figures().filter_map(|f| f.efficiency.zip(f.efficiency_accounted));
-        let seen = both.filter(|(plain, own)| (plain - own).abs() > VISIBLE_SHARE);
-        let own = median(&seen.map(|(_, own)| own).collect::<Vec<_>>());
-        let own = own.map(|own| {
-            let own = format::significant(100.0 * own, 5);
-            format!("{own}\u{202f}% without the energy that the contact law creates; ")
-        });
-        // How far an efficiency may be off: its powers are those of the mean torques.
-        let share = |engine: &EngineSummary, name: &str| {
-            let mean = engine.figures_in(window)?.quantities.get(name)?.mean.abs();
-            let share = engine.u(name, window, Norm::Mean)? / mean;
-            Some(share).filter(|share| share.is_finite())
+        let Some(best) = self.best(window) else {
+            return Vec::new();
         };
-        let shares = engines.iter().filter_map(|engine| {
-            let [driver, load] = [quantities::INPUT_TORQUE, quantities::OUTPUT_TORQUE];
-            Some(share(engine, driver)? + share(engine, load)?)
-        });
-        let off = median(&shares.collect::<Vec<_>>()).map_or_else(String::new, |share| {
-            let off = format::significant(100.0 * value.abs() * share, 1);
-            format!("\u{b1}\u{202f}{off} ")
-        });
-        let detail = format!("{}{}", own.unwrap_or_default(), spread(&all));
-        let value = format::significant(100.0 * value, 5);
-        Some(Tile::new("Efficiency", value, detail).unit(format!("{off}%")))
+        let loads = self.comparison.quantities.iter().filter(|q| q.is_load());
+        let tiles = loads.filter_map(|q| self.tile(best, q, window));
+        tiles.chain(efficiency(best, window)).collect()
     }
 
-    fn tile(&self, engines: &[&EngineSummary], of: &Quantity, window: WindowKind) -> Option<Tile> {
+    fn tile(&self, best: &EngineSummary, of: &Quantity, window: WindowKind) -> Option<Tile> {
+        let own = best.figures_in(window)?.quantities.get(&of.name)?;
+        let engines = self.shown();
         let figures = engines.iter().filter_map(|e| e.figures_in(window));
-        let statistics: Vec<&Statistics> =
-            figures.filter_map(|f| f.quantities.get(&of.name)).collect();
-        let all = |of: fn(&Statistics) -> f64| statistics.iter().map(|s| of(s)).collect::<Vec<_>>();
-        let figure = |of| median(&all(of)).map(format::figure);
+        let statistics = figures.filter_map(|f| f.quantities.get(&of.name));
         let scales = self.comparison.context.scales;
-        let (main, kind, norm, scale, mut detail) = if of.is_torque() {
-            let range = format!("{} to {}", figure(|s| s.min)?, figure(|s| s.max)?);
-            (
-                all(|s| s.mean),
-                "mean",
-                Norm::Mean,
-                scales.torque_n_m,
-                range,
-            )
+        type Of = fn(&Statistics) -> f64;
+        let (main, kind, norm, scale, mut detail): (Of, _, _, _, _) = if of.is_torque() {
+            let range = [own.min, own.max].map(format::figure).join(" to ");
+            (|s| s.mean, "mean", Norm::Mean, scales.torque_n_m, range)
         } else {
-            let rest = format!("mean {}, rms {}", figure(|s| s.mean)?, figure(|s| s.rms)?);
-            (all(|s| s.max), "largest", Norm::Peak, scales.force_n, rest)
+            let [mean, rms] = [own.mean, own.rms].map(format::figure);
+            let rest = format!("mean {mean}, rms {rms}");
+            (|s| s.max, "largest", Norm::Peak, scales.force_n, rest)
         };
         let load = self.comparison.context.load_n_m;
         if let Some(load) = load.filter(|_| of.name == quantities::OUTPUT_TORQUE) {
             detail.push_str(&format!("; load {}", format::significant(load, 3)));
         }
-        let known = engines.iter().filter_map(|e| e.u(&of.name, window, norm));
-        let known: Vec<f64> = known.collect();
-        let (value, off) = format::bounded(median(&main)?, median(&known), scale.unwrap_or(0.0));
-        let detail = if value == "0" {
-            format!("{} engines, all of them rounding", main.len())
-        } else {
-            format!("{detail}; {}", spread(&main))
+        let known = best.u(&of.name, window, norm);
+        let (value, off) = format::bounded(main(own), known, scale.unwrap_or(0.0));
+        let all: Vec<f64> = statistics.map(main).collect();
+        let detail = match value.as_str() {
+            "0" => format!("{} engines, all of them rounding", all.len()),
+            _ => format!("{detail}; {}", spread(&all)),
         };
         let label = format!("{}, {kind}", of.label);
         Some(Tile::new(label, value, detail).unit(format!("{off} {}", of.unit)))
@@ -209,12 +198,26 @@ impl Page<'_> {
     }
 }
 
-/// The middle value; of an even number the smaller of the two middle ones, so that it is always
-/// some engine's figure.
-fn median(values: &[f64]) -> Option<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len().checked_sub(1)? / 2).copied()
+/// The efficiency, or why there is none.
+fn efficiency(best: &EngineSummary, window: WindowKind) -> Option<Tile> {
+    let figures = best.figures_in(window)?;
+    // How far it may be off: its powers are those of the mean torques.
+    let share = |name: &str| {
+        let mean = figures.quantities.get(name)?.mean.abs();
+        let share = best.u(name, window, Norm::Mean)? / mean;
+        Some(share).filter(|share| share.is_finite())
+    };
+    let [driver, load] = [quantities::INPUT_TORQUE, quantities::OUTPUT_TORQUE].map(share);
+    let off = driver.zip(load).map(|(driver, load)| driver + load);
+    match (figures.efficiency, &figures.efficiency_reason) {
+        (Some(value), _) => {
+            let percent = 100.0 * value;
+            let (value, off) = format::bounded(percent, off.map(|off| off * percent), 0.0);
+            Some(Tile::new("Efficiency", value, "by what contacts lose").unit(format!("{off} %")))
+        }
+        (None, Some(reason)) => Some(Tile::new("Efficiency", format::NONE, reason.as_str())),
+        (None, None) => None,
+    }
 }
 
 fn spread(values: &[f64]) -> String {
@@ -234,13 +237,6 @@ fn spread(values: &[f64]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn medians_are_someones_figure() {
-        assert_eq!(median(&[3.0, 1.0, 2.0]), Some(2.0));
-        assert_eq!(median(&[4.0, 1.0, 2.0, 3.0]), Some(2.0));
-        assert_eq!(median(&[]), None);
-    }
 
     #[test]
     fn spreads() {

@@ -247,10 +247,9 @@ impl<'a> Page<'a> {
             let table = table
                 .number("", "Efficiency", |(_, figures)| percent(figures.efficiency))
                 .unit("%")
-                .number("", "by losses", |(_, figures)| {
-                    percent(figures.efficiency_accounted)
-                })
-                .unit("%");
+                .text("", "if none, why", |(_, figures)| {
+                    figures.efficiency_reason.clone().unwrap_or_default()
+                });
             let table = table.done().without_empty().into();
             blocks.push(if blocks.is_empty() {
                 table

@@ -1,5 +1,6 @@
 //! Values that are each right and do not go together.
 
+use pinwheel_contact::NormalLaw as _;
 use pinwheel_mbs::integrators::{Family, method};
 
 use crate::FrictionLaw;
@@ -8,6 +9,12 @@ use pinwheel_files::quoted;
 use crate::error::Fault;
 use crate::model::{Detection, Scene};
 use crate::number::short;
+use crate::scales::law;
+
+/// Whether a scene's law has a force along the profile.
+fn acts_along(scene: &Scene) -> bool {
+    law(scene).is_some_and(|law| law.along(1.0, 1.0).is_some())
+}
 
 /// Laws that do not go with every detection, friction or integrator.
 pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
@@ -22,10 +29,13 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
             format!("give at least {least} (eight a lobe), or detection = \"exact\""),
         ));
     }
-    if contact.law == "paper-conservative" && contact.detection == Detection::Points {
+    if contact.detection == Detection::Points && acts_along(scene) {
         return Err(Fault::new(
             &["contact.detection", "contact.law"],
-            "is \"points\", on which the stiffness of the law \"paper-conservative\" has no slope",
+            format!(
+                "is \"points\", on which the stiffness of the law {} has no slope",
+                quoted(&contact.law)
+            ),
             "use detection = \"exact\" or law = \"paper\"",
         ));
     }

@@ -29,7 +29,7 @@ fn what_is_left_out_is_derived_and_told() {
     let scene = Scene::from_toml(OWN, "mine.toml", &[]).unwrap();
     assert!((scene.gear.shortening - 0.75 * 40.0 / 52.0).abs() < 1e-15);
     assert!((scene.gear.hole_radius_m - 0.00475).abs() < 1e-18);
-    assert_eq!(scene.contact.law, "paper-conservative");
+    assert_eq!(scene.contact.law, "line-hertz");
     assert_eq!(scene.contact.stiffness_multiplier, 1.0);
     assert_eq!(scene.solver.integrator, "auto");
     assert_eq!(scene.drive.start, Start::Kinematic);
@@ -155,4 +155,26 @@ fn millimetres_are_seen() {
     );
     let line = refused(&OWN.replace("wheels = 2", "wheels = 2\nshortening = 0.6"));
     assert!(line.contains("both given"), "{line}");
+}
+
+/// What a law reads is known before ramp and damping follow from the law: a scene that writes the filled-in value is the same.
+#[test]
+fn regress_ramps_follow_from_the_law_as_filled_in() {
+    for law in ["constant", "adams-impact", "line-contact", "line-hertz"] {
+        let text = format!("{OWN}[contact]\nlaw = \"{law}\"\n");
+        let filled = Scene::from_toml(&text, "mine.toml", &[])
+            .unwrap()
+            .contact
+            .clone();
+        let stated = format!(
+            "{text}constant_stiffness_n_m15 = {:e}\nline_length_m = {:e}\n",
+            filled.constant_stiffness_n_m15, filled.line_length_m
+        );
+        let stated = Scene::from_toml(&stated, "mine.toml", &[])
+            .unwrap()
+            .contact
+            .clone();
+        assert_eq!(stated, filled, "{law}");
+        assert!(filled.ramp_m < 2e-6, "{law}: {}", filled.ramp_m);
+    }
 }

@@ -114,7 +114,7 @@ fn material(rng: &mut Rng, scene: &mut Scene) {
     let laws = [
         "paper",
         "paper",
-        "paper",
+        "line-hertz",
         "paper-conservative",
         "constant",
         "adams-impact",
@@ -191,7 +191,7 @@ fn contact(rng: &mut Rng, scene: &mut Scene) {
             contact.friction_dynamic_speed_m_s = contact.friction_ramp_m_s * rng.spread(3.0, 30.0);
         }
     }
-    if rng.chance(0.06) && contact.law != "paper-conservative" {
+    if rng.chance(0.06) && !["paper-conservative", "line-hertz"].contains(&contact.law.as_str()) {
         contact.detection = Detection::Points;
         contact.wheel_points = gear.lobes() * rng.whole(200, 600);
         contact.hole_points = rng.whole(100, 400);

@@ -5,6 +5,7 @@
 pub mod foreign;
 mod inputs;
 mod refine;
+mod twins;
 
 use std::path::Path;
 use std::time::Duration;
@@ -12,8 +13,8 @@ use std::time::Duration;
 use pinwheel_compare::limits::Friction;
 use pinwheel_compare::model::{ModelTolerance, Prediction};
 use pinwheel_compare::{
-    Comparison, Context, Divergence, Metric, Participant, Rules, Scales, Status, Track, WindowKind,
-    compare,
+    Comparison, Context, Divergence, Metric, Participant, Rules, Scales, Status, Track, Verdict,
+    WindowKind, compare,
 };
 use pinwheel_engines::{Engine, external, recorded};
 use pinwheel_gearbox::{Explanation, Gearbox, Statement};
@@ -21,6 +22,7 @@ use pinwheel_scene::{Assumption, Scene, Start, assumptions, load_course};
 use pinwheel_timeseries::columns;
 use serde::Serialize;
 
+use crate::band::{self, Bands};
 use crate::control::{Control, Patience, Progress, WITHIN};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
@@ -29,6 +31,7 @@ use crate::{StudyError, divergence};
 use foreign::Data;
 pub use refine::Effort;
 pub(crate) use refine::refine;
+pub use twins::{Twin, TwinFigure};
 
 /// What is compared.
 #[derive(Clone, Copy)]
@@ -54,6 +57,10 @@ pub struct Outcome {
     pub model: Explanation,
     /// Values that are assumptions, and what they rest on.
     pub assumptions: Vec<Assumption>,
+    /// What other contact laws and fits would give; `None`: there is nothing to compare.
+    pub bands: Option<Bands>,
+    /// Engines with contacts of their own against native runs with the same contacts.
+    pub twins: Vec<Twin>,
 }
 
 /// Payload of `summary.json`.
@@ -64,6 +71,9 @@ struct Found<'a> {
     modelled: &'a [Statement],
     left_out: &'a [Statement],
     assumptions: &'a [Assumption],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    by_contact_law: Option<&'a Bands>,
+    twins: &'a [Twin],
     scene: &'a Scene,
 }
 
@@ -125,16 +135,66 @@ pub fn run_with(
         resolution: effort.resolution,
     };
     let comparison = compare(&context, &participants, &rules)?;
+    let twins = twins::of(input.gearbox, &comparison, &participants, control)?;
     Ok(Outcome {
         gearbox: input.gearbox.clone(),
         comparison,
         participants,
         model,
         assumptions: assumptions(scene),
+        bands: band::of(input.gearbox, control)?,
+        twins,
     })
 }
 
+/// Differences of an engine's peaks from this on are explained, or the comparison confirms nothing.
+const EXPLAINED: f64 = 0.1;
+
+/// The largest difference of a peak or mean between an engine and the native solver.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Largest<'a> {
+    /// The engine.
+    pub engine: &'a str,
+    /// The figure.
+    pub figure: &'a TwinFigure,
+    /// Its share.
+    pub share: f64,
+    /// Whether the engine's own contacts explain it: it agrees with its twin.
+    pub explained: bool,
+}
+
 impl Outcome {
+    /// What the largest difference is that a reader of the figures would see, of engines with contacts of their own.
+    #[must_use]
+    pub fn largest(&self) -> Option<Largest<'_>> {
+        let figures = self.twins.iter().flat_map(|twin| {
+            twin.figures.iter().map(move |figure| Largest {
+                engine: &twin.engine,
+                figure,
+                share: figure.engine / figure.scene - 1.0,
+                explained: twin.verdict == Verdict::Agree,
+            })
+        });
+        figures.max_by(|a, b| a.share.abs().total_cmp(&b.share.abs()))
+    }
+
+    /// Whether a difference stands that nothing explains.
+    #[must_use]
+    pub fn is_unexplained(&self) -> bool {
+        let largest = self.largest();
+        largest.is_some_and(|found| found.share.abs() > EXPLAINED && !found.explained)
+    }
+
+    /// The exit status: 1 too if an engine differs from its twin.
+    #[must_use]
+    pub fn exit_status(&self) -> u8 {
+        let twins = self.twins.iter();
+        match self.comparison.counts.exit_status() {
+            _ if twins.clone().any(|twin| twin.verdict == Verdict::Differ) => 1,
+            status => status,
+        }
+    }
+
     /// What is wrong with the first engine that gave no result, with a remedy. Engines that cannot honour the scene count
     /// only if they were `asked` for by name.
     #[must_use]
@@ -182,6 +242,8 @@ impl Outcome {
             modelled: &self.model.modelled,
             left_out: &self.model.left_out,
             assumptions: &self.assumptions,
+            by_contact_law: self.bands.as_ref(),
+            twins: &self.twins,
             scene: &self.gearbox.scene,
         };
         Summary::new(made, found).write(dir)

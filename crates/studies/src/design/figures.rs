@@ -1,7 +1,8 @@
 //! The figures that a data sheet gives, each with how far it may be off.
 //!
-//! Statics balances contacts to rounding; what is left is that poses are sampled. Every figure is read off all poses, off the
-//! even and off the odd ones: the largest change is its uncertainty. A figure of a run is as uncertain as the run says.
+//! Statics balances contacts to rounding; what is left is that poses are sampled. Every figure is read off all poses and off
+//! each part of them, which meet the mesh at other places: the largest change is its numerical uncertainty. A figure of a
+//! run is as uncertain as the run says. What other contact laws would give is apart ([`Band`](crate::band::Bands)).
 
 use serde::Serialize;
 
@@ -29,9 +30,9 @@ macro_rules! definitions {
 }
 
 definitions! {
-    LOST_MOTION = "lost_motion_arcmin", "lost motion", "arcmin",
+    LOST_MOTION = "lost_motion_arcmin", "lost motion of the contacts", "arcmin",
         "largest over the mesh, between +3 and -3 % of the rated torque";
-    STIFFNESS = "torsional_stiffness_n_m_per_arcmin", "torsional stiffness", "N m/arcmin",
+    STIFFNESS = "torsional_stiffness_n_m_per_arcmin", "torsional stiffness of the contacts", "N m/arcmin",
         "between 50 and 100 % of the rated torque, mean";
     ERROR_RATED = "transmission_error_rated_arcmin", "transmission error, rated load", "arcmin",
         "peak to peak";
@@ -95,7 +96,8 @@ pub struct DesignFigure {
     pub unit: &'static str,
     /// `None` where it does not exist: no work passes, or the run diverged.
     pub value: Option<f64>,
-    /// How far it may be off; `None` where that is not known.
+    /// How far it may be off numerically; `None` where that is not known.
+    #[serde(rename = "numerical_uncertainty")]
     pub uncertainty: Option<f64>,
     /// Least and largest over the mesh, of what is one figure a pose.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -103,16 +105,21 @@ pub struct DesignFigure {
     /// Its mean over the mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_over_the_mesh: Option<f64>,
+    /// Least and largest by the contact laws that may be right for these materials; `None` where none was compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_contact_law: Option<[f64; 2]>,
     /// How it is counted.
     pub how: &'static str,
 }
 
 /// What statics found, before it is summed up.
 pub(super) struct Balances {
-    /// Lost motion at an even number of poses, arcmin.
+    /// Parts that the poses are made of.
+    pub(super) parts: usize,
+    /// Lost motion, arcmin.
     pub(super) lost: Vec<f64>,
-    /// Stiffness there, one direction after the other, N m/arcmin.
-    pub(super) stiffness: Vec<f64>,
+    /// Stiffness in either direction, N m/arcmin.
+    pub(super) stiffness: Vec<[f64; 2]>,
     /// Poses of one period under the rated load.
     pub(super) loaded: Vec<Pose>,
     /// And under next to none.
@@ -128,6 +135,8 @@ pub(super) struct Summed {
     pub(super) bearings: Vec<Bearing>,
     /// Peak to peak of the transmission error, rated and unloaded, arcmin.
     pub(super) error: [f64; 2],
+    /// What one pin at one wheel in one pose changes of the mean number that touch.
+    quantum: f64,
 }
 
 impl Balances {
@@ -136,7 +145,8 @@ impl Balances {
         fn some<T>(list: &[T], every: usize, of: usize) -> Vec<&T> {
             list.iter().skip(of).step_by(every).collect()
         }
-        let spread = |list: &[f64]| Spread::of(some(list, every, of).into_iter().copied());
+        let lost = some(&self.lost, every, of).into_iter();
+        let stiffness = some(&self.stiffness, every, of).into_iter();
         let loaded = some(&self.loaded, every, of);
         let error = [&self.loaded, &self.unloaded].map(|poses| {
             let errors = some(poses, every, of);
@@ -144,10 +154,13 @@ impl Balances {
             spread.max - spread.min
         });
         Summed {
-            lost: spread(&self.lost),
-            stiffness: spread(&self.stiffness),
+            lost: Spread::of(lost.copied()),
+            stiffness: Spread::of(stiffness.flatten().copied()),
             sharing: Stage::BOTH.map(|stage| Sharing::of(&loaded, stage)),
             pressure: Stage::BOTH.map(|stage| Pressure::of(&loaded, stage)),
+            quantum: loaded.first().map_or(1.0, |pose| {
+                1.0 / (loaded.len() * pose.bearings.len()) as f64
+            }),
             bearings: Bearing::all(&loaded),
             error,
         }
@@ -155,7 +168,7 @@ impl Balances {
 
     /// The figures of statics.
     pub(super) fn figures(&self) -> Vec<DesignFigure> {
-        halves(|every, of| self.summed(every, of).figures())
+        parted(self.parts, |every, of| self.summed(every, of).figures())
     }
 }
 
@@ -175,6 +188,7 @@ impl Definition {
             uncertainty: value.and(uncertainty.into()),
             over_the_mesh: None,
             mean_over_the_mesh: None,
+            by_contact_law: None,
             how: self.how,
         }
     }
@@ -196,11 +210,14 @@ impl DesignFigure {
     }
 }
 
-/// Figures of every so many poses from one on: those of all, as uncertain as those of either half differ from them.
-pub(super) fn halves(of: impl Fn(usize, usize) -> Vec<DesignFigure>) -> Vec<DesignFigure> {
+/// Figures of every so many poses from one on: those of all, as uncertain as those of any of so many parts differ from them.
+pub(super) fn parted(
+    parts: usize,
+    of: impl Fn(usize, usize) -> Vec<DesignFigure>,
+) -> Vec<DesignFigure> {
     let mut figures = of(1, 0);
-    for half in [0, 1] {
-        for (figure, other) in figures.iter_mut().zip(of(2, half)) {
+    for part in 0..parts {
+        for (figure, other) in figures.iter_mut().zip(of(parts, part)) {
             let moved = figure.value.zip(other.value).map(|(a, b)| (a - b).abs());
             figure.uncertainty = figure.uncertainty.zip(moved).map(|(u, moved)| u.max(moved));
         }
@@ -209,7 +226,7 @@ pub(super) fn halves(of: impl Fn(usize, usize) -> Vec<DesignFigure>) -> Vec<Desi
 }
 
 impl Summed {
-    fn figures(&self) -> Vec<DesignFigure> {
+    pub(super) fn figures(&self) -> Vec<DesignFigure> {
         let [external, internal] = &self.sharing;
         let [loaded, unloaded] = self.error;
         let pressed = |k: usize| 1e-6 * self.pressure[k].largest_pa;
@@ -224,8 +241,8 @@ impl Summed {
             ERROR_NO_LOAD.balanced(unloaded),
             largest(EXTERNAL_FORCE, &external.largest_force_n),
             largest(INTERNAL_FORCE, &internal.largest_force_n),
-            EXTERNAL_TOUCHING.balanced(external.touching.mean),
-            INTERNAL_TOUCHING.balanced(internal.touching.mean),
+            EXTERNAL_TOUCHING.is(external.touching.mean, self.quantum),
+            INTERNAL_TOUCHING.is(internal.touching.mean, self.quantum),
             EXTERNAL_PRESSURE.balanced(pressed(0)),
             INTERNAL_PRESSURE.balanced(pressed(1)),
             PRESSURE_SLIDING.balanced(slid(0).max(slid(1))),
@@ -246,7 +263,7 @@ pub(super) fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<De
     }
     if let Some(rated) = efficiency.last() {
         let percent = |share: f64| 100.0 * share;
-        let value = rated.efficiency.map(|e| percent(e.of_losses));
+        let value = rated.efficiency.and_then(|e| e.defined().ok()).map(percent);
         figures.push(EFFICIENCY.is(value, rated.uncertainty.map(percent)));
     }
     figures

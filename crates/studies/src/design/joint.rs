@@ -27,8 +27,9 @@ use serde::Serialize;
 use super::figures::{
     Definition, DesignFigure, JOINT_BACKLASH, JOINT_DAMPING, JOINT_DEAD_BAND, JOINT_FRICTION,
     JOINT_FRICTION_OF_LOAD, JOINT_INPUT_INERTIA, JOINT_OUTPUT_INERTIA, JOINT_REFLECTED_INERTIA,
-    JOINT_STIFFNESS, JOINT_VISCOUS, halves,
+    JOINT_STIFFNESS, JOINT_VISCOUS, parted,
 };
+use super::mesh::Poses;
 use super::{ARCMIN, Operating, Spread};
 use crate::output::{OutputError, file_name, write_text};
 
@@ -97,18 +98,17 @@ struct Pose {
 }
 
 impl Joint {
-    /// The joint of a gear under a rated load, from balances over the period `period` of the input, and from runs.
+    /// The joint of a gear under a rated load, from balances over the period of `poses`, and from runs.
     pub(super) fn identify(
         statics: &mut Statics<'_>,
         gearbox: &Gearbox,
-        (rated, period): (f64, f64),
+        (rated, poses): (f64, &Poses),
         runs: &[Operating],
     ) -> Result<Self, GearboxError> {
-        let mut poses = Vec::with_capacity(POSES);
-        for k in 0..POSES {
-            let phi = period * k as f64 / POSES as f64;
-            poses.push(Pose::find(statics, phi, rated)?);
-        }
+        let few = poses.few(POSES);
+        let angles = few.angles;
+        let found = angles.iter().map(|&phi| Pose::find(statics, phi, rated));
+        let poses = found.collect::<Result<Vec<Pose>, _>>()?;
         let all: Vec<&Pose> = poses.iter().collect();
         let springs = springs(&mean_twists(&all), rated);
         if springs.is_empty() {
@@ -125,7 +125,7 @@ impl Joint {
             + pins * gear.internal_circle_radius_m.powi(2)
             + wheels * mass.wheel.moment_kg_m2;
         let found = friction(runs, rated, ratio);
-        let figures = halves(|every, of| {
+        let figures = parted(few.parts, |every, of| {
             let some: Vec<&Pose> = all.iter().skip(of).step_by(every).copied().collect();
             of_balances(&some, rated)
         });
@@ -148,7 +148,7 @@ impl Joint {
             name: file_name(&scene.name),
         };
         if let Some(damping) = &mut joint.damping_n_m_s_per_rad {
-            *damping /= POSES as f64;
+            *damping /= all.len() as f64;
         }
         joint.figures.extend(of_friction(found));
         joint.figures.extend(joint.of_masses());

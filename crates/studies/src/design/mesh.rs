@@ -27,6 +27,9 @@ const PLACES: usize = 180;
 pub(super) struct Poses {
     /// Input angles, rad.
     pub(super) angles: Vec<f64>,
+    /// Parts of them that figures are read off.
+    pub(super) parts: usize,
+    wheels: usize,
     /// Of the input, rad.
     pub(super) period: f64,
     /// Passages of external and internal sleeves in it.
@@ -37,21 +40,58 @@ pub(super) struct Poses {
     pub(super) ratio: f64,
 }
 
+/// Fewest poses of a part: a mean over them leaves out no harmonic of the mesh that is seen.
+const LEAST_PART: usize = 9;
+
+/// At least so many angles at equal distances over a period, in equal parts that take turns, and the number of parts. Every part
+/// and all together meet either mesh of every wheel at as many different places as they have angles, because neither number
+/// has a factor in common with the passages.
+fn spread(period: f64, meshes: [usize; 2], least: usize) -> (Vec<f64>, usize) {
+    let alone = |n: &usize| meshes.iter().all(|mesh| gcd(*n, *mesh) == 1);
+    let parts = (3..).find(alone).unwrap_or(3);
+    let part = least.div_ceil(parts).max(LEAST_PART);
+    let count = parts * (part..).find(alone).unwrap_or(part);
+    let angle = |k: usize| period * k as f64 / count as f64;
+    ((0..count).map(angle).collect(), parts)
+}
+
+fn gcd(mut a: usize, mut b: usize) -> usize {
+    while b > 0 {
+        (a, b) = (b, a % b);
+    }
+    a
+}
+
 impl Poses {
-    pub(super) fn of(gear: &Gear) -> Self {
-        let (mut g, mut rest) = (gear.lobes(), gear.internal_sleeves);
-        while rest > 0 {
-            (g, rest) = (rest, g % rest);
+    /// At least so many of the same period.
+    pub(super) fn few(&self, least: usize) -> Self {
+        let (angles, parts) = spread(self.period, self.passages(), least);
+        Self {
+            angles,
+            parts,
+            ..*self
         }
+    }
+
+    /// Of both kinds of sleeves at all wheels.
+    fn passages(&self) -> [usize; 2] {
+        self.meshes.map(|mesh| mesh * self.wheels)
+    }
+
+    pub(super) fn of(gear: &Gear) -> Self {
+        let g = gcd(gear.lobes(), gear.internal_sleeves);
         let all = g * gear.external_sleeves;
         let times = if gear.errors.is_none() { 1 } else { all };
         let meshes = [gear.lobes() / g, gear.internal_sleeves / g].map(|mesh| mesh * times);
         let period = TAU * meshes[0] as f64 / gear.external_sleeves as f64;
         let most = meshes[0].max(meshes[1]);
         let count = most * PER_MESH.min(MOST / most).max(4);
-        let angle = |k: usize| period * k as f64 / count as f64;
+        let wheels = gear.wheels;
+        let (angles, parts) = spread(period, meshes.map(|mesh| mesh * wheels), count);
         Self {
-            angles: (0..count).map(angle).collect(),
+            angles,
+            parts,
+            wheels,
             period,
             meshes,
             per_turn: TAU / period,

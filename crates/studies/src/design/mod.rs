@@ -35,6 +35,7 @@ use pinwheel_scene::{CheckedScene, Derived, Scene, derived, load_course};
 use pinwheel_timeseries::table::{Column, Table};
 use serde::Serialize;
 
+use crate::band::{self, Bands};
 use crate::control::{compile, of_scene};
 use crate::output::{OutputError, write_with};
 use crate::provenance::{Provenance, Summary};
@@ -60,6 +61,8 @@ const STIFF: [f64; 2] = [0.5, 1.0];
 const NO_LOAD: f64 = 1e-4;
 /// Poses at which stiffness and lost motion are found.
 const POSES: usize = 24;
+/// Poses at which contact laws are compared.
+const FEW: usize = 24;
 /// Points of the curve of torsion, on either side of 0.
 const CURVE: usize = 20;
 /// Shares of the rated speed and torque of the efficiency's map.
@@ -146,8 +149,10 @@ pub struct DesignResult {
     pub scene: CheckedScene,
     /// Largest load of the scene, N m.
     pub rated_torque_n_m: f64,
-    /// What a data sheet gives, each figure with its uncertainty.
+    /// What a data sheet gives, each figure with its numerical uncertainty and its band by contact law.
     pub figures: Vec<DesignFigure>,
+    /// Other contact laws and fits beside the scene's; `None`: there is nothing to compare.
+    pub bands: Option<Bands>,
     /// What follows from the dimensions.
     pub dimensions: Derived,
     /// Lost motion and stiffness.
@@ -182,16 +187,21 @@ pub fn run(
     control: &Control<'_>,
 ) -> Result<DesignResult, StudyError> {
     let mut found = figures_of(gearbox, runs, control)?;
-    let period = Poses::of(&gearbox.scene.gear).period;
+    let poses = Poses::of(&gearbox.scene.gear);
     let joint = Statics::new(gearbox).and_then(|mut statics| {
-        let rated = (found.rated_torque_n_m, period);
+        let rated = (found.rated_torque_n_m, &poses);
         Joint::identify(&mut statics, gearbox, rated, &found.efficiency)
     });
     found.joint = Some(joint.map_err(|source| of_scene(&gearbox.scene, source))?);
+    found.bands = band::of(gearbox, control)?;
+    for figure in &mut found.figures {
+        let value = figure.value.zip(found.bands.as_ref());
+        figure.by_contact_law = value.and_then(|(value, bands)| bands.of(figure.key, value));
+    }
     Ok(found)
 }
 
-/// The same without the joint, which samples of a sweep do not need.
+/// The same without joint and bands, which samples of a sweep do not need.
 ///
 /// # Errors
 /// See [`run`].
@@ -201,13 +211,8 @@ pub(crate) fn figures_of(
     control: &Control<'_>,
 ) -> Result<DesignResult, StudyError> {
     let scene = &gearbox.scene;
-    let rated = load_course::largest(&scene.drive);
-    if rated <= 0.0 {
-        return Err(StudyError::Input(format!(
-            "{}: `drive.output_torque_n_m` is 0, and a design is judged under its rated torque; give it",
-            scene.name
-        )));
-    }
+    let working = working_load(gearbox)?;
+    let rated = working.abs();
     let of_scene = |source| of_scene(scene, source);
     let dynamic = 1 + SPEEDS.len() * TORQUES.len();
     let total = 3 + usize::from(runs) * dynamic;
@@ -215,35 +220,13 @@ pub(crate) fn figures_of(
         (control.progress)(Progress::new(done, total, what));
         Ok(control.check()?)
     };
-    // The direction in which the gear works, as a moment on the output.
-    let working = match gearbox.load_torque(scene.solver.duration_s) {
-        torque if torque != 0.0 => rated.copysign(torque),
-        _ => -rated.copysign(scene.drive.input_speed_rad_s),
-    };
     let poses = Poses::of(&scene.gear);
     let mut statics = Statics::new(gearbox).map_err(of_scene)?;
     step(0, "torsion")?;
-    let (lost, stiffness) = twisted(&mut statics, &poses, gearbox, working).map_err(of_scene)?;
     let curve = curve(&mut statics, gearbox, working).map_err(of_scene)?;
-    step(1, "rated load")?;
-    let at = |statics: &mut Statics<'_>, load: f64| -> Result<Vec<Pose>, StudyError> {
-        let mut found = Vec::with_capacity(poses.angles.len());
-        let mut near = None;
-        for &phi in &poses.angles {
-            found.push(Pose::find(statics, gearbox, phi, load, &mut near).map_err(of_scene)?);
-            control.check()?;
-        }
-        Ok(found)
-    };
-    let loaded = at(&mut statics, working)?;
-    step(2, "no load")?;
-    let unloaded = at(&mut statics, NO_LOAD * working)?;
-    let balances = Balances {
-        lost,
-        stiffness,
-        loaded,
-        unloaded,
-    };
+    let balances = balances(&mut statics, gearbox, &poses, working, &mut |stage| {
+        step(stage, ["torsion", "rated load", "no load"][stage])
+    })?;
     let summed = balances.summed(1, 0);
     let time_series = [
         (&balances.loaded, rated),
@@ -275,6 +258,7 @@ pub(crate) fn figures_of(
     }
     let mut figures = balances.figures();
     figures.extend(figures::of_runs(cycle.as_ref(), &efficiency));
+
     let mut bearings = summed.bearings;
     for bearing in &mut bearings {
         bearing.radial_harmonics = orders::of_force(&bearing.radial_n, &poses);
@@ -283,6 +267,7 @@ pub(crate) fn figures_of(
         scene: scene.clone(),
         rated_torque_n_m: rated,
         figures,
+        bands: None,
         dimensions: derived(scene),
         torsion: Torsion {
             lost_motion_arcmin: summed.lost,
@@ -303,6 +288,65 @@ pub(crate) fn figures_of(
     })
 }
 
+/// The largest load of a scene in the direction in which the gear works, as a moment on the output, N m.
+///
+/// # Errors
+/// There is none.
+pub(crate) fn working_load(gearbox: &Gearbox) -> Result<f64, StudyError> {
+    let scene = &gearbox.scene;
+    let rated = load_course::largest(&scene.drive);
+    if rated <= 0.0 {
+        return Err(StudyError::Input(format!(
+            "{}: `drive.output_torque_n_m` is 0, and a design is judged under its rated torque; give it",
+            scene.name
+        )));
+    }
+    Ok(match gearbox.load_torque(scene.solver.duration_s) {
+        torque if torque != 0.0 => rated.copysign(torque),
+        _ => -rated.copysign(scene.drive.input_speed_rad_s),
+    })
+}
+
+/// All balances that figures are read off: the twist at a few of the poses, then the rated load and next to none at all of
+/// them; `step` is told which of these begins, from 0 on, and asked at every pose.
+fn balances(
+    statics: &mut Statics<'_>,
+    gearbox: &Gearbox,
+    poses: &Poses,
+    working: f64,
+    step: &mut dyn FnMut(usize) -> Result<(), StudyError>,
+) -> Result<Balances, StudyError> {
+    let of_scene = |source| of_scene(&gearbox.scene, source);
+    step(0)?;
+    let few = poses.few(POSES.min(poses.angles.len()));
+    let (lost, stiffness) = twisted(statics, &few, gearbox, working).map_err(of_scene)?;
+    let mut at = |stage: usize, load: f64| -> Result<Vec<Pose>, StudyError> {
+        let mut found = Vec::with_capacity(poses.angles.len());
+        let mut near = None;
+        for &phi in &poses.angles {
+            step(stage)?;
+            found.push(Pose::find(statics, gearbox, phi, load, &mut near).map_err(of_scene)?);
+        }
+        Ok(found)
+    };
+    Ok(Balances {
+        parts: poses.parts,
+        lost,
+        stiffness,
+        loaded: at(1, working)?,
+        unloaded: at(2, NO_LOAD * working)?,
+    })
+}
+
+/// The figures of a gear's balances at few poses: what other laws are compared by.
+pub(crate) fn few_figures(gearbox: &Gearbox) -> Result<Vec<DesignFigure>, StudyError> {
+    let working = working_load(gearbox)?;
+    let poses = Poses::of(&gearbox.scene.gear).few(FEW);
+    let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
+    let found = balances(&mut statics, gearbox, &poses, working, &mut |_| Ok(()))?;
+    Ok(found.summed(1, 0).figures())
+}
+
 /// Twist of the output from the ideal mesh under a share of the working load, in the direction of that load, arcmin.
 fn twist(
     statics: &mut Statics<'_>,
@@ -316,25 +360,25 @@ fn twist(
     Ok(ARCMIN * (found.output - ideal) * working.signum())
 }
 
-/// Lost motion, arcmin, and stiffness, N m/arcmin, at the poses of [`POSES`]; the latter one direction after the other.
+/// Lost motion, arcmin, and stiffness in either direction, N m/arcmin, at these poses.
 fn twisted(
     statics: &mut Statics<'_>,
     poses: &Poses,
     gearbox: &Gearbox,
     working: f64,
-) -> Result<(Vec<f64>, Vec<f64>), GearboxError> {
+) -> Result<(Vec<f64>, Vec<[f64; 2]>), GearboxError> {
     let mut at = |phi, share: f64| twist(statics, gearbox, phi, share * working, working);
-    let phi = |k: usize| poses.period * k as f64 / POSES as f64;
-    let lost = (0..POSES).map(|k| Ok(at(phi(k), LOST)? - at(phi(k), -LOST)?));
-    let lost = lost.collect::<Result<_, GearboxError>>()?;
+    let (mut lost, mut stiffness) = (Vec::new(), Vec::new());
     let [low, high] = STIFF;
-    let signs = [1.0, -1.0].into_iter();
-    let stiffness = signs.flat_map(|sign| (0..POSES).map(move |k| (sign, k)));
-    let stiffness = stiffness.map(|(sign, k)| {
-        let turned = (at(phi(k), sign * high)? - at(phi(k), sign * low)?).abs();
-        Ok((high - low) * working.abs() / turned)
-    });
-    Ok((lost, stiffness.collect::<Result<_, GearboxError>>()?))
+    for &phi in &poses.angles {
+        lost.push(at(phi, LOST)? - at(phi, -LOST)?);
+        let mut of = |sign: f64| -> Result<f64, GearboxError> {
+            let turned = (at(phi, sign * high)? - at(phi, sign * low)?).abs();
+            Ok((high - low) * working.abs() / turned)
+        };
+        stiffness.push([of(1.0)?, of(-1.0)?]);
+    }
+    Ok((lost, stiffness))
 }
 
 /// Torque, N m, and twist, arcmin, at the input angle 0.

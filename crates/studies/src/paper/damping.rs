@@ -86,8 +86,8 @@ pub(super) fn above(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         curves.push(Curve::line(label, means));
     }
     let scene = Scene::paper();
-    let (gear, law) = (&scene.gear, scales::hertz(&scene.contact));
-    let stiffness = law.of_hole(gear.internal_sleeve_radius_m, gear.hole_radius_m);
+    let (gear, hertz) = (&scene.gear, scales::hertz(&scene));
+    let stiffness = hertz.of_hole(gear.internal_sleeve_radius_m, gear.hole_radius_m);
     found.numbers.extend([
         number("furthest", furthest, ""),
         number("runs_ended", ended.into(), ""),

@@ -242,7 +242,6 @@ fn undefined_efficiencies_have_a_reason() {
             figures.efficiency_reason.unwrap_or_default(),
         )
     };
-    assert!(of(&context()).0.is_some());
     let unloaded = Context {
         load_n_m: Some(0.0),
         ..context()
@@ -279,11 +278,24 @@ fn undefined_efficiencies_have_a_reason() {
         none.is_none() && reason.contains("does not come from the input"),
         "{reason}"
     );
-    // With an account the energy that the law creates is taken out.
-    let mut run = native(0.0).0;
-    run.cost.energy = vec![account(0.0095)];
-    let found = compare(&context(), &[run], &Rules::default()).unwrap();
-    let figures = &found.engines[0].figures[0];
-    let share = figures.efficiency_accounted.unwrap() / figures.efficiency.unwrap();
-    assert!((share - 1.0 / 1.0095).abs() < 1e-12);
+    // A law that creates energy leaves none, one that hardly does what contacts lose.
+    let rubs = Context {
+        friction_coefficient: 0.1,
+        ..context()
+    };
+    let with = |created: f64| {
+        let mut run = native(0.0).0;
+        run.cost.energy = vec![account(created)];
+        let found = compare(&rubs, &[run], &Rules::default()).unwrap();
+        found.engines[0].figures[0].clone()
+    };
+    let creates = with(0.0095);
+    let why = creates.efficiency_reason.unwrap();
+    assert!(
+        creates.efficiency.is_none() && why.contains("creates 0.95 %"),
+        "{why}"
+    );
+    assert_eq!(with(5e-4).efficiency, Some(1.0), "never above");
+    let (none, why) = of(&context());
+    assert!(none.is_none() && why.contains("nothing rubs"), "{why}");
 }

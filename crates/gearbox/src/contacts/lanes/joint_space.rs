@@ -452,7 +452,7 @@ impl JointSpace {
             let pressure = force.only(inside);
             let mut moment = (wheel_lever * force).only(inside);
             let mut beside = None;
-            if let Some(along) = law.along(foot.depth) {
+            if let Some(along) = law.along(stiffness, foot.depth) {
                 let slopes = shapes.stiffness_slopes(&foot, stiffness);
                 // A, whose lever is -P.n = (C.T + r.T)/sqrt(g).
                 let along = -(slopes.along * along).only(inside);

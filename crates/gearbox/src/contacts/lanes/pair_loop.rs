@@ -88,7 +88,7 @@ impl<S: Simd> Group<'_, S> {
     pub(super) fn along(&self, law: &Law) -> Option<Lanes<S>> {
         let touching = &self.touching;
         let foot = touching.foot.as_ref()?;
-        let along = law.along(touching.penetration)?;
+        let along = law.along(touching.stiffness, touching.penetration)?;
         let slopes = self.shapes.stiffness_slopes(foot, touching.stiffness);
         Some(-(slopes.along * along).only(touching.mask))
     }

@@ -37,6 +37,8 @@ pub(super) struct Shapes {
     shortening: f64,
     pub(super) zk: u32,
     external_radius: f64,
+    /// The same, or 0 where K does not change with the curvature.
+    bending_radius: f64,
     /// K where C is straight: K = this * sqrt(1 - q kappa).
     profile_stiffness: f64,
     pub(super) hole_stiffness: f64,
@@ -49,8 +51,8 @@ pub(super) struct Shapes {
 
 impl Shapes {
     pub(super) fn new(scene: &Scene, geometry: &Geometry) -> Self {
-        let (gear, contact) = (&scene.gear, &scene.contact);
-        let hertz = hertz(contact);
+        let gear = &scene.gear;
+        let hertz = hertz(scene);
         let q = gear.external_sleeve_radius_m;
         let holes = geometry.hole_centres.iter();
         Self {
@@ -58,7 +60,8 @@ impl Shapes {
             shortening: gear.generating_shortening(),
             zk: gear.external_sleeves as u32,
             external_radius: q,
-            profile_stiffness: hertz.of_radius(q),
+            bending_radius: if hertz.is_curved() { q } else { 0.0 },
+            profile_stiffness: hertz.on_flat(q),
             hole_stiffness: hertz.of_hole(gear.internal_sleeve_radius_m, gear.hole_radius_m),
             hole_radius: gear.hole_radius_m,
             clearance: gear.hole_radius_m - gear.internal_sleeve_radius_m,
@@ -124,7 +127,7 @@ impl Shapes {
             * over_root
             * c((zk - 1.0) * (zk - 1.0) / radius));
 
-        let q = c(self.external_radius);
+        let q = c(self.bending_radius);
         let half = (c(2.0) - (q + q) * foot.curvature).recip();
         let share = stiffness * q * half;
         let closer = (c(1.0) - foot.curvature * foot.depth).recip();
@@ -139,8 +142,7 @@ impl Shapes {
     /// K where the curvature of C is this, N/m^1.5.
     #[inline(always)]
     pub(super) fn profile_stiffness<S: Simd>(&self, curvature: Lanes<S>) -> Lanes<S> {
-        let radicand =
-            curvature.mul_add(curvature.like(-self.external_radius), curvature.like(1.0));
+        let radicand = curvature.mul_add(curvature.like(-self.bending_radius), curvature.like(1.0));
         curvature.like(self.profile_stiffness) * radicand.sqrt()
     }
 

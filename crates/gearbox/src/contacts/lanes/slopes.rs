@@ -9,7 +9,7 @@
 //! n turns by     b d(tau) t,               b = -kappa/(1 - kappa delta), or 1/|P - hole|
 //! v_n = P'.n,    v_t = P'.t + rho (sigma' - theta')
 //! dF = F_K K' d(tau) + F_delta d(delta) + F_v dv_n,    dT = -mu (g dF + F g' dv_t),    g = clamp(v_t/v_s, -1, 1)
-//! A = -K' I(delta),    dA = -K'' I d(tau) - K' (I' - b I) d(delta)              of laws with a force along the profile
+//! A = -K' Y,    dA = -(K'' Y + K'^2 Y_K) d(tau) - K' (Y_delta - b Y) d(delta)    of laws with a force along the profile, Y = dU/dK
 //! moments:  theta: -F ln + T (-W.n) + A lt,   psi: -F ln + T lt,   sigma: T rho
 //! ```
 //! and the moments are differentiated by the product rule. The slopes of the normal law are differences of the law itself,
@@ -126,20 +126,27 @@ impl<S: Simd> Profile<S> {
                 centre: None,
             };
         };
-        let slopes = group.shapes.stiffness_slopes(foot, touching.stiffness);
+        let stiffness = touching.stiffness;
+        let slopes = group.shapes.stiffness_slopes(foot, stiffness);
         let (more, less) = (c(1.0 + PENETRATION_SHARE), c(1.0 - PENETRATION_SHARE));
-        let three = (
-            law.along(depth),
-            law.along(depth * more),
-            law.along(depth * less),
+        let (stiffer, softer) = (c(1.0 + STIFFNESS_SHARE), c(1.0 - STIFFNESS_SHARE));
+        let all = (
+            law.along(stiffness, depth),
+            law.along(stiffness, depth * more),
+            law.along(stiffness, depth * less),
+            law.along(stiffness * stiffer, depth),
+            law.along(stiffness * softer, depth),
         );
-        let centre = if let (Some(along), Some(more), Some(less)) = three {
+        let centre = if let (Some(along), Some(more), Some(less), Some(stiffer), Some(softer)) = all
+        {
             let rise = (more - less) * (depth * c(2.0 * PENETRATION_SHARE)).recip();
+            let by_stiffness = (stiffer - softer) * (stiffness * c(2.0 * STIFFNESS_SHARE)).recip();
+            let bend = slopes.bend * along + slopes.along * slopes.along * by_stiffness;
             // K' itself grows with the depth, as the way of the centre shrinks against the foot's: by -b of it.
             let by_depth = slopes.along * (touching.turning * along - rise);
             Some(Centre {
                 force: -(slopes.along * along).only(mask),
-                by_path: -(slopes.bend * along).only(mask),
+                by_path: -bend.only(mask),
                 by_depth: by_depth.only(mask),
             })
         } else {

@@ -1,0 +1,112 @@
+//! `line-hertz` against its authors' formulas as they are printed, each body for itself.
+
+use std::f64::consts::PI;
+
+use pinwheel_contact::{HertzStiffness, Law, LawParameters, Material, NormalLaw};
+
+const STEEL: Material = Material {
+    young: 2.1e11,
+    poisson: 0.3,
+};
+const PRINTED: Material = Material {
+    young: 2.4e9,
+    poisson: 0.39,
+};
+
+/// A roller of radius `pin` against a disc, R = R_c R_p/(R_c + R_p), lengths in m.
+struct Case {
+    pin: f64,
+    radius: f64,
+    depth: f64,
+    length: f64,
+    materials: [Material; 2],
+}
+
+impl Case {
+    /// What either body gives way under a force, m: Johnson's half cylinder, 5.6, and the half plane to a depth h of Weber and
+    /// Banaschek, whose contact is 2 a wide.
+    fn approach(&self, force: f64) -> f64 {
+        let [pin, disc] = self.materials;
+        let b = |m: Material| (1.0 - m.poisson * m.poisson) / (PI * m.young * self.length);
+        let a = (4.0 * force * self.radius * (b(pin) + b(disc))).sqrt();
+        let of_pin = b(pin) * force * (2.0 * (4.0 * self.pin / a).ln() - 1.0);
+        let poisson = disc.poisson / (1.0 - disc.poisson);
+        of_pin + b(disc) * force * (2.0 * (2.0 * self.depth / a).ln() - poisson)
+    }
+
+    fn law(&self) -> (Law, HertzStiffness) {
+        let parameters = LawParameters {
+            pin: self.materials[0],
+            disc: self.materials[1],
+            disc_depth: self.depth,
+            line_length: self.length,
+            stiffness_multiplier: 1.0,
+            sleeve_radius: 0.002,
+            ..LawParameters::default()
+        };
+        let law = Law::named("line-hertz", &parameters).unwrap();
+        (law, parameters.hertz("line-hertz"))
+    }
+}
+
+/// Rollers of 1 to 20 mm in pits, holes and on lobes, of steel on steel and on a printed disc, from next to nothing to 20 kN.
+#[test]
+fn published_approach_of_rollers() {
+    for materials in [[STEEL, STEEL], [STEEL, PRINTED]] {
+        for (pin, radius) in [
+            (0.002, 0.012),
+            (0.002, 0.0013),
+            (0.004, 0.02),
+            (0.001, 0.001),
+            (0.02, 0.1),
+        ] {
+            let case = Case {
+                pin,
+                radius,
+                depth: 0.01,
+                length: 0.015,
+                materials,
+            };
+            let (law, hertz) = case.law();
+            let k = hertz.of(pin, radius);
+            for force in [1e-9, 1e-3, 1.0, 300.0, 2e4] {
+                let delta = case.approach(force);
+                // Beyond this the contact is no longer narrow, and the law a spring.
+                let a = (4.0 * force * radius * 2.0 * materials[1].compliance() / 0.015).sqrt();
+                if a > 0.2 * pin {
+                    continue;
+                }
+                let found = law.force(k, delta, 0.0);
+                assert!((found / force - 1.0).abs() < 1e-11, "{found} {force}");
+                assert!((law.depth(k, force) / delta - 1.0).abs() < 1e-13);
+                let h = 1e-4 * force;
+                let slope = 2.0 * h / (case.approach(force + h) - case.approach(force - h));
+                assert!((law.tangent(k, delta) / slope - 1.0).abs() < 1e-6);
+            }
+        }
+    }
+}
+
+/// Twice the length halves the approach under the same load a length; a law of balls knows no length.
+#[test]
+fn published_rollers_know_their_length() {
+    let at = |length: f64| {
+        let case = Case {
+            pin: 0.002,
+            radius: 0.004,
+            depth: 0.01,
+            length,
+            materials: [STEEL, STEEL],
+        };
+        let (law, hertz) = case.law();
+        law.depth(hertz.of(0.002, 0.004), 300.0 * length / 0.015)
+    };
+    assert!((at(0.03) / at(0.015) - 1.0).abs() < 1e-12);
+    let parameters = LawParameters::default();
+    let balls = Law::named("paper", &parameters).unwrap();
+    let longer = LawParameters {
+        line_length: 1.0,
+        ..parameters
+    };
+    assert_eq!(Some(balls), Law::named("paper", &longer));
+}

@@ -1,0 +1,131 @@
+//! What stands in for a scene's contact law in engines that resolve contacts themselves, as settings of a native run.
+//!
+//! Such an engine has springs of its own. The native solver with the same springs is its twin: what the two differ by is a
+//! fault of one of them, what the twin differs by from the scene's law is a difference of models.
+
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::scales::{self, Spring};
+use pinwheel_scene::{Scene, load_course};
+
+/// The contacts of an engine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OwnContact {
+    /// The scene's law.
+    SceneLaw,
+    /// Linear springs, one stiffness for each stage.
+    Springs,
+    /// Balls: beds of springs whose force grows with sqrt(R) delta^1.5.
+    Balls,
+}
+
+/// Laws of balls that beds of springs follow as they are.
+const BALLS: [&str; 2] = ["paper", "paper-conservative"];
+/// By how much the ramp of the force, which springs do not have, is shortened.
+const RAMP: f64 = 1e-3;
+/// The shortest that a scene may have, m.
+const LEAST_RAMP_M: f64 = 1e-15;
+
+impl OwnContact {
+    /// How far the largest forces of an engine of this kind may be from its twin's, as a share: springs are the law itself; a bed of
+    /// some thousand springs resolves a contact patch to a few per cent.
+    #[must_use]
+    pub fn tolerance(self) -> f64 {
+        match self {
+            Self::SceneLaw => 0.0,
+            Self::Springs => 0.02,
+            Self::Balls => 0.05,
+        }
+    }
+
+    /// The scene with the contacts that the engine really has; `None` where they are the scene's.
+    ///
+    /// # Errors
+    /// In words, why they are not known.
+    pub fn twin(self, gearbox: &Gearbox) -> Result<Option<Scene>, String> {
+        let mut scene = Scene::clone(&gearbox.scene);
+        match self {
+            Self::SceneLaw => return Ok(None),
+            Self::Springs => {
+                let [external, internal] = springs(gearbox)?;
+                "linear".clone_into(&mut scene.contact.law);
+                scene.contact.external_spring_n_m = Some(external);
+                scene.contact.internal_spring_n_m = Some(internal);
+            }
+            Self::Balls => {
+                scene = balls(scene);
+                "paper-conservative".clone_into(&mut scene.contact.law);
+                scene.contact.ramp_m = short_ramp(&gearbox.scene);
+            }
+        }
+        Ok(Some(scene))
+    }
+
+    /// The scene as an engine of this kind gets it: one of balls knows no other laws, so it gets balls as stiff as the scene's
+    /// contacts are under its largest load.
+    #[must_use]
+    pub fn given(self, scene: Scene) -> Scene {
+        match self {
+            Self::Balls => balls(scene),
+            Self::SceneLaw | Self::Springs => scene,
+        }
+    }
+}
+
+#[cfg(feature = "rapier")]
+fn springs(gearbox: &Gearbox) -> Result<[f64; 2], String> {
+    crate::rapier::stage_stiffness(gearbox)
+}
+
+#[cfg(not(feature = "rapier"))]
+fn springs(_gearbox: &Gearbox) -> Result<[f64; 2], String> {
+    Err("this build has no rapier".to_owned())
+}
+
+/// A scene of balls: itself, or with the multipliers that make balls as stiff as its law, by secants F/delta at the largest
+/// static force of each stage.
+fn balls(mut scene: Scene) -> Scene {
+    if BALLS.contains(&scene.contact.law.as_str()) {
+        return scene;
+    }
+    let gear = &scene.gear;
+    let own = scales::hertz(&scene);
+    let mut plain = scene.clone();
+    "paper".clone_into(&mut plain.contact.law);
+    (
+        plain.contact.stiffness_multiplier,
+        plain.contact.internal_stiffness_multiplier,
+    ) = (1.0, None);
+    let full = scales::hertz(&plain);
+    let torque = load_course::largest(&scene.drive) / gear.wheels as f64;
+    let least = scales::least_depth(&scene);
+    let multiplier = |own: f64, full: f64, force: f64| {
+        let spring = Spring::of(&scene, own);
+        let depth = spring.depth(force, least);
+        spring.force(depth) / (full * depth.powf(1.5))
+    };
+    let pin = gear.internal_sleeve_radius_m;
+    let hole = gear.hole_radius_m.max(pin + gear.eccentricity_m);
+    let external = multiplier(
+        own.on_flat(gear.external_sleeve_radius_m),
+        full.on_flat(gear.external_sleeve_radius_m),
+        scales::external_force(gear, torque),
+    );
+    let internal = multiplier(
+        own.of_hole(pin, hole),
+        full.of_hole(pin, hole),
+        scales::internal_force(gear, torque),
+    );
+    let ramp_m = short_ramp(&scene);
+    let contact = &mut scene.contact;
+    "paper-conservative".clone_into(&mut contact.law);
+    contact.stiffness_multiplier = external;
+    contact.internal_stiffness_multiplier = Some(internal);
+    // Balls have no ramp of the force beyond what a bed of springs can do without.
+    contact.ramp_m = ramp_m;
+    scene
+}
+
+/// A ramp that shapes no force.
+fn short_ramp(scene: &Scene) -> f64 {
+    (RAMP * scene.contact.ramp_m).max(LEAST_RAMP_M)
+}

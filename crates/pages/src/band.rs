@@ -1,0 +1,144 @@
+//! What other contact laws would give, in words and as a table.
+
+use pinwheel_contact::laws::law_info;
+use pinwheel_report::format::significant;
+use pinwheel_report::study::Block;
+use pinwheel_studies::band::{Band, Bands, ROLLERS};
+use pinwheel_timeseries::table::Table;
+
+/// Figures that are told where there is little room: key, name, unit.
+const TOLD: [(&str, &str, &str); 4] = [
+    ("external_force_n", "largest pin force, external", "N"),
+    ("internal_force_n", "largest pin force, internal", "N"),
+    (
+        "torsional_stiffness_n_m_per_arcmin",
+        "stiffness of the contacts",
+        "N m/arcmin",
+    ),
+    (
+        "lost_motion_arcmin",
+        "lost motion of the contacts",
+        "arcmin",
+    ),
+];
+
+/// A value with the digits that a band leaves it: no digit below a fifth of the band's width.
+pub(crate) fn rounded(value: f64, [low, high]: [f64; 2]) -> String {
+    let width = high - low;
+    if !(width > 0.0 && value.is_finite()) {
+        return significant(value, 4);
+    }
+    let digit = (0.2 * width).log10().floor();
+    let unit = 10.0_f64.powf(digit);
+    let decimals = (-digit).max(0.0) as usize;
+    if digit < -6.0 {
+        return significant(value, 4);
+    }
+    format!("{:.decimals$}", (value / unit).round() * unit)
+}
+
+/// `310 to 322`.
+pub(crate) fn interval(band: [f64; 2]) -> String {
+    let [low, high] = band.map(|end| rounded(end, band));
+    format!("{low} to {high}")
+}
+
+fn ends(band: &Band) -> [f64; 2] {
+    band.of_own_law.map(|share| share * band.own)
+}
+
+/// That the scene's own law lies outside of what is defensible, and what to do.
+pub(crate) fn outside(bands: &Bands) -> Option<String> {
+    if bands.holds_own() {
+        return None;
+    }
+    let of = law_info(&bands.own).map_or("", |law| law.shape.words());
+    Some(format!(
+        "{} ({of}) lies outside of the band for these rollers: --set contact.law={ROLLERS}, or say why not",
+        bands.own
+    ))
+}
+
+/// What bands are of.
+pub(crate) fn about(bands: &Bands) -> String {
+    format!(
+        "least and largest by {}; a spread of models, not validated by measurement",
+        bands.laws.join("; ")
+    )
+}
+
+/// What cuts of the profile do to the largest external force.
+pub(crate) fn fit(bands: &Bands) -> Option<String> {
+    let (key, name, unit) = TOLD[0];
+    let own = bands.get(key)?.own;
+    let told: Vec<String> = bands
+        .fitted(key, own)
+        .into_iter()
+        .map(|(cut, value)| {
+            format!(
+                "{} um: {} {unit}",
+                significant(1e6 * cut, 2),
+                significant(value, 3)
+            )
+        })
+        .collect();
+    (!told.is_empty()).then(|| {
+        format!(
+            "{name} with the profile cut all round by {}",
+            told.join(", by ")
+        )
+    })
+}
+
+/// Rows of a terminal.
+pub(crate) fn rows(bands: &Bands) -> Vec<(&'static str, String)> {
+    let force = |(key, name, unit): &(&str, &str, &str)| {
+        let band = ends(bands.get(key)?);
+        Some(format!("{name} {} {unit}", interval(band)))
+    };
+    let forces: Vec<String> = TOLD[..2].iter().filter_map(force).collect();
+    let mut rows = vec![("by contact law", format!("{}; statics", forces.join(", ")))];
+    rows.extend(outside(bands).map(|said| ("law", said)));
+    rows.extend(fit(bands).map(|said| ("fit", said)));
+    rows
+}
+
+/// Blocks of a page.
+pub(crate) fn blocks(bands: &Bands) -> Vec<Block> {
+    let rows = TOLD.iter().filter_map(|row| Some((row, bands.get(row.0)?)));
+    let fitted = |key: &str, own: f64, place: usize| {
+        let found = bands.fitted(key, own);
+        found
+            .get(place)
+            .map_or_else(String::new, |(_, value)| significant(*value, 3))
+    };
+    let mut table = Table::of(format!("By contact law, statics: {}", about(bands)), rows)
+        .text("", "Figure", |((_, name, _), _)| *name)
+        .text("", "Unit", |((.., unit), _)| *unit)
+        .text("", &format!("`{}`", bands.own), |(_, band)| {
+            rounded(band.own, ends(band))
+        })
+        .text("", "Band", |(_, band)| interval(ends(band)));
+    for (place, fit) in bands.fits.iter().enumerate() {
+        let cut = format!("cut by {} um", significant(1e6 * fit.cut_m, 2));
+        table = table.text("", &cut, move |((key, ..), band)| {
+            fitted(key, band.own, place)
+        });
+    }
+    let said = outside(bands).map(Block::Text);
+    said.into_iter().chain([table.done().into()]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_those_that_the_band_leaves() {
+        assert_eq!(rounded(319.71, [310.2, 322.4]), "320");
+        assert_eq!(interval([310.2, 322.4]), "310 to 322");
+        assert_eq!(rounded(358.3, [226.0, 430.0]), "360");
+        assert_eq!(rounded(0.05312, [0.048, 0.073]), "0.053");
+        assert_eq!(rounded(5.0, [5.0, 5.0]), "5.000");
+    }
+}

@@ -1,0 +1,203 @@
+//! What other contact laws would say of a gear, and what a fit would do: by statics.
+//!
+//! Several laws may be right for rollers of a pair of materials, and nothing here tells which is. So the same balances are
+//! made under each of them, at the same few poses. The envelope of what comes out is the band of a figure: an interval, not a
+//! distribution, and never added to the numerical uncertainty. It is a spread of models; data that would validate one of them
+//! are not known.
+//!
+//! | materials | laws |
+//! |---|---|
+//! | steel on steel | `line-hertz` with a third, the whole and three times the disc's depth; `line-contact` (Palmgren) |
+//! | others | `line-hertz` with these depths |
+//!
+//! A profile that is cut all round for play moves forces more than all of these, so two such cuts are told beside them.
+
+use pinwheel_contact::Material;
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::{Scene, scales};
+use serde::Serialize;
+
+use crate::control::compile;
+use crate::design::{self, DesignFigure};
+use crate::{Control, StudyError};
+
+/// Depths of the disc, of the scene's own.
+const DEPTHS: [f64; 3] = [1.0 / 3.0, 1.0, 3.0];
+/// Cuts of the profile, m.
+const CUTS: [f64; 2] = [5e-6, 10e-6];
+/// The law of rollers of any materials.
+pub const ROLLERS: &str = "line-hertz";
+/// The law of steel rollers alone.
+const STEEL_ROLLERS: &str = "line-contact";
+/// By how much a figure may lie outside of its band and be called inside: rounding of balances.
+const ROUNDING: f64 = 1e-6;
+
+/// See the module.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Bands {
+    /// Names and settings of the laws compared.
+    pub laws: Vec<String>,
+    /// The scene's law.
+    pub own: String,
+    /// Each figure under a law over that under the scene's own: least and largest.
+    pub figures: Vec<Band>,
+    /// What a profile cut all round gives.
+    pub fits: Vec<Fit>,
+}
+
+/// Of one figure.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Band {
+    /// Its name for programs.
+    pub key: &'static str,
+    /// The figure under the scene's own law, at the few poses that laws are compared at.
+    pub own: f64,
+    /// Least and largest share of the figure under the scene's own law.
+    pub of_own_law: [f64; 2],
+}
+
+/// A profile cut all round beyond the scene's.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fit {
+    /// By how much, m.
+    pub cut_m: f64,
+    /// Share of the figure without the cut, by its name.
+    pub figures: Vec<(&'static str, f64)>,
+}
+
+impl Bands {
+    /// The figure of that name.
+    #[must_use]
+    pub fn get(&self, key: &str) -> Option<&Band> {
+        self.figures.iter().find(|band| band.key == key)
+    }
+
+    /// Least and largest of a figure that is `value` under the scene's own law.
+    #[must_use]
+    pub fn of(&self, key: &str, value: f64) -> Option<[f64; 2]> {
+        let band = self.get(key)?;
+        Some(band.of_own_law.map(|share| share * value))
+    }
+
+    /// Whether the scene's own law gives figures within the bands.
+    #[must_use]
+    pub fn holds_own(&self) -> bool {
+        self.figures.iter().all(
+            |Band {
+                 of_own_law: [low, high],
+                 ..
+             }| *low <= 1.0 + ROUNDING && *high >= 1.0 - ROUNDING,
+        )
+    }
+
+    /// What a figure that is `value` without it becomes by each cut, m.
+    #[must_use]
+    pub fn fitted(&self, key: &str, value: f64) -> Vec<(f64, f64)> {
+        let of = |fit: &Fit| {
+            let (_, share) = fit.figures.iter().find(|(known, _)| *known == key)?;
+            Some((fit.cut_m, share * value))
+        };
+        self.fits.iter().filter_map(of).collect()
+    }
+}
+
+/// Steel by its constants.
+fn is_steel(material: Material) -> bool {
+    (1.9e11..=2.2e11).contains(&material.young) && (0.26..=0.32).contains(&material.poisson)
+}
+
+/// The laws that may be right for a scene's rollers: a label, and the scene with it.
+fn laws(scene: &Scene) -> Vec<(String, Scene)> {
+    let with = |law: &str, change: &dyn Fn(&mut Scene)| {
+        let mut scene = scene.clone();
+        law.clone_into(&mut scene.contact.law);
+        change(&mut scene);
+        scene
+    };
+    let own = with(ROLLERS, &|_| ());
+    let parameters = scales::law_parameters(&own);
+    let mut found: Vec<(String, Scene)> = DEPTHS
+        .iter()
+        .map(|share| {
+            let depth = share * parameters.disc_depth;
+            let label = format!("{ROLLERS}, disc {:.1} mm deep", 1e3 * depth);
+            let set = |scene: &mut Scene| scene.contact.disc_depth_m = Some(depth);
+            (label, with(ROLLERS, &set))
+        })
+        .collect();
+    if is_steel(parameters.pin) && is_steel(parameters.disc) {
+        let label = format!("{STEEL_ROLLERS} (Palmgren)");
+        found.push((label, with(STEEL_ROLLERS, &|_| ())));
+    }
+    found
+}
+
+/// Figures of a scene; `None` where it cannot be balanced.
+fn figures(scene: &Scene) -> Result<Option<Vec<DesignFigure>>, StudyError> {
+    let found = compile(scene).and_then(|gearbox| design::few_figures(&gearbox));
+    match found {
+        Ok(found) => Ok(Some(found)),
+        Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
+        Err(_) => Ok(None),
+    }
+}
+
+/// The bands of a gear's figures under its largest load; `None` of a gear without load, of contacts made softer or stiffer than
+/// their material by `contact.stiffness_multiplier`, or that cannot be balanced.
+///
+/// # Errors
+/// Cancelled.
+pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, StudyError> {
+    let scene: &Scene = &gearbox.scene;
+    if scene.contact.stiffness_multiplier != 1.0 {
+        return Ok(None);
+    }
+    let Some(own) = figures(scene)? else {
+        return Ok(None);
+    };
+    let share = |figure: &DesignFigure, own: &DesignFigure| {
+        let share = figure.value? / own.value?;
+        share.is_finite().then_some((own.key, share))
+    };
+    let shares = |found: &[DesignFigure]| -> Vec<(&'static str, f64)> {
+        let pairs = found.iter().zip(&own);
+        pairs.filter_map(|(one, own)| share(one, own)).collect()
+    };
+    let (mut labels, mut bands) = (Vec::new(), Vec::<Band>::new());
+    for (label, scene) in laws(scene) {
+        control.check()?;
+        let Some(found) = figures(&scene)? else {
+            continue;
+        };
+        labels.push(label);
+        for (key, share) in shares(&found) {
+            if let Some(band) = bands.iter_mut().find(|band| band.key == key) {
+                let [low, high] = band.of_own_law;
+                band.of_own_law = [low.min(share), high.max(share)];
+                continue;
+            }
+            let own = own.iter().find(|one| one.key == key);
+            bands.extend(own.and_then(|own| own.value).map(|own| Band {
+                key,
+                own,
+                of_own_law: [share; 2],
+            }));
+        }
+    }
+    let mut fits = Vec::new();
+    for cut_m in CUTS {
+        control.check()?;
+        let mut cut = scene.clone();
+        cut.gear.modification.equidistant_m += cut_m;
+        if let Some(found) = figures(&cut)? {
+            let figures = shares(&found);
+            fits.push(Fit { cut_m, figures });
+        }
+    }
+    Ok(Some(Bands {
+        laws: labels,
+        own: scene.contact.law.clone(),
+        figures: bands,
+        fits,
+    }))
+}
