@@ -115,9 +115,7 @@ pub(crate) fn blocks(bands: &Bands) -> Vec<Block> {
     let mut table = Table::of(format!("By contact law, statics: {}", about(bands)), rows)
         .text("", "Figure", |((_, name, _), _)| *name)
         .text("", "Unit", |((.., unit), _)| *unit)
-        .text("", &format!("`{}`", bands.own), |(_, band)| {
-            rounded(band.own, ends(band))
-        })
+        .text("", &bands.own, |(_, band)| rounded(band.own, ends(band)))
         .text("", "Band", |(_, band)| interval(ends(band)));
     for (place, fit) in bands.fits.iter().enumerate() {
         let cut = format!("cut by {} um", significant(1e6 * fit.cut_m, 2));

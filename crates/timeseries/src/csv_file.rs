@@ -24,7 +24,7 @@ impl TimeSeries {
         self.write_csv(std::io::BufWriter::new(file))
     }
 
-    /// Reads what [`TimeSeries::write_csv`] wrote, or any CSV with a `time_s` column.
+    /// Reads what [`TimeSeries::write_csv`] wrote, or any CSV with a `time_s` column; columns without a name are left out.
     ///
     /// # Errors
     /// Malformed CSV, no time column, a cell that is no number (row and column are named),
@@ -40,6 +40,9 @@ impl TimeSeries {
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
         for (row, record) in reader.records().enumerate() {
             for (column, text) in record?.iter().enumerate() {
+                if names[column].is_empty() {
+                    continue;
+                }
                 let value = text.parse().map_err(|_| TimeSeriesError::Cell {
                     row: row + 1,
                     column: names[column].clone(),
@@ -48,7 +51,8 @@ impl TimeSeries {
                 columns[column].push(value);
             }
         }
-        Self::of_columns(names.into_iter().zip(columns))
+        let named = names.into_iter().zip(columns);
+        Self::of_columns(named.filter(|(name, _)| !name.is_empty()))
     }
 
     /// Reads a CSV file; see [`TimeSeries::read_csv`].
@@ -81,6 +85,16 @@ mod tests {
         let mut bytes = Vec::new();
         time_series.write_csv(&mut bytes).unwrap();
         assert_eq!(TimeSeries::read_csv(bytes.as_slice()).unwrap(), time_series);
+    }
+
+    /// An index that other programs write first has no name: nothing could ask for it, and no file would keep it.
+    #[test]
+    fn columns_without_a_name_are_left_out() {
+        let read = TimeSeries::read_csv(",time_s,a_n\nx,0,1\ny,1,2\n".as_bytes()).unwrap();
+        let mut bytes = Vec::new();
+        read.write_csv(&mut bytes).unwrap();
+        assert_eq!(read.channels().len(), 1);
+        assert_eq!(TimeSeries::read_csv(bytes.as_slice()).unwrap(), read);
     }
 
     #[test]

@@ -62,7 +62,7 @@ impl Page<'_> {
         let first = self.comparison.windows.first().map(|w| w.kind);
         let of = first.and_then(|window| Some((window, self.best(window)?)));
         of.map_or_else(String::new, |(window, engine)| {
-            format!("{}, by `{}`", self.window(window), engine.name)
+            format!("{}, by {}", self.window(window), engine.name)
         })
     }
 
