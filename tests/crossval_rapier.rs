@@ -211,7 +211,7 @@ fn crossval_rapier_hook_with_light_sleeves() {
 }
 
 /// rapier alone. Means only: torques within 1.5 % (measured 1.0 %), forces within 10 % (measured
-/// 8.1 and 7.5 %, because a linear spring spreads the load). Its spring has a potential, so the
+/// 4.1 and 4.9 %, because a linear spring spreads the load). Its spring has a potential, so the
 /// driver gives what the load takes, 22/15 N m: measured 0.06 %.
 #[test]
 fn crossval_rapier_colliders_means() {
@@ -231,7 +231,7 @@ fn crossval_rapier_colliders_means() {
     );
 }
 
-/// Measured: eleven-pins 0.4 % torque, 5 % forces; backlash-0.6 0.9 %, 0.4 and 7.5 %.
+/// Measured: eleven-pins 0.4 % torque, 3.9 and 5.1 % forces; backlash-0.6 0.7 %, 0.8 and 4.9 %.
 #[test]
 fn crossval_rapier_colliders_means_of_other_gears() {
     for preset in ["eleven-pins", "backlash-0.6"] {

@@ -10,7 +10,7 @@ use pinwheel_gearbox::contacts::{ContactEnergy, PairContact};
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::Sleeve;
 use pinwheel_scene::scales::{Scales, external_force, internal_force};
-use pinwheel_scene::{CheckedScene, Detection, Scene, Start};
+use pinwheel_scene::{CheckedScene, Detection, Scene, Start, load_course};
 use rapier2d_f64::parry::query::PointQuery;
 use rapier2d_f64::prelude::*;
 
@@ -87,9 +87,13 @@ pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
         world.contact_spring(frequency);
         let mut contacts = Solid::new(gearbox, &mut world, grid.step_s, corners);
         let [external, internal] = spring.stiffness_n_m;
+        let masses = match spring.masses_kg {
+            Some(_) => "sleeves' masses that make both stages right",
+            None => "the scene's masses, right in the mean of both stages",
+        };
         let settings = format!(
             "impulse revolutes, 1 substep, {SWEEPS} constraint sweeps, warm start; {} corners a wheel, {} a hole; contact \
-             springs of {external:.2e} N/m outside, {internal:.2e} N/m inside, {frequency:.0} Hz",
+             springs of {external:.2e} N/m outside, {internal:.2e} N/m inside, {frequency:.0} Hz, {masses}",
             corners.wheel, corners.hole
         );
         let mut run = march(gearbox, world, &mut contacts, &grid, settings, control)?;
@@ -134,6 +138,13 @@ impl Corners {
         let forces = [external_force(gear, torque), internal_force(gear, torque)];
         let depth = |stage: usize| forces[stage] / stiffness_n_m[stage];
         let fewest = EDGE_POINTS.max(LOBE_POINTS * gear.lobes());
+        // Without a load contacts have no depth that an outline could miss.
+        if load_course::largest(&scene.drive) == 0.0 {
+            return Ok(Self {
+                wheel: fewest,
+                hole: HOLE_POINTS,
+            });
+        }
         let wanted = corners_for_sag(gear, SAG * depth(0)).ceil();
         let wheel = (wanted.min(MOST_POINTS as f64) as usize).max(fewest);
         let sag = sag_of_corners(gear, wheel);
@@ -378,5 +389,25 @@ impl PhysicsHooks for Nearest {
         if !nearest || edge.user_data != ball.user_data {
             contact.solver_contacts.clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A gear without load has contacts of no depth: its outlines are as fine as ever, and nothing is refused.
+    #[test]
+    fn hard_outlines_without_a_load() {
+        let mut scene = Scene::paper();
+        let loaded = Corners::of(&scene, [1e6; 2]).unwrap();
+        scene.drive.output_torque_n_m = 0.0;
+        let found = Corners::of(&scene, [1e6; 2]).unwrap();
+        assert_eq!((found.wheel, found.hole), (EDGE_POINTS, HOLE_POINTS));
+        assert!(loaded.wheel >= found.wheel);
+        // A load that presses in by next to nothing is limited by the polygon.
+        scene.drive.output_torque_n_m = 22.0;
+        let refused = Corners::of(&scene, [1e11; 2]).unwrap_err();
+        assert!(refused.contains("limited by its polygon"), "{refused}");
     }
 }
