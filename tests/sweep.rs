@@ -1,6 +1,6 @@
 //! `pinwheel sweep` as a user meets it: what it writes, and what a kill leaves.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use pinwheel_tests::{names_in, pinwheel, run_in, words};
@@ -204,7 +204,7 @@ fn shards_are_gathered() {
         early.code == Some(2)
             && early
                 .stderr
-                .contains("3 of 8 runs are not there, the first of them run 2"),
+                .contains("3 of 8 runs are not there, or their time series are damaged, the first of them run 2"),
         "{early:?}"
     );
     assert_eq!(
@@ -235,5 +235,61 @@ fn shards_are_gathered() {
             outcome.code == Some(2) && outcome.stderr.contains("like 1/8"),
             "{outcome:?}"
         );
+    }
+}
+
+/// Time series that were cut, emptied, altered or exchanged since are those of no run: it is made again, and `--gather` says so.
+#[test]
+fn damaged_time_series_are_made_again() {
+    let dir = tempfile::tempdir().unwrap();
+    for format in ["csv", "parquet"] {
+        let sweep = SWEEP.replace("[set]", &format!("courses = \"{format}\"\n[set]"));
+        std::fs::write(dir.path().join("s.toml"), sweep).unwrap();
+        let run = |more: &[&str]| run_in(dir.path(), ["sweep", "s.toml"].iter().chain(more));
+        assert_eq!(run(&["--out", "whole"]).code, Some(0));
+        let file = |out: &str, number: usize| {
+            let name = format!("{out}/runs/run-000{number}.{format}");
+            dir.path().join(name)
+        };
+        let content = |out: &str, number| std::fs::read(file(out, number)).unwrap();
+        let damage = |path: &dyn Fn(usize) -> PathBuf| {
+            let original = |number| std::fs::read(path(number)).unwrap();
+            let put = |number, bytes: &[u8]| std::fs::write(path(number), bytes).unwrap();
+            put(1, b"");
+            let half = original(2);
+            put(2, &half[..half.len() / 2]);
+            let mut altered = original(3);
+            let middle = altered.len() / 2;
+            altered[middle] ^= 1;
+            put(3, &altered);
+            put(4, &original(5));
+            std::fs::remove_file(path(6)).unwrap();
+        };
+        // Of a finished output.
+        let sound: Vec<Vec<u8>> = (1..=8).map(|number| content("whole", number)).collect();
+        damage(&|number| file("whole", number));
+        assert_eq!(run(&["--out", "whole", "--resume"]).code, Some(0));
+        for (number, sound) in (1..=8).zip(&sound) {
+            assert!(content("whole", number) == *sound, "{format} {number}");
+        }
+        // Of shards.
+        assert_eq!(run(&["--out", "parts", "--shard", "1/1"]).code, Some(0));
+        let shard = dir.path().join("parts.unfinished/shard-1-of-1");
+        let names = names_in(&shard).into_iter();
+        let kept: Vec<String> = names.filter(|name| name.ends_with(format)).collect();
+        damage(&|number| shard.join(&kept[number - 1]));
+        let gathered = run(&["--out", "parts", "--gather"]);
+        assert!(
+            gathered.code == Some(2) && gathered.stderr.contains("5 of 8 runs"),
+            "{gathered:?}"
+        );
+        assert_eq!(run(&["--out", "parts", "--shard", "1/1"]).code, Some(0));
+        assert_eq!(run(&["--out", "parts", "--gather"]).code, Some(0));
+        for (number, sound) in (1..=8).zip(&sound) {
+            assert!(content("parts", number) == *sound, "{format} {number}");
+        }
+        for out in ["whole", "parts"] {
+            std::fs::remove_dir_all(dir.path().join(out)).unwrap();
+        }
     }
 }

@@ -100,7 +100,7 @@ pub fn gather(plan: &Plan, journal: &Journal) -> Result<Vec<RunRecord>, SweepErr
     match missing.first() {
         None => Ok(records),
         Some(first) => Err(SweepError::Input(format!(
-            "{} of {} runs are not there, the first of them run {first}; run the shards that did not end, or run what is \
+            "{} of {} runs are not there, or their time series are damaged, the first of them run {first}; run the shards that did not end, or run what is \
              missing here with --resume in place of --gather",
             missing.len(),
             plan.runs.len()
@@ -150,9 +150,9 @@ pub fn perform(
     let Ok(run) = engine.run_after(last, &planned.scene, control) else {
         return Ok(None);
     };
-    let record = RunRecord::of(planned, engine, scene, &run);
+    let mut record = RunRecord::of(planned, engine, scene, &run);
     if run.ending.is_finished() {
-        keep_time_series(folder, &record.identity(), &run.time_series, keep)?;
+        record.time_series = keep_time_series(folder, &record.identity(), &run.time_series, keep)?;
     }
     Ok(Some(record))
 }

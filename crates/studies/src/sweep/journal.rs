@@ -11,7 +11,8 @@
 //!
 //! Records are written where they stand and not waited for to be on the disk, which would cost as much as a short run. What a
 //! kill or a power cut leaves of one is no JSON, and so no record: that run is made again. Time series are written beside their
-//! place, waited for and then renamed, as a record says that they are there.
+//! place, waited for and then renamed, as a record says that they are there. It also holds their size and hash: damaged ones count
+//! for nothing.
 
 use std::collections::HashMap;
 use std::fmt::Display;
@@ -23,6 +24,7 @@ use std::{fs, io};
 
 use pinwheel_files::fnv;
 use pinwheel_timeseries::TimeSeries;
+use serde::{Deserialize, Serialize};
 use tempfile::Builder;
 
 use crate::folder::beside;
@@ -260,13 +262,14 @@ impl Journal {
         self.shards.iter().chain([&self.folder])
     }
 
-    /// The record of an identity, if its time series are kept as wanted.
+    /// The record of an identity, if its time series are kept as wanted and are what was written.
     pub(crate) fn find(&self, identity: &str, time_series: KeepTimeSeries) -> Option<RunRecord> {
-        let known = pool::lock(&self.known);
-        let (record, path) = known.get(identity)?;
+        let (record, path) = pool::lock(&self.known).get(identity)?.clone();
         let file = extension(time_series).map(|extension| path.with_extension(extension));
-        let there = !record.ending.is_finished() || file.is_none_or(|file| file.is_file());
-        there.then(|| record.clone())
+        let written = &record.time_series;
+        let whole = |file: PathBuf| written.is_some() && Written::of(&file).ok() == *written;
+        let there = !record.ending.is_finished() || file.is_none_or(whole);
+        there.then_some(record)
     }
 
     /// Keeps the record of a run whose time series, where they are kept, are there already; of one that failed nothing.
@@ -357,16 +360,34 @@ fn place(folder: &Path, identity: &str, extension: &str) -> PathBuf {
     folder.join(format!("{PREFIX}{hash:016x}.{extension}"))
 }
 
+/// What a file held when it was written: another size or hash says that it is damaged.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Written {
+    bytes: u64,
+    /// FNV-1a, 64 bits, in hexadecimal.
+    fnv: String,
+}
+
+impl Written {
+    fn of(path: &Path) -> io::Result<Self> {
+        let content = fs::read(path)?;
+        Ok(Self {
+            bytes: content.len() as u64,
+            fnv: format!("{:016x}", fnv(content)),
+        })
+    }
+}
+
 /// Keeps the time series of a run in a journal's folder: on the disk before they have their name. Its record comes last: where it
-/// is, its time series are.
+/// is, its time series are, as it says.
 pub(crate) fn keep_time_series(
     folder: &Path,
     identity: &str,
     time_series: &TimeSeries,
     how: KeepTimeSeries,
-) -> Result<(), SweepError> {
+) -> Result<Option<Written>, SweepError> {
     let Some(extension) = extension(how) else {
-        return Ok(());
+        return Ok(None);
     };
     let file = place(folder, identity, extension);
     let unwritten = |fault: &dyn Display| OutputError::new(&file, fault);
@@ -384,8 +405,9 @@ pub(crate) fn keep_time_series(
         }
     }
     sink.as_file().sync_all().map_err(at(&file))?;
+    let written = Written::of(sink.path()).map_err(at(&file))?;
     sink.persist(&file).map_err(|fault| unwritten(&fault))?;
-    Ok(())
+    Ok(Some(written))
 }
 
 fn extension(time_series: KeepTimeSeries) -> Option<&'static str> {

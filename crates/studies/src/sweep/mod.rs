@@ -23,7 +23,7 @@ pub use axis::{Axis, Value};
 pub use error::SweepError;
 pub use execute::{execute, execute_some, find, gather, perform, wanted_of};
 pub use file::{KeepTimeSeries, Sweep};
-pub use journal::{Begin, Journal, Shard};
+pub use journal::{Begin, Journal, Shard, Written};
 pub use output::write;
 pub use plan::{Guests, MOST_RUNS, Plan, PlannedRun};
 pub use record::RunRecord;

@@ -9,6 +9,7 @@ use pinwheel_timeseries::{Ending, efficiency, mean_powers};
 use serde::{Deserialize, Serialize};
 
 use crate::sweep::PlannedRun;
+use crate::sweep::journal::Written;
 use crate::sweep::spread::Spread;
 
 /// What is kept of a run. All but the two times is the same whenever it is run again.
@@ -33,6 +34,9 @@ pub struct RunRecord {
     /// How it ended.
     #[serde(flatten)]
     pub ending: Ending,
+    /// The file of its time series, where it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time_series: Option<Written>,
     /// Figures by quantity; empty unless finished.
     pub figures: BTreeMap<String, Spread>,
     /// Quantities in the order of the time series.
@@ -81,6 +85,7 @@ impl RunRecord {
             scene: scene.to_owned(),
             window_s: planned.window_s,
             ending: run.ending.clone(),
+            time_series: None,
             figures: BTreeMap::new(),
             quantities: Vec::new(),
             balances: BTreeMap::new(),
