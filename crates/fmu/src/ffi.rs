@@ -18,7 +18,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::ptr;
 use std::slice;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use pinwheel_handles::Handles;
@@ -89,7 +89,24 @@ impl Logger {
 struct Unit {
     logger: Logger,
     talks: AtomicBool,
+    /// [`IDLE`], [`STEPPING`] or [`CANCELLED`].
+    step: AtomicU8,
     instance: Mutex<Instance>,
+}
+
+const IDLE: u8 = 0;
+const STEPPING: u8 = 1;
+const CANCELLED: u8 = 2;
+
+impl Unit {
+    /// Ends the step that another thread does, if one does.
+    fn cancel(&self) -> bool {
+        let order = Ordering::Relaxed;
+        let cancelled = self
+            .step
+            .compare_exchange(STEPPING, CANCELLED, order, order);
+        cancelled.is_ok()
+    }
 }
 
 /// A state and the unit it is of.
@@ -264,6 +281,7 @@ pub unsafe extern "C" fn fmi2Instantiate(
         Ok(instance) => UNITS.open(Unit {
             logger,
             talks: AtomicBool::new(talks != 0),
+            step: AtomicU8::new(IDLE),
             instance: Mutex::new(instance),
         }),
         Err(what) => {
@@ -273,12 +291,14 @@ pub unsafe extern "C" fn fmi2Instantiate(
     }
 }
 
-/// Ends a unit, and its states; null, and one that was ended, are no fault.
+/// Ends a unit, its states and a step that another thread does; null, and one that was ended, are no fault.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2FreeInstance(component: Component) {
     // A fault while it is dropped stays here.
     let _ = catch_unwind(|| {
-        UNITS.close(component);
+        if let Some(unit) = UNITS.close(component) {
+            unit.cancel();
+        }
         STATES.close_all(|kept| kept.of == component.addr());
     });
 }
@@ -354,12 +374,25 @@ pub extern "C" fn fmi2DoStep(
     step: f64,
     _no_way_back: c_int,
 ) -> c_int {
-    on(component, |unit| done(unit.step(from, step)))
+    on(component, |instance| {
+        // Not there only where it is freed at this moment.
+        let Some(unit) = UNITS.find(component) else {
+            return Ok(ERROR);
+        };
+        unit.step.store(STEPPING, Ordering::Relaxed);
+        let cancelled = || unit.step.load(Ordering::Relaxed) == CANCELLED;
+        let stepped = instance.step_unless(from, step, &cancelled);
+        unit.step.store(IDLE, Ordering::Relaxed);
+        done(stepped)
+    })
 }
 
-/// Steps are done when their call returns, so there is nothing to cancel.
+/// Ends a step that another thread does: it returns as one that failed, after which an earlier state or a reset goes on.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2CancelStep(component: Component) -> c_int {
+    if UNITS.find(component).is_some_and(|unit| unit.cancel()) {
+        return OK;
+    }
     on(component, |_| {
         Err(Refusal("fmi2CancelStep: no step is under way".into()))
     })

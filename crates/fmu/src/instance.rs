@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use pinwheel_files::fnv;
 use pinwheel_gearbox::cosimulation::{CoSimulation, Shafts};
+use pinwheel_scene::keys::LONGEST_S;
 use serde::{Deserialize, Serialize};
 
-use crate::model::{Model, Shaft, Variable, What};
+use crate::model::{Input, Model, Shaft, Variable, What};
 
 /// Why a call was refused, in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -20,6 +21,14 @@ impl From<String> for Refusal {
 
 fn refused<T>(what: impl Into<String>) -> Result<T, Refusal> {
     Err(Refusal(what.into()))
+}
+
+/// Inputs have the bounds of a scene: beyond them steps become so small that none ends.
+fn within(call: &str, name: &str, input: Input, value: f64) -> Result<(), Refusal> {
+    match input.key().and_then(|key| key.refuses(value)) {
+        Some(words) => refused(format!("{call}: {name} must be {words}, not {value:e}")),
+        None => Ok(()),
+    }
 }
 
 /// Where in its life a unit is.
@@ -54,6 +63,7 @@ struct Prescribed {
     /// Of inputs, a second; for the next step alone.
     slopes: Vec<f64>,
     start_s: f64,
+    stop_s: Option<f64>,
     tolerance: Option<f64>,
     /// The values that the gear began with.
     begun: Vec<f64>,
@@ -88,6 +98,7 @@ impl Instance {
                 begun: values.clone(),
                 values,
                 start_s: 0.0,
+                stop_s: None,
                 tolerance: None,
             },
             model,
@@ -119,17 +130,25 @@ impl Instance {
         stop_s: Option<f64>,
     ) -> Result<(), Refusal> {
         self.in_phase("fmi2SetupExperiment", &[Phase::Instantiated])?;
-        if !start_s.is_finite() || stop_s.is_some_and(|stop| !(stop >= start_s)) {
+        if !start_s.is_finite() {
             return refused(format!(
-                "fmi2SetupExperiment: a start at {start_s} s and a stop at {stop_s:?} s are no time"
+                "fmi2SetupExperiment: a start at {start_s} s is no time"
             ));
         }
-        if tolerance.is_some_and(|tolerance| !(tolerance > 0.0 && tolerance < 0.1)) {
+        if let Some(stop) = stop_s.filter(|stop| !(*stop >= start_s)) {
             return refused(format!(
-                "fmi2SetupExperiment: a tolerance must be above 0 and below 0.1, not {tolerance:?}"
+                "fmi2SetupExperiment: a stop at {stop} s does not follow a start at {start_s} s"
             ));
         }
-        (self.prescribed.tolerance, self.prescribed.start_s) = (tolerance, start_s);
+        if let Some(tolerance) =
+            tolerance.filter(|tolerance| !(*tolerance > 0.0 && *tolerance < 0.1))
+        {
+            return refused(format!(
+                "fmi2SetupExperiment: a tolerance must be above 0 and below 0.1, not {tolerance}"
+            ));
+        }
+        self.prescribed.tolerance = tolerance;
+        (self.prescribed.start_s, self.prescribed.stop_s) = (start_s, stop_s);
         Ok(())
     }
 
@@ -232,6 +251,9 @@ impl Instance {
                 "{call}: {name} must be a finite number, not {value}"
             ));
         }
+        if let What::Input(input) = variable.what {
+            within(call, name, input, value)?;
+        }
         let phases = [Phase::Instantiated, Phase::Initialising, Phase::Stepping];
         let (kind, phases) = match variable.what {
             What::Input(_) => ("input", &phases[..]),
@@ -318,6 +340,19 @@ impl Instance {
     /// # Errors
     /// A wrong moment or time, or a motion that cannot go on.
     pub fn step(&mut self, from_s: f64, step_s: f64) -> Result<(), Refusal> {
+        self.step_unless(from_s, step_s, &|| false)
+    }
+
+    /// The same, for as long as it is not `cancelled`, which is asked on the way.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step), or cancelled.
+    pub fn step_unless(
+        &mut self,
+        from_s: f64,
+        step_s: f64,
+        cancelled: &dyn Fn() -> bool,
+    ) -> Result<(), Refusal> {
         self.in_phase("fmi2DoStep", &[Phase::Stepping])?;
         let Some(gear) = &mut self.gear else {
             return refused("fmi2DoStep: there is no gear");
@@ -334,11 +369,31 @@ impl Instance {
                 "fmi2DoStep: the time is {now} s, not {from_s} s; an earlier state goes back"
             ));
         }
+        let rounding = 1e-6 * step_s + 1e-12 * to.abs();
+        if let Some(stop) = self.prescribed.stop_s.filter(|stop| to > stop + rounding) {
+            return refused(format!(
+                "fmi2DoStep: a step to {to} s leads beyond the stop time, {stop} s"
+            ));
+        }
+        if to - self.prescribed.start_s > LONGEST_S + rounding {
+            return refused(format!(
+                "fmi2DoStep: a step to {to} s leads beyond the longest simulation, {LONGEST_S} s"
+            ));
+        }
         let holders = self.model.holders(&self.prescribed.values);
-        gear.prescribe(holders.map(|k| (self.prescribed.values[k], self.prescribed.slopes[k])));
+        let held = holders.map(|k| (self.prescribed.values[k], self.prescribed.slopes[k]));
+        for (k, (value, slope)) in holders.into_iter().zip(held) {
+            let variable = &self.model.variables()[k];
+            if let What::Input(input) = variable.what {
+                let end = format!("{} at {to} s", variable.name);
+                within("fmi2DoStep", &end, input, value + slope * step_s)?;
+            }
+        }
+        gear.prescribe(held);
         self.prescribed.slopes.fill(0.0);
         self.seen = None;
-        gear.advance(to - self.prescribed.start_s).map_err(|what| {
+        let advanced = gear.advance(to - self.prescribed.start_s, cancelled);
+        advanced.map_err(|what| {
             self.prescribed.phase = Phase::Failed;
             Refusal(format!("fmi2DoStep: {what}"))
         })

@@ -6,7 +6,7 @@ use pinwheel_files::fits;
 use pinwheel_gearbox::cosimulation::{CoSimulation, Prescribed, Setup};
 use pinwheel_gearbox::{Gearbox, Recorder};
 use pinwheel_scene::channels::FAMILIES;
-use pinwheel_scene::keys::Kind;
+use pinwheel_scene::keys::{Key, Kind, key};
 use pinwheel_scene::{CheckedScene, KEYS, Override, Scene};
 
 /// The scene's file among the resources.
@@ -53,6 +53,16 @@ pub enum Input {
     LoadTorque,
     /// Of the output shaft, rad/s.
     LoadSpeed,
+}
+
+impl Input {
+    /// The key of a scene that holds the like, and whose range holds here.
+    pub(crate) fn key(self) -> Option<&'static Key> {
+        key(match self {
+            Self::DriveSpeed | Self::LoadSpeed => "drive.input_speed_rad_s",
+            Self::DriveTorque | Self::LoadTorque => "drive.output_torque_n_m",
+        })
+    }
 }
 
 /// See [`SHAFTS`].

@@ -248,3 +248,111 @@ fn crossval_the_loaded_library_runs_rolls_back_and_refuses() {
         assert_eq!(step(ptr::null_mut(), 0.0, 1e-3, 0), 3, "null");
     }
 }
+
+/// A number in the shape of an address may go to any thread.
+#[derive(Clone, Copy)]
+struct Shared(Component);
+
+// SAFETY: what it stands for is found by its number and locked.
+unsafe impl Send for Shared {}
+
+impl Shared {
+    fn get(self) -> Component {
+        self.0
+    }
+}
+
+/// Units in several threads, one unit in several threads, and steps that another thread ends: by cancelling or by freeing.
+#[test]
+fn hard_units_under_threads() {
+    let folder = tempfile::tempdir().expect("folder");
+    let (address, guid) = resources(folder.path());
+    // SAFETY: the functions of the standard with its types, on arrays of their lengths.
+    unsafe {
+        let library = Library::new(library()).expect("loads");
+        macro_rules! function {
+            ($kind:ty, $name:literal) => {{
+                let found: Symbol<'_, $kind> = library.get($name).expect("there");
+                *found
+            }};
+        }
+        let instantiate = function!(Instantiate, b"fmi2Instantiate");
+        let free = function!(unsafe extern "C" fn(Component), b"fmi2FreeInstance");
+        let setup = function!(Setup, b"fmi2SetupExperiment");
+        let enter = function!(Plain, b"fmi2EnterInitializationMode");
+        let exit = function!(Plain, b"fmi2ExitInitializationMode");
+        let step = function!(Step, b"fmi2DoStep");
+        let cancel = function!(Plain, b"fmi2CancelStep");
+        let reset = function!(Plain, b"fmi2Reset");
+        let get = function!(Get, b"fmi2GetReal");
+        let begin = move |unit| {
+            assert_eq!(setup(unit, 0, 0.0, 0.0, 0, 0.0), 0);
+            assert_eq!((enter(unit), exit(unit)), (0, 0));
+        };
+        let new = || {
+            let (guid, address) = (guid.as_ptr(), address.as_ptr());
+            let unit = instantiate(c"gear".as_ptr(), 1, guid, address, ptr::null(), 0, 0);
+            assert!(!unit.is_null());
+            begin(unit);
+            Shared(unit)
+        };
+        let values = move |unit: Component| {
+            let references: Vec<c_uint> = (4..12).collect();
+            let mut values = vec![f64::NAN; references.len()];
+            let place = values.as_mut_ptr();
+            assert_eq!(get(unit, references.as_ptr(), references.len(), place), 0);
+            values.iter().map(|x| x.to_bits()).collect::<Vec<_>>()
+        };
+        // Each its own: all the same to the bit.
+        let alone = new().get();
+        for k in 0..20 {
+            assert_eq!(step(alone, f64::from(k) * 1e-3, 1e-3, 1), 0);
+        }
+        let wanted = values(alone);
+        let each = (0..8).map(|_| {
+            let unit = new();
+            std::thread::spawn(move || {
+                for k in 0..20 {
+                    assert_eq!(step(unit.get(), f64::from(k) * 1e-3, 1e-3, 1), 0);
+                }
+                values(unit.get())
+            })
+        });
+        for thread in each.collect::<Vec<_>>() {
+            assert_eq!(thread.join().expect("no panic"), wanted);
+        }
+        // All the same one: every step is done once, by whoever came first.
+        let one = new();
+        let each = (0..8).map(|_| {
+            std::thread::spawn(move || {
+                let step = |k| step(one.get(), f64::from(k) * 1e-3, 1e-3, 1);
+                (0..20).filter(|&k| step(k) == 0).count()
+            })
+        });
+        let done = each.collect::<Vec<_>>().into_iter();
+        let done: usize = done.map(|thread| thread.join().expect("no panic")).sum();
+        assert!((1..=20).contains(&done), "{done}");
+        // A step of a day ends when it is told to.
+        let long = new();
+        assert_eq!(cancel(long.get()), 3, "no step is under way");
+        for freed in [false, true] {
+            let thread = std::thread::spawn(move || step(long.get(), 0.0, 86_400.0, 1));
+            std::thread::sleep(std::time::Duration::from_millis(50));
+            if freed {
+                free(long.get());
+            } else {
+                while cancel(long.get()) != 0 {}
+            }
+            assert_eq!(thread.join().expect("no panic"), 3);
+            if !freed {
+                assert_eq!(
+                    step(long.get(), 0.0, 1e-3, 1),
+                    3,
+                    "an earlier state or a reset"
+                );
+                assert_eq!(reset(long.get()), 0);
+                begin(long.get());
+            }
+        }
+    }
+}

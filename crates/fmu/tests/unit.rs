@@ -3,6 +3,7 @@
 #![allow(clippy::print_stdout)] // measured figures, for whoever resets a limit
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use pinwheel_fmu::{Instance, Model};
 use pinwheel_gearbox::{Gearbox, native};
@@ -377,10 +378,19 @@ fn bad_input_wrong_moments_and_values_are_refused() {
     );
     says(unit.set_real(99_999, 1.0), "99999");
     says(unit.set_real(speed, f64::NAN), "finite");
+    says(
+        unit.set_real(speed, 1e9),
+        "must be from -1000000 to 1000000, not 1e9",
+    );
     says(unit.set_real(angle, 1.0), "output");
     says(unit.set_boolean(speed, true), "Real");
     says(unit.setup(Some(-1.0), 0.0, None), "tolerance");
+    says(unit.setup(Some(0.5), 0.0, None), "below 0.1, not 0.5");
     says(unit.setup(None, f64::NAN, None), "time");
+    says(
+        unit.setup(None, 2.0, Some(1.0)),
+        "a stop at 1 s does not follow a start at 2 s",
+    );
     unit.set_real(stiffness, -1.0).expect("looked at later");
     says(unit.enter_initialization(), "contact.stiffness_multiplier");
     unit.set_real(stiffness, 1.0).expect("right");
@@ -391,12 +401,26 @@ fn bad_input_wrong_moments_and_values_are_refused() {
     says(unit.step(0.0, 0.0), "none");
     says(unit.step(0.0, f64::NAN), "none");
     says(unit.step(1.0, 1e-3), "the time is 0 s");
+    for endless in [1e300, 1e9, 1.1e5] {
+        says(unit.step(0.0, endless), "the longest simulation, 100000 s");
+    }
     says(unit.set_slope(speed, 2, 1.0), "first derivative");
+    unit.set_slope(speed, 1, 1e300).expect("looked at later");
+    says(unit.step(0.0, 1e-3), "drive_speed_rad_s at 0.001 s");
+    unit.set_slope(speed, 1, 0.0).expect("right");
     unit.step(0.0, 1e-3).expect("nothing was broken");
     unit.terminate().expect("end");
     says(unit.step(1e-3, 1e-3), "after fmi2Terminate");
     unit.reset();
     says(unit.step(0.0, 1e-3), "before fmi2EnterInitializationMode");
+    unit.setup(None, 5.0, Some(5.002)).expect("setup");
+    unit.enter_initialization().expect("enter");
+    unit.exit_initialization().expect("exit");
+    unit.step(5.0, 1e-3).expect("within");
+    says(unit.step(5.001, 2e-3), "beyond the stop time, 5.002 s");
+    unit.step(5.001, 1.000_000_1e-3)
+        .expect("the stop time, rounded");
+    says(unit.step(5.002, 1e-3), "beyond the stop time");
 }
 
 /// Units in threads of their own do what one alone does.
@@ -413,4 +437,40 @@ fn units_do_not_know_of_each_other() {
             .collect()
     });
     assert!(all.iter().all(|bits| *bits == alone));
+}
+
+/// Whatever is prescribed, within bounds: a gear that runs away is seen on the way, and the step ends.
+#[test]
+fn hard_no_input_makes_a_step_endless() {
+    let model = model("paper", &["solver.integrator=auto"]);
+    for (name, flag) in [
+        ("drive_speed_rad_s", None),
+        ("drive_torque_n_m", Some("drive_by_torque")),
+        ("load_torque_n_m", None),
+        ("load_speed_rad_s", Some("load_by_speed")),
+    ] {
+        let flags: Vec<(&str, bool)> = flag.map(|flag| (flag, true)).into_iter().collect();
+        for value in [1e6, -1e6, 1e9, 1e15, 1e300] {
+            for slope in [false, true] {
+                let mut unit = begun(&model, &[], &flags);
+                let input = reference(&model, name);
+                let set = if slope {
+                    unit.set_slope(input, 1, value)
+                } else {
+                    unit.set_real(input, value)
+                };
+                let begun = Instant::now();
+                // Measured 0.3 s at most.
+                let late = || begun.elapsed() > Duration::from_secs(10);
+                let ended = set.and_then(|()| unit.step_unless(0.0, 1e-3, &late));
+                if let Err(refusal) = ended {
+                    assert!(
+                        !refusal.0.contains("cancelled"),
+                        "{name} {value:e}: {}",
+                        refusal.0
+                    );
+                }
+            }
+        }
+    }
 }

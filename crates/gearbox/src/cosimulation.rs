@@ -24,6 +24,9 @@ use crate::native::{reduced, segments};
 use crate::scene::{self, Drive};
 use crate::{Gearbox, GearboxError, Layout, Recorder, guard};
 
+/// A motion is looked at after so many steps, and at communication points.
+const LOOK: u32 = 4096;
+
 /// What a shaft is held by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Prescribed {
@@ -284,21 +287,37 @@ impl CoSimulation {
         self.system.restart_at(self.time);
     }
 
-    /// Goes on to time `to`, s.
+    /// Goes on to time `to`, s; `cancelled` is asked at every step.
     ///
     /// # Errors
-    /// When and why no step can follow, or which quantity ran away.
-    pub fn advance(&mut self, to: f64) -> Result<(), String> {
+    /// When and why no step can follow, which quantity ran away, or that it was cancelled: nothing can follow but an earlier
+    /// state.
+    pub fn advance(&mut self, to: f64, cancelled: &dyn Fn() -> bool) -> Result<(), String> {
         self.stepper.set_stop_time(to);
+        let mut steps = 0_u32;
         while self.stepper.time() < to - 1e-9 * self.gearbox.scene.solver.step_s {
+            if cancelled() {
+                return Err(format!("cancelled at t = {:.6} s", self.stepper.time()));
+            }
             let step = self.stepper.step(&mut self.system);
             step.map_err(|error| error.to_string())?;
+            steps += 1;
+            // What runs away takes ever smaller steps.
+            if steps.is_multiple_of(LOOK) {
+                self.look(self.stepper.time())?;
+            }
         }
-        self.stepper.interpolate(&mut self.system, to, &mut self.y);
+        self.look(to)?;
         self.time = to;
-        let seen = self.system.observe_reduced(to, &self.y);
+        Ok(())
+    }
+
+    /// Takes the state at time `t` and checks it.
+    fn look(&mut self, t: f64) -> Result<(), String> {
+        self.stepper.interpolate(&mut self.system, t, &mut self.y);
+        let seen = self.system.observe_reduced(t, &self.y);
         guard::check(&self.gearbox, seen.bodies)
-            .map_err(|quantity| format!("diverged at t = {to:.6} s: {quantity}"))
+            .map_err(|quantity| format!("diverged at t = {t:.6} s: {quantity}"))
     }
 
     /// Writes the values of a run's columns ([`Recorder::contract`], then the scene's channels) at the time reached to `row`.
@@ -454,7 +473,7 @@ mod tests {
             let expected = last(&gearbox(&sets, &[]));
             let gear = gearbox(&own, &[]);
             let mut unit = CoSimulation::new(&gear, Setup::of(&gear.scene.drive)).unwrap();
-            unit.advance(0.01).unwrap();
+            unit.advance(0.01, &|| false).unwrap();
             let steps = unit.counts().steps;
             unit.prescribe([(SPEED, 0.0), (0.0, 0.0)]);
             assert_eq!(unit.counts().steps, steps, "nothing has changed");
@@ -463,7 +482,7 @@ mod tests {
             unit.prescribe([(SPEED, 0.0), (18.0, 0.0)]);
             assert_eq!(unit.counts().steps, 0, "the method begins anew");
             assert_eq!(unit.observe(&mut row).load_torque_n_m, 40.0);
-            unit.advance(0.02).unwrap();
+            unit.advance(0.02, &|| false).unwrap();
             unit.observe(&mut row);
             let off = apart(&row, &expected);
             eprintln!("{method} {off:e}");
@@ -503,7 +522,7 @@ mod tests {
             let gear = gearbox(&sets, channels);
             let mut unit = CoSimulation::new(&gear, Setup::of(&gear.scene.drive)).unwrap();
             let mut row = Vec::new();
-            unit.advance(0.002).unwrap();
+            unit.advance(0.002, &|| false).unwrap();
             unit.observe(&mut row);
             let off = apart(&row, &last(&gear));
             assert!(off < 1e-5, "{off:e}");

@@ -119,6 +119,15 @@ impl Key {
         unit.map_or("", |(_, unit)| unit)
     }
 
+    /// What a number must be that it does not hold: `from 0 to 1e5`.
+    #[must_use]
+    pub fn refuses(&self, number: f64) -> Option<String> {
+        match self.kind {
+            Kind::Number(range) if !range.holds(number) => Some(range.words()),
+            _ => None,
+        }
+    }
+
     /// The table it stands in and its name there.
     pub(crate) fn path(&self) -> Vec<&'static str> {
         self.name.split('.').collect()
@@ -152,7 +161,9 @@ const MOMENT: Kind = Number(From(1e-18, 1e8));
 /// Deviations, to either side.
 const DEVIATION: Range = From(-1.0, 1.0);
 const ANGLE: Range = From(-1.0, 1.0);
-const TIME: Kind = Number(From(0.0, 1e5));
+/// End of any simulation, s.
+pub const LONGEST_S: f64 = 1e5;
+const TIME: Kind = Number(From(0.0, LONGEST_S));
 
 macro_rules! keys {
     ($($name:literal $kind:expr, $otherwise:expr, $about:literal, $hint:expr;)*) => {
@@ -162,7 +173,7 @@ macro_rules! keys {
 
 /// One change of the load.
 pub(crate) const CHANGE: &[Key] = keys! {
-    "time_s" Number(From(crate::load_course::APART_S, 1e5)), Required, "when it begins", SECONDS;
+    "time_s" Number(From(crate::load_course::APART_S, LONGEST_S)), Required, "when it begins", SECONDS;
     "output_torque_n_m" TORQUE, Required, "the load from then on", LOAD;
     "ramp_s" TIME, Usual("0.0", "at once"), "it is reached linearly over this time; 0: at once", SECONDS;
 };
@@ -246,8 +257,8 @@ pub const KEYS: &[Key] = keys! {
 
     "solver.formulation" Choice("formulation", || vec!["reduced", "lagrange"]), Usual("\"reduced\"", "centre-pinned bodies eliminated exactly"), "which equations are integrated", "\"reduced\" or \"lagrange\"";
     "solver.integrator" Choice("integrator", names::integrators), Usual("\"auto\"", "the method that the scene's forces ask for"), "name of the integrator", "\"auto\" takes the method that the scene asks for";
-    "solver.duration_s" Number(From(1e-9, 1e5)), Follows(formulas::duration, "until the start-up has died away and two turns of the input more; 3 to 10 turns"), "end time", SECONDS;
-    "solver.sample_s" Number(From(1e-12, 1e5)), Follows(formulas::sample, "40 a mesh period and 4 a period of the fastest mode, at most 20000 in all"), "samples stand this far apart", SECONDS;
+    "solver.duration_s" Number(From(1e-9, LONGEST_S)), Follows(formulas::duration, "until the start-up has died away and two turns of the input more; 3 to 10 turns"), "end time", SECONDS;
+    "solver.sample_s" Number(From(1e-12, LONGEST_S)), Follows(formulas::sample, "40 a mesh period and 4 a period of the fastest mode, at most 20000 in all"), "samples stand this far apart", SECONDS;
     "solver.step_s" Number(From(1e-12, 1.0)), Follows(formulas::step, "about 50 a period of the fastest mode under the largest static load"), "step of fixed-step methods", SECONDS;
     "solver.tolerance" Number(Between(1e-14, 1e-1)), Usual("1e-6", "relative error a step of adaptive methods"), "relative error a step of adaptive methods", "1e-6 is a good start; below 1e-14 there are no digits left";
     "solver.stabilisation" Choice("stabilisation", || vec!["projection", "baumgarte", "none"]), Usual("\"projection\"", "of the Lagrange form"), "how the Lagrange form keeps its constraints", "\"projection\", \"baumgarte\" or \"none\"";
