@@ -401,3 +401,48 @@ fn regress_kills_tear_nothing_and_lose_nothing() {
     println!("{} of {} kills met a command at work", all.0, all.1);
     assert!(all.0 > 0, "no kill met anything");
 }
+
+/// A limit on the size of files (`ulimit -f`) is an error like a full disk: told in a line, and nothing is left.
+#[test]
+fn regress_a_limit_of_file_sizes_is_an_error() {
+    let mut refused = 0;
+    for writer in &WRITERS {
+        let what = writer.words;
+        if what.starts_with("baseline record") || what.starts_with("calibrate") {
+            continue; // many seconds
+        }
+        for blocks in ["0", "1", "20"] {
+            let dir = tempfile::tempdir().unwrap();
+            let dir = dir.path();
+            inputs(dir);
+            let kept = names_in(dir);
+            let limited = format!("ulimit -f {blocks}; exec \"$0\" \"$@\"");
+            let outcome = Command::new("sh")
+                .current_dir(dir)
+                .args(["-c", &limited])
+                .arg(pinwheel().get_program())
+                .args(writer.words())
+                .output()
+                .unwrap();
+            let said = String::from_utf8_lossy(&outcome.stderr);
+            let told = format!("{what} within {blocks}: {}, {said}", outcome.status);
+            match outcome.status.code() {
+                Some(0 | 1) => assert_whole(writer, &dir.join(writer.out)),
+                Some(2) => {
+                    assert!(said.contains("larger than the system allows"), "{told}");
+                    assert_eq!(said.lines().count(), 1, "{told}");
+                    let mut left = names_in(dir);
+                    let journal = names_in(&dir.join("out.unfinished"));
+                    // Runs that are finished stay for --resume.
+                    if journal.iter().any(|name| name.starts_with("run-")) {
+                        left.retain(|name| name != "out.unfinished");
+                    }
+                    assert_eq!(left, kept, "{told}");
+                    refused += 1;
+                }
+                _ => panic!("{told}"),
+            }
+        }
+    }
+    assert!(refused > WRITERS.len(), "{refused} were refused");
+}

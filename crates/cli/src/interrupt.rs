@@ -44,6 +44,17 @@ pub(crate) fn unfinished(folder: Option<&Path>) {
     }
 }
 
+/// A file that grows beyond `ulimit -f` is an error of its write, as a full disk is, and no signal that kills. Before any thread
+/// begins, as threads take it over; programs that are started do not.
+pub(crate) fn outlive_limits() {
+    #[cfg(unix)]
+    {
+        let signals: nix::sys::signal::SigSet = [nix::sys::signal::SIGXFSZ].into_iter().collect();
+        // There is no other error than a wrong argument.
+        let _ = signals.thread_block();
+    }
+}
+
 /// Installs the handler.
 pub(crate) fn install() -> Result<(), Failure> {
     ctrlc::set_handler(|| {

@@ -18,6 +18,7 @@ use crate::failure::Failure;
 
 fn main() -> ExitCode {
     keep_freed_memory();
+    interrupt::outlive_limits();
     let outcome = args::parse().and_then(|command| match command {
         None => Ok(0),
         Some(command) => interrupt::install().and_then(|()| dispatch(&command)),

@@ -31,7 +31,7 @@ impl OutputError {
 #[must_use]
 pub fn reason(error: &dyn Display) -> String {
     let text = error.to_string();
-    // ENOSPC and EDQUOT, or their words where a library leaves out the number.
+    // ENOSPC, EDQUOT and EFBIG, or their words where a library leaves out the number.
     for (signs, words) in [
         (
             ["(os error 28)", "No space left on device"],
@@ -40,6 +40,10 @@ pub fn reason(error: &dyn Display) -> String {
         (
             ["(os error 122)", "Disk quota exceeded"],
             "the disk quota is used up",
+        ),
+        (
+            ["(os error 27)", "File too large"],
+            "the file is larger than the system allows (ulimit -f)",
         ),
     ] {
         if cfg!(unix) && signs.iter().any(|sign| text.contains(sign)) {

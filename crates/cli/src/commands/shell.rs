@@ -1,13 +1,11 @@
 //! `pinwheel completions` and `pinwheel man`: what shells and `man` read, from the definition of the command line.
 
-use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 
-use pinwheel::studies::output::write_text;
-
 use crate::args;
 use crate::failure::Failure;
+use crate::folder::replace;
 use crate::screen;
 
 pub(crate) fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
@@ -30,18 +28,12 @@ pub(crate) fn man(out: Option<&Path>) -> Result<(), Failure> {
     let Some(dir) = out else {
         return screen::show(&page(&program)?);
     };
-    fs::create_dir_all(dir).map_err(|error| {
-        Failure::input(format!(
-            "--out {}: {error}; name a folder that can be made",
-            dir.display()
-        ))
-    })?;
-    write_text(&dir.join("pinwheel.1"), &page(&program)?)?;
+    replace(&dir.join("pinwheel.1"), page(&program)?.as_bytes())?;
     for command in program.get_subcommands() {
         let name = format!("pinwheel-{}", command.get_name());
         // Beside the program's own page it needs its whole name.
         let named = command.clone().name(name.clone());
-        write_text(&dir.join(format!("{name}.1")), &page(&named)?)?;
+        replace(&dir.join(format!("{name}.1")), page(&named)?.as_bytes())?;
     }
     Ok(())
 }

@@ -43,9 +43,12 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
         })
     };
     let records = match records {
-        Err(SweepError::Stopped { .. }) if journal.in_its_folder() == 0 => {
+        Err(fault) if journal.in_its_folder() == 0 => {
             journal.remove()?;
-            return Err(Failure::stopped());
+            return Err(match fault {
+                SweepError::Stopped { .. } => Failure::stopped(),
+                fault => fault.into(),
+            });
         }
         records => records?,
     };

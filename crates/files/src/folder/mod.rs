@@ -251,15 +251,16 @@ pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
         return fs::write(&place, bytes).map_err(failed);
     }
     let above = place.parent().filter(|above| !above.as_os_str().is_empty());
-    let above = above.unwrap_or(Path::new("."));
-    fs::create_dir_all(above).map_err(failed)?;
-    let drafts = Drafts::in_folder(above, "file")?;
+    let above = std::path::absolute(above.unwrap_or(Path::new("."))).map_err(failed)?;
+    let drafts = Drafts::in_folder(&nearest_existing(&above), "file")?;
     let draft = drafts.path().join("draft");
     let mut file = fs::File::create(&draft).map_err(failed)?;
     file.write_all(bytes)
         .and_then(|()| file.sync_all())
         .map_err(failed)?;
     drop(file);
+    // Only now: what fails before leaves no folder.
+    fs::create_dir_all(above).map_err(failed)?;
     fs::rename(&draft, &place).map_err(failed)
 }
 
