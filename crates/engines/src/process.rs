@@ -3,22 +3,27 @@
 //! ```text
 //!  stdout, stderr ──threads──> pieces ──> listener
 //!  listener wants its end ──> SIGTERM to the group, 0.3 s later SIGKILL
-//!  its end ──> SIGKILL to what is left of the group, CPU time, status
+//!  its end ──> SIGKILL to what is left of the group and to who left it, CPU time, status
 //! ```
-//! A program that leaves its group on purpose escapes; nothing short of a container would hold it.
+//! Whoever leaves the group (`setsid`) is known by a variable of its environment, on Linux; who clears that too escapes, and
+//! nothing short of a container would hold it.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 /// How long one waits for news before looking around.
 const PATIENCE: Duration = Duration::from_millis(10);
 /// How long a program has to end itself when asked to.
 const GRACE: Duration = Duration::from_millis(300);
+/// How often those are looked for who left a group.
+#[cfg(target_os = "linux")]
+const ROUNDS: usize = 20;
 
 /// How it came to its end.
 #[derive(Debug)]
@@ -46,14 +51,23 @@ pub(crate) struct Ended {
 /// must end.
 pub(crate) type Listener<'a> = &'a mut dyn FnMut(Option<&Piece>) -> Option<End>;
 
-/// The programs that run now, and their folders: for a signal that ends ours at once.
-static RUNNING: Mutex<Vec<(u32, Option<PathBuf>)>> = Mutex::new(Vec::new());
+/// A program that runs.
+struct Running {
+    pid: u32,
+    /// The name of a variable that it and all that it starts have.
+    mark: String,
+    folder: Option<PathBuf>,
+}
+
+/// The programs that run now: for a signal that ends ours at once.
+static RUNNING: Mutex<Vec<Running>> = Mutex::new(Vec::new());
 
 /// Ends all programs at once and removes their folders. For a signal handler that ends the program.
 pub fn end_all() {
     let mut running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
-    for (pid, folder) in running.drain(..) {
+    for Running { pid, mark, folder } in running.drain(..) {
         signal(pid, Signal::Kill);
+        end_marked(&mark);
         if let Some(folder) = folder {
             let _ = std::fs::remove_dir_all(folder);
         }
@@ -64,9 +78,13 @@ pub fn end_all() {
 struct Registered(u32);
 
 impl Registered {
-    fn new(pid: u32, folder: Option<&Path>) -> Self {
+    fn new(pid: u32, mark: &str, folder: Option<&Path>) -> Self {
         let mut running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
-        running.push((pid, folder.map(Path::to_owned)));
+        running.push(Running {
+            pid,
+            mark: mark.to_owned(),
+            folder: folder.map(Path::to_owned),
+        });
         Self(pid)
     }
 }
@@ -74,7 +92,7 @@ impl Registered {
 impl Drop for Registered {
     fn drop(&mut self) {
         let mut running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
-        running.retain(|(pid, _)| *pid != self.0);
+        running.retain(|one| one.pid != self.0);
     }
 }
 
@@ -96,9 +114,11 @@ pub(crate) fn run(
         use std::os::unix::process::CommandExt as _;
         command.process_group(0);
     }
+    let mark = mark();
+    command.env(&mark, "1");
     let begun = Instant::now();
     let mut child = command.spawn()?;
-    let registered = Registered::new(child.id(), folder);
+    let registered = Registered::new(child.id(), &mark, folder);
     let (sender, news) = mpsc::channel();
     listen(child.stdout.take(), sender.clone(), false);
     listen(child.stderr.take(), sender, true);
@@ -110,6 +130,7 @@ pub(crate) fn run(
     let cpu_s = cpu_s(child.id());
     // Whatever it left behind; its number is not given away before it is waited for.
     signal(child.id(), Signal::Kill);
+    end_marked(&mark);
     drop(registered);
     let status = child.wait()?;
     // Its last words are in the pipes; whoever left the group and holds them open is not waited for.
@@ -169,6 +190,45 @@ fn end(child: &mut Child, news: &Receiver<Piece>, listener: Listener<'_>) {
         thread::sleep(PATIENCE);
     }
 }
+
+/// A name that no other program of ours has; a solver that starts Pinwheel keeps it beside those of that one's solvers.
+fn mark() -> String {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    let nanos = since.unwrap_or_default().as_nanos();
+    let count = COUNT.fetch_add(1, Ordering::Relaxed);
+    format!("PINWHEEL_JOB_{}_{count}_{nanos}", std::process::id())
+}
+
+/// Ends all processes that began with a variable of this name, until there is none: one may have started another meanwhile.
+#[cfg(target_os = "linux")]
+fn end_marked(mark: &str) {
+    let begins = format!("{mark}=");
+    let is_marked = |environment: &[u8]| {
+        let mut variables = environment.split(|byte| *byte == 0);
+        variables.any(|variable| variable.starts_with(begins.as_bytes()))
+    };
+    for _ in 0..ROUNDS {
+        let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+        let pids = entries.filter_map(|entry| entry.file_name().to_str()?.parse::<i32>().ok());
+        // What is none of ours to read is none of ours. One that is dead and not waited for has none.
+        let marked = pids.filter(|pid| {
+            std::fs::read(format!("/proc/{pid}/environ")).is_ok_and(|all| is_marked(&all))
+        });
+        let marked: Vec<i32> = marked.collect();
+        if marked.is_empty() {
+            return;
+        }
+        for pid in marked {
+            if let Some(pid) = rustix::process::Pid::from_raw(pid) {
+                let _ = rustix::process::kill_process(pid, rustix::process::Signal::KILL);
+            }
+        }
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn end_marked(_mark: &str) {}
 
 enum Signal {
     Terminate,

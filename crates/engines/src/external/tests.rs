@@ -256,6 +256,30 @@ fn hard_what_it_leaves_behind_is_ended() {
     assert!(!pid.is_empty() && !lives(&pid), "{pid} still runs");
 }
 
+/// Children in sessions of their own, also those of a parent that is gone, after a timeout and after a good end.
+#[cfg(target_os = "linux")]
+#[test]
+fn hard_who_leaves_the_group_is_ended_too() {
+    let leave = "setsid sh -c 'echo $$ > \"$0/session\"; exec sleep 1000' \"$2\" &\n\
+                 setsid sh -c \"(setsid sh -c 'echo \\$\\$ > \\\"\\$0/orphan\\\"; exec sleep 1000' '$2' &)\"\n\
+                 while [ ! -s \"$2/session\" ] || [ ! -s \"$2/orphan\" ]; do :; done";
+    for (end, finishes) in [(COPY, true), ("sleep 1000", false)] {
+        let script = Script::new(&format!("{leave}\n{end}"));
+        let solver = script.solver.clone().within(Duration::from_secs(2));
+        let run = solver.run(&scene(), &Control::quiet()).expect("ran");
+        assert_eq!(run.ending.is_finished(), finishes, "{}", run.ending);
+        let pids = ["session", "orphan"].map(|name| script.read(name));
+        let left: Vec<&String> = pids.iter().filter(|pid| lives(pid)).collect();
+        for pid in &left {
+            let _ = Command::new("kill").args(["-KILL", pid.trim()]).status();
+        }
+        assert!(
+            pids.iter().all(|pid| !pid.is_empty()) && left.is_empty(),
+            "{left:?}"
+        );
+    }
+}
+
 #[test]
 fn hard_the_user_stops_it() {
     let script = Script::new("echo $$ > \"$2/own\"; exec sleep 1000");
