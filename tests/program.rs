@@ -733,3 +733,18 @@ fn program_documents_name_what_is_there() {
     }
     assert!(wrong.is_empty() && commands > 40, "{commands}, {wrong:#?}");
 }
+
+/// Of a run with next to no samples its error is not known, and nothing says that nobody looked.
+#[test]
+fn a_run_of_few_samples_says_one_thing_of_its_error() {
+    let dir = tempfile::tempdir().unwrap();
+    let sets = "run paper --set solver.duration_s=0.02 --set solver.sample_s=0.02 --out out";
+    let run = run_in(dir.path(), words(sets));
+    assert_eq!(run.code, Some(0), "{run:?}");
+    let said = run.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        said.contains("too few samples to tell") && said.contains("solver.sample_s"),
+        "{said}"
+    );
+    assert!(!said.contains("made once"), "{said}");
+}

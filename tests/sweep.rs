@@ -293,3 +293,31 @@ fn damaged_time_series_are_made_again() {
         }
     }
 }
+
+/// What few runs say is where they end; what is the same in all has no spread and nothing that decides it.
+#[test]
+fn small_samples_say_no_more_than_they_know() {
+    let dir = tempfile::tempdir().unwrap();
+    let sample = |points: usize, key: &str| {
+        let text = format!(
+            "name = \"s\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.01\n\
+             [sample]\npoints = {points}\n{key}\n"
+        );
+        std::fs::write(dir.path().join("s.toml"), text).unwrap();
+        run_in(dir.path(), ["sweep", "s.toml"]).stdout
+    };
+    let backlash = "gear.backlash_m = { from = 0.0, to = 1e-4 }";
+    let few = sample(8, backlash);
+    assert!(
+        few.contains(", 8 runs from ") && !few.contains("90 %"),
+        "{few}"
+    );
+    assert!(sample(30, backlash).contains(", 90 % of runs from "));
+    let same = sample(8, "gear.backlash_m = { mean = 1e-4, plus_minus = 1e-19 }");
+    for text in [few, same] {
+        assert!(
+            text.lines().all(|line| !line.trim_end().ends_with(';')),
+            "{text}"
+        );
+    }
+}

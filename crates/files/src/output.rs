@@ -72,7 +72,13 @@ pub fn file_name(name: &str) -> String {
     text
 }
 
-/// Text as markup, for elements and attributes of HTML and XML.
+/// Whether a character acts on what shows it instead of being shown: controls, and what turns the direction of text after it.
+#[must_use]
+pub fn steers(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+/// Text as markup, for elements and attributes of HTML and XML; what steers is written out as `\u202e`.
 #[must_use]
 pub fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
@@ -83,7 +89,10 @@ pub fn escape(text: &str) -> String {
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
             '\'' => escaped.push_str("&#39;"),
-            _ => escaped.push(c),
+            c if steers(c) && !matches!(c, '\n' | '\t') => {
+                escaped.push_str(&format!("\\u{:04x}", u32::from(c)));
+            }
+            c => escaped.push(c),
         }
     }
     escaped
@@ -154,6 +163,13 @@ mod tests {
             assert_eq!(file_name(name), file, "{name:?}");
         }
         assert_eq!(file_name(&"\u{e4}".repeat(300)).len(), 80);
+    }
+
+    #[test]
+    fn markup_holds_nothing_that_steers() {
+        let evil = "<b a='\"'>&\u{202e}gpj\u{2066}\u{1b}\n\t\u{e4}";
+        let safe = "&lt;b a=&#39;&quot;&#39;&gt;&amp;\\u202egpj\\u2066\\u001b\n\t\u{e4}";
+        assert_eq!(escape(evil), safe);
     }
 
     #[cfg(target_os = "linux")]

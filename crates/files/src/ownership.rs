@@ -105,8 +105,13 @@ impl Owner {
         if Mark::of(folder).is_none()
             && let Some(name) = below(folder).map_err(failed)?.first()
         {
-            let reason =
-                format!("it holds `{name}` and no `{MARKER}` by which pinwheel knows its own");
+            let reason = if folder.join(MARKER).exists() {
+                format!(
+                    "its `{MARKER}`, by which pinwheel knows its own, is damaged or not pinwheel's; move the folder elsewhere"
+                )
+            } else {
+                format!("it holds `{name}` and no `{MARKER}` by which pinwheel knows its own")
+            };
             return Err(OutputError::new(folder, &reason));
         }
         let mut options = File::options();
@@ -233,7 +238,8 @@ mod tests {
             fs::write(dir.path().join(MARKER), text).unwrap();
             assert!(Mark::of(dir.path()).is_none() && !abandoned(dir.path()));
             assert_eq!(foreign_file(dir.path()).unwrap().as_deref(), Some(MARKER));
-            assert!(Owner::take(dir.path(), "").is_err());
+            let error = Owner::take(dir.path(), "").unwrap_err().to_string();
+            assert!(error.contains("damaged or not pinwheel's"), "{error}");
         }
     }
 }

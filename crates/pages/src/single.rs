@@ -20,7 +20,7 @@ fn known(figure: &Figure, factor: f64) -> String {
 }
 
 /// What one runs it for, in words.
-fn results(found: &Results) -> Vec<(&'static str, String)> {
+fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
     let plain = |name: &str| {
         let value = found.get(name).map(|figure| format::figure(figure.value));
         value.unwrap_or_else(|| NONE.to_owned())
@@ -56,6 +56,9 @@ fn results(found: &Results) -> Vec<(&'static str, String)> {
         let how = match found.uncertainty {
             "verified" => "\u{b1}: by the run's own verification, see its note",
             "estimated" => "\u{b1}: estimated from one more run, see resolution",
+            _ if looked => {
+                "not known: too few samples to tell, resolution says how far forces move; give a smaller solver.sample_s"
+            }
             _ => "not verified: the run was made once, how far its figures may be off is not known",
         };
         rows.push(("numerical error", how.to_owned()));
@@ -68,7 +71,7 @@ fn results(found: &Results) -> Vec<(&'static str, String)> {
 pub fn text(found: &Outcome, time_series: &str) -> String {
     let stats = &found.run.stats;
     // What one runs it for comes first.
-    let mut rows = results(&found.results());
+    let mut rows = results(&found.results(), found.resolution.is_some());
     if let Some(bands) = &found.bands {
         rows.extend(band::rows(bands));
     }

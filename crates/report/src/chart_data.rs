@@ -7,8 +7,11 @@
 //! no peak is lost. Only where two samples a pixel are too many for every channel, channels are left out. Metrics never
 //! come from here.
 
+use std::fmt::Write as _;
+
 use pinwheel_compare::comparison::Comparison;
 use pinwheel_compare::{Participant, Quantity, Track, Verdict, quantities};
+use pinwheel_files::output::steers;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -424,15 +427,20 @@ fn kept(base: &[f64], having: &[(usize, Vec<(usize, f64)>)], most: usize) -> Vec
     kept
 }
 
-/// JSON that may stand inside a script element: no character can end it or begin a comment.
+/// JSON that may stand inside a script element: no character can end it or begin a comment. What steers is shown as its number,
+/// as in the rest of a page.
 pub(crate) fn json_for_script(value: &impl Serialize) -> String {
-    json!(value)
-        .to_string()
-        .replace('<', "\\u003c")
-        .replace('>', "\\u003e")
-        .replace('&', "\\u0026")
-        .replace('\u{2028}', "\\u2028")
-        .replace('\u{2029}', "\\u2029")
+    let json = json!(value).to_string();
+    let mut safe = String::with_capacity(json.len());
+    for c in json.chars() {
+        let sign = if steers(c) { "\\\\u" } else { "\\u" };
+        if steers(c) || matches!(c, '<' | '>' | '&' | '\u{2028}' | '\u{2029}') {
+            let _ = write!(safe, "{sign}{:04x}", u32::from(c));
+        } else {
+            safe.push(c);
+        }
+    }
+    safe
 }
 
 #[cfg(test)]
@@ -443,6 +451,7 @@ mod tests {
     fn scripts_cannot_be_left() {
         let json = json_for_script(&"</script><!-- & \u{2028}");
         assert_eq!(json, "\"\\u003c/script\\u003e\\u003c!-- \\u0026 \\u2028\"");
+        assert_eq!(json_for_script(&"\u{202e}x"), "\"\\\\u202ex\"");
         assert_eq!(
             serde_json::from_str::<String>(&json).unwrap(),
             "</script><!-- & \u{2028}"

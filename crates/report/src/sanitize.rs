@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
+use pinwheel_files::output::steers;
+
 /// Characters of a message at most: less than a screen.
 const LONGEST: usize = 1600;
 
@@ -58,10 +60,7 @@ pub fn sanitize(text: &str, laid_out: bool) -> String {
             rest = &rest[colour..];
             continue;
         }
-        // The latter turn the direction of the text after them.
-        let steers =
-            c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-        if steers && !(laid_out && matches!(c, '\n' | '\t')) {
+        if steers(c) && !(laid_out && matches!(c, '\n' | '\t')) {
             let _ = write!(out, "\\u{:04x}", u32::from(c));
         } else {
             out.push(c);

@@ -92,7 +92,7 @@ impl Range {
         use crate::number::short;
         match self {
             Self::From(low, high) => format!("from {} to {}", short(low), short(high)),
-            Self::Between(low, high) => format!("between {} and {}", short(low), short(high)),
+            Self::Between(low, high) => format!("above {} and below {}", short(low), short(high)),
         }
     }
 }

@@ -1,6 +1,5 @@
 //! A sweep on a terminal.
 
-use pinwheel_report::format::significant;
 use pinwheel_report::terminal::{self, BAD, TITLE, pairs, styled};
 use pinwheel_studies::sweep::{self, Plan, RunRecord};
 use pinwheel_timeseries::Ending;
@@ -59,14 +58,8 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
             .into_iter()
             .take(MOST_FIGURES)
         {
-            let ends = tolerances::between(figure).map(|of| of.map_or(f64::NAN, |of| of.value));
-            let [low, middle, high] = ends.map(|value| significant(value, 4));
             let name = tolerances::named(&figure.name);
-            let decides = tolerances::decides(figure);
-            rows.push(row(
-                &name,
-                format!("{middle}, 90 % of runs from {low} to {high}; {decides}"),
-            ));
+            rows.push(row(&name, tolerances::in_words(figure)));
         }
     }
     rows.extend(files.iter().map(|(word, place)| row(word, place.clone())));
