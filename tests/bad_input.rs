@@ -146,7 +146,7 @@ fn bad_input_parts_that_do_not_fit() {
         ),
         (
             "gear.internal_circle_radius_m=0.0525",
-            "leave the wheel|gear.internal_circle_radius_m at most 0.0464 m",
+            "leave the wheel|would do: gear.internal_circle_radius_m = 0.046",
         ),
         (
             "gear.internal_sleeve_radius_m=0.009",

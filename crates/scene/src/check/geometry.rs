@@ -16,18 +16,23 @@ const ROUNDING: f64 = 1e-12;
 const TIGHT: f64 = 0.8;
 
 /// Checks a gear whose single values are in range.
-pub(super) fn check(gear: &Gear) -> Result<(), Fault> {
-    deviations::check(gear)?;
-    profile(gear)?;
-    external_sleeves(gear)?;
-    backlash(gear)?;
+pub(super) fn whole(gear: &Gear) -> Result<(), Fault> {
+    outside(gear)?;
     internal_sleeves(gear)?;
     neighbours(gear)?;
     holes_inside_the_wheel(gear)
 }
 
+/// Checks the external stage: profile and external sleeves.
+pub(super) fn outside(gear: &Gear) -> Result<(), Fault> {
+    deviations::check(gear)?;
+    profile(gear)?;
+    external_sleeves(gear)?;
+    backlash(gear)
+}
+
 /// Half the distance of neighbouring external sleeves' centres, m.
-fn half_pitch(gear: &Gear) -> f64 {
+pub(super) fn half_pitch(gear: &Gear) -> f64 {
     (gear.pitch_radius_m() + gear.backlash_m) * (PI / gear.external_sleeves as f64).sin()
 }
 

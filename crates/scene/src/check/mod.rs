@@ -8,6 +8,7 @@ mod combinations;
 mod geometry;
 mod load;
 mod ranges;
+mod remedy;
 mod units;
 
 use toml::Table;
@@ -42,7 +43,8 @@ pub(crate) fn together(scene: &Scene) -> Result<(), Fault> {
 
 /// Whether a gear whose single values are in range can be built.
 pub(crate) fn gear(gear: &Gear) -> Result<(), Fault> {
-    geometry::check(gear).map_err(|fault| units::guess(gear, fault))
+    geometry::whole(gear)
+        .map_err(|fault| units::guess(gear).unwrap_or_else(|| remedy::tried(gear, fault)))
 }
 
 pub(crate) use geometry::hole_to_profile_m;

@@ -26,8 +26,8 @@ const LENGTHS: [Length; 6] = lengths!(
 /// A length smaller than this share of the gear is none that anybody builds.
 const PLAUSIBLE: f64 = 0.005;
 
-/// The fault, or where a thousandth of one length makes a gear that can be built, that length.
-pub(super) fn guess(gear: &Gear, fault: Fault) -> Fault {
+/// Where a thousandth of one length makes a gear that can be built, that length.
+pub(super) fn guess(gear: &Gear) -> Option<Fault> {
     for (key, length) in LENGTHS {
         let mut meant = gear.clone();
         let value = length(&mut meant);
@@ -49,14 +49,14 @@ pub(super) fn guess(gear: &Gear, fault: Fault) -> Fault {
         // A shortening that followed from R would be another too; then R stays.
         let mut same_circle = meant.clone();
         same_circle.shortening *= 1e-3;
-        if geometry::check(&meant).is_ok() || geometry::check(&same_circle).is_ok() {
+        if geometry::whole(&meant).is_ok() || geometry::whole(&same_circle).is_ok() {
             let [typed, meant] = [typed, 1e-3 * typed].map(short);
-            return Fault::new(
+            return Some(Fault::new(
                 &[key],
                 format!("is {typed} m, and no gear can be built with it"),
                 format!("did you mean {meant}? lengths are in metres"),
-            );
+            ));
         }
     }
-    fault
+    None
 }

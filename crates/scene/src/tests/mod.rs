@@ -5,4 +5,5 @@ mod faults;
 mod fuzz;
 mod own;
 mod presets;
+mod remedies;
 mod uncertain;

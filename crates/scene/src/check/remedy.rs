@@ -1,0 +1,282 @@
+//! What puts a gear right that cannot be built: values that were tried, and not a rule that another check refuses.
+//!
+//! Each value of a gear is moved away from where it is, to both sides, until the whole gear can be built, and then back as far as
+//! it goes. Whether a scene gives R or m, and whether its holes follow from sleeve and eccentricity, is not known here: what is
+//! offered holds either way.
+
+use super::geometry;
+use crate::error::Fault;
+use crate::model::Gear;
+use crate::number::nearest;
+
+/// Ratio of neighbouring values that are tried, and how many to either side.
+const RATIO: f64 = 1.05;
+const TRIED: i32 = 80;
+/// Halvings of the way back.
+const HALVINGS: usize = 12;
+/// Logarithm of a change beyond which a value is that of another gear.
+const ANOTHER_GEAR: f64 = 1.6;
+/// Ways that are offered at most.
+const OFFERED: usize = 3;
+/// Holes of all wheels at most: each is measured at every trial.
+const MOST_HOLES: usize = 100;
+
+type Value = (&'static str, fn(&mut Gear) -> &mut f64);
+
+macro_rules! values {
+    ($($($field:ident).+),*) => {
+        [$((concat!("gear" $(, ".", stringify!($field))+), |gear| &mut gear.$($field).+)),*]
+    };
+}
+
+/// What may be moved. The last three may also go to nothing.
+const VALUES: [Value; 10] = values!(
+    eccentricity_m,
+    shortening,
+    external_sleeve_radius_m,
+    internal_sleeve_radius_m,
+    internal_circle_radius_m,
+    hole_radius_m,
+    backlash_m,
+    modification.equidistant_m,
+    modification.radial_m,
+    modification.rotational_rad
+);
+const SHORTENING: &str = "gear.shortening";
+const ECCENTRICITY: &str = "gear.eccentricity_m";
+
+/// Whether a gear can be built as far as a stage is concerned.
+type Builds = fn(&Gear) -> bool;
+
+/// The fault with ways to put it right, nearest first; as it was where none was found.
+pub(super) fn tried(gear: &Gear, fault: Fault) -> Fault {
+    if gear.wheels * gear.internal_sleeves > MOST_HOLES {
+        return fault;
+    }
+    let whole: Builds = |gear| geometry::whole(gear).is_ok();
+    let outside: Builds = |gear| geometry::outside(gear).is_ok();
+    // What is named comes first.
+    let place = |key: &str| fault.keys.iter().position(|known| known == key);
+    let mut ways = single(gear, whole);
+    if ways.is_empty() {
+        ways.extend(output_stage(gear));
+    }
+    // Two faults at once: first that of the profile, then the other.
+    if ways.is_empty() && !outside(gear) {
+        ways = single(gear, outside);
+        if ways.is_empty() {
+            ways.extend(external_stage(gear));
+        }
+    }
+    if ways.is_empty() {
+        return fault;
+    }
+    if ways.iter().any(|way| way.far < ANOTHER_GEAR) {
+        ways.retain(|way| way.far < ANOTHER_GEAR);
+    }
+    let far = |way: &Way| (place(way.key).unwrap_or(usize::MAX), way.far);
+    ways.sort_by(|a, b| {
+        far(a)
+            .partial_cmp(&far(b))
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+    let words = ways.into_iter().take(OFFERED).map(|way| way.words);
+    Fault {
+        remedy: format!("would do: {}", words.collect::<Vec<_>>().join(", or ")),
+        ..fault
+    }
+}
+
+/// A way to a gear that can be built.
+struct Way {
+    key: &'static str,
+    /// How far the value goes.
+    far: f64,
+    words: String,
+}
+
+/// Ways that move one value.
+fn single(gear: &Gear, builds: Builds) -> Vec<Way> {
+    let mut ways = Vec::new();
+    for (key, of) in VALUES {
+        let from = *of(&mut gear.clone());
+        let put = |value: f64| {
+            let mut moved = gear.clone();
+            *of(&mut moved) = value;
+            moved
+        };
+        if from == 0.0 {
+            continue;
+        }
+        let fits = |value: f64| {
+            let meant = variants(gear, &put(value));
+            in_range(key, value) && !meant.is_empty() && meant.iter().all(builds)
+        };
+        let far = |value: f64| (value / from).ln().abs();
+        let mut found: Vec<f64> = [RATIO, 1.0 / RATIO]
+            .into_iter()
+            .filter_map(|ratio| {
+                let mut steps = (1..=TRIED).map(|k| from * ratio.powi(k));
+                edge(from, steps.find(|value| fits(*value))?, &fits)
+            })
+            .collect();
+        if key.starts_with("gear.modification.") && found.is_empty() && fits(0.0) {
+            found.push(0.0);
+        }
+        found.sort_by(|a, b| far(*a).total_cmp(&far(*b)));
+        ways.extend(found.first().map(|value| Way {
+            key,
+            far: far(*value),
+            words: said(gear, key, *value),
+        }));
+    }
+    ways
+}
+
+/// The nearest of few digits to where `good` comes from that still fits.
+fn edge(bad: f64, mut good: f64, fits: &dyn Fn(f64) -> bool) -> Option<f64> {
+    let mut bad = bad;
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (bad + good);
+        *(if fits(middle) { &mut good } else { &mut bad }) = middle;
+    }
+    let rounded = |digits: i32| {
+        let unit = 10_f64.powi(good.abs().log10().floor() as i32 + 1 - digits);
+        let beside = [good, good - unit, good + unit].map(|value| nearest(value, digits));
+        beside.into_iter().find(|value| fits(*value))
+    };
+    (2..=6).find_map(rounded)
+}
+
+/// The gear as a scene may mean it: with m or R as it was, and holes as they were or as they follow.
+fn variants(before: &Gear, moved: &Gear) -> Vec<Gear> {
+    let mut all = Vec::new();
+    // Only from R follows an m that is none.
+    if before.shortening < 1.0 || moved.shortening != before.shortening {
+        all.push(moved.clone());
+    }
+    if moved.eccentricity_m != before.eccentricity_m {
+        let shortening = moved.shortening * moved.eccentricity_m / before.eccentricity_m;
+        all.push(Gear {
+            shortening,
+            ..moved.clone()
+        });
+    }
+    let followed = before.internal_sleeve_radius_m + before.eccentricity_m;
+    let follows = moved.internal_sleeve_radius_m + moved.eccentricity_m;
+    let as_before = moved.hole_radius_m == before.hole_radius_m && follows != followed;
+    if as_before && (before.hole_radius_m / followed - 1.0).abs() < 1e-9 {
+        let following = all.clone().into_iter();
+        all.extend(following.map(|gear| Gear {
+            hole_radius_m: follows,
+            ..gear
+        }));
+    }
+    all
+}
+
+fn in_range(key: &str, value: f64) -> bool {
+    crate::keys::key(key).is_some_and(|row| row.refuses(value).is_none())
+}
+
+/// `gear.hole_radius_m = 0.0088`; of m also the R that is the same.
+fn said(gear: &Gear, key: &str, value: f64) -> String {
+    if key != SHORTENING {
+        return format!("{key} = {value}");
+    }
+    let radius = gear.eccentricity_m * gear.external_sleeves as f64 / value;
+    format!(
+        "{key} = {value} (where R is given: gear.pin_circle_radius_m = {})",
+        nearest(radius, 6)
+    )
+}
+
+/// The profile anew: no modification, an m that is usual, and sleeves and a play that fit.
+fn external_stage(gear: &Gear) -> Option<Way> {
+    const USUAL: f64 = 0.7;
+    let mut fitting = gear.clone();
+    fitting.modification = crate::model::Modification::default();
+    if geometry::outside(&fitting).is_err() {
+        fitting.shortening = fitting.shortening.min(USUAL);
+    }
+    if geometry::outside(&fitting).is_err() {
+        let convex = crate::profile::Profile::of(&fitting).smallest_convex_radius();
+        let most = convex.min(geometry::half_pitch(&fitting));
+        fitting.external_sleeve_radius_m = nearest(USUAL * most, 2);
+        let play = 0.4 * fitting.eccentricity_m.min(fitting.external_sleeve_radius_m);
+        fitting.backlash_m = fitting.backlash_m.min(nearest(play, 2));
+    }
+    geometry::outside(&fitting).ok()?;
+    let changed = VALUES.into_iter().filter_map(|(key, of)| {
+        let [before, after] = [gear, &fitting].map(|gear| *of(&mut gear.clone()));
+        (before != after).then(|| said(gear, key, after))
+    });
+    Some(Way {
+        key: "",
+        far: 0.0,
+        words: changed.collect::<Vec<_>>().join(" and "),
+    })
+}
+
+/// Sleeves and holes anew on the circle there is or on another one, and where they have no room an eccentricity that leaves it.
+fn output_stage(gear: &Gear) -> Option<Way> {
+    let smaller = (0..30).map(|k| {
+        if k == 0 {
+            return gear.clone();
+        }
+        let eccentricity_m = nearest(gear.eccentricity_m * 0.85_f64.powi(k), 2);
+        let shortening = gear.shortening * eccentricity_m / gear.eccentricity_m;
+        Gear {
+            eccentricity_m,
+            shortening: nearest(shortening, 6),
+            ..gear.clone()
+        }
+    });
+    smaller.into_iter().find_map(|smaller| {
+        let fitting = with_output_stage(&smaller)?;
+        let e = fitting.eccentricity_m;
+        let eccentricity = if e == gear.eccentricity_m {
+            String::new()
+        } else {
+            let m = fitting.shortening;
+            format!("{ECCENTRICITY} = {e} and {SHORTENING} = {m} (only where R is not given) and ")
+        };
+        let Gear {
+            internal_circle_radius_m: circle,
+            internal_sleeve_radius_m: sleeve,
+            hole_radius_m: hole,
+            ..
+        } = fitting;
+        Some(Way {
+            key: "",
+            far: 0.0,
+            words: format!(
+                "{eccentricity}gear.internal_circle_radius_m = {circle} and gear.internal_sleeve_radius_m = {sleeve} and \
+                 gear.hole_radius_m = {hole}"
+            ),
+        })
+    })
+}
+
+fn with_output_stage(gear: &Gear) -> Option<Gear> {
+    geometry::outside(gear).ok()?;
+    let pit = crate::profile::Profile::of(gear).pit_radius();
+    let shares = (0..=70).map(|k| 0.95 - 0.01 * f64::from(k));
+    let circles =
+        std::iter::once(gear.internal_circle_radius_m).chain(shares.map(|share| share * pit));
+    let fitting = circles.map(|circle| {
+        let circle = nearest(circle, 3);
+        let half_pitch = circle * (std::f64::consts::PI / gear.internal_sleeves as f64).sin();
+        let most = 0.9 * half_pitch.min(pit - circle).min(circle);
+        let sleeve = nearest(most - gear.eccentricity_m, 2);
+        Gear {
+            internal_circle_radius_m: circle,
+            internal_sleeve_radius_m: sleeve,
+            hole_radius_m: nearest(sleeve + gear.eccentricity_m, 6),
+            ..gear.clone()
+        }
+    });
+    let mut fitting =
+        fitting.filter(|gear| gear.internal_sleeve_radius_m > 0.1 * gear.eccentricity_m);
+    fitting.find(|gear| geometry::whole(gear).is_ok())
+}
