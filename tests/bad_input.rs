@@ -295,3 +295,87 @@ fn bad_input_output_below_a_file() {
     let line = refusal(&run_in(dir.path(), args), "below a file");
     assert_parts(&line, &["cannot be written", "another --out"]);
 }
+
+/// What people type where a number is asked for, and data that do not go together.
+#[test]
+fn bad_input_of_init() {
+    let dir = tempfile::tempdir().unwrap();
+    let init = |more: &str| {
+        let typed =
+            "init - --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500";
+        let mut all = words(typed);
+        for pair in words(more).chunks(2) {
+            match all.iter().position(|word| *word == pair[0]) {
+                Some(place) => all[place + 1] = pair[1],
+                None => all.extend(pair),
+            }
+        }
+        run_in(dir.path(), all)
+    };
+    for right in [
+        "--ratio 39:1",
+        "--pin-circle-diameter-mm 104mm",
+        "--pin-circle-diameter-mm 0.104m",
+        "--torque-n-m -200",
+        "--torque-n-m 0.2kNm",
+        "--speed-rpm 157.08rad/s",
+    ] {
+        let outcome = init(right);
+        assert_eq!(outcome.code, Some(0), "{right}: {outcome:?}");
+        let radius = "pin_circle_radius_m = 0.052 ";
+        assert!(
+            outcome.stdout.contains(radius),
+            "{right}: {}",
+            outcome.stdout
+        );
+    }
+    for (wrong, part) in [
+        ("--ratio 39,5", "39 is 39:1"),
+        (
+            "--pin-circle-diameter-mm 0,052",
+            "write a decimal point: 0.052",
+        ),
+        ("--pin-circle-diameter-mm 104kg", "a number of millimetres"),
+        ("--pin-circle-diameter-mm 0.104", "did you type metres? 104"),
+        (
+            "--output-circle-diameter-mm 95",
+            "`--output-circle-diameter-mm` does not go with the rest",
+        ),
+    ] {
+        let line = refusal(&init(wrong), wrong);
+        assert!(line.contains(part), "{wrong}: {line}");
+    }
+}
+
+#[test]
+fn bad_input_numbers_of_scenes() {
+    let dir = tempfile::tempdir().unwrap();
+    for (line, part) in [
+        (
+            "gear.eccentricity_m = 0,0028",
+            "write a decimal point: 0.0028",
+        ),
+        ("gear.eccentricity_m = 2.8mm", "write the number alone"),
+        ("gear.eccentricity_m = \"2.8 mm\"", "did you mean 0.0028?"),
+        (
+            "drive.input_speed_rpm = 1500",
+            "did you mean `drive.input_speed_rad_s`? 157.08 there",
+        ),
+        (
+            "gear.eccentricity_mm = 2.8",
+            "did you mean `gear.eccentricity_m`? 0.0028 there",
+        ),
+        (
+            "contact.young_gpa = 210",
+            "did you mean `contact.young_pa`? 2.1e11 there",
+        ),
+    ] {
+        std::fs::write(
+            dir.path().join("s.toml"),
+            format!("base = \"paper\"\n{line}\n"),
+        )
+        .unwrap();
+        let said = refusal(&run_in(dir.path(), ["explain", "s.toml"]), line);
+        assert!(said.contains(part), "{line}: {said}");
+    }
+}

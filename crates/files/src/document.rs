@@ -66,6 +66,22 @@ pub fn read<T: DeserializeOwned>(text: &str, file: &str, remedy: &str) -> Result
 fn broken(error: &Error, text: &str, file: &str, remedy: &str) -> FileError {
     let at = error.span().map_or(0, |span| span.start).min(text.len());
     let what = format!("not valid TOML: {}", error.message().trim());
+    let begin = text[..at].rfind('\n').map_or(0, |end| end + 1);
+    let line = text[begin..].lines().next().unwrap_or_default();
+    let value = line.split_once('=').map_or("", |(_, value)| value.trim());
+    let remedy = if !value.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {
+        remedy.to_owned()
+    } else if value.contains(',') {
+        let point = value
+            .split('#')
+            .next()
+            .unwrap_or_default()
+            .trim()
+            .replacen(',', ".", 1);
+        format!("write a decimal point: {point}")
+    } else {
+        "write the number alone: its unit is the one that ends the key".to_owned()
+    };
     FileError::new(file, what, remedy).in_line(line_of(&text.as_bytes()[..at]))
 }
 

@@ -94,6 +94,8 @@ pub struct Draft {
     pub suggested: Vec<&'static str>,
 }
 
+/// Of a circle of pins, m; a smaller one was typed in metres where millimetres were asked for.
+const IN_METRES: f64 = 3e-3;
 /// Shortening coefficient that is suggested, and the least one.
 const SHORTENING: [f64; 2] = [0.65, 0.35];
 /// Largest pin as a share of half the pitch, and of the radius at which the wheel is undercut.
@@ -115,6 +117,89 @@ impl Catalogue {
     /// # Errors
     /// What is given cannot be built, or leaves no room for what is to be suggested; the message names the dimension.
     pub fn draft(&self) -> Result<Draft, Fault> {
+        self.attempt().map_err(|fault| self.blamed(fault))
+    }
+
+    /// The fault as that of what is given and does not go with the rest: left out, all would be well.
+    fn blamed(&self, fault: Fault) -> Fault {
+        let metres = Self {
+            pin_circle_diameter_m: 1e3 * self.pin_circle_diameter_m,
+            ..self.clone()
+        };
+        if self.pin_circle_diameter_m < IN_METRES && metres.attempt().is_ok() {
+            let [typed, meant] =
+                [self.pin_circle_diameter_m, metres.pin_circle_diameter_m].map(millimetres);
+            return Fault::new(
+                &["gear.pin_circle_radius_m"],
+                format!("belongs to a circle of {typed} mm"),
+                format!("did you type metres? {meant}"),
+            );
+        }
+        let first = fault.keys.first().map_or("the gear", AsRef::as_ref);
+        let all = self.without_one();
+        for (key, given, without) in &all {
+            let Ok(draft) = without.attempt() else {
+                continue;
+            };
+            let gear = &draft.scene.gear;
+            let suggested = match *key {
+                "gear.eccentricity_m" => gear.eccentricity_m,
+                "gear.external_sleeve_radius_m" => 2.0 * gear.external_sleeve_radius_m,
+                "gear.internal_sleeve_radius_m" => 2.0 * gear.internal_sleeve_radius_m,
+                "gear.internal_circle_radius_m" => 2.0 * gear.internal_circle_radius_m,
+                "gear.backlash_m" => gear.backlash_m,
+                _ => 1e-3 * gear.internal_sleeves as f64,
+            };
+            let [given, suggested] = [*given, suggested].map(millimetres);
+            return Fault::new(
+                &[key],
+                format!(
+                    "does not go with the rest: {given} is given, and {first} {}",
+                    fault.what
+                ),
+                format!("leave it out, or give {suggested}, which would be suggested"),
+            );
+        }
+        for (key, _, without) in &all {
+            let rest = without.without_one().into_iter();
+            let mut rest = rest.filter(|(_, _, without)| without.attempt().is_ok());
+            if let Some((other, ..)) = rest.next() {
+                return Fault::new(
+                    &[key, other],
+                    format!(
+                        "and {other} do not go with the rest: {first} {}",
+                        fault.what
+                    ),
+                    "leave both out",
+                );
+            }
+        }
+        fault
+    }
+
+    /// What is given and could be left out: its key, its value as one types it in thousandths, and the rest.
+    fn without_one(&self) -> Vec<(&'static str, f64, Self)> {
+        let mut all = Vec::new();
+        macro_rules! each {
+            ($($field:ident $key:literal $value:expr;)*) => {
+                $(if let Some(given) = self.$field {
+                    let without = Self { $field: None, ..self.clone() };
+                    all.push(($key, $value(given), without));
+                })*
+            };
+        }
+        each! {
+            output_circle_diameter_m "gear.internal_circle_radius_m" |given: f64| given;
+            output_pin_diameter_m "gear.internal_sleeve_radius_m" |given: f64| given;
+            output_pins "gear.internal_sleeves" |given| 1e-3 * given as f64;
+            pin_diameter_m "gear.external_sleeve_radius_m" |given: f64| given;
+            eccentricity_m "gear.eccentricity_m" |given: f64| given;
+            backlash_m "gear.backlash_m" |given: f64| given;
+        }
+        all
+    }
+
+    fn attempt(&self) -> Result<Draft, Fault> {
         let (gear, suggested) = self.plan()?;
         let text = self.write(&gear, &suggested);
         // Where in the text it stands would help nobody: nobody has seen it yet.

@@ -54,6 +54,7 @@ mod outline;
 mod parse;
 mod presets;
 mod profile;
+pub mod quantity;
 pub mod scales;
 pub mod schema;
 mod table;

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use pinwheel_engines::{Engine, Form, Halt, Run, RunStats, Track};
 use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::auto::AUTO;
 use pinwheel_gearbox::resolve::{self, Uncertainty};
 use pinwheel_scene::{Assumption, CheckedScene, Formulation, Scene, assumptions};
 use pinwheel_timeseries::{Ending, TimeSeries};
@@ -65,9 +66,18 @@ pub fn remedy(gearbox: &Gearbox, track: Track) -> String {
         return "try a smaller solver.step_s, or the engine native-resolved".to_owned();
     }
     resolve::remedy(&gearbox.scene, TRIED_WITHIN).unwrap_or_else(|| {
-        "make solver.step_s or solver.tolerance smaller, or set solver.integrator to \"auto\", which chooses and checks its \
-         method itself"
-            .to_owned()
+        match gearbox.scene.solver.integrator == AUTO {
+            true => {
+                let load = gearbox.scene.drive.output_torque_n_m;
+                format!(
+                    "solver.integrator is \"auto\" already, which chooses its steps itself: see whether this gear bears its load, \
+                     drive.output_torque_n_m = {load}"
+                )
+            }
+            false => "make solver.step_s or solver.tolerance smaller, or set solver.integrator to \"auto\", which chooses and \
+                      checks its method itself"
+                .to_owned(),
+        }
     })
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use pinwheel::scene::catalogue::{Catalogue, MATERIALS, Material};
+use pinwheel::scene::quantity;
 
 use super::{OutArgs, SceneArgs};
 
@@ -18,22 +19,22 @@ pub(crate) struct InitArgs {
     /// Scene file to write; `-` for standard output.
     pub(crate) file: PathBuf,
     /// Input turns per output turn, the housing fixed: the number of lobes.
-    #[arg(long, value_parser = clap::value_parser!(u16).range(2..=999))]
+    #[arg(long, value_parser = ratio)]
     ratio: u16,
     /// Diameter of the circle on which the pins stand.
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
     pin_circle_diameter_mm: f64,
     /// Rated torque of the output.
-    #[arg(long, value_name = "NM")]
+    #[arg(long, value_name = "NM", allow_negative_numbers = true, value_parser = newton_metres)]
     torque_n_m: f64,
     /// Rated speed of the input.
-    #[arg(long, value_name = "RPM")]
+    #[arg(long, value_name = "RPM", allow_negative_numbers = true, value_parser = turns_a_minute)]
     speed_rpm: f64,
     /// Diameter of a pin with its sleeve.
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
     pin_diameter_mm: Option<f64>,
     /// Eccentricity.
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
     eccentricity_mm: Option<f64>,
     /// Cycloidal discs.
     #[arg(long, visible_alias = "discs", value_parser = clap::value_parser!(u16).range(1..=64))]
@@ -42,16 +43,16 @@ pub(crate) struct InitArgs {
     #[arg(long, value_parser = clap::value_parser!(u16).range(3..=1000))]
     output_pins: Option<u16>,
     /// Diameter of an output pin with its sleeve; holes are larger by twice the eccentricity.
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
     output_pin_diameter_mm: Option<f64>,
     /// Diameter of the circle on which the output pins stand.
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
     output_circle_diameter_mm: Option<f64>,
     /// Thickness of a disc.
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
     face_width_mm: Option<f64>,
     /// Radial backlash at the pins.
-    #[arg(long, value_name = "MM")]
+    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
     backlash_mm: Option<f64>,
     /// Coefficient of friction.
     #[arg(long, value_name = "MU")]
@@ -64,6 +65,38 @@ pub(crate) struct InitArgs {
     pub(crate) force: bool,
 }
 
+/// A number, in this unit where it is typed with one.
+fn number(typed: &str, unit: &str, words: &str) -> Result<f64, String> {
+    let number = quantity::read(typed, unit).filter(|number| number.is_finite());
+    match number {
+        Some(number) if typed.contains(',') => Err(format!("write a decimal point: {number}")),
+        Some(number) => Ok(number),
+        None => Err(format!("write a number of {words}, such as 104")),
+    }
+}
+
+fn millimetres(typed: &str) -> Result<f64, String> {
+    number(typed, "mm", "millimetres")
+}
+
+fn newton_metres(typed: &str) -> Result<f64, String> {
+    number(typed, "n_m", "newton metres")
+}
+
+fn turns_a_minute(typed: &str) -> Result<f64, String> {
+    number(typed, "rpm", "turns a minute")
+}
+
+/// `39` or `39:1`.
+fn ratio(typed: &str) -> Result<u16, String> {
+    let number = typed.trim().strip_suffix(":1").unwrap_or(typed).trim();
+    let ratio = number
+        .parse()
+        .ok()
+        .filter(|ratio| (2..=999).contains(ratio));
+    ratio.ok_or_else(|| "write a whole number from 2 to 999: 39 is 39:1".to_owned())
+}
+
 /// By their names, which the help lists.
 fn materials() -> impl TypedValueParser<Value = Material> {
     let names = MATERIALS.iter().map(|material| material.name);
@@ -74,7 +107,7 @@ fn materials() -> impl TypedValueParser<Value = Material> {
 }
 
 /// Flags of what a message names by its key.
-const FLAGS: &[(&str, &str)] = &[
+pub(crate) const FLAGS: &[(&str, &str)] = &[
     ("gear.pin_circle_radius_m", "--pin-circle-diameter-mm"),
     ("gear.shortening", "--pin-circle-diameter-mm"),
     ("gear.external_sleeves", "--ratio"),
@@ -94,12 +127,6 @@ const FLAGS: &[(&str, &str)] = &[
     ("drive.output_torque_n_m", "--torque-n-m"),
     ("contact.friction_coefficient", "--friction"),
 ];
-
-/// The flag that gives a key.
-pub(crate) fn flag(key: &str) -> Option<&'static str> {
-    let found = FLAGS.iter().find(|(known, _)| *known == key);
-    found.map(|(_, flag)| *flag)
-}
 
 impl InitArgs {
     pub(crate) fn catalogue(&self, name: String) -> Catalogue {

@@ -38,13 +38,14 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     ))
 }
 
-/// The fault with the flag that gives the dimension.
+/// The fault with flags in place of the keys that they give.
 fn by_flag(fault: &Fault) -> Failure {
-    let key = fault.keys.first().map_or("", AsRef::as_ref);
-    Failure::input(match args::flag(key) {
-        Some(flag) => format!("{flag}: {fault}"),
-        None => fault.to_string(),
-    })
+    let text = args::FLAGS
+        .iter()
+        .fold(fault.to_string(), |text, (key, flag)| {
+            text.replace(key, flag)
+        });
+    Failure::input(text)
 }
 
 pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {

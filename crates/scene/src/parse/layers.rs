@@ -195,7 +195,7 @@ impl Layers {
                 false => (root.to_owned(), format!("{key}.")),
             };
             let Some(first) = KEYS.iter().find(|row| row.name.starts_with(&inner)) else {
-                return Err(unknown(place, full, prefix, &self.table));
+                return Err(unknown(place, full, prefix, &item.node, &self.table));
             };
             let Some(table) = item.node.as_table() else {
                 let what = format!("is {}, but must be a table", item.node.words());

@@ -1,17 +1,25 @@
 //! Keys that do not exist, and which one was meant.
 
-use pinwheel_files::nearest;
-use toml::Table;
+use pinwheel_files::{Node, nearest};
+use toml::{Table, Value};
 
 use crate::error::{Location, SceneError};
 use crate::keys::{KEYS, Key};
+use crate::number::short;
+use crate::quantity;
 use crate::table::number;
 
 /// The key by which a scene begins with another.
 pub(super) const BASE: &str = "base";
 
 /// A key without a row: "did you mean", of the same table first, then the same name elsewhere.
-pub(super) fn unknown(place: Location, key: String, prefix: &str, table: &Table) -> SceneError {
+pub(super) fn unknown(
+    place: Location,
+    key: String,
+    prefix: &str,
+    node: &Node<'_>,
+    table: &Table,
+) -> SceneError {
     let name = key.rsplit('.').next().unwrap_or(&key);
     let mut siblings: Vec<&str> = Vec::new();
     for row in KEYS {
@@ -40,6 +48,14 @@ pub(super) fn unknown(place: Location, key: String, prefix: &str, table: &Table)
             "`{name}` is a table of its own: write it above [{}], or as [{name}]",
             prefix.trim_end_matches('.')
         )
+    } else if let Some((near, factor)) = quantity::of_another_unit(&key) {
+        let number = match node.value() {
+            Value::Integer(whole) => Some(whole as f64),
+            Value::Float(number) => Some(number),
+            _ => None,
+        };
+        let meant = number.map(|number| format!(" {} there", short(factor * number)));
+        format!("did you mean `{near}`?{}", meant.unwrap_or_default())
     } else if is_pitch(name) {
         pitch_remedy(table)
     } else if let Some(near) = nearest(name, siblings.iter().copied()) {

@@ -4,6 +4,7 @@ use pinwheel_files::Node;
 use toml::Value;
 
 use crate::keys::{Key, Kind};
+use crate::quantity;
 
 /// What stands there as a value of the row's kind, or what is wrong and the remedy.
 pub(super) fn scalar(row: &Key, node: &Node<'_>) -> Result<Value, (String, String)> {
@@ -45,6 +46,14 @@ pub(super) fn scalar(row: &Key, node: &Node<'_>) -> Result<Value, (String, Strin
     };
     found.ok_or_else(|| {
         let what = format!("is {}, but must be {wanted}", node.words());
-        (what, remedy.to_owned())
+        let typed = value
+            .as_str()
+            .filter(|_| matches!(row.kind, Kind::Number(_)));
+        let meant = typed.and_then(|typed| quantity::read(typed, &quantity::ending(row.unit())));
+        let remedy = match meant {
+            Some(meant) => format!("did you mean {meant}? write the number alone, with a point"),
+            None => remedy.to_owned(),
+        };
+        (what, remedy)
     })
 }

@@ -183,3 +183,70 @@ fn every_remedy_of_every_geometry_error_works() {
     assert!(without.is_empty(), "{without:#?}");
     assert!(wrong > 200 && ways_followed > wrong);
 }
+
+/// A catalogue whose data do not go together names what, left out or as suggested, makes them a gear.
+#[test]
+fn every_remedy_of_a_catalogue_works() {
+    let mut random = Random(3);
+    let (mut wrong, mut without) = (0, Vec::new());
+    for _ in 0..300 {
+        let size = 10_f64.powf(random.between(1.5, 2.5));
+        let mut some = |value: f64| {
+            let given = random.share() < 0.4;
+            given.then(|| 1e-3 * value * random.between(-0.9, 0.9).exp())
+        };
+        let given = Catalogue {
+            name: "mine".to_owned(),
+            ratio: 29,
+            pin_circle_diameter_m: 1e-3 * size,
+            torque_n_m: 50.0,
+            speed_rad_s: 157.0,
+            material: MATERIALS[0],
+            pin_diameter_m: some(0.05 * size),
+            eccentricity_m: some(0.011 * size),
+            wheels: None,
+            output_pins: None,
+            output_pin_diameter_m: some(0.1 * size),
+            output_circle_diameter_m: some(0.6 * size),
+            face_width_m: None,
+            backlash_m: None,
+            friction_coefficient: None,
+        };
+        let Err(fault) = given.draft() else { continue };
+        wrong += 1;
+        fn field<'a>(of: &'a mut Catalogue, key: &str) -> &'a mut Option<f64> {
+            match key {
+                "gear.internal_circle_radius_m" => &mut of.output_circle_diameter_m,
+                "gear.internal_sleeve_radius_m" => &mut of.output_pin_diameter_m,
+                "gear.external_sleeve_radius_m" => &mut of.pin_diameter_m,
+                "gear.eccentricity_m" => &mut of.eccentricity_m,
+                other => panic!("{other}"),
+            }
+        }
+        if fault.remedy == "leave both out" {
+            let mut followed = given.clone();
+            for key in &fault.keys {
+                *field(&mut followed, key) = None;
+            }
+            assert!(followed.draft().is_ok(), "{given:?}: {fault}");
+            continue;
+        }
+        let Some(rest) = fault.remedy.strip_prefix("leave it out, or give ") else {
+            without.push(fault.to_string());
+            continue;
+        };
+        let value = 1e-3 * rest.split_once(',').unwrap().0.parse::<f64>().unwrap();
+        for value in [None, Some(value)] {
+            let mut followed = given.clone();
+            *field(&mut followed, &fault.keys[0]) = value;
+            if let Err(again) = followed.draft() {
+                panic!("{given:?}: {fault}\nthen {again}");
+            }
+        }
+    }
+    println!(
+        "{wrong} wrong catalogues, {} without a single way: {without:#?}",
+        without.len()
+    );
+    assert!(wrong > 60 && without.is_empty());
+}

@@ -1,0 +1,117 @@
+//! Numbers as people type them: with a unit, with a comma, as a ratio. What a scene holds is SI without a unit.
+
+use std::f64::consts::PI;
+
+use crate::keys::KEYS;
+use crate::number::nearest;
+
+/// A unit as it is typed, small and with `_` for blanks; that of keys, as it ends their names; and what it is of that.
+const UNITS: [(&str, &str, f64); 29] = [
+    ("m", "m", 1.0),
+    ("mm", "m", 1e-3),
+    ("cm", "m", 1e-2),
+    ("um", "m", 1e-6),
+    ("in", "m", 0.0254),
+    ("rad_s", "rad_s", 1.0),
+    ("rpm", "rad_s", PI / 30.0),
+    ("rad", "rad", 1.0),
+    ("deg", "rad", PI / 180.0),
+    ("arcmin", "rad", PI / 10_800.0),
+    ("n_m", "n_m", 1.0),
+    ("nm", "n_m", 1.0),
+    ("kn_m", "n_m", 1e3),
+    ("knm", "n_m", 1e3),
+    ("pa", "pa", 1.0),
+    ("mpa", "pa", 1e6),
+    ("gpa", "pa", 1e9),
+    ("kg", "kg", 1.0),
+    ("g", "kg", 1e-3),
+    ("kg_m2", "kg_m2", 1.0),
+    ("kg_mm2", "kg_m2", 1e-6),
+    ("kg_m3", "kg_m3", 1.0),
+    ("g_cm3", "kg_m3", 1e3),
+    ("s", "s", 1.0),
+    ("ms", "s", 1e-3),
+    ("us", "s", 1e-6),
+    ("m_s", "m_s", 1.0),
+    ("mm_s", "m_s", 1e-3),
+    ("n_s_m", "n_s_m", 1.0),
+];
+
+/// A number with a unit as a value of another one, both as in [`UNITS`]; without a unit the number. `None`: it is none, or not of
+/// that kind.
+#[must_use]
+pub fn read(typed: &str, wanted: &str) -> Option<f64> {
+    let typed = typed.trim();
+    let is_number = |c: char| c.is_ascii_digit() || "+-.,eE".contains(c);
+    let mut end = typed.find(|c| !is_number(c)).unwrap_or(typed.len());
+    // An `e` may begin a word.
+    while end > 0 && !typed[..end].ends_with(|c: char| c.is_ascii_digit() || c == '.') {
+        end -= 1;
+    }
+    let (number, unit) = typed.split_at(end);
+    let number: f64 = number.replacen(',', ".", 1).parse().ok()?;
+    let unit = unit
+        .trim()
+        .to_lowercase()
+        .replace([' ', '/', '*', '\u{b7}'], "_");
+    if unit.is_empty() {
+        return Some(number);
+    }
+    let row = |name: &str| UNITS.iter().find(|(typed, ..)| *typed == name);
+    let ((_, base, factor), (_, same, whole)) = (row(&unit)?, row(wanted)?);
+    (base == same).then(|| nearest(number * factor / whole, 12))
+}
+
+/// How the unit of a key ends its name: `m`, `rad_s`.
+pub(crate) fn ending(unit: &str) -> String {
+    unit.to_lowercase()
+        .replace([' ', '/'], "_")
+        .replace('^', "")
+}
+
+/// The key that was meant by one of another unit, `drive.input_speed_rpm`, and what a number there is of its own.
+pub(crate) fn of_another_unit(key: &str) -> Option<(&'static str, f64)> {
+    UNITS.iter().find_map(|(unit, base, factor)| {
+        let stem = key.strip_suffix(unit)?.strip_suffix('_')?;
+        let row = KEYS.iter().find(|row| {
+            row.name
+                .strip_prefix(stem)
+                .and_then(|rest| rest.strip_prefix('_'))
+                == Some(base)
+        })?;
+        (unit != base).then_some((row.name, *factor))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_as_people_type_them() {
+        for (typed, wanted, value) in [
+            ("104mm", "mm", 104.0),
+            ("10.4 cm", "mm", 104.0),
+            ("0.104 m", "mm", 104.0),
+            ("0,052", "m", 0.052),
+            ("52mm", "m", 0.052),
+            ("1e-3", "m", 1e-3),
+            ("1e3 mm", "m", 1.0),
+            ("200 Nm", "n_m", 200.0),
+            ("0.2 kN m", "n_m", 200.0),
+            ("210 GPa", "pa", 2.1e11),
+            ("-200", "n_m", -200.0),
+            ("5e", "m", f64::NAN),
+            ("104 rpm", "m", f64::NAN),
+            ("mm", "m", f64::NAN),
+            ("1.000,5", "m", f64::NAN),
+        ] {
+            let read = read(typed, wanted).unwrap_or(f64::NAN);
+            assert!(
+                read == value || (read.is_nan() && value.is_nan()),
+                "{typed}: {read}"
+            );
+        }
+    }
+}
