@@ -46,9 +46,9 @@ pub(crate) struct Running {
     pub(crate) only: Vec<String>,
     #[command(flatten)]
     pub(crate) solvers: super::Solvers,
-    /// Threads; results do not depend on their number [default: 1].
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
-    pub(crate) threads: u8,
+    /// Runs at a time; results do not depend on it.
+    #[arg(long, alias = "threads", value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..))]
+    pub(crate) jobs: u8,
 }
 
 /// `pinwheel baseline record`.

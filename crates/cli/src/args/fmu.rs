@@ -13,7 +13,7 @@ pub(crate) struct FmuArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
     /// File to write; an earlier one is replaced [default: out/SCENE.fmu].
-    #[arg(long, value_name = "FILE.fmu")]
+    #[arg(long, short, value_name = "FILE.fmu")]
     pub(crate) out: Option<PathBuf>,
     /// Write what was made as JSON, for programs.
     #[arg(long)]

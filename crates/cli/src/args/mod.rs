@@ -1,5 +1,6 @@
 //! The command line: what can be typed. Nothing here calls a command.
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::error::ErrorKind;
@@ -46,46 +47,46 @@ struct Program {
 /// What to do.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Run a scene on one engine and keep its time series.
+    /// Run one engine: time series, peaks, their numerical error.
     Run(RunArgs),
-    /// Run a scene on several engines, compare them and write a report.
+    /// Compare several engines, or two designs: who agrees, and why.
     Compare(CompareArgs),
-    /// Measure what accuracy costs: error against time of every engine, integrator and step.
+    /// Measure what accuracy costs: error against time of methods.
     Bench(BenchArgs),
-    /// Keep time series of the Python engines for builds and machines without them.
+    /// Keep time series of Python engines, for builds without them.
     Record(RecordArgs),
-    /// Say what a scene models, what it leaves out and what to expect of it.
+    /// Say what a scene models, what it leaves out, what to expect.
     Explain(ExplainArgs),
-    /// Make a scene of a catalogue's data: ratio, pin circle, torque, speed, and what else is known.
+    /// Make a scene of a catalogue's data; the rest is suggested.
     Init(InitArgs),
-    /// Answer a designer: lost motion, stiffness, transmission error, pressure, bearing forces, efficiency.
+    /// Tell lost motion, stiffness, transmission error, forces.
     Design(DesignArgs),
-    /// Make a co-simulation unit of a scene (FMI 2.0): the gear in Simulink, Modelica, Adams and others.
+    /// Make a co-simulation unit for Simulink, Modelica, Adams.
     Fmu(FmuArgs),
-    /// Run a scene with lists or ranges of keys over all cores and tabulate the figures.
+    /// Run lists, ranges or tolerances of keys, over all cores.
     Sweep(SweepArgs),
     /// List the engines of this build.
     Engines(JsonArgs),
-    /// Study which method survives which hard scene, at which step, and how it fails.
+    /// Study which method survives which hard scene, at which step.
     Stability(StabilityArgs),
-    /// List the contact laws with their source, domain and behaviour at slow impacts.
+    /// List the contact laws: source, domain, slow impacts.
     #[command(after_help = include_str!("../../help/laws.txt").trim_ascii_end())]
     Laws(JsonArgs),
-    /// Print the JSON schema of scene files, by which editors complete and check them.
+    /// Print the JSON schema of scenes, for editors.
     Schema {
         /// The schema of job files (scene.json), which solvers from outside read.
         #[arg(long)]
         job: bool,
     },
-    /// Compute every figure and claim of the paper again, on one page.
+    /// Compute every figure and claim of the paper again.
     Paper(PaperArgs),
-    /// Write, check and serve a solver of your own (docs/solvers.md).
+    /// Write, check and serve a solver of your own.
     Solver(SolverArgs),
-    /// Keep accepted results, and say what a change of the solver moved.
+    /// Keep accepted results, and say what a change moved.
     Baseline(BaselineArgs),
-    /// Hold stated uncertainties against true errors, and see which faults a comparison tells.
+    /// Hold stated uncertainties against true errors.
     Calibrate(CalibrateArgs),
-    /// Open a page in the browser: the newest in out/, or that of a folder.
+    /// Open the newest page, or that of a folder, in the browser.
     Open(OpenArgs),
     /// Print the completions of a shell.
     #[command(after_help = include_str!("../../help/completions.txt").trim_ascii_end())]
@@ -97,7 +98,7 @@ pub(crate) enum Command {
     #[command(after_help = include_str!("../../help/man.txt").trim_ascii_end())]
     Man {
         /// Folder for the pages of the program and all its commands.
-        #[arg(long, value_name = "DIR")]
+        #[arg(long, short, value_name = "DIR")]
         out: Option<PathBuf>,
     },
 }
@@ -116,7 +117,7 @@ pub(crate) struct SceneArgs {
 #[derive(Debug, Args)]
 pub(crate) struct OutArgs {
     /// Output folder; an earlier output there is replaced as a whole [default: in out/, by what it is of].
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, short, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Replace the output folder even if it holds files of other origin.
     #[arg(long)]
@@ -191,7 +192,7 @@ pub(crate) struct RecordArgs {
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub(crate) engines: Vec<String>,
     /// Folder of recordings.
-    #[arg(long, value_name = "DIR", default_value = "reference/recorded")]
+    #[arg(long, short, value_name = "DIR", default_value = "reference/recorded")]
     pub(crate) out: PathBuf,
 }
 
@@ -230,6 +231,45 @@ Exit status: 0 nothing to act on, 1 engines differ, 4 something is inconclusive
 that a setting of yours would settle, 2 wrong input, 3 an engine is missing,
 diverged or failed, 130 interrupted.";
 
+/// The commands by what they are for.
+const GROUPS: [(&str, &[&str]); 4] = [
+    ("Design a gear", &["init", "explain", "design", "fmu"]),
+    ("Run and compare", &["run", "compare", "open"]),
+    (
+        "Study",
+        &["sweep", "bench", "stability", "paper", "calibrate"],
+    ),
+    (
+        "Tools",
+        &[
+            "engines",
+            "laws",
+            "solver",
+            "record",
+            "baseline",
+            "schema",
+            "completions",
+            "man",
+        ],
+    ),
+];
+
+/// The program's own help: commands in groups, a line each.
+fn by_groups(program: &clap::Command) -> String {
+    let mut text = "{about}\n\n{usage-heading} {usage}\n".to_owned();
+    for (group, names) in GROUPS {
+        let _ = writeln!(text, "\n{group}:");
+        for name in names {
+            let about = program
+                .find_subcommand(name)
+                .and_then(clap::Command::get_about);
+            let about = about.map_or_else(String::new, ToString::to_string);
+            let _ = writeln!(text, "  {name:<13}{about}");
+        }
+    }
+    text + "\nOptions:\n{options}{after-help}"
+}
+
 /// What can be typed.
 pub(crate) fn definition() -> clap::Command {
     fn with_status(command: clap::Command) -> clap::Command {
@@ -239,7 +279,9 @@ pub(crate) fn definition() -> clap::Command {
             .mut_subcommands(with_status)
             .after_help(format!("{examples}{STATUS}"))
     }
-    with_status(<Program as clap::CommandFactory>::command())
+    let program = with_status(<Program as clap::CommandFactory>::command());
+    let help = by_groups(&program);
+    program.help_template(help)
 }
 
 /// The command to carry out; `None` when help or version was asked for and shown.
@@ -354,7 +396,7 @@ pub(crate) fn typed() -> String {
 }
 
 fn without_places(words: impl IntoIterator<Item = String>) -> String {
-    const VALUED: [&str; 2] = ["--out", "--jobs"];
+    const VALUED: [&str; 3] = ["--out", "-o", "--jobs"];
     const BARE: [&str; 2] = ["--force", "--resume"];
     let mut command = "pinwheel".to_owned();
     let mut words = words.into_iter();
@@ -390,6 +432,39 @@ mod tests {
     #[test]
     fn the_definition_is_sound() {
         Program::command().debug_assert();
+    }
+
+    #[test]
+    fn every_command_is_in_one_group_on_a_line() {
+        let mut of = definition();
+        let grouped = || GROUPS.iter().flat_map(|(_, names)| names.iter().copied());
+        let known: Vec<&str> = of.get_subcommands().map(clap::Command::get_name).collect();
+        for name in &known {
+            assert_eq!(grouped().filter(|other| other == name).count(), 1, "{name}");
+        }
+        assert_eq!(grouped().count(), known.len());
+        for line in of.render_help().to_string().lines() {
+            assert!(line.chars().count() <= 80, "{line}");
+        }
+    }
+
+    /// One word for one thing, and each default once.
+    #[test]
+    fn flags_are_the_same_everywhere() {
+        fn look(command: &clap::Command) {
+            let name = command.get_name();
+            for flag in command.get_arguments() {
+                if flag.get_id() == "out" {
+                    assert_eq!(flag.get_short(), Some('o'), "{name}");
+                }
+                assert_ne!(flag.get_long(), Some("threads"), "{name}");
+                let help = flag.get_help().map(ToString::to_string).unwrap_or_default();
+                let told = help.contains("[default:") && !flag.get_default_values().is_empty();
+                assert!(!told, "{name}: {help}");
+            }
+            command.get_subcommands().for_each(look);
+        }
+        look(&definition());
     }
 
     #[test]

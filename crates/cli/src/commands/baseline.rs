@@ -37,7 +37,7 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
     };
     let folder = Folder::asked(&folder, request)?;
     let options = Options {
-        threads: args.running.threads.into(),
+        threads: args.running.jobs.into(),
         only: args.running.only.clone(),
         solvers: args.running.solvers.join()?,
         ..Options::default()
@@ -74,7 +74,7 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     let folder = Folder::asked(&out, request)?;
     let options = Options {
         kernel: args.kernel,
-        threads: args.running.threads.into(),
+        threads: args.running.jobs.into(),
         only: args.running.only.clone(),
         solvers: args.running.solvers.join()?,
     };
