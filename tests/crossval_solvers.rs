@@ -168,6 +168,57 @@ fn crossval_solvers_repeat_to_the_bit() {
 }
 
 /// What is missing is named with its remedy, and `compare` shows the recordings, saying so.
+/// Four programs at once compile what the cache lacks, and what was damaged there since is compiled anew.
+#[test]
+fn crossval_simbody_cache_is_whole_or_made_anew() {
+    if !simbody() {
+        return;
+    }
+    let dir = tempfile::tempdir().unwrap();
+    let cache = dir.path().join("cache");
+    let start = |out: String| {
+        let typed = "run paper --unchecked --set solver.duration_s=0.001 --set solver.sample_s=1e-4 --engine";
+        let mut command = pinwheel();
+        command
+            .args(pinwheel_tests::words(typed))
+            .args([SIMBODY, "--out", &out]);
+        command
+            .current_dir(dir.path())
+            .env("PINWHEEL_CACHE", &cache);
+        let (stdout, stderr) = (std::process::Stdio::piped(), std::process::Stdio::piped());
+        command.stdout(stdout).stderr(stderr).spawn().unwrap()
+    };
+    let end = |child: std::process::Child| Outcome::from(child.wait_with_output().unwrap());
+    let all: Vec<_> = (0..4).map(|k| start(format!("r{k}"))).collect();
+    for outcome in all.into_iter().map(end) {
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    }
+    let folders = names_in(&cache).into_iter();
+    let made: Vec<_> = folders
+        .map(|name| cache.join(name))
+        .filter(|place| place.is_dir())
+        .collect();
+    assert_eq!(
+        made.len(),
+        1,
+        "one was made, and no draft is left: {made:?}"
+    );
+    let program = made[0].join("simbody");
+    let sound = fs::read(&program).unwrap();
+    let mut altered = sound.clone();
+    altered[sound.len() / 2] ^= 0xff;
+    for damaged in [&[][..], &sound[..sound.len() / 3], &altered] {
+        fs::write(&program, damaged).unwrap();
+        let outcome = end(start("again".to_owned()));
+        assert_eq!(
+            outcome.code,
+            Some(0),
+            "{} bytes: {outcome:?}",
+            damaged.len()
+        );
+    }
+}
+
 #[test]
 fn crossval_solvers_missing_fall_back_on_recordings() {
     let folder = tempfile::tempdir().unwrap();

@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::{env, fs};
 
+use pinwheel_files::Fnv;
+
 use super::shipped::Ready;
 use crate::cache::{self, Made, Note, call, fingerprint, storage, unless_stopped};
 use crate::engine::{Ending, Halt};
@@ -28,6 +30,19 @@ static FILES: [(&str, &str); 4] = files! { "simbody.cpp" "merson.toml" "cpodes.t
 const HEADERS: [&str; 2] = ["/usr/include/simbody", "/usr/local/include/simbody"];
 
 const REMEDY: &str = "Debian: apt install libsimbody-dev g++";
+
+/// Holds the hash of all files as they were when the program was compiled.
+const SEAL: &str = "whole";
+
+/// The hash of the files of a folder; `None`: one cannot be read.
+fn sum(folder: &Path) -> Option<String> {
+    let names = FILES.iter().map(|(name, _)| *name).chain(["simbody"]);
+    let mut hash = Fnv::default();
+    for name in names {
+        hash.add_part(&fs::read(folder.join(name)).ok()?);
+    }
+    Some(format!("{:016x}", hash.value()))
+}
 
 /// The installed Simbody.
 struct Installed {
@@ -104,12 +119,18 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Halt> {
                 "its program cannot be compiled ({reason}); install Simbody whole ({REMEDY})"
             ))
         })?;
-        Ok(())
+        let seal = draft.join(SEAL);
+        fs::write(&seal, sum(draft).unwrap_or_default()).map_err(|error| storage(&seal, error))
+    };
+    // What a full disk or a fault of it left would fail at every run.
+    let whole = |folder: &Path| {
+        let seal = fs::read_to_string(folder.join(SEAL)).ok()?;
+        (sum(folder)? == seal).then(|| folder.to_owned())
     };
     let made = Made {
         name: &format!("simbody-{:016x}", fingerprint(&key)),
         title: "Simbody's program (once)",
-        whole: &|folder: &Path| folder.join("simbody").is_file().then(|| folder.to_owned()),
+        whole: &whole,
         build: &compile,
     };
     Ok(Ready {
