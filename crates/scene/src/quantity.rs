@@ -38,7 +38,7 @@ const UNITS: [(&str, &str, f64); 29] = [
     ("n_s_m", "n_s_m", 1.0),
 ];
 
-/// A number with a unit as a value of another one, both as in [`UNITS`]; without a unit the number. `None`: it is none, or not of
+/// A number with a unit as a value of another one, both as in `UNITS`; without a unit the number. `None`: it is none, or not of
 /// that kind.
 #[must_use]
 pub fn read(typed: &str, wanted: &str) -> Option<f64> {
