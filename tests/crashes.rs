@@ -119,7 +119,8 @@ impl Writer {
     }
 }
 
-/// Every file below a folder with its content, or the single file; the marker, which names a process, without.
+/// Every file below a folder with its content, or the single file; without the marker, which names a process, and without
+/// folders in the making, which a kill leaves and the next run removes.
 fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let (mut files, mut open) = (BTreeMap::new(), vec![folder.to_owned()]);
     if folder.is_file() {
@@ -130,7 +131,9 @@ fn content(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
         for name in names_in(&place) {
             let path = place.join(name);
             if path.is_dir() {
-                open.push(path);
+                if !is_hidden(&path) {
+                    open.push(path);
+                }
             } else {
                 files.insert(
                     path.strip_prefix(folder).unwrap().to_owned(),
@@ -163,8 +166,13 @@ fn inputs(dir: &Path) {
 /// Folders in the making.
 fn hidden(dir: &Path) -> Vec<String> {
     let mut names = names_in(dir);
-    names.retain(|name| name.starts_with(".pinwheel-"));
+    names.retain(|name| is_hidden(Path::new(name)));
     names
+}
+
+fn is_hidden(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default();
+    name.to_string_lossy().starts_with(".pinwheel-")
 }
 
 fn start(dir: &Path, words: &[&str]) -> Child {
@@ -328,6 +336,7 @@ fn kill(writer: &Writer, kills: usize, random: &mut Rng) -> usize {
         "{what}: {status}, {said}"
     );
     assert_whole(writer, &out);
+    assert_eq!(hidden(&out), Vec::<String>::new(), "{what}: left inside");
     let now = content(&out);
     for name in writer.same {
         let name = Path::new(name);

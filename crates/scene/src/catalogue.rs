@@ -459,12 +459,13 @@ fn millimetres(length_m: f64) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use proptest::prelude::*;
 
     use super::*;
 
-    fn catalogue(ratio: usize, diameter_mm: f64) -> Catalogue {
+    /// Of steel, with a load that goes with its size; all else is left out.
+    pub(crate) fn catalogue(ratio: usize, diameter_mm: f64) -> Catalogue {
         Catalogue {
             name: "mine".to_owned(),
             ratio,

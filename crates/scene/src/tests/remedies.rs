@@ -1,6 +1,7 @@
 //! Every remedy is followed, on gears made wrong at random.
 
-use crate::catalogue::{Catalogue, MATERIALS};
+use crate::catalogue::Catalogue;
+use crate::catalogue::tests::catalogue;
 use crate::{Override, Scene, SceneError};
 
 /// Numbers from 0 to 1, the same on every machine.
@@ -27,22 +28,10 @@ impl Random {
 /// A gear that can be built, as a scene that gives R and leaves the holes to follow, or that gives m and everything.
 fn sound(random: &mut Random) -> (String, bool) {
     let size = 10_f64.powf(random.between(1.0, 2.8));
+    let ratio = random.between(5.0, 90.0) as usize;
     let draft = Catalogue {
-        name: "mine".to_owned(),
-        ratio: random.between(5.0, 90.0) as usize,
-        pin_circle_diameter_m: 1e-3 * size,
-        torque_n_m: 100.0 * (size / 130.0).powi(3),
-        speed_rad_s: 157.0,
-        material: MATERIALS[0],
-        pin_diameter_m: None,
-        eccentricity_m: None,
         wheels: Some(random.between(1.0, 4.0) as usize),
-        output_pins: None,
-        output_pin_diameter_m: None,
-        output_circle_diameter_m: None,
-        face_width_m: None,
-        backlash_m: None,
-        friction_coefficient: None,
+        ..catalogue(ratio, size)
     };
     let draft = draft.draft().unwrap();
     let gives_circle = random.share() < 0.5;
@@ -196,21 +185,11 @@ fn every_remedy_of_a_catalogue_works() {
             given.then(|| 1e-3 * value * random.between(-0.9, 0.9).exp())
         };
         let given = Catalogue {
-            name: "mine".to_owned(),
-            ratio: 29,
-            pin_circle_diameter_m: 1e-3 * size,
-            torque_n_m: 50.0,
-            speed_rad_s: 157.0,
-            material: MATERIALS[0],
             pin_diameter_m: some(0.05 * size),
             eccentricity_m: some(0.011 * size),
-            wheels: None,
-            output_pins: None,
             output_pin_diameter_m: some(0.1 * size),
             output_circle_diameter_m: some(0.6 * size),
-            face_width_m: None,
-            backlash_m: None,
-            friction_coefficient: None,
+            ..catalogue(29, size)
         };
         let Err(fault) = given.draft() else { continue };
         wrong += 1;
