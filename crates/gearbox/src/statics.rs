@@ -64,6 +64,8 @@ pub struct Statics<'a> {
     /// The motion about which moments are taken; see [`Statics::moving`].
     motion: Motion,
     slopes: Jacobian,
+    /// Of wheels that float, the last balance under a load above and below 0, and that load.
+    floated: [Option<(Equilibrium, f64)>; 2],
     /// Evaluations of all contacts so far.
     evaluations: u64,
 }
@@ -119,6 +121,7 @@ impl<'a> Statics<'a> {
             gearbox,
             motion: Motion::none(gearbox.layout.wheels),
             slopes: newton::slopes(gearbox),
+            floated: [None, None],
             evaluations: 0,
         })
     }
@@ -253,11 +256,10 @@ impl<'a> Statics<'a> {
     /// # Errors
     /// [`GearboxError::NoEquilibrium`]: the load is more than the teeth carry before they jump.
     pub fn solve(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
-        let rigid = self.solve_rigid(phi, load)?;
         if self.gearbox.floats() {
-            return self.float(&rigid, load);
+            return self.float(phi, load);
         }
-        Ok(rigid)
+        self.solve_rigid(phi, load)
     }
 
     /// The same with rigid eccentrics.

@@ -8,7 +8,9 @@
 //! ```text
 //! offset of the bearing under F:   s (g + (F/K)^(1/p)),   s -> 1
 //! ```
-//! Newton's method with differences balances every step. Without a load the wheels rest at the middle of their clearance.
+//! Newton's method with differences balances every step. A light load is approached from the scene's largest, by parts of it:
+//! near no load nothing but the last balance tells where a wheel floats. Without a load wheels rest at the middle of their
+//! clearance.
 
 use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::{BodyState, Wrench};
@@ -16,7 +18,7 @@ use pinwheel_scene::bearings::BearingLaw;
 
 use super::{Equilibrium, Statics};
 use crate::contacts::Bearings;
-use crate::{GearboxError, Layout};
+use crate::{GearboxError, Layout, load_course};
 
 /// Difference steps, and the first share s, in the depths and twists of contacts under the load.
 const DIFFERENCE: f64 = 1e-4;
@@ -24,6 +26,11 @@ const FIRST: f64 = 0.2;
 /// Growth of s from step to step, shrunk by its root where a step fails, and its least.
 const GROWTH: f64 = 4.0;
 const LEAST_GROWTH: f64 = 1.001;
+/// What a load shrinks to from step to step on the way to a light one, likewise; a load above this share of the largest is not
+/// light.
+const LIGHTER: f64 = 0.25;
+/// Least share of the largest load that sizes follow.
+const LEAST_SIZE: f64 = 1e-2;
 /// Newton steps at most, and halvings of one.
 const STEPS: usize = 40;
 const HALVINGS: usize = 12;
@@ -67,9 +74,13 @@ impl Statics<'_> {
         let (scales, gear) = (self.gearbox.error_scales(), &self.gearbox.scene.gear);
         let least = self.gearbox.least_force_n();
         let moment = load.abs().max(least * gear.lever_m());
+        let largest = load_course::largest(&self.gearbox.scene.drive).max(moment);
+        let share = (moment / largest).max(LEAST_SIZE);
+        // Places are known to their rounding, and so are forces, however light the load.
+        let moment = share * largest;
         Size {
-            length: scales.length,
-            angle: scales.angle,
+            length: share * scales.length,
+            angle: share * scales.angle,
             force: moment / gear.lever_m(),
             moment,
         }
@@ -229,13 +240,63 @@ impl Statics<'_> {
         }
     }
 
-    /// The balance of floating wheels, by continuation from the `rigid` one.
-    pub(super) fn float(
+    /// The balance of floating wheels at the input angle `phi`.
+    pub(super) fn float(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+        if load == 0.0 {
+            return self.float_from_rigid(phi, load);
+        }
+        let side = usize::from(load < 0.0);
+        let known = self.floated[side].take();
+        let found = known.and_then(|(near, from)| self.float_towards(near, from, (phi, load)).ok());
+        let found = match found {
+            Some(found) => found,
+            None => self.float_afresh(phi, load)?,
+        };
+        self.floated[side] = Some((found.clone(), load));
+        Ok(found)
+    }
+
+    /// The same without a balance near by.
+    fn float_afresh(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+        let heavy = load_course::largest(&self.gearbox.scene.drive).copysign(load);
+        if load.abs() >= LIGHTER * heavy.abs() {
+            return self.float_from_rigid(phi, load);
+        }
+        let here = self.float_from_rigid(phi, heavy)?;
+        self.float_towards(here, heavy, (phi, load))
+    }
+
+    /// From a balance under the load `at`, in the same direction, to another input angle and load.
+    fn float_towards(
         &mut self,
-        rigid: &Equilibrium,
+        mut here: Equilibrium,
+        mut at: f64,
+        (phi, load): (f64, f64),
+    ) -> Result<Equilibrium, GearboxError> {
+        let mut part = LIGHTER;
+        while at != load || here.input != phi {
+            let next = match load.abs() < at.abs() {
+                true => load.signum() * (at * part).abs().max(load.abs()),
+                false => load.signum() * (at / part).abs().min(load.abs()),
+            };
+            match self.float_near(&here, phi, next) {
+                Some(found) => (here, at) = (found, next),
+                None => part = part.sqrt(),
+            }
+            if part * LEAST_GROWTH > 1.0 {
+                return Err(GearboxError::NoEquilibrium { load_n_m: load });
+            }
+        }
+        Ok(here)
+    }
+
+    /// The same by continuation from the balance of rigid eccentrics.
+    fn float_from_rigid(
+        &mut self,
+        phi: f64,
         load: f64,
     ) -> Result<Equilibrium, GearboxError> {
-        let (phi, bearings) = (rigid.input, self.bearings()?);
+        let (rigid, bearings) = (self.solve_rigid(phi, load)?, self.bearings()?);
         let mut u = self.unknowns(&rigid.bodies, rigid.output);
         // Forces of the contacts alone: what the bearings will have to carry.
         let contacts = self.left(phi, load, &bearings, &u, None);
@@ -288,7 +349,7 @@ impl Statics<'_> {
                 Some((last, _)) => (last * growth).min(1.0),
                 None => {
                     for at in u.iter_mut().enumerate().filter(|(k, _)| is_length(*k)) {
-                        let home = rigid_place(rigid, self.gearbox.layout, at.0);
+                        let home = rigid_place(&rigid, self.gearbox.layout, at.0);
                         *at.1 = home + 0.25 * (*at.1 - home);
                     }
                     0.25 * share
