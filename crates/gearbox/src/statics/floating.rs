@@ -291,11 +291,7 @@ impl Statics<'_> {
     }
 
     /// The same by continuation from the balance of rigid eccentrics.
-    fn float_from_rigid(
-        &mut self,
-        phi: f64,
-        load: f64,
-    ) -> Result<Equilibrium, GearboxError> {
+    fn float_from_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         let (rigid, bearings) = (self.solve_rigid(phi, load)?, self.bearings()?);
         let mut u = self.unknowns(&rigid.bodies, rigid.output);
         // Forces of the contacts alone: what the bearings will have to carry.
