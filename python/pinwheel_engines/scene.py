@@ -251,6 +251,8 @@ class Scene:
     drive: Drive
     contact: Contact
     solver: Solver
+    # Wheels are free bodies on elastic bearings, whose forces the compiled law has.
+    floats: bool = False
 
     @staticmethod
     def of(scene: str | Scene) -> Scene:
@@ -278,6 +280,7 @@ class Scene:
             Drive(*keys("drive")),
             Contact(*keys("contact")),
             Solver(*keys("solver")),
+            "eccentric" in keys("bearings")[0],
         )
 
     @staticmethod

@@ -30,6 +30,7 @@ import sksundae as sun
 
 FINISHED, FAILED, DIVERGED, USAGE = 0, 1, 3, 1
 INPUT, OUTPUT = 0, 1
+HOUSING, FREE = -1, -2
 NOT_FINITE = -3  # status of the law where states are no numbers
 DOUBLES = ctypes.POINTER(ctypes.c_double)
 
@@ -45,8 +46,8 @@ class Law:
         self._c = c = ctypes.CDLL(library)
         c.pinwheel_law_abi.restype = ctypes.c_uint32
         c.pinwheel_law_close.restype = None
-        if c.pinwheel_law_abi() != 1:
-            raise RuntimeError("the law's library is of another version than 1")
+        if c.pinwheel_law_abi() != 2:
+            raise RuntimeError("the law's library is of another version than 2")
         c.pinwheel_law_error.restype = ctypes.c_char_p
         c.pinwheel_law_load_torque.restype = ctypes.c_double
         c.pinwheel_law_load_torque.argtypes = [ctypes.c_void_p, ctypes.c_double]
@@ -96,24 +97,28 @@ class Mechanism:
         self.phase = self.start[INPUT, 2]
         mass = [(body["mass_kg"], body["mass_kg"], body["moment_kg_m2"]) for body in bodies]
         self.mass = np.array(mass).ravel()
-        # Two constraints a revolute, one for the driver: g = x - x_carrier - R seat.
-        self.coordinates, self.constraints = 3 * n, 2 * n + 1
+        # Two constraints a revolute, one for the driver: g = x - x_carrier - R seat. Free bodies have none.
+        self.pinned = np.nonzero(self.carriers != FREE)[0]
+        self.coordinates, self.constraints = 3 * n, 2 * self.pinned.size + 1
         self.gradient = np.zeros((self.constraints, self.coordinates))
-        for body, carrier in enumerate(self.carriers):
+        for pin, body in enumerate(self.pinned):
+            carrier = self.carriers[body]
             for axis in range(2):
-                self.gradient[2 * body + axis, 3 * body + axis] = 1.0
+                self.gradient[2 * pin + axis, 3 * body + axis] = 1.0
                 if carrier >= 0:
-                    self.gradient[2 * body + axis, 3 * carrier + axis] = -1.0
+                    self.gradient[2 * pin + axis, 3 * carrier + axis] = -1.0
         self.gradient[-1, 3 * INPUT + 2] = 1.0
         self.carried = np.nonzero(self.carriers >= 0)[0]
         self.holders = self.carriers[self.carried]
-        self.rows, self.columns = 2 * self.carried, 3 * self.holders + 2
+        # Of the pins those that bodies carry.
+        self.held = np.nonzero(self.carriers[self.pinned] >= 0)[0]
+        self.rows, self.columns = 2 * self.held, 3 * self.holders + 2
         q, v, lam = (slice(k * self.coordinates, (k + 1) * self.coordinates) for k in range(3))
         lam = slice(v.stop, v.stop + self.constraints)
         mu = slice(lam.stop, lam.stop + self.constraints)
         self.parts, self.size = (q, v, lam, mu), mu.stop
         # A body's centre moves with its carrier, and stays where it is on the housing or the driven input.
-        held = self.carriers < OUTPUT
+        held = (self.carriers < OUTPUT) & (self.carriers != FREE)
         self.free = [(2, 5) if still else range(6) for still in held]
         self.leg = (0.0, np.inf)
         # What a coordinate or a velocity is moved by for differences of contact loads.
@@ -136,8 +141,8 @@ class Mechanism:
         g = np.empty(self.constraints)
         positions = q.reshape(-1, 3)[:, :2]
         joints = g[:-1].reshape(-1, 2)
-        joints[:] = positions - self.seats
-        joints[self.carried] = positions[self.carried] - positions[self.holders] - arms
+        joints[:] = (positions - self.seats)[self.pinned]
+        joints[self.held] = positions[self.carried] - positions[self.holders] - arms
         g[-1] = q[3 * INPUT + 2] - self.phase - self.rate * time_s
         return g
 
@@ -202,7 +207,7 @@ class Mechanism:
         """Accelerations and multipliers that positions and velocities demand."""
         arms, gradient = self.arms(q)
         demanded = np.zeros(self.constraints)
-        demanded[:-1].reshape(-1, 2)[self.carried] = -arms * v[self.columns, None] ** 2
+        demanded[:-1].reshape(-1, 2)[self.held] = -arms * v[self.columns, None] ** 2
         free = self.forces(time_s, q, v) / self.mass
         light = gradient / self.mass
         pull = np.linalg.solve(light @ gradient.T, gradient @ free - demanded)
@@ -213,7 +218,7 @@ class Courses:
     """The contract's courses, one row a sample."""
 
     def __init__(self, mechanism: Mechanism, path: Path) -> None:
-        self.external = np.nonzero(mechanism.carriers[OUTPUT + 1 :] < 0)[0] + OUTPUT + 1
+        self.external = np.nonzero(mechanism.carriers[OUTPUT + 1 :] == HOUSING)[0] + OUTPUT + 1
         self.internal = np.nonzero(mechanism.carriers == OUTPUT)[0]
         self.sleeves = np.concatenate([self.external, self.internal])
         columns = ["time_s", "input_torque_n_m", "output_torque_n_m", "output_angle_rad"]
@@ -258,7 +263,7 @@ def run(job: Path, library: str) -> None:
 
     # Errors are judged by the elastic twist, not by angles that grow to radians; multipliers are not judged.
     twist, vibration = description["elastic_twist_rad"], description["vibration_rad_s"]
-    eccentricity = float(np.hypot(*mechanism.seats[OUTPUT + 1]))
+    eccentricity = float(np.hypot(*mechanism.start[OUTPUT + 1, :2]))
     # BDF's errors add up over thousands of steps.
     tolerance = 0.1 * scene["solver"]["tolerance"]
     size = np.tile([eccentricity * twist, eccentricity * twist, twist], mechanism.count)

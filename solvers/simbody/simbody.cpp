@@ -33,6 +33,8 @@ enum Exit { FINISHED = 0, FAILED = 1, DIVERGED = 3 };
 
 constexpr int INPUT = 0;
 constexpr int OUTPUT = 1;
+constexpr int HOUSING = -1;
+constexpr int FREE = -2;
 
 // The numbers ran away; courses until then are written.
 struct Diverged : std::runtime_error {
@@ -141,6 +143,7 @@ public:
             const int carrier = law.bodies[i].carrier;
             double* s = &states[6 * i];
             s[0] = at[0], s[1] = at[1];
+            // The angle comes first of a free body, too.
             s[2] = body.getOneQ(state, 0) + (carrier < 0 ? 0.0 : states[6 * carrier + 2]);
             s[3] = velocity[1][0], s[4] = velocity[1][1], s[5] = velocity[0][2];
         }
@@ -161,9 +164,9 @@ public:
         std::string columns = "time_s,input_torque_n_m,output_torque_n_m,output_angle_rad";
         for (size_t i = OUTPUT + 1; i < law.bodies.size(); ++i) {
             const int carrier = law.bodies[i].carrier;
-            if (carrier == INPUT) continue;
+            if (carrier == INPUT || carrier == FREE) continue;
             sleeves.push_back(i);
-            columns += carrier < 0 ? ",external_sleeve_force_n_" + std::to_string(external++)
+            columns += carrier == HOUSING ? ",external_sleeve_force_n_" + std::to_string(external++)
                                    : ",internal_sleeve_force_n_" + std::to_string(internal++);
         }
         file.precision(17);
@@ -210,8 +213,12 @@ void run(const std::string& job, const char* library, const std::string& method)
     GeneralForceSubsystem forces(system);
     for (const Law::Body& body : law.bodies) {
         // The law's bodies come carriers first. Only the moment about z acts; equal ones are valid for any solid.
-        MobilizedBody& carrier = matter.updMobilizedBody(MobilizedBodyIndex(body.carrier + 1));
         const Body::Rigid rigid(MassProperties(body.mass, Vec3(0), Inertia(body.moment)));
+        if (body.carrier == FREE) {
+            MobilizedBody::Planar(matter.Ground(), Transform(), rigid, Transform());
+            continue;
+        }
+        MobilizedBody& carrier = matter.updMobilizedBody(MobilizedBodyIndex(body.carrier + 1));
         MobilizedBody::Pin(carrier, Transform(Vec3(body.seat[0], body.seat[1], 0)), rigid, Transform());
     }
     MobilizedBody& input = matter.updMobilizedBody(MobilizedBodyIndex(INPUT + 1));
@@ -226,6 +233,11 @@ void run(const std::string& job, const char* library, const std::string& method)
         const double* own = &law.start[6 * i];
         body.setOneQ(state, 0, own[2] - (carrier < 0 ? 0.0 : law.start[6 * carrier + 2]));
         body.setOneU(state, 0, own[5] - (carrier < 0 ? 0.0 : law.start[6 * carrier + 5]));
+        if (carrier == FREE)
+            for (int axis = 0; axis < 2; ++axis) {
+                body.setOneQ(state, axis + 1, own[axis]);
+                body.setOneU(state, axis + 1, own[axis + 3]);
+            }
     }
 
     // What Simbody takes for an error of 1 is a radian and a radian a second; what counts is the elastic twist.
@@ -262,7 +274,7 @@ void run(const std::string& job, const char* library, const std::string& method)
     std::ofstream result(job + "/result.json");
     result << "{\"steps\": " << integrator->getNumStepsTaken()
            << ", \"rejected_steps\": " << integrator->getNumStepsAttempted() - integrator->getNumStepsTaken()
-           << ", \"right_hand_sides\": " << law.calls << ", \"degrees_of_freedom\": " << law.bodies.size()
+           << ", \"right_hand_sides\": " << law.calls << ", \"degrees_of_freedom\": " << state.getNU()
            << ", \"settings\": \"" << (explicit_method ? "Runge-Kutta-Merson" : "CPodes BDF") << ", accuracy " << accuracy
            << "\"}\n";
 }

@@ -6,6 +6,16 @@
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::scales::{self, Spring};
 use pinwheel_scene::{Scene, load_course};
+use pinwheel_timeseries::Ending;
+
+/// What an engine cannot honour that holds its wheels by revolutes.
+pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
+    if scene.bearings.eccentric.is_none() {
+        return Ok(());
+    }
+    let reason = "it holds wheels by revolutes, and bearings.eccentric lets them float";
+    Err(Ending::unsupported(reason))
+}
 
 /// The contacts of an engine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use pinwheel_scene::Scales;
 use pinwheel_scene::channels::{Channels, Chosen, Joint, PairQuantity, Part, What, Whole};
 
 use crate::Gearbox;
-use crate::contacts::{ContactEnergy, ContactField, PairContact};
+use crate::contacts::{Bearings, ContactEnergy, ContactField, PairContact};
 use crate::geometry::Geometry;
 use crate::pressure::LinePressure;
 use crate::{Layout, Sleeve};
@@ -80,6 +80,7 @@ pub(crate) struct Values {
     /// Force above which a pair counts as pressing, N.
     pressing_n: f64,
     pressure: LinePressure,
+    bearings: Option<Bearings>,
     layout: Layout,
     geometry: Geometry,
 }
@@ -115,6 +116,7 @@ impl Values {
             needs_losses: asks(&[Whole::DampingLoss, Whole::FrictionLoss]),
             pressing_n: Scales::of(&gearbox.scene).pressing_n(),
             pressure: LinePressure::new(&gearbox.scene.contact),
+            bearings: Bearings::of(&gearbox.scene, &gearbox.geometry),
             layout: gearbox.layout,
             geometry: gearbox.geometry.clone(),
             list: list.clone(),
@@ -158,9 +160,20 @@ impl Values {
                         self.pressure.of(&self.geometry, &pair, centre, wheel.angle)
                     })
                 }),
-                What::Joint(joint, part) => seen.reactions.and_then(|reactions| {
-                    of_joint(self.layout, bodies, reactions, joint, chosen.number, part)
-                }),
+                What::Joint(joint, part) => {
+                    let body = carried(self.layout, joint, chosen.number);
+                    let force = match (&self.bearings, joint) {
+                        (Some(bearings), Joint::Eccentric) => {
+                            Some(bearings.load(bodies, chosen.number).on_wheel)
+                        }
+                        // Wheels that float have no revolute.
+                        (Some(_), _) if body > Layout::OUTPUT => seen
+                            .reactions
+                            .and_then(|all| all.get(body - self.layout.wheels).copied()),
+                        _ => seen.reactions.and_then(|all| all.get(body).copied()),
+                    };
+                    force.map(|force| of_joint(bodies, force, body, part))
+                }
                 What::Whole(whole) => match whole {
                     Whole::Efficiency => Some(efficiency(powers)),
                     Whole::InputPower => Some(powers[0]),
@@ -217,34 +230,29 @@ fn of_pair(pair: &PairContact, quantity: PairQuantity, pressure: impl Fn() -> f6
     }
 }
 
-/// Revolutes stand in the order of the bodies they carry, see [`Gearbox::mechanism`].
-fn of_joint(
-    layout: Layout,
-    bodies: &[BodyState],
-    reactions: &[[f64; 2]],
-    joint: Joint,
-    number: usize,
-    part: Part,
-) -> Option<f64> {
-    let body = match joint {
+/// The body that a joint carries. Revolutes stand in the order of these bodies, see [`Gearbox::mechanism`].
+fn carried(layout: Layout, joint: Joint, number: usize) -> usize {
+    match joint {
         Joint::Input => Layout::INPUT,
         Joint::Output => Layout::OUTPUT,
         Joint::Eccentric => layout.wheel_bodies().start + number,
         Joint::ExternalPin => layout.sleeve_body(Sleeve::External(number)),
         Joint::InternalPin => layout.sleeve_body(Sleeve::Internal(number)),
-    };
-    let [fx, fy] = *reactions.get(body)?;
+    }
+}
+
+fn of_joint(bodies: &[BodyState], [fx, fy]: [f64; 2], body: usize, part: Part) -> f64 {
     let (dx, dy) = (
         bodies[body].x - bodies[Layout::INPUT].x,
         bodies[body].y - bodies[Layout::INPUT].y,
     );
-    Some(match part {
+    match part {
         Part::Magnitude => fx.hypot(fy),
         Part::X => fx,
         Part::Y => fy,
         Part::Radial => (fx * dx + fy * dy) / dx.hypot(dy),
         Part::Tangential => (dx * fy - dy * fx) / dx.hypot(dy),
-    })
+    }
 }
 
 fn efficiency([input, output]: [f64; 2]) -> f64 {

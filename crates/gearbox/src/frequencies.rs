@@ -3,6 +3,7 @@
 
 use std::f64::consts::TAU;
 
+use pinwheel_scene::bearings::{BearingLaw, typical_force};
 use pinwheel_scene::scales::{Scales, Spring, external_force, hertz, internal_force, least_depth};
 
 use crate::load_course;
@@ -24,7 +25,16 @@ impl Frequencies {
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let gear = &scene.gear;
-        let [_, contact_rad_s] = Scales::of(scene).modes_rad_s;
+        let scales = Scales::of(scene);
+        let [_, rigid] = scales.modes_rad_s;
+        // A floating wheel on its bearing and on the loaded quarter of its contacts.
+        let floating = BearingLaw::of(scene).map_or(0.0, |bearing| {
+            let sleeves = 0.25 * (gear.external_sleeves + gear.internal_sleeves) as f64;
+            let stiffness =
+                bearing.slope_under(typical_force(scene)) + sleeves * scales.contact_stiffness_n_m;
+            (stiffness / scene.mass.wheel.mass_kg).sqrt()
+        });
+        let contact_rad_s = f64::max(rigid, floating);
         let turns = scene.drive.input_speed_rad_s.abs();
         let (zk, zi) = (gear.external_sleeves as f64, gear.internal_sleeves as f64);
         Self {

@@ -99,6 +99,16 @@ impl Gearbox {
         contacts::field(&self.scene, &self.geometry, self.kernel)
     }
 
+    /// The contacts alone, without friction and without the bearings.
+    ///
+    /// # Errors
+    /// As [`contact_field`](Self::contact_field).
+    pub(crate) fn bare_field(&self) -> Result<Box<dyn ContactField>, GearboxError> {
+        let mut scene = self.scene.clone().into_scene();
+        scene.contact.friction_coefficient = 0.0;
+        contacts::contacts(&scene, &self.geometry, self.kernel)
+    }
+
     /// A contact field for this scene as if its friction coefficient were 0.
     ///
     /// # Errors
@@ -113,6 +123,19 @@ impl Gearbox {
     #[must_use]
     pub fn has_friction(&self) -> bool {
         self.scene.contact.friction_coefficient > 0.0
+    }
+
+    /// How far carrier and flange twist under a moment on the output, N m, rad; 0 where they are rigid.
+    #[must_use]
+    pub fn flange_twist_rad(&self, torque_n_m: f64) -> f64 {
+        let torsion = self.scene.bearings.output_torsion_n_m_rad;
+        torsion.map_or(0.0, |stiffness| torque_n_m / stiffness)
+    }
+
+    /// True when wheels float on elastic bearings.
+    #[must_use]
+    pub fn floats(&self) -> bool {
+        self.scene.bearings.eccentric.is_some()
     }
 
     /// Load torque on the output shaft at time `t`, N m (counter-clockwise positive); at a jump what it jumps to.
@@ -209,7 +232,7 @@ impl Gearbox {
         states
     }
 
-    /// Bodies, revolutes and the driver of the whole gearbox: 28 and 29 for the paper's.
+    /// Bodies, revolutes and the driver of the whole gearbox: 28 and 29 for the paper's. Wheels that float have no revolute.
     #[must_use]
     pub fn mechanism(&self) -> Mechanism {
         let (layout, mass) = (self.layout, &self.scene.mass);
@@ -236,6 +259,9 @@ impl Gearbox {
         ];
         for (i, index) in layout.wheel_bodies().enumerate() {
             bodies.push(body(format!("wheel {i}"), mass.wheel, index));
+            if self.floats() {
+                continue;
+            }
             let BodyState { x, y, .. } = self.geometry.wheel_state(i, [0.0; 2], [0.0; 2]);
             revolutes.push(pin(Some(Layout::INPUT), [x, y], index));
         }

@@ -10,8 +10,9 @@
 //! Newton's method with the contacts' own slopes finds them in some eight evaluations (`newton`). Where it does not, or the
 //! contacts have no slopes (discrete points), brackets do: contacts restore, so M_i falls with theta_i, and with the wheels in
 //! balance M_out falls with psi: two nested roots of falling functions, each bracketed. That needs no good start and copes with
-//! backlash, where everything is 0 over the free play.
+//! backlash, where everything is 0 over the free play. Wheels that float have unknown places too (`floating`).
 
+mod floating;
 mod newton;
 
 use newton::NEAR_STEPS;
@@ -63,6 +64,8 @@ pub struct Statics<'a> {
     /// The motion about which moments are taken; see [`Statics::moving`].
     motion: Motion,
     slopes: Jacobian,
+    /// Of wheels that float, the last balance under a load above and below 0, and that load.
+    floated: [Option<(Equilibrium, f64)>; 2],
     /// Evaluations of all contacts so far.
     evaluations: u64,
 }
@@ -76,6 +79,8 @@ struct Motion {
     wheels: Vec<[f64; 2]>,
     /// Those of the output.
     output: [f64; 2],
+    /// Velocity (m/s) and acceleration (m/s^2) of each floating wheel's centre.
+    centres: Vec<[[f64; 2]; 2]>,
 }
 
 impl Motion {
@@ -85,6 +90,7 @@ impl Motion {
             speed: 0.0,
             wheels: vec![[0.0; 2]; wheels],
             output: [0.0; 2],
+            centres: vec![[[0.0; 2]; 2]; wheels],
         }
     }
 }
@@ -109,12 +115,13 @@ impl<'a> Statics<'a> {
     /// See [`Gearbox::contact_field`].
     pub fn new(gearbox: &'a Gearbox) -> Result<Self, GearboxError> {
         Ok(Self {
-            field: gearbox.frictionless_field()?,
+            field: gearbox.bare_field()?,
             bodies: gearbox.kinematic_states(),
             loads: vec![Wrench::default(); gearbox.layout.bodies()],
             gearbox,
             motion: Motion::none(gearbox.layout.wheels),
             slopes: newton::slopes(gearbox),
+            floated: [None, None],
             evaluations: 0,
         })
     }
@@ -249,6 +256,14 @@ impl<'a> Statics<'a> {
     /// # Errors
     /// [`GearboxError::NoEquilibrium`]: the load is more than the teeth carry before they jump.
     pub fn solve(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+        if self.gearbox.floats() {
+            return self.float(phi, load);
+        }
+        self.solve_rigid(phi, load)
+    }
+
+    /// The same with rigid eccentrics.
+    fn solve_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         let ideal = self.gearbox.geometry.ideal_output_angle(phi);
         let mut wheels = self.ideal_wheels(phi);
         if load == 0.0 && self.rests(phi, &wheels) {
@@ -274,6 +289,12 @@ impl<'a> Statics<'a> {
         if load == 0.0 {
             // Where it may rest there is no slope to follow.
             return self.solve(phi, load);
+        }
+        if self.gearbox.floats() {
+            return match self.float_near(near, phi, load) {
+                Some(found) => Ok(found),
+                None => self.solve(phi, load),
+            };
         }
         let geometry = &self.gearbox.geometry;
         let turned = geometry.ideal_output_angle(phi) - geometry.ideal_output_angle(near.input);
@@ -344,6 +365,12 @@ impl<'a> Statics<'a> {
         }
     }
 
+    /// The gearbox that is balanced.
+    #[must_use]
+    pub fn gearbox(&self) -> &'a Gearbox {
+        self.gearbox
+    }
+
     /// Evaluations of all contacts so far: what poses cost.
     #[must_use]
     pub fn evaluations(&self) -> u64 {
@@ -386,7 +413,13 @@ impl<'a> Statics<'a> {
                 [speed * (b - a) / (2.0 * h), bend]
             };
             let wheels = before.wheels.iter().zip(&here.wheels).zip(&after.wheels);
+            let centre = |body: usize| {
+                let [b, m, a] = [&before, &here, &after].map(|at| at.bodies[body]);
+                let ([vx, ax], [vy, ay]) = (slopes(b.x, m.x, a.x), slopes(b.y, m.y, a.y));
+                [[vx, vy], [ax, ay]]
+            };
             self.motion = Motion {
+                centres: self.gearbox.layout.wheel_bodies().map(centre).collect(),
                 speed,
                 wheels: wheels.map(|((a, m), b)| slopes(*a, *m, *b)).collect(),
                 output: slopes(before.output, here.output, after.output),

@@ -54,7 +54,7 @@ extern "C" {
 #endif
 
 /* Version of this interface. A program compiled with this header must find pinwheel_law_abi() == PINWHEEL_LAW_ABI. */
-#define PINWHEEL_LAW_ABI 1
+#define PINWHEEL_LAW_ABI 2
 
 /* Statuses. */
 #define PINWHEEL_LAW_OK 0

@@ -197,10 +197,9 @@ pub unsafe extern "C" fn pinwheel_law_body(
                 law.bodies().len()
             ))
         })?;
-        let carried_by = found.carrier.and_then(|k| i32::try_from(k).ok());
         if !carrier.is_null() {
             // SAFETY: not null, and the caller promises a place.
-            unsafe { carrier.write(carried_by.unwrap_or(-1)) };
+            unsafe { carrier.write(found.carrier.number()) };
         }
         let values: [&[f64]; 3] = [&found.seat_m, &[found.mass_kg], &[found.moment_kg_m2]];
         for (place, values) in numbers.iter_mut().zip(values) {

@@ -62,7 +62,7 @@ pub fn job(gearbox: &Gearbox, law_library: Option<&Path>) -> Result<Value, LawEr
         .map(|(body, start)| {
             json!({
                 "name": body.name,
-                "carrier": body.carrier.map_or(-1, |index| index as i64),
+                "carrier": body.carrier.number(),
                 "seat_m": body.seat_m,
                 "mass_kg": body.mass_kg,
                 "moment_kg_m2": body.moment_kg_m2,
@@ -120,7 +120,7 @@ pub fn schema() -> Value {
         "type": "object",
         "properties": {
             "name": { "type": "string" },
-            "carrier": { "type": "integer", "minimum": -1, "description": "index of the body it turns on; -1: the housing" },
+            "carrier": { "type": "integer", "minimum": -2, "description": "index of the body it turns on; -1: the housing; -2: nothing, it moves freely in the plane" },
             "seat_m": with(numbers(2), "its centre in the carrier's frame, whose origin is the carrier's centre (m)"),
             "mass_kg": { "type": "number" },
             "moment_kg_m2": { "type": "number", "description": "about its centre (kg m^2)" },

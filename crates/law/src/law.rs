@@ -47,14 +47,37 @@ pub enum LawError {
     },
 }
 
+/// What carries a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Carrier {
+    /// It turns on another body.
+    Body(usize),
+    /// It turns on the housing.
+    Housing,
+    /// Nothing: it moves freely in the plane, held by the law's forces alone.
+    Free,
+}
+
+impl Carrier {
+    /// As the C interface and job files have it.
+    #[must_use]
+    pub fn number(self) -> i32 {
+        match self {
+            Self::Body(index) => i32::try_from(index).unwrap_or(i32::MAX),
+            Self::Housing => -1,
+            Self::Free => -2,
+        }
+    }
+}
+
 /// One body and where it is pinned.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// For messages: `wheel 0`.
     pub name: String,
-    /// The body it turns on; `None`: the housing.
-    pub carrier: Option<usize>,
-    /// Its centre in the carrier's frame, whose origin is the carrier's centre, m. Constant.
+    /// What it turns on.
+    pub carrier: Carrier,
+    /// Its centre in the carrier's frame, whose origin is the carrier's centre, m. Constant; 0 of a free body.
     pub seat_m: [f64; 2],
     /// kg
     pub mass_kg: f64,
@@ -178,8 +201,8 @@ fn is_text(spec: &str) -> bool {
     spec.contains(['\n', '=', '{'])
 }
 
-/// Every body pinned at its centre: shafts and external sleeves on the housing, wheels on the input shaft, internal
-/// sleeves on the output shaft.
+/// Every body pinned at its centre: shafts and external sleeves on the housing, wheels on the input shaft unless they float,
+/// internal sleeves on the output shaft.
 fn bodies(gearbox: &Gearbox) -> Vec<Body> {
     let mechanism = gearbox.mechanism();
     let bodies = mechanism.bodies.into_iter().enumerate();
@@ -187,7 +210,9 @@ fn bodies(gearbox: &Gearbox) -> Vec<Body> {
         let pin = mechanism.revolutes.iter().find(|pin| pin.child == index);
         Body {
             name: body.name,
-            carrier: pin.and_then(|pin| pin.parent),
+            carrier: pin.map_or(Carrier::Free, |pin| {
+                pin.parent.map_or(Carrier::Housing, Carrier::Body)
+            }),
             seat_m: pin.map_or([0.0; 2], |pin| pin.parent_point),
             mass_kg: body.mass,
             moment_kg_m2: body.moment,

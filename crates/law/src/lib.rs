@@ -25,7 +25,7 @@ pub mod job;
 mod law;
 
 pub use evaluator::{Evaluator, LOAD, STATE, numbers};
-pub use law::{Body, CALLS_FILE, JOB_FILE, Law, LawError};
+pub use law::{Body, CALLS_FILE, Carrier, JOB_FILE, Law, LawError};
 
 /// Version of the C interface; it changes when a program compiled against an older header would not work any more.
-pub const ABI: u32 = 1;
+pub const ABI: u32 = 2;

@@ -25,13 +25,15 @@ pub struct PinnedContacts {
     pub(crate) pins: Vec<(Angle, Option<BodyId>)>,
     /// Bodies whose rates are free, in order.
     pub(crate) free: Vec<BodyId>,
+    /// Bodies that no joint holds, in order; their velocities (x, y) come after all free rates.
+    pub(crate) floating: Vec<BodyId>,
     /// The contacts, to be listed by the forces, and what their friction does to the free rates.
     pub(crate) stage: SlidingStage,
 }
 
 impl PinnedContacts {
     /// Solves the stage's friction for the listed contacts of `bodies`; see [`SlidingStage::solve`].
-    /// `guess` and `rates`: of the free bodies.
+    /// `guess` and `rates`: of the free bodies, then of the floating ones.
     pub(crate) fn solve<F: Forces>(
         &mut self,
         a: f64,
@@ -40,16 +42,23 @@ impl PinnedContacts {
         forces: &F,
         rates: &mut [f64],
     ) -> bool {
-        let pins = &self.pins;
-        self.stage.set_rows(|contact| rows(pins, contact, bodies));
+        let (pins, floating) = (&self.pins, (self.free.len(), self.floating.as_slice()));
+        self.stage
+            .set_rows(|contact| rows(pins, floating, contact, bodies));
         let law = |k: usize, listed: f64, rate: f64| forces.normal_force(k, listed, rate);
         self.stage.solve(a, guess, rates, law)
     }
 }
 
-/// How fast `contact` slides and closes, in the free rates.
+/// How fast `contact` slides and closes, in the free rates, and in the velocities of the `floating`, the first of which has
+/// that number.
 #[inline]
-fn rows(pins: &[(Angle, Option<BodyId>)], contact: &Contact, bodies: &[BodyState]) -> [Row; 2] {
+fn rows(
+    pins: &[(Angle, Option<BodyId>)],
+    (first, floating): (usize, &[BodyId]),
+    contact: &Contact,
+    bodies: &[BodyState],
+) -> [Row; 2] {
     let [x, y] = contact.point;
     let [nx, ny] = contact.normal;
     let (mut tangent, mut normal) = (Row::default(), Row::default());
@@ -58,8 +67,16 @@ fn rows(pins: &[(Angle, Option<BodyId>)], contact: &Contact, bodies: &[BodyState
         let at = bodies[body];
         // What a unit rate about (cx, cy) does at a point (px, py) away: (-py, px).
         let rates = |px: f64, py: f64| (sign * (px * nx + py * ny), sign * (px * ny - py * nx));
-        known_t += sign * (nx * at.vy - ny * at.vx);
-        known_n += sign * (nx * at.vx + ny * at.vy);
+        if let Some(number) = floating.iter().position(|&floats| floats == body) {
+            let dof = first + 2 * number;
+            for (dof, t, n) in [(dof, -ny, nx), (dof + 1, nx, ny)] {
+                tangent.push(dof, sign * t);
+                normal.push(dof, sign * n);
+            }
+        } else {
+            known_t += sign * (nx * at.vy - ny * at.vx);
+            known_n += sign * (nx * at.vx + ny * at.vy);
+        }
         let (spin_t, spin_n) = rates(x - at.x, y - at.y);
         if let Angle::Free(dof) = pins[body].0 {
             tangent.push(dof, spin_t);

@@ -9,6 +9,7 @@
 //! carrier:       (I + sum m |s|^2) a = moment + sum (A s) x F
 //! driven carrier: torque = (I + sum m |s|^2) f'' - moment - sum (A s) x F
 //! ```
+//! Bodies that no joint holds (`floating`) keep their three coordinates: `m a = force` beside their angle's equation.
 //! Bodies that nothing turns (`idle`) keep their rate and are not integrated.
 //! The same motion as the Lagrange form, to rounding.
 //!
@@ -40,6 +41,8 @@ pub struct Reduced<F> {
     /// Lumped moment of inertia of every body.
     inertia: Vec<f64>,
     free: Vec<BodyId>,
+    /// Bodies that no joint holds; y has their places after all free angles.
+    floating: Vec<BodyId>,
     /// Bodies that nothing turns but that do turn, and their start.
     idle: Vec<(BodyId, BodyState)>,
     /// Kinetic energy of their turning, J.
@@ -80,6 +83,7 @@ impl<F: Forces> Reduced<F> {
     ///
     /// # Errors
     /// The mechanism is faulty, or not a forest of centre-pinned bodies whose carriers are pinned to the ground.
+    /// Bodies that no joint holds are allowed.
     pub fn new(mechanism: Mechanism, forces: F, idle: &[BodyId]) -> Result<Self, MechanismError> {
         mechanism.check()?;
         let n = mechanism.bodies.len();
@@ -115,10 +119,11 @@ impl<F: Forces> Reduced<F> {
         }
         let mut inertia: Vec<f64> = mechanism.bodies.iter().map(|b| b.moment).collect();
         let mut bodies: Vec<BodyState> = mechanism.bodies.iter().map(|b| b.start).collect();
-        let (mut carried, mut carriers) = (Vec::new(), Vec::new());
+        let (mut carried, mut carriers, mut floating) = (Vec::new(), Vec::new(), Vec::new());
         for (body, own) in pin.iter().enumerate() {
             let name = &mechanism.bodies[body].name;
             match *own {
+                None if matches!(angles[body], Angle::Free(_)) => floating.push(body),
                 None => return no(format!("`{name}` is not held by any revolute")),
                 Some((None, [x, y])) => {
                     (bodies[body].x, bodies[body].y) = (x, y);
@@ -146,14 +151,14 @@ impl<F: Forces> Reduced<F> {
         let of_idle = idle
             .iter()
             .map(|&(body, start)| 0.5 * mechanism.bodies[body].moment * start.rate.powi(2));
-        let is_leaf = vec![false; free.len()];
-        let moving: Vec<f64> = free.iter().map(|&body| inertia[body]).collect();
+        let moving = moving(&mechanism, &inertia, &free, &floating);
+        let is_leaf = vec![false; moving.len()];
         Ok(Self {
             scales: None,
             reactions: vec![[0.0; 2]; mechanism.revolutes.len()],
             borne: vec![[0.0; 2]; n],
             evaluated: Evaluated {
-                y: vec![0.0; 2 * free.len()],
+                y: vec![0.0; 2 * moving.len()],
                 ..Evaluated::default()
             },
             free_inverse: moving.iter().map(|inertia| inertia.recip()).collect(),
@@ -161,6 +166,7 @@ impl<F: Forces> Reduced<F> {
                 stage: SlidingStage::new(moving, &is_leaf),
                 pins: angles.into_iter().zip(carriers_of).collect(),
                 free: free.clone(),
+                floating: floating.clone(),
             },
             is_leaf,
             forces,
@@ -168,6 +174,7 @@ impl<F: Forces> Reduced<F> {
             carriers,
             inertia,
             free,
+            floating,
             idle_j: of_idle.sum(),
             idle,
             loads: vec![Wrench::default(); n],
@@ -183,8 +190,10 @@ impl<F: Forces> Reduced<F> {
     /// friction is treated implicitly, and whenever a method solves with the Jacobian. Without them both are dense.
     #[must_use]
     pub fn with_leaves(mut self, leaves: &[BodyId]) -> Self {
-        self.is_leaf = self.free.iter().map(|body| leaves.contains(body)).collect();
-        let inertia = self.free.iter().map(|&body| self.inertia[body]).collect();
+        let leaf = self.free.iter().map(|body| leaves.contains(body));
+        let hubs = std::iter::repeat_n(false, 2 * self.floating.len());
+        self.is_leaf = leaf.chain(hubs).collect();
+        let inertia = moving(&self.mechanism, &self.inertia, &self.free, &self.floating);
         self.contacts.stage = SlidingStage::new(inertia, &self.is_leaf);
         self
     }
@@ -220,10 +229,21 @@ impl<F: Forces> Reduced<F> {
         &mut self.forces
     }
 
-    /// Angles and rates.
+    /// Coordinates integrated.
+    fn coordinates(&self) -> usize {
+        self.is_leaf.len()
+    }
+
+    /// Angles and rates, and places and velocities of floating bodies.
     fn turn(&mut self, t: f64, y: &[f64]) {
         self.evaluated.valid = false;
-        let n = self.free.len();
+        let n = self.coordinates();
+        for (k, &body) in self.floating.iter().enumerate() {
+            let at = self.free.len() + 2 * k;
+            let body = &mut self.bodies[body];
+            (body.x, body.y) = (y[at], y[at + 1]);
+            (body.vx, body.vy) = (y[n + at], y[n + at + 1]);
+        }
         for (k, &body) in self.free.iter().enumerate() {
             self.bodies[body].angle = y[k];
             self.bodies[body].rate = y[n + k];
@@ -323,15 +343,35 @@ impl<F: Forces> Reduced<F> {
         let free: f64 = self.free.iter().map(|&body| of(body)).sum();
         let drivers = self.mechanism.drivers.iter();
         let driven: f64 = drivers.map(|driver| of(driver.child)).sum();
-        0.5 * (free + driven) + self.idle_j
+        let sliding = |&body: &BodyId| {
+            let BodyState { vx, vy, .. } = self.bodies[body];
+            self.mechanism.bodies[body].mass * (vx * vx + vy * vy)
+        };
+        let floating: f64 = self.floating.iter().map(sliding).sum();
+        0.5 * (free + driven + floating) + self.idle_j
     }
 
     /// Accelerations from the moments, and the rates.
     fn write_derivative(&self, y: &[f64], dydt: &mut [f64]) {
-        let n = self.free.len();
+        let n = self.coordinates();
         dydt[..n].copy_from_slice(&y[n..]);
+        let rates = &mut dydt[n..];
         for (k, &body) in self.free.iter().enumerate() {
-            dydt[n + k] = self.moments[body] * self.free_inverse[k];
+            rates[k] = self.moments[body] * self.free_inverse[k];
+        }
+        if !self.floating.is_empty() {
+            rates[self.free.len()..].fill(0.0);
+            self.accelerate_floating(rates);
+        }
+    }
+
+    /// Adds the accelerations of floating bodies under the loads of the moment to those of all coordinates, which hold 0 there.
+    fn accelerate_floating(&self, accelerations: &mut [f64]) {
+        let first = self.free.len();
+        for (k, &body) in self.floating.iter().enumerate() {
+            let (at, load) = (first + 2 * k, self.loads[body]);
+            accelerations[at] += load.fx * self.free_inverse[at];
+            accelerations[at + 1] += load.fy * self.free_inverse[at + 1];
         }
     }
 
@@ -387,22 +427,39 @@ impl<F: Forces> Reduced<F> {
     }
 }
 
+/// Inertia of every velocity: lumped moments of the free bodies, then the masses of the floating ones.
+fn moving(
+    mechanism: &Mechanism,
+    inertia: &[f64],
+    free: &[BodyId],
+    floating: &[BodyId],
+) -> Vec<f64> {
+    let turning = free.iter().map(|&body| inertia[body]);
+    let masses = floating.iter().map(|&body| mechanism.bodies[body].mass);
+    turning.chain(masses.flat_map(|mass| [mass; 2])).collect()
+}
+
 impl<F: Forces> OdeSystem for Reduced<F> {
     fn dimension(&self) -> usize {
-        2 * self.free.len()
+        2 * self.coordinates()
     }
 
     fn scale(&self, y: &[f64], scale: &mut [f64]) {
         let Some(ErrorScales {
-            angle, frequency, ..
+            angle,
+            frequency,
+            length,
         }) = self.scales
         else {
             own_scale(y, scale);
             return;
         };
-        let (angles, rates) = scale.split_at_mut(self.free.len());
-        angles.fill(angle);
-        rates.fill(angle * frequency);
+        let (places, rates) = scale.split_at_mut(self.coordinates());
+        for (scale, factor) in [(places, 1.0), (rates, frequency)] {
+            let (angles, lengths) = scale.split_at_mut(self.free.len());
+            angles.fill(angle * factor);
+            lengths.fill(length * factor);
+        }
     }
 
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
@@ -427,7 +484,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
     fn split_stage(&mut self, t: f64, a: f64, y: &mut [f64], e: &mut [f64], i: &mut [f64]) {
         self.place(t, y);
         self.loads.fill(Wrench::default());
-        let n = self.free.len();
+        let n = self.coordinates();
         e.fill(0.0);
         let listed = &mut self.contacts.stage.contacts;
         self.forces
@@ -443,6 +500,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         for (k, &body) in self.free.iter().enumerate() {
             e[n + k] += self.moments[body] * self.free_inverse[k];
         }
+        self.accelerate_floating(&mut e[n..]);
         e[..n].copy_from_slice(&y[n..]);
     }
 
@@ -472,9 +530,15 @@ impl<F: Forces> OdeSystem for Reduced<F> {
 impl<F: Forces> Formulation for Reduced<F> {
     fn initial(&self) -> Vec<f64> {
         let start = |body: &BodyId| self.mechanism.bodies[*body].start;
+        let places = |b: &BodyId| [start(b).x, start(b).y];
+        let velocities = |b: &BodyId| [start(b).vx, start(b).vy];
         let angles = self.free.iter().map(|b| start(b).angle);
         let rates = self.free.iter().map(|b| start(b).rate);
-        angles.chain(rates).collect()
+        angles
+            .chain(self.floating.iter().flat_map(places))
+            .chain(rates)
+            .chain(self.floating.iter().flat_map(velocities))
+            .collect()
     }
 
     fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
@@ -493,7 +557,7 @@ impl<F: Forces> Formulation for Reduced<F> {
     }
 
     fn degrees_of_freedom(&self) -> usize {
-        self.free.len()
+        self.coordinates()
     }
 
     fn newton_steps(&self) -> u64 {

@@ -9,7 +9,7 @@ use pinwheel_report::terminal::{self, TITLE, list, styled};
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::design::{DesignFigure, DesignResult, Joint};
+use pinwheel_studies::design::{DesignFigure, DesignResult, Joint, Share};
 use pinwheel_timeseries::table::{Shown, Table};
 
 use crate::band;
@@ -27,7 +27,24 @@ pub(crate) const HEADLINES: [&str; 6] = [
     "efficiency_rated_percent",
 ];
 
-/// What lost motion and stiffness are of.
+/// What lost motion and stiffness are of: a short name, and a sentence.
+fn given_way(found: &DesignResult) -> (&'static str, String) {
+    match found.budget.split_last() {
+        None => ("contacts only", CONTACTS_ONLY.to_owned()),
+        Some((last, before)) => {
+            let names: Vec<&str> = before.iter().map(|share| share.part).collect();
+            let names = [names.join(", "), last.part.to_owned()].join(" and ");
+            (
+                "what gives way",
+                format!(
+                    "Lost motion and stiffness are those of {names}; all else, and the housing, is rigid here."
+                ),
+            )
+        }
+    }
+}
+
+/// The same of a scene without bearings.
 const CONTACTS_ONLY: &str = "Lost motion and stiffness are those of the contacts: bearings, pins, discs and housing are rigid here. Real \
                              gears are softer by factors.";
 
@@ -38,7 +55,11 @@ pub fn page(found: &DesignResult, made: &Provenance) -> String {
     let caption = "For a data sheet; after \u{b1} how far a figure may be off numerically: by the poses that were looked at, or by the run's own \
                    verification";
     let all = figures(caption, &found.figures, |one| how(found, one));
-    let mut blocks = vec![Block::text(CONTACTS_ONLY), all.into()];
+    let (_, about) = given_way(found);
+    let mut blocks = vec![Block::Text(about), all.into()];
+    if !found.budget.is_empty() {
+        blocks.push(budget(found).into());
+    }
     if let Some(bands) = &found.bands {
         blocks.extend(band::blocks(bands));
     }
@@ -76,7 +97,10 @@ pub fn page(found: &DesignResult, made: &Provenance) -> String {
 #[must_use]
 pub fn text(found: &DesignResult) -> String {
     let table = figures("", &found.figures, |one| how(found, one));
-    let mut rows = vec![("contacts only", CONTACTS_ONLY.to_owned())];
+    let mut rows = vec![given_way(found)];
+    for share in &found.budget {
+        rows.push(("budget", budgeted(share)));
+    }
     if let Some(bands) = &found.bands {
         rows.push(("by contact law", band::about(bands)));
         rows.extend(band::outside(bands).map(|said| ("law", said)));
@@ -507,6 +531,39 @@ fn bearing_orders(found: &DesignResult) -> Chart {
         x,
         Axis::log("Amplitude (N)"),
         vec![points],
+    )
+}
+
+/// What gives way, part by part.
+fn budget(found: &DesignResult) -> Table {
+    Table::of(
+        "Compliance budget: what gives way, each part with all before it",
+        &found.budget,
+    )
+    .text("", "Part", |share| share.part)
+    .number("", "Share of the compliance", |share| 100.0 * share.share)
+    .unit("%")
+    .shown(Shown::Digits(3))
+    .number("", "Stiffness up to here", |share| {
+        share.stiffness_n_m_per_arcmin
+    })
+    .unit("N m/arcmin")
+    .shown(SHOWN)
+    .number("", "Lost motion up to here", |share| {
+        share.lost_motion_arcmin
+    })
+    .unit("arcmin")
+    .shown(SHOWN)
+    .done()
+}
+
+fn budgeted(share: &Share) -> String {
+    format!(
+        "{} {} % of the compliance; with all before {} N m/arcmin, lost motion {} arcmin",
+        share.part,
+        significant(100.0 * share.share, 2),
+        significant(share.stiffness_n_m_per_arcmin, 3),
+        significant(share.lost_motion_arcmin, 2)
     )
 }
 

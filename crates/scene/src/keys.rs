@@ -101,7 +101,8 @@ impl Key {
     /// The unit that ends its name, as one writes it; empty for counts, names and plain numbers.
     #[must_use]
     pub fn unit(&self) -> &'static str {
-        const UNITS: [(&str, &str); 12] = [
+        const UNITS: [(&str, &str); 14] = [
+            ("_n_m_rad", "N m/rad"),
             ("_n_m15", "N/m^1.5"),
             ("_n_s_m", "N s/m"),
             ("_kg_m2", "kg m^2"),
@@ -114,6 +115,7 @@ impl Key {
             ("_m", "m"),
             ("_s", "s"),
             ("_rad", "rad"),
+            ("_n", "N"),
         ];
         let unit = UNITS.iter().find(|(end, _)| self.name.ends_with(end));
         unit.map_or("", |(_, unit)| unit)
@@ -161,6 +163,7 @@ const MOMENT: Kind = Number(From(1e-18, 1e8));
 /// Deviations, to either side.
 const DEVIATION: Range = From(-1.0, 1.0);
 const ANGLE: Range = From(-1.0, 1.0);
+const STIFF: &str = "needle bearings have 1e8 to 1e9 N/m";
 /// End of any simulation, s.
 pub const LONGEST_S: f64 = 1e5;
 const TIME: Kind = Number(From(0.0, LONGEST_S));
@@ -251,6 +254,14 @@ pub const KEYS: &[Key] = keys! {
     "contact.friction_dynamic_speed_m_s" Number(From(1e-18, 1e3)), Follows(formulas::friction_dynamic_speed, "20 times contact.friction_ramp_m_s; used by the friction law adams only"), "sliding speed from which mu_d holds", "the sliding speed from which the dynamic coefficient holds";
     "contact.restitution" Number(From(1e-3, 1.0)), Usual("0.9", "used by the hysteresis laws only"), "c of the hysteresis laws", "the share of the impact speed that is left after an impact, 1 without loss";
     "contact.impact_speed_m_s" Number(From(1e-9, 1e3)), Usual("0.01", "used by the hysteresis laws only"), "speed of an impact with that restitution", "the impact speed at which the restitution holds; 0.01 is usual in a gearbox";
+    "bearings.eccentric.stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "K of the bearing that carries a wheel on its eccentric; or give rollers", STIFF;
+    "bearings.eccentric.exponent" Number(From(1.0, 3.0)), Nothing, "p of its force K d^p; absent: 1, or 10/9 of rollers", "rollers have 10/9, balls 3/2";
+    "bearings.eccentric.rollers" Count(3, 10_000), Nothing, "its rollers, where they give K after Palmgren", "count the rollers of one row";
+    "bearings.eccentric.roller_length_m" LENGTH, Nothing, "length of these rollers", METRES;
+    "bearings.eccentric.clearance_m" Number(From(0.0, 1e-2)), Nothing, "its radial clearance; absent: 0", "half of the play across the diameter: 5 micrometres are 5e-6";
+    "bearings.eccentric.damping_n_s_m" Number(From(0.0, 1e9)), Nothing, "its damping; absent: 5 % of critical of a wheel on it", "rolling bearings have a few per cent of critical damping";
+    "bearings.eccentric.dynamic_rating_n" Number(From(1.0, 1e9)), Nothing, "its basic dynamic rating C, for its life after ISO 281", "bearing catalogues give it in kN: 20 kN is 20000";
+    "bearings.output_torsion_n_m_rad" Number(From(1e-3, 1e15)), Nothing, "torsional stiffness of carrier and flange; absent: rigid; counts in `design` alone", "1 N m/arcmin is 3437.7 N m/rad";
     "contact.detection" Choice("detection", || vec!["exact", "points"]), Usual("\"exact\"", "the closest point of the curve"), "how the contact point is found", "\"exact\" or \"points\"";
     "contact.wheel_points" Count(24, 1_000_000), Follows(formulas::wheel_points, "100 a lobe, at least 4000; used by detection points only"), "points on a wheel's profile", "the paper uses 600 and 4000; more than a million costs memory and gains nothing over detection = \"exact\"";
     "contact.hole_points" Count(8, 1_000_000), Usual("100", "used by detection points only"), "points on a hole", "the paper uses 20 to 100; more than a million costs memory and gains nothing over detection = \"exact\"";
@@ -307,6 +318,11 @@ mod tests {
         scene.contact.internal_stiffness_multiplier = Some(0.01);
         scene.contact.external_spring_n_m = Some(1e8);
         scene.contact.internal_spring_n_m = Some(1e8);
+        scene.bearings = toml::from_str(
+            "output_torsion_n_m_rad = 1e5\n[eccentric]\nstiffness_n_m = 1e8\nexponent = 1.0\nrollers = 9\n\
+             roller_length_m = 0.01\nclearance_m = 0.0\ndamping_n_s_m = 1.0\ndynamic_rating_n = 2e4",
+        )
+        .unwrap();
         scene.gear.modification.radial_m = -1e-5;
         scene.gear.errors = every_error();
         scene.drive.load_changes.push(crate::LoadChange {

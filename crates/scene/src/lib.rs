@@ -32,6 +32,7 @@
 //! ```
 
 mod assumptions;
+pub mod bearings;
 mod body;
 pub mod catalogue;
 pub mod channels;
@@ -72,8 +73,9 @@ pub use keys::{KEYS, Key};
 pub use layout::{Layout, Sleeve};
 
 pub use model::{
-    BodyMass, Contact, Detection, Drive, Errors, Formulation, FrictionLaw, Gear, LoadChange,
-    Masses, Modification, Output, PlusMinus, Scene, Solver, Stabilisation, Start,
+    Bearings, BodyMass, Contact, Detection, Drive, EccentricBearing, Errors, Formulation,
+    FrictionLaw, Gear, LoadChange, Masses, Modification, Output, PlusMinus, Scene, Solver,
+    Stabilisation, Start,
 };
 pub use outline::Outline;
 pub use parse::{Draft, Override};

@@ -24,6 +24,9 @@ pub struct Scene {
     pub drive: Drive,
     /// Contact law and detection.
     pub contact: Contact,
+    /// What else gives way under the load; without it only contacts do.
+    #[serde(default, skip_serializing_if = "Bearings::is_none")]
+    pub bearings: Bearings,
     /// Formulation, integrator and sampling.
     pub solver: Solver,
     /// What is recorded beyond the contract's columns.
@@ -216,6 +219,46 @@ pub struct Contact {
     pub wheel_points: usize,
     /// Points on a hole (points detection only).
     pub hole_points: usize,
+}
+
+/// What gives way beside the contacts.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Bearings {
+    /// What carries each wheel on its eccentric; `None`: a rigid revolute.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub eccentric: Option<EccentricBearing>,
+    /// Torsional stiffness of carrier and flange beyond the internal sleeves, N m/rad; `None`: rigid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub output_torsion_n_m_rad: Option<f64>,
+}
+
+/// The elastic bearing between an eccentric and its wheel: F = K max(0, d - g)^p along the offset d of their centres, and
+/// damping. Either K is given, or rollers after Palmgren.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct EccentricBearing {
+    /// K, N/m^p.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stiffness_n_m: Option<f64>,
+    /// p; `None`: 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exponent: Option<f64>,
+    /// Number of rollers, where they give K.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rollers: Option<usize>,
+    /// Their length, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roller_length_m: Option<f64>,
+    /// g, radial clearance, m; `None`: 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clearance_m: Option<f64>,
+    /// c along the offset while the bearing carries, N s/m; `None`: [`DAMPING_SHARE`](Self::DAMPING_SHARE) of critical.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub damping_n_s_m: Option<f64>,
+    /// Basic dynamic rating C, N (ISO 281); for the bearing's life.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dynamic_rating_n: Option<f64>,
 }
 
 /// Which equations are integrated.

@@ -35,10 +35,12 @@ pub const PRESETS: &[Preset] = presets![
     "forty-pins",
     "modified",
     "toleranced",
+    "paper-bearings",
     // Hard on integrators: each one's description says why.
     "hard-adhesive",
     "hard-all-open",
     "hard-backlash-0.1",
+    "hard-bearing-clearance",
     "hard-backlash-1",
     "hard-damping-0",
     "hard-damping-1",

@@ -21,11 +21,11 @@ import numpy as np
 import numpy.typing as npt
 
 from pinwheel_engines.border import LawPointer, StageLaw, check_not_frozen
-from pinwheel_engines.errors import Cancelled, Diverged
+from pinwheel_engines.errors import Cancelled, Diverged, Unsupported
 from pinwheel_engines.exudyn.session import VERSION, Kept, Load, quiet_session, solve
 from pinwheel_engines.guards import Guard
 from pinwheel_engines.law import ContactLaw
-from pinwheel_engines.layout import OUTPUT, Kinematics
+from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
 from pinwheel_engines.result import Recorder, Result, RunStats
 from pinwheel_engines.scene import Scene
 from pinwheel_engines.start import initial_angles
@@ -52,7 +52,10 @@ def run(
     Raises Diverged with the courses until then, FrozenForces, Cancelled, EngineFailed, Unsupported.
     """
     wanted = scene.solver.step_s if step_s is None else step_s
+    if scene.floats and law is None:
+        raise Unsupported(NAME, "bearings.eccentric: the numpy law has no bearings; run it by the Pinwheel program")
     kinematics = Kinematics(scene.gear)
+    held = _held(scene, kinematics)
     stage_law = StageLaw(scene, law)
     guard = Guard(NAME, scene)
     recorder = Recorder(scene, kinematics)
@@ -79,6 +82,7 @@ def run(
             system,
             scene,
             kinematics,
+            _start(scene, kinematics, initial),
             initial_angles(scene, initial),
             kept.function(force, zeros),
             kept.function(jacobian, np.zeros((zeros.size, zeros.size))),
@@ -90,14 +94,14 @@ def run(
             q, q_t = data.GetODE2Coordinates().reshape(count, 3), data.GetODE2Coordinates_t().reshape(count, 3)
             guard.check_states(time_s, q[:, 2], q_t[:, 2])
             pinned = kinematics.states(q[:, 2], q_t[:, 2])
-            drift["m"] = max(drift["m"], float(np.max(np.abs(pinned[:, :2] - q[:, :2]))))
+            drift["m"] = max(drift["m"], float(np.max(np.abs(pinned[held, :2] - q[held, :2]))))
             stage_law.states[:, :3], stage_law.states[:, 3:] = q, q_t
             loads = stage_law.evaluate_at(time_s)
             guard.check_forces(time_s, loads[:, :2])
             torque = -float(system.GetObjectOutput(driver, exu.OutputVariableType.Force))
             if time_s == 0.0:
                 # No multipliers before the first step: the torque that holds the input's speed.
-                torque = -float(kinematics.torques(q[:, 2], loads)[0])
+                torque = -float(loads[INPUT, 2] if scene.floats else kinematics.torques(q[:, 2], loads)[INPUT])
             guard.check_forces(time_s, np.array([torque]), "driver torque")
             recorder.record(stage_law.states, loads, torque)
             if on_progress is not None and on_progress(time_s):
@@ -119,7 +123,7 @@ def run(
                 degrees_of_freedom=3 * count,
                 bodies=count,
                 step_s=actual_step_s(recorder.times_s, wanted),
-                settings=f"{count} RigidBody2D, {count} JointRevolute2D, driver constraint, {integrator}, {stage_law.name}",
+                settings=f"{count} RigidBody2D, {len(held)} JointRevolute2D, driver constraint, {integrator}, {stage_law.name}",
                 joint_drift_m=drift["m"],
                 versions={"exudyn": VERSION, "numpy": np.__version__},
             )
@@ -143,6 +147,7 @@ def _add_mechanism(
     system: Any,
     scene: Scene,
     kinematics: Kinematics,
+    states: Floats,
     start: tuple[Floats, Floats],
     force: Callable[..., Any],
     jacobian: Callable[..., Any],
@@ -150,7 +155,6 @@ def _add_mechanism(
     """Bodies, joints, driver and the contact object; returns the driver's object number."""
     layout = kinematics.layout
     parts = scene.mass.of_bodies(scene.gear)
-    states = kinematics.states(*start)
     ground = system.AddObject(items.ObjectGround())
     nodes, bodies = [], []
     for part, state in zip(parts, states, strict=True):
@@ -163,7 +167,8 @@ def _add_mechanism(
         bodies.append(
             system.AddObject(items.ObjectRigidBody2D(mass=part.mass_kg, inertia=part.moment_kg_m2, nodeNumber=nodes[-1]))
         )
-    for index, carrier in enumerate(layout.carriers):
+    for index in _held(scene, kinematics):
+        carrier = layout.carriers[index]
         at = kinematics.offsets[index]
         seat = [float(at.real), float(at.imag), 0.0]
         carrier_object = ground if carrier < 0 else bodies[carrier]
@@ -196,6 +201,22 @@ def _add_mechanism(
         )
     )
     return driver
+
+
+def _held(scene: Scene, kinematics: Kinematics) -> list[int]:
+    """The bodies that a revolute holds: all but wheels that float."""
+    layout = kinematics.layout
+    wheels = range(layout.bodies)[layout.wheel_bodies] if scene.floats else range(0)
+    return [body for body in range(layout.bodies) if body not in wheels]
+
+
+def _start(scene: Scene, kinematics: Kinematics, initial: Floats | None) -> Floats:
+    """States at the start; wheels that float stand where the given ones have them."""
+    states = kinematics.states(*initial_angles(scene, initial))
+    if scene.floats and initial is not None:
+        wheels = kinematics.layout.wheel_bodies
+        states[wheels] = np.asarray(initial, dtype=np.float64).reshape(-1, 6)[wheels]
+    return states
 
 
 def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:

@@ -63,6 +63,8 @@ pub struct Honours {
     pub friction: bool,
     /// Scenes whose load changes during the run.
     pub load_changes: bool,
+    /// Wheels that float on elastic bearings: bodies whose carrier is -2.
+    pub free_wheels: bool,
 }
 
 impl Default for Honours {
@@ -71,6 +73,7 @@ impl Default for Honours {
             laws: vec!["*".to_owned()],
             friction: false,
             load_changes: false,
+            free_wheels: false,
         }
     }
 }
@@ -243,6 +246,12 @@ impl Manifest {
         if !scene.drive.load_changes.is_empty() && !self.honours.load_changes {
             return Some(
                 "its manifest does not honour changes of the load (honours.load_changes)"
+                    .to_owned(),
+            );
+        }
+        if scene.bearings.eccentric.is_some() && !self.honours.free_wheels {
+            return Some(
+                "its manifest does not honour wheels on elastic bearings (honours.free_wheels)"
                     .to_owned(),
             );
         }

@@ -13,6 +13,7 @@ use super::watch::hosted;
 use super::{convert, ffi, host, pins};
 use crate::control::Control;
 use crate::engine::{Ending, Engine, Halt, Prepared, Run, Track, prepared};
+use crate::own_contact::wheels_are_held;
 use crate::registry::EngineInfo;
 
 /// One engine of the package.
@@ -96,6 +97,9 @@ impl Engine for PythonEngine {
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         gearbox.contact_field().map_err(Ending::unsupported)?;
+        if !self.0.floats {
+            wheels_are_held(&gearbox.scene)?;
+        }
         let mut gearbox = gearbox.clone();
         // The law is ours: what the native solver can do, it can do.
         if self.0.track != Track::SharedLaw {

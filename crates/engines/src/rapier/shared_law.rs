@@ -47,6 +47,11 @@ impl Contacts for Law {
         });
     }
 
+    fn driver_torque(&self, now: &[BodyState]) -> Option<f64> {
+        let bearings = self.0.bearings()?;
+        Some(bearings.driver_torque(now))
+    }
+
     fn seen<'a>(&'a mut self, _world: &'a World, _share: f64) -> Box<dyn PairSource + 'a> {
         Box::new(LawPairs(self.0.as_mut()))
     }

@@ -4,6 +4,7 @@ use pinwheel_contact::{Law, NormalLaw};
 pub use pinwheel_mbs::ContactEnergy;
 use pinwheel_mbs::{BodyState, Pose, Sums, Wrench};
 
+use super::floating::Bearings;
 use crate::Sleeve;
 
 /// One pair of wheel and sleeve at its closest points.
@@ -87,6 +88,11 @@ pub trait ContactField: Send {
 
     /// The law of all pairs.
     fn law(&self) -> &Law;
+
+    /// The bearings that wheels float on; `None`: eccentrics hold them rigidly.
+    fn bearings(&self) -> Option<&Bearings> {
+        None
+    }
 
     /// Adds every body's contact load to `loads`.
     fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {

@@ -3,6 +3,7 @@
 mod detection;
 mod field;
 mod flanks;
+mod floating;
 mod lanes;
 mod pairs;
 
@@ -10,6 +11,7 @@ use pinwheel_contact::NormalLaw as _;
 use pinwheel_scene::scales::law;
 
 pub use field::{ContactEnergy, ContactField, PairContact};
+pub use floating::{BearingLoad, Bearings};
 
 use crate::GearboxError;
 use crate::geometry::Geometry;
@@ -68,8 +70,21 @@ fn at_most_avx2() -> pulp::Arch {
     pulp::Arch::Scalar
 }
 
-/// The contact field of a scene.
+/// The contact field of a scene, with the bearings that its wheels float on.
 pub(crate) fn field(
+    scene: &Scene,
+    geometry: &Geometry,
+    kernel: Kernel,
+) -> Result<Box<dyn ContactField>, GearboxError> {
+    let contacts = contacts(scene, geometry, kernel)?;
+    Ok(match Bearings::of(scene, geometry) {
+        Some(bearings) => Box::new(floating::Floating { contacts, bearings }),
+        None => contacts,
+    })
+}
+
+/// The contacts alone.
+pub(crate) fn contacts(
     scene: &Scene,
     geometry: &Geometry,
     kernel: Kernel,

@@ -48,6 +48,9 @@ impl Statics<'_> {
     /// With s the rate of change all slopes are K + s D. Wheels that follow are eliminated as in a step of Newton's method; what
     /// is left is taken to first order in s.
     pub fn compliance(&mut self, at: &Equilibrium) -> Option<[f64; 2]> {
+        if self.gearbox.floats() {
+            return self.floating_compliance(at);
+        }
         let mut moments = vec![0.0; at.wheels.len()];
         self.moments_with_slopes(at.input, &at.wheels, at.output, &mut moments)?;
         let (k, d) = (self.slopes.position.as_ref()?, &self.slopes.rate);

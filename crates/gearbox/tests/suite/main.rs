@@ -5,6 +5,7 @@ mod channels;
 mod common;
 mod deviations;
 mod exponential;
+mod floating;
 mod guard;
 mod kernels;
 mod native_forms;

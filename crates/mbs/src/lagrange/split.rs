@@ -40,11 +40,18 @@ impl<F: Forces> Lagrange<F> {
         }
         self.factor_beside().ok()?;
         if let Some(contacts) = &mut self.contacts {
-            let free = &contacts.free;
+            let (free, floating) = (&contacts.free, &contacts.floating);
+            let bodies = &self.bodies;
             self.rates.clear();
-            self.rates.extend(free.iter().map(|&b| self.bodies[b].rate));
+            self.rates.extend(free.iter().map(|&b| bodies[b].rate));
+            let velocities = floating.iter().flat_map(|&b| [bodies[b].vx, bodies[b].vy]);
+            self.rates.extend(velocities);
             self.guess.clear();
             self.guess.extend(free.iter().map(|&b| i[3 * (n + b) + 2]));
+            let sliding = floating
+                .iter()
+                .flat_map(|&b| [3 * (n + b), 3 * (n + b) + 1]);
+            self.guess.extend(sliding.map(|at| i[at]));
             let rates = &mut self.rates;
             if !contacts.solve(a, &self.guess, &self.bodies, &self.forces, rates) {
                 return None;

@@ -21,18 +21,18 @@ pub struct Contact {
 
 /// A rate that is linear in the generalised velocities: `offset + sum coefficients v`.
 ///
-/// A contact of two bodies, each carried by another, depends on four velocities at most.
+/// A contact of two bodies, one free in the plane and one carried by another, depends on five velocities at most.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Row {
-    dofs: [u32; 4],
-    coefficients: [f64; 4],
+    dofs: [u32; 5],
+    coefficients: [f64; 5],
     count: u8,
     /// What driven bodies contribute.
     pub offset: f64,
 }
 
 impl Row {
-    /// Adds `coefficient` x velocity `dof`. At most four velocities; a fifth makes the row NaN.
+    /// Adds `coefficient` x velocity `dof`. At most five velocities; a sixth makes the row NaN.
     #[inline]
     pub fn push(&mut self, dof: usize, coefficient: f64) {
         for k in 0..usize::from(self.count) {

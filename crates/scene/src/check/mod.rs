@@ -35,6 +35,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
 /// The same where every single value is known to be in range.
 pub(crate) fn together(scene: &Scene) -> Result<(), Fault> {
     combinations::check(scene)?;
+    crate::bearings::check(scene)?;
     load::check(scene)?;
     gear(&scene.gear)?;
     crate::uncertain::check(scene)?;

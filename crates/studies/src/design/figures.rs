@@ -4,6 +4,7 @@
 //! each part of them, which meet the mesh at other places: the largest change is its numerical uncertainty. A figure of a
 //! run is as uncertain as the run says. What other contact laws would give is apart ([`Band`](crate::band::Bands)).
 
+use pinwheel_scene::Scene;
 use serde::Serialize;
 
 use super::mesh::{Bearing, Pose, Pressure, Sharing, Stage};
@@ -30,9 +31,9 @@ macro_rules! definitions {
 }
 
 definitions! {
-    LOST_MOTION = "lost_motion_arcmin", "lost motion of the contacts", "arcmin",
+    LOST_MOTION = "lost_motion_arcmin", "lost motion", "arcmin",
         "largest over the mesh, between +3 and -3 % of the rated torque";
-    STIFFNESS = "torsional_stiffness_n_m_per_arcmin", "torsional stiffness of the contacts", "N m/arcmin",
+    STIFFNESS = "torsional_stiffness_n_m_per_arcmin", "torsional stiffness", "N m/arcmin",
         "between 50 and 100 % of the rated torque, mean";
     ERROR_RATED = "transmission_error_rated_arcmin", "transmission error, rated load", "arcmin",
         "peak to peak";
@@ -54,6 +55,9 @@ definitions! {
         "on pins that do not turn";
     BEARING_FORCE = "eccentric_bearing_force_n", "eccentric bearing, largest force", "N",
         "of the contacts on wheel 0";
+
+    BEARING_LIFE = "eccentric_bearing_life_h", "eccentric bearing, basic rating life", "h",
+        "L10h after ISO 281 of the most loaded wheel, rated speed and load throughout";
 
     LOST_MOTION_RUN = "lost_motion_run_arcmin", "lost motion by a run", "arcmin",
         "of a slow loop of the load, the mean of both branches";
@@ -164,6 +168,35 @@ impl Balances {
             bearings: Bearing::all(&loaded),
             error,
         }
+    }
+
+    /// Basic rating life of the most loaded eccentric bearing of the dynamic rating `rating_n`.
+    ///
+    /// ISO 281: L10 = (C/P)^p million turns of the bearing's rings against each other, P the mean of the force's p-th power; p is
+    /// 10/3 of rollers and 3 of balls, which an exponent of 3/2 tells.
+    pub(super) fn life(&self, rating_n: f64, scene: &Scene) -> DesignFigure {
+        let exponent = scene
+            .bearings
+            .eccentric
+            .and_then(|bearing| bearing.exponent);
+        let power = if exponent == Some(1.5) {
+            3.0
+        } else {
+            10.0 / 3.0
+        };
+        let turns = scene.drive.input_speed_rad_s.abs() * (1.0 + 1.0 / scene.gear.lobes() as f64);
+        let hours = |bearing: &Bearing| {
+            let forces = bearing.radial_n.iter().zip(&bearing.tangential_n);
+            let mean = Spread::of(forces.map(|(r, t)| r.hypot(*t).powf(power))).mean;
+            let millions = rating_n.powf(power) / mean;
+            1e6 * millions * std::f64::consts::TAU / turns / 3600.0
+        };
+        let of = |every, of| {
+            let bearings = self.summed(every, of).bearings;
+            let least = bearings.iter().map(hours).fold(f64::INFINITY, f64::min);
+            vec![BEARING_LIFE.balanced(least)]
+        };
+        parted(self.parts, of).swap_remove(0)
     }
 
     /// The figures of statics.

@@ -276,9 +276,10 @@ impl Pose {
             damping: None,
         };
         for (twist, share) in pose.twist.iter_mut().zip(LEVELS) {
+            let flange = statics.gearbox().flange_twist_rad(share * rated);
             let there = statics.solve(phi, share * rated)?;
             let back = statics.solve(phi, -share * rated)?;
-            *twist = 0.5 * (there.output - back.output);
+            *twist = 0.5 * (there.output - back.output) + flange;
             if share == 1.0 {
                 let both = [there, back].map(|at| statics.compliance(&at));
                 pose.damping = both[0].zip(both[1]).map(|(a, b)| 0.5 * (a[1] + b[1]));

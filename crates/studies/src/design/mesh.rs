@@ -177,7 +177,8 @@ impl Pose {
             pair(gearbox, phi + phases[wheel], found.wheels[wheel], contact)
         };
         let pose = Self {
-            error_rad: found.output - gearbox.geometry.ideal_output_angle(phi),
+            error_rad: found.output + gearbox.flange_twist_rad(load)
+                - gearbox.geometry.ideal_output_angle(phi),
             pairs: touching.iter().map(pair).collect(),
             bearings,
         };

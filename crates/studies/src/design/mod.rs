@@ -18,6 +18,7 @@
 //!
 //! The rated torque is the largest load of the scene, the rated speed its input speed.
 
+mod budget;
 mod cycle;
 mod drawing;
 mod figures;
@@ -41,6 +42,7 @@ use crate::output::{OutputError, write_with};
 use crate::provenance::{Provenance, Summary};
 use crate::{Control, Progress, StudyError, single};
 
+pub use budget::Share;
 pub use cycle::Cycle;
 pub use drawing::{CHORD_M, Drawing};
 pub use figures::DesignFigure;
@@ -161,6 +163,8 @@ pub struct DesignResult {
     pub input_angle_rad: Vec<f64>,
     /// Transmission error under the rated load and under next to none.
     pub transmission: [Transmission; 2],
+    /// What gives way under the rated load; empty where contacts alone do.
+    pub budget: Vec<Share>,
     /// Who carries the rated load.
     pub sharing: [Sharing; 2],
     /// Pressure and sliding under the rated load.
@@ -263,6 +267,9 @@ pub(crate) fn figures_of(
     for bearing in &mut bearings {
         bearing.radial_harmonics = orders::of_force(&bearing.radial_n, &poses);
     }
+    if let Some(rating) = scene.bearings.eccentric.and_then(|b| b.dynamic_rating_n) {
+        figures.push(balances.life(rating, scene));
+    }
     Ok(DesignResult {
         scene: scene.clone(),
         rated_torque_n_m: rated,
@@ -276,6 +283,7 @@ pub(crate) fn figures_of(
             torque_n_m: curve.0,
             twist_arcmin: curve.1,
         },
+        budget: budget::of(gearbox, working)?,
         sharing: summed.sharing,
         pressure: summed.pressure,
         bearings,
@@ -357,7 +365,8 @@ fn twist(
 ) -> Result<f64, GearboxError> {
     let found = statics.solve(phi, load)?;
     let ideal = gearbox.geometry.ideal_output_angle(phi);
-    Ok(ARCMIN * (found.output - ideal) * working.signum())
+    let output = found.output + gearbox.flange_twist_rad(load);
+    Ok(ARCMIN * (output - ideal) * working.signum())
 }
 
 /// Lost motion, arcmin, and stiffness in either direction, N m/arcmin, at these poses.

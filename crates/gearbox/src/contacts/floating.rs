@@ -1,0 +1,147 @@
+//! Contacts of wheels that float on elastic bearings: those of the law, and the bearings' forces on wheels and input.
+
+use pinwheel_contact::Law;
+use pinwheel_mbs::{BodyState, Pose, Sums, Wrench, add_pair};
+use pinwheel_scene::bearings::BearingLaw;
+
+use super::field::{ContactEnergy, ContactField, PairContact};
+use crate::geometry::Geometry;
+use crate::scene::Scene;
+use crate::{Layout, Sleeve};
+
+/// The bearings of all eccentrics.
+#[derive(Debug, Clone)]
+pub struct Bearings {
+    pub(crate) law: BearingLaw,
+    layout: Layout,
+    /// Of every eccentric, in the input's frame, m.
+    seats: Vec<[f64; 2]>,
+}
+
+/// One bearing at a state.
+#[derive(Debug, Clone, Copy)]
+pub struct BearingLoad {
+    /// On the wheel at its centre, N, ground frame.
+    pub on_wheel: [f64; 2],
+    /// Wheel's centre less the eccentric's, m, ground frame.
+    pub offset_m: [f64; 2],
+    /// How fast the offset grows, m/s.
+    rate: f64,
+}
+
+impl Bearings {
+    /// Of a scene whose wheels float; `None`: eccentrics hold them rigidly.
+    #[must_use]
+    pub fn of(scene: &Scene, geometry: &Geometry) -> Option<Self> {
+        let seats = geometry.wheel_phases.iter().zip(&geometry.eccentricities_m);
+        Some(Self {
+            law: BearingLaw::of(scene)?,
+            layout: Layout::of(&scene.gear),
+            seats: seats
+                .map(|(phase, e)| [e * phase.cos(), e * phase.sin()])
+                .collect(),
+        })
+    }
+
+    /// The bearing of a wheel.
+    #[must_use]
+    pub fn load(&self, bodies: &[BodyState], wheel: usize) -> BearingLoad {
+        let input = bodies[Layout::INPUT];
+        let body = bodies[self.layout.wheel_bodies().start + wheel];
+        let ([sx, sy], (s, c)) = (self.seats[wheel], input.angle.sin_cos());
+        let (ex, ey) = (c * sx - s * sy, s * sx + c * sy);
+        let (dx, dy) = (body.x - input.x - ex, body.y - input.y - ey);
+        let (ux, uy) = (body.vx + input.rate * ey, body.vy - input.rate * ex);
+        let offset = dx.hypot(dy);
+        let [nx, ny] = match offset > 0.0 {
+            true => [dx / offset, dy / offset],
+            false => [0.0; 2],
+        };
+        let rate = ux * nx + uy * ny;
+        let force = self.law.force(offset, rate);
+        BearingLoad {
+            on_wheel: [-force * nx, -force * ny],
+            offset_m: [dx, dy],
+            rate,
+        }
+    }
+
+    /// Adds all of them.
+    pub(crate) fn add_loads(&self, bodies: &[BodyState], loads: &mut [Wrench]) {
+        for (wheel, body) in self.layout.wheel_bodies().enumerate() {
+            let load = self.load(bodies, wheel);
+            let (pair, at) = ([body, Layout::INPUT], [bodies[body].x, bodies[body].y]);
+            add_pair(loads, bodies, pair, at, load.on_wheel);
+        }
+    }
+
+    /// Torque that holds the input against them, N m.
+    #[must_use]
+    pub fn driver_torque(&self, bodies: &[BodyState]) -> f64 {
+        let input = bodies[Layout::INPUT];
+        let of = |(wheel, body): (usize, usize)| {
+            let [fx, fy] = self.load(bodies, wheel).on_wheel;
+            (bodies[body].x - input.x) * fy - (bodies[body].y - input.y) * fx
+        };
+        self.layout.wheel_bodies().enumerate().map(of).sum()
+    }
+
+    fn add_energy(&self, bodies: &[BodyState], sum: &mut ContactEnergy) {
+        for wheel in 0..self.layout.wheels {
+            let load = self.load(bodies, wheel);
+            let [dx, dy] = load.offset_m;
+            let offset = dx.hypot(dy);
+            sum.stored_j += self.law.stored(offset);
+            let damped = self.law.force(offset, load.rate) - self.law.force(offset, 0.0);
+            sum.damping_w += damped * load.rate;
+        }
+    }
+}
+
+/// See the module.
+pub(super) struct Floating {
+    pub(super) contacts: Box<dyn ContactField>,
+    pub(super) bearings: Bearings,
+}
+
+impl ContactField for Floating {
+    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
+        // Wheels stand where they like: nothing follows from angles alone.
+        let loads_alone = sums.moments.is_none() && sums.slopes.is_none();
+        if pose == Pose::AnglesOnly
+            || !loads_alone
+            || !self.contacts.evaluate(bodies, Pose::Any, sums)
+        {
+            return false;
+        }
+        if let Some(loads) = sums.loads.as_deref_mut() {
+            self.bearings.add_loads(bodies, loads);
+        }
+        if let Some(energy) = &mut sums.energy {
+            self.bearings.add_energy(bodies, energy);
+        }
+        true
+    }
+
+    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
+        self.contacts.touching(bodies, visit);
+    }
+
+    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
+        self.contacts.nearest(bodies, wheel, sleeve)
+    }
+
+    fn law(&self) -> &Law {
+        self.contacts.law()
+    }
+
+    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
+        let mut sum = self.contacts.energy(bodies);
+        self.bearings.add_energy(bodies, &mut sum);
+        sum
+    }
+
+    fn bearings(&self) -> Option<&Bearings> {
+        Some(&self.bearings)
+    }
+}

@@ -1,0 +1,424 @@
+//! Balances of a gear whose wheels float on elastic bearings.
+//!
+//! Unknowns are the output's angle and three coordinates of every wheel; each body must be free of force and moment. With
+//! clearance there are states that nothing holds, so no bracket and no cold start can be relied upon. A continuation can: it
+//! begins at the balance of rigid eccentrics, displaces each wheel by a small share s of what its bearing gives way under the
+//! force found there, and takes the bearing's offsets from s to all of themselves:
+//!
+//! ```text
+//! offset of the bearing under F:   s (g + (F/K)^(1/p)),   s -> 1
+//! ```
+//! Newton's method with differences balances every step. A light load is approached from the scene's largest, by parts of it:
+//! near no load nothing but the last balance tells where a wheel floats. Without a load wheels rest at the middle of their
+//! clearance.
+
+use nalgebra::{DMatrix, DVector};
+use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::bearings::BearingLaw;
+
+use super::{Equilibrium, Statics};
+use crate::contacts::Bearings;
+use crate::{GearboxError, Layout, load_course};
+
+/// Difference steps, and the first share s, in the depths and twists of contacts under the load.
+const DIFFERENCE: f64 = 1e-4;
+const FIRST: f64 = 0.2;
+/// Growth of s from step to step, shrunk by its root where a step fails, and its least.
+const GROWTH: f64 = 4.0;
+const LEAST_GROWTH: f64 = 1.001;
+/// What a load shrinks to from step to step on the way to a light one, likewise; a load above this share of the largest is not
+/// light.
+const LIGHTER: f64 = 0.25;
+/// Least share of the largest load that sizes follow.
+const LEAST_SIZE: f64 = 1e-2;
+/// Newton steps at most, and halvings of one.
+const STEPS: usize = 40;
+const HALVINGS: usize = 12;
+/// What may be left of forces and moments, as a share of the load's.
+const LEFT: f64 = 1e-9;
+/// Newton goes on as long as it gains, down to this.
+const BALANCED: f64 = 1e-13;
+/// A weak spring to the last iterate, as a share of a contact's stiffness: for directions that nothing holds.
+const WEAK: f64 = 1e-9;
+
+/// A bearing that gives way by a share of what `law` does under the same force.
+fn share_of(law: &BearingLaw, share: f64) -> BearingLaw {
+    BearingLaw {
+        stiffness: law.stiffness / share.powf(law.exponent),
+        clearance_m: law.clearance_m * share,
+        ..*law
+    }
+}
+
+/// Unknowns of a wheel, from its body.
+const OF_A_WHEEL: usize = 3;
+
+/// Scales of forces and places.
+#[derive(Clone, Copy)]
+struct Size {
+    length: f64,
+    angle: f64,
+    force: f64,
+    moment: f64,
+}
+
+impl Statics<'_> {
+    /// The bearings, which the rigid solution leaves out; `None`: wheels do not float.
+    fn bearings(&self) -> Result<Bearings, GearboxError> {
+        let gearbox = self.gearbox;
+        Bearings::of(&gearbox.scene, &gearbox.geometry)
+            .ok_or_else(|| GearboxError::Geometry("no wheel floats".to_owned()))
+    }
+
+    fn size(&self, load: f64) -> Size {
+        let (scales, gear) = (self.gearbox.error_scales(), &self.gearbox.scene.gear);
+        let least = self.gearbox.least_force_n();
+        let moment = load.abs().max(least * gear.lever_m());
+        let largest = load_course::largest(&self.gearbox.scene.drive).max(moment);
+        let share = (moment / largest).max(LEAST_SIZE);
+        // Places are known to their rounding, and so are forces, however light the load.
+        let moment = share * largest;
+        Size {
+            length: share * scales.length,
+            angle: share * scales.angle,
+            force: moment / gear.lever_m(),
+            moment,
+        }
+    }
+
+    /// Puts all bodies in place, with the velocities of the motion about which forces are taken.
+    fn place_floating(&mut self, phi: f64, u: &[f64], velocities: Option<&[f64]>) {
+        let wheels: Vec<f64> = u[1..].chunks(OF_A_WHEEL).map(|wheel| wheel[2]).collect();
+        self.place(phi, &wheels, u[0]);
+        for (i, body) in self.gearbox.layout.wheel_bodies().enumerate() {
+            let at = 1 + OF_A_WHEEL * i;
+            let (body, centre) = (&mut self.bodies[body], self.motion.centres[i][0]);
+            (body.x, body.y) = (u[at], u[at + 1]);
+            (body.vx, body.vy) = (centre[0], centre[1]);
+        }
+        let Some(v) = velocities else { return };
+        self.bodies[Layout::OUTPUT].rate = v[0];
+        for (k, body) in self.gearbox.layout.internal_bodies().enumerate() {
+            self.bodies[body] = self.gearbox.geometry.internal_state(k, [u[0], v[0]]);
+        }
+        for (i, body) in self.gearbox.layout.wheel_bodies().enumerate() {
+            let (at, body) = (1 + OF_A_WHEEL * i, &mut self.bodies[body]);
+            (body.vx, body.vy, body.rate) = (v[at], v[at + 1], v[at + 2]);
+        }
+    }
+
+    /// Forces and moments that are not in balance at `u`.
+    fn left(
+        &mut self,
+        phi: f64,
+        load: f64,
+        bearings: &Bearings,
+        u: &[f64],
+        velocities: Option<&[f64]>,
+    ) -> DVector<f64> {
+        self.place_floating(phi, u, velocities);
+        self.field.add_loads(&self.bodies, &mut self.loads);
+        bearings.add_loads(&self.bodies, &mut self.loads);
+        let layout = self.gearbox.layout;
+        let mut moments = vec![0.0; layout.wheels];
+        let mut left = DVector::zeros(u.len());
+        left[0] = self.summed(&mut moments) + load;
+        let mass = self.gearbox.scene.mass.wheel.mass_kg;
+        for (i, body) in layout.wheel_bodies().enumerate() {
+            let (at, Wrench { fx, fy, .. }) = (1 + OF_A_WHEEL * i, self.loads[body]);
+            let [ax, ay] = self.motion.centres[i][1];
+            (left[at], left[at + 1]) = (fx - mass * ax, fy - mass * ay);
+            left[at + 2] = moments[i];
+        }
+        left
+    }
+
+    /// How what is left changes with the unknowns, by differences from `here`.
+    fn matrix(
+        &mut self,
+        phi: f64,
+        load: f64,
+        bearings: &Bearings,
+        (u, here): (&[f64], &DVector<f64>),
+        size: Size,
+    ) -> DMatrix<f64> {
+        let n = u.len();
+        let mut matrix = DMatrix::zeros(n, n);
+        let mut moved = u.to_vec();
+        for k in 0..n {
+            let h = DIFFERENCE
+                * if is_length(k) {
+                    size.length
+                } else {
+                    size.angle
+                };
+            moved[k] = u[k] + h;
+            let there = self.left(phi, load, bearings, &moved, None);
+            moved[k] = u[k];
+            matrix.set_column(k, &((there - here) / h));
+        }
+        matrix
+    }
+
+    /// Newton's method from `u`, with halved steps; what is left as a share of the load, or `None` where it got stuck.
+    fn balance(
+        &mut self,
+        phi: f64,
+        load: f64,
+        bearings: &Bearings,
+        u: &mut Vec<f64>,
+    ) -> Option<f64> {
+        let size = self.size(load);
+        let norm = |left: &DVector<f64>| {
+            let share = |(k, x): (usize, &f64)| {
+                x.abs()
+                    / if is_length(k) {
+                        size.force
+                    } else {
+                        size.moment
+                    }
+            };
+            left.iter().enumerate().map(share).fold(0.0, f64::max)
+        };
+        let mut here = self.left(phi, load, bearings, u, None);
+        let mut most = norm(&here);
+        for _ in 0..STEPS {
+            if most < BALANCED {
+                break;
+            }
+            let mut matrix = self.matrix(phi, load, bearings, (u, &here), size);
+            for k in 0..u.len() {
+                let weak = match is_length(k) {
+                    true => size.force / size.length,
+                    false => size.moment / size.angle,
+                };
+                matrix[(k, k)] -= WEAK * weak;
+            }
+            let step = -matrix.lu().solve(&here)?;
+            let mut share = 1.0;
+            let mut gained = false;
+            for _ in 0..HALVINGS {
+                let there: Vec<f64> = u.iter().zip(&step).map(|(u, s)| u + share * s).collect();
+                let left = self.left(phi, load, bearings, &there, None);
+                let now = norm(&left);
+                if now < most {
+                    gained = now < 0.9 * most || most > LEFT;
+                    (*u, here, most) = (there, left, now);
+                    break;
+                }
+                share *= 0.5;
+            }
+            if !gained {
+                break;
+            }
+        }
+        (most < LEFT).then_some(most)
+    }
+
+    /// Unknowns of bodies in place.
+    fn unknowns(&self, bodies: &[BodyState], output: f64) -> Vec<f64> {
+        let wheels = self.gearbox.layout.wheel_bodies().map(|body| bodies[body]);
+        let wheels = wheels.flat_map(|wheel| [wheel.x, wheel.y, wheel.angle]);
+        std::iter::once(output).chain(wheels).collect()
+    }
+
+    fn floating_equilibrium(
+        &mut self,
+        phi: f64,
+        load: f64,
+        bearings: &Bearings,
+        u: &[f64],
+    ) -> Equilibrium {
+        let left = self.left(phi, load, bearings, u, None);
+        let moments = left.iter().enumerate().filter(|(k, _)| !is_length(*k));
+        Equilibrium {
+            input: phi,
+            wheels: u[1..].chunks(OF_A_WHEEL).map(|wheel| wheel[2]).collect(),
+            output: u[0],
+            bodies: self.bodies.clone(),
+            residual: moments.map(|(_, x)| x.abs()).fold(0.0, f64::max),
+        }
+    }
+
+    /// The balance of floating wheels at the input angle `phi`.
+    pub(super) fn float(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+        if load == 0.0 {
+            return self.float_from_rigid(phi, load);
+        }
+        let side = usize::from(load < 0.0);
+        let known = self.floated[side].take();
+        let found = known.and_then(|(near, from)| self.float_towards(near, from, (phi, load)).ok());
+        let found = match found {
+            Some(found) => found,
+            None => self.float_afresh(phi, load)?,
+        };
+        self.floated[side] = Some((found.clone(), load));
+        Ok(found)
+    }
+
+    /// The same without a balance near by.
+    fn float_afresh(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+        let heavy = load_course::largest(&self.gearbox.scene.drive).copysign(load);
+        if load.abs() >= LIGHTER * heavy.abs() {
+            return self.float_from_rigid(phi, load);
+        }
+        let here = self.float_from_rigid(phi, heavy)?;
+        self.float_towards(here, heavy, (phi, load))
+    }
+
+    /// From a balance under the load `at`, in the same direction, to another input angle and load.
+    fn float_towards(
+        &mut self,
+        mut here: Equilibrium,
+        mut at: f64,
+        (phi, load): (f64, f64),
+    ) -> Result<Equilibrium, GearboxError> {
+        let mut part = LIGHTER;
+        while at != load || here.input != phi {
+            let next = match load.abs() < at.abs() {
+                true => load.signum() * (at * part).abs().max(load.abs()),
+                false => load.signum() * (at / part).abs().min(load.abs()),
+            };
+            match self.float_near(&here, phi, next) {
+                Some(found) => (here, at) = (found, next),
+                None => part = part.sqrt(),
+            }
+            if part * LEAST_GROWTH > 1.0 {
+                return Err(GearboxError::NoEquilibrium { load_n_m: load });
+            }
+        }
+        Ok(here)
+    }
+
+    /// The same by continuation from the balance of rigid eccentrics.
+    fn float_from_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+        let (rigid, bearings) = (self.solve_rigid(phi, load)?, self.bearings()?);
+        let mut u = self.unknowns(&rigid.bodies, rigid.output);
+        // Forces of the contacts alone: what the bearings will have to carry.
+        let contacts = self.left(phi, load, &bearings, &u, None);
+        let forces: Vec<[f64; 2]> = (0..self.gearbox.layout.wheels)
+            .map(|i| [contacts[1 + OF_A_WHEEL * i], contacts[2 + OF_A_WHEEL * i]])
+            .collect();
+        let most = forces.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
+        if most <= LEFT * self.size(load).force {
+            return Ok(self.floating_equilibrium(phi, load, &bearings, &u));
+        }
+        let whole = bearings.law.offset_under(most);
+        let mut share = (FIRST * self.size(load).length / whole).min(1.0);
+        for (i, force) in forces.iter().enumerate() {
+            let size = force[0].hypot(force[1]);
+            if size > 0.0 {
+                let offset = share * bearings.law.offset_under(size) / size;
+                u[1 + OF_A_WHEEL * i] += offset * force[0];
+                u[2 + OF_A_WHEEL * i] += offset * force[1];
+            }
+        }
+        let none = || GearboxError::NoEquilibrium { load_n_m: load };
+        let softened = |share: f64| {
+            let mut softened = bearings.clone();
+            softened.law = share_of(&bearings.law, share);
+            softened
+        };
+        // A first step that fails is tried from nearer to the rigid gear.
+        let mut before: Option<(f64, Vec<f64>)> = None;
+        let mut growth = GROWTH;
+        loop {
+            let mut there = match &before {
+                Some((last, at)) => self.stretched(phi, at, share / last),
+                None => u.clone(),
+            };
+            if self
+                .balance(phi, load, &softened(share), &mut there)
+                .is_some()
+            {
+                if share >= 1.0 {
+                    return Ok(self.floating_equilibrium(phi, load, &bearings, &there));
+                }
+                before = Some((share, there));
+            } else {
+                growth = growth.sqrt();
+                if growth < LEAST_GROWTH {
+                    return Err(none());
+                }
+            }
+            share = match &before {
+                Some((last, _)) => (last * growth).min(1.0),
+                None => {
+                    for at in u.iter_mut().enumerate().filter(|(k, _)| is_length(*k)) {
+                        let home = rigid_place(&rigid, self.gearbox.layout, at.0);
+                        *at.1 = home + 0.25 * (*at.1 - home);
+                    }
+                    0.25 * share
+                }
+            };
+        }
+    }
+
+    /// The same with the wheels' offsets from their eccentrics times `factor`.
+    fn stretched(&mut self, phi: f64, u: &[f64], factor: f64) -> Vec<f64> {
+        let mut there = u.to_vec();
+        for i in 0..self.gearbox.layout.wheels {
+            let own = [u[OF_A_WHEEL * (i + 1)], 0.0];
+            let home = self.gearbox.geometry.wheel_state(i, [phi, 0.0], own);
+            let at = 1 + OF_A_WHEEL * i;
+            there[at] = home.x + factor * (u[at] - home.x);
+            there[at + 1] = home.y + factor * (u[at + 1] - home.y);
+        }
+        there
+    }
+
+    /// The balance near another one; `None`: it leads nowhere.
+    pub(super) fn float_near(
+        &mut self,
+        near: &Equilibrium,
+        phi: f64,
+        load: f64,
+    ) -> Option<Equilibrium> {
+        let bearings = self.bearings().ok()?;
+        let mut u = self.unknowns(&near.bodies, near.output);
+        let geometry = &self.gearbox.geometry;
+        u[0] += geometry.ideal_output_angle(phi) - geometry.ideal_output_angle(near.input);
+        let (s, c) = (phi - near.input).sin_cos();
+        for (i, wheel) in u[1..].chunks_mut(OF_A_WHEEL).enumerate() {
+            let [x, y] = [wheel[0], wheel[1]];
+            (wheel[0], wheel[1]) = (c * x - s * y, s * x + c * y);
+            wheel[2] +=
+                geometry.ideal_wheel_angle(i, phi) - geometry.ideal_wheel_angle(i, near.input);
+        }
+        self.balance(phi, load, &bearings, &mut u)?;
+        Some(self.floating_equilibrium(phi, load, &bearings, &u))
+    }
+
+    /// As [`Statics::compliance`], of wheels that float. To first order in the rates the shape of the deflection is that at rest.
+    pub(super) fn floating_compliance(&mut self, at: &Equilibrium) -> Option<[f64; 2]> {
+        let bearings = self.bearings().ok()?;
+        let load = self.gearbox.scene.drive.output_torque_n_m;
+        let u = self.unknowns(&at.bodies, at.output);
+        let (size, phi) = (self.size(load), at.input);
+        let here = self.left(phi, 0.0, &bearings, &u, None);
+        let matrix = self.matrix(phi, 0.0, &bearings, (&u, &here), size);
+        let mut unit = DVector::zeros(u.len());
+        unit[0] = -1.0;
+        let shape = matrix.lu().solve(&unit)?;
+        let stiffness = 1.0 / shape[0];
+        let shape = shape * stiffness;
+        let rate = self.gearbox.error_scales().frequency * DIFFERENCE * size.angle;
+        let velocities: Vec<f64> = shape.iter().map(|x| rate * x).collect();
+        let moving = self.left(phi, 0.0, &bearings, &u, Some(&velocities));
+        Some([stiffness, -shape.dot(&(moving - here)) / rate])
+    }
+}
+
+/// Whether an unknown is a place of a wheel, and no angle.
+fn is_length(unknown: usize) -> bool {
+    unknown > 0 && !unknown.is_multiple_of(OF_A_WHEEL)
+}
+
+/// The same unknown at the rigid balance.
+fn rigid_place(rigid: &Equilibrium, layout: Layout, unknown: usize) -> f64 {
+    let body = layout.wheel_bodies().start + (unknown - 1) / OF_A_WHEEL;
+    match (unknown - 1) % OF_A_WHEEL {
+        0 => rigid.bodies[body].x,
+        _ => rigid.bodies[body].y,
+    }
+}

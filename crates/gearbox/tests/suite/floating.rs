@@ -1,0 +1,189 @@
+//! Wheels on elastic bearings.
+
+use pinwheel_gearbox::statics::Statics;
+use pinwheel_gearbox::{Gearbox, native};
+use pinwheel_mbs::Wrench;
+use pinwheel_scene::Scene;
+
+/// A bearing of needles, and one with clearance.
+const NEEDLES: [&str; 2] = [
+    "bearings.eccentric.rollers=16",
+    "bearings.eccentric.roller_length_m=0.009",
+];
+const LOOSE: [&str; 2] = [
+    "bearings.eccentric.stiffness_n_m=2e8",
+    "bearings.eccentric.clearance_m=5e-6",
+];
+
+fn gearbox(preset: &str, sets: &[&str]) -> Gearbox {
+    let sets: Vec<_> = sets.iter().map(|set| set.parse().unwrap()).collect();
+    Gearbox::new(&Scene::load(preset, &sets).unwrap()).unwrap()
+}
+
+/// Both forms integrate the same motion, with friction treated explicitly and implicitly.
+#[test]
+fn both_forms_agree() {
+    let methods = [
+        ("paper", "solver.integrator=\"dopri5\"", "0"),
+        ("eleven-pins", "solver.integrator=\"dopri5\"", "0"),
+        ("paper", "solver.integrator=\"imex2-adaptive\"", "0.1"),
+    ];
+    for (preset, method, friction) in methods {
+        let friction = format!("contact.friction_coefficient={friction}");
+        let common = [
+            method,
+            "solver.tolerance=1e-9",
+            "solver.duration_s=4e-3",
+            "solver.sample_s=1e-4",
+            &friction,
+        ];
+        let courses = ["reduced", "lagrange"].map(|form| {
+            let form = format!("solver.formulation=\"{form}\"");
+            let sets = [&common[..], &NEEDLES[..], &[&form]].concat();
+            let run = native::run(&gearbox(preset, &sets), &mut |_| false).unwrap();
+            run.whole().unwrap().time_series
+        });
+        let off = gearbox(preset, &NEEDLES).distance(&courses[0], &courses[1]);
+        let most = if friction.ends_with(".1") { 2e-4 } else { 1e-6 };
+        assert!(off.forces < most, "{preset} {method} {off:?}");
+    }
+}
+
+/// Every wheel and the output are free of force and moment, whatever the load, the clearance and the pose.
+#[test]
+fn balances_are_balances() {
+    for (preset, bearing) in [
+        ("paper", NEEDLES),
+        ("toleranced", NEEDLES),
+        ("backlash-0.6", LOOSE),
+        ("one-wheel", LOOSE),
+    ] {
+        let gearbox = gearbox(preset, &bearing);
+        let rated = gearbox.scene.drive.output_torque_n_m;
+        let mut statics = Statics::new(&gearbox).unwrap();
+        let mut field = gearbox.frictionless_field().unwrap();
+        let mut outputs = Vec::new();
+        for share in [1.0, 0.5, 0.03, 1e-4, -0.03, -1.0] {
+            let load = share * rated;
+            let found = statics.solve(0.7, load).unwrap();
+            let mut loads = vec![Wrench::default(); gearbox.layout.bodies()];
+            field.add_loads(&found.bodies, &mut loads);
+            let output: f64 = gearbox
+                .layout
+                .internal_bodies()
+                .map(|k| found.bodies[k].x * loads[k].fy - found.bodies[k].y * loads[k].fx)
+                .sum();
+            let least = 1e-8 * rated.abs();
+            assert!((output + load).abs() < least, "{preset} {share} {output}");
+            for wheel in gearbox.layout.wheel_bodies() {
+                let Wrench { fx, fy, moment } = loads[wheel];
+                let lever = gearbox.scene.gear.lever_m();
+                assert!(
+                    fx.hypot(fy) * lever < least && moment.abs() < least,
+                    "{preset} {share}: {:?}",
+                    loads[wheel]
+                );
+            }
+            outputs.push(found.output);
+        }
+        // A larger load twists further, in its own direction.
+        assert!(outputs.windows(2).all(|two| two[0] > two[1]), "{outputs:?}");
+    }
+}
+
+/// Near a rigid gear as the bearing stiffens; softer with one; and clearance is lost motion.
+#[test]
+fn bearings_soften_the_gear_and_clearance_loosens_it() {
+    let twist = |sets: &[&str], load: f64| {
+        let gearbox = gearbox("paper", sets);
+        let mut statics = Statics::new(&gearbox).unwrap();
+        statics.solve(0.0, load).unwrap().output
+    };
+    let rigid = twist(&[], 22.0);
+    let near = twist(&["bearings.eccentric.stiffness_n_m=1e13"], 22.0);
+    assert!((near / rigid - 1.0).abs() < 1e-5, "{near} {rigid}");
+    let soft = twist(&NEEDLES, 22.0);
+    assert!(soft > 1.01 * rigid, "{soft} {rigid}");
+    let lost = |sets: &[&str]| twist(sets, 0.66) - twist(sets, -0.66);
+    let tight = lost(&["bearings.eccentric.stiffness_n_m=2e8"]);
+    assert!(lost(&LOOSE) > 1.5 * tight, "{} {tight}", lost(&LOOSE));
+}
+
+/// Without a load a wheel rests in the middle of its clearance, and a run with neither load nor speed stays there.
+#[test]
+fn hard_clearance_without_load_rests() {
+    let sets = [&LOOSE[..], &["drive.output_torque_n_m=0"]].concat();
+    let gearbox = gearbox("paper", &sets);
+    let found = Statics::new(&gearbox).unwrap().solve(0.3, 0.0).unwrap();
+    for (i, body) in gearbox.layout.wheel_bodies().enumerate() {
+        let phase = 0.3 + gearbox.geometry.wheel_phases[i];
+        let e = gearbox.scene.gear.eccentricity_m;
+        let (x, y) = (e * phase.cos(), e * phase.sin());
+        let off = (found.bodies[body].x - x).hypot(found.bodies[body].y - y);
+        assert!(off < 1e-12, "{off}");
+    }
+}
+
+/// Stiffness about a balance is the slope of the load over the twist.
+#[test]
+fn compliance_is_the_slope_of_the_twist() {
+    let gearbox = gearbox("paper", &NEEDLES);
+    let mut statics = Statics::new(&gearbox).unwrap();
+    let at = statics.solve(0.3, 22.0).unwrap();
+    let [stiffness, damping] = statics.compliance(&at).unwrap();
+    let [low, high] = [21.999, 22.001].map(|load| statics.solve(0.3, load).unwrap().output);
+    let slope = 0.002 / (high - low);
+    assert!(
+        (stiffness / slope - 1.0).abs() < 1e-3,
+        "{stiffness} {slope}"
+    );
+    assert!(damping > 0.0, "{damping}");
+}
+
+/// A start in balance has no transient: from the first sample the largest force is that of the steady motion.
+#[test]
+fn equilibrium_start_has_no_transient() {
+    let sets = [
+        &NEEDLES[..],
+        &[
+            "drive.start=\"equilibrium\"",
+            "solver.integrator=\"dopri5\"",
+            "solver.tolerance=1e-9",
+            "solver.duration_s=0.04",
+        ],
+    ]
+    .concat();
+    let run = native::run(&gearbox("paper", &sets), &mut |_| false).unwrap();
+    let torque = run.whole().unwrap().time_series;
+    let torque = torque.channel("input_torque_n_m").unwrap();
+    let (early, late) = torque.split_at(torque.len() / 2);
+    let reach = |part: &[f64]| {
+        let (low, high) =
+            (part.iter()).fold((f64::MAX, f64::MIN), |(l, h), x| (x.min(l), x.max(h)));
+        high - low
+    };
+    assert!(
+        reach(early) < 1.5 * reach(late),
+        "{} {}",
+        reach(early),
+        reach(late)
+    );
+}
+
+/// What the bearings store and lose is in the account: under a law with a potential nothing is left over.
+#[test]
+fn the_energy_account_closes() {
+    let sets = [
+        &NEEDLES[..],
+        &[
+            "contact.law=\"paper-conservative\"",
+            "solver.integrator=\"dop853\"",
+            "solver.tolerance=1e-10",
+            "solver.duration_s=0.02",
+        ],
+    ]
+    .concat();
+    let run = native::run(&gearbox("paper", &sets), &mut |_| false).unwrap();
+    let audit = run.energy.audit(0.0, 0.02).unwrap();
+    assert!(audit.remainder_share.unwrap().abs() < 1e-6, "{audit:?}");
+}

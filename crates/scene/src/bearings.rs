@@ -1,0 +1,206 @@
+//! The bearing between an eccentric and its wheel.
+//!
+//! ```text
+//! d = r_wheel - C,  C = e u(phi + phi_i)      F = [K max(0, |d| - g)^p + c |d|'] d/|d|  on the eccentric, at the wheel's centre
+//! ```
+//! Rollers after Palmgren (Palmgren, *Ball and Roller Bearing Engineering*, 3rd ed., 1959): an approach of
+//! delta = 7.68e-5 Q^0.9/l^0.8 (mm, N) under the most loaded roller's Q = 4.08 F/Z.
+
+use crate::error::Fault;
+use crate::model::{Bearings, EccentricBearing, Scene};
+
+/// The exponent of Palmgren's rollers.
+const ROLLERS: f64 = 10.0 / 9.0;
+
+/// A bearing's force as a function of its offset.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BearingLaw {
+    /// K, N/m^p.
+    pub stiffness: f64,
+    /// p
+    pub exponent: f64,
+    /// g, m.
+    pub clearance_m: f64,
+    /// c, N s/m.
+    pub damping_n_s_m: f64,
+}
+
+impl Bearings {
+    pub(crate) fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
+impl EccentricBearing {
+    /// Share of critical damping of a wheel on its bearing under the largest load, where no damping is given.
+    pub const DAMPING_SHARE: f64 = 0.05;
+}
+
+impl BearingLaw {
+    /// Of a scene whose wheels float; `None`: eccentrics hold them rigidly.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Option<Self> {
+        let bearing = scene.bearings.eccentric?;
+        let (stiffness, exponent) = match (bearing.rollers, bearing.roller_length_m) {
+            (Some(rollers), Some(length)) => {
+                // F(delta), delta in m.
+                let per_metre = 1e3 * (1e3 * length).powf(0.8) / 7.68e-5;
+                (rollers as f64 / 4.08 * per_metre.powf(ROLLERS), ROLLERS)
+            }
+            _ => (
+                bearing.stiffness_n_m.unwrap_or_default(),
+                bearing.exponent.unwrap_or(1.0),
+            ),
+        };
+        let mut law = Self {
+            stiffness,
+            exponent,
+            clearance_m: bearing.clearance_m.unwrap_or_default(),
+            damping_n_s_m: 0.0,
+        };
+        law.damping_n_s_m = bearing.damping_n_s_m.unwrap_or_else(|| {
+            let slope = law.slope_under(typical_force(scene));
+            2.0 * EccentricBearing::DAMPING_SHARE * (slope * scene.mass.wheel.mass_kg).sqrt()
+        });
+        Some(law)
+    }
+
+    /// Force at rest at an offset beyond the clearance, N.
+    #[must_use]
+    #[inline]
+    pub fn elastic(&self, beyond: f64) -> f64 {
+        if self.exponent == 1.0 {
+            self.stiffness * beyond
+        } else {
+            self.stiffness * beyond.powf(self.exponent)
+        }
+    }
+
+    /// Force, N, at an offset of the centres of `offset` m that grows by `rate` m/s; never below 0.
+    #[must_use]
+    #[inline]
+    pub fn force(&self, offset: f64, rate: f64) -> f64 {
+        let beyond = offset - self.clearance_m;
+        if beyond <= 0.0 {
+            return 0.0;
+        }
+        (self.elastic(beyond) + self.damping_n_s_m * rate).max(0.0)
+    }
+
+    /// Energy stored at an offset, J.
+    #[must_use]
+    pub fn stored(&self, offset: f64) -> f64 {
+        let beyond = (offset - self.clearance_m).max(0.0);
+        self.elastic(beyond) * beyond / (self.exponent + 1.0)
+    }
+
+    /// Offset under a force, m.
+    #[must_use]
+    pub fn offset_under(&self, force: f64) -> f64 {
+        self.clearance_m + (force / self.stiffness).powf(1.0 / self.exponent)
+    }
+
+    /// dF/d offset under a force, N/m.
+    #[must_use]
+    pub fn slope_under(&self, force: f64) -> f64 {
+        self.exponent * force / (self.offset_under(force) - self.clearance_m)
+    }
+}
+
+/// What a bearing carries under the largest load, N: about the load on one wheel over the lever of its lobes.
+#[must_use]
+pub fn typical_force(scene: &Scene) -> f64 {
+    crate::Scales::of(scene).wheel_torque_n_m / scene.gear.lever_m()
+}
+
+/// Keys that go together.
+pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
+    let Some(bearing) = scene.bearings.eccentric else {
+        return Ok(());
+    };
+    let key = "bearings.eccentric.stiffness_n_m";
+    let rollers = [bearing.rollers.is_some(), bearing.roller_length_m.is_some()];
+    match (bearing.stiffness_n_m.is_some(), rollers) {
+        (true, [false, false]) => Ok(()),
+        (false, [true, true]) if bearing.exponent.is_none() => Ok(()),
+        (false, [true, true]) => Err(Fault::new(
+            &["bearings.eccentric.exponent", "bearings.eccentric.rollers"],
+            "is that of rollers already, 10/9".to_owned(),
+            "leave it out, or give stiffness_n_m in place of rollers",
+        )),
+        (true, _) => Err(Fault::new(
+            &[key, "bearings.eccentric.rollers"],
+            "is given twice, by itself and by rollers".to_owned(),
+            "give stiffness_n_m, or rollers and roller_length_m",
+        )),
+        (false, [false, false]) => Err(Fault::new(
+            &[key],
+            "is missing, so the bearing has no stiffness".to_owned(),
+            "give stiffness_n_m, or rollers and roller_length_m",
+        )),
+        (false, [has_count, _]) => Err(Fault::new(
+            &[match has_count {
+                true => "bearings.eccentric.roller_length_m",
+                false => "bearings.eccentric.rollers",
+            }],
+            "is missing; rollers give a stiffness by their number and length".to_owned(),
+            "give both, or stiffness_n_m",
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn with(bearing: &str) -> Scene {
+        let mut scene = Scene::paper();
+        scene.bearings.eccentric = Some(toml::from_str(bearing).unwrap());
+        scene
+    }
+
+    /// Palmgren's formula by hand: 4 kN on 16 rollers of 9 mm have a tangent of 5.9e8 N/m.
+    #[test]
+    fn published_palmgrens_rollers() {
+        let law = BearingLaw::of(&with("rollers = 16\nroller_length_m = 0.009")).unwrap();
+        let approach_mm = 7.68e-5 * (4.08_f64 * 4000.0 / 16.0).powf(0.9) / 9f64.powf(0.8);
+        let found = law.offset_under(4000.0);
+        assert!(
+            (found / (1e-3 * approach_mm) - 1.0).abs() < 1e-12,
+            "{found}"
+        );
+        assert!((law.elastic(found) / 4000.0 - 1.0).abs() < 1e-12);
+        let slope = law.slope_under(4000.0);
+        assert!((slope / 5.9e8 - 1.0).abs() < 0.02, "{slope}");
+    }
+
+    #[test]
+    fn nothing_within_the_clearance_and_never_a_pull() {
+        let law = BearingLaw::of(&with(
+            "stiffness_n_m = 1e8\nclearance_m = 5e-6\ndamping_n_s_m = 100",
+        ));
+        let law = law.unwrap();
+        assert_eq!(law.force(5e-6, 1.0), 0.0);
+        assert_eq!(law.force(6e-6, 0.0), 1e8 * (6e-6 - 5e-6));
+        assert_eq!(law.force(6e-6, -2.0), 0.0);
+        assert!((law.stored(7e-6) / (0.5e8 * 4e-12) - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn bad_input_half_a_bearing_says_what_it_lacks() {
+        for (bearing, missing) in [
+            ("clearance_m = 1e-6", "stiffness_n_m"),
+            ("rollers = 9", "roller_length_m"),
+            ("roller_length_m = 0.01", "rollers"),
+            (
+                "rollers = 9\nroller_length_m = 0.01\nexponent = 1.5",
+                "exponent",
+            ),
+            ("rollers = 9\nstiffness_n_m = 1e8", "stiffness_n_m"),
+        ] {
+            let fault = check(&with(bearing)).unwrap_err();
+            assert!(fault.to_string().contains(missing), "{bearing}: {fault}");
+        }
+        assert!(check(&with("stiffness_n_m = 1e8")).is_ok());
+    }
+}
