@@ -106,15 +106,15 @@ pub(crate) fn engine_summary(
         let found: Vec<QuantityUncertainty> = there
             .filter_map(|q| uncertainty(participant, q, window, samples.clone(), judge))
             .collect();
-        let steady = window.kind == WindowKind::Steady && participant.track != Track::Measured;
-        let there = quantities.iter().any(|q| q.name == OUTPUT_TORQUE);
-        if let Some(load_n_m) = judge.context.load_n_m.filter(|_| steady && there) {
-            let mean = figures.quantities.get(OUTPUT_TORQUE).map(|s| s.mean);
+        if let Some(of_output) = judge.context.output(window)
+            && participant.track != Track::Measured
+            && quantities.iter().any(|q| q.name == OUTPUT_TORQUE)
+        {
             let u = found.iter().find(|u| u.quantity == OUTPUT_TORQUE);
             judged.push(EngineEntry {
                 quantity: OUTPUT_TORQUE.to_owned(),
                 window: window.kind,
-                result: judge.load(participant, mean, load_n_m, u.map(|u| &u.mean)),
+                result: judge.load(participant, samples, of_output, u.map(|u| &u.mean)),
             });
         }
         all_figures.push(figures);
