@@ -61,7 +61,7 @@ impl Negligible {
     }
 
     /// Of one quantity; `None` for what is neither a load nor an angle.
-    fn below(&self, quantity: &Quantity) -> Option<f64> {
+    pub(crate) fn below(&self, quantity: &Quantity) -> Option<f64> {
         match quantity.unit.as_str() {
             "N" => Some(self.force_n),
             "N m" => Some(self.torque_n_m),

@@ -12,7 +12,7 @@ use crate::model;
 use crate::participant::{Context, Participant, Track};
 use crate::quantities::{OUTPUT_TORQUE, Quantity};
 use crate::uncertainty::{
-    Estimate, Evidence, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved,
+    Basis, Estimate, Evidence, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved,
     rounding_floor,
 };
 use crate::windows::{Window, WindowKind};
@@ -36,6 +36,27 @@ pub(crate) fn uncertainty(
     judge: Judge<'_>,
 ) -> Option<QuantityUncertainty> {
     let evidence = judge.rules.evidence_of(&participant.name)?;
+    // What only rounding makes no refinement makes sharper, and no run shows an order in.
+    if let Source::Refinement(_) = evidence.source
+        && let Some(below) = judge.negligible.below(quantity)
+        && let Some(view) = View::of(
+            &participant.time_series,
+            &quantity.channels,
+            samples.clone(),
+        )
+        && Statistics::of(&view).is_some_and(|own| own.peak < below)
+    {
+        let rounding = Estimate {
+            basis: Basis::Rounding,
+            ..Estimate::stated(below)
+        };
+        let known = Uncertainty::Known(rounding);
+        return Some(QuantityUncertainty::everywhere(
+            &quantity.name,
+            window.kind,
+            &known,
+        ));
+    }
     let missing = |missing: &Unresolved| {
         let what = Uncertainty::Unknown(missing.clone());
         QuantityUncertainty::everywhere(&quantity.name, window.kind, &what)

@@ -2,12 +2,13 @@
 
 use std::sync::atomic::AtomicBool;
 
+use pinwheel_engines::{Engine, Native};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::calibration::gears;
 use pinwheel_studies::design::{self, ForceHarmonic};
 use pinwheel_studies::stability::{Atlas, Failure, Options};
-use pinwheel_studies::{Control, Progress, StudyError, divergence, resolution};
+use pinwheel_studies::{Control, Progress, StudyError, comparison, divergence, resolution, single};
 use pinwheel_timeseries::norms::{Distance, Least};
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
@@ -353,4 +354,41 @@ fn regress_a_shift_of_all_phases_changes_no_figure() {
     }
     println!("{} of {seen} outside: {outside:#?}", outside.len());
     assert!(seen > 80 && outside.len() * 50 <= seen, "{outside:#?}");
+}
+
+/// Without load there is only rounding: figures are zero within its size, a comparison refines nothing, and a design has nothing to
+/// be judged under. A load of 1e-30 N m is none.
+#[test]
+fn hard_loads_that_are_rounding_are_none() {
+    for load in ["0", "1e-30"] {
+        let sets = [
+            "solver.duration_s=0.05".to_owned(),
+            format!("drive.output_torque_n_m={load}"),
+        ];
+        let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
+        let gearbox = Gearbox::new(&scene("paper", &sets).check().unwrap()).unwrap();
+        let (reduced, quiet) = (Native::REDUCED, Control::quiet());
+        let run = single::run(&gearbox, &reduced, true, &quiet).unwrap();
+        for figure in &run.results().figures {
+            let floor = figure.uncertainty.unwrap();
+            let is_load = figure.name.ends_with("_n") || figure.name.ends_with("_n_m");
+            assert!(
+                !is_load || figure.value == 0.0 && floor > 1e-18,
+                "{load}: {figure:?}"
+            );
+        }
+        let engines: [Box<dyn Engine>; 2] = [Box::new(reduced), Box::new(Native::LAGRANGE)];
+        let input = comparison::Input {
+            gearbox: &gearbox,
+            engines: &engines,
+            data: &[],
+        };
+        let found = comparison::run(&input, &quiet).unwrap();
+        assert_eq!(found.exit_status(), 0, "{:?}", found.comparison.counts);
+        assert!(found.comparison.counts.agree > 0, "the output's angle");
+        let steps = found.participants.iter().map(|p| p.cost.steps);
+        assert!(steps.max() <= Some(5000), "as the scene has them");
+        let error = design::run(&gearbox, false, &quiet).unwrap_err();
+        assert!(matches!(error, StudyError::Input(_)), "{error}");
+    }
 }

@@ -179,7 +179,7 @@ impl Definition {
         value: impl Into<Option<f64>>,
         uncertainty: impl Into<Option<f64>>,
     ) -> DesignFigure {
-        let value = value.into();
+        let value = value.into().filter(|value| value.is_finite());
         DesignFigure {
             key: self.key,
             what: self.what,

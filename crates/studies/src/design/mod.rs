@@ -31,7 +31,7 @@ use std::path::Path;
 use pinwheel_engines::Native;
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError};
-use pinwheel_scene::{CheckedScene, Derived, Scene, derived, load_course};
+use pinwheel_scene::{CheckedScene, Derived, Scales, Scene, derived, load_course};
 use pinwheel_timeseries::table::{Column, Table};
 use serde::Serialize;
 
@@ -298,6 +298,14 @@ pub(crate) fn working_load(gearbox: &Gearbox) -> Result<f64, StudyError> {
     if rated <= 0.0 {
         return Err(StudyError::Input(format!(
             "{}: `drive.output_torque_n_m` is 0, and a design is judged under its rated torque; give it",
+            scene.name
+        )));
+    }
+    let rounding = Scales::of(scene).rounding_n_m();
+    if rated <= rounding {
+        return Err(StudyError::Input(format!(
+            "{}: `drive.output_torque_n_m` is {rated:.1e}, and up to {rounding:.0e} N m there is only rounding in this gear; \
+             give its rated torque",
             scene.name
         )));
     }
