@@ -99,10 +99,10 @@ impl Spread {
 /// How the output twists against the locked input.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Torsion {
-    /// Between +3 % and -3 % of the rated torque, arcmin.
-    pub lost_motion_arcmin: Spread,
+    /// Between +3 % and -3 % of the rated torque, arcmin; `None` where parts overlap.
+    pub lost_motion_arcmin: Option<Spread>,
     /// The same at the input angle 0 alone, where the loop is run too, arcmin.
-    pub lost_motion_at_0_arcmin: f64,
+    pub lost_motion_at_0_arcmin: Option<f64>,
     /// Between 50 and 100 % of the rated torque, both directions, N m/arcmin.
     pub stiffness_n_m_per_arcmin: Spread,
     /// The curve at the input angle 0: torque, N m.
@@ -149,6 +149,9 @@ pub struct DesignResult {
     pub scene: CheckedScene,
     /// Largest load of the scene, N m.
     pub rated_torque_n_m: f64,
+    /// Why there is no lost motion: parts overlap.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preloaded: Option<String>,
     /// What a data sheet gives, each figure with its numerical uncertainty and its band by contact law.
     pub figures: Vec<DesignFigure>,
     /// Other contact laws and fits beside the scene's; `None`: there is nothing to compare.
@@ -258,6 +261,15 @@ pub(crate) fn figures_of(
     }
     let mut figures = balances.figures();
     figures.extend(figures::of_runs(cycle.as_ref(), &efficiency));
+    let preloaded = balances.preloaded();
+    if preloaded.is_some() {
+        let withhold = |one: DesignFigure| match one.is_lost_motion() {
+            true => one.withheld(),
+            false => one,
+        };
+        figures = figures.into_iter().map(withhold).collect();
+    }
+    let is_loose = preloaded.is_none();
 
     let mut bearings = summed.bearings;
     for bearing in &mut bearings {
@@ -266,12 +278,13 @@ pub(crate) fn figures_of(
     Ok(DesignResult {
         scene: scene.clone(),
         rated_torque_n_m: rated,
+        preloaded,
         figures,
         bands: None,
         dimensions: derived(scene),
         torsion: Torsion {
-            lost_motion_arcmin: summed.lost,
-            lost_motion_at_0_arcmin: balances.lost[0],
+            lost_motion_arcmin: is_loose.then_some(summed.lost),
+            lost_motion_at_0_arcmin: is_loose.then(|| balances.lost[0]),
             stiffness_n_m_per_arcmin: summed.stiffness,
             torque_n_m: curve.0,
             twist_arcmin: curve.1,
