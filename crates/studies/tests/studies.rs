@@ -402,13 +402,16 @@ fn hard_a_jammed_gear_has_no_lost_motion() {
         design::run(&gearbox, false, &Control::quiet()).unwrap()
     };
     for (sets, overlap) in [
-        (&["gear.errors.eccentricity_m=[1e-3,-1e-3]"][..], 0.0),
+        (
+            &["gear.errors.eccentricity_m=[1e-3,-1e-3]"][..],
+            "1000.00 um",
+        ),
         (
             &[
                 "gear.modification.equidistant_m=-4.5e-4",
                 "gear.modification.radial_m=1.4e-3",
             ],
-            "1.0 um",
+            "1850.00 um",
         ),
     ] {
         let found = design("paper", sets);

@@ -182,7 +182,7 @@ impl Balances {
             [&self.unloaded, &self.loaded].map(|p| largest(p, |pair| pair.force_n));
         let overlap_um = 1e6 * largest(&self.unloaded, |pair| pair.penetration_m);
         (without > LOST * rated)
-            .then(|| format!("preloaded: parts overlap by {overlap_um:.1} um without load"))
+            .then(|| format!("preloaded: parts overlap by {overlap_um:.2} um without load"))
     }
 }
 
