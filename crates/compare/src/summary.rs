@@ -224,8 +224,11 @@ fn efficiency(
     }
     let context = judge.context;
     let speed_in = context.input_speed_rad_s.ok_or(None)?;
-    let [power_in, power_out] =
-        mean_powers(&participant.time_series, samples, speed_in).ok_or(None)?;
+    let account = model::account(participant, window);
+    let [power_in, power_out] = account
+        .and_then(|account| account.mean_powers(window.from_s, window.to_s))
+        .or_else(|| mean_powers(&participant.time_series, samples, speed_in))
+        .ok_or(None)?;
     if speed_in == 0.0 {
         return Err(Some("the driver stands still"));
     }
