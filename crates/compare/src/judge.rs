@@ -1,5 +1,8 @@
 //! From distances, uncertainties and limits to a verdict.
 
+use std::ops::Range;
+
+use crate::balance;
 use crate::limits::{NEGLIGIBLE_SHARE, fits};
 use crate::metrics::{Metric, PairMetrics};
 use crate::model::{self, ModelTolerance, Prediction};
@@ -58,7 +61,7 @@ impl Negligible {
     }
 
     /// Of one quantity; `None` for what is neither a load nor an angle.
-    fn below(&self, quantity: &Quantity) -> Option<f64> {
+    pub(crate) fn below(&self, quantity: &Quantity) -> Option<f64> {
         match quantity.unit.as_str() {
             "N" => Some(self.force_n),
             "N m" => Some(self.torque_n_m),
@@ -88,9 +91,6 @@ pub(crate) struct Case<'a> {
     /// Whether samples may be held against samples.
     pub(crate) pointwise: bool,
 }
-
-/// In the mean the contact forces on the output shaft balance the load, whatever law and engine: to this share of it.
-pub const LOAD_BALANCE: f64 = 1e-4;
 
 impl<'a> Case<'a> {
     /// The metrics that say something here.
@@ -312,41 +312,52 @@ impl Judge<'_> {
         metrics.map(assess).into()
     }
 
-    /// Judges the mean output torque of one engine against the load, on any scene: this is mechanics. `u`: the
-    /// uncertainty of that mean, N m, which widens the limit; where it is not known, a mean beyond the limit is inconclusive.
+    /// Judges the balance of one engine's output shaft in a window of constant load, on any scene: this is mechanics. `u`: the
+    /// uncertainty of the mean torque, N m, which widens the bound; where it is not known, what is beyond is inconclusive.
     pub(crate) fn load(
         &self,
         engine: &Participant,
-        mean: Option<f64>,
-        load_n_m: f64,
+        samples: Range<usize>,
+        [load_n_m, inertia]: [f64; 2],
         u: Option<&Uncertainty>,
     ) -> Assessment {
         if load_n_m.abs() <= self.negligible.torque_n_m {
             return Assessment::not_compared("the scene has no load to compare with");
         }
-        if engine.cost.recorded.is_some() {
-            // One sample a millisecond aliases the ripple into the mean: 1e-4 of it for 40 sleeves.
-            return Assessment::not_compared("a recording has too few samples for this mean");
+        let steps = engine.cost.steps as f64 / engine.time_series.len() as f64;
+        let found = balance::of(&engine.time_series, samples, load_n_m, inertia, steps);
+        let Some(balance) = found else {
+            return Assessment::not_compared("too few samples for the balance of the output shaft");
+        };
+        let share = |torque: f64| torque / load_n_m.abs();
+        let rounding = share(self.negligible.torque_n_m + balance.rounding);
+        let (quadrature, own) = (
+            share(balance.quadrature),
+            share(u.and_then(Uncertainty::u).unwrap_or(0.0)),
+        );
+        if quadrature > self.rules.resolution {
+            return Assessment::not_compared(format!(
+                "the samples are too far apart for the mean output torque: it is known to {quadrature:.1e} of the load"
+            ));
         }
-        let value = mean.map(|mean| (mean + load_n_m).abs() / load_n_m.abs());
-        let share = u.and_then(Uncertainty::u).unwrap_or(0.0) / load_n_m.abs();
+        let left_over = share(balance.left_over.abs());
         let found = Assessment {
-            u_a: Some(share),
+            u_a: Some(own),
             ..Assessment::limit(
                 Metric::MeanAgainstLoad,
-                value,
-                LOAD_BALANCE + share,
-                "In the mean the contact forces on the output shaft balance the load, whatever the law and engine.",
+                left_over.is_finite().then_some(left_over),
+                rounding + quadrature + own,
+                "In the mean, contact forces and load give the output shaft its acceleration, whatever the law and engine.",
             )
         };
-        let found = if !(share <= self.rules.resolution) {
+        let found = if !(own <= self.rules.resolution) {
             let reason = format!(
-                "the mean is uncertain by {share:.1e} of the load, above the resolution of {:.0e}",
+                "the mean is uncertain by {own:.1e} of the load, above the resolution of {:.0e}",
                 self.rules.resolution
             );
             found.inconclusive(&engine.name, reason, format!("refine {}", engine.name))
         } else if let (Some(Uncertainty::Unknown(missing)), Verdict::Differ) = (u, found.verdict)
-            && value.is_some()
+            && left_over.is_finite()
         {
             let (reason, remedy) = (missing.reason.clone(), missing.remedy.clone());
             found.inconclusive(&engine.name, reason, remedy)

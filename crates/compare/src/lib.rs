@@ -73,6 +73,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod balance;
 mod compare;
 pub mod comparison;
 mod error;
@@ -96,7 +97,6 @@ pub mod windows;
 pub use compare::compare;
 pub use comparison::Comparison;
 pub use error::CompareError;
-pub use judge::LOAD_BALANCE;
 pub use limits::StatedLimit;
 pub use metrics::Metric;
 pub use participant::{Context, Cost, Divergence, Energy, Participant, Scales, Status, Track};

@@ -54,10 +54,7 @@ impl ModelTolerance {
 
 /// The account of the part of the run that a window is, or that overlaps it most; `None` without an account.
 pub(crate) fn account<'a>(participant: &'a Participant, window: &Window) -> Option<&'a Energy> {
-    let overlap = |e: &Energy| {
-        let both = e.to_s.min(window.to_s) - e.from_s.max(window.from_s);
-        both / (e.to_s.max(window.to_s) - e.from_s.min(window.from_s))
-    };
+    let overlap = |e: &Energy| e.overlap(window.from_s, window.to_s);
     participant
         .cost
         .energy

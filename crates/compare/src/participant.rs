@@ -4,6 +4,8 @@ use pinwheel_timeseries::TimeSeries;
 pub use pinwheel_timeseries::{Ending as Status, EnergyAudit as Energy, RunStats as Cost, Track};
 use serde::Serialize;
 
+use crate::windows::Window;
+
 /// One engine's run.
 #[derive(Debug, Clone)]
 pub struct Participant {
@@ -35,9 +37,15 @@ pub struct Context {
     pub description: String,
     /// Simulated time, s.
     pub duration_s: f64,
-    /// Torque of the load on the output shaft, N m. In the mean the contact forces balance it:
-    /// mean `output_torque_n_m` = -load. Of a load that changes the last one, which is that of a steady window.
+    /// Torque of the load on the output shaft, N m. Of a load that changes the last one, which is that of a steady window.
     pub load_n_m: Option<f64>,
+    /// From here on the load is that, s.
+    #[serde(skip)]
+    pub load_from_s: f64,
+    /// Moment of inertia that contact forces and load turn, kg m^2: the output shaft with its internal sleeves. Without it no
+    /// balance is judged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub output_inertia_kg_m2: Option<f64>,
     /// Times at which the load changes or comes to the end of a change, s, increasing.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub load_changes_s: Vec<f64>,
@@ -83,6 +91,14 @@ pub struct Divergence {
 }
 
 impl Context {
+    /// Load (N m) and inertia (kg m^2) of the output in a window throughout which the load is the last one.
+    pub(crate) fn output(&self, window: &Window) -> Option<[f64; 2]> {
+        let load = self
+            .load_n_m
+            .filter(|_| self.load_from_s <= window.from_s)?;
+        Some([load, self.output_inertia_kg_m2?])
+    }
+
     /// Whether time series can be compared sample by sample up to `to_s`.
     #[must_use]
     pub fn is_pointwise(&self, to_s: f64) -> bool {

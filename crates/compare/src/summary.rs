@@ -12,7 +12,7 @@ use crate::model;
 use crate::participant::{Context, Participant, Track};
 use crate::quantities::{OUTPUT_TORQUE, Quantity};
 use crate::uncertainty::{
-    Estimate, Evidence, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved,
+    Basis, Estimate, Evidence, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved,
     rounding_floor,
 };
 use crate::windows::{Window, WindowKind};
@@ -36,6 +36,27 @@ pub(crate) fn uncertainty(
     judge: Judge<'_>,
 ) -> Option<QuantityUncertainty> {
     let evidence = judge.rules.evidence_of(&participant.name)?;
+    // What only rounding makes no refinement makes sharper, and no run shows an order in.
+    if let Source::Refinement(_) = evidence.source
+        && let Some(below) = judge.negligible.below(quantity)
+        && let Some(view) = View::of(
+            &participant.time_series,
+            &quantity.channels,
+            samples.clone(),
+        )
+        && Statistics::of(&view).is_some_and(|own| own.peak < below)
+    {
+        let rounding = Estimate {
+            basis: Basis::Rounding,
+            ..Estimate::stated(below)
+        };
+        let known = Uncertainty::Known(rounding);
+        return Some(QuantityUncertainty::everywhere(
+            &quantity.name,
+            window.kind,
+            &known,
+        ));
+    }
     let missing = |missing: &Unresolved| {
         let what = Uncertainty::Unknown(missing.clone());
         QuantityUncertainty::everywhere(&quantity.name, window.kind, &what)
@@ -106,15 +127,15 @@ pub(crate) fn engine_summary(
         let found: Vec<QuantityUncertainty> = there
             .filter_map(|q| uncertainty(participant, q, window, samples.clone(), judge))
             .collect();
-        let steady = window.kind == WindowKind::Steady && participant.track != Track::Measured;
-        let there = quantities.iter().any(|q| q.name == OUTPUT_TORQUE);
-        if let Some(load_n_m) = judge.context.load_n_m.filter(|_| steady && there) {
-            let mean = figures.quantities.get(OUTPUT_TORQUE).map(|s| s.mean);
+        if let Some(of_output) = judge.context.output(window)
+            && participant.track != Track::Measured
+            && quantities.iter().any(|q| q.name == OUTPUT_TORQUE)
+        {
             let u = found.iter().find(|u| u.quantity == OUTPUT_TORQUE);
             judged.push(EngineEntry {
                 quantity: OUTPUT_TORQUE.to_owned(),
                 window: window.kind,
-                result: judge.load(participant, mean, load_n_m, u.map(|u| &u.mean)),
+                result: judge.load(participant, samples, of_output, u.map(|u| &u.mean)),
             });
         }
         all_figures.push(figures);
@@ -203,8 +224,11 @@ fn efficiency(
     }
     let context = judge.context;
     let speed_in = context.input_speed_rad_s.ok_or(None)?;
-    let [power_in, power_out] =
-        mean_powers(&participant.time_series, samples, speed_in).ok_or(None)?;
+    let account = model::account(participant, window);
+    let [power_in, power_out] = account
+        .and_then(|account| account.mean_powers(window.from_s, window.to_s))
+        .or_else(|| mean_powers(&participant.time_series, samples, speed_in))
+        .ok_or(None)?;
     if speed_in == 0.0 {
         return Err(Some("the driver stands still"));
     }

@@ -185,9 +185,7 @@ impl<'a> Statics<'a> {
                 b.x * l.fy - b.y * l.fx
             })
             .sum();
-        let rw = self.gearbox.scene.gear.internal_circle_radius_m;
-        let carried = mass.internal_sleeve.mass_kg * rw * rw * layout.internal_sleeves as f64;
-        sleeves - (mass.output_shaft.moment_kg_m2 + carried) * self.motion.output[1]
+        sleeves - self.gearbox.scene.output_inertia_kg_m2() * self.motion.output[1]
     }
 
     /// Half widths of the brackets: of a wheel about its ideal mesh, of the output about its own.

@@ -35,6 +35,23 @@ pub fn text(found: &Outcome) -> String {
         text.push_str(&terminal::table(&table.done()));
         text.push('\n');
     }
+    text.push_str(&format!(
+        "{} comparisons of engines with each other, {} false alarms\n",
+        found.comparisons,
+        found.alarms.len()
+    ));
+    for alarm in &found.alarms {
+        let (off, bound) = (alarm.result.difference, alarm.result.bound);
+        text.push_str(&format!(
+            "false alarm: {}, {}, {}, {}: {:.1e} against {:.1e}\n",
+            alarm.scene,
+            alarm.engines,
+            alarm.quantity,
+            alarm.window.word(),
+            off.unwrap_or(f64::NAN),
+            bound.unwrap_or(f64::NAN)
+        ));
+    }
     for left in &found.left_out {
         text.push_str(&format!("left out: {left}\n"));
     }

@@ -187,15 +187,18 @@ fn with_band(one: &DesignFigure) -> String {
 fn how(found: &DesignResult, one: &DesignFigure) -> String {
     let mut parts = vec![counted(one)];
     match one.key {
-        "lost_motion_run_arcmin" => parts.push(format!(
-            "{} by statics at that pose",
-            figure(found.torsion.lost_motion_at_0_arcmin)
-        )),
+        "lost_motion_run_arcmin" => {
+            let statics = found.torsion.lost_motion_at_0_arcmin;
+            parts.extend(statics.map(|lost| format!("{} by statics at that pose", figure(lost))));
+        }
         "efficiency_rated_percent" => {
             let rated = found.efficiency.last().and_then(|run| run.efficiency);
             parts.extend(rated.and_then(|efficiency| efficiency.defined().err()));
         }
         _ => {}
+    }
+    if one.is_lost_motion() {
+        parts.extend(found.preloaded.clone());
     }
     if one.value.is_none() {
         let runs = found.cycle.iter().map(|cycle| cycle.status);

@@ -142,6 +142,14 @@ pub fn final_load(scene: &Scene) -> f64 {
         .map_or(scene.drive.output_torque_n_m, |piece| piece.after_n_m)
 }
 
+/// The time from which on the load of a run of `scene` is [`final_load`], s.
+#[must_use]
+pub fn final_from_s(scene: &Scene) -> f64 {
+    let end = scene.solver.duration_s;
+    let began = pieces(&scene.drive).take_while(|p| p.from_s == 0.0 || p.from_s < end);
+    began.last().map_or(0.0, |piece| piece.settled_s())
+}
+
 /// Says which changes come too late for the run, if any do.
 #[must_use]
 pub fn unreached(scene: &Scene) -> Option<String> {

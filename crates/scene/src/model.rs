@@ -331,6 +331,14 @@ impl Scene {
     pub fn paper() -> Self {
         PAPER.clone()
     }
+
+    /// Moment of inertia of the output shaft with the internal sleeves on their circle, kg m^2.
+    #[must_use]
+    pub fn output_inertia_kg_m2(&self) -> f64 {
+        let (gear, mass) = (&self.gear, &self.mass);
+        let sleeves = gear.internal_sleeves as f64 * mass.internal_sleeve.mass_kg;
+        mass.output_shaft.moment_kg_m2 + sleeves * gear.internal_circle_radius_m.powi(2)
+    }
 }
 
 impl Gear {

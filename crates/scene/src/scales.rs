@@ -224,6 +224,12 @@ impl Scales {
         ROUNDING * self.external_force_n
     }
 
+    /// Torque below which there is only rounding, N m.
+    #[must_use]
+    pub fn rounding_n_m(&self) -> f64 {
+        ROUNDING * self.wheel_torque_n_m
+    }
+
     /// The scales of a scene whose values are in range.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {

@@ -3,7 +3,7 @@
 
 use pinwheel_engines::Run;
 use pinwheel_gearbox::{Distance, Efficiency};
-use pinwheel_scene::CheckedScene;
+use pinwheel_scene::{CheckedScene, Scales};
 use pinwheel_timeseries::norms::{Statistics, View};
 use pinwheel_timeseries::{TimeSeries, columns};
 use serde::Serialize;
@@ -52,11 +52,23 @@ impl Results {
     ) -> Self {
         let from_s = from_s(run, scene);
         let (mut figures, mut efficiency_reason) = (Vec::new(), None);
+        let scales = Scales::of(scene);
         let mut push = |name: &str, value: f64, size: f64, share: Option<f64>| {
+            let known = share.map(|share| size.abs() * share);
+            let rounding = match name {
+                _ if name.ends_with("_n_m") => scales.rounding_n_m(),
+                _ if name.ends_with("_n") => scales.pressing_n(),
+                _ => 0.0,
+            };
+            // A load that is only rounding is none.
+            let is_rounding = value.abs() < rounding;
             figures.push(Figure {
                 name: name.to_owned(),
-                value,
-                uncertainty: share.map(|share| size.abs() * share),
+                value: if is_rounding { 0.0 } else { value },
+                uncertainty: match known {
+                    None if is_rounding => Some(rounding),
+                    known => known.map(|u| u.max(rounding)),
+                },
             });
         };
         let torque = shares.map(|d| d.driver_torque);

@@ -133,7 +133,8 @@ fn regress_efficiencies_above_one_are_told() {
             "{plain} {accounted}"
         );
     }
-    assert!(records[0].efficiency.unwrap() > 1.005, "{records:?}");
+    // 0.5 % of the works of this window are growth of motion: by means of the contacts' torque it was 1.0066.
+    assert!(records[0].efficiency.unwrap() > 1.004, "{records:?}");
 }
 
 /// Stopped at any moment, a sweep goes on with the runs that are missing, and ends as if it had not been.
@@ -316,7 +317,7 @@ fn a_sample_is_the_same_whoever_runs_it() {
     // Balances of one gear are those of its design.
     let gearbox = pinwheel_gearbox::Gearbox::new(&plan.runs[5].scene).unwrap();
     let design = pinwheel_studies::design::run(&gearbox, false, &Control::quiet()).unwrap();
-    assert_eq!(lost[5], design.torsion.lost_motion_arcmin.mean);
+    assert_eq!(lost[5], design.torsion.lost_motion_arcmin.unwrap().mean);
     // More play is more lost motion, and nothing decides more.
     let figure = found
         .figures
@@ -419,4 +420,22 @@ fn bad_input_samples() {
     let long =
         "scene = \"paper\"\n[sample]\npoints = 60000\noutput.x = { from = 0, to = 1, each = 300 }";
     assert!(told(long).contains("fewer points"));
+}
+
+/// Works know what lies between samples: five times as many move the efficiency of steel, which rings at 5.6 kHz, by nothing that
+/// shows. By means of samples it was 0.986 and 0.992.
+#[test]
+fn regress_efficiency_does_not_hang_on_samples() {
+    let text = "scene = \"steel\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.02\n\
+                solver.integrator = \"auto\"\n[vary]\nsolver.sample_s = [1e-4, 1e-5]\n";
+    let (plan, folder) = (plan(text), tempfile::tempdir().unwrap());
+    let journal = Journal::open(folder.path(), None, "a test").unwrap();
+    let found = run(&plan, &journal, 2);
+    for of in [
+        |r: &RunRecord| r.efficiency,
+        |r: &RunRecord| r.efficiency_accounted,
+    ] {
+        let [coarse, fine] = [0, 1].map(|k| of(&found[k]).unwrap());
+        assert!((coarse - fine).abs() < 1e-4, "{coarse} {fine}");
+    }
 }

@@ -31,6 +31,9 @@ pub const CONTACTS: f64 = 2.5;
 pub const FRICTION: f64 = 1.0;
 /// The order in a tolerance that contacts allow.
 pub const KINKS: f64 = 0.5;
+/// The same of explicit Runge-Kutta methods, whose few long steps scatter more: measured with Dormand-Prince on 90 random gears
+/// without friction, where [`KINKS`] covers 93.8 % of 432 errors and this 96.
+pub const KINKS_EXPLICIT: f64 = 0.43;
 
 /// What is refined from level to level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

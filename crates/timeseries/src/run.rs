@@ -143,6 +143,25 @@ impl EnergyAudit {
     }
 }
 
+impl EnergyAudit {
+    /// Time that it shares with the time from `from_s` to `to_s`, as a share of what either of them takes.
+    #[must_use]
+    pub fn overlap(&self, from_s: f64, to_s: f64) -> f64 {
+        let both = self.to_s.min(to_s) - self.from_s.max(from_s);
+        both / (self.to_s.max(to_s) - self.from_s.min(from_s))
+    }
+
+    /// Mean power at the input shaft and at the load, W, where it is of that time: by works, which know what lies between samples.
+    #[must_use]
+    pub fn mean_powers(&self, from_s: f64, to_s: f64) -> Option<[f64; 2]> {
+        let time = self.to_s - self.from_s;
+        let is_of = self.overlap(from_s, to_s) > SAME;
+        is_of.then(|| [self.driver_j / time, -self.load_j / time])
+    }
+}
+
+/// Share of its time from which on a window is that of an account, whose ends lie on samples.
+const SAME: f64 = 0.98;
 /// Work below this share of the energies that were added up is their rounding.
 const ROUNDING: f64 = 1e-11;
 

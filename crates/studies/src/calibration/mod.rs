@@ -2,7 +2,8 @@
 //!
 //! [`run`] lets every engine run gears as a comparison does, with its refinement, and holds each stated u
 //! against the distance to a converged run by another method. [`coverage`](Row::coverage) is the share of cases in which u
-//! is at least that distance; sharpness is u over it, of which 1 would be perfect knowledge.
+//! is at least that distance; sharpness is u over it, of which 1 would be perfect knowledge. All engines have the same gear and
+//! law: where a comparison of them says *differ*, that is a false alarm.
 
 pub mod chosen;
 #[cfg(test)]
@@ -14,8 +15,8 @@ use std::path::Path;
 
 use pinwheel_compare::uncertainty::Source;
 use pinwheel_compare::{
-    Comparison, Context, Cost, Evidence, Metric, Participant, Rules, Status, Track, WindowKind,
-    compare,
+    Assessment, Comparison, Context, Cost, Evidence, Metric, Participant, Rules, Status, Track,
+    Verdict, WindowKind, compare,
 };
 use pinwheel_engines::{EngineInfo, Knob, known};
 use pinwheel_gearbox::Gearbox;
@@ -25,7 +26,7 @@ use serde::Serialize;
 
 use crate::StudyError;
 use crate::choice;
-use crate::comparison::{Effort, context, refine};
+use crate::comparison::{Effort, context, divergence, refine};
 use crate::control::{Control, Progress, of_scene};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
@@ -102,6 +103,21 @@ impl Case {
     }
 }
 
+/// A false alarm.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Alarm {
+    /// The gear.
+    pub scene: String,
+    /// The engine or both.
+    pub engines: String,
+    /// The quantity.
+    pub quantity: String,
+    /// The window.
+    pub window: WindowKind,
+    /// What was told.
+    pub result: Assessment,
+}
+
 /// The result.
 #[derive(Debug, Clone, PartialEq, Serialize, Default)]
 pub struct Outcome {
@@ -111,6 +127,10 @@ pub struct Outcome {
     pub not_resolved: BTreeMap<String, usize>,
     /// Series whose reference is not known a tenth as well as what was stated, by engine.
     pub without_truth: BTreeMap<String, usize>,
+    /// Comparisons of engines with each other, and of each with mechanics.
+    pub comparisons: usize,
+    /// Those that say *differ*.
+    pub alarms: Vec<Alarm>,
     /// Gears or engines that were left out, with the reason.
     pub left_out: Vec<String>,
     /// How many gears there were.
@@ -211,7 +231,8 @@ pub fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, StudyError> 
     let total = input.scenes.len() * input.engines.len();
     for (k, scene) in input.scenes.iter().enumerate() {
         let gearbox = Gearbox::new(scene).map_err(|source| of_scene(scene, source))?;
-        let context = context(scene);
+        let mut context = context(scene);
+        let (mut participants, mut evidences) = (Vec::new(), Vec::new());
         for (n, name) in input.engines.iter().enumerate() {
             let at = Progress::new(k * input.engines.len() + n, total, &scene.name);
             control.check()?;
@@ -223,13 +244,49 @@ pub fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, StudyError> 
                 found.left_out.push(what);
                 continue;
             }
+            participants.push(participant.clone());
+            evidences.push(evidence.clone());
             found.hold(&context, scene, participant, evidence, control)?;
+        }
+        if !participants.is_empty() {
+            let at = Progress::new((k + 1) * input.engines.len(), total, &scene.name);
+            context.divergence = divergence(&gearbox, at, control)?;
+            let rules = Rules {
+                evidence: &evidences,
+                ..Rules::default()
+            };
+            found.count(&compare(&context, &participants, &rules)?);
         }
     }
     Ok(found)
 }
 
 impl Outcome {
+    /// Counts what a comparison of engines that are all right says.
+    fn count(&mut self, found: &Comparison) {
+        let alone = found.engines.iter().flat_map(|engine| {
+            let judged = engine.judged.iter();
+            judged.map(|j| (engine.name.clone(), &j.quantity, j.window, &j.result))
+        });
+        let pairs = found.pairs.iter().flat_map(|pair| {
+            let both = format!("{} / {}", pair.a, pair.b);
+            let entries = pair.entries.iter();
+            entries.map(move |e| (both.clone(), &e.quantity, e.window, &e.result))
+        });
+        for (engines, quantity, window, result) in alone.chain(pairs) {
+            self.comparisons += 1;
+            if result.verdict == Verdict::Differ {
+                self.alarms.push(Alarm {
+                    scene: found.context.scene.clone(),
+                    engines,
+                    quantity: quantity.clone(),
+                    window,
+                    result: result.clone(),
+                });
+            }
+        }
+    }
+
     /// Holds what an engine states of one gear against the truth.
     fn hold(
         &mut self,

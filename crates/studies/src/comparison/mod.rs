@@ -327,6 +327,8 @@ pub(crate) fn context(scene: &Scene) -> Context {
         description: scene.description.clone(),
         duration_s: scene.solver.duration_s,
         load_n_m: Some(load_course::final_load(scene)),
+        load_from_s: load_course::final_from_s(scene),
+        output_inertia_kg_m2: Some(scene.output_inertia_kg_m2()),
         load_changes_s: load_course::breaks(&scene.drive),
         input_speed_rad_s: Some(scene.drive.input_speed_rad_s),
         friction_coefficient: scene.contact.friction_coefficient,
@@ -347,7 +349,7 @@ pub(crate) fn context(scene: &Scene) -> Context {
 const DIVERGENCE_STEP: f64 = 0.05;
 
 /// What a rounding does to the scene; `None` where nothing is compared or it cannot be measured.
-fn divergence(
+pub(crate) fn divergence(
     gearbox: &Gearbox,
     at: Progress<'_>,
     control: &Control<'_>,

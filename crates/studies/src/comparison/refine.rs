@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use pinwheel_compare::uncertainty::order::{CONTACTS, FRICTION, KINKS};
+use pinwheel_compare::uncertainty::order::{CONTACTS, FRICTION, KINKS, KINKS_EXPLICIT};
 use pinwheel_compare::uncertainty::{Basis, Final, Method, Source, Unresolved};
 use pinwheel_compare::{
     Context, Evidence, Level, Participant, RESOLUTION, RefinementStudy, Rules, Status, Track,
@@ -211,6 +211,17 @@ impl<'a> Engines<'a> {
         self.gearbox.scene.contact.friction_coefficient > 0.0
     }
 
+    /// Whether it is a native form with steps of Dormand-Prince: `etd-adams` takes these where there is no Jacobian.
+    fn is_runge_kutta(&self) -> bool {
+        let family = method(&self.gearbox.scene.solver.integrator).map(|method| method.family);
+        match self.own.info().form {
+            Some(Form::Lagrange) => {
+                matches!(family, Some(Family::Explicit | Family::Exponential))
+            }
+            form => form.is_some() && family == Some(Family::Explicit),
+        }
+    }
+
     fn method(&self) -> Method {
         let points = self.gearbox.scene.contact.detection == Detection::Points;
         match self.knob {
@@ -220,6 +231,9 @@ impl<'a> Engines<'a> {
                     true => FRICTION,
                     false => CONTACTS,
                 }),
+            },
+            Knob::Tolerance if self.is_runge_kutta() => Method::Tolerance {
+                order: KINKS_EXPLICIT,
             },
             Knob::Tolerance => Method::Tolerance { order: KINKS },
         }

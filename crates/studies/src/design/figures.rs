@@ -7,8 +7,8 @@
 use pinwheel_scene::Scene;
 use serde::Serialize;
 
-use super::mesh::{Bearing, Pose, Pressure, Sharing, Stage};
-use super::{ARCMIN, Cycle, Operating, Spread};
+use super::mesh::{Bearing, Pair, Pose, Pressure, Sharing, Stage};
+use super::{ARCMIN, Cycle, LOST, Operating, Spread};
 
 /// What balances leave of a figure: angles are found to 2e-15 rad, forces to 1e-10.
 const ROUNDING: f64 = 1e-9;
@@ -203,6 +203,20 @@ impl Balances {
     pub(super) fn figures(&self) -> Vec<DesignFigure> {
         parted(self.parts, |every, of| self.summed(every, of).figures())
     }
+
+    /// That parts press on each other without a load by more than the torque under which lost motion is found makes of it:
+    /// then nothing is lost, and the twist between +3 and -3 % says how stiff the gear is.
+    pub(super) fn preloaded(&self) -> Option<String> {
+        let largest = |poses: &[Pose], of: fn(&Pair) -> f64| {
+            let pairs = poses.iter().flat_map(|pose| &pose.pairs);
+            pairs.map(of).fold(0.0, f64::max)
+        };
+        let [without, rated] =
+            [&self.unloaded, &self.loaded].map(|p| largest(p, |pair| pair.force_n));
+        let overlap_um = 1e6 * largest(&self.unloaded, |pair| pair.penetration_m);
+        (without > LOST * rated)
+            .then(|| format!("preloaded: parts overlap by {overlap_um:.2} um without load"))
+    }
 }
 
 impl Definition {
@@ -212,7 +226,7 @@ impl Definition {
         value: impl Into<Option<f64>>,
         uncertainty: impl Into<Option<f64>>,
     ) -> DesignFigure {
-        let value = value.into();
+        let value = value.into().filter(|value| value.is_finite());
         DesignFigure {
             key: self.key,
             what: self.what,
@@ -233,6 +247,23 @@ impl Definition {
 }
 
 impl DesignFigure {
+    /// Whether it is one of lost motion.
+    #[must_use]
+    pub fn is_lost_motion(&self) -> bool {
+        [LOST_MOTION.key, LOST_MOTION_RUN.key].contains(&self.key)
+    }
+
+    /// Without a value.
+    pub(super) fn withheld(self) -> Self {
+        Self {
+            value: None,
+            uncertainty: None,
+            over_the_mesh: None,
+            mean_over_the_mesh: None,
+            ..self
+        }
+    }
+
     /// With what it is over the mesh.
     pub(super) fn over(self, spread: &Spread) -> Self {
         Self {

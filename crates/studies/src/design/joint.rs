@@ -121,9 +121,7 @@ impl Joint {
         let circling = gearbox.geometry.eccentricities_m.iter();
         let input_inertia_kg_m2 = mass.input_shaft.moment_kg_m2
             + circling.map(|e| mass.wheel.mass_kg * e * e).sum::<f64>();
-        let output_inertia_kg_m2 = mass.output_shaft.moment_kg_m2
-            + pins * gear.internal_circle_radius_m.powi(2)
-            + wheels * mass.wheel.moment_kg_m2;
+        let output_inertia_kg_m2 = scene.output_inertia_kg_m2() + wheels * mass.wheel.moment_kg_m2;
         let found = friction(runs, rated, ratio);
         let figures = parted(few.parts, |every, of| {
             let some: Vec<&Pose> = all.iter().skip(of).step_by(every).copied().collect();

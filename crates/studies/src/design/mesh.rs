@@ -133,6 +133,8 @@ pub struct Pair {
     pub place_rad: f64,
     /// F_n, N.
     pub force_n: f64,
+    /// How deep it is pressed in, m.
+    pub penetration_m: f64,
     /// p0 of the line contact, Pa.
     pub pressure_pa: f64,
     /// Of the wheel on a pin that does not turn, m/s.
@@ -216,6 +218,7 @@ fn pair(gearbox: &Gearbox, eccentric: f64, angle: f64, contact: &PairContact) ->
         sleeve: contact.sleeve,
         place_rad: (y.atan2(x) - eccentric + PI).rem_euclid(TAU) - PI,
         force_n: contact.normal_force_n,
+        penetration_m: contact.penetration_m,
         pressure_pa: pressure.of(geometry, contact, [e * c, e * s], angle),
         sliding_m_s: (velocity[1] * nx - velocity[0] * ny).abs(),
     }

@@ -32,7 +32,7 @@ use std::path::Path;
 use pinwheel_engines::Native;
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError};
-use pinwheel_scene::{CheckedScene, Derived, Scene, derived, load_course};
+use pinwheel_scene::{CheckedScene, Derived, Scales, Scene, derived, load_course};
 use pinwheel_timeseries::table::{Column, Table};
 use serde::Serialize;
 
@@ -101,10 +101,10 @@ impl Spread {
 /// How the output twists against the locked input.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Torsion {
-    /// Between +3 % and -3 % of the rated torque, arcmin.
-    pub lost_motion_arcmin: Spread,
+    /// Between +3 % and -3 % of the rated torque, arcmin; `None` where parts overlap.
+    pub lost_motion_arcmin: Option<Spread>,
     /// The same at the input angle 0 alone, where the loop is run too, arcmin.
-    pub lost_motion_at_0_arcmin: f64,
+    pub lost_motion_at_0_arcmin: Option<f64>,
     /// Between 50 and 100 % of the rated torque, both directions, N m/arcmin.
     pub stiffness_n_m_per_arcmin: Spread,
     /// The curve at the input angle 0: torque, N m.
@@ -151,6 +151,9 @@ pub struct DesignResult {
     pub scene: CheckedScene,
     /// Largest load of the scene, N m.
     pub rated_torque_n_m: f64,
+    /// Why there is no lost motion: parts overlap.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preloaded: Option<String>,
     /// What a data sheet gives, each figure with its numerical uncertainty and its band by contact law.
     pub figures: Vec<DesignFigure>,
     /// Other contact laws and fits beside the scene's; `None`: there is nothing to compare.
@@ -262,6 +265,15 @@ pub(crate) fn figures_of(
     }
     let mut figures = balances.figures();
     figures.extend(figures::of_runs(cycle.as_ref(), &efficiency));
+    let preloaded = balances.preloaded();
+    if preloaded.is_some() {
+        let withhold = |one: DesignFigure| match one.is_lost_motion() {
+            true => one.withheld(),
+            false => one,
+        };
+        figures = figures.into_iter().map(withhold).collect();
+    }
+    let is_loose = preloaded.is_none();
 
     let mut bearings = summed.bearings;
     for bearing in &mut bearings {
@@ -273,12 +285,13 @@ pub(crate) fn figures_of(
     Ok(DesignResult {
         scene: scene.clone(),
         rated_torque_n_m: rated,
+        preloaded,
         figures,
         bands: None,
         dimensions: derived(scene),
         torsion: Torsion {
-            lost_motion_arcmin: summed.lost,
-            lost_motion_at_0_arcmin: balances.lost[0],
+            lost_motion_arcmin: is_loose.then_some(summed.lost),
+            lost_motion_at_0_arcmin: is_loose.then(|| balances.lost[0]),
             stiffness_n_m_per_arcmin: summed.stiffness,
             torque_n_m: curve.0,
             twist_arcmin: curve.1,
@@ -306,6 +319,14 @@ pub(crate) fn working_load(gearbox: &Gearbox) -> Result<f64, StudyError> {
     if rated <= 0.0 {
         return Err(StudyError::Input(format!(
             "{}: `drive.output_torque_n_m` is 0, and a design is judged under its rated torque; give it",
+            scene.name
+        )));
+    }
+    let rounding = Scales::of(scene).rounding_n_m();
+    if rated <= rounding {
+        return Err(StudyError::Input(format!(
+            "{}: `drive.output_torque_n_m` is {rated:.1e}, and up to {rounding:.0e} N m there is only rounding in this gear; \
+             give its rated torque",
             scene.name
         )));
     }

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use pinwheel_compare::quantities::derive;
 use pinwheel_engines::{Engine, Run};
+use pinwheel_gearbox::Efficiency;
 use pinwheel_timeseries::norms::{Statistics, View};
-use pinwheel_timeseries::{Ending, efficiency, mean_powers};
+use pinwheel_timeseries::{Ending, EnergyAudit, efficiency, mean_powers};
 use serde::{Deserialize, Serialize};
 
 use crate::sweep::PlannedRun;
@@ -141,9 +142,13 @@ impl RunRecord {
             let reason = "no share of energy: no work is done in the run's second half";
             self.undefined.push(reason.to_owned());
         }
-        // mean T_out * mean speed out / (mean T_in * speed in), or why that is no efficiency.
+        // By works or, without an account, by means of samples: mean T_out * mean speed out / (mean T_in * speed in). Or why that is no
+        // efficiency.
         let speed = planned.scene.drive.input_speed_rad_s;
-        let powers = mean_powers(&run.time_series, samples, speed);
+        let account = account(run, planned.window_s);
+        let powers = account
+            .and_then(|account| account.mean_powers(from, to))
+            .or_else(|| mean_powers(&run.time_series, samples, speed));
         let powers = powers.ok_or("a torque or the output's angle is missing");
         match powers.and_then(|[power_in, power_out]| efficiency(power_in, power_out)) {
             Err(reason) => self.undefined.push(format!("no efficiency: {reason}")),
@@ -154,14 +159,14 @@ impl RunRecord {
             }
             Ok(efficiency) => {
                 self.efficiency = Some(efficiency);
-                let created = created(run, planned.window_s);
-                self.efficiency_accounted = created.map(|share| efficiency / (1.0 + share));
+                let losses = account.and_then(Efficiency::of);
+                self.efficiency_accounted = losses.map(|account| account.of_losses);
                 if efficiency > 1.0 {
-                    self.undefined.push(match created {
-                        Some(share) => format!(
+                    self.undefined.push(match losses {
+                        Some(account) => format!(
                             "efficiency above 1: {:.2} % of the work comes from nowhere, as the contact law creates it; \
-                             efficiency_accounted is without",
-                            100.0 * share
+                             efficiency_accounted is by what contacts lose",
+                            100.0 * account.created_share
                         ),
                         None => "efficiency above 1: what the contact law creates is in it, and this engine keeps no \
                                  account of that"
@@ -190,17 +195,11 @@ impl RunRecord {
     }
 }
 
-/// Energy that nothing accounts for as a share of the driver's work, from the account that shares most of the window.
-fn created(run: &Run, [from, to]: [f64; 2]) -> Option<f64> {
-    let shared = |from_s: f64, to_s: f64| {
-        (to.min(to_s) - from.max(from_s)) / (to.max(to_s) - from.min(from_s))
-    };
-    let accounts = run.stats.energy.iter();
-    let nearest = accounts
-        .filter(|audit| shared(audit.from_s, audit.to_s) > 0.5)
-        .max_by(|a, b| shared(a.from_s, a.to_s).total_cmp(&shared(b.from_s, b.to_s)))?;
-    let share = nearest.remainder_j / nearest.driver_j;
-    (nearest.driver_j > 0.0 && share.is_finite()).then_some(share)
+/// The account that shares most of the window.
+fn account(run: &Run, [from, to]: [f64; 2]) -> Option<&EnergyAudit> {
+    let shared = |audit: &&EnergyAudit| audit.overlap(from, to);
+    let near = run.stats.energy.iter().filter(|audit| shared(audit) > 0.5);
+    near.max_by(|a, b| shared(a).total_cmp(&shared(b)))
 }
 
 /// The sources that figures come from, as a hash (see `build.rs`): a changed solver gives other numbers under the same

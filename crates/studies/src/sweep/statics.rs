@@ -18,9 +18,15 @@ pub const STATICS: &str = "statics";
 /// Columns of the results, and what they are of: over the poses of one period of the mesh, under the rated load unless the
 /// name says otherwise.
 pub(super) const FIGURES: [(&str, fn(&DesignResult) -> f64); 11] = [
-    ("lost_motion_arcmin", |o| o.torsion.lost_motion_arcmin.mean),
+    ("lost_motion_arcmin", |o| {
+        o.torsion
+            .lost_motion_arcmin
+            .map_or(f64::NAN, |lost| lost.mean)
+    }),
     ("largest_lost_motion_arcmin", |o| {
-        o.torsion.lost_motion_arcmin.max
+        o.torsion
+            .lost_motion_arcmin
+            .map_or(f64::NAN, |lost| lost.max)
     }),
     ("torsional_stiffness_n_m_per_arcmin", |o| {
         o.torsion.stiffness_n_m_per_arcmin.mean
@@ -78,6 +84,7 @@ impl Engine for Statics {
                 wall_s: wall.elapsed().as_secs_f64(),
                 cpu_s: cpu.elapsed().as_secs_f64(),
                 settings: "balances".to_owned(),
+                notes: found.preloaded.iter().cloned().collect(),
                 ..RunStats::default()
             };
             let mut run = Run::new(TimeSeries::default(), stats);

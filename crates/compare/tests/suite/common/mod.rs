@@ -56,6 +56,8 @@ pub(crate) fn context() -> Context {
         scene: "paper".to_owned(),
         duration_s: 0.6,
         load_n_m: Some(22.0),
+        // Forces of these time series move nothing.
+        output_inertia_kg_m2: Some(0.0),
         input_speed_rad_s: Some(52.34),
         scales: Scales {
             force_n: Some(100.0),

@@ -219,7 +219,7 @@ fn bad_input_a_stated_limit_that_matches_nothing() {
     };
     assert_eq!(
         run("*_force_n", WindowKind::Steady).unwrap().counts.agree,
-        2
+        3
     );
     let error = run("*_torqe_n_m", WindowKind::Steady)
         .unwrap_err()
