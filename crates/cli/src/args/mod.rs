@@ -159,6 +159,9 @@ pub(crate) struct CompareArgs {
     /// How sharp statements are to be: the largest U of a pair that counts as resolved, relative.
     #[arg(long, value_name = "SHARE", default_value_t = 0.01)]
     pub(crate) resolution: f64,
+    /// Show every engine's figures and what pairs share, too.
+    #[arg(long, short, conflicts_with = "other")]
+    pub(crate) verbose: bool,
     #[command(flatten)]
     pub(crate) solvers: Solvers,
     /// Write the verdicts as a JUnit file, too, for CI systems.

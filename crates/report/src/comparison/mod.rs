@@ -3,6 +3,8 @@
 mod answer;
 mod pairs;
 
+pub use answer::{Headline, best, efficiency_of, headlines, numerical, verdict};
+
 use std::collections::BTreeMap;
 
 use pinwheel_compare::comparison::{EngineSummary, Figures};
@@ -51,7 +53,7 @@ pub fn study(
         title: comparison.context.scene.clone(),
         eyebrow: format!("Comparison of {engines} engine{plural} on the scene"),
         lead: comparison.context.description.clone(),
-        verdict: Some(answer::verdict(comparison)),
+        verdict: Some(verdict(comparison)),
         top: answer::inconclusive(comparison),
         tiles_title: page.tiles_title(),
         tiles: page.tiles(),

@@ -4,7 +4,9 @@ use pinwheel_files::output::escape;
 use pinwheel_timeseries::table::{Column, Table};
 use serde_json::{Value, json};
 
-use super::{Block, Chart, Item, Mark, Section, Study, Tile, TimeSeries, Tone, Verdict, chart};
+use super::{
+    Block, Chart, Fact, Item, Mark, Section, Study, Tile, TimeSeries, Tone, Verdict, chart,
+};
 use crate::chart_data::{ChartData, json_for_script};
 use crate::{packed, table};
 
@@ -184,6 +186,18 @@ fn block_html<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> String {
                 .map(|point| format!("<li>{}</li>", inline(point)));
             format!("<ul class=\"points\">{}</ul>", points.collect::<String>())
         }
+        Block::Facts(facts) => {
+            let fact = |fact: &Fact| {
+                let (class, sign) = sign(fact.mark);
+                format!(
+                    "<dt>{}</dt><dd class=\"{class}\">{sign}{}</dd>",
+                    escape(&fact.label),
+                    inline(&fact.text)
+                )
+            };
+            let facts: String = facts.iter().map(fact).collect();
+            format!("<dl class=\"facts\">{facts}</dl>")
+        }
         Block::Table(table) => table_html(table),
         Block::Charts(list) => {
             let first = drawn.charts.len();
@@ -297,22 +311,7 @@ fn table_html(table: &Table) -> String {
 
 /// A cell; the `first` names the row.
 fn cell(column: &Column, row: usize, first: bool) -> String {
-    let (mark, sign) = match table::mark(column, row) {
-        Mark::None => ("", ""),
-        Mark::Good => (
-            "good",
-            "<i class=\"sign\" aria-hidden=\"true\">\u{2713}</i><span class=\"unseen\">holds: </span> ",
-        ),
-        Mark::Bad => (
-            "bad",
-            "<i class=\"sign\" aria-hidden=\"true\">\u{2715}</i><span class=\"unseen\">does not hold: </span> ",
-        ),
-        Mark::Warn => (
-            "warn",
-            "<i class=\"sign\" aria-hidden=\"true\">!</i><span class=\"unseen\">note: </span> ",
-        ),
-        Mark::Muted => ("muted", ""),
-    };
+    let (mark, sign) = sign(table::mark(column, row));
     let mut body = inline(&table::words(column, row));
     if let Some(anchor) = table::of_row(&column.links, row) {
         body = format!("<a href=\"#{}\">{body}</a>", escape(&anchor));
@@ -347,6 +346,26 @@ fn cell(column: &Column, row: usize, first: bool) -> String {
         attributes += &format!(" style=\"--heat:{:.3}\"", shade.clamp(0.0, 1.0));
     }
     format!("<{tag}{attributes}>{sign}{body}</{tag}>")
+}
+
+/// The class of what is marked so, and the sign before it.
+fn sign(mark: Mark) -> (&'static str, &'static str) {
+    match mark {
+        Mark::None => ("", ""),
+        Mark::Good => (
+            "good",
+            "<i class=\"sign\" aria-hidden=\"true\">\u{2713}</i><span class=\"unseen\">holds: </span> ",
+        ),
+        Mark::Bad => (
+            "bad",
+            "<i class=\"sign\" aria-hidden=\"true\">\u{2715}</i><span class=\"unseen\">does not hold: </span> ",
+        ),
+        Mark::Warn => (
+            "warn",
+            "<i class=\"sign\" aria-hidden=\"true\">!</i><span class=\"unseen\">note: </span> ",
+        ),
+        Mark::Muted => ("muted", ""),
+    }
 }
 
 /// Escaped text in which `` `these` `` are code.
