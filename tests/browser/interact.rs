@@ -49,7 +49,7 @@ fn text(browser: &mut Chromium, script: &str) -> String {
 /// Zoom by dragging, all at a double click, values at the cursor, engines on and off, other quantities and scales.
 pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
     browser.open(page, DESK);
-    assert_eq!(text(browser, DRAWN), "Driver torque");
+    assert_eq!(text(browser, DRAWN), "External sleeve force no. 0");
     // A window may be as long as the run.
     let all = text(browser, WINDOW);
     assert!(all.starts_with("all"), "{all}");
@@ -294,7 +294,7 @@ pub(crate) fn old_browsers_read_it(browser: &mut Chromium, page: &Path) {
             ""
         });
         browser.open(page, DESK);
-        assert_eq!(text(browser, DRAWN), "Driver torque");
+        assert_eq!(text(browser, DRAWN), "External sleeve force no. 0");
         assert_eq!(
             browser.evaluate("typeof DecompressionStream"),
             json!(if lacking { "undefined" } else { "function" })

@@ -189,6 +189,8 @@ pub enum Block {
     List(Vec<String>),
     /// Questions with their answers.
     Facts(Vec<Fact>),
+    /// The same side by side.
+    Columns(Vec<Fact>),
     /// A table that can be sorted.
     Table(Table),
     /// Charts, side by side where there is room.
@@ -215,6 +217,8 @@ pub enum Block {
     },
     /// Text as a terminal or a file shows it.
     Code(String),
+    /// What is live on a page that a program serves: markup with everything that its script fills.
+    Explorer(String),
     /// Markup written by this program; placed as it is. Inline styles and scripts are allowed,
     /// anything from elsewhere is not.
     Html(String),

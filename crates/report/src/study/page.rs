@@ -19,6 +19,8 @@ struct Drawn<'a> {
     /// Whether a block lets the reader choose axes.
     grids: bool,
     time_series: Option<&'a ChartData>,
+    /// Whether the page asks the program that serves it.
+    explorer: bool,
 }
 
 /// Fills in a study's page. The page depends on the study alone: the same study gives the same bytes.
@@ -64,6 +66,7 @@ pub fn render(study: &Study) -> String {
         machine = pairs("Machine", &study.machine),
         appendix = appendix,
         made = escape(study.made.as_deref().unwrap_or_default()),
+        connect = if drawn.explorer { "; connect-src 'self'" } else { "" },
         scripts = drawn.scripts(),
     )
 }
@@ -81,7 +84,7 @@ impl Drawn<'_> {
             let packed = packed::text(&json!(self.later).to_string());
             all += &format!("<script type=\"text/plain\" id=\"later-data\">{packed}</script>\n");
         }
-        if self.grids || !self.charts.is_empty() || self.time_series.is_some() {
+        if self.grids || self.explorer || !self.charts.is_empty() || self.time_series.is_some() {
             all += &script(include_str!("../../assets/vendor/uplot/uPlot.iife.min.js"));
             all += &script(include_str!("../../assets/charts.js"));
         }
@@ -91,6 +94,9 @@ impl Drawn<'_> {
         if let Some(time_series) = self.time_series {
             all += &data("chart-data", json_for_script(time_series));
             all += &script(include_str!("../../assets/time_series.js"));
+        }
+        if self.explorer {
+            all += &script(include_str!("../../assets/explore.js"));
         }
         if !self.charts.is_empty() {
             let charts: Vec<Value> = self.charts.iter().map(|one| chart::json(one)).collect();
@@ -198,6 +204,18 @@ fn block_html<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> String {
             let facts: String = facts.iter().map(fact).collect();
             format!("<dl class=\"facts\">{facts}</dl>")
         }
+        Block::Columns(facts) => {
+            let column = |fact: &Fact| {
+                let (class, sign) = sign(fact.mark);
+                format!(
+                    "<div><h3>{}</h3><p class=\"{class}\">{sign}{}</p></div>",
+                    escape(&fact.label),
+                    inline(&fact.text)
+                )
+            };
+            let columns: String = facts.iter().map(column).collect();
+            format!("<div class=\"columns facing\">{columns}</div>")
+        }
         Block::Table(table) => table_html(table),
         Block::Charts(list) => {
             let first = drawn.charts.len();
@@ -244,6 +262,10 @@ fn block_html<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> String {
             )
         }
         Block::Html(markup) => markup.clone(),
+        Block::Explorer(markup) => {
+            drawn.explorer = true;
+            markup.clone()
+        }
         Block::TimeSeries(TimeSeries(data)) => {
             drawn.time_series = Some(data);
             let notes = data
