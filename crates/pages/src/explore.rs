@@ -21,12 +21,54 @@ use crate::design::HEADLINES;
 /// Key, label, unit, units in the key's own, and the ends of its slider as shares of the scene's value, or in the unit
 /// where that is 0.
 const SLIDERS: [(&str, &str, &str, f64, [f64; 2], [f64; 2]); 6] = [
-    ("gear.eccentricity_m", "Eccentricity", "mm", 1e3, [0.5, 1.5], [0.1, 5.0]),
-    ("gear.external_sleeve_radius_m", "Pin radius", "mm", 1e3, [0.4, 1.8], [0.5, 20.0]),
-    ("gear.backlash_m", "Backlash", "\u{b5}m", 1e6, [0.0, 3.0], [0.0, 300.0]),
-    ("gear.modification.equidistant_m", "Profile cut by", "\u{b5}m", 1e6, [0.0, 4.0], [0.0, 50.0]),
-    ("drive.output_torque_n_m", "Load", "N m", 1.0, [0.1, 2.0], [0.0, 100.0]),
-    ("drive.input_speed_rad_s", "Input speed", "rad/s", 1.0, [0.2, 2.0], [1.0, 300.0]),
+    (
+        "gear.eccentricity_m",
+        "Eccentricity",
+        "mm",
+        1e3,
+        [0.5, 1.5],
+        [0.1, 5.0],
+    ),
+    (
+        "gear.external_sleeve_radius_m",
+        "Pin radius",
+        "mm",
+        1e3,
+        [0.4, 1.8],
+        [0.5, 20.0],
+    ),
+    (
+        "gear.backlash_m",
+        "Backlash",
+        "\u{b5}m",
+        1e6,
+        [0.0, 3.0],
+        [0.0, 300.0],
+    ),
+    (
+        "gear.modification.equidistant_m",
+        "Profile cut by",
+        "\u{b5}m",
+        1e6,
+        [0.0, 4.0],
+        [0.0, 50.0],
+    ),
+    (
+        "drive.output_torque_n_m",
+        "Load",
+        "N m",
+        1.0,
+        [0.1, 2.0],
+        [0.0, 100.0],
+    ),
+    (
+        "drive.input_speed_rad_s",
+        "Input speed",
+        "rad/s",
+        1.0,
+        [0.2, 2.0],
+        [1.0, 300.0],
+    ),
 ];
 /// The key that is chosen, not moved.
 const LAW: &str = "contact.law";
@@ -93,7 +135,9 @@ fn state(
     let step = span_s / SAMPLES;
     let found = animation::window(&gearbox, "", (0.0, span_s), step, cancel)?;
     let Some((view, series)) = found else {
-        return Ok(Err("the run diverges at once; take a smaller solver.step_s".to_owned()));
+        return Ok(Err(
+            "the run diverges at once; take a smaller solver.step_s".to_owned(),
+        ));
     };
     let times = series.time_s().len();
     let short = |values: &[f64]| -> Vec<f32> { values.iter().map(|v| *v as f32).collect() };

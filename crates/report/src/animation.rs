@@ -228,6 +228,15 @@ impl Animation {
 }
 
 impl Animation {
+    /// The same under another title.
+    #[must_use]
+    pub fn titled(self, title: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            ..self
+        }
+    }
+
     /// What the page's script reads, to take the place of another one of as many samples.
     #[must_use]
     pub fn json(&self) -> serde_json::Value {

@@ -15,6 +15,7 @@ mod baseline;
 mod bench;
 mod calibrate;
 mod design;
+mod explore;
 mod fmu;
 mod named;
 mod paper;
@@ -26,6 +27,7 @@ pub(crate) use baseline::{Action, BaselineArgs, CheckArgs, ListArgs, RecordBasel
 pub(crate) use bench::BenchArgs;
 pub(crate) use calibrate::CalibrateArgs;
 pub(crate) use design::{DesignArgs, InitArgs, flag};
+pub(crate) use explore::ExploreArgs;
 pub(crate) use fmu::FmuArgs;
 pub(crate) use paper::PaperArgs;
 pub(crate) use solver::{SolverAction, SolverArgs, Solvers};
@@ -60,6 +62,8 @@ pub(crate) enum Command {
     Init(InitArgs),
     /// Answer a designer: lost motion, stiffness, transmission error, pressure, bearing forces, efficiency.
     Design(DesignArgs),
+    /// Move a gear's dimensions, load and law in the browser, and see its motion and figures follow.
+    Explore(ExploreArgs),
     /// Make a co-simulation unit of a scene (FMI 2.0): the gear in Simulink, Modelica, Adams and others.
     Fmu(FmuArgs),
     /// Run a scene with lists or ranges of keys over all cores and tabulate the figures.

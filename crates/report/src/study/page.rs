@@ -66,7 +66,11 @@ pub fn render(study: &Study) -> String {
         machine = pairs("Machine", &study.machine),
         appendix = appendix,
         made = escape(study.made.as_deref().unwrap_or_default()),
-        connect = if drawn.explorer { "; connect-src 'self'" } else { "" },
+        connect = if drawn.explorer {
+            "; connect-src 'self'"
+        } else {
+            ""
+        },
         scripts = drawn.scripts(),
     )
 }
