@@ -7,6 +7,7 @@
 
 mod access;
 mod chromium;
+mod explore;
 mod interact;
 mod motion;
 mod studies;

@@ -81,6 +81,7 @@ pub fn page(
             figure(found.rated_torque_n_m),
             scene.contact.law
         ),
+        tiles_title: format!("At {} N m", figure(found.rated_torque_n_m)),
         tiles: tiles(found),
         below: vec![Block::Html(files(found))],
         aside: motion.into_iter().flatten().collect(),

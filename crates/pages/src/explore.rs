@@ -10,7 +10,7 @@ use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_report::animation::{Animation, markup};
 use pinwheel_report::study::{Block, Study};
-use pinwheel_scene::{CheckedScene, Override, Scene, SceneError};
+use pinwheel_scene::{CheckedScene, Override, Scene, SceneError, scales};
 use pinwheel_studies::{Provenance, design};
 use pinwheel_timeseries::columns;
 use serde_json::{Value, json};
@@ -73,7 +73,7 @@ const SLIDERS: [(&str, &str, &str, f64, [f64; 2], [f64; 2]); 6] = [
 /// The key that is chosen, not moved.
 const LAW: &str = "contact.law";
 /// Samples of a state's turn.
-const SAMPLES: f64 = 240.0;
+const SAMPLES: f64 = 120.0;
 /// The word of the load's balance at the start: a state is looked at without its start-up.
 const START: &str = "drive.start=equilibrium";
 
@@ -99,6 +99,14 @@ pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedSc
 #[must_use]
 pub fn span_s(scene: &Scene) -> f64 {
     (TAU / scene.drive.input_speed_rad_s.abs().max(1e-9)).min(scene.solver.duration_s)
+}
+
+/// The same scene with the depth of its discs stated: the wall that it follows from is measured at every question otherwise.
+fn deep(scene: &CheckedScene) -> CheckedScene {
+    let depth = scales::law_parameters(scene).disc_depth;
+    let mut stated = Scene::clone(scene);
+    stated.contact.disc_depth_m = Some(depth).filter(|depth| *depth > 0.0);
+    stated.check().unwrap_or_else(|_| scene.clone())
 }
 
 /// What a page shows of a state.
@@ -128,13 +136,23 @@ fn state(
     span_s: f64,
     cancel: &AtomicBool,
 ) -> Result<Result<State, String>, Cancelled> {
-    let gearbox = match Gearbox::new(scene) {
+    let scene = deep(scene);
+    let gearbox = match Gearbox::new(&scene) {
         Ok(gearbox) => gearbox,
         Err(error) => return Ok(Err(error.to_string())),
     };
     let step = span_s / SAMPLES;
-    let found = animation::window(&gearbox, "", (0.0, span_s), step, cancel)?;
-    let Some((view, series)) = found else {
+    // Statics on one core, the run on another.
+    let (found, figures) = std::thread::scope(|scope| {
+        let statics = scope.spawn(|| design::few_figures(&gearbox));
+        let found = animation::window(&gearbox, "", (0.0, span_s), step, cancel);
+        // A gear without load has no figures.
+        (
+            found,
+            statics.join().ok().and_then(Result::ok).unwrap_or_default(),
+        )
+    });
+    let Some((view, series)) = found? else {
         return Ok(Err(
             "the run diverges at once; take a smaller solver.step_s".to_owned(),
         ));
@@ -150,8 +168,6 @@ fn state(
         };
         (0..times).map(at).collect()
     };
-    // A gear without load has no figures.
-    let figures = design::few_figures(&gearbox).unwrap_or_default();
     let wanted = figures.iter().filter(|one| HEADLINES.contains(&one.key));
     let figures: Vec<Value> = wanted
         .map(|one| json!([one.what, one.value, one.unit]))

@@ -89,6 +89,7 @@ document.addEventListener('DOMContentLoaded', () => {
     const name = [now, ...NAMES].find((one) => due[one] !== null);
     if (name === undefined) return;
     busy = true;
+    document.body.dataset.busy = '';
     const since = due[name];
     due[name] = null;
     try {
@@ -100,17 +101,17 @@ document.addEventListener('DOMContentLoaded', () => {
         figures();
         series();
       }
-      reasons(answer.keys || []);
+      reasons();
       latencies.push(performance.now() - since);
     } catch (error) { gone(error); }
     busy = false;
+    delete document.body.dataset.busy;
     document.body.dataset.answered = String(Number(document.body.dataset.answered || 0) + 1);
     pump();
   }
-  // A reason stands at the slider that it names, or else at the one that was moved.
-  function reasons(keys) {
-    const at = keys.find((key) => inputs.has(key)) || moved;
-    for (const [key, { reason }] of inputs) reason.textContent = key === at ? blocked[now] : '';
+  // A reason stands where the hand is.
+  function reasons() {
+    for (const [key, { reason }] of inputs) reason.textContent = key === moved ? blocked[now] : '';
     document.querySelector('.seen').classList.toggle('stale', Boolean(blocked[now]));
   }
   function figures() {
@@ -142,7 +143,7 @@ document.addEventListener('DOMContentLoaded', () => {
     now = name;
     buttons.forEach((b) => b.setAttribute('aria-pressed', String(b.dataset.state === now)));
     for (const [key, { set }] of inputs) set(states[now][key]);
-    reasons([]);
+    reasons();
     remember();
   }
   buttons.forEach((b) => b.addEventListener('click', () => turn(b.dataset.state)));

@@ -139,14 +139,9 @@ fn refused(why: &str) -> Answer {
     answer(403, "text/plain; charset=utf-8", why)
 }
 
-/// Why there is no scene, and which keys take part.
+/// Why there is no scene.
 fn reason(error: &SceneError) -> Value {
-    let keys: &[&str] = match error {
-        SceneError::Key { key, .. } => &[key],
-        SceneError::Missing { keys, .. } => keys,
-        _ => &[],
-    };
-    json!({"reason": error.to_string(), "keys": keys})
+    json!({"reason": error.to_string()})
 }
 
 impl Explorer {
