@@ -134,6 +134,12 @@ impl Chromium {
 
     /// Opens a file and waits until it is loaded. Returns what the console complained of.
     pub(crate) fn open(&mut self, page: &Path, look: Look) {
+        let page = page.canonicalize().unwrap();
+        self.go(&format!("file://{}", page.display()), look);
+    }
+
+    /// The same of an address.
+    pub(crate) fn go(&mut self, address: &str, look: Look) {
         self.call(
             "Emulation.setDeviceMetricsOverride",
             json!({"width": look.width, "height": 900, "deviceScaleFactor": 1, "mobile": look.width < 600}),
@@ -141,11 +147,7 @@ impl Chromium {
         self.theme(look);
         self.complaints.clear();
         self.loaded = false;
-        let page = page.canonicalize().unwrap();
-        let went = self.call(
-            "Page.navigate",
-            json!({"url": format!("file://{}", page.display())}),
-        );
+        let went = self.call("Page.navigate", json!({"url": address}));
         assert!(went.get("errorText").is_none(), "{went}");
         while !self.loaded {
             self.read();

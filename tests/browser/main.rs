@@ -7,6 +7,7 @@
 
 mod access;
 mod chromium;
+mod explore;
 mod interact;
 mod motion;
 mod studies;
@@ -264,6 +265,71 @@ fn browser_shows_the_comparison() {
     assert!(std::fs::metadata(&page).unwrap().len() < 2_000_000);
 }
 
+/// What a reader asks, and how the first screen answers.
+const ASKED: [(&str, &str); 11] = [
+    ("which force may I use", r"largest pin force \d+ N external"),
+    ("how exact is it numerically", r"\u00b1.* numerical"),
+    (
+        "what would another contact law give",
+        r"\d+ to \d+ by contact law",
+    ),
+    ("who agrees", r"\d engines of \d programs agree"),
+    ("by how much", r"D = .*U = "),
+    ("is the step short enough", r"of the exact solution"),
+    ("were the contacts checked", r"contacts\s*(✓|!)"),
+    ("who differs most", r"differs most\s.* here, .* by rapier"),
+    ("what does the fit do", r"cut all round by 5"),
+    ("what was not checked", r"--features crossval|--engines"),
+    (
+        "was anything measured, and what next",
+        r"nothing here is measured[^]*pinwheel design",
+    ),
+];
+
+/// Ten questions and one more, each answered above the fold of a laptop.
+#[test]
+fn browser_answers_on_the_first_screen() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let init =
+        "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500";
+    assert_eq!(run_in(dir.path(), words(init)).code, Some(0));
+    let compare =
+        "compare gear.toml --engines native-reduced,native-lagrange,rapier-shared-law --out r";
+    let done = run_in(dir.path(), words(compare));
+    assert_eq!(done.code, Some(0), "{done:?}");
+    assert!(done.stdout.lines().count() <= 30, "{}", done.stdout);
+    let page = dir.path().join("r/index.html");
+    let look = |width| Look {
+        width,
+        dark: false,
+        still: true,
+    };
+    browser.open(&page, look(1280));
+    let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("screenshots");
+    browser.top(&kept.join("first-1280.png"), 860);
+    let seen = "[...document.querySelectorAll('.answer *')].filter((e) => e.getBoundingClientRect().bottom < 860).filter((e) => ![...e.children].some((c) => c.matches('p, dt, dd, div, dl'))).map((e) => e.textContent).join(' ')";
+    let missing: Vec<&str> = ASKED
+        .into_iter()
+        .filter(|(_, answer)| {
+            browser.evaluate(&format!("/{answer}/.test({seen})")) != Value::Bool(true)
+        })
+        .map(|(question, _)| question)
+        .collect();
+    let text = browser.evaluate(seen);
+    assert!(missing.is_empty(), "{missing:?} of {text}");
+    // On a phone the verdict, the force and its bounds.
+    browser.open(&page, look(390));
+    browser.top(&kept.join("first-390.png"), 844);
+    let phone = seen.replace("860", "844");
+    for (question, answer) in &ASKED[..4] {
+        let found = browser.evaluate(&format!("/{answer}/.test({phone})"));
+        assert_eq!(found, Value::Bool(true), "{question}");
+    }
+}
+
 #[test]
 fn browser_does_what_is_asked() {
     let questions = [
@@ -304,7 +370,7 @@ fn browser_questions_see_broken_pages() {
         ),
         (
             "toggle",
-            "state.visible[e] = !state.visible[e];",
+            "state.visible[e] = on;",
             "",
             interact::charts_answer,
         ),

@@ -185,7 +185,7 @@ fn browser_shows_a_design() {
     };
     let dir = tempfile::tempdir().unwrap();
     let page = page(dir.path(), &["design", "paper-friction"]);
-    flawless(&mut browser, "design", &page, 7, 0);
+    flawless(&mut browser, "design", &page, 7, 1);
     // Names in backticks are code, in the lead too.
     let lead = browser.evaluate("document.querySelector('.lead').innerHTML");
     let lead = lead.as_str().unwrap();

@@ -52,6 +52,7 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Explain(args) => commands::tell::explain(args),
         Command::Init(args) => commands::design::init(args),
         Command::Design(args) => commands::design::design(args),
+        Command::Explore(args) => commands::explore::explore(args),
         Command::Fmu(args) => commands::fmu::fmu(args),
         Command::Engines(args) => commands::tell::engines(args),
         Command::Laws(args) => commands::tell::laws(args),

@@ -380,7 +380,7 @@ pub fn info(name: &str) -> Option<&'static EngineInfo<'static>> {
 }
 
 /// The engines of this project that this build lacks.
-pub(crate) fn lacking() -> impl Iterator<Item = &'static EngineInfo<'static>> {
+pub fn lacking() -> impl Iterator<Item = &'static EngineInfo<'static>> {
     let lacks = ROWS.iter().filter(|(_, make)| make().is_none());
     lacks.map(|(info, _)| *info)
 }

@@ -9,6 +9,7 @@ use pinwheel_gearbox::{Gearbox, GearboxError, auto};
 use pinwheel_report::animation::{Animation, CHANNELS, markup, sampling};
 use pinwheel_report::study::Block;
 use pinwheel_scene::{CheckedScene, Formulation, Scene};
+use pinwheel_timeseries::TimeSeries;
 
 /// What a picture may cost where the scene's own method fails: a few seconds.
 const BUDGET: u64 = 3_000_000;
@@ -23,7 +24,7 @@ pub fn of(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<(Animation, f
     let (step, duration) = sampled(scene);
     let title = format!("{}, native solver", scene.name);
     let found = window(gearbox, &title, (0.0, duration), step, cancel)?;
-    Ok(found.map(|animation| (animation, 0.5 * duration)))
+    Ok(found.map(|(animation, _)| (animation, 0.5 * duration)))
 }
 
 /// How far apart samples of the scene's motion are, and how long a page shows it, s.
@@ -37,13 +38,13 @@ pub(crate) fn sampled(scene: &Scene) -> (f64, f64) {
 ///
 /// # Errors
 /// `cancel` was set.
-fn window(
+pub(crate) fn window(
     gearbox: &Gearbox,
     title: &str,
     (from_s, to_s): (f64, f64),
     step: f64,
     cancel: &AtomicBool,
-) -> Result<Option<Animation>, Cancelled> {
+) -> Result<Option<(Animation, TimeSeries)>, Cancelled> {
     let recording = gearbox.with_solver(|solver| {
         solver.formulation = Formulation::Reduced;
         // No denser than the scene's own samples on short runs, which would only be straight lines.
@@ -74,12 +75,9 @@ fn window(
             _ => title.push_str(", until it diverges"),
         }
     }
-    Ok(Animation::of(
-        title,
-        &gearbox.scene,
-        &run.time_series,
-        (from_s, to_s),
-    ))
+    let span = (from_s, to_s);
+    let view = Animation::of(title, &gearbox.scene, &run.time_series, span);
+    Ok(view.map(|view| (view, run.time_series)))
 }
 
 /// The gearboxes of scenes side by side, over the same time; `None` where there is nothing to show.
@@ -96,7 +94,8 @@ pub(crate) fn beside(
     let mut views = Vec::new();
     for (title, scene) in scenes {
         if let Ok(gearbox) = Gearbox::new(scene) {
-            views.extend(window(&gearbox, title, span, step, cancel)?);
+            let found = window(&gearbox, title, span, step, cancel)?;
+            views.extend(found.map(|(view, _)| view));
         }
     }
     Ok((!views.is_empty()).then(|| Block::Html(markup(&views, begin_s))))

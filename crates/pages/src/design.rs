@@ -1,7 +1,11 @@
 //! A design's page and text: what it is like to the shafts, who carries the load, and what the contacts bear.
 
 use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
 
+use pinwheel_engines::Cancelled;
+use pinwheel_gearbox::Gearbox;
+use pinwheel_report::animation::markup;
 use pinwheel_report::colours;
 use pinwheel_report::format::{self, NONE, significant};
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Study, Style, Tile};
@@ -12,7 +16,7 @@ use pinwheel_studies::Provenance;
 use pinwheel_studies::design::{DesignFigure, DesignResult, Joint, Share};
 use pinwheel_timeseries::table::{Shown, Table};
 
-use crate::band;
+use crate::{animation, band};
 
 /// Significant digits of a figure: what a data sheet gives.
 const DIGITS: u8 = 4;
@@ -48,10 +52,22 @@ fn given_way(found: &DesignResult) -> (&'static str, String) {
 const CONTACTS_ONLY: &str = "Lost motion and stiffness are those of the contacts: bearings, pins, discs and housing are rigid here. Real \
                              gears are softer by factors.";
 
-/// The whole page.
-#[must_use]
-pub fn page(found: &DesignResult, made: &Provenance) -> String {
+/// The whole page; `cancel` stops it while the motion is computed.
+///
+/// # Errors
+/// `cancel` was set.
+pub fn page(
+    found: &DesignResult,
+    gearbox: &Gearbox,
+    made: &Provenance,
+    cancel: &AtomicBool,
+) -> Result<String, Cancelled> {
     let scene = &found.scene;
+    let motion = animation::of(gearbox, cancel)?;
+    let motion = motion.map(|(view, begin_s)| {
+        let heading = Block::Heading("The gearbox in motion".to_owned());
+        [heading, Block::Html(markup(&[view], begin_s))]
+    });
     let caption = "For a data sheet; after \u{b1} how far a figure may be off numerically: by the poses that were looked at, or by the run's own \
                    verification";
     let all = figures(caption, &found.figures, |one| how(found, one));
@@ -86,11 +102,26 @@ pub fn page(found: &DesignResult, made: &Provenance) -> String {
             figure(found.rated_torque_n_m),
             scene.contact.law
         ),
+        tiles_title: format!("At {} N m", figure(found.rated_torque_n_m)),
         tiles: tiles(found),
+        below: vec![Block::Html(files(found))],
+        aside: motion.into_iter().flatten().collect(),
         sections,
         ..Study::default()
     };
-    crate::render(study, made)
+    Ok(crate::render(study, made))
+}
+
+/// Links to the files that stand beside the page.
+fn files(found: &DesignResult) -> String {
+    let link = |name: &str| format!("<a href=\"{name}\">{name}</a>");
+    let discs = (0..found.discs.len()).map(|number| link(&format!("disc_{number}.dxf")));
+    let joint = found.joint.iter().map(|_| link("joint.urdf"));
+    let links: Vec<String> = discs.chain(joint).collect();
+    format!(
+        "<p class=\"about\">Drawings beside this page: {}</p>",
+        links.join(", ")
+    )
 }
 
 /// What a terminal shows.
@@ -217,12 +248,13 @@ fn tiles(found: &DesignResult) -> Vec<Tile> {
             (Some(value), Some(laws)) => band::rounded(value, laws),
             (value, _) => value.map_or_else(|| NONE.to_owned(), figure),
         };
-        let laws = wide(one).map(band::interval);
-        let laws = laws.map_or_else(String::new, |laws| format!("{laws} by contact law; "));
-        let bound = one.uncertainty.map_or_else(String::new, |u| {
-            format!("\u{b1} {} numerical; ", significant(u, 1))
-        });
-        Tile::new(one.what, value, format!("{laws}{bound}{}", how(found, one))).unit(one.unit)
+        // How it is counted stands in the table.
+        let laws = wide(one).map(|laws| format!("{} by contact law", band::interval(laws)));
+        let bound = one
+            .uncertainty
+            .map(|u| format!("\u{b1} {} numerical", significant(u, 1)));
+        let parts: Vec<String> = laws.into_iter().chain(bound).collect();
+        Tile::new(one.what, value, parts.join("; ")).unit(one.unit)
     };
     found.figures.iter().filter(wanted).map(tile).collect()
 }

@@ -27,6 +27,7 @@ pub mod design;
 pub mod design_diff;
 pub mod engines;
 pub mod explain;
+pub mod explore;
 pub mod laws;
 pub mod paper;
 pub mod single;

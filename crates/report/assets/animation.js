@@ -81,10 +81,11 @@ document.addEventListener('DOMContentLoaded', () => {
   // ---- A block: views with one clock ----------------------------------------------------------
   async function block(host) {
     const data = JSON.parse(host.querySelector('script').textContent);
-    const boxes = await Promise.all(data.views.map(async (view) => {
+    const boxed = async (view) => {
       const read = PinwheelPacked.reader(await PinwheelPacked.unpack(view.samples));
       return gearbox(view, Array.from({ length: view.channels }, () => Float32Array.from(read.column())));
-    }));
+    };
+    const boxes = await Promise.all(data.views.map(boxed));
     const first = boxes[0];
     const last = first.view.count - 1;
     const options = { forces: true, wheels: Array(first.gear.wheels).fill(true) };
@@ -99,7 +100,7 @@ document.addEventListener('DOMContentLoaded', () => {
     const speed = host.querySelector('select');
     const shown = host.querySelector('.at');
     const line = host.querySelector('.gearbox-time canvas');
-    const strip = timeline(line, boxes);
+    let strip = timeline(line, boxes);
     const clock = { at: data.begin, playing: false, frame: 0, stamp: null, told: -Infinity, interval: 0, coarse: false };
     slider.max = String(last);
 
@@ -228,6 +229,17 @@ document.addEventListener('DOMContentLoaded', () => {
     // For those who asked for less motion it waits for them.
     run(!calm.matches);
     calm.addEventListener('change', () => { if (calm.matches) run(false); });
+    /** Another gearbox, of as many samples, in the place of one. */
+    host.replace = async (n, other) => {
+      const box = await boxed(other);
+      boxes[n] = box;
+      Object.assign(views[n], { box, ...picture(views[n].canvas, box, options) });
+      resize(views[n]);
+      views[n].repaint();
+      strip = timeline(line, boxes);
+      strip.draw(colours, line.clientWidth, line.clientHeight);
+      show();
+    };
     host.dataset.ready = '';
   }
 

@@ -83,6 +83,9 @@
       lower = PinwheelCharts.chart(bottom, { ...second, height: 220, group: 'time' });
       onRedraw(() => { upper.redraw(); lower.redraw(); });
       zoomed(begin, end);
+      // What people come for is the steady state.
+      const steady = windows.find((w) => w.kind === 'steady');
+      if (steady) upper.range(steady.from, steady.to);
     } else {
       upper.update(first);
       lower.update(second);
@@ -129,15 +132,27 @@
     if (button.dataset.zoom === 'right' && high > end) [low, high] = [end - breadth, end];
     upper.range(low, high);
   }));
-  $('legend').append(...engines.map((engine, e) => {
+  const see = (e, on) => {
+    state.visible[e] = on;
+    chips[e].setAttribute('aria-pressed', String(on));
+    for (const chart of [upper, lower]) chart.show(order.indexOf(e), on);
+    press(groups, (b) => engines.some((engine, k) => engine.track === b.dataset.track && state.visible[k]));
+  };
+  const chips = engines.map((engine, e) => {
     const chip = make('button', { type: 'button', class: 'chip', 'aria-pressed': 'true' }, PinwheelCharts.swatch(engine.style), make('span', {}, engine.name), make('small', {}, engine.marks ? 'recorded' : engine.track === 'measured' ? 'measured' : ''));
-    chip.addEventListener('click', () => {
-      state.visible[e] = !state.visible[e];
-      chip.setAttribute('aria-pressed', String(state.visible[e]));
-      for (const chart of [upper, lower]) chart.show(order.indexOf(e), state.visible[e]);
-    });
+    chip.addEventListener('click', () => see(e, !state.visible[e]));
     return chip;
+  });
+  $('legend').append(...chips);
+  // Groups by what engines share; one group needs no button.
+  const tracks = [['native', 'Native'], ['shared-law', 'Shared law'], ['own-contact', 'Own contact'], ['measured', 'Measured']].filter(([track]) => engines.some((engine) => engine.track === track));
+  const groups = tracks.map(([track, label]) => make('button', { type: 'button', 'aria-pressed': 'true', 'data-track': track }, label));
+  groups.forEach((button) => button.addEventListener('click', () => {
+    const on = button.getAttribute('aria-pressed') !== 'true';
+    engines.forEach((engine, e) => { if (engine.track === button.dataset.track) see(e, on); });
   }));
+  if (groups.length > 1) $('groups').append(...groups);
+  else $('groups').parentElement.hidden = true;
   for (const element of [$('chart-controls'), document.querySelector('.chart-help')]) element.hidden = false;
   document.querySelectorAll('.swatch').forEach((mark) => mark.append(PinwheelCharts.swatch(Number(mark.dataset.style))));
   draw();

@@ -227,6 +227,23 @@ impl Animation {
     }
 }
 
+impl Animation {
+    /// The same under another title.
+    #[must_use]
+    pub fn titled(self, title: impl Into<String>) -> Self {
+        Self {
+            title: title.into(),
+            ..self
+        }
+    }
+
+    /// What the page's script reads, to take the place of another one of as many samples.
+    #[must_use]
+    pub fn json(&self) -> serde_json::Value {
+        json!(self.view)
+    }
+}
+
 /// Markup of one block with a clock for all of `views`, which must have the same sample times; style and script
 /// are included, so there should be one block on a page. `begin_s`: where it starts and begins again.
 #[must_use]

@@ -12,6 +12,7 @@ use std::fmt::Write as _;
 use pinwheel_compare::comparison::Comparison;
 use pinwheel_compare::{Participant, Quantity, Track, Verdict, quantities};
 use pinwheel_files::output::steers;
+use pinwheel_timeseries::columns;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -278,7 +279,8 @@ fn spaced(at: Vec<f64>) -> Spaced {
     Spaced::Listed { at }
 }
 
-/// What to look at first: measured data against the first engine; else what differs, else the first quantity.
+/// What to look at first: measured data against the first engine; else what differs, else external forces, else the first
+/// quantity.
 fn first(comparison: &Comparison, drawn: &[Drawn<'_>], quantities: &[ChartQuantity]) -> [usize; 3] {
     let rig = |d: &Drawn<'_>| d.participant.track == Track::Measured;
     let measured = drawn.iter().position(rig);
@@ -295,7 +297,10 @@ fn first(comparison: &Comparison, drawn: &[Drawn<'_>], quantities: &[ChartQuanti
     let differs = entries
         .filter(|e| e.result.verdict == Verdict::Differ)
         .find_map(|e| quantities.iter().position(|q| q.name == e.quantity));
-    [differs.unwrap_or(0), 0, 0]
+    let force = quantities
+        .iter()
+        .position(|q| q.name == columns::EXTERNAL_FORCE);
+    [differs.or(force).unwrap_or(0), 0, 0]
 }
 
 /// The budget of every comparison with measured data, in the quantity's unit.

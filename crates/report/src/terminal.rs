@@ -3,6 +3,7 @@
 use anstyle::{AnsiColor, Style};
 use pinwheel_timeseries::table::{Column, Mark, Table};
 
+use crate::study::Fact;
 use crate::table;
 
 /// Titles.
@@ -130,18 +131,22 @@ pub fn table(table: &Table) -> String {
     let mut rows = vec![head.collect::<Vec<_>>()];
     rows.extend((0..table.len()).map(|row| {
         let cell = |column| {
-            let style = match table::mark(column, row) {
-                Mark::None => Style::new(),
-                Mark::Good => GOOD,
-                Mark::Bad => BAD,
-                Mark::Warn => TITLE,
-                Mark::Muted => QUIET,
-            };
+            let style = style(table::mark(column, row));
             aligned(column, table::words(column, row), style)
         };
         table::shown(table).map(cell).collect()
     }));
     lines(&rows)
+}
+
+fn style(mark: Mark) -> Style {
+    match mark {
+        Mark::None => Style::new(),
+        Mark::Good => GOOD,
+        Mark::Bad => BAD,
+        Mark::Warn => TITLE,
+        Mark::Muted => QUIET,
+    }
 }
 
 /// Words with what they stand for, one pair a line.
@@ -151,6 +156,21 @@ pub fn pairs<L: Into<String>, T: Into<String>>(rows: impl IntoIterator<Item = (L
         rows.into_iter()
             .map(|(label, text)| [label.into(), text.into()]),
     )
+}
+
+/// Questions with their answers, each answer in the style of its mark.
+#[must_use]
+pub fn facts(facts: &[Fact]) -> String {
+    let cell = |text: &str, style| Cell {
+        text: text.replace('`', ""),
+        style,
+        right: false,
+    };
+    let rows = facts.iter().map(|fact| {
+        let label = cell(&format!("{:12}", fact.label), Style::new());
+        vec![label, cell(&fact.text, style(fact.mark))]
+    });
+    lines(&rows.collect::<Vec<_>>())
 }
 
 /// Rows of words in columns, without headings.

@@ -118,7 +118,8 @@ fn results(comparison: &Comparison) -> impl Iterator<Item = &Assessment> {
 }
 
 /// What those are who leave something inconclusive with nothing to act on.
-fn groups(comparison: &Comparison) -> Vec<&'static str> {
+#[must_use]
+pub fn groups(comparison: &Comparison) -> Vec<&'static str> {
     let groups = results(comparison).map(|one| one.group);
     distinct(groups.filter(|group| !group.is_empty()))
 }

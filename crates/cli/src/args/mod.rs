@@ -16,6 +16,7 @@ mod baseline;
 mod bench;
 mod calibrate;
 mod design;
+mod explore;
 mod fmu;
 mod named;
 mod paper;
@@ -27,6 +28,7 @@ pub(crate) use baseline::{Action, BaselineArgs, CheckArgs, ListArgs, RecordBasel
 pub(crate) use bench::BenchArgs;
 pub(crate) use calibrate::CalibrateArgs;
 pub(crate) use design::{DesignArgs, FLAGS, InitArgs};
+pub(crate) use explore::ExploreArgs;
 pub(crate) use fmu::FmuArgs;
 pub(crate) use paper::PaperArgs;
 pub(crate) use solver::{SolverAction, SolverArgs, Solvers};
@@ -61,6 +63,8 @@ pub(crate) enum Command {
     Init(InitArgs),
     /// Tell lost motion, stiffness, transmission error, forces.
     Design(DesignArgs),
+    /// Move a gear's keys in the browser; motion and figures follow.
+    Explore(ExploreArgs),
     /// Make a co-simulation unit for Simulink, Modelica, Adams.
     Fmu(FmuArgs),
     /// Run lists, ranges or tolerances of keys, over all cores.
@@ -160,6 +164,9 @@ pub(crate) struct CompareArgs {
     /// How sharp statements are to be: the largest U of a pair that counts as resolved, relative.
     #[arg(long, value_name = "SHARE", default_value_t = 0.01)]
     pub(crate) resolution: f64,
+    /// Show every engine's figures and what pairs share, too.
+    #[arg(long, short, conflicts_with = "other")]
+    pub(crate) verbose: bool,
     #[command(flatten)]
     pub(crate) solvers: Solvers,
     /// Write the verdicts as a JUnit file, too, for CI systems.

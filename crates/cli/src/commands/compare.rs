@@ -36,7 +36,10 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
     let page = pages::comparison::page(&found, &made, interrupt::flag())?;
-    let text = pages::comparison::text(scene, &found);
+    let mut text = pages::comparison::text(scene, &found);
+    if args.verbose {
+        text.insert_str(0, &pages::comparison::details(&found));
+    }
     folder.show(&page, &text)?;
     if let Some(path) = &args.junit {
         junit::write(

@@ -10,7 +10,7 @@ use crate::args::{self, DesignArgs, InitArgs, quoted};
 use crate::failure::Failure;
 use crate::folder::{Folder, replace};
 use crate::progress::watched;
-use crate::screen;
+use crate::{interrupt, screen};
 
 pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     let to_screen = args.file == Path::new("-");
@@ -57,6 +57,6 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     })?;
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
-    let page = pages::design::page(&found, &made);
+    let page = pages::design::page(&found, &gearbox, &made, interrupt::flag())?;
     folder.show(&page, &pages::design::text(&found))
 }

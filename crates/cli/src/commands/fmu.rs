@@ -42,7 +42,7 @@ pub(crate) fn fmu(args: &FmuArgs) -> Result<(), Failure> {
     });
     screen::show_or_json(args.json, &told, || {
         format!(
-            "unit    {} ({} variables, {}, {})",
+            "unit    {0} ({1} variables, {2}, {3})\nnext    import {0} in a master of FMI 2.0 co-simulation: docs/fmu.md",
             file.display(),
             package.variables(),
             package.method(),

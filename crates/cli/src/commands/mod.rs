@@ -5,6 +5,7 @@ pub(crate) mod bench;
 pub(crate) mod calibrate;
 pub(crate) mod compare;
 pub(crate) mod design;
+pub(crate) mod explore;
 pub(crate) mod fmu;
 pub(crate) mod open;
 pub(crate) mod paper;

@@ -47,9 +47,13 @@ fn verdict(study: &WorkPrecision, ranking: &Ranking) -> Option<Verdict> {
     Some(Verdict {
         tone: Tone::Neutral,
         headline: format!(
-            "At a force error of {} the native solver is {}{factor} times faster than the fastest peer",
+            "At a force error of {} the native solver is {}{factor} times faster than {}",
             limit(ranking.error),
             if lead.at_least { "at least " } else { "" },
+            match lead.peer_cpu_s.reached() {
+                true => "the fastest peer that got there",
+                false => "any peer: none got there",
+            },
         ),
         detail: format!(
             "{} takes {} of CPU time, {} takes {}; relative L2 error of all sleeve forces over the whole {} s, \

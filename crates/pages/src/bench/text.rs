@@ -37,13 +37,16 @@ pub fn text(study: &WorkPrecision) -> String {
         study.reference_errors[0].force_l2
     ));
     if let Some(lead) = &ranking.advantage {
-        text.push_str(&format!(
-            "native ({}) is {}{:.0} times faster than {}\n",
-            lead.native,
-            if lead.at_least { "at least " } else { "" },
-            lead.ratio,
-            lead.peer
-        ));
+        let [words, peer] = match lead.peer_cpu_s.reached() {
+            true => ["", "the fastest peer that got there"],
+            false => ["no peer got there; ", "which stopped before"],
+        };
+        let least = if lead.at_least { "at least " } else { "" };
+        text.push_str(&terminal::paragraph(&format!(
+            "{words}native ({}) is {least}{:.0} times faster than {}, {peer}",
+            lead.native, lead.ratio, lead.peer
+        )));
+        text.push('\n');
     }
     text
 }

@@ -1,5 +1,6 @@
 //! A comparison of engines on one scene.
 
+mod answer;
 mod text;
 mod twins;
 
@@ -8,12 +9,14 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::Statement;
 use pinwheel_report::comparison::study;
-use pinwheel_report::study::Study;
+use pinwheel_report::format;
+use pinwheel_report::study::{Block, Fact, Section, Study};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::comparison::Outcome;
 use pinwheel_timeseries::table::Table;
 
-pub use text::text;
+use answer::Answer;
+pub use text::{details, text};
 
 use crate::{animation, band};
 
@@ -47,12 +50,27 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
         made: Some(made.date.clone()),
         ..study(&found.comparison, participants, motion, model, scene)
     };
-    if let Some(bands) = &found.bands {
-        study.below.splice(0..0, band::blocks(bands));
+    let answer = Answer::new(found, format::relative);
+    study.verdict = Some(answer.verdict());
+    study.tiles = answer.tiles();
+    study.top.clear();
+    let under = |title: &str, facts: Vec<Fact>| {
+        let heading = Block::Heading(title.to_owned());
+        let facts = (!facts.is_empty()).then_some([heading, Block::Facts(facts)]);
+        facts.into_iter().flatten()
+    };
+    let [trust, unchecked] = [answer.trust(), answer.unchecked()];
+    let facts = under("Can I trust it?", trust)
+        .chain(under("Not checked", unchecked))
+        .chain(under("What next", answer.next()));
+    study.below.splice(0..0, facts);
+    // Details stand below the first screen.
+    let mut details = twins::blocks(found);
+    details.extend(found.bands.iter().flat_map(band::blocks));
+    if !details.is_empty() {
+        let section = Section::new("models", "Models", details);
+        let place = study.sections.len().min(1);
+        study.sections.insert(place, section);
     }
-    if let Some(verdict) = twins::verdict(found) {
-        study.verdict = Some(verdict);
-    }
-    study.below.splice(0..0, twins::blocks(found));
     Ok(crate::render(study, made))
 }

@@ -4,6 +4,8 @@ use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::quantities::INPUT_TORQUE;
 use pinwheel_compare::{Comparison, Counts, Track, Verdict, WindowKind};
+use pinwheel_report::format::significant;
+use pinwheel_report::study::Fact;
 use pinwheel_report::terminal::{self, BAD, GOOD, QUIET, TITLE, paragraph, styled};
 use pinwheel_report::words;
 use pinwheel_scene::Scene;
@@ -11,38 +13,59 @@ use pinwheel_studies::comparison::Outcome;
 use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
+use super::answer::{self, Answer};
 use crate::band;
 
-/// The whole text, without the place of the page.
+/// The answer, without the place of the page: at most a screen.
 #[must_use]
 pub fn text(scene: &Scene, found: &Outcome) -> String {
-    let comparison = &found.comparison;
+    let answer = Answer::new(found, share);
     let mut text = format!("{}\n\n", styled(TITLE, &paragraph(&crate::title(scene))));
-    text.push_str(&terminal::table(&engines(comparison)));
-    let lost = comparison.engines.iter();
-    text += &lines(lost.filter_map(|e| Some(format!("{}: {}", e.name, e.status.reason()?))));
-    let measured = measured(comparison);
-    if !measured.is_empty() {
-        text.push('\n');
-        text.push_str(&terminal::table(&measured));
-        text += &lines(words::of_measured(comparison));
+    let figures = answer.figures();
+    text += &terminal::pairs(figures.iter().map(|one| {
+        let value = format!("{} {}", one.value, one.unit);
+        (one.label.as_str(), format!("{value:12} {}", one.bounds()))
+    }));
+    let facts = |title: &str, facts: &[Fact]| match facts {
+        [] => String::new(),
+        facts => format!("{}\n{}", styled(TITLE, title), terminal::facts(facts)),
+    };
+    text += &facts("can I trust it", &answer.trust());
+    let mut unchecked = answer.unchecked();
+    // The last line counts these.
+    unchecked.retain(|fact| fact.label != answer::UNRESOLVED);
+    text += &facts("not checked", &unchecked);
+    text += &terminal::facts(&answer.next());
+    format!("{text}{}", total(found))
+}
+
+/// Every figure and every verdict.
+#[must_use]
+pub fn details(found: &Outcome) -> String {
+    let comparison = &found.comparison;
+    let mut text = format!("\n{}", terminal::table(&engines(comparison)));
+    for table in [measured(comparison), pairs(comparison)] {
+        if !table.is_empty() {
+            text.push('\n');
+            text.push_str(&terminal::table(&table));
+        }
     }
-    let pairs = pairs(comparison);
-    if !pairs.is_empty() {
-        text.push('\n');
-        text.push_str(&terminal::table(&pairs));
-    }
-    let inconclusive = words::inconclusive(comparison).into_iter();
-    let inconclusive = inconclusive.map(|(who, why)| format!("inconclusive: {who}: {why}"));
     if let Some(bands) = &found.bands {
         text.push('\n');
         text.push_str(&terminal::pairs(band::rows(bands)));
     }
-    let told = words::of_windows(comparison).chain(budgets(comparison));
-    text += &lines(told.chain(inconclusive));
-    let twins = super::twins::lines(found);
-    text += &lines(twins);
-    format!("{text}\n{}", total(found))
+    let told = words::of_measured(comparison).chain(words::of_windows(comparison));
+    let told = told.chain(budgets(comparison));
+    let twins = found.twins.iter().filter_map(super::twins::line);
+    text + &lines(told.chain(twins))
+}
+
+/// A share as a terminal shows it.
+fn share(value: f64) -> String {
+    match value.abs() >= 1e-3 {
+        true => format!("{}\u{202f}%", significant(100.0 * value, 2)),
+        false => brief_number(value),
+    }
 }
 
 /// Each as a paragraph of its own.
@@ -51,7 +74,7 @@ fn lines(all: impl IntoIterator<Item = String>) -> String {
     lines.map(|line| paragraph(&line) + "\n").collect()
 }
 
-/// The last line: what all verdicts amount to.
+/// The last lines: what all verdicts amount to.
 fn total(found: &Outcome) -> String {
     let comparison = &found.comparison;
     let (headline, style) = match found.exit_status() {

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::Cancelled;
-use pinwheel_report::study::{self, Axis, Block, Chart, Section, Series, Study, Style, Tone};
+use pinwheel_report::study::{self, Axis, Block, Chart, Fact, Section, Series, Study, Style, Tone};
 use pinwheel_scene::Scene;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::paper::{ClaimVerdict, Cost, PaperFigure, PaperResult, Plot};
@@ -84,10 +84,10 @@ fn overview(found: &PaperResult) -> Section {
     let caption = "What the paper's figures say, and what ours show";
     let table = Table::of(caption, &found.figures)
         .text("", "Figure", |figure| &figure.name)
-        .text("", "By our runs", |figure| figure.verdict.words())
-        .marked(|figure| mark(figure.verdict))
         .text("", "The paper says", |figure| &figure.says)
-        .text("", "By which number", |figure| &figure.found);
+        .text("", "Our runs show", |figure| &figure.found)
+        .text("", "So it", |figure| figure.verdict.words())
+        .marked(|figure| mark(figure.verdict));
     Section::new("figures", "Overview", [table.done().into()])
 }
 
@@ -97,12 +97,14 @@ fn section(figure: &PaperFigure) -> Section {
         .number("", "Value", |n| n.value)
         .text("", "Unit", |n| &n.unit);
     let blocks = [
-        Block::text(format!("The paper says: {}", figure.says)),
-        Block::text(format!(
-            "Ours, {}: {}",
-            figure.verdict.words(),
-            figure.found
-        )),
+        Block::Columns(vec![
+            Fact::new("The paper", Mark::None, &figure.says),
+            Fact::new(
+                format!("Ours: {}", figure.verdict.words()),
+                mark(figure.verdict),
+                &figure.found,
+            ),
+        ]),
         Block::text(format!("Why: {}", figure.why)),
         Block::Charts(figure.plots.iter().map(chart).collect()),
         Block::folded("Numbers", [numbers.done().into()]),

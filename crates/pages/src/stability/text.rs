@@ -1,16 +1,56 @@
-//! The study on a terminal: largest steps, scene by scene.
+//! The study on a terminal: what each method gets right. The page has the map of scenes.
 
+use pinwheel_report::format;
 use pinwheel_report::terminal::{self, TITLE, styled};
-use pinwheel_studies::stability::Atlas;
+use pinwheel_studies::stability::{Atlas, Cell};
+use pinwheel_timeseries::table::{Mark, Table};
 
-use super::maps;
-
-/// The largest step of each method, scene by scene; without the place of the page.
+/// In how many scenes a method gives the right picture, and what it asks of the step; without the place of the page.
 #[must_use]
 pub fn text(atlas: &Atlas) -> String {
+    let scenes: Vec<_> = atlas.done().filter(|row| row.refused.is_none()).collect();
+    let cells = |place: usize| {
+        let cells = scenes.iter();
+        cells.filter_map(move |row| Some((row.scene.as_str(), row.cells.get(place)?)))
+    };
+    let right = |cell: &Cell| cell.largest_step_s.is_some() || cell.failure.is_none();
+    let methods = atlas.options.methods.iter().enumerate();
+    let table = Table::of("", methods)
+        .text("", "method", |(_, method)| method.name())
+        .text("", "right", |(k, _)| {
+            let count = cells(*k).filter(|(_, cell)| right(cell)).count();
+            format!("{count} of {}", scenes.len())
+        })
+        .text(
+            "",
+            "its smallest step, or largest error of forces",
+            |(k, _)| {
+                let step =
+                    cells(*k).filter_map(|(scene, cell)| Some((scene, cell.largest_step_s?)));
+                let step = step.min_by(|a, b| a.1.total_cmp(&b.1));
+                let error = cells(*k).filter_map(|(scene, cell)| Some((scene, cell.right_to()?)));
+                let error = error.max_by(|a, b| a.1.total_cmp(&b.1));
+                match (step, error) {
+                    (Some((scene, step)), _) => format!("{}, {scene}", format::seconds(step)),
+                    (None, Some((scene, error))) => format!("{}, {scene}", format::relative(error)),
+                    (None, None) => String::new(),
+                }
+            },
+        )
+        .text("", "fails in", |(k, _)| {
+            let wrong = cells(*k).filter(|(_, cell)| !right(cell));
+            wrong.map(|(scene, _)| scene).collect::<Vec<_>>().join(", ")
+        })
+        .marked(|_| Mark::Bad);
+    let refused = atlas
+        .done()
+        .filter_map(|row| Some((&row.scene, row.refused.as_ref()?)));
+    let refused =
+        refused.map(|(scene, why)| terminal::paragraph(&format!("{scene}: {why}")) + "\n");
     format!(
-        "{}\n{}\nLargest step with the right picture; of methods with a tolerance, the forces' error.",
+        "{}\n{}{}The map of scenes and methods is on the page.",
         styled(TITLE, "stability"),
-        terminal::table(&maps::steps(atlas))
+        terminal::table(&table.done().without_empty()),
+        refused.collect::<String>()
     )
 }

@@ -2,13 +2,22 @@
 
 use pinwheel_report::terminal::{self, BAD, TITLE, pairs, styled};
 use pinwheel_studies::sweep::{self, Plan, RunRecord};
-use pinwheel_timeseries::Ending;
-use pinwheel_timeseries::table::Table;
+use pinwheel_timeseries::table::{Shown, Table};
+use pinwheel_timeseries::{Ending, columns};
 
 use super::{simulated_s, tolerances};
 
 /// Figures of a sample at most; the page and summary.json have more.
 const MOST_FIGURES: usize = 8;
+
+/// Runs that a terminal lists.
+const MOST_RUNS: usize = 12;
+/// What it lists of each.
+const SHOWN: [(&str, &str); 3] = [
+    (columns::EXTERNAL_FORCE, "ext N"),
+    (columns::INTERNAL_FORCE, "int N"),
+    (columns::INPUT_TORQUE, "torque N m"),
+];
 
 /// The runs that a sweep asks for.
 #[must_use]
@@ -62,6 +71,42 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
             rows.push(row(&name, tolerances::in_words(figure)));
         }
     }
+    let result = match sampled.is_empty() {
+        true => result(plan, records),
+        false => String::new(),
+    };
     rows.extend(files.iter().map(|(word, place)| row(word, place.clone())));
-    format!("{}\n{}", styled(TITLE, &plan.sweep.name), pairs(rows))
+    format!(
+        "{}\n{result}{}",
+        styled(TITLE, &plan.sweep.name),
+        pairs(rows)
+    )
+}
+
+/// What was varied and the largest forces and mean torque of each run, or of the first ones.
+fn result(plan: &Plan, records: &[RunRecord]) -> String {
+    let rows = plan.runs.iter().zip(records).take(MOST_RUNS);
+    let mut table = Table::of("", rows).text("", "engine", |(run, _)| &run.engine);
+    for (place, key) in plan.keys().enumerate() {
+        // The last word of a key says which; the whole stands below.
+        let label = key.rsplit('.').next().unwrap_or(key);
+        table = table.text("", label, |(run, _)| run.values[place].1.to_string());
+    }
+    for (quantity, label) in SHOWN {
+        table = table
+            .number("", label, |(_, record)| {
+                let statistics = record.figures.get(quantity)?.statistics;
+                Some(match quantity {
+                    columns::INPUT_TORQUE => statistics.mean,
+                    _ => statistics.peak,
+                })
+            })
+            .shown(Shown::Digits(5));
+    }
+    let more = records.len().saturating_sub(MOST_RUNS);
+    let more = match more {
+        0 => String::new(),
+        more => format!("and {more} more in the results\n"),
+    };
+    terminal::table(&table.done().without_empty()) + &more
 }

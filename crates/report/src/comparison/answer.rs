@@ -1,17 +1,17 @@
 //! The top of the page: the verdict in one sentence, and the figures people come for.
 
-use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
+use pinwheel_compare::comparison::EngineSummary;
 use pinwheel_compare::uncertainty::Norm;
-use pinwheel_compare::{Comparison, Metric, Quantity, Track, Verdict, WindowKind, quantities};
+use pinwheel_compare::{Comparison, Quantity, Track, WindowKind, quantities};
 use pinwheel_timeseries::norms::Statistics;
-use pinwheel_timeseries::table::Table;
 
-use super::{Page, mark, pairs};
+use super::Page;
 use crate::study::{self, Block, Tile, Tone};
 use crate::{format, words};
 
 /// The verdict.
-pub(super) fn verdict(comparison: &Comparison) -> study::Verdict {
+#[must_use]
+pub fn verdict(comparison: &Comparison) -> study::Verdict {
     let engines = || comparison.engines.iter();
     // An engine that cannot run a scene says so beforehand; that is no finding.
     let broken = engines().filter(|e| e.status.is_broken()).count();
@@ -56,150 +56,159 @@ pub(super) fn inconclusive(comparison: &Comparison) -> Vec<Block> {
     blocks
 }
 
+/// A headline figure: of one engine at all its samples.
+#[derive(Debug, Clone)]
+pub struct Headline<'a> {
+    /// Its quantity.
+    pub quantity: &'a Quantity,
+    /// What it is, e.g. `External sleeve force, largest`.
+    pub label: String,
+    /// The figure, in the quantity's unit.
+    pub value: f64,
+    /// How far it is from the exact solution of its equations, in the same unit; `None`: not known.
+    pub numerical: Option<f64>,
+    /// What is rounding, in the same unit.
+    pub scale: f64,
+    /// Other figures of the same, and how far the other engines are from it.
+    pub detail: String,
+}
+
+impl Headline<'_> {
+    /// The figure, and after \u{b1} how far it is off.
+    #[must_use]
+    pub fn words(&self) -> (String, String) {
+        format::bounded(self.value, self.numerical, self.scale)
+    }
+}
+
+/// The engine that speaks for all, with the window that it is asked about: of those that share the contact law, or of all if
+/// none does, one that is not recorded, and of those the one of the smallest uncertainty.
+#[must_use]
+pub fn best(comparison: &Comparison) -> Option<(&EngineSummary, WindowKind)> {
+    let window = comparison.windows.first()?.kind;
+    let rank = |e: &EngineSummary| {
+        let off = numerical(comparison, e, window).unwrap_or(f64::INFINITY);
+        (e.cost.recorded.is_some(), off)
+    };
+    let mut engines = shown(comparison);
+    engines.retain(|engine| engine.figures_in(window).is_some());
+    let best = engines.into_iter().min_by(|a, b| {
+        let (a, b) = (rank(a), rank(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+    Some((best?, window))
+}
+
+/// How far an engine's torques and forces are from the exact solution of its equations, as a share of themselves at most.
+#[must_use]
+pub fn numerical(
+    comparison: &Comparison,
+    engine: &EngineSummary,
+    window: WindowKind,
+) -> Option<f64> {
+    let known = comparison.quantities.iter().filter(|q| q.is_load());
+    let shares = known.filter_map(|q| {
+        let size = engine.figures_in(window)?.quantities.get(&q.name)?.rms;
+        Some(engine.u(&q.name, window, Norm::L2)? / size)
+    });
+    shares.reduce(f64::max)
+}
+
+/// The engines that share the contact law, or all if none does.
+fn shown(comparison: &Comparison) -> Vec<&EngineSummary> {
+    let all = comparison.engines.iter();
+    let finished: Vec<&EngineSummary> = all.filter(|e| e.status.is_finished()).collect();
+    let shares = |e: &&EngineSummary| matches!(e.track, Track::Native | Track::SharedLaw);
+    let sharing: Vec<&EngineSummary> = finished.iter().copied().filter(shares).collect();
+    match sharing.is_empty() {
+        true => finished,
+        false => sharing,
+    }
+}
+
+/// Headline figures: torques by their mean, forces by their largest value.
+#[must_use]
+pub fn headlines(comparison: &Comparison) -> Vec<Headline<'_>> {
+    let Some((best, window)) = best(comparison) else {
+        return Vec::new();
+    };
+    let loads = comparison.quantities.iter().filter(|q| q.is_load());
+    let found = loads.filter_map(|q| headline(comparison, best, q, window));
+    found.collect()
+}
+
+fn headline<'a>(
+    comparison: &Comparison,
+    best: &EngineSummary,
+    of: &'a Quantity,
+    window: WindowKind,
+) -> Option<Headline<'a>> {
+    let own = best.figures_in(window)?.quantities.get(&of.name)?;
+    let engines = shown(comparison);
+    let figures = engines.iter().filter_map(|e| e.figures_in(window));
+    let statistics = figures.filter_map(|f| f.quantities.get(&of.name));
+    let scales = comparison.context.scales;
+    type Of = fn(&Statistics) -> f64;
+    let (main, kind, norm, scale, mut detail): (Of, _, _, _, _) = if of.is_torque() {
+        let range = [own.min, own.max].map(format::figure).join(" to ");
+        (|s| s.mean, "mean", Norm::Mean, scales.torque_n_m, range)
+    } else {
+        let [mean, rms] = [own.mean, own.rms].map(format::figure);
+        let rest = format!("mean {mean}, rms {rms}");
+        (|s| s.max, "largest", Norm::Peak, scales.force_n, rest)
+    };
+    let load = comparison.context.load_n_m;
+    if let Some(load) = load.filter(|_| of.name == quantities::OUTPUT_TORQUE) {
+        detail.push_str(&format!("; load {}", format::significant(load, 3)));
+    }
+    let mut found = Headline {
+        quantity: of,
+        label: format!("{}, {kind}", of.label),
+        value: main(own),
+        numerical: best.u(&of.name, window, norm),
+        scale: scale.unwrap_or(0.0),
+        detail: String::new(),
+    };
+    let all: Vec<f64> = statistics.map(main).collect();
+    found.detail = match found.words().0.as_str() {
+        "0" => format!("{} engines, all of them rounding", all.len()),
+        _ => format!("{detail}; {}", spread(&all)),
+    };
+    Some(found)
+}
+
 impl Page<'_> {
     /// What the tiles are of.
     pub(super) fn tiles_title(&self) -> String {
-        let first = self.comparison.windows.first().map(|w| w.kind);
-        let of = first.and_then(|window| Some((window, self.best(window)?)));
-        of.map_or_else(String::new, |(window, engine)| {
+        best(self.comparison).map_or_else(String::new, |(engine, window)| {
             format!("{}, by {}", self.window(window), engine.name)
         })
     }
 
-    /// The engines that the tiles speak of: those that share the contact law, or all if none does.
-    fn shown(&self) -> Vec<&EngineSummary> {
-        let all = self.comparison.engines.iter();
-        let finished: Vec<&EngineSummary> = all.filter(|e| e.status.is_finished()).collect();
-        let shares = |e: &&EngineSummary| matches!(e.track, Track::Native | Track::SharedLaw);
-        let sharing: Vec<&EngineSummary> = finished.iter().copied().filter(shares).collect();
-        match sharing.is_empty() {
-            true => finished,
-            false => sharing,
-        }
-    }
-
-    /// The one of them whose figures are shown: not recorded, and of the smallest uncertainty.
-    fn best(&self, window: WindowKind) -> Option<&EngineSummary> {
-        let off = |engine: &EngineSummary| {
-            let known = self.comparison.quantities.iter().filter(|q| q.is_load());
-            let shares = known.filter_map(|q| {
-                let size = engine.figures_in(window)?.quantities.get(&q.name)?.rms;
-                Some(engine.u(&q.name, window, Norm::L2)? / size)
-            });
-            shares.reduce(f64::max).unwrap_or(f64::INFINITY)
-        };
-        let rank = |engine: &EngineSummary| (engine.cost.recorded.is_some(), off(engine));
-        let mut engines = self.shown();
-        engines.retain(|engine| engine.figures_in(window).is_some());
-        engines.into_iter().min_by(|a, b| {
-            let (a, b) = (rank(a), rank(b));
-            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
-        })
-    }
-
-    /// Headline figures: torques by their mean, forces by their largest value, and the efficiency, of one engine at all its
-    /// samples; how far the others are from it beside them.
+    /// Headline figures and the efficiency.
     pub(super) fn tiles(&self) -> Vec<Tile> {
-        let Some(window) = self.comparison.windows.first().map(|w| w.kind) else {
-            return Vec::new();
-        };
-        let Some(best) = self.best(window) else {
-            return Vec::new();
-        };
-        let loads = self.comparison.quantities.iter().filter(|q| q.is_load());
-        let tiles = loads.filter_map(|q| self.tile(best, q, window));
-        tiles.chain(efficiency(best, window)).collect()
+        let tiles = headlines(self.comparison).into_iter().map(|found| {
+            let (value, off) = found.words();
+            let unit = format!("{off} {}", found.quantity.unit);
+            Tile::new(found.label, value, found.detail).unit(unit)
+        });
+        let efficiency = best(self.comparison);
+        let efficiency = efficiency.and_then(|(best, window)| efficiency_of(best, window));
+        tiles.chain(efficiency).collect()
     }
 
-    fn tile(&self, best: &EngineSummary, of: &Quantity, window: WindowKind) -> Option<Tile> {
-        let own = best.figures_in(window)?.quantities.get(&of.name)?;
-        let engines = self.shown();
-        let figures = engines.iter().filter_map(|e| e.figures_in(window));
-        let statistics = figures.filter_map(|f| f.quantities.get(&of.name));
-        let scales = self.comparison.context.scales;
-        type Of = fn(&Statistics) -> f64;
-        let (main, kind, norm, scale, mut detail): (Of, _, _, _, _) = if of.is_torque() {
-            let range = [own.min, own.max].map(format::figure).join(" to ");
-            (|s| s.mean, "mean", Norm::Mean, scales.torque_n_m, range)
-        } else {
-            let [mean, rms] = [own.mean, own.rms].map(format::figure);
-            let rest = format!("mean {mean}, rms {rms}");
-            (|s| s.max, "largest", Norm::Peak, scales.force_n, rest)
-        };
-        let load = self.comparison.context.load_n_m;
-        if let Some(load) = load.filter(|_| of.name == quantities::OUTPUT_TORQUE) {
-            detail.push_str(&format!("; load {}", format::significant(load, 3)));
-        }
-        let known = best.u(&of.name, window, norm);
-        let (value, off) = format::bounded(main(own), known, scale.unwrap_or(0.0));
-        let all: Vec<f64> = statistics.map(main).collect();
-        let detail = match value.as_str() {
-            "0" => format!("{} engines, all of them rounding", all.len()),
-            _ => format!("{detail}; {}", spread(&all)),
-        };
-        let label = format!("{}, {kind}", of.label);
-        Some(Tile::new(label, value, detail).unit(format!("{off} {}", of.unit)))
-    }
-
-    /// What stands below the tiles: what differs most on each track, gravest first, and remarks.
+    /// What stands below the tiles: remarks.
     pub(super) fn below(&self) -> Vec<Block> {
-        let mut found = Vec::new();
-        for (track, title) in [
-            (Track::Measured, "Measured data"),
-            (Track::OwnContact, "Own contact"),
-            (Track::SharedLaw, "Shared law"),
-            (Track::Native, "Native"),
-        ] {
-            let pairs = self.comparison.pairs.iter().enumerate();
-            let pairs = pairs.filter(|(_, pair)| pair.track == track);
-            let entries =
-                pairs.flat_map(|(k, pair)| pair.entries.iter().map(move |e| (k, pair, e)));
-            let entries = entries.filter(|(.., entry)| entry.result.metric.is_some());
-            // What is inconclusive with nothing to act on says less than what agrees.
-            let rank = |entry: &PairEntry| match entry.result.rank() {
-                2 => 0,
-                rank => 1 + rank,
-            };
-            let size = |e: &PairEntry| e.result.difference.map_or(f64::INFINITY, f64::abs);
-            let most = entries
-                .max_by(|(.., a), (.., b)| rank(a).cmp(&rank(b)).then(size(a).total_cmp(&size(b))));
-            found.extend(most.map(|(k, pair, entry)| (title, k, pair, entry)));
-        }
-        found.sort_by_key(|(.., entry)| entry.result.verdict != Verdict::Differ);
-        let who = |pair: &Pair| {
-            let [a, b] = [&pair.a, &pair.b].map(|name| words::short(name));
-            format!("{a} \u{2194} {b}")
-        };
-        let most = Table::of("What differs most", &found)
-            .text("", "Pair", |(title, _, pair, _)| {
-                format!("{title}: {}", who(pair))
-            })
-            .linked(|(_, k, ..)| Some(pairs::id(*k)))
-            .number("", "D", |(.., entry)| entry.result.difference.map(f64::abs))
-            .said(|(.., entry)| format::relative_or_none(entry.result.difference.map(f64::abs)))
-            .text("", "Of", |(.., entry)| {
-                let metric = entry.result.metric.map_or("", Metric::label);
-                format!(
-                    "{metric} of the {}",
-                    self.place(&entry.quantity, entry.window)
-                )
-            })
-            .text("", "Verdict", |(.., entry)| {
-                words::verdict(&entry.result, format::relative)
-            })
-            .marked(|(.., entry)| mark(&entry.result))
-            .done();
         let windows = words::of_windows(self.comparison);
         let divergence = self.comparison.context.divergence.iter();
         let divergence = divergence.map(|d| d.told.clone());
-        let remarks = windows.chain(divergence).map(Block::Text);
-        let most = (!most.is_empty()).then_some(Block::Table(most));
-        most.into_iter().chain(remarks).collect()
+        windows.chain(divergence).map(Block::Text).collect()
     }
 }
 
 /// The efficiency, or why there is none.
-fn efficiency(best: &EngineSummary, window: WindowKind) -> Option<Tile> {
+#[must_use]
+pub fn efficiency_of(best: &EngineSummary, window: WindowKind) -> Option<Tile> {
     let figures = best.figures_in(window)?;
     // How far it may be off: its powers are those of the mean torques.
     let share = |name: &str| {

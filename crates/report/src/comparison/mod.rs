@@ -3,6 +3,8 @@
 mod answer;
 mod pairs;
 
+pub use answer::{Headline, best, efficiency_of, headlines, numerical, verdict};
+
 use std::collections::BTreeMap;
 
 use pinwheel_compare::comparison::{EngineSummary, Figures};
@@ -51,7 +53,7 @@ pub fn study(
         title: comparison.context.scene.clone(),
         eyebrow: format!("Comparison of {engines} engine{plural} on the scene"),
         lead: comparison.context.description.clone(),
-        verdict: Some(answer::verdict(comparison)),
+        verdict: Some(verdict(comparison)),
         top: answer::inconclusive(comparison),
         tiles_title: page.tiles_title(),
         tiles: page.tiles(),
@@ -192,24 +194,26 @@ impl<'a> Page<'a> {
         let mut blocks = vec![Block::Heading(heading)];
         if explains {
             blocks.push(Block::text(
-                "Each cell shows the figure that decides the pair's verdict: a relative difference, after \u{b1} the \
-                 numerical uncertainty of both together, or how it was measured. Darker is larger, from 10\u{207b}\u{b9}\u{b2} \
-                 to 1. Choose a cell for all that was compared.",
+                "Each cell shows the relative difference that decides the pair's verdict, and after \u{b1} the numerical \
+                 uncertainty of both together, or how it was measured. Green agrees, red differs; the darker, the more of \
+                 that uncertainty is used. Choose a cell for all that was compared.",
             ));
         }
         for matrix in all {
-            let rows = matrix.engines.iter().enumerate();
+            // One triangle: a difference has no direction.
+            let rows = matrix.engines.iter().enumerate().skip(1);
             let mut table =
                 Table::of(self.window(matrix.window), rows).text("", "Engine", |(_, name)| *name);
-            for (j, name) in matrix.engines.iter().enumerate() {
-                let result = |i: usize| matrix.cell(i, j).map(|cell| &cell.result);
-                let difference = |i: usize| Some(result(i)?.difference?.abs());
+            let last = matrix.engines.len().saturating_sub(1);
+            for (j, name) in matrix.engines.iter().enumerate().take(last) {
+                let cell = |i: usize| matrix.cell(i, j).filter(|_| j < i);
+                let result = |i: usize| cell(i).map(|cell| &cell.result);
                 table = table
-                    .number("", name, |(i, _)| difference(*i))
+                    .number("", name, |(i, _)| Some(result(*i)?.difference?.abs()))
                     .said(|(i, _)| Some(result(*i).map_or_else(String::new, decisive)))
-                    .shaded(|(i, _)| difference(*i).map(shade))
+                    .shaded(|(i, _)| result(*i).map(|found| shade(found.share())))
                     .marked(|(i, _)| result(*i).map_or(Mark::None, mark))
-                    .linked(|(i, _)| Some(pairs::id(matrix.cell(*i, j)?.pair)));
+                    .linked(|(i, _)| Some(pairs::id(cell(*i)?.pair)));
             }
             blocks.push(table.done().into());
         }
@@ -391,13 +395,11 @@ fn decisive(found: &Assessment) -> String {
     }
 }
 
-/// Where a relative difference stands between 10^-12 (0), which is rounding, and 1 (1), where nothing is alike.
-fn shade(relative: f64) -> f64 {
-    const DECADES: f64 = 12.0;
-    if relative > 0.0 {
-        (1.0 + relative.log10() / DECADES).clamp(0.0, 1.0)
-    } else {
-        0.0
+/// How dark a share of a bound is: nothing of it 0, all of it and more 1.
+fn shade(share: f64) -> f64 {
+    match share.is_nan() {
+        true => 0.0,
+        false => share.clamp(0.0, 1.0),
     }
 }
 
@@ -432,8 +434,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shades_are_logarithmic() {
-        assert_eq!([0.0, 1.0, 3.0, f64::NAN].map(shade), [0.0, 1.0, 1.0, 0.0]);
-        assert!((shade(1e-6) - 0.5).abs() < 1e-12);
+    fn shades_are_shares() {
+        assert_eq!([0.0, 0.5, 3.0, f64::NAN].map(shade), [0.0, 0.5, 1.0, 0.0]);
     }
 }

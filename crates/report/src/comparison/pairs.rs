@@ -46,12 +46,26 @@ impl Page<'_> {
             ));
         }
         for group in found.chunk_by(|a, b| a.0 == b.0) {
+            // Of what nothing would settle a sentence each says enough.
+            if group[0].0 == 2 && track != Track::Measured {
+                let sentence = |item: &Item| {
+                    let why = item.blocks.iter().find_map(|block| match block {
+                        Block::Text(text) => text.strip_prefix("Inconclusive: "),
+                        _ => None,
+                    });
+                    let why = why.unwrap_or_default();
+                    format!("{}, {}: {}. {why}", item.name, item.beside, item.said)
+                };
+                let sentences: Vec<String> = group.iter().map(|(.., i)| sentence(i)).collect();
+                let summary = format!("{} not resolved", sentences.len());
+                blocks.push(Block::folded(summary, [Block::List(sentences)]));
+                continue;
+            }
             let items = group.iter().map(|(.., item)| Block::Item(item.clone()));
             let items: Vec<Block> = items.collect();
             let words = match group[0].0 {
                 0 => "not compared",
                 1 => "that agree",
-                2 => "inconclusive, with nothing to act on",
                 3 => "inconclusive",
                 _ => "",
             };

@@ -187,6 +187,10 @@ pub enum Block {
     Text(String),
     /// Points, one sentence or two each.
     List(Vec<String>),
+    /// Questions with their answers.
+    Facts(Vec<Fact>),
+    /// The same side by side.
+    Columns(Vec<Fact>),
     /// A table that can be sorted.
     Table(Table),
     /// Charts, side by side where there is room.
@@ -213,9 +217,33 @@ pub enum Block {
     },
     /// Text as a terminal or a file shows it.
     Code(String),
+    /// What is live on a page that a program serves: markup with everything that its script fills.
+    Explorer(String),
     /// Markup written by this program; placed as it is. Inline styles and scripts are allowed,
     /// anything from elsewhere is not.
     Html(String),
+}
+
+/// A question in a word or two, its answer in a sentence, and how that is marked.
+#[derive(Debug, Clone)]
+pub struct Fact {
+    /// The question.
+    pub label: String,
+    /// The answer.
+    pub text: String,
+    /// How it is marked.
+    pub mark: Mark,
+}
+
+impl Fact {
+    /// A fact.
+    pub fn new(label: impl Into<String>, mark: Mark, text: impl Into<String>) -> Self {
+        Self {
+            label: label.into(),
+            text: text.into(),
+            mark,
+        }
+    }
 }
 
 /// One of a list: its name, what it amounts to, and behind that all the rest.

@@ -4,7 +4,9 @@ use pinwheel_files::output::escape;
 use pinwheel_timeseries::table::{Column, Table};
 use serde_json::{Value, json};
 
-use super::{Block, Chart, Item, Mark, Section, Study, Tile, TimeSeries, Tone, Verdict, chart};
+use super::{
+    Block, Chart, Fact, Item, Mark, Section, Study, Tile, TimeSeries, Tone, Verdict, chart,
+};
 use crate::chart_data::{ChartData, json_for_script};
 use crate::{packed, table};
 
@@ -17,6 +19,8 @@ struct Drawn<'a> {
     /// Whether a block lets the reader choose axes.
     grids: bool,
     time_series: Option<&'a ChartData>,
+    /// Whether the page asks the program that serves it.
+    explorer: bool,
 }
 
 /// Fills in a study's page. The page depends on the study alone: the same study gives the same bytes.
@@ -62,6 +66,11 @@ pub fn render(study: &Study) -> String {
         machine = pairs("Machine", &study.machine),
         appendix = appendix,
         made = escape(study.made.as_deref().unwrap_or_default()),
+        connect = if drawn.explorer {
+            "; connect-src 'self'"
+        } else {
+            ""
+        },
         scripts = drawn.scripts(),
     )
 }
@@ -79,7 +88,7 @@ impl Drawn<'_> {
             let packed = packed::text(&json!(self.later).to_string());
             all += &format!("<script type=\"text/plain\" id=\"later-data\">{packed}</script>\n");
         }
-        if self.grids || !self.charts.is_empty() || self.time_series.is_some() {
+        if self.grids || self.explorer || !self.charts.is_empty() || self.time_series.is_some() {
             all += &script(include_str!("../../assets/vendor/uplot/uPlot.iife.min.js"));
             all += &script(include_str!("../../assets/charts.js"));
         }
@@ -89,6 +98,9 @@ impl Drawn<'_> {
         if let Some(time_series) = self.time_series {
             all += &data("chart-data", json_for_script(time_series));
             all += &script(include_str!("../../assets/time_series.js"));
+        }
+        if self.explorer {
+            all += &script(include_str!("../../assets/explore.js"));
         }
         if !self.charts.is_empty() {
             let charts: Vec<Value> = self.charts.iter().map(|one| chart::json(one)).collect();
@@ -184,6 +196,30 @@ fn block_html<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> String {
                 .map(|point| format!("<li>{}</li>", inline(point)));
             format!("<ul class=\"points\">{}</ul>", points.collect::<String>())
         }
+        Block::Facts(facts) => {
+            let fact = |fact: &Fact| {
+                let (class, sign) = sign(fact.mark);
+                format!(
+                    "<dt>{}</dt><dd class=\"{class}\">{sign}{}</dd>",
+                    escape(&fact.label),
+                    inline(&fact.text)
+                )
+            };
+            let facts: String = facts.iter().map(fact).collect();
+            format!("<dl class=\"facts\">{facts}</dl>")
+        }
+        Block::Columns(facts) => {
+            let column = |fact: &Fact| {
+                let (class, sign) = sign(fact.mark);
+                format!(
+                    "<div><h3>{}</h3><p class=\"{class}\">{sign}{}</p></div>",
+                    escape(&fact.label),
+                    inline(&fact.text)
+                )
+            };
+            let columns: String = facts.iter().map(column).collect();
+            format!("<div class=\"columns facing\">{columns}</div>")
+        }
         Block::Table(table) => table_html(table),
         Block::Charts(list) => {
             let first = drawn.charts.len();
@@ -230,6 +266,10 @@ fn block_html<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> String {
             )
         }
         Block::Html(markup) => markup.clone(),
+        Block::Explorer(markup) => {
+            drawn.explorer = true;
+            markup.clone()
+        }
         Block::TimeSeries(TimeSeries(data)) => {
             drawn.time_series = Some(data);
             let notes = data
@@ -297,22 +337,7 @@ fn table_html(table: &Table) -> String {
 
 /// A cell; the `first` names the row.
 fn cell(column: &Column, row: usize, first: bool) -> String {
-    let (mark, sign) = match table::mark(column, row) {
-        Mark::None => ("", ""),
-        Mark::Good => (
-            "good",
-            "<i class=\"sign\" aria-hidden=\"true\">\u{2713}</i><span class=\"unseen\">holds: </span> ",
-        ),
-        Mark::Bad => (
-            "bad",
-            "<i class=\"sign\" aria-hidden=\"true\">\u{2715}</i><span class=\"unseen\">does not hold: </span> ",
-        ),
-        Mark::Warn => (
-            "warn",
-            "<i class=\"sign\" aria-hidden=\"true\">!</i><span class=\"unseen\">note: </span> ",
-        ),
-        Mark::Muted => ("muted", ""),
-    };
+    let (mark, sign) = sign(table::mark(column, row));
     let mut body = inline(&table::words(column, row));
     if let Some(anchor) = table::of_row(&column.links, row) {
         body = format!("<a href=\"#{}\">{body}</a>", escape(&anchor));
@@ -347,6 +372,26 @@ fn cell(column: &Column, row: usize, first: bool) -> String {
         attributes += &format!(" style=\"--heat:{:.3}\"", shade.clamp(0.0, 1.0));
     }
     format!("<{tag}{attributes}>{sign}{body}</{tag}>")
+}
+
+/// The class of what is marked so, and the sign before it.
+fn sign(mark: Mark) -> (&'static str, &'static str) {
+    match mark {
+        Mark::None => ("", ""),
+        Mark::Good => (
+            "good",
+            "<i class=\"sign\" aria-hidden=\"true\">\u{2713}</i><span class=\"unseen\">holds: </span> ",
+        ),
+        Mark::Bad => (
+            "bad",
+            "<i class=\"sign\" aria-hidden=\"true\">\u{2715}</i><span class=\"unseen\">does not hold: </span> ",
+        ),
+        Mark::Warn => (
+            "warn",
+            "<i class=\"sign\" aria-hidden=\"true\">!</i><span class=\"unseen\">note: </span> ",
+        ),
+        Mark::Muted => ("muted", ""),
+    }
 }
 
 /// Escaped text in which `` `these` `` are code.

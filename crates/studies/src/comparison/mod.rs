@@ -149,40 +149,96 @@ pub fn run_with(
 
 /// Differences of an engine's peaks from this on are explained, or the comparison confirms nothing.
 const EXPLAINED: f64 = 0.1;
+/// Forces and torques of a gear without load, N and N m.
+const ROUNDING: f64 = 1e-6;
 
-/// The largest difference of a peak or mean between an engine and the native solver.
+/// The largest difference of a figure between an engine and the native solver, judged or not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Largest<'a> {
     /// The engine.
     pub engine: &'a str,
-    /// The figure.
-    pub figure: &'a TwinFigure,
-    /// Its share.
-    pub share: f64,
-    /// Whether the engine's own contacts explain it: it agrees with its twin.
-    pub explained: bool,
+    /// Column or group of columns: the largest force, or the mean torque.
+    pub quantity: &'static str,
+    /// By the native solver.
+    pub here: f64,
+    /// By the engine.
+    pub there: f64,
+    /// What the engine really has for contacts, if that is not the scene's law.
+    pub twin: Option<&'a Twin>,
+    /// Whether the two were found to agree in it.
+    pub agree: bool,
+}
+
+impl Largest<'_> {
+    /// The difference as a share.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        (self.there / self.here - 1.0).abs()
+    }
+
+    /// Whether it is none, or the engine's own contacts explain it: it agrees with its twin.
+    #[must_use]
+    pub fn is_explained(&self) -> bool {
+        self.agree || self.twin.is_some_and(|twin| twin.verdict == Verdict::Agree)
+    }
 }
 
 impl Outcome {
-    /// What the largest difference is that a reader of the figures would see, of engines with contacts of their own.
+    /// What the largest difference is that a reader of the figures would see, once the gear runs steadily.
     #[must_use]
     pub fn largest(&self) -> Option<Largest<'_>> {
-        let figures = self.twins.iter().flat_map(|twin| {
-            twin.figures.iter().map(move |figure| Largest {
-                engine: &twin.engine,
-                figure,
-                share: figure.engine / figure.scene - 1.0,
-                explained: twin.verdict == Verdict::Agree,
+        let mut windows = self.comparison.windows.iter();
+        let window = windows.find(|w| w.kind != WindowKind::Transient)?.kind;
+        let figure = |name: &str, quantity| {
+            let mut engines = self.comparison.engines.iter();
+            let engine = engines.find(|engine| engine.name == name)?;
+            let all = &engine.figures_in(window)?.quantities;
+            let statistics = all.get(quantity)?;
+            Some(match quantity {
+                columns::INPUT_TORQUE => statistics.mean,
+                _ => statistics.peak,
+            })
+        };
+        let native = |p: &&Participant| p.track == Track::Native && p.status.is_finished();
+        let native = self.participants.iter().rfind(native)?;
+        let agree = |name: &str, quantity: &str| {
+            let mut pairs = self.comparison.pairs.iter();
+            let pair = pairs.find(|p| [&p.a, &p.b] == [&native.name, name]);
+            let mut entries = pair.into_iter().flat_map(|pair| &pair.entries);
+            let entry = entries.find(|e| e.quantity == quantity && e.window == window);
+            entry.is_some_and(|entry| entry.result.verdict == Verdict::Agree)
+        };
+        let engines = self.participants.iter();
+        // Measured data are judged against their own uncertainty.
+        let engines = engines.filter(|p| !matches!(p.track, Track::Native | Track::Measured));
+        let all = engines.flat_map(|engine| {
+            let quantities = [
+                columns::EXTERNAL_FORCE,
+                columns::INTERNAL_FORCE,
+                columns::INPUT_TORQUE,
+            ];
+            let agree = &agree;
+            quantities.into_iter().filter_map(move |quantity| {
+                Some(Largest {
+                    engine: &engine.name,
+                    quantity,
+                    here: figure(&native.name, quantity)?,
+                    there: figure(&engine.name, quantity)?,
+                    twin: self.twins.iter().find(|twin| twin.engine == engine.name),
+                    agree: agree(&engine.name, quantity),
+                })
             })
         });
-        figures.max_by(|a, b| a.share.abs().total_cmp(&b.share.abs()))
+        let seen = |found: &Largest<'_>| found.here.abs().max(found.there.abs()) > ROUNDING;
+        all.filter(|found| seen(found) && found.share().is_finite())
+            .max_by(|a, b| a.share().total_cmp(&b.share()))
     }
 
     /// Whether a difference stands that nothing explains.
     #[must_use]
     pub fn is_unexplained(&self) -> bool {
         let largest = self.largest();
-        largest.is_some_and(|found| found.share.abs() > EXPLAINED && !found.explained)
+        largest.is_some_and(|found| found.share() > EXPLAINED && !found.is_explained())
     }
 
     /// The exit status: 1 too if an engine differs from its twin.

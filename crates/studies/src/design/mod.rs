@@ -367,8 +367,11 @@ fn balances(
     })
 }
 
-/// The figures of a gear's balances at few poses: what other laws are compared by.
-pub(crate) fn few_figures(gearbox: &Gearbox) -> Result<Vec<DesignFigure>, StudyError> {
+/// The figures of a gear's balances at few poses: what other laws are compared by, and what follows a hand.
+///
+/// # Errors
+/// A gear without load, or one that cannot be balanced.
+pub fn few_figures(gearbox: &Gearbox) -> Result<Vec<DesignFigure>, StudyError> {
     let working = working_load(gearbox)?;
     let poses = Poses::of(&gearbox.scene.gear).few(FEW);
     let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;

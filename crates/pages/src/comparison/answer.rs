@@ -1,0 +1,529 @@
+//! What a reader asks of a comparison, answered: which force, how sure, who disagrees and why, what next. Page and terminal
+//! say the same.
+
+use std::collections::BTreeSet;
+
+use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
+use pinwheel_compare::{Assessment, Track, Verdict as Judged, quantities};
+use pinwheel_engines::{Form, info, known, lacking};
+use pinwheel_report::comparison::{self, Headline};
+use pinwheel_report::format::significant;
+use pinwheel_report::study::{Fact, Mark, Tile, Tone, Verdict};
+use pinwheel_report::words;
+use pinwheel_studies::comparison::{Largest, Outcome, Twin};
+use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
+
+use super::twins::{self, percent};
+use crate::band;
+
+/// How shares are written: by signs of a page or of a terminal.
+pub(super) type Number = fn(f64) -> String;
+
+/// A headline figure with what bounds it.
+pub(super) struct Figure {
+    pub(super) label: String,
+    pub(super) value: String,
+    pub(super) unit: String,
+    /// How far it is from the exact solution of its equations.
+    pub(super) numerical: String,
+    /// Least and largest by contact law.
+    pub(super) band: String,
+}
+
+impl Figure {
+    /// What bounds it, in words.
+    pub(super) fn bounds(&self) -> String {
+        let numerical = match self.numerical.as_str() {
+            "" => String::new(),
+            off => format!("{off} numerical"),
+        };
+        let parts = [self.band.clone(), numerical].into_iter();
+        let parts: Vec<String> = parts.filter(|part| !part.is_empty()).collect();
+        parts.join("; ")
+    }
+}
+
+/// The answer.
+pub(super) struct Answer<'a> {
+    found: &'a Outcome,
+    number: Number,
+}
+
+impl<'a> Answer<'a> {
+    pub(super) fn new(found: &'a Outcome, number: Number) -> Self {
+        Self { found, number }
+    }
+
+    /// Forces, driver torque and efficiency.
+    pub(super) fn figures(&self) -> Vec<Figure> {
+        let comparison = &self.found.comparison;
+        let headlines = comparison::headlines(comparison).into_iter();
+        let headlines = headlines.filter(|one| one.quantity.name != quantities::OUTPUT_TORQUE);
+        let mut figures: Vec<Figure> = headlines.map(|one| self.figure(&one)).collect();
+        // What bears the load first.
+        figures.sort_by_key(|figure| figure.unit != "N");
+        let best = comparison::best(comparison);
+        let efficiency = best.and_then(|(best, window)| comparison::efficiency_of(best, window));
+        figures.extend(efficiency.map(|tile| {
+            let known = tile.value != pinwheel_report::format::NONE;
+            let off = tile.unit.trim_end_matches('%').trim();
+            Figure {
+                label: tile.label,
+                value: tile.value,
+                unit: if known { "%" } else { "" }.to_owned(),
+                numerical: off.to_owned(),
+                band: if known { String::new() } else { tile.detail },
+            }
+        }));
+        figures
+    }
+
+    fn figure(&self, one: &Headline<'_>) -> Figure {
+        let key = match one.quantity.name.as_str() {
+            EXTERNAL_FORCE => "external_force_n",
+            INTERNAL_FORCE => "internal_force_n",
+            _ => "",
+        };
+        let bands = self.found.bands.as_ref();
+        let band = bands.and_then(|bands| bands.of(key, one.value));
+        let (value, numerical) = one.words();
+        Figure {
+            label: one.label.replace(" sleeve", ""),
+            value: band.map_or(value, |band| band::rounded(one.value, band)),
+            unit: one.quantity.unit.clone(),
+            numerical,
+            band: band.map_or_else(String::new, |band| {
+                format!("{} by contact law", band::interval(band))
+            }),
+        }
+    }
+
+    /// The figures as tiles: their bounds below them.
+    pub(super) fn tiles(&self) -> Vec<Tile> {
+        let figures = self.figures().into_iter();
+        let tiles = figures.map(|one| {
+            let bounds = one.bounds();
+            Tile::new(one.label, one.value, bounds).unit(one.unit)
+        });
+        tiles.collect()
+    }
+
+    /// The verdict with the figure that people come for.
+    pub(super) fn verdict(&self) -> Verdict {
+        let found = self.found;
+        let plain = comparison::verdict(&found.comparison);
+        let twin = found.twins.iter();
+        let mut twin = twin.filter(|twin| twin.verdict == Judged::Differ);
+        let (tone, word, said) = if let Some(twin) = twin.next() {
+            let said = format!(
+                "{} is {} from a native run with the same contacts",
+                words::short(&twin.engine),
+                twin.worst()
+                    .map_or_else(String::new, |worst| percent(worst.difference()))
+            );
+            (Tone::Bad, "Differs".to_owned(), said)
+        } else if plain.tone == Tone::Good && found.is_unexplained() {
+            let largest = found.largest().map(|largest| self.apart(&largest));
+            (
+                Tone::Open,
+                "Not confirmed".to_owned(),
+                largest.unwrap_or_default(),
+            )
+        } else {
+            let worst = self.worst(Judged::Differ, |_| true);
+            let said = match worst {
+                Some((pair, entry)) => self.who(pair, entry),
+                None => self.first_figure(),
+            };
+            (plain.tone, plain.headline, said)
+        };
+        Verdict {
+            tone,
+            headline: match said.as_str() {
+                "" => word,
+                said => format!("{word}: {said}"),
+            },
+            detail: self.summary(),
+        }
+    }
+
+    fn first_figure(&self) -> String {
+        let figures = self.figures().into_iter();
+        let forces: Vec<Figure> = figures.filter(|figure| figure.unit == "N").collect();
+        match forces.as_slice() {
+            [external, internal] => format!(
+                "largest pin force {} N external, {} N internal",
+                external.value, internal.value
+            ),
+            _ => String::new(),
+        }
+    }
+
+    /// Who agrees, and what differs most, in a sentence each.
+    fn summary(&self) -> String {
+        let (engines, programs) = self.agreeing();
+        let agree = match engines.len() {
+            0 => "No two engines agree.".to_owned(),
+            n if programs == 1 => format!("{n} solvers of one program agree."),
+            n => format!("{n} engines of {programs} programs agree."),
+        };
+        let most = self.found.largest().filter(|most| most.share() > SEEN);
+        let most = most.map_or_else(String::new, |most| {
+            format!(" Largest difference: {}.", self.apart(&most))
+        });
+        agree + &most
+    }
+
+    /// Engines that agree with another one on the scene's own law, and of how many programs they are.
+    fn agreeing(&self) -> (BTreeSet<&'a str>, usize) {
+        let agree = self.pairs_of(SHARES);
+        let agree = agree.filter(|(_, entry)| entry.result.verdict == Judged::Agree);
+        let engines = agree.flat_map(|(pair, _)| [pair.a.as_str(), pair.b.as_str()]);
+        let engines: BTreeSet<&str> = engines.collect();
+        let programs = engines.iter().map(|name| pinwheel_engines::family(name));
+        let programs = programs.collect::<BTreeSet<&str>>().len();
+        (engines, programs)
+    }
+
+    /// `external sleeve force 479 N here, 303 N by rapier-colliders`.
+    fn apart(&self, most: &Largest<'_>) -> String {
+        let quantity = self.found.comparison.quantities.iter();
+        let mut quantity = quantity.filter(|q| q.name == most.quantity);
+        let (label, unit) = quantity
+            .next()
+            .map_or((most.quantity, ""), |q| (&q.label, &q.unit));
+        let [here, there] = [most.here, most.there].map(|value| significant(value, 3));
+        let by = words::short(most.engine);
+        format!(
+            "{} {here} {unit} here, {there} by {by}",
+            label.to_lowercase()
+        )
+    }
+
+    /// Can I trust it: equations, integration, contacts, law, fit, measurement.
+    pub(super) fn trust(&self) -> Vec<Fact> {
+        let mut facts = vec![self.equations()];
+        facts.extend(self.integration());
+        facts.push(self.contacts());
+        facts.extend(self.difference());
+        facts.extend(self.law());
+        facts.extend(self.measured());
+        facts
+    }
+
+    fn pairs_of(&self, of: fn(Track) -> bool) -> impl Iterator<Item = (&'a Pair, &'a PairEntry)> {
+        let pairs = self.found.comparison.pairs.iter();
+        let pairs = pairs.filter(move |pair| of(pair.track));
+        pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)))
+    }
+
+    /// The pair of a verdict whose difference is the largest.
+    fn worst(&self, verdict: Judged, of: fn(Track) -> bool) -> Option<(&'a Pair, &'a PairEntry)> {
+        let entries = self.pairs_of(of);
+        let entries = entries.filter(|(_, entry)| entry.result.verdict == verdict);
+        entries.max_by(|(_, a), (_, b)| size(&a.result).total_cmp(&size(&b.result)))
+    }
+
+    /// `reduced and exudyn-constrained, internal sleeve force, D = 2e-4 (U 4e-3)`.
+    fn who(&self, pair: &Pair, entry: &PairEntry) -> String {
+        let result = &entry.result;
+        let [a, b] = [&pair.a, &pair.b].map(|name| words::short(name));
+        let mut quantity = self.found.comparison.quantities.iter();
+        let quantity = quantity.find(|q| q.name == entry.quantity);
+        let label = quantity.map_or(entry.quantity.as_str(), |q| &q.label);
+        let bound = match (result.combined(), result.bound) {
+            (Some(u), _) => format!(", U = {}", (self.number)(u)),
+            (None, Some(limit)) => format!(", limit {}", (self.number)(limit)),
+            _ => String::new(),
+        };
+        let d = (self.number)(size(result));
+        format!("{a} and {b}, {}: D = {d}{bound}", label.to_lowercase())
+    }
+
+    fn equations(&self) -> Fact {
+        let fact = |mark, text| Fact::new("equations", mark, text);
+        if let Some((pair, entry)) = self.worst(Judged::Differ, SHARES) {
+            return fact(Mark::Bad, format!("they differ: {}", self.who(pair, entry)));
+        }
+        let Some((pair, entry)) = self.worst(Judged::Agree, SHARES) else {
+            let text = "nothing agrees yet: no two engines with the scene's law were compared";
+            return fact(Mark::Warn, text.to_owned());
+        };
+        let (engines, programs) = self.agreeing();
+        let worst = self.who(pair, entry);
+        match programs {
+            1 => fact(
+                Mark::Warn,
+                format!(
+                    "{} solvers of our own agree; no other program. At most {worst}",
+                    engines.len()
+                ),
+            ),
+            _ => fact(
+                Mark::Good,
+                format!(
+                    "{} engines of {programs} programs agree; at most {worst}",
+                    engines.len()
+                ),
+            ),
+        }
+    }
+
+    fn integration(&self) -> Option<Fact> {
+        let comparison = &self.found.comparison;
+        let (best, window) = comparison::best(comparison)?;
+        let off = |engine: &EngineSummary| comparison::numerical(comparison, engine, window);
+        let fact = |mark, text| Some(Fact::new("integration", mark, text));
+        let Some(own) = off(best) else {
+            return fact(
+                Mark::Warn,
+                "how far the runs are from the exact solution is not known".to_owned(),
+            );
+        };
+        let mut text = format!(
+            "{} is within {} of the exact solution, by its coarser runs",
+            best.name,
+            (self.number)(own)
+        );
+        // The scene's own method and step.
+        let form = |e: &&EngineSummary| info(&e.name).and_then(|info| info.form);
+        let mut scene = comparison.engines.iter();
+        let scene = scene.find(|e| matches!(form(e), Some(Form::Reduced | Form::Lagrange)));
+        if let Some((engine, off)) = scene
+            .filter(|e| e.name != best.name)
+            .and_then(|e| Some((e, off(e)?)))
+        {
+            text += &format!(
+                "; the scene's own step ({}) {}",
+                engine.name,
+                (self.number)(off)
+            );
+        }
+        let mark = match own <= comparison.resolution {
+            true => Mark::Good,
+            false => Mark::Warn,
+        };
+        fact(mark, text)
+    }
+
+    fn contacts(&self) -> Fact {
+        let fact = |mark, text| Fact::new("contacts", mark, text);
+        let differ = |twin: &&Twin| twin.verdict == Judged::Differ;
+        let mut twins = self.found.twins.iter();
+        if let Some(line) = twins.find(differ).and_then(twins::line) {
+            return fact(Mark::Bad, line);
+        }
+        let own = |track| track == Track::OwnContact;
+        let mut parts = Vec::new();
+        let twins = self.found.twins.iter();
+        let twins = twins.filter(|twin| twin.verdict == Judged::Agree);
+        let twins = twins.filter_map(|twin| {
+            Some(format!(
+                "{} {}",
+                words::short(&twin.engine),
+                percent(twin.worst()?.difference())
+            ))
+        });
+        let twins: Vec<String> = twins.collect();
+        if !twins.is_empty() {
+            parts.push(format!(
+                "{} from native runs with the same contacts",
+                twins.join(", ")
+            ));
+        }
+        let alike = self.pairs_of(own);
+        let alike = alike.filter(|(pair, entry)| {
+            let twin = self
+                .found
+                .twins
+                .iter()
+                .any(|t| t.engine == pair.a || t.engine == pair.b);
+            !twin && entry.result.verdict == Judged::Agree
+        });
+        let alike = alike.max_by(|(_, a), (_, b)| size(&a.result).total_cmp(&size(&b.result)));
+        if let Some((pair, entry)) = alike {
+            parts.push(format!("agree: {}", self.who(pair, entry)));
+        }
+        match parts.as_slice() {
+            [] => fact(
+                Mark::Warn,
+                "not checked: no engine with contacts of its own took part".to_owned(),
+            ),
+            _ => fact(Mark::Good, parts.join("; ")),
+        }
+    }
+
+    /// The largest difference there is, judged or not.
+    fn difference(&self) -> Option<Fact> {
+        let most = self.found.largest()?;
+        let why = match most.twin {
+            _ if most.share() < SEEN || most.agree => String::new(),
+            Some(twin) if most.is_explained() => {
+                format!(": it has {}, a difference of models", twin.contacts)
+            }
+            Some(_) => ": its own contacts do not explain it".to_owned(),
+            None => ": nothing explains it".to_owned(),
+        };
+        let mark = match most.is_explained() || most.share() < SEEN {
+            true => Mark::None,
+            false => Mark::Warn,
+        };
+        let share = (self.number)(most.share());
+        let text = format!("{} ({share}){why}", self.apart(&most));
+        Some(Fact::new("differs most", mark, text))
+    }
+
+    fn law(&self) -> Vec<Fact> {
+        let scene = &self.found.gearbox.scene;
+        let Some(bands) = &self.found.bands else {
+            let why = match scene.contact.stiffness_multiplier {
+                1.0 => "the gear cannot be balanced, or has no load",
+                _ => "contact.stiffness_multiplier is not 1",
+            };
+            return vec![Fact::new(
+                "contact law",
+                Mark::Muted,
+                format!("no band: {why}"),
+            )];
+        };
+        let law = match band::outside(bands) {
+            Some(outside) => Fact::new("contact law", Mark::Warn, outside),
+            None => Fact::new(
+                "contact law",
+                Mark::None,
+                format!(
+                    "{} is within its band: a spread of models, not validated",
+                    bands.own
+                ),
+            ),
+        };
+        let given = scene.gear.modification.equidistant_m != 0.0 || scene.gear.backlash_m != 0.0;
+        let fit = band::fit(bands).map(|text| match given {
+            true => Fact::new("fit", Mark::None, text),
+            false => Fact::new("fit", Mark::Warn, format!("none given: {text}")),
+        });
+        [law].into_iter().chain(fit).collect()
+    }
+
+    fn measured(&self) -> Option<Fact> {
+        let pairs = self.pairs_of(|track| track == Track::Measured);
+        let worst = Assessment::gravest(pairs, |(_, entry)| &entry.result)?;
+        let (pair, entry) = worst;
+        let said = words::verdict(&entry.result, self.number);
+        let [a, b] = [&pair.a, &pair.b].map(|name| words::short(name));
+        let mark = match entry.result.verdict {
+            Judged::Agree => Mark::Good,
+            _ => Mark::Warn,
+        };
+        Some(Fact::new(
+            "measurement",
+            mark,
+            format!("{a} and {b}: {said}"),
+        ))
+    }
+
+    /// What was not checked, with what would check it.
+    pub(super) fn unchecked(&self) -> Vec<Fact> {
+        let comparison = &self.found.comparison;
+        let here = |name: &str| comparison.engines.iter().any(|engine| engine.name == name);
+        let lacks: Vec<&str> = lacking().map(|info| info.name).collect();
+        let absent: Vec<&str> = known()
+            .map(|info| info.name)
+            .filter(|name| !here(name))
+            .collect();
+        let (lacks, unasked): (Vec<&str>, Vec<&str>) =
+            absent.into_iter().partition(|name| lacks.contains(name));
+        let mut facts = Vec::new();
+        let mut tell = |names: Vec<&str>, why: &str| {
+            if !names.is_empty() {
+                let families: BTreeSet<&str> = names
+                    .iter()
+                    .map(|name| pinwheel_engines::family(name))
+                    .collect();
+                let families: Vec<&str> = families.into_iter().collect();
+                let text = format!("{} ({} engines): {why}", families.join(", "), names.len());
+                facts.push(Fact::new("engines", Mark::None, text));
+            }
+        };
+        tell(
+            lacks,
+            "not in this build; rebuild with `--features crossval`",
+        );
+        tell(unasked, "not asked for; run it without `--engines`");
+        let mut reasons: Vec<(Vec<&str>, String)> = Vec::new();
+        for engine in &comparison.engines {
+            let Some(reason) = engine.status.reason() else {
+                continue;
+            };
+            let name = words::short(&engine.name);
+            match reasons.iter_mut().find(|(_, known)| *known == reason) {
+                Some((names, _)) => names.push(name),
+                None => reasons.push((vec![name], reason)),
+            }
+        }
+        let more = reasons.len().saturating_sub(MOST);
+        for (names, reason) in reasons.iter().take(MOST) {
+            let text = format!("{}: {reason}", names.join(", "));
+            facts.push(Fact::new("left out", Mark::None, text));
+        }
+        if more > 0 {
+            let text = format!("and {more} more: `--verbose`, or Engines on the page");
+            facts.push(Fact::new("left out", Mark::None, text));
+        }
+        let counts = comparison.counts;
+        if counts.inconclusive > counts.inconclusive_actionable {
+            let groups = words::groups(comparison).join(", ");
+            let text = format!(
+                "{} of {} comparisons: {groups}",
+                counts.inconclusive,
+                counts.compared()
+            );
+            facts.push(Fact::new(UNRESOLVED, Mark::None, text));
+        }
+        if self.measured().is_none() {
+            let text = "nothing here is measured; `--against rig.csv --map rig.toml` would";
+            facts.push(Fact::new("measurement", Mark::None, text));
+        }
+        facts
+    }
+
+    /// What to do now.
+    pub(super) fn next(&self) -> Vec<Fact> {
+        let open = words::inconclusive(&self.found.comparison).into_iter();
+        let open = open.map(|(who, why)| format!("{who}: {why}"));
+        let mut next: Vec<String> = open.take(3).collect();
+        let unexplained = self.found.largest().filter(|_| self.found.is_unexplained());
+        if let Some(most) = unexplained {
+            next.push(match most.twin {
+                Some(_) => format!(
+                    "ask for more of `{}`: --longest 300; or leave it out",
+                    most.engine
+                ),
+                None => format!("refine `{}` or leave it out: --engines", most.engine),
+            });
+        }
+        if next.is_empty() {
+            next.push(
+                "`pinwheel design` of this scene: stiffness, lost motion, pressure".to_owned(),
+            );
+        }
+        next.into_iter()
+            .map(|text| Fact::new("next", Mark::None, text))
+            .collect()
+    }
+}
+
+/// Pairs that solve the scene's own law.
+const SHARES: fn(Track) -> bool = |track| matches!(track, Track::Native | Track::SharedLaw);
+/// What is neither agreed nor differs, with nothing to act on.
+pub(super) const UNRESOLVED: &str = "not resolved";
+/// Reasons that are told one by one.
+const MOST: usize = 2;
+/// Difference of models from which on it is told.
+const SEEN: f64 = 0.03;
+
+fn size(result: &Assessment) -> f64 {
+    result
+        .difference
+        .map_or(0.0, |d| (d - result.predicted).abs())
+}

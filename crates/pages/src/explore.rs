@@ -1,0 +1,254 @@
+//! The live page of a scene: sliders, two states of the gear side by side, and what a run and its balances say of each.
+//!
+//! A program serves it (`pinwheel explore`): the page sends the values of a state, [`answer`] says what they give.
+
+use std::f64::consts::TAU;
+use std::sync::atomic::AtomicBool;
+
+use pinwheel_contact::laws::LAWS;
+use pinwheel_engines::Cancelled;
+use pinwheel_gearbox::Gearbox;
+use pinwheel_report::animation::{Animation, markup};
+use pinwheel_report::study::{Block, Study};
+use pinwheel_scene::{CheckedScene, Override, Scene, SceneError, scales};
+use pinwheel_studies::{Provenance, design};
+use pinwheel_timeseries::columns;
+use serde_json::{Value, json};
+
+use crate::animation;
+use crate::design::HEADLINES;
+
+/// Key, label, unit, units in the key's own, and the ends of its slider as shares of the scene's value, or in the unit
+/// where that is 0.
+const SLIDERS: [(&str, &str, &str, f64, [f64; 2], [f64; 2]); 6] = [
+    (
+        "gear.eccentricity_m",
+        "Eccentricity",
+        "mm",
+        1e3,
+        [0.5, 1.5],
+        [0.1, 5.0],
+    ),
+    (
+        "gear.external_sleeve_radius_m",
+        "Pin radius",
+        "mm",
+        1e3,
+        [0.4, 1.8],
+        [0.5, 20.0],
+    ),
+    (
+        "gear.backlash_m",
+        "Backlash",
+        "\u{b5}m",
+        1e6,
+        [0.0, 3.0],
+        [0.0, 300.0],
+    ),
+    (
+        "gear.modification.equidistant_m",
+        "Profile cut by",
+        "\u{b5}m",
+        1e6,
+        [0.0, 4.0],
+        [0.0, 50.0],
+    ),
+    (
+        "drive.output_torque_n_m",
+        "Load",
+        "N m",
+        1.0,
+        [0.1, 2.0],
+        [0.0, 100.0],
+    ),
+    (
+        "drive.input_speed_rad_s",
+        "Input speed",
+        "rad/s",
+        1.0,
+        [0.2, 2.0],
+        [1.0, 300.0],
+    ),
+];
+/// The key that is chosen, not moved.
+const LAW: &str = "contact.law";
+/// Samples of a state's turn.
+const SAMPLES: f64 = 120.0;
+/// The word of the load's balance at the start: a state is looked at without its start-up.
+const START: &str = "drive.start=equilibrium";
+
+/// Values of a state: keys with what a slider gives them, as `--set` takes it.
+pub type Values = [(String, String)];
+
+/// The scene of a state.
+///
+/// # Errors
+/// Why there is none: it names keys.
+pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedScene, SceneError> {
+    let mut all = sets.to_vec();
+    for (key, value) in values {
+        let known = SLIDERS.iter().any(|slider| slider.0 == key) || key == LAW;
+        if known {
+            all.extend(format!("{key}={value}").parse::<Override>());
+        }
+    }
+    Scene::load(spec, &all)
+}
+
+/// How long a state is looked at, s: a turn of the input of the scene as it is, the same for both.
+#[must_use]
+pub fn span_s(scene: &Scene) -> f64 {
+    (TAU / scene.drive.input_speed_rad_s.abs().max(1e-9)).min(scene.solver.duration_s)
+}
+
+/// The same scene with the depth of its discs stated: the wall that it follows from is measured at every question otherwise.
+fn deep(scene: &CheckedScene) -> CheckedScene {
+    let depth = scales::law_parameters(scene).disc_depth;
+    let mut stated = Scene::clone(scene);
+    stated.contact.disc_depth_m = Some(depth).filter(|depth| *depth > 0.0);
+    stated.check().unwrap_or_else(|_| scene.clone())
+}
+
+/// What a page shows of a state.
+struct State {
+    view: Animation,
+    rest: Value,
+}
+
+/// What a state gives, as the page's script reads it, or in words why it gives nothing.
+///
+/// # Errors
+/// `cancel` was set.
+pub fn answer(
+    scene: &CheckedScene,
+    span_s: f64,
+    cancel: &AtomicBool,
+) -> Result<Result<Value, String>, Cancelled> {
+    Ok(state(scene, span_s, cancel)?.map(|state| {
+        let mut told = state.rest;
+        told["view"] = state.view.json();
+        told
+    }))
+}
+
+fn state(
+    scene: &CheckedScene,
+    span_s: f64,
+    cancel: &AtomicBool,
+) -> Result<Result<State, String>, Cancelled> {
+    let scene = deep(scene);
+    let gearbox = match Gearbox::new(&scene) {
+        Ok(gearbox) => gearbox,
+        Err(error) => return Ok(Err(error.to_string())),
+    };
+    let step = span_s / SAMPLES;
+    // Statics on one core, the run on another.
+    let (found, figures) = std::thread::scope(|scope| {
+        let statics = scope.spawn(|| design::few_figures(&gearbox));
+        let found = animation::window(&gearbox, "", (0.0, span_s), step, cancel);
+        // A gear without load has no figures.
+        (
+            found,
+            statics.join().ok().and_then(Result::ok).unwrap_or_default(),
+        )
+    });
+    let Some((view, series)) = found? else {
+        return Ok(Err(
+            "the run diverges at once; take a smaller solver.step_s".to_owned(),
+        ));
+    };
+    let times = series.time_s().len();
+    let short = |values: &[f64]| -> Vec<f32> { values.iter().map(|v| *v as f32).collect() };
+    let torque = series.channel(columns::INPUT_TORQUE).map(short);
+    let largest = |group: &str| -> Vec<f32> {
+        let channels = series.group(group);
+        let at = |k: usize| {
+            let values = channels.iter().filter_map(|channel| channel.get(k));
+            values.fold(0.0, |most: f64, value| most.max(value.abs())) as f32
+        };
+        (0..times).map(at).collect()
+    };
+    let wanted = figures.iter().filter(|one| HEADLINES.contains(&one.key));
+    let figures: Vec<Value> = wanted
+        .map(|one| json!([one.what, one.value, one.unit]))
+        .collect();
+    let rest = json!({
+        "figures": figures,
+        "time": short(series.time_s()),
+        "series": {
+            "Largest external force (N)": largest(columns::EXTERNAL_FORCE),
+            "Largest internal force (N)": largest(columns::INTERNAL_FORCE),
+            "Driver torque (N m)": torque,
+        },
+    });
+    Ok(Ok(State { view, rest }))
+}
+
+/// The page of a scene, with the scene as both states. `None` where it gives nothing to look at.
+///
+/// # Errors
+/// `cancel` was set.
+pub fn page(
+    scene: &CheckedScene,
+    made: &Provenance,
+    cancel: &AtomicBool,
+) -> Result<Result<String, String>, Cancelled> {
+    let span = span_s(scene);
+    let State { view, rest } = match state(scene, span, cancel)? {
+        Ok(state) => state,
+        Err(why) => return Ok(Err(why)),
+    };
+    let views = [view.clone().titled("A"), view.titled("B")];
+    let data = json!({ "first": rest, "sliders": sliders(scene) });
+    let data = data.to_string().replace('<', "\\u003c");
+    let law = &scene.contact.law;
+    let laws: String = LAWS
+        .iter()
+        .map(|info| {
+            let chosen = if info.name == law { " selected" } else { "" };
+            format!("<option{chosen}>{}</option>", info.name)
+        })
+        .collect();
+    let explorer = format!(
+        include_str!("../templates/explore.html"),
+        motion = markup(&views, 0.0),
+        laws = laws,
+        data = data
+    );
+    let study = Study {
+        title: scene.name.clone(),
+        eyebrow: "Pinwheel explore".to_owned(),
+        lead: "Move a slider: the native solver runs one turn from the loaded balance, without start-up, and the balances \
+               follow. Lost motion and stiffness are those of the contacts alone."
+            .to_owned(),
+        below: vec![Block::Explorer(explorer)],
+        ..Study::default()
+    };
+    Ok(Ok(crate::render(study, made)))
+}
+
+/// The scene that a state begins with: settled under its load, if its load is constant.
+#[must_use]
+pub fn settled(spec: &str, sets: &[Override]) -> Vec<Override> {
+    let mut settled = sets.to_vec();
+    let start = START.parse::<Override>();
+    settled.extend(start.ok().filter(|start| {
+        let tried = [sets, std::slice::from_ref(start)].concat();
+        Scene::load(spec, &tried).is_ok()
+    }));
+    settled
+}
+
+fn sliders(scene: &Scene) -> Vec<Value> {
+    let keys = serde_json::to_value(scene).unwrap_or_default();
+    let found = SLIDERS.iter().map(|(key, label, unit, factor, shares, ends)| {
+        let path = format!("/{}", key.replace('.', "/"));
+        let value = keys.pointer(&path).and_then(Value::as_f64).unwrap_or(0.0) * factor;
+        let [from, to] = match value {
+            0.0 => *ends,
+            value => shares.map(|share| share * value),
+        };
+        json!({"key": key, "label": label, "unit": unit, "factor": factor, "value": value, "from": from, "to": to})
+    });
+    found.collect()
+}

@@ -1,0 +1,285 @@
+//! `pinwheel explore` under a hand: every slider is dragged, and nothing is lost.
+
+#![allow(clippy::print_stdout, reason = "measured figures")]
+
+use std::io::{BufRead as _, BufReader};
+use std::path::Path;
+use std::process::{Child, Stdio};
+
+use pinwheel_scene::Scene;
+use pinwheel_tests::{pinwheel, run_in, words};
+use serde_json::{Value, json};
+
+use crate::chromium::Chromium;
+use crate::faults;
+use crate::interact::{DESK, PHONE, click, place, text};
+
+/// The running program and the address that it printed; dropped, it is killed.
+struct Served(Child, String);
+
+impl Served {
+    fn start(dir: &Path, port: &str) -> Self {
+        let mut child = pinwheel()
+            .current_dir(dir)
+            .args(["explore", "gear.toml", "--print", "--port", port])
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut line = String::new();
+        let stdout = child.stdout.take().unwrap();
+        BufReader::new(stdout).read_line(&mut line).unwrap();
+        let address = line.trim().strip_prefix("page: ").unwrap().to_owned();
+        Self(child, address)
+    }
+
+    fn port(&self) -> &str {
+        self.1.split([':', '/']).nth(4).unwrap()
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Waits until all that was asked is answered; how many answers there were.
+const SETTLED: &str = "(async () => { const rest = (ms) => new Promise((r) => setTimeout(r, ms)); while (document.body.dataset.explore === undefined) await rest(20); \
+    for (let before = ''; ; before = document.body.dataset.answered) { await rest(250); if (document.body.dataset.busy === undefined && document.body.dataset.answered === before) break; } return Number(document.body.dataset.answered || 0); })()";
+const FIGURES: &str = "document.querySelector('#figures').textContent";
+
+/// Drags the thumb of a slider to a share of its length.
+fn drag(browser: &mut Chromium, slider: &str, to: f64) {
+    let [x, y, wide, _] = place(browser, slider);
+    let share = browser.evaluate(&format!(
+        "(() => {{ const s = {slider}; return (s.value - s.min) / (s.max - s.min); }})()"
+    ));
+    // A thumb of 16 px stays within the bar.
+    let at = |share: f64| x + (share - 0.5) * (wide - 16.0);
+    let from = share.as_f64().unwrap();
+    browser.mouse(&[("mousePressed", at(from), y)], 1);
+    for k in 1..=8 {
+        let share = from + (to - from) * f64::from(k) / 8.0;
+        browser.mouse(&[("mouseMoved", at(share), y)], 1);
+        browser.evaluate("new Promise((r) => setTimeout(r, 30))");
+    }
+    browser.mouse(&[("mouseReleased", at(to), y)], 1);
+}
+
+#[test]
+fn browser_explores_under_a_hand() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let browser = &mut browser;
+    let dir = tempfile::tempdir().unwrap();
+    let init =
+        "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500";
+    assert_eq!(run_in(dir.path(), words(init)).code, Some(0));
+    let served = Served::start(dir.path(), "0");
+    browser.go(&served.1, DESK);
+    browser.evaluate(SETTLED);
+
+    // Every slider, a little to the right of where it stands.
+    let count = browser.evaluate("document.querySelectorAll('.slider input').length");
+    let count = count.as_u64().unwrap();
+    assert_eq!(count, 6);
+    for k in 0..count {
+        let slider = format!("document.querySelectorAll('.slider input')[{k}]");
+        let share = browser.evaluate(&format!(
+            "(() => {{ const s = {slider}; return (s.value - s.min) / (s.max - s.min); }})()"
+        ));
+        let before = text(browser, FIGURES);
+        let moved = "[...document.querySelectorAll('.panel .uplot canvas')].map((c) => c.toDataURL().length).join()";
+        let drawn = text(browser, moved);
+        // The profile is undercut soon with a larger eccentricity or pin.
+        let by = if k < 2 { -0.04 } else { 0.12 };
+        drag(browser, &slider, share.as_f64().unwrap() + by);
+        browser.evaluate(SETTLED);
+        let reasons = text(
+            browser,
+            "[...document.querySelectorAll('.reason')].map((r) => r.textContent).join('')",
+        );
+        assert_eq!(reasons, "", "slider {k}");
+        let same = text(browser, FIGURES) == before && text(browser, moved) == drawn;
+        assert!(!same, "slider {k} changes nothing");
+    }
+    let times = browser.evaluate("window.pinwheelLatencies");
+    let mut times: Vec<f64> = times
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(Value::as_f64)
+        .collect();
+    times.sort_by(f64::total_cmp);
+    let [half, late] = [0.5, 0.95].map(|share| times[(share * (times.len() - 1) as f64) as usize]);
+    println!(
+        "{} moves: {half:.0} ms in the middle, {late:.0} ms at the 95th percentile",
+        times.len()
+    );
+    // Asked for where nothing else runs, of the program as users have it.
+    if let Some(most) = std::env::var("PINWHEEL_LATENCY_MS")
+        .ok()
+        .and_then(|ms| ms.parse::<f64>().ok())
+    {
+        assert!(late <= most, "{late} ms");
+    }
+
+    // What cannot be says why at its slider, and the last good state stays.
+    drag(
+        browser,
+        "document.querySelector('#gear-eccentricity_m')",
+        1.0,
+    );
+    browser.evaluate(SETTLED);
+    let reason = text(
+        browser,
+        "document.querySelector('#gear-eccentricity_m ~ .reason').textContent",
+    );
+    assert!(reason.contains("undercut"), "{reason}");
+    let stale = "document.querySelector('.seen').matches('.stale')";
+    assert_eq!(browser.evaluate(stale), json!(true));
+    click(browser, "document.querySelector('#save')");
+    browser.evaluate(SETTLED);
+    assert!(
+        !dir.path().join("gear-explored.toml").exists(),
+        "a scene that is none was saved"
+    );
+    drag(
+        browser,
+        "document.querySelector('#gear-eccentricity_m')",
+        0.4,
+    );
+    browser.evaluate(SETTLED);
+    assert_eq!(browser.evaluate(stale), json!(false));
+
+    // Saved it is the state: a valid scene with the values shown.
+    click(browser, "document.querySelector('#save')");
+    browser.evaluate(SETTLED);
+    let said = text(browser, "document.querySelector('#said').textContent");
+    assert_eq!(said, "State B is in gear-explored.toml");
+    let place = dir.path().join("gear-explored.toml");
+    let saved = Scene::load(place.to_str().unwrap(), &[]).unwrap();
+    let shown = browser.evaluate("Number(document.querySelector('#gear-eccentricity_m + .reason, #gear-eccentricity_m').value)");
+    let off = 1e3 * saved.gear.eccentricity_m - shown.as_f64().unwrap();
+    assert!(off.abs() < 0.02, "{off} mm");
+
+    // Loaded again it shows the same two states; so it does after the program was killed and started again.
+    let kept = text(browser, FIGURES);
+    let hash = text(browser, "location.hash");
+    let reload = |browser: &mut Chromium, address: &str| {
+        browser.go("about:blank", DESK);
+        browser.go(address, DESK);
+        browser.evaluate(SETTLED);
+        text(browser, FIGURES)
+    };
+    let port = served.port().to_owned();
+    let again = reload(browser, &format!("http://127.0.0.1:{port}/{hash}"));
+    assert_eq!(again, kept, "lost when loaded again");
+    drop(served);
+    let served = Served::start(dir.path(), &port);
+    let again = reload(browser, &format!("{}{hash}", served.1));
+    assert_eq!(again, kept, "lost with the program");
+
+    // The page follows the file.
+    let file = dir.path().join("gear.toml");
+    let scene = std::fs::read_to_string(&file).unwrap();
+    let heavier = scene.replace("output_torque_n_m = 200", "output_torque_n_m = 150");
+    assert_ne!(heavier, scene);
+    browser.evaluate("new Promise((r) => setTimeout(r, 1500))");
+    std::fs::write(&file, heavier).unwrap();
+    browser.evaluate("new Promise((r) => setTimeout(r, 2500))");
+    browser.evaluate(SETTLED);
+    assert_ne!(text(browser, FIGURES), kept, "the file is not followed");
+
+    // Nothing is wrong with it at either width.
+    let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("screenshots");
+    for look in [DESK, PHONE] {
+        browser.theme(look);
+        browser.go("about:blank", look);
+        browser.go(&format!("http://127.0.0.1:{port}/{hash}"), look);
+        browser.evaluate(SETTLED);
+        browser.picture(&kept.join(format!("explore-{}.png", look.width)));
+        let (wrong, seen) = faults(browser, look);
+        assert!(wrong.is_empty(), "{}: {wrong:#?}", look.width);
+        assert_eq!(seen["gearboxes"], json!(1));
+    }
+
+    // Another page, another browser and a second use of the address get nothing.
+    let address = served.1.clone();
+    let other = browser.evaluate(&format!(
+        "fetch('{}').then((answer) => answer.status)",
+        address
+            .split_once("//")
+            .map_or("", |(_, rest)| rest
+                .split_once('/')
+                .map_or("", |(_, path)| path))
+            .replacen("?", "/?", 1)
+    ));
+    assert_eq!(other, json!(403), "the address worked twice");
+}
+
+#[test]
+fn explore_answers_its_own_page_alone() {
+    let dir = tempfile::tempdir().unwrap();
+    let init =
+        "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500";
+    assert_eq!(run_in(dir.path(), words(init)).code, Some(0));
+    let served = Served::start(dir.path(), "0");
+    let host = format!("127.0.0.1:{}", served.port());
+    let path = served.1.rsplit('/').next().unwrap();
+    let ask = |request: &str, more: &str, body: &str| -> (String, String) {
+        use std::io::{Read as _, Write as _};
+        let mut socket = std::net::TcpStream::connect(&host).unwrap();
+        let host = if more.contains("Host:") {
+            String::new()
+        } else {
+            format!("Host: {host}\r\n")
+        };
+        let length = body.len();
+        write!(socket, "{request} HTTP/1.1\r\n{host}{more}Content-Length: {length}\r\nConnection: close\r\n\r\n{body}").unwrap();
+        let mut answer = String::new();
+        socket.read_to_string(&mut answer).unwrap();
+        (answer[9..12].to_owned(), answer)
+    };
+    assert_eq!(ask("GET /", "", "").0, "403", "without a token");
+    assert_eq!(ask("GET /?token=00", "", "").0, "403", "a wrong token");
+    let (status, answer) = ask(&format!("GET /{path}"), "", "");
+    assert_eq!(status, "303", "{answer}");
+    let cookie = answer
+        .lines()
+        .find_map(|line| line.strip_prefix("Set-Cookie: "))
+        .unwrap();
+    assert!(
+        cookie.contains("HttpOnly") && cookie.contains("SameSite=Strict"),
+        "{cookie}"
+    );
+    let cookie = format!("Cookie: {}\r\n", cookie.split(';').next().unwrap());
+    assert_eq!(
+        ask(&format!("GET /{path}"), "", "").0,
+        "403",
+        "a token twice"
+    );
+    assert_eq!(ask("GET /status", &cookie, "").0, "200");
+    let rebound = format!("Host: evil.example\r\n{cookie}");
+    assert_eq!(ask("GET /status", &rebound, "").0, "403", "another host");
+    let own = format!("{cookie}Origin: http://{host}\r\n");
+    let other = format!("{cookie}Origin: http://evil.example\r\n");
+    for foreign in [&cookie, &other] {
+        assert_eq!(ask("POST /run", foreign, "[]").0, "403", "another origin");
+        assert_eq!(ask("POST /save", foreign, "[]").0, "403", "another origin");
+    }
+    assert_eq!(ask("POST /run", &own, "[]").0, "200");
+    assert_eq!(ask("POST /run", &own, "nonsense").0, "400");
+    // Only what sliders move can be set.
+    let (_, saved) = ask(
+        "POST /save",
+        &own,
+        r#"[["name","../x"],["gear.backlash_m","1e-5"]]"#,
+    );
+    assert!(
+        saved.ends_with(r#"{"file":"gear-explored.toml"}"#),
+        "{saved}"
+    );
+}
