@@ -37,13 +37,23 @@ fn ends(kind: Kind) -> Vec<String> {
     }
 }
 
+/// What a key asks for beside itself.
+fn beside(key: &str) -> &'static str {
+    match key.strip_prefix("bearings.eccentric.") {
+        None | Some("stiffness_n_m") => "",
+        Some("rollers") => "bearings.eccentric.roller_length_m = 0.01\n",
+        Some("roller_length_m") => "bearings.eccentric.rollers = 16\n",
+        Some(_) => "bearings.eccentric.stiffness_n_m = 5e8\n",
+    }
+}
+
 /// Keys of numbers as they are written in a file, with a place for the value.
 fn lines() -> Vec<(&'static Key, String)> {
     let number = |key: &&Key| matches!(key.kind, Kind::Number(_) | Kind::Count(..));
     let mut lines = Vec::new();
     for key in KEYS {
         if number(&key) {
-            lines.push((key, format!("{} = @", key.name)));
+            lines.push((key, format!("{}{} = @", beside(key.name), key.name)));
         }
         if let Kind::Tables(rows) = key.kind {
             for row in rows.iter().filter(number) {

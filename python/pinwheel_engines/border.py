@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from pinwheel_engines.errors import FrozenForces
+from pinwheel_engines.errors import FrozenForces, Unsupported
 from pinwheel_engines.law import ContactLaw
 from pinwheel_engines.layout import Layout
 from pinwheel_engines.scene import Scene
@@ -93,6 +93,12 @@ class StageLaw:
         del time_s  # the law knows no time
         self.loads[:] = self._law.loads(self.states[None])[0]
         return self.loads
+
+
+def check_bearings(engine: str, scene: Scene, law: LawPointer | None) -> None:
+    """Raises Unsupported where wheels float and the law is the numpy one, which has no bearings."""
+    if scene.floats and law is None:
+        raise Unsupported(engine, "bearings.eccentric: the numpy law has no bearings; run it by the Pinwheel program")
 
 
 def check_not_frozen(engine: str, steps: int, stages: int, calls: int, changes: int) -> None:

@@ -71,13 +71,18 @@ class Layout:
 
 
 class Kinematics:
-    """Positions and velocities of all bodies from their absolute angles, and loads back to torques on those angles."""
+    """Positions and velocities of all bodies from their absolute angles, and loads back to torques on those angles.
 
-    def __init__(self, gear: Gear) -> None:
-        self.gear = gear
+    Wheels that float (`floats`) have no carrier; where they are comes from elsewhere.
+    """
+
+    def __init__(self, gear: Gear, floats: bool = False) -> None:
+        self.gear, self.floats = gear, floats
         self.layout = Layout.of(gear)
         layout = self.layout
         self.carriers = np.array(layout.carriers)
+        if floats:
+            self.carriers[layout.wheel_bodies] = -1
         # Where each body's centre sits on its carrier (or the ground), m, as complex numbers.
         self.offsets = np.zeros(layout.bodies, dtype=np.complex128)
         eccentricity = gear.eccentricity_m + gear.errors("eccentricity_m", gear.wheels)
@@ -91,6 +96,8 @@ class Kinematics:
         self._carried = np.nonzero(self.carriers >= 0)[0]
         self._carriers = self.carriers[self._carried]
         self._arms = self.offsets[self._carried]
+        # Carried by the input come first, then those by the output.
+        self._on_input = 0 if floats else layout.wheels
 
     def relative(self, absolute: Floats) -> Floats:
         """Joint angles (or rates) against the carrier from absolute ones."""
@@ -110,8 +117,7 @@ class Kinematics:
         Turning a carrier turns what it carries, so a carried body's torque acts on its carrier's joint as well.
         """
         joints = self.torques(angles, loads)
-        n = self.layout.wheels
-        moments = loads[self._carried, 2]
+        moments, n = loads[self._carried, 2], self._on_input
         joints[INPUT] += moments[:n].sum()
         joints[OUTPUT] += moments[n:].sum()
         return joints
@@ -138,7 +144,7 @@ class Kinematics:
         out[:] = loads[:, 2]
         arm = self._arms * np.exp(1j * angles[self._carriers])
         lever = arm.real * loads[self._carried, 1] - arm.imag * loads[self._carried, 0]
-        n = self.layout.wheels
+        n = self._on_input
         out[INPUT] += lever[:n].sum()
         out[OUTPUT] += lever[n:].sum()
         return out

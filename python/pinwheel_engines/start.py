@@ -38,6 +38,16 @@ def initial_angles(scene: Scene, given: Floats | None = None) -> tuple[Floats, F
     return angles, rates
 
 
+def initial_states(scene: Scene, given: Floats | None = None) -> Floats:
+    """States (bodies, 6) at the start. Wheels that float stand where the given ones have them, else on their eccentrics."""
+    kinematics = Kinematics(scene.gear)
+    states = kinematics.states(*initial_angles(scene, given))
+    if scene.floats and given is not None:
+        wheels = kinematics.layout.wheel_bodies
+        states[wheels] = np.asarray(given, dtype=np.float64).reshape(-1, 6)[wheels]
+    return states
+
+
 def _load(scene: Scene, kinematics: Kinematics, angles: Floats, rates: Floats) -> None:
     """Turns the output and the wheels until the load at time 0 is carried."""
     load = scene.drive.load_n_m(0.0)

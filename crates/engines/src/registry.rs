@@ -49,8 +49,6 @@ pub struct EngineInfo<'a> {
     pub model: &'a [ModelTolerance],
     /// Whether friction is evaluated explicitly, so that it takes short steps to resolve it.
     pub explicit_friction: bool,
-    /// Whether it can let wheels float on elastic bearings, of engines in Python.
-    pub floats: bool,
     /// Whether it runs in a process of its own, whose CPU time is not this one's.
     pub outside: bool,
     /// The form of a native engine.
@@ -84,7 +82,6 @@ impl<'a> EngineInfo<'a> {
             own_contact: OwnContact::SceneLaw,
             model: &[],
             explicit_friction: false,
-            floats: false,
             outside: false,
             form: None,
             colour: None,
@@ -252,7 +249,6 @@ pub(crate) static EXUDYN_CONSTRAINED: EngineInfo<'static> = EngineInfo {
         iterations, our contact law in each of them; friction is implicit. Its error at the scene's step is that of \
         the trapezoidal rule, far above the Runge-Kutta methods', and falls four times when the step is halved. \
         Contact points and contact law are the native solver's own: this comparison cannot find an error in them.",
-    floats: true,
     ..EngineInfo::own("exudyn-shared-law-constrained", Track::SharedLaw)
 };
 

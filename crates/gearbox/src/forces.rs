@@ -122,6 +122,9 @@ impl Forces for GearForces {
             });
             pairs.push(*pair);
         });
+        if let Some(bearings) = self.field.bearings() {
+            bearings.add_loads(bodies, loads);
+        }
         self.add_held(time, loads);
     }
 

@@ -20,15 +20,15 @@ import exudyn.itemInterface as items
 import numpy as np
 import numpy.typing as npt
 
-from pinwheel_engines.border import LawPointer, StageLaw, check_not_frozen
-from pinwheel_engines.errors import Cancelled, Diverged, Unsupported
+from pinwheel_engines.border import LawPointer, StageLaw, check_bearings, check_not_frozen
+from pinwheel_engines.errors import Cancelled, Diverged
 from pinwheel_engines.exudyn.session import VERSION, Kept, Load, quiet_session, solve
 from pinwheel_engines.guards import Guard
 from pinwheel_engines.law import ContactLaw
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
 from pinwheel_engines.result import Recorder, Result, RunStats
 from pinwheel_engines.scene import Scene
-from pinwheel_engines.start import initial_angles
+from pinwheel_engines.start import initial_angles, initial_states
 from pinwheel_engines.stepping import actual_step_s, stretches
 
 Floats = npt.NDArray[np.float64]
@@ -52,8 +52,7 @@ def run(
     Raises Diverged with the courses until then, FrozenForces, Cancelled, EngineFailed, Unsupported.
     """
     wanted = scene.solver.step_s if step_s is None else step_s
-    if scene.floats and law is None:
-        raise Unsupported(NAME, "bearings.eccentric: the numpy law has no bearings; run it by the Pinwheel program")
+    check_bearings(NAME, scene, law)
     kinematics = Kinematics(scene.gear)
     held = _held(scene, kinematics)
     stage_law = StageLaw(scene, law)
@@ -82,7 +81,7 @@ def run(
             system,
             scene,
             kinematics,
-            _start(scene, kinematics, initial),
+            initial_states(scene, initial),
             initial_angles(scene, initial),
             kept.function(force, zeros),
             kept.function(jacobian, np.zeros((zeros.size, zeros.size))),
@@ -123,7 +122,8 @@ def run(
                 degrees_of_freedom=3 * count,
                 bodies=count,
                 step_s=actual_step_s(recorder.times_s, wanted),
-                settings=f"{count} RigidBody2D, {len(held)} JointRevolute2D, driver constraint, {integrator}, {stage_law.name}",
+                settings=f"{count} RigidBody2D, {len(held)} JointRevolute2D, driver constraint, {integrator}, "
+                f"{stage_law.name}",
                 joint_drift_m=drift["m"],
                 versions={"exudyn": VERSION, "numpy": np.__version__},
             )
@@ -208,15 +208,6 @@ def _held(scene: Scene, kinematics: Kinematics) -> list[int]:
     layout = kinematics.layout
     wheels = range(layout.bodies)[layout.wheel_bodies] if scene.floats else range(0)
     return [body for body in range(layout.bodies) if body not in wheels]
-
-
-def _start(scene: Scene, kinematics: Kinematics, initial: Floats | None) -> Floats:
-    """States at the start; wheels that float stand where the given ones have them."""
-    states = kinematics.states(*initial_angles(scene, initial))
-    if scene.floats and initial is not None:
-        wheels = kinematics.layout.wheel_bodies
-        states[wheels] = np.asarray(initial, dtype=np.float64).reshape(-1, 6)[wheels]
-    return states
 
 
 def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:

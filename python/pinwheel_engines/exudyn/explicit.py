@@ -17,14 +17,14 @@ import exudyn.itemInterface as items
 import numpy as np
 import numpy.typing as npt
 
-from pinwheel_engines.border import LawPointer, StageLaw, check_not_frozen
+from pinwheel_engines.border import LawPointer, StageLaw, check_bearings, check_not_frozen
 from pinwheel_engines.errors import Cancelled, Diverged
 from pinwheel_engines.exudyn.session import VERSION, Kept, Load, quiet_session, solve
 from pinwheel_engines.guards import Guard
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
 from pinwheel_engines.result import Recorder, Result, RunStats
 from pinwheel_engines.scene import Scene
-from pinwheel_engines.start import initial_angles
+from pinwheel_engines.start import initial_states
 from pinwheel_engines.stepping import actual_step_s, stretches
 
 Floats = npt.NDArray[np.float64]
@@ -47,7 +47,11 @@ def run(
     Raises Diverged with the courses until then, FrozenForces, Cancelled, EngineFailed, Unsupported.
     """
     wanted = scene.solver.step_s if step_s is None else step_s
-    kinematics = Kinematics(scene.gear)
+    check_bearings(NAME, scene, law)
+    kinematics = Kinematics(scene.gear, scene.floats)
+    wheels = kinematics.layout.wheel_bodies
+    # Slides of wheels that float, x and y of each in turn, come before all revolute joints.
+    sliding = 2 * scene.gear.wheels if scene.floats else 0
     stage_law = StageLaw(scene, law)
     guard = Guard(NAME, scene)
     recorder = Recorder(scene, kinematics)
@@ -57,22 +61,37 @@ def run(
     progress = {"steps": 0}
 
     def force(_system: Any, time_s: float, _item: int, q: Floats, q_t: Floats) -> Floats:
-        angles, rates = kinematics.absolute(np.asarray(q)), kinematics.absolute(np.asarray(q_t))
-        kinematics.states(angles, rates, out=stage_law.states)
-        torques = kinematics.relative_torques(angles, stage_law.evaluate(time_s))
+        angles, _ = set_states(q, q_t)
+        loads = stage_law.evaluate(time_s)
+        torques = kinematics.relative_torques(angles, loads)
         torques[OUTPUT] += load.piece.load_n_m(time_s)
-        return torques
+        return np.concatenate([loads[wheels, :2].ravel(), torques]) if sliding else torques
+
+    def set_states(q: Any, q_t: Any) -> tuple[Floats, Floats]:
+        """Puts exudyn's state before the law; absolute angles and rates."""
+        places, velocities = np.asarray(q), np.asarray(q_t)
+        angles, rates = kinematics.absolute(places[sliding:]), kinematics.absolute(velocities[sliding:])
+        states = kinematics.states(angles, rates, out=stage_law.states)
+        if sliding:
+            states[wheels, :2] = places[:sliding].reshape(-1, 2)
+            states[wheels, 3:5] = velocities[:sliding].reshape(-1, 2)
+        return angles, rates
 
     with quiet_session():
         container = exu.SystemContainer()
         system = container.AddSystem()
-        count = kinematics.layout.bodies
-        angles, rates = initial_angles(scene, initial)
+        count = kinematics.layout.bodies + sliding
+        states = initial_states(scene, initial)
+
+        def joints(place: slice, angle: int) -> list[float]:
+            slides = states[wheels, place].ravel()[:sliding]
+            return [*slides.tolist(), *kinematics.relative(states[:, angle]).tolist()]
+
         node = system.AddNode(
             items.NodeGenericODE2(
                 referenceCoordinates=[0.0] * count,
-                initialCoordinates=kinematics.relative(angles).tolist(),
-                initialCoordinates_t=kinematics.relative(rates).tolist(),
+                initialCoordinates=joints(np.s_[:2], 2),
+                initialCoordinates_t=joints(np.s_[3:5], 5),
                 numberOfODE2Coordinates=count,
             )
         )
@@ -81,12 +100,11 @@ def run(
 
         def sample(time_s: float) -> None:
             data = system.systemData
-            angles, rates = kinematics.absolute(data.GetODE2Coordinates()), kinematics.absolute(data.GetODE2Coordinates_t())
+            angles, rates = set_states(data.GetODE2Coordinates(), data.GetODE2Coordinates_t())
             guard.check_states(time_s, angles, rates)
-            kinematics.states(angles, rates, out=stage_law.states)
             loads = stage_law.evaluate_at(time_s)
             guard.check_forces(time_s, loads[:, :2])
-            torque = -driver_kg_m2 * float(data.GetODE2Coordinates_tt()[INPUT])
+            torque = -driver_kg_m2 * float(data.GetODE2Coordinates_tt()[sliding + INPUT])
             if time_s == 0.0:
                 # exudyn has no accelerations before its first step: the torque that holds the input's speed.
                 torque = -float(kinematics.torques(angles, loads)[INPUT])
@@ -122,23 +140,31 @@ def run(
 
 
 def _add_tree(system: Any, scene: Scene, kinematics: Kinematics, node: Any, force: Callable[..., Any]) -> None:
-    """The mechanism as one kinematic tree, links in the order of `layout`."""
+    """The mechanism as one kinematic tree: massless slides of wheels that float, then links in the order of `layout`."""
     layout = kinematics.layout
+    sliding = 2 * layout.wheels if kinematics.floats else 0
+    offsets = kinematics.offsets.copy()
+    parents = [-1 if carrier < 0 else sliding + carrier for carrier in kinematics.carriers.tolist()]
+    if sliding:
+        parents[layout.wheel_bodies] = range(1, sliding, 2)
+        offsets[layout.wheel_bodies] = 0.0
+    slides = [link - 1 if link % 2 else -1 for link in range(sliding)]
     parts = scene.mass.of_bodies(scene.gear)
     unit = np.eye(3)
     inertias = [np.diag([0.0, 0.0, part.moment_kg_m2]) for part in parts]
     inertias[INPUT] = np.diag([0.0, 0.0, scene.mass.driver_kg_m2(DRIVER_WHEELS) + parts[INPUT].moment_kg_m2])
-    count = layout.bodies
+    count, none = sliding + layout.bodies, [0.0, 0.0, 0.0]
     system.AddObject(
         items.ObjectKinematicTree(
             nodeNumber=node,
-            jointTypes=[exu.JointType.RevoluteZ] * count,
-            linkParents=layout.carriers,
+            jointTypes=[exu.JointType.PrismaticX, exu.JointType.PrismaticY] * (sliding // 2)
+            + [exu.JointType.RevoluteZ] * layout.bodies,
+            linkParents=slides + parents,
             jointTransformations=exu.Matrix3DList([unit] * count),
-            jointOffsets=exu.Vector3DList([[float(z.real), float(z.imag), 0.0] for z in kinematics.offsets]),
-            linkInertiasCOM=exu.Matrix3DList(inertias),
-            linkCOMs=exu.Vector3DList([[0.0, 0.0, 0.0]] * count),
-            linkMasses=[part.mass_kg for part in parts],
+            jointOffsets=exu.Vector3DList([none] * sliding + [[float(z.real), float(z.imag), 0.0] for z in offsets]),
+            linkInertiasCOM=exu.Matrix3DList([np.zeros((3, 3))] * sliding + inertias),
+            linkCOMs=exu.Vector3DList([none] * count),
+            linkMasses=[0.0] * sliding + [part.mass_kg for part in parts],
             forceUserFunction=force,
         )
     )

@@ -16,15 +16,15 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from pinwheel_engines.border import LawPointer, StageLaw, check_not_frozen
+from pinwheel_engines.border import LawPointer, StageLaw, check_bearings, check_not_frozen
 from pinwheel_engines.errors import Cancelled, Diverged, EngineFailed
 from pinwheel_engines.guards import Guard
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
-from pinwheel_engines.mujoco.model import coordinates, tree_xml
+from pinwheel_engines.mujoco.model import coordinates, slides, tree_xml
 from pinwheel_engines.mujoco.session import VERSION, Callback, callback_at, check_data, quiet_session
 from pinwheel_engines.result import Recorder, Result, RunStats
 from pinwheel_engines.scene import Scene
-from pinwheel_engines.start import initial_angles
+from pinwheel_engines.start import initial_states
 from pinwheel_engines.stepping import actual_step_s, legs, steps_between
 
 Floats = npt.NDArray[np.float64]
@@ -78,13 +78,16 @@ class _Machine:
 
     def __init__(self, scene: Scene, step_s: float, law: StageLaw, initial: Floats | None) -> None:
         self.scene, self.law, self.driver_kg_m2 = scene, law, scene.mass.driver_kg_m2(DRIVER_WHEELS)
-        self.kinematics = Kinematics(scene.gear)
+        self.kinematics = Kinematics(scene.gear, scene.floats)
         self.model = mujoco.MjModel.from_xml_string(model_xml(scene, step_s))
         self.data = mujoco.MjData(self.model)
         self.coordinate = coordinates(self.kinematics, self.model)
-        angles, rates = initial_angles(scene, initial)
-        self.data.qpos[self.coordinate] = self.kinematics.relative(angles)
-        self.data.qvel[self.coordinate] = self.kinematics.relative(rates)
+        self.slides, self.wheels = slides(scene, self.model), self.kinematics.layout.wheel_bodies
+        states = initial_states(scene, initial)
+        self.data.qpos[self.coordinate] = self.kinematics.relative(states[:, 2])
+        self.data.qvel[self.coordinate] = self.kinematics.relative(states[:, 5])
+        if scene.floats:
+            self.data.qpos[self.slides], self.data.qvel[self.slides] = states[self.wheels, :2], states[self.wheels, 3:5]
         # The load is set by a callback if it varies, else once.
         self.load_address = int(self.coordinate[OUTPUT])
         self.load = scene.drive.load_piece(0.0)
@@ -96,12 +99,21 @@ class _Machine:
         kinematics, data = self.kinematics, self.data
         return kinematics.absolute(data.qpos[self.coordinate]), kinematics.absolute(data.qvel[self.coordinate])
 
+    def set_states(self, angles: Floats, rates: Floats) -> None:
+        """Puts MuJoCo's state before the law."""
+        states, data = self.law.states, self.data
+        self.kinematics.states(angles, rates, out=states)
+        if self.scene.floats:
+            states[self.wheels, :2], states[self.wheels, 3:5] = data.qpos[self.slides], data.qvel[self.slides]
+
     def add_contact_torques(self) -> None:
         """The body of the passive-force callback when no compiled one is at hand."""
         angles, rates = self.absolute()
-        self.kinematics.states(angles, rates, out=self.law.states)
+        self.set_states(angles, rates)
         loads = self.law.evaluate(self.data.time)
         self.data.qfrc_passive[self.coordinate] += self.kinematics.relative_torques(angles, loads)
+        if self.scene.floats:
+            self.data.qfrc_passive[self.slides] += loads[self.wheels, :2]
 
     def set_load(self) -> None:
         """The body of the control callback of a load that varies: in every stage the load of the step's own side."""
@@ -131,6 +143,7 @@ def run(
     Raises Diverged with the courses until then, FrozenForces, Cancelled, EngineFailed, Unsupported.
     """
     wanted = scene.solver.step_s if step_s is None else step_s
+    check_bearings(NAME, scene, law)
     stage_law = StageLaw(scene, law)
     guard = Guard(NAME, scene)
     wall, cpu = time.perf_counter(), time.thread_time()
@@ -139,7 +152,9 @@ def run(
         model, data = machine.model, machine.data
         passive = Callback(machine.add_contact_torques)
         layout = mujoco_layout(machine.kinematics, model, data)
-        address = law.attach_mujoco(layout) if law is not None and law.attach_mujoco is not None else None
+        # The compiled callback knows hinges alone.
+        attach = law.attach_mujoco if law is not None and not scene.floats else None
+        address = attach(layout) if attach is not None else None
         mujoco.set_mjcb_passive(passive.pointer if address is None else callback_at(address))
         control = Callback(machine.set_load)
         if scene.drive.load_varies:
@@ -187,7 +202,7 @@ def run(
                 passive.raise_kept()
                 angles, rates = machine.absolute()
                 guard.check_states(float(instant), angles, rates)
-                machine.kinematics.states(angles, rates, out=stage_law.states)
+                machine.set_states(angles, rates)
                 machine.check_kinematics(stage_law.states)
                 loads = stage_law.evaluate_at(float(instant))
                 guard.check_forces(float(instant), loads[:, :2])

@@ -97,12 +97,10 @@ impl Engine for PythonEngine {
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         gearbox.contact_field().map_err(Ending::unsupported)?;
-        if !self.0.floats {
-            wheels_are_held(&gearbox.scene)?;
-        }
         let mut gearbox = gearbox.clone();
         // The law is ours: what the native solver can do, it can do.
         if self.0.track != Track::SharedLaw {
+            wheels_are_held(&gearbox.scene)?;
             let given = self.0.own_contact.given(Scene::clone(&gearbox.scene));
             if given != *gearbox.scene {
                 let given = given.check().map_err(Ending::unsupported)?;

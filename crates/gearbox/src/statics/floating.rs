@@ -31,11 +31,14 @@ const LEAST_GROWTH: f64 = 1.001;
 const LIGHTER: f64 = 0.25;
 /// Least share of the largest load that sizes follow.
 const LEAST_SIZE: f64 = 1e-2;
-/// Newton steps at most, and halvings of one.
-const STEPS: usize = 40;
+/// Newton steps at most, halvings of one, and what a step must leave at most for its slopes to serve the next.
+const STEPS: usize = 60;
 const HALVINGS: usize = 12;
+const SERVES: f64 = 0.2;
 /// What may be left of forces and moments, as a share of the load's.
 const LEFT: f64 = 1e-9;
+/// Roundings of a wheel's place that may be left as a force of its bearing.
+const ROUNDINGS: f64 = 4.0;
 /// Newton goes on as long as it gains, down to this.
 const BALANCED: f64 = 1e-13;
 /// A weak spring to the last iterate, as a share of a contact's stiffness: for directions that nothing holds.
@@ -70,7 +73,7 @@ impl Statics<'_> {
             .ok_or_else(|| GearboxError::Geometry("no wheel floats".to_owned()))
     }
 
-    fn size(&self, load: f64) -> Size {
+    fn size(&self, load: f64, bearings: &Bearings) -> Size {
         let (scales, gear) = (self.gearbox.error_scales(), &self.gearbox.scene.gear);
         let least = self.gearbox.least_force_n();
         let moment = load.abs().max(least * gear.lever_m());
@@ -78,10 +81,13 @@ impl Statics<'_> {
         let share = (moment / largest).max(LEAST_SIZE);
         // Places are known to their rounding, and so are forces, however light the load.
         let moment = share * largest;
+        let force = moment / gear.lever_m();
+        let stiffest = bearings.law.slope_under(force);
+        let rounding = ROUNDINGS * f64::EPSILON * gear.eccentricity_m * stiffest;
         Size {
             length: share * scales.length,
             angle: share * scales.angle,
-            force: moment / gear.lever_m(),
+            force: force.max(rounding / LEFT),
             moment,
         }
     }
@@ -168,7 +174,7 @@ impl Statics<'_> {
         bearings: &Bearings,
         u: &mut Vec<f64>,
     ) -> Option<f64> {
-        let size = self.size(load);
+        let size = self.size(load, bearings);
         let norm = |left: &DVector<f64>| {
             let share = |(k, x): (usize, &f64)| {
                 x.abs()
@@ -182,34 +188,43 @@ impl Statics<'_> {
         };
         let mut here = self.left(phi, load, bearings, u, None);
         let mut most = norm(&here);
+        // Differences cost many evaluations, so slopes serve as long as steps with them gain.
+        let mut slopes = None;
         for _ in 0..STEPS {
             if most < BALANCED {
                 break;
             }
-            let mut matrix = self.matrix(phi, load, bearings, (u, &here), size);
-            for k in 0..u.len() {
-                let weak = match is_length(k) {
-                    true => size.force / size.length,
-                    false => size.moment / size.angle,
-                };
-                matrix[(k, k)] -= WEAK * weak;
+            let is_fresh = slopes.is_none();
+            if is_fresh {
+                let mut matrix = self.matrix(phi, load, bearings, (u, &here), size);
+                for k in 0..u.len() {
+                    let weak = match is_length(k) {
+                        true => size.force / size.length,
+                        false => size.moment / size.angle,
+                    };
+                    matrix[(k, k)] -= WEAK * weak;
+                }
+                slopes = Some(matrix.lu());
             }
-            let step = -matrix.lu().solve(&here)?;
+            let step = -slopes.as_ref()?.solve(&here)?;
             let mut share = 1.0;
-            let mut gained = false;
-            for _ in 0..HALVINGS {
+            let before = most;
+            for _ in 0..if is_fresh { HALVINGS } else { 1 } {
                 let there: Vec<f64> = u.iter().zip(&step).map(|(u, s)| u + share * s).collect();
                 let left = self.left(phi, load, bearings, &there, None);
                 let now = norm(&left);
                 if now < most {
-                    gained = now < 0.9 * most || most > LEFT;
                     (*u, here, most) = (there, left, now);
                     break;
                 }
                 share *= 0.5;
             }
-            if !gained {
-                break;
+            if most > SERVES * before {
+                slopes = None;
+                let stuck = most >= before || most > 0.9 * before && most <= LEFT;
+                if is_fresh && stuck {
+                    break;
+                }
             }
         }
         (most < LEFT).then_some(most)
@@ -300,11 +315,11 @@ impl Statics<'_> {
             .map(|i| [contacts[1 + OF_A_WHEEL * i], contacts[2 + OF_A_WHEEL * i]])
             .collect();
         let most = forces.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
-        if most <= LEFT * self.size(load).force {
+        if most <= LEFT * self.size(load, &bearings).force {
             return Ok(self.floating_equilibrium(phi, load, &bearings, &u));
         }
         let whole = bearings.law.offset_under(most);
-        let mut share = (FIRST * self.size(load).length / whole).min(1.0);
+        let mut share = (FIRST * self.size(load, &bearings).length / whole).min(1.0);
         for (i, force) in forces.iter().enumerate() {
             let size = force[0].hypot(force[1]);
             if size > 0.0 {
@@ -394,7 +409,7 @@ impl Statics<'_> {
         let bearings = self.bearings().ok()?;
         let load = self.gearbox.scene.drive.output_torque_n_m;
         let u = self.unknowns(&at.bodies, at.output);
-        let (size, phi) = (self.size(load), at.input);
+        let (size, phi) = (self.size(load, &bearings), at.input);
         let here = self.left(phi, 0.0, &bearings, &u, None);
         let matrix = self.matrix(phi, 0.0, &bearings, (&u, &here), size);
         let mut unit = DVector::zeros(u.len());
