@@ -9,6 +9,8 @@
 use crate::error::Fault;
 use crate::model::{Bearings, EccentricBearing, Scene};
 
+/// The ramp of the damping, as a share of the elastic offset under the largest load.
+const RAMP_SHARE: f64 = 0.1;
 /// The exponent of Palmgren's rollers.
 const ROLLERS: f64 = 10.0 / 9.0;
 
@@ -23,6 +25,8 @@ pub struct BearingLaw {
     pub clearance_m: f64,
     /// c, N s/m.
     pub damping_n_s_m: f64,
+    /// Offset beyond the clearance at which the damping is whole, m.
+    pub ramp_m: f64,
 }
 
 impl Bearings {
@@ -57,11 +61,13 @@ impl BearingLaw {
             exponent,
             clearance_m: bearing.clearance_m.unwrap_or_default(),
             damping_n_s_m: 0.0,
+            ramp_m: 0.0,
         };
         law.damping_n_s_m = bearing.damping_n_s_m.unwrap_or_else(|| {
             let slope = law.slope_under(typical_force(scene));
             2.0 * EccentricBearing::DAMPING_SHARE * (slope * scene.mass.wheel.mass_kg).sqrt()
         });
+        law.ramp_m = RAMP_SHARE * (law.offset_under(typical_force(scene)) - law.clearance_m);
         Some(law)
     }
 
@@ -76,7 +82,8 @@ impl BearingLaw {
         }
     }
 
-    /// Force, N, at an offset of the centres of `offset` m that grows by `rate` m/s; never below 0.
+    /// Force, N, at an offset of the centres of `offset` m that grows by `rate` m/s; never below 0. Damping sets in over the
+    /// ramp, so that no force jumps where rollers touch.
     #[must_use]
     #[inline]
     pub fn force(&self, offset: f64, rate: f64) -> f64 {
@@ -84,7 +91,8 @@ impl BearingLaw {
         if beyond <= 0.0 {
             return 0.0;
         }
-        (self.elastic(beyond) + self.damping_n_s_m * rate).max(0.0)
+        let damping = self.damping_n_s_m * (beyond / self.ramp_m).min(1.0);
+        (self.elastic(beyond) + damping * rate).max(0.0)
     }
 
     /// Energy stored at an offset, J.
