@@ -8,6 +8,8 @@
  *   shafts and external sleeves on the housing, wheels on the eccentrics of the input shaft, internal sleeves on
  *   the output shaft. The input shaft turns at a constant rate. What is left to integrate are the angles of the
  *   output shaft, of the wheels, and, with friction, of the sleeves; or all coordinates with joints as constraints.
+ *   Where wheels lie on elastic bearings, their carrier is -2: nothing pins them, all three of their coordinates are
+ *   free, and the loads of pinwheel_law_loads hold what their bearings do to them and to the input shaft.
  *
  * Units and frame
  *   SI: m, kg, s, N, N m, rad. The ground frame is right-handed with its origin on the common axis of both shafts;
@@ -17,8 +19,8 @@
  *
  * Order of bodies
  *   0 input shaft, 1 output shaft, then wheels, external sleeves (number 0 at angle 0, counter-clockwise), internal
- *   sleeves. Wheels are the bodies with carrier 0, internal sleeves those with carrier 1, external sleeves those from
- *   2 on with carrier -1.
+ *   sleeves. Wheels are the bodies with carrier 0 or -2, internal sleeves those with carrier 1, external sleeves those
+ *   from 2 on with carrier -1.
  *
  * Arrays
  *   states: six numbers a body, x y angle vx vy rate, of its centre in the ground frame.
@@ -77,8 +79,8 @@ int32_t pinwheel_law_open(const char *scene, pinwheel_law **out);
 /* Number of bodies: 28 for the preset "paper". */
 int32_t pinwheel_law_bodies(const pinwheel_law *law);
 
-/* One body: the index of its carrier (-1: the housing); the seat of its centre in the carrier's frame, whose origin is
- * the carrier's centre (in the ground frame for -1), m; its mass; its moment of inertia about its centre.
+/* One body: the index of its carrier (-1: the housing; -2: none, a free body); the seat of its centre in the carrier's
+ * frame, whose origin is the carrier's centre (in the ground frame for -1 and -2), m; its mass; its moment of inertia about its centre.
  * Addresses may be null for what is not wanted. */
 int32_t pinwheel_law_body(const pinwheel_law *law, int32_t body, int32_t *carrier, double seat_m[2], double *mass_kg,
                           double *moment_kg_m2);
