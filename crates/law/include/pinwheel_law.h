@@ -80,8 +80,8 @@ int32_t pinwheel_law_open(const char *scene, pinwheel_law **out);
 int32_t pinwheel_law_bodies(const pinwheel_law *law);
 
 /* One body: the index of its carrier (-1: the housing; -2: none, a free body); the seat of its centre in the carrier's
- * frame, whose origin is the carrier's centre (in the ground frame for -1 and -2), m; its mass; its moment of inertia about its centre.
- * Addresses may be null for what is not wanted. */
+ * frame, whose origin is the carrier's centre (in the ground frame for -1 and -2), m; its mass; its moment of inertia
+ * about its centre. Addresses may be null for what is not wanted. */
 int32_t pinwheel_law_body(const pinwheel_law *law, int32_t body, int32_t *carrier, double seat_m[2], double *mass_kg,
                           double *moment_kg_m2);
 

@@ -9,6 +9,8 @@
 use crate::error::Fault;
 use crate::model::{Bearings, EccentricBearing, Scene};
 
+/// Turning slower than this a bearing's friction fades, rad/s.
+const SLOW_RAD_S: f64 = 1.0;
 /// The ramp of the damping, as a share of the elastic offset under the largest load.
 const RAMP_SHARE: f64 = 0.1;
 /// The exponent of Palmgren's rollers.
@@ -27,6 +29,8 @@ pub struct BearingLaw {
     pub damping_n_s_m: f64,
     /// Offset beyond the clearance at which the damping is whole, m.
     pub ramp_m: f64,
+    /// Lever of the friction, mu d/2, m (SKF, *Rolling Bearings*, 2018: a constant coefficient on the bore).
+    pub drag_m: f64,
 }
 
 impl Bearings {
@@ -62,6 +66,9 @@ impl BearingLaw {
             clearance_m: bearing.clearance_m.unwrap_or_default(),
             damping_n_s_m: 0.0,
             ramp_m: 0.0,
+            drag_m: 0.5
+                * bearing.friction_coefficient.unwrap_or_default()
+                * bearing.bore_m.unwrap_or_default(),
         };
         law.damping_n_s_m = bearing.damping_n_s_m.unwrap_or_else(|| {
             let slope = law.slope_under(typical_force(scene));
@@ -93,6 +100,13 @@ impl BearingLaw {
         }
         let damping = self.damping_n_s_m * (beyond / self.ramp_m).min(1.0);
         (self.elastic(beyond) + damping * rate).max(0.0)
+    }
+
+    /// Moment of the friction on the wheel, N m, under a force (N) while the wheel turns at `rate` rad/s against its eccentric.
+    #[must_use]
+    #[inline]
+    pub fn drag(&self, force: f64, rate: f64) -> f64 {
+        -self.drag_m * force * (rate / SLOW_RAD_S).clamp(-1.0, 1.0)
     }
 
     /// Energy stored at an offset, J.
@@ -127,6 +141,16 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
         return Ok(());
     };
     let key = "bearings.eccentric.stiffness_n_m";
+    if bearing.friction_coefficient.is_some() != bearing.bore_m.is_some() {
+        return Err(Fault::new(
+            &[match bearing.bore_m {
+                Some(_) => "bearings.eccentric.friction_coefficient",
+                None => "bearings.eccentric.bore_m",
+            }],
+            "is missing; a bearing's friction has a coefficient and a bore".to_owned(),
+            "give both or none",
+        ));
+    }
     let rollers = [bearing.rollers.is_some(), bearing.roller_length_m.is_some()];
     match (bearing.stiffness_n_m.is_some(), rollers) {
         (true, [false, false]) => Ok(()),
@@ -207,6 +231,7 @@ mod tests {
                 "exponent",
             ),
             ("rollers = 9\nstiffness_n_m = 1e8", "stiffness_n_m"),
+            ("stiffness_n_m = 1e8\nbore_m = 0.02", "friction_coefficient"),
         ] {
             let fault = check(&with(bearing)).unwrap_err();
             assert!(fault.to_string().contains(missing), "{bearing}: {fault}");

@@ -260,6 +260,8 @@ pub const KEYS: &[Key] = keys! {
     "bearings.eccentric.roller_length_m" LENGTH, Nothing, "length of these rollers", METRES;
     "bearings.eccentric.clearance_m" Number(From(0.0, 1e-2)), Nothing, "its radial clearance; absent: 0", "half of the play across the diameter: 5 micrometres are 5e-6";
     "bearings.eccentric.damping_n_s_m" Number(From(0.0, 1e9)), Nothing, "its damping; absent: 5 % of critical of a wheel on it", "rolling bearings have a few per cent of critical damping";
+    "bearings.eccentric.friction_coefficient" Number(From(0.0, 1.0)), Nothing, "its friction mu, of the moment mu F d/2 against its turning; absent: 0", "needles have 0.002, cylindrical rollers 0.0011";
+    "bearings.eccentric.bore_m" LENGTH, Nothing, "its bore d, for that moment", METRES;
     "bearings.eccentric.dynamic_rating_n" Number(From(1.0, 1e9)), Nothing, "its basic dynamic rating C, for its life after ISO 281", "bearing catalogues give it in kN: 20 kN is 20000";
     "bearings.output_torsion_n_m_rad" Number(From(1e-3, 1e15)), Nothing, "torsional stiffness of carrier and flange; absent: rigid; counts in `design` alone", "1 N m/arcmin is 3437.7 N m/rad";
     "contact.detection" Choice("detection", || vec!["exact", "points"]), Usual("\"exact\"", "the closest point of the curve"), "how the contact point is found", "\"exact\" or \"points\"";

@@ -256,6 +256,12 @@ pub struct EccentricBearing {
     /// c along the offset while the bearing carries, N s/m; `None`: [`DAMPING_SHARE`](Self::DAMPING_SHARE) of critical.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_n_s_m: Option<f64>,
+    /// Its friction mu, of the moment mu F d/2 against its turning; `None`: 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_coefficient: Option<f64>,
+    /// d, diameter of its bore, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bore_m: Option<f64>,
     /// Basic dynamic rating C, N (ISO 281); for the bearing's life.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dynamic_rating_n: Option<f64>,

@@ -25,6 +25,9 @@ pub struct BearingLoad {
     pub on_wheel: [f64; 2],
     /// Wheel's centre less the eccentric's, m, ground frame.
     pub offset_m: [f64; 2],
+    /// Friction on the wheel, N m, and what it loses, W.
+    pub drag_n_m: f64,
+    drag_w: f64,
     /// How fast the offset grows, m/s.
     rate: f64,
 }
@@ -59,9 +62,13 @@ impl Bearings {
         };
         let rate = ux * nx + uy * ny;
         let force = self.law.force(offset, rate);
+        let turning = body.rate - input.rate;
+        let drag_n_m = self.law.drag(force, turning);
         BearingLoad {
             on_wheel: [-force * nx, -force * ny],
             offset_m: [dx, dy],
+            drag_n_m,
+            drag_w: -drag_n_m * turning,
             rate,
         }
     }
@@ -72,6 +79,8 @@ impl Bearings {
             let load = self.load(bodies, wheel);
             let (pair, at) = ([body, Layout::INPUT], [bodies[body].x, bodies[body].y]);
             add_pair(loads, bodies, pair, at, load.on_wheel);
+            loads[body].moment += load.drag_n_m;
+            loads[Layout::INPUT].moment -= load.drag_n_m;
         }
     }
 
@@ -80,8 +89,9 @@ impl Bearings {
     pub fn driver_torque(&self, bodies: &[BodyState]) -> f64 {
         let input = bodies[Layout::INPUT];
         let of = |(wheel, body): (usize, usize)| {
-            let [fx, fy] = self.load(bodies, wheel).on_wheel;
-            (bodies[body].x - input.x) * fy - (bodies[body].y - input.y) * fx
+            let load = self.load(bodies, wheel);
+            let [fx, fy] = load.on_wheel;
+            (bodies[body].x - input.x) * fy - (bodies[body].y - input.y) * fx + load.drag_n_m
         };
         self.layout.wheel_bodies().enumerate().map(of).sum()
     }
@@ -94,6 +104,7 @@ impl Bearings {
             sum.stored_j += self.law.stored(offset);
             let damped = self.law.force(offset, load.rate) - self.law.force(offset, 0.0);
             sum.damping_w += damped * load.rate;
+            sum.friction_w += load.drag_w;
         }
     }
 }

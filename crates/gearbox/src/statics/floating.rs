@@ -69,8 +69,11 @@ impl Statics<'_> {
     /// The bearings, which the rigid solution leaves out; `None`: wheels do not float.
     fn bearings(&self) -> Result<Bearings, GearboxError> {
         let gearbox = self.gearbox;
-        Bearings::of(&gearbox.scene, &gearbox.geometry)
-            .ok_or_else(|| GearboxError::Geometry("no wheel floats".to_owned()))
+        let mut bearings = Bearings::of(&gearbox.scene, &gearbox.geometry)
+            .ok_or_else(|| GearboxError::Geometry("no wheel floats".to_owned()))?;
+        // A balance at rest has no friction.
+        bearings.law.drag_m = 0.0;
+        Ok(bearings)
     }
 
     fn size(&self, load: f64, bearings: &Bearings) -> Size {

@@ -190,3 +190,38 @@ fn the_energy_account_closes() {
     let audit = run.energy.audit(0.0, 0.02).unwrap();
     assert!(audit.remainder_share.unwrap().abs() < 1e-4, "{audit:?}");
 }
+
+/// A bearing's friction takes what its moment says from the driver, in the account too.
+#[test]
+fn friction_of_bearings_is_lost_power() {
+    let run = |friction: &str| {
+        let sets = [
+            &NEEDLES[..],
+            &[
+                "bearings.eccentric.bore_m=0.02",
+                friction,
+                "drive.start=\"equilibrium\"",
+                "solver.integrator=\"dopri5\"",
+                "solver.tolerance=1e-9",
+                "solver.duration_s=0.02",
+            ],
+        ]
+        .concat();
+        let run = native::run(&gearbox("paper", &sets), &mut |_| false).unwrap();
+        run.energy.audit(0.0, 0.02).unwrap()
+    };
+    let coefficient = |value: f64| format!("bearings.eccentric.friction_coefficient={value}");
+    let [none, some] = [0.0, 0.002].map(|value| run(&coefficient(value)));
+    assert_eq!(none.friction_j, 0.0);
+    // Force of some 600 N on either wheel, at 53.6 rad/s against its eccentric.
+    let scale = 2.0 * 0.5 * 0.002 * 0.02 * 600.0 * 53.6 * 0.02;
+    assert!(
+        (0.5..2.0).contains(&(some.friction_j / scale)),
+        "{some:?} {scale}"
+    );
+    let dearer = some.driver_j - none.driver_j;
+    assert!(
+        (dearer / some.friction_j - 1.0).abs() < 0.05,
+        "{dearer} {some:?}"
+    );
+}

@@ -5,6 +5,7 @@
 //! run is as uncertain as the run says. What other contact laws would give is apart ([`Band`](crate::band::Bands)).
 
 use pinwheel_scene::Scene;
+use pinwheel_scene::bearings::BearingLaw;
 use serde::Serialize;
 
 use super::mesh::{Bearing, Pair, Pose, Pressure, Sharing, Stage};
@@ -58,6 +59,9 @@ definitions! {
 
     BEARING_LIFE = "eccentric_bearing_life_h", "eccentric bearing, basic rating life", "h",
         "L10h after ISO 281 of the most loaded wheel, rated speed and load throughout";
+
+    BEARING_LOSS = "eccentric_bearing_loss_percent", "eccentric bearings, friction loss", "%",
+        "mu F d/2 against their turning, of the rated output power";
 
     LOST_MOTION_RUN = "lost_motion_run_arcmin", "lost motion by a run", "arcmin",
         "of a slow loop of the load, the mean of both branches";
@@ -143,6 +147,11 @@ pub(super) struct Summed {
     quantum: f64,
 }
 
+/// How fast the rings of an eccentric bearing turn against each other, rad/s.
+fn bearing_rate_rad_s(scene: &Scene) -> f64 {
+    scene.drive.input_speed_rad_s.abs() * (1.0 + 1.0 / scene.gear.lobes() as f64)
+}
+
 impl Balances {
     /// Of the poses whose number leaves `of` when divided by `every`.
     pub(super) fn summed(&self, every: usize, of: usize) -> Summed {
@@ -184,10 +193,9 @@ impl Balances {
         } else {
             10.0 / 3.0
         };
-        let turns = scene.drive.input_speed_rad_s.abs() * (1.0 + 1.0 / scene.gear.lobes() as f64);
+        let turns = bearing_rate_rad_s(scene);
         let hours = |bearing: &Bearing| {
-            let forces = bearing.radial_n.iter().zip(&bearing.tangential_n);
-            let mean = Spread::of(forces.map(|(r, t)| r.hypot(*t).powf(power))).mean;
+            let mean = Spread::of(bearing.forces_n().map(|force| force.powf(power))).mean;
             let millions = rating_n.powf(power) / mean;
             1e6 * millions * std::f64::consts::TAU / turns / 3600.0
         };
@@ -196,6 +204,21 @@ impl Balances {
             let least = bearings.iter().map(hours).fold(f64::INFINITY, f64::min);
             vec![BEARING_LIFE.balanced(least)]
         };
+        parted(self.parts, of).swap_remove(0)
+    }
+
+    /// What the friction of all eccentric bearings loses at the rated speed and load.
+    pub(super) fn bearing_loss(&self, law: &BearingLaw, scene: &Scene) -> DesignFigure {
+        let rate = bearing_rate_rad_s(scene);
+        let percent = |bearings: &[Bearing]| {
+            let force = |bearing: &Bearing| Spread::of(bearing.forces_n()).mean;
+            let lost: f64 = (bearings.iter().map(force))
+                .map(|force| law.drag(force, rate).abs() * rate)
+                .sum();
+            let turns = scene.drive.input_speed_rad_s / scene.gear.lobes() as f64;
+            100.0 * lost / (scene.drive.output_torque_n_m * turns).abs()
+        };
+        let of = |every, of| vec![BEARING_LOSS.balanced(percent(&self.summed(every, of).bearings))];
         parted(self.parts, of).swap_remove(0)
     }
 

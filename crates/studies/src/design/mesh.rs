@@ -317,6 +317,13 @@ pub struct Bearing {
 }
 
 impl Bearing {
+    /// Size of the force over the period, N.
+    pub(super) fn forces_n(&self) -> impl Iterator<Item = f64> {
+        (self.radial_n.iter().zip(&self.tangential_n)).map(|(r, t)| r.hypot(*t))
+    }
+}
+
+impl Bearing {
     pub(super) fn all(poses: &[&Pose]) -> Vec<Self> {
         let wheels = poses.first().map_or(0, |pose| pose.bearings.len());
         let part = |wheel: usize, part: usize| {

@@ -32,6 +32,7 @@ use std::path::Path;
 use pinwheel_engines::Native;
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError};
+use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::{CheckedScene, Derived, Scales, Scene, derived, load_course};
 use pinwheel_timeseries::table::{Column, Table};
 use serde::Serialize;
@@ -281,6 +282,9 @@ pub(crate) fn figures_of(
     }
     if let Some(rating) = scene.bearings.eccentric.and_then(|b| b.dynamic_rating_n) {
         figures.push(balances.life(rating, scene));
+    }
+    if let Some(law) = BearingLaw::of(scene).filter(|law| law.drag_m > 0.0) {
+        figures.push(balances.bearing_loss(&law, scene));
     }
     Ok(DesignResult {
         scene: scene.clone(),
