@@ -64,8 +64,8 @@ pub struct Statics<'a> {
     /// The motion about which moments are taken; see [`Statics::moving`].
     motion: Motion,
     slopes: Jacobian,
-    /// Of wheels that float, the last balance under a load above and below 0, and that load.
-    floated: [Option<(Equilibrium, f64)>; 2],
+    /// Of wheels that float, the last balances and their loads.
+    floated: Vec<(Equilibrium, f64)>,
     /// Evaluations of all contacts so far.
     evaluations: u64,
 }
@@ -121,7 +121,7 @@ impl<'a> Statics<'a> {
             gearbox,
             motion: Motion::none(gearbox.layout.wheels),
             slopes: newton::slopes(gearbox),
-            floated: [None, None],
+            floated: Vec::new(),
             evaluations: 0,
         })
     }

@@ -31,6 +31,8 @@ const LEAST_GROWTH: f64 = 1.001;
 const LIGHTER: f64 = 0.25;
 /// Least share of the largest load that sizes follow.
 const LEAST_SIZE: f64 = 1e-2;
+/// Balances that are remembered.
+const REMEMBERED: usize = 8;
 /// Newton steps at most, halvings of one, and what a step must leave at most for its slopes to serve the next.
 const STEPS: usize = 60;
 const HALVINGS: usize = 12;
@@ -263,14 +265,24 @@ impl Statics<'_> {
         if load == 0.0 {
             return self.float_from_rigid(phi, load);
         }
-        let side = usize::from(load < 0.0);
-        let known = self.floated[side].take();
+        // The nearest of the last loads in the same direction: mostly the same one, at the pose before.
+        let apart = |from: f64| (load / from).ln().abs();
+        let near = (0..self.floated.len())
+            .filter(|&k| self.floated[k].1 * load > 0.0)
+            .min_by(|&a, &b| apart(self.floated[a].1).total_cmp(&apart(self.floated[b].1)));
+        let known = near.map(|k| match self.floated[k].1 == load {
+            true => self.floated.remove(k),
+            false => self.floated[k].clone(),
+        });
         let found = known.and_then(|(near, from)| self.float_towards(near, from, (phi, load)).ok());
         let found = match found {
             Some(found) => found,
             None => self.float_afresh(phi, load)?,
         };
-        self.floated[side] = Some((found.clone(), load));
+        if self.floated.len() == REMEMBERED {
+            self.floated.remove(0);
+        }
+        self.floated.push((found.clone(), load));
         Ok(found)
     }
 
