@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +19,11 @@ if TYPE_CHECKING:
 
 Floats = npt.NDArray[np.float64]
 _NUMBERED = re.compile(r"(.+)_(\d+)")
+# How names end, longer endings first.
+UNITS = {
+    "_n_m_per_arcmin": "N m/arcmin", "_n_m": "N m", "_arcmin": "arcmin", "_rad_s": "rad/s", "_m_s": "m/s", "_rad": "rad",
+    "_n": "N", "_m": "m", "_s": "s", "_w": "W", "_j": "J", "_mpa": "MPa", "_pa": "Pa",
+}  # fmt: skip
 
 
 def wanted(package: str, extra: str) -> Any:
@@ -28,7 +33,21 @@ def wanted(package: str, extra: str) -> Any:
     try:
         return importlib.import_module(package)
     except ImportError as error:
-        raise ImportError(f"{package} is not installed; pip install {package}, or pinwheel[{extra}]") from error
+        name = package.split(".")[0]
+        raise ImportError(f"{name} is not installed; pip install {name}, or pinwheel[{extra}]") from error
+
+
+def near(name: str, known: Iterable[str], listed: Iterable[str]) -> str:
+    """What a wrong name may have meant."""
+    import difflib
+
+    close = difflib.get_close_matches(name, list(known), n=1)
+    return f"did you mean `{close[0]}`?" if close else f"there are {', '.join(listed)}"
+
+
+def number(name: str) -> int:
+    """The number that ends a column's name."""
+    return int(name.rpartition("_")[2])
 
 
 class Columns(Mapping[str, Floats]):
@@ -61,11 +80,14 @@ class Columns(Mapping[str, Floats]):
             if group == list(range(first, first + count)):
                 return np.asarray(self._block[first : first + count].T)
             return np.asarray(self._block[group].T)
-        import difflib
+        raise KeyError(f"no column `{name}`; {near(name, [*self._groups, *self.names], self)}")
 
-        near = difflib.get_close_matches(name, [*self._groups, *self.names], n=1)
-        hint = f"did you mean `{near[0]}`?" if near else f"there are {', '.join(self)}"
-        raise KeyError(f"no column `{name}`; {hint}")
+    def full_names(self, name: str) -> list[str]:
+        """Full names of the columns that a name stands for."""
+        return [self.names[k] for k in self._groups[name]] if name in self._groups else [name]
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return [*self, *self.names]
 
     def __iter__(self) -> Iterator[str]:
         yield "time_s"
@@ -127,26 +149,44 @@ def unit(name: str) -> str:
     >>> unit("input_torque_n_m"), unit("output_angle_rad"), unit("efficiency")
     ('N m', 'rad', '1')
     """
-    known = {
-        "_n_m": "N m", "_arcmin": "arcmin", "_rad_s": "rad/s", "_m_s": "m/s", "_rad": "rad", "_n": "N", "_m": "m",
-        "_s": "s", "_w": "W", "_j": "J", "_pa": "Pa",
-    }  # fmt: skip
     base = _NUMBERED.sub(r"\1", name)
-    return next((symbol for ending, symbol in known.items() if base.endswith(ending)), "1")
+    return next((symbol for ending, symbol in UNITS.items() if base.endswith(ending)), "1")
 
 
-def plot(columns: Columns, names: tuple[str, ...], title: str) -> Any:
-    """Draws columns over the time with matplotlib; the figure."""
+def plot(columns: Columns, names: tuple[str, ...], title: str, ax: Any) -> Any:
+    """Draws columns over the time with matplotlib, into `ax` or a new figure; the axes, one for each column."""
     pyplot = wanted("matplotlib.pyplot", "plot")
     chosen = names or tuple(name for name in columns if name.endswith(("_n_m", "_force_n")))
     if not chosen:
         raise InputError("there is nothing to draw; name columns")
-    figure, axes = pyplot.subplots(len(chosen), 1, sharex=True, figsize=(8, 2.2 * len(chosen)), squeeze=False)
-    for axis, name in zip(axes[:, 0], chosen, strict=True):
-        axis.plot(columns.time_s, columns[name], linewidth=0.8)
-        axis.set_ylabel(f"{name.rsplit('_n', 1)[0].replace('_', ' ')}\n{unit(name)}", fontsize=8)
+    if ax is None:
+        shape = {"figsize": (8, 2.2 * len(chosen)), "squeeze": False, "layout": "constrained"}
+        figure, axes = pyplot.subplots(len(chosen), 1, sharex=True, **shape)
+        figure.suptitle(title, fontsize=9)
+        axes = axes[:, 0]
+        axes[-1].set_xlabel("time, s")
+    else:
+        axes = np.ravel(ax)
+        if len(axes) != len(chosen):
+            raise InputError(f"ax has {len(axes)} axes for {len(chosen)} columns; give one for each")
+    for axis, name in zip(axes, chosen, strict=True):
+        several = columns[name].ndim == 2
+        label = [number(full) for full in columns.full_names(name)] if several else name
+        axis.plot(columns.time_s, columns[name], linewidth=0.8, label=label)
+        axis.set_ylabel(f"{quantity(name)}, {unit(name)}", fontsize=8)
         axis.grid(alpha=0.3)
-    axes[-1, 0].set_xlabel("time, s")
-    axes[0, 0].set_title(title, fontsize=9)
-    figure.tight_layout()
-    return figure
+        if several:
+            axis.legend(title="number", fontsize=6, title_fontsize=6, ncols=4, loc="upper right")
+    return axes[0] if len(chosen) == 1 else axes
+
+
+def quantity(name: str) -> str:
+    """What a column holds, in words, its unit apart.
+
+    >>> quantity("input_torque_n_m"), quantity("external_sleeve_force_n_3")
+    ('input torque', 'external sleeve force 3')
+    """
+    match = _NUMBERED.fullmatch(name)
+    base, end = (match[1], f" {match[2]}") if match else (name, "")
+    ending = next((ending for ending in UNITS if base.endswith(ending)), "")
+    return base.removesuffix(ending).replace("_", " ") + end

@@ -6,13 +6,13 @@ import html
 import json
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pinwheel import _core
-from pinwheel._columns import Columns, wanted
+from pinwheel._columns import Columns, near, wanted
 from pinwheel._engine import EngineLike, several
 from pinwheel._page import show
 from pinwheel._progress import Told, telling
@@ -72,8 +72,25 @@ class Comparison:
         """
         return {engine["name"]: engine["status"]["state"] for engine in self.data["engines"]}
 
-    def __getitem__(self, engine: str) -> Columns:
-        return self.runs[engine]
+    def __getitem__(self, engine: EngineLike) -> Columns:
+        """Time series of an engine, by the name or the object that it was asked for as."""
+        name = engine if isinstance(engine, str) else engine.name
+        full = name.replace("_", "-")
+        if name == "native" and name not in self.runs:
+            full = f"native-{self.scene['solver.formulation']}"
+        for known in (name, full):
+            if known in self.runs:
+                return self.runs[known]
+        raise KeyError(f"no time series of `{name}`; {near(name, self.runs, self.runs)}")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.runs)
+
+    def __len__(self) -> int:
+        return len(self.runs)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.runs)
 
     def to_pandas(self) -> pandas.DataFrame:
         """The verdicts as a DataFrame."""

@@ -154,7 +154,8 @@ class Engine:
         try:
             self.function(job)
         except Diverged as error:
-            error.partial = job._result()
+            partial: Any = job._result()
+            error.partial = partial
             raise
         finally:
             job.stats.wall_s, job.stats.cpu_s = time.perf_counter() - wall, time.thread_time() - cpu

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 import numpy.typing as npt
 
 from pinwheel import _core
+from pinwheel._keys import Keys
 from pinwheel._scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -25,7 +26,7 @@ class Law:
     array([0.        , 8.04984472])
     """
 
-    def __init__(self, name: str = "paper", scene: Scene | None = None, **keys: Any) -> None:
+    def __init__(self, name: str = "paper", scene: Scene | None = None, /, **keys: Unpack[Keys]) -> None:
         base = scene if scene is not None else Scene("paper")
         self.name = name
         self.scene = base.with_(**keys) if keys else base

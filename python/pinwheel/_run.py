@@ -79,9 +79,12 @@ class Run:
         """Writes the program's `courses.csv`."""
         self.columns.to_csv(path)
 
-    def plot(self, *names: str) -> Any:
-        """Draws columns (torques and forces without names) over the time with matplotlib; the figure."""
-        return plot(self.columns, names, f"{self.scene.name}, {self.engine}")
+    def plot(self, *names: str, ax: Any = None) -> Any:
+        """Draws columns (torques and forces without names) over the time with matplotlib.
+
+        `ax`: axes to draw into, one for each name; without it a new figure. The axes, or an array of them for several names.
+        """
+        return plot(self.columns, names, f"{self.scene.name}, {self.engine}", ax)
 
     def __repr__(self) -> str:
         mean = np.mean(self["input_torque_n_m"]) if "input_torque_n_m" in self.columns and self.time_s.size else np.nan
@@ -122,5 +125,5 @@ def run(
         except Diverged as error:
             partial: Any = error.partial
             if isinstance(partial, _core.Ran):
-                error.partial = Run(made, partial)  # type: ignore[assignment]
+                error.partial = Run(made, partial)
             raise

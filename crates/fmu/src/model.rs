@@ -307,7 +307,10 @@ fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
         .map_err(|error| error.to_string())?;
     let about =
         "relative error a step of adaptive methods; one that the importer gives goes before it";
-    add("solver.tolerance", about, What::Tolerance, begun.method().1);
+    // A fixed step heeds none.
+    if begun.adaptive() {
+        add("solver.tolerance", about, What::Tolerance, begun.method().1);
+    }
     let scene = serde_json::to_value(&*gearbox.scene).unwrap_or_default();
     for key in KEYS {
         let pointer = format!("/{}", key.name.replace('.', "/"));

@@ -123,7 +123,8 @@ def run(
                 degrees_of_freedom=3 * count,
                 bodies=count,
                 step_s=actual_step_s(recorder.times_s, wanted),
-                settings=f"{count} RigidBody2D, {len(held)} JointRevolute2D, driver constraint, {integrator}, {stage_law.name}",
+                settings=f"{count} RigidBody2D, {len(held)} JointRevolute2D, driver constraint, {integrator}, "
+                f"{stage_law.name}",
                 joint_drift_m=drift["m"],
                 versions={"exudyn": VERSION, "numpy": np.__version__},
             )
