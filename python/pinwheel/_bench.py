@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from pinwheel import _core
 from pinwheel._columns import wanted
-from pinwheel._compare import STYLES
 from pinwheel._engine import EngineLike, several
-from pinwheel._page import show
+from pinwheel._page import plain, show
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene
 
@@ -45,7 +44,7 @@ class Bench:
         return show(self.page(), "bench", path)
 
     def __str__(self) -> str:
-        return STYLES.sub("", self._core.text())
+        return plain(self._core.text())
 
     def _repr_html_(self) -> str:
         return f"<pre>{html.escape(str(self))}</pre>"

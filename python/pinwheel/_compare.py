@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import json
 import os
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,14 +13,12 @@ from typing import TYPE_CHECKING, Any
 from pinwheel import _core
 from pinwheel._columns import Columns, near, wanted
 from pinwheel._engine import EngineLike, several
-from pinwheel._page import show
+from pinwheel._page import plain, show
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene
 
 if TYPE_CHECKING:
     import pandas
-
-STYLES = re.compile(r"\x1b\[[0-9;]*m")
 
 
 @dataclass(frozen=True)
@@ -105,7 +102,7 @@ class Comparison:
         return show(self.page(), "compare", path)
 
     def __str__(self) -> str:
-        return STYLES.sub("", self._core.text())
+        return plain(self._core.text())
 
     def __repr__(self) -> str:
         counts = {word: count for word, count in self.data["counts"].items() if count}

@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+import re
 import tempfile
 import webbrowser
 from pathlib import Path
+
+_STYLES = re.compile(r"\x1b\[[0-9;]*m")
+
+
+def plain(text: str) -> str:
+    """A terminal's text without its colours."""
+    return _STYLES.sub("", text)
 
 
 def show(page: str, name: str, path: str | Path | None) -> Path:

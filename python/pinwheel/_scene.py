@@ -74,7 +74,8 @@ class Scene:
     """Everything a run depends on: gear, masses, drive, contact, solver. All values are SI, as the names of keys say.
 
     `source` is a preset (`"paper"`), a scene file, or a dict of tables; keywords set keys by their last part
-    (`backlash_m`), a dict after the source in full (`{"gear.backlash_m": 6e-4}`). What is left out follows from the rest or is a usual value. A scene is checked when it is made and never changes; `with_` gives another.
+    (`backlash_m`), a dict after the source in full (`{"gear.backlash_m": 6e-4}`). What is left out follows from the rest or
+    is a usual value. A scene is checked when it is made and never changes; `with_` gives another.
 
     >>> import pinwheel
     >>> s = pinwheel.Scene("paper", backlash_m=6e-4)

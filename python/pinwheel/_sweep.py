@@ -19,10 +19,9 @@ import numpy.typing as npt
 
 from pinwheel import _core
 from pinwheel._columns import wanted
-from pinwheel._compare import STYLES
 from pinwheel._engine import Engine, EngineLike, several
 from pinwheel._keys import Keys, Vary
-from pinwheel._page import show
+from pinwheel._page import plain, show
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene, settings, toml_value
 from pinwheel.errors import InputError, SceneError
@@ -51,7 +50,7 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
         """CPU time of all runs, s."""
         self.tolerances: list[dict[str, Any]] = json.loads(core.tolerances())
         """What a sample says, as in `summary.json`: for each engine quantiles, sensitivities, and the yield."""
-        self._text = STYLES.sub("", core.text())
+        self._text = plain(core.text())
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
         return self._columns[name]
