@@ -11,7 +11,7 @@ FOLDER = Path(__file__).with_name("bin")
 
 
 def beside(library: str) -> str | None:
-    """The library `libpinwheel_...` that comes with the package; None where the environment names another or none is there."""
+    """The library `libpinwheel_...` of the package; None where the environment names another, or none is there."""
     names = (f"libpinwheel_{library}.so", f"libpinwheel_{library}.dylib", f"pinwheel_{library}.dll")
     found = [FOLDER / name for name in names if (FOLDER / name).is_file()]
     return str(found[0]) if found and f"PINWHEEL_{library.upper()}" not in os.environ else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
@@ -57,8 +58,11 @@ class Columns(Mapping[str, Floats]):
     columns in the order of their numbers. Arrays are read-only views of one block.
     """
 
+    # Arrays do not say whether they are equal in one word.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
     def __init__(self, core: _core.Columns) -> None:
-        self._core = core
         self.names: tuple[str, ...] = tuple(core.names())
         """Columns after `time_s`, each ending in its unit, and in a number where there are several."""
         self.time_s: Floats = np.frombuffer(core.time())
@@ -102,11 +106,22 @@ class Columns(Mapping[str, Floats]):
     def __len__(self) -> int:
         return sum(1 for _ in self)
 
+    @classmethod
+    def read_csv(cls, path: str | os.PathLike[str]) -> Columns:
+        """Columns of a file that `to_csv` or the program wrote."""
+        with open(path, encoding="utf-8") as file:  # noqa: PTH123 - any path
+            names = file.readline().strip().split(",")
+            block = np.loadtxt(file, delimiter=",", ndmin=2).reshape(-1, len(names)).T.copy()
+        return cls(_core.Columns(names[1:], block[0].tobytes(), block[1:].tobytes()))
+
     def __contains__(self, name: object) -> bool:
         return name == "time_s" or name in self._index or name in self._groups
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _unpickled, (self.names, self.time_s.tobytes(), self._block.tobytes())
+        return _unpickled, self._parts()
+
+    def _parts(self) -> tuple[tuple[str, ...], bytes, bytes]:
+        return self.names, self.time_s.tobytes(), self._block.tobytes()
 
     def to_dict(self) -> dict[str, Floats]:
         """Every column by its full name, `time_s` first."""
@@ -127,16 +142,20 @@ class Columns(Mapping[str, Floats]):
     def to_xarray(self) -> xarray.Dataset:
         """A Dataset over `time_s`; numbered columns are one variable with a second dimension, units as attributes."""
         xarray = wanted("xarray", "frames")
-        variables = {}
+        variables: dict[str, Any] = {}
+        coordinates: dict[str, Any] = {"time_s": ("time_s", self.time_s, {"units": "s", "long_name": "time"})}
         for name in list(self)[1:]:
             values = self[name]
-            dims = ["time_s"] if values.ndim == 1 else ["time_s", f"{name.split('_force')[0].split('_penetration')[0]}"]
-            variables[name] = (dims, values, {"units": unit(name)})
-        return xarray.Dataset(variables, {"time_s": ("time_s", self.time_s, {"units": "s"})})
+            dims = ["time_s"]
+            if values.ndim == 2:
+                dims.append(name.split("_force")[0].split("_penetration")[0])
+                coordinates[dims[1]] = [number(full) for full in self.full_names(name)]
+            variables[name] = (dims, values, {"units": unit(name), "long_name": quantity(name)})
+        return xarray.Dataset(variables, coordinates)
 
-    def to_csv(self, path: str) -> None:
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the file that the program calls `courses.csv`: the same bytes."""
-        self._core.save_csv(str(path))
+        _core.Columns(*self._parts()).save_csv(str(path))
 
 
 def _unpickled(names: tuple[str, ...], time: bytes, values: bytes) -> Columns:

@@ -5,15 +5,14 @@ from __future__ import annotations
 import html
 import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from pinwheel import _core
 from pinwheel._columns import Columns, near, wanted
 from pinwheel._engine import EngineLike, several
-from pinwheel._page import plain, show
+from pinwheel._page import Paged, plain
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene
 
@@ -31,8 +30,7 @@ class Verdict:
     """What the two have in common."""
     window: str
     quantity: str
-    verdict: str
-    """`agree`, `differ`, `inconclusive`, `not-compared`."""
+    verdict: Literal["agree", "differ", "inconclusive", "not-compared"]
     distance: float | None
     """Relative L2 of the difference, where it could be compared."""
     uncertainty: float | None
@@ -41,12 +39,12 @@ class Verdict:
     """Why, where a reason belongs to the verdict."""
 
 
-class Comparison:
+class Comparison(Paged, Mapping[EngineLike, Columns]):
     """A comparison: verdicts, the runs behind them, and the page."""
 
     def __init__(self, scene: Scene, core: _core.Compared) -> None:
         self.scene = scene
-        self._core = core
+        self._page, self._text = core.page, plain(core.text())
         self.data: dict[str, Any] = json.loads(core.json())
         """The program's `summary.json`."""
         self.runs: dict[str, Columns] = {name: Columns(columns) for name, columns in core.time_series()}
@@ -55,6 +53,12 @@ class Comparison:
             _verdict(pair, entry) for pair in self.data["pairs"] for entry in pair["entries"]
         )
         """A verdict a pair of engines, window and quantity."""
+
+    # Arrays do not say whether they are equal in one word.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
+    _called = "compare"
 
     @property
     def passed(self) -> bool:
@@ -80,7 +84,7 @@ class Comparison:
                 return self.runs[known]
         raise KeyError(f"no time series of `{name}`; {near(name, self.runs, self.runs)}")
 
-    def __iter__(self) -> Iterator[str]:
+    def __iter__(self) -> Iterator[EngineLike]:
         return iter(self.runs)
 
     def __len__(self) -> int:
@@ -93,16 +97,8 @@ class Comparison:
         """The verdicts as a DataFrame."""
         return wanted("pandas", "frames").DataFrame([vars(verdict) for verdict in self.verdicts])
 
-    def page(self) -> str:
-        """The page that opens offline, HTML."""
-        return self._core.page()
-
-    def show(self, path: str | Path | None = None) -> Path:
-        """Opens the page in the browser, or writes it to `path`; where it is."""
-        return show(self.page(), "compare", path)
-
     def __str__(self) -> str:
-        return plain(self._core.text())
+        return self._text
 
     def __repr__(self) -> str:
         counts = {word: count for word, count in self.data["counts"].items() if count}

@@ -1,6 +1,7 @@
 """The extension module (crates/python)."""
 
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -35,7 +36,7 @@ class Law:
 class Ran:
     engine: str
     version: str
-    track: str
+    track: Literal["native", "shared-law", "own-contact"]
     stats: str
     resolution: str | None
     uncertainty: str | None

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from pinwheel import _core
 from pinwheel._columns import near, wanted
-from pinwheel._page import plain, show
+from pinwheel._page import Paged, plain
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene
 
@@ -106,7 +106,7 @@ class Figure:
         return f"{self.what}: {self.value:.5g}{off} {self.unit}".rstrip() + band
 
 
-class Design(Mapping[str, Figure]):
+class Design(Paged, Mapping[str, Figure]):
     """Figures of a gear by their names: `design["lost_motion_arcmin"].value`.
 
     Attributes:
@@ -118,9 +118,11 @@ class Design(Mapping[str, Figure]):
     def __init__(self, scene: Scene, core: _core.Designed) -> None:
         self.scene = scene
         self.data: dict[str, Any] = json.loads(core.json())
-        self._page, self._text, self._dxf = core.page, plain(core.text()), core.dxf
+        self._page, self._text, self._dxf = core.page, plain(core.text()), core.dxf()
         words = dict(core.words())
         self._figures = {found["key"]: _figure(found, words[found["key"]]) for found in self.data["figures"]}
+
+    _called = "design"
 
     def __getitem__(self, key: str) -> Figure:
         if key in self._figures:
@@ -150,18 +152,10 @@ class Design(Mapping[str, Figure]):
         """Writes the outline of every disc as `disc_N.dxf`, lengths in mm; the files."""
         place = Path(folder)
         place.mkdir(parents=True, exist_ok=True)
-        files = [place / f"disc_{number}.dxf" for number in range(len(self._dxf()))]
-        for file, text in zip(files, self._dxf(), strict=True):
+        files = [place / f"disc_{number}.dxf" for number in range(len(self._dxf))]
+        for file, text in zip(files, self._dxf, strict=True):
             file.write_text(text, encoding="utf-8", newline="\n")
         return files
-
-    def page(self) -> str:
-        """The page that opens offline, HTML."""
-        return self._page()
-
-    def show(self, path: str | Path | None = None) -> Path:
-        """Opens the page in the browser, or writes it to `path`; where it is."""
-        return show(self.page(), "design", path)
 
     def __str__(self) -> str:
         return self._text

@@ -205,6 +205,12 @@ class Scene:
         """Keys that nobody wrote, and where each value comes from."""
         return {key: f"{value}: {why}" for key, value, why in self._inner.origins()}
 
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the gear at its start with matplotlib, lengths in mm, into `ax` or a new figure; the axes."""
+        from pinwheel._drawing import draw
+
+        return draw(self, ax)
+
     def run(
         self,
         engine: EngineLike = "native",

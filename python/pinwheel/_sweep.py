@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import csv
 import difflib
 import hashlib
 import html
 import inspect
 import json
 import os
+import re
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
@@ -18,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pinwheel import _core
-from pinwheel._columns import wanted
+from pinwheel._columns import near, quantity, unit, wanted
 from pinwheel._engine import Engine, EngineLike, several
 from pinwheel._keys import Keys, Vary
 from pinwheel._page import plain, show
@@ -29,6 +31,7 @@ from pinwheel.errors import InputError, SceneError
 if TYPE_CHECKING:
     import pandas
     import polars
+    import xarray
     from distributed import Client
 
 
@@ -36,24 +39,110 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
     """The results of a sweep: a row a run, in the order of the plan.
 
     `sweep["mean_input_torque_n_m"]` is an array (runs,): numbers with NaN, texts with "", where there is no value.
+
+    Attributes:
+        name: of the sweep
+        out: the output folder, as `pinwheel sweep` writes it
+        keys_varied: in full
+        unfinished: number of runs that did not finish; their rows say why
+        cpu_s: CPU time of all runs
+        tolerances: what a sample says: for each engine quantiles, sensitivities, and the yield
+
     """
 
-    def __init__(self, core: _core.Sweep) -> None:
-        self.name = core.name()
-        self.out = Path(core.out())
-        """The output folder, as `pinwheel sweep` writes it."""
-        self.keys_varied: tuple[str, ...] = tuple(core.keys())
-        self._columns: dict[str, npt.NDArray[Any]] = {name: _array(values) for name, values in core.columns()}
-        self.unfinished, self._first = core.broken()
-        """Runs that did not finish; their rows say why."""
-        self.cpu_s = core.cpu_s()
-        """CPU time of all runs, s."""
-        self.tolerances: list[dict[str, Any]] = json.loads(core.tolerances())
-        """What a sample says, as in `summary.json`: for each engine quantiles, sensitivities, and the yield."""
-        self._text = plain(core.text())
+    # Arrays do not say whether they are equal in one word.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
+    name: str
+    out: Path
+    keys_varied: tuple[str, ...]
+    unfinished: int
+    cpu_s: float
+    tolerances: list[dict[str, Any]]
+
+    @classmethod
+    def _of(cls, core: _core.Sweep) -> Sweep:
+        made = cls()
+        made.name, made.out, made.keys_varied = core.name(), Path(core.out()), tuple(core.keys())
+        made._columns = {name: _array(values) for name, values in core.columns()}
+        made.unfinished, made.cpu_s = core.broken()[0], core.cpu_s()
+        made.tolerances, made._text = json.loads(core.tolerances()), plain(core.text())
+        return made
+
+    @classmethod
+    def load(cls, folder: str | os.PathLike[str]) -> Sweep:
+        """The sweep of an output folder, which this package or the program wrote."""
+        made = cls()
+        made.out = Path(folder)
+        data = json.loads((made.out / "summary.json").read_text(encoding="utf-8"))
+        made.name, made.keys_varied = data["name"], tuple(data["keys"])
+        with (made.out / "results.csv").open(encoding="utf-8", newline="") as file:
+            names = next(csv.reader(file))
+        rows = data["rows"]
+        made._columns = {name: _array([row.get(name) for row in rows]) for name in names}
+        made.unfinished = data["runs"] - data["finished"]
+        with (made.out / "costs.csv").open(encoding="utf-8", newline="") as file:
+            made.cpu_s = sum(float(row["cpu_s"] or 0.0) for row in csv.DictReader(file))
+        made.tolerances, made._text = data.get("tolerances") or [], repr(made)
+        return made
+
+    def __init__(self) -> None:
+        self._columns: dict[str, npt.NDArray[Any]] = {}
+        self._text = ""
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
-        return self._columns[name]
+        if name in self._columns:
+            return self._columns[name]
+        if (full := [key for key in self.keys_varied if key.rpartition(".")[2] == name])[:2] == full[:1] != []:
+            return self._columns[full[0]]
+        raise KeyError(f"no column `{name}`; {near(name, self, self)}")
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A Dataset: a dimension for the engine and each key where all combinations were run, else one for the runs."""
+        xarray = wanted("xarray", "frames")
+        frame = self.to_pandas()
+        axes = [name for name in ("engine", *self.keys_varied) if name == "engine" or frame[name].nunique() > 1]
+        full = not frame.duplicated(axes).any() and len(frame) == np.prod([frame[name].nunique() for name in axes])
+        found = xarray.Dataset.from_dataframe(frame.set_index(axes if full else "run"))
+        for name in (*found.data_vars, *found.coords):
+            found[name].attrs["units"] = unit(re.sub(r".*\.", "", str(name)))
+        return found.assign_attrs(sweep=self.name, pinwheel_version=_core.__version__)
+
+    def tolerances_to_pandas(self) -> pandas.DataFrame:
+        """What a sample says: a row an engine and figure, its quantiles with their intervals of confidence."""
+        rows = []
+        for found in self.tolerances:
+            for one in found["figures"]:
+                least, largest = one["range"]
+                row = {"engine": found["engine"], "figure": one["name"], "count": one["count"], "mean": one["mean"]}
+                row |= {"deviation": one["deviation"], "least": least, "largest": largest}
+                for quantile in one["quantiles"]:
+                    share = f"quantile_{100 * quantile['share']:g}_percent"
+                    low, high = quantile["interval"]
+                    row |= {share: quantile["value"], f"{share}_from": low, f"{share}_to": high}
+                rows.append(row)
+        return wanted("pandas", "frames").DataFrame(rows)
+
+    def plot(self, name: str, ax: Any = None) -> Any:
+        """Draws a column over the keys that vary: lines over one, a map over two, of the first engine; the axes."""
+        pyplot = wanted("matplotlib.pyplot", "plot")
+        grid = self.to_xarray()[name]
+        if ("engine" in grid.dims and grid.sizes["engine"] == 1) or grid.ndim > 2:
+            grid = grid.isel(engine=0)
+        if ax is None:
+            _, ax = pyplot.subplots(layout="constrained")
+        if grid.ndim == 2 and "engine" not in grid.dims:
+            grid.plot.pcolormesh(ax=ax, cbar_kwargs={"label": f"{quantity(name)}, {unit(name)}"})
+        elif grid.ndim <= 2:
+            grid.plot.line(ax=ax, marker="o", **({"hue": "engine"} if "engine" in grid.dims else {}))
+            ax.set_ylabel(f"{quantity(name)}, {unit(name)}")
+        else:
+            raise InputError(f"`{name}` varies over {grid.ndim} keys; choose of to_xarray()")
+        return ax
 
     def __iter__(self) -> Any:
         return iter(self._columns)
@@ -252,4 +341,4 @@ def sweep(
             core.finish()
         finally:
             core.close()
-        return Sweep(core)
+        return Sweep._of(core)
