@@ -20,7 +20,12 @@ if TYPE_CHECKING:
 
 
 class Bench(Paged):
-    """Error against cost of every engine, method and step."""
+    """Error against cost of every engine, method and step.
+
+    Attributes:
+        rows: A row a run, as the program's `bench.csv`: None where there is no value
+
+    """
 
     def __init__(self, core: _core.Benched) -> None:
         self._page, self._text = core.page, plain(core.text())
@@ -28,7 +33,6 @@ class Bench(Paged):
             {key: _number(value) for key, value in row.items()}
             for row in csv.DictReader(io.StringIO(bytes(core.csv()).decode()))
         ]
-        """A row a run, as the program's `bench.csv`: None where there is no value."""
 
     _called = "bench"
 

@@ -56,6 +56,11 @@ class Columns(Mapping[str, Floats]):
 
     A name of a column gives an array (samples,); the name that numbered columns share gives (samples, columns), the
     columns in the order of their numbers. Arrays are read-only views of one block.
+
+    Attributes:
+        names: Columns after `time_s`, each ending in its unit, and in a number where there are several
+        time_s: Sample times, s, (samples,)
+
     """
 
     # Arrays do not say whether they are equal in one word.
@@ -64,9 +69,7 @@ class Columns(Mapping[str, Floats]):
 
     def __init__(self, core: _core.Columns) -> None:
         self.names: tuple[str, ...] = tuple(core.names())
-        """Columns after `time_s`, each ending in its unit, and in a number where there are several."""
         self.time_s: Floats = np.frombuffer(core.time())
-        """Sample times, s, (samples,)."""
         self._block: Floats = np.frombuffer(core.values()).reshape(len(self.names), self.time_s.size)
         self._index = {name: k for k, name in enumerate(self.names)}
         self._groups: dict[str, list[int]] = {}
@@ -195,7 +198,7 @@ def plot(columns: Columns, names: tuple[str, ...], title: str, ax: Any) -> Any:
         axis.set_ylabel(f"{quantity(name)}, {unit(name)}", fontsize=8)
         axis.grid(alpha=0.3)
         if several:
-            axis.legend(title="number", fontsize=6, title_fontsize=6, ncols=4, loc="upper right")
+            axis.legend(title="number", fontsize=6, title_fontsize=6, loc="center left", bbox_to_anchor=(1.0, 0.5), ncols=2)
     return axes[0] if len(chosen) == 1 else axes
 
 

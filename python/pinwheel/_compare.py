@@ -22,37 +22,45 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What was found of one quantity of two engines in one window of time."""
+    """What was found of one quantity of two engines in one window of time.
+
+    Attributes:
+        track: What the two have in common
+        distance: Relative L2 of the difference, where it could be compared
+        uncertainty: U = u_a + u_b, the numerical uncertainty of both, relative
+        reason: Why, where a reason belongs to the verdict
+
+    """
 
     a: str
     b: str
     track: str
-    """What the two have in common."""
     window: str
     quantity: str
     verdict: Literal["agree", "differ", "inconclusive", "not-compared"]
     distance: float | None
-    """Relative L2 of the difference, where it could be compared."""
     uncertainty: float | None
-    """U = u_a + u_b, the numerical uncertainty of both, relative."""
     reason: str
-    """Why, where a reason belongs to the verdict."""
 
 
 class Comparison(Paged, Mapping[EngineLike, Columns]):
-    """A comparison: verdicts, the runs behind them, and the page."""
+    """A comparison: verdicts, the runs behind them, and the page.
+
+    Attributes:
+        data: The program's `summary.json`
+        runs: Time series of every engine that ran
+        verdicts: A verdict a pair of engines, window and quantity
+
+    """
 
     def __init__(self, scene: Scene, core: _core.Compared) -> None:
         self.scene = scene
         self._page, self._text = core.page, plain(core.text())
         self.data: dict[str, Any] = json.loads(core.json())
-        """The program's `summary.json`."""
         self.runs: dict[str, Columns] = {name: Columns(columns) for name, columns in core.time_series()}
-        """Time series of every engine that ran."""
         self.verdicts: tuple[Verdict, ...] = tuple(
             _verdict(pair, entry) for pair in self.data["pairs"] for entry in pair["entries"]
         )
-        """A verdict a pair of engines, window and quantity."""
 
     # Arrays do not say whether they are equal in one word.
     __eq__ = object.__eq__

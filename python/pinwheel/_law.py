@@ -52,14 +52,18 @@ class Law:
 
 @dataclass(frozen=True)
 class LawInfo:
-    """A contact law that scenes can name."""
+    """A contact law that scenes can name.
+
+    Attributes:
+        keys: Keys of a scene that it reads besides those that every law does
+
+    """
 
     name: str
     summary: str
     formula: str
     source: str
     keys: tuple[str, ...]
-    """Keys of a scene that it reads besides those that every law does."""
 
 
 def laws() -> list[LawInfo]:

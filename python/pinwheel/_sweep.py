@@ -84,7 +84,7 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
         made.unfinished = data["runs"] - data["finished"]
         with (made.out / "costs.csv").open(encoding="utf-8", newline="") as file:
             made.cpu_s = sum(float(row["cpu_s"] or 0.0) for row in csv.DictReader(file))
-        made.tolerances, made._text = data.get("tolerances") or [], repr(made)
+        made.tolerances, made._text = data.get("sample") or [], repr(made)
         return made
 
     def __init__(self) -> None:
