@@ -7,8 +7,8 @@ use pinwheel::engines::external::fmu_library;
 use pinwheel::fmu::{Package, PackageError};
 use pinwheel::scene::catalogue::{ARGUMENTS, Catalogue, MATERIALS};
 use pinwheel::scene::did_you_mean;
-use pinwheel::studies::design::{self as designs, Drawing};
 use pinwheel::studies::StudyError;
+use pinwheel::studies::design::{self as designs, Drawing};
 use pinwheel::{Gearbox, pages};
 use pyo3::prelude::*;
 
@@ -44,7 +44,10 @@ pub(crate) fn gear(name: String, given: Given) -> Raises<String> {
     let Some(material) = materials.find(|material| material.name == given.material) else {
         let known: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
         let remedy = did_you_mean(&given.material, &known);
-        return Err(input(format!("there is no material `{}`; {remedy}", given.material)));
+        return Err(input(format!(
+            "there is no material `{}`; {remedy}",
+            given.material
+        )));
     };
     let catalogue = Catalogue {
         name,
@@ -69,7 +72,11 @@ pub(crate) fn gear(name: String, given: Given) -> Raises<String> {
             each.fold(text.to_owned(), |text, (key, name)| text.replace(key, name))
         };
         let key = fault.keys.first().map(|key| typed(key));
-        of_key(&typed(&fault.to_string()), key.as_deref(), &typed(&fault.remedy))
+        of_key(
+            &typed(&fault.to_string()),
+            key.as_deref(),
+            &typed(&fault.remedy),
+        )
     })?;
     Ok(draft.text)
 }

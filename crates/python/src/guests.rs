@@ -51,7 +51,10 @@ impl Asked {
     }
 
     pub(crate) fn each(engines: &[Bound<'_, PyAny>], desk: Option<&Desk>) -> Raises<Vec<Self>> {
-        engines.iter().map(|engine| Self::of(engine, desk)).collect()
+        engines
+            .iter()
+            .map(|engine| Self::of(engine, desk))
+            .collect()
     }
 }
 

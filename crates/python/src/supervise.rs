@@ -74,12 +74,7 @@ struct AtCaller {
 
 #[pymethods]
 impl AtCaller {
-    fn __call__(
-        &self,
-        py: Python<'_>,
-        scene: String,
-        options: Py<PyDict>,
-    ) -> PyResult<Py<PyAny>> {
+    fn __call__(&self, py: Python<'_>, scene: String, options: Py<PyDict>) -> PyResult<Py<PyAny>> {
         let (answer, answered) = sync_channel(1);
         let call = Call {
             drive: self.drive.clone_ref(py),
