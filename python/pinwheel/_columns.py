@@ -35,7 +35,7 @@ def wanted(package: str, extra: str) -> Any:
         return importlib.import_module(package)
     except ImportError as error:
         name = package.split(".")[0]
-        raise ImportError(f"{name} is not installed; pip install {name}, or pinwheel[{extra}]") from error
+        raise ImportError(f"{name} is not installed; pip install {name}, or pinwheel-dynamics[{extra}]") from error
 
 
 def near(name: str, known: Iterable[str], listed: Iterable[str]) -> str:
