@@ -1,8 +1,7 @@
 """Shared by the tests of the package pinwheel. They run where it is installed, from this folder."""
 
-import os
-import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -12,13 +11,12 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="session")
 def program():
-    """Runs the program of the same sources; `PINWHEEL_PROGRAM` names it."""
-    named = os.environ.get("PINWHEEL_PROGRAM") or shutil.which("pinwheel")
-    if named is None:
-        pytest.fail("name the program with PINWHEEL_PROGRAM")
+    """Runs the program that comes with the package."""
 
     def run(*arguments, cwd, status=0):
-        done = subprocess.run([named, *arguments], cwd=cwd, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [sys.executable, "-m", "pinwheel", *arguments], cwd=cwd, capture_output=True, text=True, check=False
+        )
         assert done.returncode == status, done.stderr
         return done.stdout
 

@@ -45,7 +45,7 @@ def test_comparison_takes_it():
     found = pinwheel.compare(SHORT, ["native-reduced", my_rk4])
     assert found.passed and {v.verdict for v in found.verdicts} == {"agree"}
     mine = next(engine for engine in found.data["engines"] if engine["name"] == "my-rk4")
-    assert mine["ladder"]["order"] == 4.0
+    assert mine["refinement"]["order"] == 4.0
 
 
 def test_sweep_and_bench_take_it(tmp_path):

@@ -186,7 +186,7 @@ def test_a_scheduler_that_goes_away(expected, sweep_file, tmp_path):
 def test_command_line(expected, sweep_file, tmp_path):
     def run(*arguments):
         return subprocess.run(
-            [sys.executable, "-m", "pinwheel.sweep", *arguments], cwd=tmp_path, capture_output=True, text=True, check=False
+            [sys.executable, "-m", "pinwheel.cluster", *arguments], cwd=tmp_path, capture_output=True, text=True, check=False
         )
 
     with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from pinwheel._bench import Bench, bench
     from pinwheel._columns import Columns
     from pinwheel._compare import Comparison, Verdict, compare
+    from pinwheel._design import Design, Figure, design, fmu, gear, statics
     from pinwheel._engine import Engine, EngineInfo, Job, engine, engines
     from pinwheel._explain import Explanation, explain
     from pinwheel._law import Law, LawInfo, laws
@@ -47,6 +48,7 @@ else:
         "_bench": ("Bench", "bench"),
         "_columns": ("Columns",),
         "_compare": ("Comparison", "Verdict", "compare"),
+        "_design": ("Design", "Figure", "design", "fmu", "gear", "statics"),
         "_engine": ("Engine", "EngineInfo", "Job", "engine", "engines"),
         "_explain": ("Explanation", "explain"),
         "_law": ("Law", "LawInfo", "laws"),
@@ -71,11 +73,13 @@ __all__ = [
     "ClusterError",
     "Columns",
     "Comparison",
+    "Design",
     "Diverged",
     "Engine",
     "EngineFailed",
     "EngineInfo",
     "Explanation",
+    "Figure",
     "InputError",
     "Job",
     "Law",
@@ -91,13 +95,17 @@ __all__ = [
     "__version__",
     "bench",
     "compare",
+    "design",
     "engine",
     "engines",
     "explain",
+    "fmu",
+    "gear",
     "keys",
     "laws",
     "presets",
     "run",
+    "statics",
     "sweep",
 ]
 

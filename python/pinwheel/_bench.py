@@ -6,14 +6,12 @@ import csv
 import html
 import io
 from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pinwheel import _core
 from pinwheel._columns import wanted
-from pinwheel._compare import STYLES
 from pinwheel._engine import EngineLike, several
-from pinwheel._page import show
+from pinwheel._page import Paged, plain
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene
 
@@ -21,31 +19,29 @@ if TYPE_CHECKING:
     import pandas
 
 
-class Bench:
-    """Error against cost of every engine, method and step."""
+class Bench(Paged):
+    """Error against cost of every engine, method and step.
+
+    Attributes:
+        rows: A row a run, as the program's `bench.csv`: None where there is no value
+
+    """
 
     def __init__(self, core: _core.Benched) -> None:
-        self._core = core
+        self._page, self._text = core.page, plain(core.text())
         self.rows: list[dict[str, Any]] = [
             {key: _number(value) for key, value in row.items()}
             for row in csv.DictReader(io.StringIO(bytes(core.csv()).decode()))
         ]
-        """A row a run, as the program's `bench.csv`: None where there is no value."""
+
+    _called = "bench"
 
     def to_pandas(self) -> pandas.DataFrame:
         """The rows as a DataFrame."""
         return wanted("pandas", "frames").DataFrame(self.rows)
 
-    def page(self) -> str:
-        """The page that opens offline, HTML."""
-        return self._core.page()
-
-    def show(self, path: str | Path | None = None) -> Path:
-        """Opens the page in the browser, or writes it to `path`; where it is."""
-        return show(self.page(), "bench", path)
-
     def __str__(self) -> str:
-        return STYLES.sub("", self._core.text())
+        return self._text
 
     def _repr_html_(self) -> str:
         return f"<pre>{html.escape(str(self))}</pre>"

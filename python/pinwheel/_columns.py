@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +20,11 @@ if TYPE_CHECKING:
 
 Floats = npt.NDArray[np.float64]
 _NUMBERED = re.compile(r"(.+)_(\d+)")
+# How names end, longer endings first.
+UNITS = {
+    "_n_m_per_arcmin": "N m/arcmin", "_n_m": "N m", "_arcmin": "arcmin", "_rad_s": "rad/s", "_m_s": "m/s", "_rad": "rad",
+    "_n": "N", "_m": "m", "_s": "s", "_w": "W", "_j": "J", "_mpa": "MPa", "_pa": "Pa",
+}  # fmt: skip
 
 
 def wanted(package: str, extra: str) -> Any:
@@ -28,7 +34,21 @@ def wanted(package: str, extra: str) -> Any:
     try:
         return importlib.import_module(package)
     except ImportError as error:
-        raise ImportError(f"{package} is not installed; pip install {package}, or pinwheel[{extra}]") from error
+        name = package.split(".")[0]
+        raise ImportError(f"{name} is not installed; pip install {name}, or pinwheel-dynamics[{extra}]") from error
+
+
+def near(name: str, known: Iterable[str], listed: Iterable[str]) -> str:
+    """What a wrong name may have meant."""
+    import difflib
+
+    close = difflib.get_close_matches(name, list(known), n=1)
+    return f"did you mean `{close[0]}`?" if close else f"there are {', '.join(listed)}"
+
+
+def number(name: str) -> int:
+    """The number that ends a column's name."""
+    return int(name.rpartition("_")[2])
 
 
 class Columns(Mapping[str, Floats]):
@@ -36,14 +56,20 @@ class Columns(Mapping[str, Floats]):
 
     A name of a column gives an array (samples,); the name that numbered columns share gives (samples, columns), the
     columns in the order of their numbers. Arrays are read-only views of one block.
+
+    Attributes:
+        names: Columns after `time_s`, each ending in its unit, and in a number where there are several
+        time_s: Sample times, s, (samples,)
+
     """
 
+    # Arrays do not say whether they are equal in one word.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
     def __init__(self, core: _core.Columns) -> None:
-        self._core = core
         self.names: tuple[str, ...] = tuple(core.names())
-        """Columns after `time_s`, each ending in its unit, and in a number where there are several."""
         self.time_s: Floats = np.frombuffer(core.time())
-        """Sample times, s, (samples,)."""
         self._block: Floats = np.frombuffer(core.values()).reshape(len(self.names), self.time_s.size)
         self._index = {name: k for k, name in enumerate(self.names)}
         self._groups: dict[str, list[int]] = {}
@@ -61,11 +87,14 @@ class Columns(Mapping[str, Floats]):
             if group == list(range(first, first + count)):
                 return np.asarray(self._block[first : first + count].T)
             return np.asarray(self._block[group].T)
-        import difflib
+        raise KeyError(f"no column `{name}`; {near(name, [*self._groups, *self.names], self)}")
 
-        near = difflib.get_close_matches(name, [*self._groups, *self.names], n=1)
-        hint = f"did you mean `{near[0]}`?" if near else f"there are {', '.join(self)}"
-        raise KeyError(f"no column `{name}`; {hint}")
+    def full_names(self, name: str) -> list[str]:
+        """Full names of the columns that a name stands for."""
+        return [self.names[k] for k in self._groups[name]] if name in self._groups else [name]
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return [*self, *self.names]
 
     def __iter__(self) -> Iterator[str]:
         yield "time_s"
@@ -80,11 +109,22 @@ class Columns(Mapping[str, Floats]):
     def __len__(self) -> int:
         return sum(1 for _ in self)
 
+    @classmethod
+    def read_csv(cls, path: str | os.PathLike[str]) -> Columns:
+        """Columns of a file that `to_csv` or the program wrote."""
+        with open(path, encoding="utf-8") as file:  # noqa: PTH123 - any path
+            names = file.readline().strip().split(",")
+            block = np.loadtxt(file, delimiter=",", ndmin=2).reshape(-1, len(names)).T.copy()
+        return cls(_core.Columns(names[1:], block[0].tobytes(), block[1:].tobytes()))
+
     def __contains__(self, name: object) -> bool:
         return name == "time_s" or name in self._index or name in self._groups
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _unpickled, (self.names, self.time_s.tobytes(), self._block.tobytes())
+        return _unpickled, self._parts()
+
+    def _parts(self) -> tuple[tuple[str, ...], bytes, bytes]:
+        return self.names, self.time_s.tobytes(), self._block.tobytes()
 
     def to_dict(self) -> dict[str, Floats]:
         """Every column by its full name, `time_s` first."""
@@ -105,16 +145,20 @@ class Columns(Mapping[str, Floats]):
     def to_xarray(self) -> xarray.Dataset:
         """A Dataset over `time_s`; numbered columns are one variable with a second dimension, units as attributes."""
         xarray = wanted("xarray", "frames")
-        variables = {}
+        variables: dict[str, Any] = {}
+        coordinates: dict[str, Any] = {"time_s": ("time_s", self.time_s, {"units": "s", "long_name": "time"})}
         for name in list(self)[1:]:
             values = self[name]
-            dims = ["time_s"] if values.ndim == 1 else ["time_s", f"{name.split('_force')[0].split('_penetration')[0]}"]
-            variables[name] = (dims, values, {"units": unit(name)})
-        return xarray.Dataset(variables, {"time_s": ("time_s", self.time_s, {"units": "s"})})
+            dims = ["time_s"]
+            if values.ndim == 2:
+                dims.append(name.split("_force")[0].split("_penetration")[0])
+                coordinates[dims[1]] = [number(full) for full in self.full_names(name)]
+            variables[name] = (dims, values, {"units": unit(name), "long_name": quantity(name)})
+        return xarray.Dataset(variables, coordinates)
 
-    def to_csv(self, path: str) -> None:
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the file that the program calls `courses.csv`: the same bytes."""
-        self._core.save_csv(str(path))
+        _core.Columns(*self._parts()).save_csv(str(path))
 
 
 def _unpickled(names: tuple[str, ...], time: bytes, values: bytes) -> Columns:
@@ -127,26 +171,44 @@ def unit(name: str) -> str:
     >>> unit("input_torque_n_m"), unit("output_angle_rad"), unit("efficiency")
     ('N m', 'rad', '1')
     """
-    known = {
-        "_n_m": "N m", "_arcmin": "arcmin", "_rad_s": "rad/s", "_m_s": "m/s", "_rad": "rad", "_n": "N", "_m": "m",
-        "_s": "s", "_w": "W", "_j": "J", "_pa": "Pa",
-    }  # fmt: skip
     base = _NUMBERED.sub(r"\1", name)
-    return next((symbol for ending, symbol in known.items() if base.endswith(ending)), "1")
+    return next((symbol for ending, symbol in UNITS.items() if base.endswith(ending)), "1")
 
 
-def plot(columns: Columns, names: tuple[str, ...], title: str) -> Any:
-    """Draws columns over the time with matplotlib; the figure."""
+def plot(columns: Columns, names: tuple[str, ...], title: str, ax: Any) -> Any:
+    """Draws columns over the time with matplotlib, into `ax` or a new figure; the axes, one for each column."""
     pyplot = wanted("matplotlib.pyplot", "plot")
     chosen = names or tuple(name for name in columns if name.endswith(("_n_m", "_force_n")))
     if not chosen:
         raise InputError("there is nothing to draw; name columns")
-    figure, axes = pyplot.subplots(len(chosen), 1, sharex=True, figsize=(8, 2.2 * len(chosen)), squeeze=False)
-    for axis, name in zip(axes[:, 0], chosen, strict=True):
-        axis.plot(columns.time_s, columns[name], linewidth=0.8)
-        axis.set_ylabel(f"{name.rsplit('_n', 1)[0].replace('_', ' ')}\n{unit(name)}", fontsize=8)
+    if ax is None:
+        shape = {"figsize": (8, 2.2 * len(chosen)), "squeeze": False, "layout": "constrained"}
+        figure, axes = pyplot.subplots(len(chosen), 1, sharex=True, **shape)
+        figure.suptitle(title, fontsize=9)
+        axes = axes[:, 0]
+        axes[-1].set_xlabel("time, s")
+    else:
+        axes = np.ravel(ax)
+        if len(axes) != len(chosen):
+            raise InputError(f"ax has {len(axes)} axes for {len(chosen)} columns; give one for each")
+    for axis, name in zip(axes, chosen, strict=True):
+        several = columns[name].ndim == 2
+        label = [number(full) for full in columns.full_names(name)] if several else name
+        axis.plot(columns.time_s, columns[name], linewidth=0.8, label=label)
+        axis.set_ylabel(f"{quantity(name)}, {unit(name)}", fontsize=8)
         axis.grid(alpha=0.3)
-    axes[-1, 0].set_xlabel("time, s")
-    axes[0, 0].set_title(title, fontsize=9)
-    figure.tight_layout()
-    return figure
+        if several:
+            axis.legend(title="number", fontsize=6, title_fontsize=6, loc="center left", bbox_to_anchor=(1.0, 0.5), ncols=2)
+    return axes[0] if len(chosen) == 1 else axes
+
+
+def quantity(name: str) -> str:
+    """What a column holds, in words, its unit apart.
+
+    >>> quantity("input_torque_n_m"), quantity("external_sleeve_force_n_3")
+    ('input torque', 'external sleeve force 3')
+    """
+    match = _NUMBERED.fullmatch(name)
+    base, end = (match[1], f" {match[2]}") if match else (name, "")
+    ending = next((ending for ending in UNITS if base.endswith(ending)), "")
+    return base.removesuffix(ending).replace("_", " ") + end

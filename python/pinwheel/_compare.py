@@ -5,59 +5,68 @@ from __future__ import annotations
 import html
 import json
 import os
-import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from pinwheel import _core
-from pinwheel._columns import Columns, wanted
+from pinwheel._columns import Columns, near, wanted
 from pinwheel._engine import EngineLike, several
-from pinwheel._page import show
+from pinwheel._page import Paged, plain
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene
 
 if TYPE_CHECKING:
     import pandas
 
-STYLES = re.compile(r"\x1b\[[0-9;]*m")
-
 
 @dataclass(frozen=True)
 class Verdict:
-    """What was found of one quantity of two engines in one window of time."""
+    """What was found of one quantity of two engines in one window of time.
+
+    Attributes:
+        track: What the two have in common
+        distance: Relative L2 of the difference, where it could be compared
+        uncertainty: U = u_a + u_b, the numerical uncertainty of both, relative
+        reason: Why, where a reason belongs to the verdict
+
+    """
 
     a: str
     b: str
     track: str
-    """What the two have in common."""
     window: str
     quantity: str
-    verdict: str
-    """`agree`, `differ`, `inconclusive`, `not-compared`."""
+    verdict: Literal["agree", "differ", "inconclusive", "not-compared"]
     distance: float | None
-    """Relative L2 of the difference, where it could be compared."""
     uncertainty: float | None
-    """U = u_a + u_b, the numerical uncertainty of both, relative."""
     reason: str
-    """Why, where a reason belongs to the verdict."""
 
 
-class Comparison:
-    """A comparison: verdicts, the runs behind them, and the page."""
+class Comparison(Paged, Mapping[EngineLike, Columns]):
+    """A comparison: verdicts, the runs behind them, and the page.
+
+    Attributes:
+        data: The program's `summary.json`
+        runs: Time series of every engine that ran
+        verdicts: A verdict a pair of engines, window and quantity
+
+    """
 
     def __init__(self, scene: Scene, core: _core.Compared) -> None:
         self.scene = scene
-        self._core = core
+        self._page, self._text = core.page, plain(core.text())
         self.data: dict[str, Any] = json.loads(core.json())
-        """The program's `summary.json`."""
         self.runs: dict[str, Columns] = {name: Columns(columns) for name, columns in core.time_series()}
-        """Time series of every engine that ran."""
         self.verdicts: tuple[Verdict, ...] = tuple(
             _verdict(pair, entry) for pair in self.data["pairs"] for entry in pair["entries"]
         )
-        """A verdict a pair of engines, window and quantity."""
+
+    # Arrays do not say whether they are equal in one word.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
+    _called = "compare"
 
     @property
     def passed(self) -> bool:
@@ -72,23 +81,32 @@ class Comparison:
         """
         return {engine["name"]: engine["status"]["state"] for engine in self.data["engines"]}
 
-    def __getitem__(self, engine: str) -> Columns:
-        return self.runs[engine]
+    def __getitem__(self, engine: EngineLike) -> Columns:
+        """Time series of an engine, by the name or the object that it was asked for as."""
+        name = engine if isinstance(engine, str) else engine.name
+        full = name.replace("_", "-")
+        if name == "native" and name not in self.runs:
+            full = f"native-{self.scene['solver.formulation']}"
+        for known in (name, full):
+            if known in self.runs:
+                return self.runs[known]
+        raise KeyError(f"no time series of `{name}`; {near(name, self.runs, self.runs)}")
+
+    def __iter__(self) -> Iterator[EngineLike]:
+        return iter(self.runs)
+
+    def __len__(self) -> int:
+        return len(self.runs)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self.runs)
 
     def to_pandas(self) -> pandas.DataFrame:
         """The verdicts as a DataFrame."""
         return wanted("pandas", "frames").DataFrame([vars(verdict) for verdict in self.verdicts])
 
-    def page(self) -> str:
-        """The page that opens offline, HTML."""
-        return self._core.page()
-
-    def show(self, path: str | Path | None = None) -> Path:
-        """Opens the page in the browser, or writes it to `path`; where it is."""
-        return show(self.page(), "compare", path)
-
     def __str__(self) -> str:
-        return STYLES.sub("", self._core.text())
+        return self._text
 
     def __repr__(self) -> str:
         counts = {word: count for word, count in self.data["counts"].items() if count}

@@ -30,6 +30,18 @@ class Job:
     Bodies stand in one order everywhere: input shaft, output shaft, wheels, external sleeves, internal sleeves. Every
     body turns about its own centre, which its carrier holds, so one absolute angle a body says where all of them are.
     SI, ground frame, angles counter-clockwise.
+
+    Attributes:
+        scene: The scene; tables and keys are attributes: `job.scene.gear.eccentricity_m`
+        kinematics: Positions from angles and torques from forces; see `pinwheel_engines.layout`
+        states: Start, (bodies, 6): x, y, angle, vx, vy, rate
+        angles: Start, absolute angles, rad, (bodies,)
+        rates: Start, rad/s, (bodies,)
+        moments: Mass matrix in the absolute angles, which is diagonal, kg m^2, (bodies,)
+        step_s: Step that the scene asks for, s
+        stats: Cost and settings; yours to complete
+        times_s: Samples are due at these times, s, the start among them
+
     """
 
     INPUT, OUTPUT = INPUT, OUTPUT
@@ -37,28 +49,19 @@ class Job:
     def __init__(self, engine: str, scene_toml: str, options: Mapping[str, Any]) -> None:
         self.engine = engine
         self.scene = Tables.from_toml(scene_toml)
-        """The scene; tables and keys are attributes: `job.scene.gear.eccentricity_m`."""
         self.kinematics = Kinematics(self.scene.gear)
-        """Positions from angles and torques from forces; see `pinwheel_engines.layout`."""
         self.states: Floats = np.array(options["initial_states"], dtype=np.float64)
-        """Start, (bodies, 6): x, y, angle, vx, vy, rate."""
         self.angles: Floats = self.states[:, 2].copy()
-        """Start, absolute angles, rad, (bodies,)."""
         self.rates: Floats = self.states[:, 5].copy()
-        """Start, rad/s, (bodies,)."""
         self.moments: Floats = self.kinematics.lumped_moments(self.scene)
-        """Mass matrix in the absolute angles, which is diagonal, kg m^2, (bodies,)."""
         self.step_s: float = self.scene.solver.step_s
-        """Step that the scene asks for, s."""
         self.stats = RunStats(
             bodies=self.kinematics.layout.bodies, step_s=self.step_s, degrees_of_freedom=self.scene.gear.wheels + 1
         )
-        """Cost and settings; yours to complete."""
         self._loads = options["loads"]
         self._stop = options["on_progress"]
         self._recorder = Recorder(self.scene, self.kinematics)
         self.times_s: Floats = self._recorder.times_s
-        """Samples are due at these times, s, the start among them."""
         self._breaks = self.scene.drive.load_breaks_s
         self._piece = self.scene.drive.load_piece(0.0)
         self._out: Floats = np.zeros((self.kinematics.layout.bodies, 3))
@@ -154,7 +157,8 @@ class Engine:
         try:
             self.function(job)
         except Diverged as error:
-            error.partial = job._result()
+            partial: Any = job._result()
+            error.partial = partial
             raise
         finally:
             job.stats.wall_s, job.stats.cpu_s = time.perf_counter() - wall, time.thread_time() - cpu

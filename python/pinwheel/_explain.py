@@ -7,7 +7,7 @@ import json
 from typing import Any
 
 from pinwheel import _core
-from pinwheel._compare import STYLES
+from pinwheel._page import plain
 from pinwheel._scene import Scene
 
 
@@ -36,4 +36,4 @@ def explain(scene: Scene | str) -> Explanation:
     """
     made = scene if isinstance(scene, Scene) else Scene(scene)
     data, text = _core.explain(made._inner)
-    return Explanation(json.loads(data), STYLES.sub("", text))
+    return Explanation(json.loads(data), plain(text))

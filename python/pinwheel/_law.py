@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 import numpy.typing as npt
 
 from pinwheel import _core
+from pinwheel._keys import Keys
 from pinwheel._scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -25,7 +26,7 @@ class Law:
     array([0.        , 8.04984472])
     """
 
-    def __init__(self, name: str = "paper", scene: Scene | None = None, **keys: Any) -> None:
+    def __init__(self, name: str = "paper", scene: Scene | None = None, /, **keys: Unpack[Keys]) -> None:
         base = scene if scene is not None else Scene("paper")
         self.name = name
         self.scene = base.with_(**keys) if keys else base
@@ -51,14 +52,18 @@ class Law:
 
 @dataclass(frozen=True)
 class LawInfo:
-    """A contact law that scenes can name."""
+    """A contact law that scenes can name.
+
+    Attributes:
+        keys: Keys of a scene that it reads besides those that every law does
+
+    """
 
     name: str
     summary: str
     formula: str
     source: str
     keys: tuple[str, ...]
-    """Keys of a scene that it reads besides those that every law does."""
 
 
 def laws() -> list[LawInfo]:

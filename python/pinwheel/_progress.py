@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -25,9 +26,10 @@ def telling(progress: bool | Told | None, what: str) -> Iterator[Told | None]:
         return
 
     def told(done: int, total: int, piece: str, simulated_s: float, of_s: float) -> None:
-        now, of = (simulated_s, of_s) if of_s > 0.0 else (float(done), float(total))
-        bar.total = of
-        bar.n = of if done == total else min(now, of)
+        part = min(simulated_s / of_s, 1.0) if of_s > 0.0 and done < total else 0.0
+        bar.total = float(total)
+        # Pieces run beside each other and the next one begins at 0: what was reached stays.
+        bar.n = max(bar.n, min(done + part, float(total)))
         bar.set_postfix_str(f"{done}/{total} {piece}"[:40], refresh=False)
         bar.refresh()
 
@@ -43,7 +45,11 @@ def _seen() -> bool:
 
 def _bar(what: str) -> Any:
     try:
-        from tqdm.auto import tqdm
+        # Without ipywidgets tqdm warns and draws no bar of a notebook's.
+        if importlib.util.find_spec("ipywidgets"):
+            from tqdm.auto import tqdm
+        else:
+            from tqdm import tqdm
     except ImportError:
         return None
     shape = "{desc}: {percentage:3.0f}%|{bar}| {elapsed}<{remaining} {postfix}"

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import html
 import json
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -22,26 +25,62 @@ if TYPE_CHECKING:
     import xarray
 
 
-class Run:
+@dataclass(frozen=True, eq=False, repr=False)
+class Run(Mapping[str, Floats]):
     """A run: time series, cost, and what is known of their uncertainty.
 
     `run["external_sleeve_force_n"]` is an array (samples, sleeves); see `Columns` for the shapes.
+
+    Attributes:
+        scene: what was run
+        engine: name of the engine
+        version: of the engine
+        track: "native", "shared-law" or "own-contact"
+        columns: the time series
+        stats: what the run cost, its settings and notes; keys end in their unit
+        resolution: what the same run at twice its step shows: whether the step resolves the scene
+        uncertainty: what the engine itself verified of its numerical uncertainty
+
     """
 
-    def __init__(self, scene: Scene, core: _core.Ran) -> None:
-        self.scene = scene
-        self.engine = core.engine
-        """Name of the engine."""
-        self.version = core.version
-        self.track = core.track
-        """`native`, `shared-law` or `own-contact`."""
-        self.columns = Columns(core.columns)
-        self.stats: dict[str, Any] = json.loads(core.stats)
-        """What the run cost, its settings and notes; keys end in their unit."""
-        self.resolution: dict[str, Any] | None = None if core.resolution is None else json.loads(core.resolution)
-        """What the same run at twice its step shows: whether the step resolves the scene."""
-        self.uncertainty: dict[str, Any] | None = None if core.uncertainty is None else json.loads(core.uncertainty)
-        """What the engine itself verified of its numerical uncertainty."""
+    # Arrays do not say whether they are equal in one word.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
+    scene: Scene
+    engine: str
+    version: str
+    track: Literal["native", "shared-law", "own-contact"]
+    columns: Columns
+    stats: dict[str, Any]
+    resolution: dict[str, Any] | None = None
+    uncertainty: dict[str, Any] | None = None
+
+    @classmethod
+    def _of(cls, scene: Scene, core: _core.Ran) -> Run:
+        stats, *known = [
+            None if text is None else json.loads(text) for text in (core.stats, core.resolution, core.uncertainty)
+        ]
+        return cls(scene, core.engine, core.version, core.track, Columns(core.columns), stats or {}, *known)
+
+    @classmethod
+    def load(cls, folder: str | os.PathLike[str]) -> Run:
+        """A run that `save` or the program's `run` wrote."""
+        data = json.loads((Path(folder) / "run.json").read_text(encoding="utf-8"))
+        columns = Columns.read_csv(Path(folder) / "courses.csv")
+        scene = Scene(_written(data.pop("scene")))
+        engine, version, track = (data.pop(key) for key in ("engine", "version", "track"))
+        resolution, uncertainty = (data.pop(key, None) for key in ("resolution", "uncertainty"))
+        return cls(scene, engine, version, track, columns, data, resolution, uncertainty)
+
+    def save(self, folder: str | os.PathLike[str]) -> None:
+        """Writes `run.json` and `courses.csv`, which `load` reads."""
+        place = Path(folder)
+        place.mkdir(parents=True, exist_ok=True)
+        data = {"engine": self.engine, "version": self.version, "track": self.track, **self.stats}
+        data |= {"resolution": self.resolution, "uncertainty": self.uncertainty, "scene": self.scene.to_dict()}
+        (place / "run.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+        self.to_csv(place / "courses.csv")
 
     @property
     def time_s(self) -> Floats:
@@ -59,9 +98,14 @@ class Run:
     def __iter__(self) -> Iterator[str]:
         return iter(self.columns)
 
-    def keys(self) -> list[str]:
-        """Names of columns, numbered ones by the name they share."""
-        return list(self.columns)
+    def __len__(self) -> int:
+        return len(self.columns)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.columns
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return self.columns._ipython_key_completions_()
 
     def to_pandas(self) -> pandas.DataFrame:
         """A DataFrame: a row a sample, `time_s` as its index."""
@@ -72,16 +116,27 @@ class Run:
         return self.columns.to_polars()
 
     def to_xarray(self) -> xarray.Dataset:
-        """A Dataset over `time_s`; sleeves are a dimension."""
-        return self.columns.to_xarray()
+        """A Dataset over `time_s` and the sleeves, each at its angle; its attributes say what was run."""
+        found = self.columns.to_xarray()
+        for part in ("external", "internal"):
+            if (dim := f"{part}_sleeve") in found.sizes:
+                angles = 2.0 * np.pi * np.arange(found.sizes[dim]) / found.sizes[dim]
+                found = found.assign_coords({f"{dim}_angle_rad": (dim, angles, {"units": "rad"})})
+        return found.assign_attrs(
+            scene=self.scene["name"], scene_toml=self.scene.to_toml(), engine=self.engine, engine_version=self.version,
+            pinwheel_version=_core.__version__,
+        )  # fmt: skip
 
-    def to_csv(self, path: str) -> None:
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the program's `courses.csv`."""
         self.columns.to_csv(path)
 
-    def plot(self, *names: str) -> Any:
-        """Draws columns (torques and forces without names) over the time with matplotlib; the figure."""
-        return plot(self.columns, names, f"{self.scene.name}, {self.engine}")
+    def plot(self, *names: str, ax: Any = None) -> Any:
+        """Draws columns (torques and forces without names) over the time with matplotlib.
+
+        `ax`: axes to draw into, one for each name; without it a new figure. The axes, or an array of them for several names.
+        """
+        return plot(self.columns, names, f"{self.scene.name}, {self.engine}", ax)
 
     def __repr__(self) -> str:
         mean = np.mean(self["input_torque_n_m"]) if "input_torque_n_m" in self.columns and self.time_s.size else np.nan
@@ -90,13 +145,20 @@ class Run:
 
     def _repr_html_(self) -> str:
         rows = []
-        for name in self.keys()[1:]:
+        for name in list(self)[1:]:
             values = self[name]
             count = f" ({values.shape[1]})" if values.ndim == 2 else ""
             cells = (np.mean(values), np.min(values), np.max(values)) if values.size else (np.nan,) * 3
             rows.append(f"<tr><td>{html.escape(name)}{count}</td>" + "".join(f"<td>{x:.5g}</td>" for x in cells) + "</tr>")
         head = "<tr><th></th><th>mean</th><th>min</th><th>max</th></tr>"
         return f"<p>{html.escape(repr(self)[1:-1])}</p><table>{head}{''.join(rows)}</table>"
+
+
+def _written(table: Mapping[str, Any]) -> dict[str, Any]:
+    """A scene's tables without the keys that have no value."""
+    return {
+        key: _written(value) if isinstance(value, Mapping) else value for key, value in table.items() if value is not None
+    }
 
 
 def run(
@@ -118,9 +180,9 @@ def run(
     made = scene if isinstance(scene, Scene) else Scene(scene)
     with telling(progress, "run") as told:
         try:
-            return Run(made, _core.run(made._inner, engine, check, told))
+            return Run._of(made, _core.run(made._inner, engine, check, told))
         except Diverged as error:
             partial: Any = error.partial
             if isinstance(partial, _core.Ran):
-                error.partial = Run(made, partial)  # type: ignore[assignment]
+                error.partial = Run._of(made, partial)
             raise

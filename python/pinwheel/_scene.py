@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import html
 import json
 import math
@@ -9,16 +10,18 @@ import os
 import re
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from decimal import Decimal
+from typing import TYPE_CHECKING, Any, Unpack
 
 from pinwheel import _core
+from pinwheel._keys import COUNTS, Keys
 from pinwheel.errors import SceneError
 
 if TYPE_CHECKING:
     from pinwheel._engine import EngineLike
     from pinwheel._run import Run
 
-TABLES = ("gear", "mass", "drive", "contact", "solver", "output")
+TABLES = ("gear", "mass", "drive", "contact", "bearings", "solver", "output")
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 # The name of a scene that stands in no file; files come with their whole path.
 _NO_FILE = "scene"
@@ -45,6 +48,8 @@ def toml_value(value: Any) -> str:
         return f"{{ {', '.join(pairs)} }}"
     if isinstance(value, list | tuple):
         return f"[{', '.join(map(toml_value, value))}]"
+    if isinstance(value, Decimal):
+        return toml_value(float(value))
     raise TypeError(f"a scene holds numbers, texts, lists and tables, not {type(value).__name__}")
 
 
@@ -55,7 +60,13 @@ def settings(keys: Mapping[str, Any]) -> list[tuple[str, str]]:
         if isinstance(value, Mapping) and name.split(".")[0] in TABLES:
             found += settings({f"{name}.{key}": item for key, item in value.items()})
         else:
-            found.append((_core.key(name), toml_value(value)))
+            full = _core.key(name)
+            if isinstance(value, float) and full in COUNTS and value.is_integer():
+                value = int(value)
+            try:
+                found.append((full, toml_value(value)))
+            except TypeError as error:
+                raise TypeError(f"`{name}`: {error}") from None
     return found
 
 
@@ -63,8 +74,8 @@ class Scene:
     """Everything a run depends on: gear, masses, drive, contact, solver. All values are SI, as the names of keys say.
 
     `source` is a preset (`"paper"`), a scene file, or a dict of tables; keywords set keys by their last part
-    (`backlash_m`) or in full (`**{"gear.backlash_m": 6e-4}`). What is left out follows from the rest or is a usual value.
-    A scene is checked when it is made and never changes; `with_` gives another.
+    (`backlash_m`), a dict after the source in full (`{"gear.backlash_m": 6e-4}`). What is left out follows from the rest or
+    is a usual value. A scene is checked when it is made and never changes; `with_` gives another.
 
     >>> import pinwheel
     >>> s = pinwheel.Scene("paper", backlash_m=6e-4)
@@ -80,12 +91,19 @@ class Scene:
     Raises `SceneError` with the key and the remedy.
     """
 
-    __slots__ = ("_inner", "_toml")
+    __slots__ = ("_inner", "_tables", "_toml")
     _inner: _core.Scene
+    _tables: dict[str, Any] | None
     _toml: str
 
-    def __init__(self, source: str | os.PathLike[str] | Mapping[str, Any] | None = None, /, **keys: Any) -> None:
-        sets = settings(keys)
+    def __init__(
+        self,
+        source: str | os.PathLike[str] | Mapping[str, Any] | None = None,
+        changes: Mapping[str, Any] | None = None,
+        /,
+        **keys: Unpack[Keys],
+    ) -> None:
+        sets = settings({**(changes or {}), **keys})
         if source is None or isinstance(source, Mapping):
             written = settings(source or {})
             lines = [f"{key} = {value}" for key, value in written]
@@ -99,6 +117,7 @@ class Scene:
     def _set(self, core: _core.Scene) -> None:
         object.__setattr__(self, "_inner", core)
         object.__setattr__(self, "_toml", core.to_toml())
+        object.__setattr__(self, "_tables", None)
 
     @classmethod
     def _of(cls, core: _core.Scene) -> Scene:
@@ -111,9 +130,14 @@ class Scene:
         """A scene from the text of a scene file."""
         return cls._of(_core.Scene(_NO_FILE, text, []))
 
-    def with_(self, **keys: Any) -> Scene:
+    def with_(self, changes: Mapping[str, Any] | None = None, /, **keys: Unpack[Keys]) -> Scene:
         """The same scene with other values of some keys; what follows from them is derived again, and all is checked."""
-        return Scene._of(self._inner.changed(settings(keys)))
+        return Scene._of(self._inner.changed(settings({**(changes or {}), **keys})))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a scene file with every key in it."""
+        with open(path, "w", encoding="utf-8", newline="\n") as file:  # noqa: PTH123
+            file.write(self._toml)
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError("a scene never changes; scene.with_(...) gives another")
@@ -132,17 +156,27 @@ class Scene:
 
     def to_dict(self) -> dict[str, Any]:
         """Every key, as tables."""
-        return tomllib.loads(self._toml)
+        return copy.deepcopy(self._parsed())
+
+    def _parsed(self) -> dict[str, Any]:
+        """Every key, read once."""
+        if self._tables is None:
+            object.__setattr__(self, "_tables", tomllib.loads(self._toml))
+        assert self._tables is not None
+        return self._tables
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return [*self.keys(), *(key.rpartition(".")[2] for key in self.keys())]
 
     def __getitem__(self, key: str) -> Any:
-        value: Any = self.to_dict()
+        value: Any = self._parsed()
         full = key if key in (*TABLES, "name", "description") else _core.key(key)
         try:
             for part in full.split("."):
                 value = value[part]
         except KeyError:
             raise KeyError(f"{key} has no value in this scene") from None
-        return value
+        return copy.deepcopy(value) if isinstance(value, dict | list) else value
 
     def __contains__(self, key: object) -> bool:
         try:
@@ -164,12 +198,18 @@ class Scene:
                 else:
                     yield f"{prefix}{key}"
 
-        return leaves("", self.to_dict())
+        return leaves("", self._parsed())
 
     @property
     def assumed(self) -> dict[str, str]:
         """Keys that nobody wrote, and where each value comes from."""
         return {key: f"{value}: {why}" for key, value, why in self._inner.origins()}
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draws the gear at its start with matplotlib, lengths in mm, into `ax` or a new figure; the axes."""
+        from pinwheel._drawing import draw
+
+        return draw(self, ax)
 
     def run(
         self,

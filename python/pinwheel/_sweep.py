@@ -2,30 +2,36 @@
 
 from __future__ import annotations
 
+import csv
+import difflib
+import hashlib
 import html
+import inspect
 import json
 import os
+import re
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, Unpack
 
 import numpy as np
 import numpy.typing as npt
 
 from pinwheel import _core
-from pinwheel._columns import wanted
-from pinwheel._compare import STYLES
+from pinwheel._columns import near, quantity, unit, wanted
 from pinwheel._engine import Engine, EngineLike, several
-from pinwheel._page import show
+from pinwheel._keys import Keys, Vary
+from pinwheel._page import plain, show
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene, settings, toml_value
-from pinwheel.errors import InputError
+from pinwheel.errors import InputError, SceneError
 
 if TYPE_CHECKING:
     import pandas
     import polars
+    import xarray
     from distributed import Client
 
 
@@ -33,24 +39,110 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
     """The results of a sweep: a row a run, in the order of the plan.
 
     `sweep["mean_input_torque_n_m"]` is an array (runs,): numbers with NaN, texts with "", where there is no value.
+
+    Attributes:
+        name: of the sweep
+        out: the output folder, as `pinwheel sweep` writes it
+        keys_varied: in full
+        unfinished: number of runs that did not finish; their rows say why
+        cpu_s: CPU time of all runs
+        tolerances: what a sample says: for each engine quantiles, sensitivities, and the yield
+
     """
 
-    def __init__(self, core: _core.Sweep) -> None:
-        self.name = core.name()
-        self.out = Path(core.out())
-        """The output folder, as `pinwheel sweep` writes it."""
-        self.keys_varied: tuple[str, ...] = tuple(core.keys())
-        self._columns: dict[str, npt.NDArray[Any]] = {name: _array(values) for name, values in core.columns()}
-        self.unfinished, self._first = core.broken()
-        """Runs that did not finish; their rows say why."""
-        self.cpu_s = core.cpu_s()
-        """CPU time of all runs, s."""
-        self.tolerances: list[dict[str, Any]] = json.loads(core.tolerances())
-        """What a sample says, as in `summary.json`: for each engine quantiles, sensitivities, and the yield."""
-        self._text = STYLES.sub("", core.text())
+    # Arrays do not say whether they are equal in one word.
+    __eq__ = object.__eq__
+    __hash__ = object.__hash__
+
+    name: str
+    out: Path
+    keys_varied: tuple[str, ...]
+    unfinished: int
+    cpu_s: float
+    tolerances: list[dict[str, Any]]
+
+    @classmethod
+    def _of(cls, core: _core.Sweep) -> Sweep:
+        made = cls()
+        made.name, made.out, made.keys_varied = core.name(), Path(core.out()), tuple(core.keys())
+        made._columns = {name: _array(values) for name, values in core.columns()}
+        made.unfinished, made.cpu_s = core.broken()[0], core.cpu_s()
+        made.tolerances, made._text = json.loads(core.tolerances()), plain(core.text())
+        return made
+
+    @classmethod
+    def load(cls, folder: str | os.PathLike[str]) -> Sweep:
+        """The sweep of an output folder, which this package or the program wrote."""
+        made = cls()
+        made.out = Path(folder)
+        data = json.loads((made.out / "summary.json").read_text(encoding="utf-8"))
+        made.name, made.keys_varied = data["name"], tuple(data["keys"])
+        with (made.out / "results.csv").open(encoding="utf-8", newline="") as file:
+            names = next(csv.reader(file))
+        rows = data["rows"]
+        made._columns = {name: _array([row.get(name) for row in rows]) for name in names}
+        made.unfinished = data["runs"] - data["finished"]
+        with (made.out / "costs.csv").open(encoding="utf-8", newline="") as file:
+            made.cpu_s = sum(float(row["cpu_s"] or 0.0) for row in csv.DictReader(file))
+        made.tolerances, made._text = data.get("sample") or [], repr(made)
+        return made
+
+    def __init__(self) -> None:
+        self._columns: dict[str, npt.NDArray[Any]] = {}
+        self._text = ""
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
-        return self._columns[name]
+        if name in self._columns:
+            return self._columns[name]
+        if (full := [key for key in self.keys_varied if key.rpartition(".")[2] == name])[:2] == full[:1] != []:
+            return self._columns[full[0]]
+        raise KeyError(f"no column `{name}`; {near(name, self, self)}")
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A Dataset: a dimension for the engine and each key where all combinations were run, else one for the runs."""
+        xarray = wanted("xarray", "frames")
+        frame = self.to_pandas()
+        axes = [name for name in ("engine", *self.keys_varied) if name == "engine" or frame[name].nunique() > 1]
+        full = not frame.duplicated(axes).any() and len(frame) == np.prod([frame[name].nunique() for name in axes])
+        found = xarray.Dataset.from_dataframe(frame.set_index(axes if full else "run"))
+        for name in (*found.data_vars, *found.coords):
+            found[name].attrs["units"] = unit(re.sub(r".*\.", "", str(name)))
+        return found.assign_attrs(sweep=self.name, pinwheel_version=_core.__version__)
+
+    def tolerances_to_pandas(self) -> pandas.DataFrame:
+        """What a sample says: a row an engine and figure, its quantiles with their intervals of confidence."""
+        rows = []
+        for found in self.tolerances:
+            for one in found["figures"]:
+                least, largest = one["range"]
+                row = {"engine": found["engine"], "figure": one["name"], "count": one["count"], "mean": one["mean"]}
+                row |= {"deviation": one["deviation"], "least": least, "largest": largest}
+                for quantile in one["quantiles"]:
+                    share = f"quantile_{100 * quantile['share']:g}_percent"
+                    low, high = quantile["interval"]
+                    row |= {share: quantile["value"], f"{share}_from": low, f"{share}_to": high}
+                rows.append(row)
+        return wanted("pandas", "frames").DataFrame(rows)
+
+    def plot(self, name: str, ax: Any = None) -> Any:
+        """Draws a column over the keys that vary: lines over one, a map over two, of the first engine; the axes."""
+        pyplot = wanted("matplotlib.pyplot", "plot")
+        grid = self.to_xarray()[name]
+        if ("engine" in grid.dims and grid.sizes["engine"] == 1) or grid.ndim > 2:
+            grid = grid.isel(engine=0)
+        if ax is None:
+            _, ax = pyplot.subplots(layout="constrained")
+        if grid.ndim == 2 and "engine" not in grid.dims:
+            grid.plot.pcolormesh(ax=ax, cbar_kwargs={"label": f"{quantity(name)}, {unit(name)}"})
+        elif grid.ndim <= 2:
+            grid.plot.line(ax=ax, marker="o", **({"hue": "engine"} if "engine" in grid.dims else {}))
+            ax.set_ylabel(f"{quantity(name)}, {unit(name)}")
+        else:
+            raise InputError(f"`{name}` varies over {grid.ndim} keys; choose of to_xarray()")
+        return ax
 
     def __iter__(self) -> Any:
         return iter(self._columns)
@@ -84,7 +176,9 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
 
     def _repr_html_(self) -> str:
         names = ["run", "engine", *self.keys_varied, "status"]
-        names += [name for name in self if name.startswith(("mean_", "peak_"))][:6]
+        figures = list(self)[list(self).index("rhs_calls") + 1 :]
+        chosen = [name for name in figures if name.startswith(("mean_", "peak_"))] or figures
+        names += [name for name in chosen if self[name].dtype.kind == "f"][:6]
         head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
         rows = []
         for row in range(min(self["run"].size, 20)):
@@ -104,11 +198,11 @@ def _array(values: Sequence[Any]) -> npt.NDArray[Any]:
 
 def _text(
     scene: Scene,
+    top: Mapping[str, Any],
     vary: Mapping[str, Any],
+    together: Sequence[Mapping[str, Any]],
     sample: Mapping[str, Any],
     specification: Mapping[str, Any],
-    measure: Sequence[str] | None,
-    window_s: Sequence[float] | None,
     folder: str,
 ) -> str:
     """A sweep file for a scene and what varies."""
@@ -119,25 +213,43 @@ def _text(
         path.write_text(scene.to_toml(), encoding="utf-8")
         name, sets = str(path), []
     lines = [f"name = {toml_value(scene.name)}", f"scene = {toml_value(name)}"]
-    if measure is not None:
-        lines.append(f"measure = {toml_value(list(measure))}")
-    if window_s is not None:
-        lines.append(f"window_s = {toml_value([float(x) for x in window_s])}")
-    varied = [
-        (_core.key(key), toml_value(values if isinstance(values, Mapping) else _values(key, values)))
-        for key, values in vary.items()
+    lines += [f"{key} = {toml_value(value)}" for key, value in top.items() if value is not None]
+    varied, *joined = [
+        [
+            (_core.key(key), toml_value(values if isinstance(values, Mapping) else _values(key, values)))
+            for key, values in axis.items()
+        ]
+        for axis in (vary, *together)
     ]
     drawn = [
         (key if key in ("points", "seed", "method") else _core.key(key), toml_value(value)) for key, value in sample.items()
     ]
-    names = {key for key, _ in [*varied, *drawn]}
+    names = {key for key, _ in [*varied, *drawn, *(pair for axis in joined for pair in axis)]}
     lines += ["[set]", *(f"{key} = {value}" for key, value in dict(sets).items() if key not in names)]
     lines += ["[vary]", *(f"{key} = {value}" for key, value in varied)]
+    for axis in joined:
+        lines += ["[[together]]", *(f"{key} = {value}" for key, value in axis)]
     if drawn:
         lines += ["[sample]", *(f"{key} = {value}" for key, value in drawn)]
     if specification:
         lines += ["[specification]", *(f"{key} = {toml_value(value)}" for key, value in specification.items())]
     return "\n".join([*lines, ""])
+
+
+def _check_words(keys: Mapping[str, Any]) -> None:
+    """Refuses what is no key of a scene, with what an argument of `sweep` may have been meant by it."""
+    arguments = list(inspect.signature(sweep).parameters)[1:-1]
+    for word in keys:
+        try:
+            _core.key(word)
+        except SceneError as error:
+            if word == "courses":
+                meant = "give `time_series`, as a sweep's time series are called here"
+            elif close := difflib.get_close_matches(word, arguments, n=1):
+                meant = f"did you mean `{close[0]}`?"
+            else:
+                raise
+            raise InputError(f"`{word}` is no argument of a sweep, and no key of a scene; {meant}") from error
 
 
 def _cores() -> int:
@@ -154,12 +266,14 @@ def _values(key: str, values: Any) -> list[Any]:
 def sweep(
     source: Scene | str | os.PathLike[str],
     *,
-    vary: Mapping[str, Any] | None = None,
+    vary: Vary | None = None,
+    together: Vary | Sequence[Vary] = (),
     sample: Mapping[str, Any] | None = None,
     specification: Mapping[str, Any] | None = None,
     engines: Sequence[EngineLike] | EngineLike = (),
     measure: Sequence[str] | None = None,
     window_s: Sequence[float] | None = None,
+    time_series: Literal["none", "csv", "parquet"] | None = None,
     client: Client | None = None,
     jobs: int | None = None,
     batch: int | None = None,
@@ -167,14 +281,15 @@ def sweep(
     resume: bool = False,
     force: bool = False,
     progress: bool | Told | None = None,
-    **keys: Any,
+    **keys: Unpack[Keys],
 ) -> Sweep:
     """Runs a sweep and writes its output folder, which is the same byte for byte however it is run.
 
     `source`: a sweep file (docs/sweeps.md), or a scene with `vary`: keys with lists, arrays, or ranges
     `{"from": 0.0, "to": 1e-3, "points": 11}`; all combinations are run. `sample` takes keys at random instead, or besides:
     `{"points": 1000, "backlash_m": {"from": 0.0, "to": 1e-5}}`; `specification`: limits on columns of the results,
-    `{"lost_motion_arcmin": {"most": 1.0}}`, and the yield in `tolerances`. `keys` are set in every run.
+    `{"lost_motion_arcmin": {"most": 1.0}}`, and the yield in `tolerances`. `together`: keys that change in step, one axis;
+    a list of such gives several. `time_series`: keep those of every run, "csv" or "parquet". `keys` are set in every run.
     `client`: a `distributed.Client`, whose workers then do the runs in batches (of `batch` runs; by itself about half a
     second of work); without it `jobs` threads do. Finished runs are kept beside the output, in `OUT.unfinished`, in the
     same form as the program keeps them: `resume` goes on with those, and with the runs of an earlier output in `out`.
@@ -183,19 +298,29 @@ def sweep(
     A run that diverges has a row that says so, and is not tried again. Raises `SceneError`, `InputError`, `ClusterError`,
     `OSError`; after `KeyboardInterrupt` and `ClusterError` finished runs are kept.
     """
+    if jobs is not None and jobs < 1:
+        raise InputError(f"jobs = {jobs}: write a number of threads from 1 on, or leave it out for one a core")
+    _check_words(keys)
     with ExitStack() as stack:
-        if isinstance(source, Scene) or vary is not None or sample is not None:
+        axes = [together] if isinstance(together, Mapping) else list(together)
+        if isinstance(source, Scene) or vary is not None or sample is not None or axes:
             scene = source if isinstance(source, Scene) else Scene(source)
-            if not vary and not sample:
-                raise InputError("nothing varies; give vary={...} or sample={...}, or a sweep file")
+            if not vary and not sample and not axes:
+                raise InputError("nothing varies; give vary={...}, together={...} or sample={...}, or a sweep file")
             folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="pinwheel-"))
             scene = scene.with_(**keys) if keys else scene
-            text = _text(scene, vary or {}, sample or {}, specification or {}, measure, window_s, folder)
+            top = {"measure": measure, "window_s": window_s, "courses": time_series}
+            text = _text(scene, top, vary or {}, axes, sample or {}, specification or {}, folder)
             path = "sweep.toml"
+            if out is None:
+                # Each sweep of its own has a folder of its own; the same again has the same.
+                whole = [scene.to_toml(), text.replace(folder, "."), *(repr(engine) for engine in several(engines))]
+                out = Path("out") / f"{scene.name}-sweep-{hashlib.sha256(''.join(whole).encode()).hexdigest()[:8]}"
             sets: list[tuple[str, str]] = []
         else:
-            if measure is not None or window_s is not None or specification is not None:
-                raise InputError("a sweep file has `measure`, `window_s` and `specification` itself; write them there")
+            if any(given is not None for given in (measure, window_s, specification, time_series)):
+                given = "`measure`, `window_s`, `specification` and `courses`"
+                raise InputError(f"a sweep file has {given} itself; write them there")
             path = os.fspath(source)
             try:
                 text = Path(path).read_text(encoding="utf-8")
@@ -216,4 +341,4 @@ def sweep(
             core.finish()
         finally:
             core.close()
-        return Sweep(core)
+        return Sweep._of(core)

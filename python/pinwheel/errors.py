@@ -14,15 +14,28 @@ Ctrl-C is `KeyboardInterrupt`, a file that cannot be written `OSError`.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from pinwheel_engines.errors import (
     Cancelled,
-    Diverged,
     EngineFailed,
     InputError,
     PinwheelError,
     SceneError,
     Unsupported,
 )
+
+if TYPE_CHECKING:
+    from pinwheel._run import Run
+    from pinwheel_engines.errors import Diverged as _Diverged
+
+    class Diverged(_Diverged):
+        """The numbers ran away; `partial` is the run until then."""
+
+        partial: Run | None  # type: ignore[assignment]
+
+else:
+    from pinwheel_engines.errors import Diverged
 
 __all__ = [
     "Cancelled",

@@ -6,7 +6,7 @@ use pinwheel_files::fits;
 use pinwheel_gearbox::cosimulation::{CoSimulation, Prescribed, Setup};
 use pinwheel_gearbox::{Gearbox, Recorder};
 use pinwheel_scene::channels::FAMILIES;
-use pinwheel_scene::keys::{Key, Kind, key};
+use pinwheel_scene::keys::{Key, Kind, Range, key};
 use pinwheel_scene::{CheckedScene, KEYS, Override, Scene};
 
 /// The scene's file among the resources.
@@ -133,6 +133,20 @@ impl Variable {
     #[must_use]
     pub fn is_boolean(&self) -> bool {
         matches!(self.what, What::Flag(_))
+    }
+
+    /// Least and largest value; infinite where there is none.
+    #[must_use]
+    pub fn limits(&self) -> [f64; 2] {
+        let key = match self.what {
+            What::Key => key(&self.name),
+            What::Input(input) => input.key(),
+            _ => None,
+        };
+        match key.map(|key| key.kind) {
+            Some(Kind::Number(Range::From(low, high) | Range::Between(low, high))) => [low, high],
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        }
     }
 
     /// Whether it is computed.
@@ -297,7 +311,8 @@ fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
         let mut known = own.chain(families);
         let about = known.find(|(pattern, _)| fits(pattern, &name));
         let about = about.map_or("", |(_, about)| about);
-        add(&name, about, What::Column(place), f64::NAN);
+        let (name, about) = element(&name, about, &gearbox.scene);
+        add(&name, &about, What::Column(place), f64::NAN);
     }
     for &(name, what, about) in FLAGS {
         let start = f64::from(u8::from(what == What::Flag(Flag::SceneLoad)));
@@ -307,7 +322,10 @@ fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
         .map_err(|error| error.to_string())?;
     let about =
         "relative error a step of adaptive methods; one that the importer gives goes before it";
-    add("solver.tolerance", about, What::Tolerance, begun.method().1);
+    // A fixed step heeds none.
+    if begun.adaptive() {
+        add("solver.tolerance", about, What::Tolerance, begun.method().1);
+    }
     let scene = serde_json::to_value(&*gearbox.scene).unwrap_or_default();
     for key in KEYS {
         let pointer = format!("/{}", key.name.replace('.', "/"));
@@ -318,6 +336,31 @@ fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
         }
     }
     Ok(all)
+}
+
+/// A numbered column as an element of an array, whose indices begin with 1, and what it is, with its number and the place of its
+/// sleeve at the start.
+fn element(name: &str, about: &str, scene: &Scene) -> (String, String) {
+    let numbered = name.rsplit_once('_');
+    let numbered = numbered.and_then(|(array, k)| Some((array, k.parse::<u32>().ok()?)));
+    let Some((array, k)) = numbered else {
+        return (name.to_owned(), about.to_owned());
+    };
+    let sleeves = match array {
+        _ if array.starts_with("external_sleeve") => Some(scene.gear.external_sleeves),
+        _ if array.starts_with("internal_sleeve") => Some(scene.gear.internal_sleeves),
+        _ => None,
+    };
+    let place = sleeves.map_or_else(String::new, |count| {
+        format!(
+            ", at {:.4} deg at the start",
+            f64::from(k) * 360.0 / count as f64
+        )
+    });
+    (
+        format!("{array}[{}]", k + 1),
+        format!("{about}: number {k}{place}"),
+    )
 }
 
 /// FNV-1a, 128 bits [Fowler, Noll, Vo 1991], as a GUID is written.

@@ -1,5 +1,6 @@
 //! The file: a zip archive of the description, the library and the scene, the same bytes for the same scene and library.
 
+use std::f64::consts::PI;
 use std::io::{Cursor, Write as _};
 use std::path::Path;
 use std::sync::Arc;
@@ -41,6 +42,8 @@ struct Unit {
     /// Exponents of kg, m, s, rad; 0 where they are not whole.
     base: [i32; 4],
     factor: f64,
+    /// The unit that people read it in, and how many of those one is.
+    shown: Option<(&'static str, f64)>,
 }
 
 const fn unit(ending: &'static str, name: &'static str, base: [i32; 4]) -> Unit {
@@ -49,6 +52,14 @@ const fn unit(ending: &'static str, name: &'static str, base: [i32; 4]) -> Unit 
         name,
         base,
         factor: 1.0,
+        shown: None,
+    }
+}
+
+const fn shown(unit: Unit, name: &'static str, factor: f64) -> Unit {
+    Unit {
+        shown: Some((name, factor)),
+        ..unit
     }
 }
 
@@ -56,27 +67,28 @@ const fn unit(ending: &'static str, name: &'static str, base: [i32; 4]) -> Unit 
 const UNITS: [Unit; 15] = [
     unit("_n_m15", "N/m1.5", [0; 4]),
     Unit {
-        factor: std::f64::consts::PI / 10_800.0,
+        factor: PI / 10_800.0,
         ..unit("_arcmin", "arcmin", [0, 0, 0, 1])
     },
     unit("_n_s_m", "N.s/m", [1, 0, -1, 0]),
     unit("_kg_m2", "kg.m2", [1, 2, 0, 0]),
     unit("_w_m2", "W/m2", [1, 0, -3, 0]),
-    unit("_rad_s", "rad/s", [0, 0, -1, 1]),
+    shown(unit("_rad_s", "rad/s", [0, 0, -1, 1]), "rpm", 30.0 / PI),
     unit("_n_m", "N.m", [1, 2, -2, 0]),
     unit("_m_s", "m/s", [0, 1, -1, 0]),
-    unit("_rad", "rad", [0, 0, 0, 1]),
+    shown(unit("_rad", "rad", [0, 0, 0, 1]), "deg", 180.0 / PI),
     unit("_kg", "kg", [1, 0, 0, 0]),
     unit("_pa", "Pa", [1, -1, -2, 0]),
     unit("_n", "N", [1, 1, -2, 0]),
     unit("_w", "W", [1, 2, -3, 0]),
-    unit("_m", "m", [0, 1, 0, 0]),
+    shown(unit("_m", "m", [0, 1, 0, 0]), "mm", 1e3),
     unit("_s", "s", [0, 0, 1, 0]),
 ];
 
 impl Unit {
     /// That of a variable; `None`: a number without.
     fn of(name: &str) -> Option<&'static Self> {
+        let name = name.split_once('[').map_or(name, |(array, _)| array);
         let numbered = name.trim_end_matches(|c: char| c.is_ascii_digit());
         // The number of a sleeve or wheel, but not the 2 of m2.
         let bare = numbered.strip_suffix('_').unwrap_or(name);
@@ -96,8 +108,11 @@ impl Unit {
         if self.factor != 1.0 {
             attributes += &format!(" factor=\"{:e}\"", self.factor);
         }
+        let shown = self.shown.map_or_else(String::new, |(name, factor)| {
+            format!("<DisplayUnit name=\"{name}\" factor=\"{factor:e}\"/>")
+        });
         format!(
-            "    <Unit name=\"{}\"><BaseUnit{attributes}/></Unit>\n",
+            "    <Unit name=\"{}\"><BaseUnit{attributes}/>{shown}</Unit>\n",
             self.name
         )
     }
@@ -109,7 +124,7 @@ struct Row<'a> {
     of: &'a Variable,
     causality: &'static str,
     variability: &'static str,
-    unit: Option<&'static str>,
+    unit: Option<&'static Unit>,
     start: Option<String>,
 }
 
@@ -130,7 +145,7 @@ impl<'a> Row<'a> {
             of,
             causality,
             variability,
-            unit: Unit::of(&of.name).map(|unit| unit.name),
+            unit: Unit::of(&of.name),
             start,
         }
     }
@@ -141,7 +156,21 @@ impl<'a> Row<'a> {
             true => "Boolean",
             false => "Real",
         };
-        let attributes = [("unit", self.unit), ("start", self.start.as_deref())];
+        let number = |value: f64| value.is_finite().then(|| format!("{value:e}"));
+        let [low, high] = self.of.limits().map(number);
+        let nominal = match self.of.what {
+            What::Key | What::Input(_) if self.of.start != 0.0 => number(self.of.start.abs()),
+            _ => None,
+        };
+        let shown = self.unit.and_then(|unit| unit.shown);
+        let attributes = [
+            ("unit", self.unit.map(|unit| unit.name)),
+            ("displayUnit", shown.map(|(name, _)| name)),
+            ("min", low.as_deref()),
+            ("max", high.as_deref()),
+            ("nominal", nominal.as_deref()),
+            ("start", self.start.as_deref()),
+        ];
         let attributes = attributes.map(|(name, value)| match value {
             Some(value) => format!(" {name}=\"{value}\""),
             None => String::new(),
@@ -164,7 +193,7 @@ impl<'a> Row<'a> {
         format!(
             "<tr><td>{name}</td><td>{}</td><td>{}</td><td>{}</td><td>{about}</td></tr>\n",
             self.causality,
-            self.unit.unwrap_or_default(),
+            self.unit.map_or("", |unit| unit.name),
             self.start.as_deref().unwrap_or_default()
         )
     }
@@ -258,7 +287,13 @@ impl Package {
         let scene = self.model.scene();
         let all = self.model.variables().iter().enumerate();
         let rows: Vec<Row<'_>> = all.map(|(k, variable)| Row::new(k, variable)).collect();
-        let used = |unit: &&Unit| rows.iter().any(|row| row.unit == Some(unit.name));
+        let used = |unit: &&Unit| {
+            let names = rows.iter().filter_map(|row| row.unit);
+            names.into_iter().any(|other| other.name == unit.name)
+        };
+        let tolerances = self.model.variables().iter();
+        let tolerance = tolerances.filter(|variable| variable.what == What::Tolerance);
+        let tolerance = tolerance.map(|variable| format!(" tolerance=\"{:e}\"", variable.start));
         let version = env!("CARGO_PKG_VERSION");
         let (name, about) = (escape(&scene.name), escape(&scene.description));
         let outputs = rows.iter().filter(|row| row.of.is_output());
@@ -272,6 +307,7 @@ impl Package {
             guid = self.model.guid(),
             version = version,
             stop_s = format_args!("{:e}", scene.solver.duration_s),
+            tolerance = tolerance.collect::<String>(),
             step_s = format_args!("{:e}", scene.solver.sample_s),
             units = UNITS
                 .iter()

@@ -11,7 +11,7 @@
 //! The usual gear (speed in, torque out) takes the same forces as a run. Where the input is free or the output is not, moments
 //! are summed over all bodies and slopes are differences: more evaluations, the same motion.
 
-use pinwheel_mbs::integrators::{Segments, StepCounts, Stepper};
+use pinwheel_mbs::integrators::{Segments, StepCounts, Stepper, method};
 use pinwheel_mbs::{BodyState, Driver, Formulation, Motion, OdeSystem as _, Reduced};
 use serde::{Deserialize, Serialize};
 
@@ -221,6 +221,12 @@ impl CoSimulation {
     pub fn method(&self) -> (&str, f64) {
         let solver = &self.gearbox.scene.solver;
         (&solver.integrator, solver.tolerance)
+    }
+
+    /// Whether that error sets its steps.
+    #[must_use]
+    pub fn adaptive(&self) -> bool {
+        method(self.method().0).is_some_and(|method| method.adaptive)
     }
 
     /// What the method did since the shafts were last held otherwise.

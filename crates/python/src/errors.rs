@@ -76,11 +76,16 @@ fn fault(error: &SceneError) -> (String, Option<&str>, &str) {
 impl From<SceneError> for Raised {
     fn from(error: SceneError) -> Self {
         let (message, key, remedy) = fault(&error);
-        raise("SceneError", &message, |raised| {
-            raised.setattr("key", key)?;
-            raised.setattr("remedy", remedy)
-        })
+        of_key(&message, key, remedy)
     }
+}
+
+/// A fault that is worded elsewhere, of `key`.
+pub(crate) fn of_key(message: &str, key: Option<&str>, remedy: &str) -> Raised {
+    raise("SceneError", message, |raised| {
+        raised.setattr("key", key)?;
+        raised.setattr("remedy", remedy)
+    })
 }
 
 /// How a run of `engine` ended other than finished; `partial`: what it had computed until then.

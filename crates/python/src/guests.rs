@@ -9,6 +9,7 @@ use pinwheel::studies::choice;
 use pyo3::prelude::*;
 
 use crate::errors::{Raises, input};
+use crate::supervise::Desk;
 
 /// An engine as it is asked for.
 pub(crate) enum Asked {
@@ -17,8 +18,8 @@ pub(crate) enum Asked {
 }
 
 impl Asked {
-    /// A name, or a `pinwheel.Engine`.
-    pub(crate) fn of(engine: &Bound<'_, PyAny>) -> Raises<Self> {
+    /// A name, or a `pinwheel.Engine`, which `desk`'s caller runs; without a desk whoever asks it does.
+    pub(crate) fn of(engine: &Bound<'_, PyAny>, desk: Option<&Desk>) -> Raises<Self> {
         if let Ok(name) = engine.extract::<String>() {
             return Ok(Self::Name(name));
         }
@@ -27,6 +28,10 @@ impl Asked {
             return Err(input(format!(
                 "an engine is a name or a function with @pinwheel.engine, not {kind}"
             )));
+        };
+        let drive = match desk {
+            Some(desk) => desk.at_caller(engine.py(), drive.unbind())?,
+            None => drive.unbind(),
         };
         let text = |name: &str| -> PyResult<String> { engine.getattr(name)?.extract() };
         let track = match text("track")?.as_str() {
@@ -40,13 +45,16 @@ impl Asked {
             summary: text("summary")?,
             differences: text("differences")?,
             order: engine.getattr("order")?.extract()?,
-            drive: drive.unbind(),
+            drive,
             raised: Mutex::new(None),
         }))
     }
 
-    pub(crate) fn each(engines: &[Bound<'_, PyAny>]) -> Raises<Vec<Self>> {
-        engines.iter().map(Self::of).collect()
+    pub(crate) fn each(engines: &[Bound<'_, PyAny>], desk: Option<&Desk>) -> Raises<Vec<Self>> {
+        engines
+            .iter()
+            .map(|engine| Self::of(engine, desk))
+            .collect()
     }
 }
 

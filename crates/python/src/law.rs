@@ -45,7 +45,15 @@ impl Law {
         let forces: Vec<f64> = py.detach(|| {
             let pairs = stiffness.iter().zip(&depth).zip(&rate);
             // Apart there is no force, whatever a law's formula gives there.
-            let force = |((&k, &d), &v)| if d > 0.0 { law.force(k, d, v) } else { 0.0 };
+            let force = |((&k, &d), &v): ((&f64, &f64), &f64)| {
+                if k.is_nan() || d.is_nan() || v.is_nan() {
+                    f64::NAN
+                } else if d > 0.0 {
+                    law.force(k, d, v)
+                } else {
+                    0.0
+                }
+            };
             pairs.map(force).collect()
         });
         out.copy_from_slice(py, &forces)

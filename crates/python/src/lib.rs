@@ -3,6 +3,7 @@
 //! Python holds what users see; here is what must be Rust: scenes are read and checked, engines run with the interpreter's
 //! lock released, studies give their data as JSON and their time series as bytes that numpy takes as they are.
 
+mod design;
 mod errors;
 mod guests;
 mod law;
@@ -27,6 +28,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<studies::Compared>()?;
     module.add_class::<studies::Benched>()?;
     module.add_class::<sweep::Sweep>()?;
+    module.add_class::<design::Designed>()?;
     for function in [
         wrap_pyfunction!(scene::key, module)?,
         wrap_pyfunction!(scene::keys, module)?,
@@ -38,6 +40,10 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(studies::explain, module)?,
         wrap_pyfunction!(studies::engines, module)?,
         wrap_pyfunction!(sweep::perform, module)?,
+        wrap_pyfunction!(scene::schema, module)?,
+        wrap_pyfunction!(design::gear, module)?,
+        wrap_pyfunction!(design::design, module)?,
+        wrap_pyfunction!(design::fmu, module)?,
     ] {
         module.add_function(function)?;
     }

@@ -9,7 +9,7 @@ use serde_json::to_string;
 use crate::errors::{Raised, Raises, ended};
 use crate::guests::Asked;
 use crate::scene::Core;
-use crate::supervise::supervised;
+use crate::supervise::{Desk, supervised};
 use crate::time_series::Columns;
 
 /// A run, its time series apart.
@@ -58,7 +58,8 @@ pub(crate) fn run(
     progress: Option<Py<PyAny>>,
 ) -> Raises<Ran> {
     let checked = &scene.checked;
-    let asked = Asked::of(engine)?;
+    let desk = Desk::new();
+    let asked = Asked::of(engine, Some(&desk))?;
     let named;
     let (engine, guest): (&dyn Engine, _) = match &asked {
         Asked::Name(name) => {
@@ -67,7 +68,7 @@ pub(crate) fn run(
         }
         Asked::Own(guest) => (guest, Some(guest)),
     };
-    let found = supervised(py, progress.as_ref(), |control| {
+    let found = supervised(py, &desk, progress.as_ref(), |control| {
         single::run(&pinwheel::compile(checked)?, engine, check, control)
     })?;
     let found = found.map_err(|error| {

@@ -131,6 +131,12 @@ pub(crate) fn keys() -> Vec<(&'static str, &'static str)> {
     KEYS.iter().map(|key| (key.name, key.about)).collect()
 }
 
+/// What every key may hold: the JSON schema of scene files.
+#[pyfunction]
+pub(crate) fn schema() -> String {
+    pinwheel::scene::schema::schema().to_string()
+}
+
 /// Names of the presets.
 #[pyfunction]
 pub(crate) fn presets() -> Vec<&'static str> {

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 use crate::errors::{Raises, plain};
 use crate::guests::{self, Asked};
 use crate::scene::Core;
-use crate::supervise::supervised;
+use crate::supervise::{Desk, supervised};
 use crate::time_series::Columns;
 
 /// How pages name what made them.
@@ -62,10 +62,11 @@ pub(crate) fn compare(
     progress: Option<Py<PyAny>>,
 ) -> Raises<Compared> {
     let checked = &scene.checked;
-    let engines = guests::engines(Asked::each(&engines)?, checked)?;
+    let desk = Desk::new();
+    let engines = guests::engines(Asked::each(&engines, Some(&desk))?, checked)?;
     let pairs = against.iter().map(|(file, map)| (&**file, &**map));
     let data = foreign::open(pairs)?;
-    let found = supervised(py, progress.as_ref(), |control| {
+    let found = supervised(py, &desk, progress.as_ref(), |control| {
         let gearbox = foreign::with_channels(&data, pinwheel::compile(checked)?)?;
         let input = comparison::Input {
             gearbox: &gearbox,
@@ -113,7 +114,8 @@ pub(crate) fn bench(
     let (target, repeats, longest_s) = options;
     let options = benches::Options::asked(target, repeats, longest_s, methods)?;
     let (mut names, mut own) = (Vec::new(), Vec::<Box<dyn Engine>>::new());
-    for engine in Asked::each(&engines)? {
+    let desk = Desk::new();
+    for engine in Asked::each(&engines, Some(&desk))? {
         match engine {
             Asked::Name(name) => names.push(name),
             Asked::Own(guest) => own.push(Box::new(guest)),
@@ -122,7 +124,7 @@ pub(crate) fn bench(
     if !names.is_empty() || own.is_empty() {
         own.splice(..0, benches::engines(&names, checked)?);
     }
-    let found = supervised(py, progress.as_ref(), |control| {
+    let found = supervised(py, &desk, progress.as_ref(), |control| {
         benches::run(checked, &own, &options, control)
     })?;
     Ok(Benched(found?))

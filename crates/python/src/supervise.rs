@@ -1,16 +1,17 @@
-//! Work on a thread of its own while the interpreter's lock is free: the caller's thread looks for Ctrl-C and tells the
-//! progress.
+//! Work on a thread of its own while the interpreter's lock is free: the caller's thread looks for Ctrl-C, tells the progress,
+//! and runs what is Python. So Ctrl-C is in a solver of the user's what it is in any function: an exception where it stands.
 
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, sync_channel};
-use std::sync::{Mutex, PoisonError};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{Builder, scope};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use pinwheel::studies::{Control, Progress};
-use pyo3::exceptions::PyRuntimeError;
+use pyo3::exceptions::{PyException, PyRuntimeError};
 use pyo3::prelude::*;
+use pyo3::types::{PyCFunction, PyDict};
 
 /// How often signals are looked for and progress is told.
 const EVERY: Duration = Duration::from_millis(50);
@@ -26,22 +27,98 @@ struct Seen {
     simulated_s: Option<[f64; 2]>,
 }
 
+/// What comes to the caller's thread.
+enum Item {
+    /// A solver to run.
+    Call(Call),
+    /// The work is over.
+    End,
+}
+
+/// A solver with its scene and options, and where its result goes.
+struct Call {
+    drive: Py<PyAny>,
+    scene: String,
+    options: Py<PyDict>,
+    answer: SyncSender<PyResult<Py<PyAny>>>,
+}
+
+/// Where threads bring solvers that the caller's thread is to run.
+pub(crate) struct Desk {
+    bring: Sender<Item>,
+    brought: Mutex<Receiver<Item>>,
+}
+
+impl Desk {
+    pub(crate) fn new() -> Self {
+        let (bring, brought) = channel();
+        Self {
+            bring,
+            brought: Mutex::new(brought),
+        }
+    }
+
+    /// The callable `drive`, run by the thread that [`supervised`] was called on.
+    pub(crate) fn at_caller(&self, py: Python<'_>, drive: Py<PyAny>) -> PyResult<Py<PyAny>> {
+        let bring = self.bring.clone();
+        Ok(Py::new(py, AtCaller { drive, bring })?.into_any())
+    }
+}
+
+/// A solver that another thread runs.
+#[pyclass(frozen, module = "pinwheel._core")]
+struct AtCaller {
+    drive: Py<PyAny>,
+    bring: Sender<Item>,
+}
+
+#[pymethods]
+impl AtCaller {
+    fn __call__(&self, py: Python<'_>, scene: String, options: Py<PyDict>) -> PyResult<Py<PyAny>> {
+        let (answer, answered) = sync_channel(1);
+        let call = Call {
+            drive: self.drive.clone_ref(py),
+            scene,
+            options,
+            answer,
+        };
+        let gone = || PyRuntimeError::new_err("nobody is left to run this engine");
+        let sent = self.bring.send(Item::Call(call));
+        sent.map_err(|_| gone())?;
+        py.detach(move || answered.recv()).map_err(|_| gone())?
+    }
+}
+
+/// Says at its end that the work is over, however that comes.
+struct Ending(Sender<Item>);
+
+impl Drop for Ending {
+    fn drop(&mut self) {
+        // Without a receiver nobody waits.
+        let _unheard = self.0.send(Item::End);
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// Does `work`. `progress(done, total, piece, simulated_s, of_s)` is called now and then; what it raises stops the work.
 ///
 /// # Errors
 /// `KeyboardInterrupt`, or what `progress` raised; the work has ended by then.
 pub(crate) fn supervised<T: Send>(
     py: Python<'_>,
+    desk: &Desk,
     progress: Option<&Py<PyAny>>,
     work: impl FnOnce(&Control<'_>) -> T + Send,
 ) -> PyResult<T> {
     let cancel = AtomicBool::new(false);
-    let seen = Mutex::new(Seen::default());
-    let (ending, ended) = sync_channel::<()>(0);
+    let seen = Arc::new(Mutex::new(Seen::default()));
     let (done, raised) = py.detach(|| {
-        let ended = ended;
+        let ending = Ending(desk.bring.clone());
         let report = |at: Progress<'_>| {
-            let mut seen = seen.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut seen = lock(&seen);
             (seen.done, seen.total, seen.simulated_s) = (at.done, at.total, at.simulated_s);
             if seen.piece != at.piece {
                 at.piece.clone_into(&mut seen.piece);
@@ -53,7 +130,6 @@ pub(crate) fn supervised<T: Send>(
                 .name("pinwheel".to_owned())
                 .stack_size(STACK_BYTES)
                 .spawn_scoped(scope, move || {
-                    // Dropped at the end, however it comes.
                     let _ending = ending;
                     work(&control)
                 });
@@ -61,14 +137,25 @@ pub(crate) fn supervised<T: Send>(
                 Ok(worker) => worker,
                 Err(error) => return (Err(error), None),
             };
+            let brought = lock(&desk.brought);
             let mut raised: Option<PyErr> = None;
-            while let Err(RecvTimeoutError::Timeout) = ended.recv_timeout(EVERY) {
-                if raised.is_some() {
-                    continue;
-                }
-                let now = seen.lock().unwrap_or_else(PoisonError::into_inner).clone();
-                let told = Python::attach(|py| tell(py, progress, &now));
-                if let Err(error) = told {
+            loop {
+                let result = match brought.recv_timeout(EVERY) {
+                    Ok(Item::End) | Err(RecvTimeoutError::Disconnected) => break,
+                    Ok(Item::Call(call)) if raised.is_some() => {
+                        Python::attach(|py| call.refuse(py));
+                        continue;
+                    }
+                    Ok(Item::Call(call)) => {
+                        Python::attach(|py| call.run(py, progress, Arc::clone(&seen)))
+                    }
+                    Err(RecvTimeoutError::Timeout) if raised.is_some() => continue,
+                    Err(RecvTimeoutError::Timeout) => {
+                        let now = lock(&seen).clone();
+                        Python::attach(|py| tell(py, progress, &now))
+                    }
+                };
+                if let Err(error) = result {
                     raised = Some(error);
                     cancel.store(true, Ordering::Relaxed);
                 }
@@ -83,11 +170,89 @@ pub(crate) fn supervised<T: Send>(
         return Err(error);
     }
     if let Some(progress) = progress {
-        let mut last = seen.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let mut last = lock(&seen).clone();
         last.done = last.total;
         call(py, progress, &last)?;
     }
     done.map_err(|error| PyRuntimeError::new_err(format!("no thread is left: {error}")))
+}
+
+/// The package's word for a run that was stopped.
+fn stopped(py: Python<'_>) -> PyErr {
+    let made = py
+        .import("pinwheel_engines.errors")
+        .and_then(|errors| errors.getattr("Cancelled")?.call0());
+    made.map_or_else(|broken| broken, PyErr::from_value)
+}
+
+impl Call {
+    /// Answers that the run is stopped.
+    fn refuse(self, py: Python<'_>) {
+        // Whoever asked may be gone.
+        let _unheard = self.answer.send(Err(stopped(py)));
+    }
+
+    /// Runs the solver; `progress` is told at its samples.
+    ///
+    /// # Errors
+    /// What ends all of the work and not only this run: Ctrl-C, or what `progress` raised.
+    fn run(
+        self,
+        py: Python<'_>,
+        progress: Option<&Py<PyAny>>,
+        seen: Arc<Mutex<Seen>>,
+    ) -> PyResult<()> {
+        let refused = Arc::new(Mutex::new(None));
+        let ran = self.listen(py, progress, seen, Arc::clone(&refused));
+        let ran = ran.and_then(|()| self.drive.call1(py, (&self.scene, &self.options)));
+        let told = lock(&refused).take();
+        let stops = match &ran {
+            Err(error) if !error.is_instance_of::<PyException>(py) => Some(error.clone_ref(py)),
+            _ => told,
+        };
+        let answer = match stops {
+            Some(_) => Err(stopped(py)),
+            None => ran,
+        };
+        let _unheard = self.answer.send(answer);
+        stops.map_or(Ok(()), Err)
+    }
+
+    /// Has the solver's reports told to `progress` too, which this thread can not do while it runs the solver.
+    fn listen(
+        &self,
+        py: Python<'_>,
+        progress: Option<&Py<PyAny>>,
+        seen: Arc<Mutex<Seen>>,
+        refused: Arc<Mutex<Option<PyErr>>>,
+    ) -> PyResult<()> {
+        let Some(progress) = progress.map(|progress| progress.clone_ref(py)) else {
+            return Ok(());
+        };
+        let options = self.options.bind(py);
+        let Some(report) = options.get_item("on_progress")?.map(Bound::unbind) else {
+            return Ok(());
+        };
+        let last = Mutex::new(Instant::now());
+        let both = PyCFunction::new_closure(py, None, None, move |args, _| -> PyResult<bool> {
+            let py = args.py();
+            let stop: bool = report.call1(py, args)?.extract(py)?;
+            if lock(&last).elapsed() < EVERY {
+                return Ok(stop);
+            }
+            *lock(&last) = Instant::now();
+            let now = lock(&seen).clone();
+            let told = tell(py, Some(&progress), &now);
+            Ok(match told {
+                Ok(()) => stop,
+                Err(error) => {
+                    *lock(&refused) = Some(error);
+                    true
+                }
+            })
+        })?;
+        options.set_item("on_progress", both)
+    }
 }
 
 fn tell(py: Python<'_>, progress: Option<&Py<PyAny>>, seen: &Seen) -> PyResult<()> {

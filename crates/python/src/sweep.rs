@@ -17,7 +17,7 @@ use pyo3::prelude::*;
 use crate::errors::{Raised, Raises, input, plain};
 use crate::guests::{self, Asked};
 use crate::studies::made;
-use crate::supervise::supervised;
+use crate::supervise::{Desk, supervised};
 
 /// How the marker of folders names who wrote them.
 const COMMAND: &str = "pinwheel.sweep in Python";
@@ -26,6 +26,7 @@ const COMMAND: &str = "pinwheel.sweep in Python";
 #[pyclass(frozen, module = "pinwheel._core")]
 pub(crate) struct Sweep {
     plan: Plan,
+    desk: Desk,
     out: PathBuf,
     force: bool,
     /// `None` after the results are written.
@@ -66,7 +67,8 @@ impl Sweep {
         force: bool,
     ) -> Raises<Self> {
         let mut sweep = sweeps::Sweep::from_toml(text, Path::new(path))?;
-        let (names, own) = guests::split(Asked::each(&engines)?);
+        let desk = Desk::new();
+        let (names, own) = guests::split(Asked::each(&engines, Some(&desk))?);
         if !names.is_empty() {
             sweep.engines = names;
         }
@@ -88,6 +90,7 @@ impl Sweep {
         let records = Mutex::new(vec![None; plan.runs.len()]);
         Ok(Self {
             plan,
+            desk,
             out,
             force,
             journal: Mutex::new(Some(journal)),
@@ -116,7 +119,7 @@ impl Sweep {
 
     /// Runs everything that the journal lacks on `jobs` threads.
     fn execute(&self, py: Python<'_>, jobs: usize, progress: Option<Py<PyAny>>) -> Raises<()> {
-        let found = supervised(py, progress.as_ref(), |control| {
+        let found = supervised(py, &self.desk, progress.as_ref(), |control| {
             let journal = lock(&self.journal);
             let journal = journal.as_ref()?;
             Some(sweeps::execute(&self.plan, journal, jobs, control))
@@ -279,7 +282,7 @@ pub(crate) fn perform(
         Some(_) => KeepTimeSeries::Parquet,
     };
     let place = time_series.map(|(folder, _)| folder).unwrap_or_default();
-    let (_, own) = guests::split(Asked::each(&engines)?);
+    let (_, own) = guests::split(Asked::each(&engines, None)?);
     let guests = Guests(own);
     let mut last = None;
     let each = tasks.into_iter().map(|(number, engine, scene, window_s)| {

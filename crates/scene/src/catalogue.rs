@@ -94,6 +94,25 @@ pub struct Draft {
     pub suggested: Vec<&'static str>,
 }
 
+/// What keys are called where a catalogue's data is typed, in the units of catalogues.
+pub const ARGUMENTS: &[(&str, &str)] = &[
+    ("gear.pin_circle_radius_m", "pin_circle_diameter_mm"),
+    ("gear.shortening", "pin_circle_diameter_mm"),
+    ("gear.external_sleeves", "ratio"),
+    ("gear.external_sleeve_radius_m", "pin_diameter_mm"),
+    ("gear.eccentricity_m", "eccentricity_mm"),
+    ("gear.internal_sleeves", "output_pins"),
+    ("gear.internal_sleeve_radius_m", "output_pin_diameter_mm"),
+    ("gear.hole_radius_m", "output_pin_diameter_mm"),
+    ("gear.internal_circle_radius_m", "output_circle_diameter_mm"),
+    ("gear.face_width_m", "face_width_mm"),
+    ("contact.line_length_m", "face_width_mm"),
+    ("gear.backlash_m", "backlash_mm"),
+    ("drive.input_speed_rad_s", "speed_rpm"),
+    ("drive.output_torque_n_m", "torque_n_m"),
+    ("contact.friction_coefficient", "friction"),
+];
+
 /// Of a circle of pins, m; a smaller one was typed in metres where millimetres were asked for.
 const IN_METRES: f64 = 3e-3;
 /// Shortening coefficient that is suggested, and the least one.

@@ -106,28 +106,6 @@ fn materials() -> impl TypedValueParser<Value = Material> {
     })
 }
 
-/// Flags of what a message names by its key.
-pub(crate) const FLAGS: &[(&str, &str)] = &[
-    ("gear.pin_circle_radius_m", "--pin-circle-diameter-mm"),
-    ("gear.shortening", "--pin-circle-diameter-mm"),
-    ("gear.external_sleeves", "--ratio"),
-    ("gear.external_sleeve_radius_m", "--pin-diameter-mm"),
-    ("gear.eccentricity_m", "--eccentricity-mm"),
-    ("gear.internal_sleeves", "--output-pins"),
-    ("gear.internal_sleeve_radius_m", "--output-pin-diameter-mm"),
-    ("gear.hole_radius_m", "--output-pin-diameter-mm"),
-    (
-        "gear.internal_circle_radius_m",
-        "--output-circle-diameter-mm",
-    ),
-    ("gear.face_width_m", "--face-width-mm"),
-    ("contact.line_length_m", "--face-width-mm"),
-    ("gear.backlash_m", "--backlash-mm"),
-    ("drive.input_speed_rad_s", "--speed-rpm"),
-    ("drive.output_torque_n_m", "--torque-n-m"),
-    ("contact.friction_coefficient", "--friction"),
-];
-
 impl InitArgs {
     pub(crate) fn catalogue(&self, name: String) -> Catalogue {
         let mm = |length: f64| 1e-3 * length;

@@ -27,7 +27,7 @@ mod sweep;
 pub(crate) use baseline::{Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
 pub(crate) use bench::BenchArgs;
 pub(crate) use calibrate::CalibrateArgs;
-pub(crate) use design::{DesignArgs, FLAGS, InitArgs};
+pub(crate) use design::{DesignArgs, InitArgs};
 pub(crate) use explore::ExploreArgs;
 pub(crate) use fmu::FmuArgs;
 pub(crate) use paper::PaperArgs;

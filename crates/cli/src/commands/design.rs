@@ -4,6 +4,7 @@ use std::path::Path;
 
 use pinwheel::pages;
 use pinwheel::scene::Fault;
+use pinwheel::scene::catalogue::ARGUMENTS;
 use pinwheel::studies::{Provenance, design};
 
 use crate::args::{self, DesignArgs, InitArgs, quoted};
@@ -40,10 +41,11 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
 
 /// The fault with flags in place of the keys that they give.
 fn by_flag(fault: &Fault) -> Failure {
-    let text = args::FLAGS
+    let flag = |name: &str| format!("--{}", name.replace('_', "-"));
+    let text = ARGUMENTS
         .iter()
-        .fold(fault.to_string(), |text, (key, flag)| {
-            text.replace(key, flag)
+        .fold(fault.to_string(), |text, (key, name)| {
+            text.replace(key, &flag(name))
         });
     Failure::input(text)
 }

@@ -65,7 +65,9 @@ impl Drawing {
         })
     }
 
-    fn dxf(&self) -> String {
+    /// As a drawing in DXF, lengths in millimetres.
+    #[must_use]
+    pub fn dxf(&self) -> String {
         let mut text = String::new();
         let mut put = |code: u32, value: &str| {
             let _ = writeln!(text, "{code:>3}\n{value}");

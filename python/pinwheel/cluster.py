@@ -1,4 +1,4 @@
-"""`python -m pinwheel.sweep FILE`: a sweep by threads or by a Dask cluster, from the command line.
+"""`python -m pinwheel.cluster FILE`: a sweep by threads or by a Dask cluster, from the command line.
 
 Exit status: 0 all runs finished, 2 wrong input, 3 a run did not finish or workers were lost, 130 stopped.
 """
@@ -16,7 +16,7 @@ from pinwheel.errors import ClusterError, PinwheelError
 
 def main(arguments: list[str] | None = None) -> int:
     """Runs the command line; its exit status."""
-    parser = argparse.ArgumentParser(prog="python -m pinwheel.sweep", description="Runs a sweep file (docs/sweeps.md).")
+    parser = argparse.ArgumentParser(prog="python -m pinwheel.cluster", description="Runs a sweep file (docs/sweeps.md).")
     parser.add_argument("file", help="sweep file (TOML)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster, tcp://host:8786, or its scheduler file")
     parser.add_argument("--engines", metavar="A,B", help="instead of the file's")

@@ -1,0 +1,73 @@
+"""Writes `pinwheel/_keys.py`, the types of a scene's keys, from the program's table of keys: `python make_keys.py`."""
+
+import json
+from pathlib import Path
+
+from pinwheel import _core
+from pinwheel._scene import TABLES
+
+HEAD = '''"""Types of a scene's keys; written by `python/make_keys.py` from the program's table of keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+'''
+
+
+def annotation(schema: dict) -> str:
+    """The type of what a key holds."""
+    if "enum" in schema:
+        return f"Literal[{', '.join(json.dumps(name) for name in schema['enum'])}]"
+    kinds = schema["type"]
+    if isinstance(kinds, list):
+        return "str | Sequence[str]"
+    item = schema.get("items", {})
+    array = "Sequence[Mapping[str, Any]]" if item.get("type") == "object" else "Sequence[float] | npt.NDArray[np.float64]"
+    return {"number": "float", "integer": "int", "string": "str", "array": array}[kinds]
+
+
+def leaves(schema: dict, prefix: str = "") -> dict[str, dict]:
+    """Every key in full, with its schema."""
+    found = {}
+    for name, inner in schema["properties"].items():
+        full = f"{prefix}{name}"
+        if full == "uncertain":
+            continue
+        found.update(leaves(inner, f"{full}.") if "properties" in inner else {full: inner})
+    return found
+
+
+def text() -> str:
+    """The module."""
+    keys = leaves(json.loads(_core.schema()))
+    bare: dict[str, str] = {}
+    for full in keys:
+        last = full.rpartition(".")[2]
+        try:
+            bare[last] = _core.key(last)
+        except ValueError:  # it stands for several
+            continue
+    counts = sorted(full for full, schema in keys.items() if schema.get("type") == "integer")
+    lines = [HEAD, "# Keys that hold whole numbers.", "COUNTS = frozenset("]
+    lines += ["    {", *(f'        "{name}",' for name in counts), "    }", ")", ""]
+    lines += ["", "class Keys(TypedDict, total=False):", '    """Keys by their last part, and tables."""', ""]
+    lines += [f"    {table}: Mapping[str, Any]" for table in TABLES]
+    for name, full in bare.items():
+        about = keys[full].get("description", "").replace("\\", "\\\\").replace('"', "'")
+        lines += [f"    {name}: {annotation(keys[full])}", f'    """{about}"""']
+    lines += ["", "", "Axis: TypeAlias = Sequence[Any] | Mapping[str, Any] | Any"]
+    lines += ["# Keys that vary, by their last part or in full."]
+    every = [*bare, *(full for full in keys if "." in full)]
+    lines += ["Vary = TypedDict(", '    "Vary",', "    {"]
+    lines += [f"        {json.dumps(name)}: Axis," for name in every]
+    lines += ["    },", "    total=False,", ")", ""]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    Path(__file__).with_name("pinwheel").joinpath("_keys.py").write_text(text(), encoding="utf-8")

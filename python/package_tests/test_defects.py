@@ -1,0 +1,155 @@
+"""What once was wrong or misled, a test each."""
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from decimal import Decimal
+
+import numpy as np
+import pytest
+
+import pinwheel
+from pinwheel import InputError, Scene, SceneError
+
+SHORT = Scene("paper", duration_s=0.004)
+
+
+@pinwheel.engine(order=1)
+def my_euler(job):
+    """Euler's method."""
+    angles, rates = job.angles, job.rates
+    job.sample(angles, rates)
+    for steps in job.intervals():
+        for start, length in steps:
+            job.at(start, length)
+            accelerations = job.torques(start, angles, rates) / job.moments
+            accelerations[job.INPUT] = 0.0
+            rates = rates + length * accelerations
+            angles = angles + length * rates
+        job.sample(angles, rates)
+
+
+def test_a_comparison_knows_engines_as_they_were_asked_for():
+    found = pinwheel.compare(SHORT.with_(duration_s=2e-4), ["native", my_euler])
+    assert found["native"] is found["native-reduced"]
+    assert found[my_euler] is found["my-euler"] is found["my_euler"]
+    with pytest.raises(KeyError, match="did you mean `native-reduced`"):
+        found["native-reducd"]
+
+
+def test_two_sweeps_without_a_folder_are_both_there(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    short = SHORT.with_(duration_s=1e-3)
+    first = pinwheel.sweep(short, vary={"backlash_m": [0.0, 1e-4]}, engines="native")
+    second = pinwheel.sweep(short, vary={"damping_n_s_m": [8.0]}, engines="native")
+    assert first.out != second.out
+    assert "backlash" in first.page() and (first.out / "results.csv").read_text() != (second.out / "results.csv").read_text()
+    # The same again is the same folder, and goes on with what is there.
+    assert pinwheel.sweep(short, vary={"damping_n_s_m": [8.0]}, engines="native", resume=True).out == second.out
+
+
+@pytest.mark.parametrize("study", ["run", "compare"])
+def test_ctrl_c_stops_a_python_engine_where_it_stands(study):
+    @pinwheel.engine
+    def sleepy(job):
+        """Sleeps."""
+        time.sleep(20.0)
+
+    begun = time.monotonic()
+    threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    with pytest.raises(KeyboardInterrupt):
+        SHORT.run(sleepy) if study == "run" else pinwheel.compare(SHORT, [sleepy])
+    assert time.monotonic() - begun < 10.0
+
+
+def test_progress_that_raises_ends_a_python_engine():
+    @pinwheel.engine
+    def slow(job):
+        """Takes its time."""
+        for _ in job.times_s:
+            time.sleep(0.02)
+            job.sample(job.angles, job.rates)
+
+    def refuse(*at):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        SHORT.run(slow, progress=refuse)
+
+
+def test_a_plot_is_axes_and_is_drawn_once():
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    from matplotlib import pyplot
+    from matplotlib.axes import Axes
+
+    run = SHORT.run("native", check=False)
+    axes = run.plot("input_torque_n_m")
+    assert isinstance(axes, Axes), "a figure as a cell's value is drawn beside the one that pyplot shows"
+    _, mine = pyplot.subplots()
+    assert run.plot("input_torque_n_m", ax=mine) is mine
+    both = run.plot("input_torque_n_m", "external_sleeve_force_n")
+    assert [type(one) for one in both] == [type(mine)] * 2
+    pyplot.close("all")
+
+
+def test_no_number_has_no_force():
+    law = pinwheel.Law("paper")
+    assert np.isnan(law([1e7, np.nan, 1e7], [np.nan, 1e-5, 1e-5], [0.0, 0.0, np.nan])).all()
+    assert law(1e7, -1e-6) == 0.0
+
+
+def test_a_missing_package_is_named_as_pip_knows_it():
+    from pinwheel._columns import wanted
+
+    with pytest.raises(ImportError, match=r"pip install nowhere,"):
+        wanted("nowhere.pyplot", "plot")
+
+
+def test_the_function_sweep_stays_one():
+    code = "import pinwheel\ntry:\n    import pinwheel.sweep\nexcept ImportError:\n    assert callable(pinwheel.sweep)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_a_table_of_statics_shows_figures(tmp_path):
+    small = {"points": 2, "backlash_m": {"from": 2e-6, "to": 8e-6}}
+    found = pinwheel.sweep(Scene("steel"), sample=small, engines="statics", out=tmp_path / "out")
+    assert "<th>lost_motion_arcmin</th>" in found._repr_html_()
+
+
+def test_wrong_words_of_a_sweep():
+    vary = {"backlash_m": [0.0, 1e-4]}
+    with pytest.raises(InputError, match=r"`varry` is no argument of a sweep.*did you mean `vary`"):
+        pinwheel.sweep(SHORT, varry=vary)
+    with pytest.raises(InputError, match="`time_series`"):
+        pinwheel.sweep(SHORT, vary=vary, courses="csv")
+    with pytest.raises(InputError, match="jobs = 0"):
+        pinwheel.sweep(SHORT, vary=vary, jobs=0)
+
+
+def test_keys_change_together(tmp_path):
+    found = pinwheel.sweep(
+        SHORT.with_(duration_s=1e-3), together={"wheels": [1, 2], "output_torque_n_m": [11.0, 22.0]}, out=tmp_path / "out"
+    )
+    assert list(zip(found["gear.wheels"], found["drive.output_torque_n_m"], strict=True)) == [(1, 11.0), (2, 22.0)]
+
+
+def test_numbers_of_all_kinds():
+    assert Scene("paper", wheels=2.0) == Scene("paper", wheels=np.float64(2)) == Scene("paper", wheels=2)
+    assert Scene("paper", backlash_m=Decimal("0.0006")) == Scene("paper", backlash_m=6e-4)
+    with pytest.raises(SceneError, match=r"gear.wheels.*whole number"):
+        Scene("paper", wheels=2.5)
+    for nothing in (None, {1, 2}):
+        with pytest.raises(TypeError, match="`backlash_m`"):
+            Scene("paper", backlash_m=nothing)
+
+
+def test_units_typed_with_numbers():
+    with pytest.raises(SceneError, match=r"did you mean 0\.0006\?"):
+        Scene("paper", backlash_m="0.6 mm")
+    with pytest.raises(SceneError, match=r"`gear\.pin_circle_radius_m`.*metres"):
+        Scene("paper", pin_circle_radius_m=52.0, eccentricity_m=0.75, external_sleeve_radius_m=2.0)

@@ -1,0 +1,59 @@
+"""Twenty tasks of a user's work, and types catch what is wrong before anything runs."""
+
+import subprocess
+import sys
+
+import pytest
+import twenty_tasks
+from conftest import ROOT
+
+# What a type checker must refuse, a line each.
+WRONG = """\
+import pinwheel
+pinwheel.Scene("paper", backlsh_m=1)
+pinwheel.Scene("paper", wheels="two")
+pinwheel.Scene("paper").with_(law="papr")
+pinwheel.sweep("paper", vary={"backlsh_m": [0.0]})
+pinwheel.sweep("paper", vary={"backlash_m": [0.0]}, stp_s=1e-5)
+pinwheel.compare("paper").verdicts[0].verdict == "agreed"
+pinwheel.gear(ratio=39, pin_circle_diameter_mm=104.0, torque_n_m=200.0)
+"""
+
+
+def test_twenty_tasks(tmp_path):
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    twenty_tasks.main(tmp_path)
+
+
+def test_types(tmp_path):
+    wrong = tmp_path / "wrong.py"
+    wrong.write_text(WRONG)
+    tasks = str(ROOT / "python/package_tests/twenty_tasks.py")
+    settings = ["--config-file", str(ROOT / "python/pyproject.toml"), "--cache-dir", str(ROOT / "target/mypy-tasks")]
+    checked = subprocess.run(
+        [sys.executable, "-m", "mypy", *settings, tasks, str(wrong)],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+    )
+    errors = [line for line in checked.stdout.splitlines() if ": error:" in line]
+    lines = [int(line.split("wrong.py:")[1].split(":")[0]) for line in errors if "wrong.py:" in line]
+    assert len(errors) == len(lines), checked.stdout
+    assert sorted(set(lines)) == list(range(2, 9)), checked.stdout
+
+
+def test_keys_are_those_of_the_program(monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / "python"))
+    make_keys = pytest.importorskip("make_keys")
+    assert make_keys.text() == (ROOT / "python/pinwheel/_keys.py").read_text(), "run python/make_keys.py"
+
+
+def test_help_says_what_attributes_are(capsys):
+    import pinwheel
+
+    for kind, attribute in ((pinwheel.Run, "resolution"), (pinwheel.Verdict, "uncertainty"), (pinwheel.Sweep, "cpu_s")):
+        help(kind)
+        assert f"{attribute}: " in capsys.readouterr().out

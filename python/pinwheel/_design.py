@@ -1,0 +1,224 @@
+"""From a catalogue to a scene, from a scene to a designer's figures, and to a co-simulation unit."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from math import pi
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from pinwheel import _core
+from pinwheel._columns import near, wanted
+from pinwheel._page import Paged, plain
+from pinwheel._progress import Told, telling
+from pinwheel._scene import Scene
+
+if TYPE_CHECKING:
+    import pandas
+
+Material = Literal["steel", "cast-iron", "bronze", "aluminium", "pom", "nylon", "pla"]
+
+
+def gear(
+    name: str = "mine",
+    *,
+    ratio: int,
+    pin_circle_diameter_mm: float,
+    torque_n_m: float,
+    speed_rpm: float,
+    material: Material = "steel",
+    pin_diameter_mm: float | None = None,
+    eccentricity_mm: float | None = None,
+    wheels: int | None = None,
+    output_pins: int | None = None,
+    output_pin_diameter_mm: float | None = None,
+    output_circle_diameter_mm: float | None = None,
+    face_width_mm: float | None = None,
+    backlash_mm: float | None = None,
+    friction: float | None = None,
+) -> Scene:
+    """A scene from a catalogue's data, as `pinwheel init` makes it: diameters in mm, what is left out is suggested.
+
+    >>> s = gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500)
+    >>> s["external_sleeves"], s["pin_circle_radius_m"]
+    (40, 0.052)
+    """
+
+    def metres(length_mm: float | None) -> float | None:
+        return None if length_mm is None else 1e-3 * length_mm
+
+    given = {
+        "ratio": ratio,
+        "pin_circle_diameter_m": metres(pin_circle_diameter_mm),
+        "torque_n_m": torque_n_m,
+        "speed_rad_s": speed_rpm * pi / 30.0,
+        "material": material,
+        "pin_diameter_m": metres(pin_diameter_mm),
+        "eccentricity_m": metres(eccentricity_mm),
+        "wheels": wheels,
+        "output_pins": output_pins,
+        "output_pin_diameter_m": metres(output_pin_diameter_mm),
+        "output_circle_diameter_m": metres(output_circle_diameter_mm),
+        "face_width_m": metres(face_width_mm),
+        "backlash_m": metres(backlash_mm),
+        "friction": friction,
+    }
+    return Scene.from_toml(_core.gear(name, given))
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of a gear with what is known of its uncertainty; `float(figure)` is its value.
+
+    Attributes:
+        key: name for programs, which ends in the unit
+        what: what it is, in words
+        value: None where it does not exist, such as the efficiency of a gear at rest
+        unit: empty for counts
+        uncertainty: how far the value may be off numerically; None where that is not known
+        by_contact_law: least and largest by the contact laws that may be right for these materials
+        over_the_mesh: least and largest over the mesh
+        how: how it is counted
+
+    """
+
+    key: str
+    what: str
+    value: float | None
+    unit: str
+    uncertainty: float | None
+    by_contact_law: tuple[float, float] | None
+    over_the_mesh: tuple[float, float] | None
+    how: str
+
+    def __float__(self) -> float:
+        return float("nan") if self.value is None else self.value
+
+    def __str__(self) -> str:
+        if self.value is None:
+            return f"{self.what}: none"
+        off = "" if self.uncertainty is None else f" ± {self.uncertainty:.1g}"
+        band = "" if self.by_contact_law is None else " ({:.4g} to {:.4g} by contact law)".format(*self.by_contact_law)
+        return f"{self.what}: {self.value:.5g}{off} {self.unit}".rstrip() + band
+
+
+class Design(Paged, Mapping[str, Figure]):
+    """Figures of a gear by their names: `design["lost_motion_arcmin"].value`.
+
+    Attributes:
+        scene: the gear's
+        data: all that was found, with courses over the mesh: the program's `design.json`
+
+    """
+
+    def __init__(self, scene: Scene, core: _core.Designed) -> None:
+        self.scene = scene
+        self.data: dict[str, Any] = json.loads(core.json())
+        self._page, self._text, self._dxf = core.page, plain(core.text()), core.dxf()
+        words = dict(core.words())
+        self._figures = {found["key"]: _figure(found, words[found["key"]]) for found in self.data["figures"]}
+
+    _called = "design"
+
+    def __getitem__(self, key: str) -> Figure:
+        if key in self._figures:
+            return self._figures[key]
+        raise KeyError(f"no figure `{key}`; {near(key, self, self)}")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._figures)
+
+    def __len__(self) -> int:
+        return len(self._figures)
+
+    def _ipython_key_completions_(self) -> list[str]:
+        return list(self)
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A DataFrame: a row a figure, by name."""
+        rows = []
+        for figure in self.values():
+            row = {field.name: getattr(figure, field.name) for field in fields(figure)}
+            for name in ("by_contact_law", "over_the_mesh"):
+                row[f"{name}_least"], row[f"{name}_largest"] = row.pop(name) or (None, None)
+            rows.append(row)
+        return wanted("pandas", "frames").DataFrame(rows).set_index("key")
+
+    def save_dxf(self, folder: str | os.PathLike[str]) -> list[Path]:
+        """Writes the outline of every disc as `disc_N.dxf`, lengths in mm; the files."""
+        place = Path(folder)
+        place.mkdir(parents=True, exist_ok=True)
+        files = [place / f"disc_{number}.dxf" for number in range(len(self._dxf))]
+        for file, text in zip(files, self._dxf, strict=True):
+            file.write_text(text, encoding="utf-8", newline="\n")
+        return files
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __repr__(self) -> str:
+        return f"<Design of {self.scene['name']}: {len(self)} figures>"
+
+    def _repr_html_(self) -> str:
+        rows = []
+        for figure in self.values():
+            off = "" if figure.uncertainty is None else f"{figure.uncertainty:.1g}"
+            band = "" if figure.by_contact_law is None else "{:.4g} to {:.4g}".format(*figure.by_contact_law)
+            value = "none" if figure.value is None else f"{figure.value:.5g}"
+            cells = (figure.what, value, off, figure.unit, band)
+            text = "".join(f"<td>{html.escape(cell)}</td>" for cell in cells)
+            rows.append(f'<tr title="{html.escape(figure.how)}">{text}</tr>')
+        head = "".join(f"<th>{word}</th>" for word in ("", "value", "± numerical", "unit", "by contact law"))
+        return f"<p>{html.escape(repr(self)[1:-1])}</p><table><tr>{head}</tr>{''.join(rows)}</table>"
+
+
+def _figure(found: dict[str, Any], what: str) -> Figure:
+    band, mesh = found.get("by_contact_law"), found.get("over_the_mesh")
+    return Figure(
+        key=found["key"],
+        what=what,
+        value=found["value"],
+        unit=found["unit"],
+        uncertainty=found["numerical_uncertainty"],
+        by_contact_law=None if band is None else (band[0], band[1]),
+        over_the_mesh=None if mesh is None else (mesh[0], mesh[1]),
+        how=found["how"],
+    )
+
+
+def design(scene: Scene | str, *, progress: bool | Told | None = None) -> Design:
+    """What a designer asks of a gear under its rated load: lost motion, stiffness, pressure, efficiency and more.
+
+    Statics and a few runs; `statics` leaves the runs out.
+    """
+    return _design(scene, True, progress)
+
+
+def statics(scene: Scene | str, *, progress: bool | Told | None = None) -> Design:
+    """The figures of `design` that balances of the contacts at rest give; no run, so no efficiency.
+
+    >>> found = statics("steel")
+    >>> found["torsional_stiffness_n_m_per_arcmin"].unit
+    'N m/arcmin'
+    """
+    return _design(scene, False, progress)
+
+
+def _design(scene: Scene | str, runs: bool, progress: bool | Told | None) -> Design:
+    made = scene if isinstance(scene, Scene) else Scene(scene)
+    with telling(progress, "design" if runs else "statics") as told:
+        return Design(made, _core.design(made._inner, runs, told))
+
+
+def fmu(scene: Scene | str, path: str | os.PathLike[str]) -> Path:
+    """Writes the scene as a co-simulation unit of FMI 2.0 (docs/fmu.md); the file."""
+    from pinwheel.__main__ import beside
+
+    made = scene if isinstance(scene, Scene) else Scene(scene)
+    target = Path(path)
+    target.write_bytes(_core.fmu(made._inner, beside("fmu")))
+    return target

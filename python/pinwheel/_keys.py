@@ -1,0 +1,336 @@
+"""Types of a scene's keys; written by `python/make_keys.py` from the program's table of keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypedDict
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+# Keys that hold whole numbers.
+COUNTS = frozenset(
+    {
+        "bearings.eccentric.rollers",
+        "contact.hole_points",
+        "contact.wheel_points",
+        "gear.external_sleeves",
+        "gear.internal_sleeves",
+        "gear.wheels",
+    }
+)
+
+
+class Keys(TypedDict, total=False):
+    """Keys by their last part, and tables."""
+
+    gear: Mapping[str, Any]
+    mass: Mapping[str, Any]
+    drive: Mapping[str, Any]
+    contact: Mapping[str, Any]
+    bearings: Mapping[str, Any]
+    solver: Mapping[str, Any]
+    output: Mapping[str, Any]
+    base: str
+    """preset or scene file from which everything is taken that is left out here"""
+    clearance_m: float
+    """its radial clearance; absent: 0 (m)"""
+    damping_n_s_m: float
+    """C: damping of a contact (N s/m); if left out: 5 % of critical damping of the fastest mode under the largest static load; gear meshes have 3 to 17 %"""
+    dynamic_rating_n: float
+    """its basic dynamic rating C, for its life after ISO 281 (N)"""
+    exponent: float
+    """p of its force K d^p; absent: 1, or 10/9 of rollers"""
+    roller_length_m: float
+    """length of these rollers (m)"""
+    rollers: int
+    """its rollers, where they give K after Palmgren"""
+    stiffness_n_m: float
+    """K of the bearing that carries a wheel on its eccentric; or give rollers (N m)"""
+    output_torsion_n_m_rad: float
+    """torsional stiffness of carrier and flange; absent: rigid; counts in `design` alone (N m/rad)"""
+    constant_stiffness_n_m15: float
+    """K of laws with one stiffness for all contacts (N/m^1.5); if left out: after Hertz, of an external sleeve on a flat; used by laws of one stiffness only"""
+    detection: Literal["exact", "points"]
+    """how the contact point is found; if left out 'exact': the closest point of the curve"""
+    disc_depth_m: float
+    """how deep a wheel is behind a contact, of the law line-hertz; absent: the wall between a hole and the profile, at least half of the external sleeves' radius (m)"""
+    external_spring_n_m: float
+    """k of external contacts under the law linear; absent: the secant of line-hertz under the largest load (N m)"""
+    friction_coefficient: float
+    """mu; 0: no friction; if left out 0.0: no friction"""
+    friction_dynamic_coefficient: float
+    """mu_d of the friction law adams; if left out 0.0: used by the friction law adams only"""
+    friction_dynamic_speed_m_s: float
+    """sliding speed from which mu_d holds (m/s); if left out: 20 times contact.friction_ramp_m_s; used by the friction law adams only"""
+    friction_law: Literal["regularised", "adams"]
+    """form of the friction; if left out 'regularised': Coulomb with a linear ramp"""
+    friction_ramp_m_s: float
+    """sliding speed at which friction reaches mu F_n (m/s); if left out: a thousandth of omega e"""
+    hole_points: int
+    """points on a hole; if left out 100: used by detection points only"""
+    impact_speed_m_s: float
+    """speed of an impact with that restitution (m/s); if left out 0.01: used by the hysteresis laws only"""
+    internal_spring_n_m: float
+    """k of internal contacts, likewise (N m)"""
+    internal_stiffness_multiplier: float
+    """H of internal contacts, of laws of balls; absent: that of all"""
+    law: Literal["paper", "paper-conservative", "constant", "hunt-crossley", "lee-wang", "herbert-mcwhannell", "lankarani-nikravesh", "flores", "adams-impact", "line-contact", "line-hertz", "linear", "paper-printed"]
+    """normal law; if left out 'line-hertz': rollers on a line, both bodies elastic; creates no energy"""
+    line_length_m: float
+    """length of a line contact (m); if left out: the face width, or 0.15 R; used by laws of rollers and for pressures"""
+    pin_poisson: float
+    """Poisson's ratio of the sleeves; absent: that of the wheels"""
+    pin_young_pa: float
+    """E of the sleeves; absent: that of the wheels (Pa)"""
+    poisson: float
+    """Poisson's ratio of the wheels; if left out 0.3: steel"""
+    ramp_m: float
+    """penetration at which S reaches 1 (m); if left out: a tenth of the penetration under the largest static load"""
+    restitution: float
+    """c of the hysteresis laws; if left out 0.9: used by the hysteresis laws only"""
+    stiffness_multiplier: float
+    """H: factor on the stiffness after Hertz; if left out 1.0: the full stiffness after Hertz"""
+    wheel_points: int
+    """points on a wheel's profile; if left out: 100 a lobe, at least 4000; used by detection points only"""
+    young_pa: float
+    """E of the wheels (Pa); if left out 2.1e11: steel"""
+    description: str
+    """why this scene exists, one sentence"""
+    input_speed_rad_s: float
+    """omega (rad/s)"""
+    load_changes: Sequence[Mapping[str, Any]]
+    """what the load becomes during the run"""
+    load_ramp_s: float
+    """the load rises linearly over this time; 0: at once (s); if left out 0.0: the load acts at once"""
+    output_torque_n_m: float
+    """load on the output shaft; positive opposes the motion of a positive input speed (N m)"""
+    start: Literal["kinematic", "equilibrium"]
+    """state at t = 0; if left out 'kinematic': rates of the ideal mesh, load at once"""
+    backlash_m: float
+    """d: external sleeves sit at R + d (m); if left out 0.0: no backlash"""
+    eccentricity_m: float
+    """e (m)"""
+    external_sleeve_radial_m: Sequence[float] | npt.NDArray[np.float64]
+    """of each external sleeve, how far it sits outwards of its place (m)"""
+    external_sleeve_radius_m: float
+    """q: radius of an external sleeve (m)"""
+    external_sleeve_tangential_m: Sequence[float] | npt.NDArray[np.float64]
+    """of each external sleeve, how far it sits counter-clockwise of its place (m)"""
+    hole_radial_m: Sequence[float] | npt.NDArray[np.float64]
+    """of each hole, wheel by wheel, how far it sits outwards of its place (m)"""
+    hole_radius_m: float
+    """radius of a wheel's hole (m); if left out: gear.internal_sleeve_radius_m + gear.eccentricity_m: a hole without clearance"""
+    hole_tangential_m: Sequence[float] | npt.NDArray[np.float64]
+    """of each hole, wheel by wheel, how far it sits counter-clockwise of its place (m)"""
+    internal_sleeve_radial_m: Sequence[float] | npt.NDArray[np.float64]
+    """of each internal sleeve, how far it sits outwards of its place (m)"""
+    internal_sleeve_radius_m: float
+    """radius of an internal sleeve (m)"""
+    internal_sleeve_tangential_m: Sequence[float] | npt.NDArray[np.float64]
+    """of each internal sleeve, how far it sits counter-clockwise of its place (m)"""
+    phase_rad: Sequence[float] | npt.NDArray[np.float64]
+    """of each wheel, how far its eccentric stands counter-clockwise of its place (rad)"""
+    external_sleeves: int
+    """zk: sleeves on the housing; a wheel has one lobe less"""
+    face_width_m: float
+    """thickness of a wheel; for masses that are left out (m)"""
+    internal_circle_radius_m: float
+    """circle the internal sleeves sit on (m)"""
+    internal_sleeves: int
+    """zi: sleeves on the output shaft"""
+    equidistant_m: float
+    """the generating sleeve's radius is larger than q by this: above 0 the wheel's whole edge lies that much further in (m)"""
+    radial_m: float
+    """the generating circle is larger than R by this: below 0 the wheel is smaller (m)"""
+    rotational_rad: float
+    """both flanks of a lobe are turned towards its middle by this (rad)"""
+    pin_circle_radius_m: float
+    """R: circle of the external sleeves without backlash; instead of gear.shortening (m)"""
+    shortening: float
+    """m: shortening coefficient e zk/R; if left out: e zk/R with R = gear.pin_circle_radius_m"""
+    wheels: int
+    """wheels, evenly phased on the eccentric"""
+    density_kg_m3: float
+    """density of all bodies; for masses that are left out (kg/m^3)"""
+    name: str
+    """name shown in reports; the file's if left out"""
+    channels: str | Sequence[str]
+    """columns beyond those every run has; `*` stands for any characters"""
+    duration_s: float
+    """end time (s); if left out: until the start-up has died away and two turns of the input more; 3 to 10 turns"""
+    formulation: Literal["reduced", "lagrange"]
+    """which equations are integrated; if left out 'reduced': centre-pinned bodies eliminated exactly"""
+    integrator: Literal["auto", "rk2", "rk4", "dopri5", "dop853", "etd-adams", "imex2", "imex2-adaptive", "rodas5p"]
+    """name of the integrator; if left out 'auto': the method that the scene's forces ask for"""
+    sample_s: float
+    """samples stand this far apart (s); if left out: 40 a mesh period and 4 a period of the fastest mode, at most 20000 in all"""
+    stabilisation: Literal["projection", "baumgarte", "none"]
+    """how the Lagrange form keeps its constraints; if left out 'projection': of the Lagrange form"""
+    step_s: float
+    """step of fixed-step methods (s); if left out: about 50 a period of the fastest mode under the largest static load"""
+    tolerance: float
+    """relative error a step of adaptive methods; if left out 1e-6: relative error a step of adaptive methods"""
+
+
+Axis: TypeAlias = Sequence[Any] | Mapping[str, Any] | Any
+# Keys that vary, by their last part or in full.
+Vary = TypedDict(
+    "Vary",
+    {
+        "base": Axis,
+        "clearance_m": Axis,
+        "damping_n_s_m": Axis,
+        "dynamic_rating_n": Axis,
+        "exponent": Axis,
+        "roller_length_m": Axis,
+        "rollers": Axis,
+        "stiffness_n_m": Axis,
+        "output_torsion_n_m_rad": Axis,
+        "constant_stiffness_n_m15": Axis,
+        "detection": Axis,
+        "disc_depth_m": Axis,
+        "external_spring_n_m": Axis,
+        "friction_coefficient": Axis,
+        "friction_dynamic_coefficient": Axis,
+        "friction_dynamic_speed_m_s": Axis,
+        "friction_law": Axis,
+        "friction_ramp_m_s": Axis,
+        "hole_points": Axis,
+        "impact_speed_m_s": Axis,
+        "internal_spring_n_m": Axis,
+        "internal_stiffness_multiplier": Axis,
+        "law": Axis,
+        "line_length_m": Axis,
+        "pin_poisson": Axis,
+        "pin_young_pa": Axis,
+        "poisson": Axis,
+        "ramp_m": Axis,
+        "restitution": Axis,
+        "stiffness_multiplier": Axis,
+        "wheel_points": Axis,
+        "young_pa": Axis,
+        "description": Axis,
+        "input_speed_rad_s": Axis,
+        "load_changes": Axis,
+        "load_ramp_s": Axis,
+        "output_torque_n_m": Axis,
+        "start": Axis,
+        "backlash_m": Axis,
+        "eccentricity_m": Axis,
+        "external_sleeve_radial_m": Axis,
+        "external_sleeve_radius_m": Axis,
+        "external_sleeve_tangential_m": Axis,
+        "hole_radial_m": Axis,
+        "hole_radius_m": Axis,
+        "hole_tangential_m": Axis,
+        "internal_sleeve_radial_m": Axis,
+        "internal_sleeve_radius_m": Axis,
+        "internal_sleeve_tangential_m": Axis,
+        "phase_rad": Axis,
+        "external_sleeves": Axis,
+        "face_width_m": Axis,
+        "internal_circle_radius_m": Axis,
+        "internal_sleeves": Axis,
+        "equidistant_m": Axis,
+        "radial_m": Axis,
+        "rotational_rad": Axis,
+        "pin_circle_radius_m": Axis,
+        "shortening": Axis,
+        "wheels": Axis,
+        "density_kg_m3": Axis,
+        "name": Axis,
+        "channels": Axis,
+        "duration_s": Axis,
+        "formulation": Axis,
+        "integrator": Axis,
+        "sample_s": Axis,
+        "stabilisation": Axis,
+        "step_s": Axis,
+        "tolerance": Axis,
+        "bearings.eccentric.clearance_m": Axis,
+        "bearings.eccentric.damping_n_s_m": Axis,
+        "bearings.eccentric.dynamic_rating_n": Axis,
+        "bearings.eccentric.exponent": Axis,
+        "bearings.eccentric.roller_length_m": Axis,
+        "bearings.eccentric.rollers": Axis,
+        "bearings.eccentric.stiffness_n_m": Axis,
+        "bearings.output_torsion_n_m_rad": Axis,
+        "contact.constant_stiffness_n_m15": Axis,
+        "contact.damping_n_s_m": Axis,
+        "contact.detection": Axis,
+        "contact.disc_depth_m": Axis,
+        "contact.external_spring_n_m": Axis,
+        "contact.friction_coefficient": Axis,
+        "contact.friction_dynamic_coefficient": Axis,
+        "contact.friction_dynamic_speed_m_s": Axis,
+        "contact.friction_law": Axis,
+        "contact.friction_ramp_m_s": Axis,
+        "contact.hole_points": Axis,
+        "contact.impact_speed_m_s": Axis,
+        "contact.internal_spring_n_m": Axis,
+        "contact.internal_stiffness_multiplier": Axis,
+        "contact.law": Axis,
+        "contact.line_length_m": Axis,
+        "contact.pin_poisson": Axis,
+        "contact.pin_young_pa": Axis,
+        "contact.poisson": Axis,
+        "contact.ramp_m": Axis,
+        "contact.restitution": Axis,
+        "contact.stiffness_multiplier": Axis,
+        "contact.wheel_points": Axis,
+        "contact.young_pa": Axis,
+        "drive.input_speed_rad_s": Axis,
+        "drive.load_changes": Axis,
+        "drive.load_ramp_s": Axis,
+        "drive.output_torque_n_m": Axis,
+        "drive.start": Axis,
+        "gear.backlash_m": Axis,
+        "gear.eccentricity_m": Axis,
+        "gear.errors.eccentricity_m": Axis,
+        "gear.errors.external_sleeve_radial_m": Axis,
+        "gear.errors.external_sleeve_radius_m": Axis,
+        "gear.errors.external_sleeve_tangential_m": Axis,
+        "gear.errors.hole_radial_m": Axis,
+        "gear.errors.hole_radius_m": Axis,
+        "gear.errors.hole_tangential_m": Axis,
+        "gear.errors.internal_sleeve_radial_m": Axis,
+        "gear.errors.internal_sleeve_radius_m": Axis,
+        "gear.errors.internal_sleeve_tangential_m": Axis,
+        "gear.errors.phase_rad": Axis,
+        "gear.external_sleeve_radius_m": Axis,
+        "gear.external_sleeves": Axis,
+        "gear.face_width_m": Axis,
+        "gear.hole_radius_m": Axis,
+        "gear.internal_circle_radius_m": Axis,
+        "gear.internal_sleeve_radius_m": Axis,
+        "gear.internal_sleeves": Axis,
+        "gear.modification.equidistant_m": Axis,
+        "gear.modification.radial_m": Axis,
+        "gear.modification.rotational_rad": Axis,
+        "gear.pin_circle_radius_m": Axis,
+        "gear.shortening": Axis,
+        "gear.wheels": Axis,
+        "mass.density_kg_m3": Axis,
+        "mass.external_sleeve.mass_kg": Axis,
+        "mass.external_sleeve.moment_kg_m2": Axis,
+        "mass.input_shaft.mass_kg": Axis,
+        "mass.input_shaft.moment_kg_m2": Axis,
+        "mass.internal_sleeve.mass_kg": Axis,
+        "mass.internal_sleeve.moment_kg_m2": Axis,
+        "mass.output_shaft.mass_kg": Axis,
+        "mass.output_shaft.moment_kg_m2": Axis,
+        "mass.wheel.mass_kg": Axis,
+        "mass.wheel.moment_kg_m2": Axis,
+        "output.channels": Axis,
+        "solver.duration_s": Axis,
+        "solver.formulation": Axis,
+        "solver.integrator": Axis,
+        "solver.sample_s": Axis,
+        "solver.stabilisation": Axis,
+        "solver.step_s": Axis,
+        "solver.tolerance": Axis,
+    },
+    total=False,
+)
