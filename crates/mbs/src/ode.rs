@@ -116,6 +116,12 @@ pub trait Formulation: OdeSystem {
         self.observe(t, y)
     }
 
+    /// The same where it takes no evaluation: the last one was of this state, to be observed
+    /// ([`OdeSystem::derivative_to_observe`]).
+    fn observe_at_hand(&mut self, _t: f64, _y: &[f64]) -> Option<Observation<'_>> {
+        None
+    }
+
     /// Velocities integrated.
     fn degrees_of_freedom(&self) -> usize;
 

@@ -78,6 +78,12 @@ struct Evaluated {
     energy: Option<ContactEnergy>,
 }
 
+impl Evaluated {
+    fn is_of(&self, t: f64, y: &[f64]) -> bool {
+        self.valid && self.time == t && self.y.as_slice() == y
+    }
+}
+
 impl<F: Forces> Reduced<F> {
     /// Eliminates the translations of `mechanism`; `idle` bodies must never receive a moment.
     ///
@@ -280,10 +286,7 @@ impl<F: Forces> Reduced<F> {
 
     /// Everything at (t, y) that an observation tells of the forces, unless it is at hand.
     fn evaluate_whole(&mut self, t: f64, y: &[f64]) {
-        let Evaluated {
-            valid, time, y: of, ..
-        } = &self.evaluated;
-        if *valid && *time == t && of.as_slice() == y {
+        if self.evaluated.is_of(t, y) {
             return;
         }
         self.turn(t, y);
@@ -554,6 +557,10 @@ impl<F: Forces> Formulation for Reduced<F> {
     fn observe_reduced(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
         self.evaluate_whole(t, y);
         self.see(t)
+    }
+
+    fn observe_at_hand(&mut self, t: f64, y: &[f64]) -> Option<Observation<'_>> {
+        self.evaluated.is_of(t, y).then(|| self.see(t))
     }
 
     fn degrees_of_freedom(&self) -> usize {

@@ -554,11 +554,7 @@ impl EtdAdams {
             &self.seen[..linear.dimension],
             &mut self.f[..linear.dimension],
         );
-        if lands {
-            system.derivative_to_observe(end, seen, f);
-        } else {
-            system.derivative(end, seen, f);
-        }
+        system.derivative_to_observe(end, seen, f);
         self.counts.evaluations += 1;
         let point = history.push();
         copy(&self.seen, &mut point.y);
@@ -695,6 +691,13 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
                 }
             }
             _ => self.start.interpolate(system, t, y),
+        }
+    }
+
+    fn seen(&self) -> Option<&[f64]> {
+        match self.runs && self.taken > 0 {
+            true => self.shown.then(|| &self.seen[..self.y.len()]),
+            false => Stepper::<S>::seen(&self.start),
         }
     }
 
