@@ -1,0 +1,466 @@
+//! Means and extremes of what runs on between samples, and what sampling leaves them off by.
+//!
+//! A solver that hands out the states at its own steps has them folded into one [`Interval`] a sample ([`Between`]); of all other
+//! runs the samples themselves are taken. Either way a quantity is known in *points*, of which a mean is the integral of the
+//! cubic through the four nearest, over time. An extreme is that of the parabola through a point and its neighbours or of the
+//! quartic through five, whichever is less, and never less than the point itself.
+//!
+//! What lies between points shows in the sixth difference d of seven, with weights whose squares add up to 1: next to nothing
+//! where the course is smooth over them, and the scatter itself where each point stands for itself, as an oscillation does that
+//! they do not follow. Then a mean is off by about `sqrt(sum (h d)^2)/T`, of which [`SAFETY`] times is stated, and an extreme by d
+//! and by what parabola and quartic are apart.
+
+use std::ops::Range;
+
+use crate::norms::{Statistics, View};
+use crate::{TimeSeries, columns};
+
+/// Points that tell how smooth a course is.
+const POINTS: usize = 7;
+/// Factor between the scatter of a mean and what is stated.
+const SAFETY: f64 = 2.5;
+/// Points that are settled at a time.
+const CHUNK: usize = 256;
+/// A point nearer to the one before than this share of the distance before that says nothing new.
+const NEAR: f64 = 0.1;
+/// Spacings that differ by less than this share are equal.
+const EQUAL: f64 = 1e-6;
+/// 1 over the root of 924, by which the squares of the weights for equal spacings add up to 1.
+const EVEN: [f64; POINTS] = {
+    let unit = 0.032_897_584_747_988_45;
+    [
+        unit,
+        -6.0 * unit,
+        15.0 * unit,
+        -20.0 * unit,
+        15.0 * unit,
+        -6.0 * unit,
+        unit,
+    ]
+};
+
+/// A quantity at one time, all its channels together.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Sum over the channels.
+    pub sum: f64,
+    /// Sum of the squares.
+    pub squares: f64,
+    /// Smallest of the channels.
+    pub min: f64,
+    /// Largest of the channels.
+    pub max: f64,
+}
+
+impl Point {
+    /// Of the values of all channels.
+    pub fn of(values: impl Iterator<Item = f64>) -> Self {
+        let nothing = Self {
+            sum: 0.0,
+            squares: 0.0,
+            min: f64::INFINITY,
+            max: f64::NEG_INFINITY,
+        };
+        values.fold(nothing, |all, value| Self {
+            sum: all.sum + value,
+            squares: all.squares + value * value,
+            min: if value < all.min { value } else { all.min },
+            max: if value > all.max { value } else { all.max },
+        })
+    }
+}
+
+/// A quantity between two samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Interval {
+    /// Integrals over time of the sum and of the squares, and the squares of what they may be off by.
+    integrals: [f64; 2],
+    off: [f64; 2],
+    /// Largest and smallest value, and how far beyond them it may reach.
+    max: [f64; 2],
+    min: [f64; 2],
+}
+
+const EMPTY: Interval = Interval {
+    integrals: [0.0; 2],
+    off: [0.0; 2],
+    max: [f64::NEG_INFINITY; 2],
+    min: [f64::INFINITY; 2],
+};
+
+/// Quantities between the samples of a run, from points in the order of time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Between {
+    names: Vec<&'static str>,
+    /// By quantity and interval.
+    intervals: Vec<Vec<Interval>>,
+    /// Points that are not settled yet and those before them that they need: times, which of them are samples, values by quantity.
+    times: Vec<f64>,
+    samples: Vec<bool>,
+    points: Vec<Vec<Point>>,
+    /// Intervals between points that are settled, of those.
+    settled: usize,
+    /// Points that were no samples.
+    others: usize,
+}
+
+impl Between {
+    /// Of these quantities, with room for so many samples.
+    #[must_use]
+    pub fn new(names: &[&'static str], samples: usize) -> Self {
+        Self {
+            names: names.to_vec(),
+            intervals: vec![Vec::with_capacity(samples); names.len()],
+            times: Vec::with_capacity(CHUNK + POINTS),
+            samples: Vec::with_capacity(CHUNK + POINTS),
+            points: vec![Vec::with_capacity(CHUNK + POINTS); names.len()],
+            settled: 0,
+            others: 0,
+        }
+    }
+
+    /// The quantities at a time, s. Times do not fall; of two that are next to each other a sample is taken.
+    pub fn push(&mut self, time: f64, is_sample: bool, points: &[Point]) {
+        if let [.., before, last] = self.times[..]
+            && time - last < NEAR * (last - before)
+        {
+            let kept = self.times.len() - 1;
+            if !is_sample {
+                return;
+            }
+            if !self.samples[kept] {
+                self.truncate(kept);
+                self.others -= 1;
+            }
+        }
+        if self.times.len() == CHUNK + POINTS {
+            self.settle(CHUNK + POINTS - 4);
+            self.forget();
+        }
+        self.times.push(time);
+        self.samples.push(is_sample);
+        self.others += usize::from(!is_sample);
+        for (all, point) in self.points.iter_mut().zip(points) {
+            all.push(*point);
+        }
+    }
+
+    fn truncate(&mut self, count: usize) {
+        self.times.truncate(count);
+        self.samples.truncate(count);
+        self.points.iter_mut().for_each(|all| all.truncate(count));
+    }
+
+    /// Drops the points that no later one needs.
+    fn forget(&mut self) {
+        let first = self.settled.saturating_sub(3);
+        self.times.drain(..first);
+        self.samples.drain(..first);
+        self.points
+            .iter_mut()
+            .for_each(|all| drop(all.drain(..first)));
+        self.settled -= first;
+    }
+
+    /// Settles the intervals from point to point up to the point `end`.
+    fn settle(&mut self, end: usize) {
+        let count = self.times.len();
+        if count < POINTS {
+            return;
+        }
+        let mut stencil = Stencil::default();
+        for i in self.settled..end {
+            stencil.set(&self.times, i);
+            let starts = self.samples[i];
+            for (points, intervals) in self.points.iter().zip(&mut self.intervals) {
+                // What precedes the first sample has no interval.
+                if starts {
+                    intervals.push(EMPTY);
+                }
+                let Some(last) = intervals.len().checked_sub(1) else {
+                    continue;
+                };
+                stencil.integrate(points, &mut intervals[last]);
+                if i > 0 {
+                    stencil.extremes(points, |at, is_max, value, beyond| {
+                        // Of a sample the extreme may lie before it.
+                        let place = last.saturating_sub(usize::from(starts && at < 0.0));
+                        let interval = &mut intervals[place];
+                        if is_max {
+                            interval.max[0] = interval.max[0].max(value);
+                            interval.max[1] = interval.max[1].max(value + beyond);
+                        } else {
+                            interval.min[0] = interval.min[0].min(value);
+                            interval.min[1] = interval.min[1].min(value - beyond);
+                        }
+                    });
+                }
+            }
+        }
+        self.settled = end;
+    }
+
+    /// The whole run, in which there was more than samples; `None` if there was not, or too little of all.
+    #[must_use]
+    pub fn finish(mut self) -> Option<Self> {
+        let last = self.times.len().checked_sub(1)?;
+        self.settle(last);
+        let is_more = self.others > 0 && self.settled == last;
+        self.times = Vec::new();
+        self.samples = Vec::new();
+        self.points = Vec::new();
+        is_more.then_some(self)
+    }
+}
+
+/// The points about one interval from point to point.
+#[derive(Debug, Default)]
+struct Stencil {
+    /// The point before the interval, and the first of the seven and of the four.
+    at: usize,
+    seven: usize,
+    four: usize,
+    /// Length of the interval, s.
+    h: f64,
+    differences: [f64; POINTS],
+    integrals: [f64; 4],
+    /// Times about the point, in the unit of h; `None` at either end.
+    around: Option<[f64; 5]>,
+}
+
+impl Stencil {
+    fn set(&mut self, times: &[f64], i: usize) {
+        let count = times.len();
+        self.at = i;
+        self.h = times[i + 1] - times[i];
+        self.seven = i.saturating_sub(3).min(count - POINTS);
+        self.four = i.saturating_sub(1).min(count - 4);
+        let h = self.h;
+        let is_even = |first: usize, points: usize| {
+            let pairs = times[first..first + points].windows(2);
+            pairs.fold(true, |all, pair| {
+                all & ((pair[1] - pair[0] - h).abs() <= EQUAL * h)
+            })
+        };
+        let local = |k: usize| (times[k] - times[i]) / h;
+        let all_even = is_even(self.seven, POINTS);
+        if all_even {
+            self.differences = EVEN;
+        } else {
+            let at: [f64; POINTS] = std::array::from_fn(|k| local(self.seven + k));
+            self.differences = divided(at);
+        }
+        if all_even && i - self.four == 1 {
+            let inner = 13.0 / 24.0 * h;
+            self.integrals = [-h / 24.0, inner, inner, -h / 24.0];
+        } else {
+            let at: [f64; 4] = std::array::from_fn(|k| local(self.four + k));
+            self.integrals = cubic(at).map(|share| share * h);
+        }
+        let inside = (2..count.saturating_sub(2)).contains(&i);
+        self.around = inside.then(|| std::array::from_fn(|k| local(i + k - 2)));
+    }
+
+    #[inline]
+    fn difference(&self, points: &[Point], of: fn(&Point) -> f64) -> f64 {
+        let seven = points[self.seven..self.seven + POINTS].iter();
+        let parts = seven.zip(&self.differences);
+        parts.map(|(point, weight)| weight * of(point)).sum()
+    }
+
+    #[inline]
+    fn integrate(&self, points: &[Point], into: &mut Interval) {
+        let four = points[self.four..self.four + 4].iter();
+        for (point, weight) in four.zip(self.integrals) {
+            into.integrals[0] += weight * point.sum;
+            into.integrals[1] += weight * point.squares;
+        }
+        let off = [
+            self.difference(points, |p| p.sum),
+            self.difference(points, |p| p.squares),
+        ];
+        into.off[0] += (self.h * off[0]).powi(2);
+        into.off[1] += (self.h * off[1]).powi(2);
+        let (low, high) = (&points[self.at], &points[self.at + 1]);
+        let (max, min) = (low.max.max(high.max), low.min.min(high.min));
+        into.max = into.max.map(|known| known.max(max));
+        into.min = into.min.map(|known| known.min(min));
+    }
+
+    /// Tells the extremes about the point: where in units of h from it, whether a maximum, the value, and how far beyond it.
+    #[inline]
+    fn extremes(&self, points: &[Point], mut tell: impl FnMut(f64, bool, f64, f64)) {
+        let Some(around) = &self.around else { return };
+        let here = &points[self.at - 1..=self.at + 1];
+        if here[1].max > here[0].max && here[1].max >= here[2].max {
+            let values = std::array::from_fn(|k| points[self.at + k - 2].max);
+            let (at, value, apart) = vertex(around, values);
+            let off = self.difference(points, |p| p.max).abs();
+            tell(at, true, value, apart + off);
+        }
+        // A contact that is open is open.
+        if here[1].min < here[0].min && here[1].min <= here[2].min && here[1].min != 0.0 {
+            let values = std::array::from_fn(|k| -points[self.at + k - 2].min);
+            let (at, value, apart) = vertex(around, values);
+            let off = self.difference(points, |p| p.min).abs();
+            tell(at, false, -value, apart + off);
+        }
+    }
+}
+
+/// Weights of the highest divided difference at these times, the squares of which add up to 1.
+fn divided(at: [f64; POINTS]) -> [f64; POINTS] {
+    let weight = |k: usize| -> f64 {
+        let others = (0..POINTS).filter(|&j| j != k);
+        others.map(|j| at[k] - at[j]).product::<f64>().recip()
+    };
+    let weights: [f64; POINTS] = std::array::from_fn(weight);
+    let size = weights.iter().map(|w| w * w).sum::<f64>().sqrt();
+    weights.map(|w| w / size)
+}
+
+/// Weights of the integral from 0 to 1 of the cubic through the values at these times.
+fn cubic(at: [f64; 4]) -> [f64; 4] {
+    // Gauss' two points, exact for it.
+    let from_middle = 0.5 / 3.0_f64.sqrt();
+    std::array::from_fn(|k| {
+        let basis = |t: f64| -> f64 {
+            let others = (0..4).filter(|&j| j != k);
+            others.map(|j| (t - at[j]) / (at[k] - at[j])).product()
+        };
+        0.5 * (basis(0.5 - from_middle) + basis(0.5 + from_middle))
+    })
+}
+
+/// The maximum near the middle of five points, which is above its neighbours: where, how large at least, and how far
+/// parabola and quartic are apart there.
+fn vertex(at: &[f64; 5], values: [f64; 5]) -> (f64, f64, f64) {
+    let slope = |a: usize, b: usize| (values[b] - values[a]) / (at[b] - at[a]);
+    let bend = (slope(2, 3) - slope(1, 2)) / (at[3] - at[1]);
+    // Newton's parabola through the points 1, 2, 3, whose slope is 0 at its vertex.
+    let place = 0.5 * (at[1] + at[2] - slope(1, 2) / bend);
+    if !place.is_finite() {
+        return (0.0, values[2], 0.0);
+    }
+    let parabola = values[1] + (place - at[1]) * (slope(1, 2) + (place - at[2]) * bend);
+    let quartic: f64 = (0..5)
+        .map(|k| {
+            let others = (0..5).filter(|&j| j != k);
+            values[k]
+                * others
+                    .map(|j| (place - at[j]) / (at[k] - at[j]))
+                    .product::<f64>()
+        })
+        .sum();
+    let least = parabola.min(quartic).max(values[2]);
+    (place, least, (parabola - quartic).abs())
+}
+
+/// Figures of a quantity over a window, and what sampling leaves each of them off by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figures {
+    /// The figures.
+    pub statistics: Statistics,
+    /// How far each may be off by what lies between points.
+    pub sampling: Statistics,
+}
+
+impl Figures {
+    /// Of all `channels` of the quantity `name` over the samples `window`; `None` if one is missing or not finite, or without
+    /// samples.
+    #[must_use]
+    pub fn of(
+        time_series: &TimeSeries,
+        name: &str,
+        channels: &[impl AsRef<str>],
+        window: Range<usize>,
+    ) -> Option<Self> {
+        let view = View::of(time_series, channels, window.clone())?;
+        let samples = Statistics::of(&view)?;
+        let times = &time_series.time_s()[window.clone()];
+        let known = time_series.between().and_then(|all| all.intervals_of(name));
+        let known = known.and_then(|all| all.get(window.start..window.end - 1));
+        if let Some(intervals) = known {
+            return Some(Self::within(
+                samples,
+                view.channels().len(),
+                times,
+                intervals,
+            ));
+        }
+        let mut all = Between::new(&[""], times.len());
+        for (k, &time) in times.iter().enumerate() {
+            let point = Point::of(view.channels().iter().map(|channel| channel[k]));
+            all.push(time, true, &[point]);
+        }
+        all.settle(all.times.len() - 1);
+        let intervals = &all.intervals[0];
+        if intervals.len() + 1 == times.len() && times.len() >= POINTS {
+            return Some(Self::within(
+                samples,
+                view.channels().len(),
+                times,
+                intervals,
+            ));
+        }
+        // Too few to tell more than that.
+        let range = samples.max - samples.min;
+        let sampling = Statistics {
+            mean: range,
+            min: range,
+            max: range,
+            rms: range,
+            peak: range,
+        };
+        Some(Self {
+            statistics: samples,
+            sampling,
+        })
+    }
+
+    fn within(samples: Statistics, channels: usize, times: &[f64], all: &[Interval]) -> Self {
+        let duration = times[times.len() - 1] - times[0];
+        let share = 1.0 / (duration * channels as f64);
+        let sum = |of: fn(&Interval) -> f64| all.iter().map(of).sum::<f64>();
+        let off = |of: fn(&Interval) -> f64| SAFETY * share * sum(of).sqrt();
+        let square = (share * sum(|i| i.integrals[1])).max(0.0);
+        let rms = square.sqrt();
+        let off_square = off(|i| i.off[1]);
+        let largest = |k: usize| all.iter().fold(samples.max, |most, i| most.max(i.max[k]));
+        let smallest = |k: usize| all.iter().fold(samples.min, |least, i| least.min(i.min[k]));
+        let ([max, highest], [min, lowest]) = ([0, 1].map(largest), [0, 1].map(smallest));
+        let peak = max.max(-min);
+        Self {
+            statistics: Statistics {
+                mean: share * sum(|i| i.integrals[0]),
+                min,
+                max,
+                rms,
+                peak,
+            },
+            sampling: Statistics {
+                mean: off(|i| i.off[0]),
+                min: min - lowest,
+                max: highest - max,
+                // Also where the root is next to nothing.
+                rms: (square + off_square).sqrt() - rms,
+                peak: highest.max(-lowest) - peak,
+            },
+        }
+    }
+}
+
+impl Between {
+    fn intervals_of(&self, name: &str) -> Option<&[Interval]> {
+        let place = self.names.iter().position(|known| *known == name)?;
+        Some(&self.intervals[place])
+    }
+}
+
+/// The quantities of a gearbox that [`Between`] is kept of: those every engine has, but for the output's angle.
+pub const QUANTITIES: [&str; 4] = [
+    columns::INPUT_TORQUE,
+    columns::OUTPUT_TORQUE,
+    columns::EXTERNAL_FORCE,
+    columns::INTERNAL_FORCE,
+];
