@@ -1,7 +1,7 @@
 //! Turns states at sample times into the contract's time series. Every engine records through this.
 
 use pinwheel_mbs::{BodyState, Observation, Wrench};
-use pinwheel_timeseries::sampling::{Between, Point, QUANTITIES};
+use pinwheel_timeseries::sampling::{self, Between, Point, QUANTITIES};
 use pinwheel_timeseries::{TimeSeries, columns};
 
 use crate::Gearbox;
@@ -275,7 +275,7 @@ fn points(layout: Layout, row: &[f64]) -> [Point; QUANTITIES.len()] {
     let (head, sleeves) = row.split_at(columns::HEAD.len());
     let (externals, others) = sleeves.split_at(layout.external_sleeves);
     let internals = &others[..layout.internal_sleeves];
-    [&head[..1], &head[1..2], externals, internals].map(|all| Point::of(all.iter().copied()))
+    [&head[..1], &head[1..2], externals, internals].map(|all| sampling::point(all.iter().copied()))
 }
 
 #[cfg(test)]

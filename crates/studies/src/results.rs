@@ -23,6 +23,15 @@ pub struct Figure {
     pub sampling: Option<f64>,
 }
 
+impl Figure {
+    /// Whether it is off by sampling more than by all else.
+    #[must_use]
+    pub fn is_off_by_sampling(&self) -> bool {
+        let both = self.sampling.zip(self.uncertainty);
+        both.is_some_and(|(sampling, all)| sampling > 0.5 * all)
+    }
+}
+
 /// The figures of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Results {

@@ -39,35 +39,25 @@ const EVEN: [f64; POINTS] = {
     ]
 };
 
-/// A quantity at one time, all its channels together.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
-    /// Sum over the channels.
-    pub sum: f64,
-    /// Sum of the squares.
-    pub squares: f64,
-    /// Smallest of the channels.
-    pub min: f64,
-    /// Largest of the channels.
-    pub max: f64,
-}
+/// A quantity at one time, all its channels together: sum, sum of the squares, smallest and largest.
+pub type Point = [f64; 4];
 
-impl Point {
-    /// Of the values of all channels.
-    pub fn of(values: impl Iterator<Item = f64>) -> Self {
-        let nothing = Self {
-            sum: 0.0,
-            squares: 0.0,
-            min: f64::INFINITY,
-            max: f64::NEG_INFINITY,
-        };
-        values.fold(nothing, |all, value| Self {
-            sum: all.sum + value,
-            squares: all.squares + value * value,
-            min: if value < all.min { value } else { all.min },
-            max: if value > all.max { value } else { all.max },
-        })
-    }
+const SUM: usize = 0;
+const SQUARES: usize = 1;
+const MIN: usize = 2;
+const MAX: usize = 3;
+
+/// The point of the values of all channels.
+pub fn point(values: impl Iterator<Item = f64>) -> Point {
+    let nothing = [0.0, 0.0, f64::INFINITY, f64::NEG_INFINITY];
+    values.fold(nothing, |[sum, squares, min, max], value| {
+        [
+            sum + value,
+            squares + value * value,
+            if value < min { value } else { min },
+            if value > max { value } else { max },
+        ]
+    })
 }
 
 /// A quantity between two samples.
@@ -182,7 +172,7 @@ impl Between {
                 };
                 stencil.integrate(points, &mut intervals[last]);
                 if i > 0 {
-                    stencil.extremes(points, |at, is_max, value, beyond| {
+                    stencil.extremes(&self.times, points, |at, is_max, value, beyond| {
                         // Of a sample the extreme may lie before it.
                         let place = last.saturating_sub(usize::from(starts && at < 0.0));
                         let interval = &mut intervals[place];
@@ -224,112 +214,137 @@ struct Stencil {
     h: f64,
     differences: [f64; POINTS],
     integrals: [f64; 4],
-    /// Times about the point, in the unit of h; `None` at either end.
-    around: Option<[f64; 5]>,
 }
 
 impl Stencil {
     fn set(&mut self, times: &[f64], i: usize) {
         let count = times.len();
+        let (from, h) = (times[i], times[i + 1] - times[i]);
         self.at = i;
-        self.h = times[i + 1] - times[i];
+        self.h = h;
         self.seven = i.saturating_sub(3).min(count - POINTS);
         self.four = i.saturating_sub(1).min(count - 4);
-        let h = self.h;
-        let is_even = |first: usize, points: usize| {
-            let pairs = times[first..first + points].windows(2);
-            pairs.fold(true, |all, pair| {
-                all & ((pair[1] - pair[0] - h).abs() <= EQUAL * h)
-            })
+        let seven: &[f64; POINTS] = points_from(times, self.seven);
+        let even = (1..POINTS).fold(true, |all, k| {
+            all & ((seven[k] - seven[k - 1] - h).abs() <= EQUAL * h)
+        });
+        let inverse = h.recip();
+        self.differences = if even {
+            EVEN
+        } else {
+            divided(&seven.map(|t| (t - from) * inverse))
         };
-        let local = |k: usize| (times[k] - times[i]) / h;
-        let all_even = is_even(self.seven, POINTS);
-        if all_even {
-            self.differences = EVEN;
-        } else {
-            let at: [f64; POINTS] = std::array::from_fn(|k| local(self.seven + k));
-            self.differences = divided(at);
-        }
-        if all_even && i - self.four == 1 {
-            let inner = 13.0 / 24.0 * h;
-            self.integrals = [-h / 24.0, inner, inner, -h / 24.0];
-        } else {
-            let at: [f64; 4] = std::array::from_fn(|k| local(self.four + k));
-            self.integrals = cubic(at).map(|share| share * h);
-        }
-        let inside = (2..count.saturating_sub(2)).contains(&i);
-        self.around = inside.then(|| std::array::from_fn(|k| local(i + k - 2)));
-    }
-
-    #[inline]
-    fn difference(&self, points: &[Point], of: fn(&Point) -> f64) -> f64 {
-        let seven = points[self.seven..self.seven + POINTS].iter();
-        let parts = seven.zip(&self.differences);
-        parts.map(|(point, weight)| weight * of(point)).sum()
+        let four: &[f64; 4] = points_from(times, self.four);
+        let four = four.map(|t| (t - from) * inverse);
+        self.integrals = cubic(&four, i - self.four).map(|share| share * h);
     }
 
     #[inline]
     fn integrate(&self, points: &[Point], into: &mut Interval) {
-        let four = points[self.four..self.four + 4].iter();
-        for (point, weight) in four.zip(self.integrals) {
-            into.integrals[0] += weight * point.sum;
-            into.integrals[1] += weight * point.squares;
+        let four: &[Point; 4] = points_from(points, self.four);
+        let integrals = weighted(four, &self.integrals);
+        let seven: &[Point; POINTS] = points_from(points, self.seven);
+        let off = weighted(seven, &self.differences);
+        for k in [SUM, SQUARES] {
+            into.integrals[k] += integrals[k];
+            into.off[k] += (self.h * off[k]).powi(2);
         }
-        let off = [
-            self.difference(points, |p| p.sum),
-            self.difference(points, |p| p.squares),
-        ];
-        into.off[0] += (self.h * off[0]).powi(2);
-        into.off[1] += (self.h * off[1]).powi(2);
-        let (low, high) = (&points[self.at], &points[self.at + 1]);
-        let (max, min) = (low.max.max(high.max), low.min.min(high.min));
-        into.max = into.max.map(|known| known.max(max));
-        into.min = into.min.map(|known| known.min(min));
+        for point in &points[self.at..=self.at + 1] {
+            into.max = into.max.map(|known| {
+                if point[MAX] > known {
+                    point[MAX]
+                } else {
+                    known
+                }
+            });
+            into.min = into.min.map(|known| {
+                if point[MIN] < known {
+                    point[MIN]
+                } else {
+                    known
+                }
+            });
+        }
     }
 
     /// Tells the extremes about the point: where in units of h from it, whether a maximum, the value, and how far beyond it.
     #[inline]
-    fn extremes(&self, points: &[Point], mut tell: impl FnMut(f64, bool, f64, f64)) {
-        let Some(around) = &self.around else { return };
-        let here = &points[self.at - 1..=self.at + 1];
-        if here[1].max > here[0].max && here[1].max >= here[2].max {
-            let values = std::array::from_fn(|k| points[self.at + k - 2].max);
-            let (at, value, apart) = vertex(around, values);
-            let off = self.difference(points, |p| p.max).abs();
-            tell(at, true, value, apart + off);
-        }
+    fn extremes(&self, times: &[f64], points: &[Point], mut tell: impl FnMut(f64, bool, f64, f64)) {
+        let [before, here, after] = points_from(points, self.at - 1);
+        let is_max = here[MAX] > before[MAX] && here[MAX] >= after[MAX];
         // A contact that is open is open.
-        if here[1].min < here[0].min && here[1].min <= here[2].min && here[1].min != 0.0 {
-            let values = std::array::from_fn(|k| -points[self.at + k - 2].min);
-            let (at, value, apart) = vertex(around, values);
-            let off = self.difference(points, |p| p.min).abs();
-            tell(at, false, -value, apart + off);
+        let is_min = here[MIN] < before[MIN] && here[MIN] <= after[MIN] && here[MIN] != 0.0;
+        if !(is_max || is_min) || self.at < 2 || self.at + 2 >= points.len() {
+            return;
+        }
+        let seven: &[Point; POINTS] = points_from(points, self.seven);
+        let off = weighted(seven, &self.differences);
+        let five: &[f64; 5] = points_from(times, self.at - 2);
+        let at = five.map(|t| (t - times[self.at]) / self.h);
+        let values: &[Point; 5] = points_from(points, self.at - 2);
+        if is_max {
+            let (at, value, apart) = vertex(&at, values.map(|point| point[MAX]));
+            tell(at, true, value, apart + off[MAX].abs());
+        }
+        if is_min {
+            let (at, value, apart) = vertex(&at, values.map(|point| -point[MIN]));
+            tell(at, false, -value, apart + off[MIN].abs());
         }
     }
 }
 
-/// Weights of the highest divided difference at these times, the squares of which add up to 1.
-fn divided(at: [f64; POINTS]) -> [f64; POINTS] {
-    let weight = |k: usize| -> f64 {
-        let others = (0..POINTS).filter(|&j| j != k);
-        others.map(|j| at[k] - at[j]).product::<f64>().recip()
-    };
-    let weights: [f64; POINTS] = std::array::from_fn(weight);
-    let size = weights.iter().map(|w| w * w).sum::<f64>().sqrt();
-    weights.map(|w| w / size)
+/// The first so many from `first` on, of which there are enough.
+#[inline]
+fn points_from<T, const N: usize>(all: &[T], first: usize) -> &[T; N] {
+    let found = all.get(first..).and_then(|rest| rest.first_chunk());
+    found.unwrap_or_else(|| unreachable!("{first} of {}", all.len()))
 }
 
-/// Weights of the integral from 0 to 1 of the cubic through the values at these times.
-fn cubic(at: [f64; 4]) -> [f64; 4] {
-    // Gauss' two points, exact for it.
-    let from_middle = 0.5 / 3.0_f64.sqrt();
-    std::array::from_fn(|k| {
-        let basis = |t: f64| -> f64 {
-            let others = (0..4).filter(|&j| j != k);
-            others.map(|j| (t - at[j]) / (at[k] - at[j])).product()
-        };
-        0.5 * (basis(0.5 - from_middle) + basis(0.5 + from_middle))
-    })
+/// Sum of the points by weights.
+#[inline]
+fn weighted<const N: usize>(points: &[Point; N], weights: &[f64; N]) -> Point {
+    let mut sum = [0.0; 4];
+    for (point, weight) in points.iter().zip(weights) {
+        for (sum, value) in sum.iter_mut().zip(point) {
+            *sum += weight * value;
+        }
+    }
+    sum
+}
+
+/// Weights of the highest divided difference at these times, the squares of which add up to 1.
+fn divided(at: &[f64; POINTS]) -> [f64; POINTS] {
+    let mut products = [1.0; POINTS];
+    for j in 0..POINTS {
+        for k in 0..j {
+            let apart = at[j] - at[k];
+            products[j] *= apart;
+            products[k] *= -apart;
+        }
+    }
+    let weights = products.map(f64::recip);
+    let size = weights.iter().map(|w| w * w).sum::<f64>().sqrt().recip();
+    weights.map(|w| w * size)
+}
+
+/// Weights of the integral from 0 to 1 of the cubic through the values at these times, of which number `zero` is 0 and the next 1.
+fn cubic(at: &[f64; 4], zero: usize) -> [f64; 4] {
+    let one = zero + 1;
+    // The two others: one before and one after, but at the ends.
+    let (a, b) = match zero {
+        0 => (2, 3),
+        1 => (0, 3),
+        _ => (0, 1),
+    };
+    // Of t (t - 1) (t - other), and over its value there.
+    let weight =
+        |own: f64, other: f64| (2.0 * other - 1.0) / (12.0 * own * (own - 1.0) * (own - other));
+    let mut weights = [0.0; 4];
+    (weights[a], weights[b]) = (weight(at[a], at[b]), weight(at[b], at[a]));
+    // Exact for straight lines.
+    weights[one] = 0.5 - weights[a] * at[a] - weights[b] * at[b];
+    weights[zero] = 1.0 - weights[one] - weights[a] - weights[b];
+    weights
 }
 
 /// The maximum near the middle of five points, which is above its neighbours: where, how large at least, and how far
@@ -390,8 +405,8 @@ impl Figures {
         }
         let mut all = Between::new(&[""], times.len());
         for (k, &time) in times.iter().enumerate() {
-            let point = Point::of(view.channels().iter().map(|channel| channel[k]));
-            all.push(time, true, &[point]);
+            let known = point(view.channels().iter().map(|channel| channel[k]));
+            all.push(time, true, &[known]);
         }
         all.settle(all.times.len() - 1);
         let intervals = &all.intervals[0];

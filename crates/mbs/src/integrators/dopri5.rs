@@ -174,7 +174,7 @@ impl Dopri5 {
             if i + 1 < STAGES {
                 system.derivative(t, &self.next, &mut rest[0]);
             } else {
-                system.derivative_to_observe(t, &self.next, &mut rest[0]);
+                system.derivative_in_passing(t, &self.next, &mut rest[0]);
             }
             self.clock.counts.evaluations += 1;
         }

@@ -147,8 +147,8 @@ pub trait Stepper<S: OdeSystem>: Send {
     fn set_stop_time(&mut self, _time: f64) {}
     /// Writes the state at `t`, which lies inside the last accepted step.
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]);
-    /// The state at the end of the last accepted step, if f was evaluated of it last, to be observed
-    /// ([`OdeSystem::derivative_to_observe`]).
+    /// The state at the end of the last accepted step, if f was evaluated of it last, in passing
+    /// ([`OdeSystem::derivative_in_passing`]).
     fn seen(&self) -> Option<&[f64]> {
         None
     }

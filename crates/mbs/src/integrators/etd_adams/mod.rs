@@ -554,7 +554,11 @@ impl EtdAdams {
             &self.seen[..linear.dimension],
             &mut self.f[..linear.dimension],
         );
-        system.derivative_to_observe(end, seen, f);
+        if lands {
+            system.derivative_to_observe(end, seen, f);
+        } else {
+            system.derivative_in_passing(end, seen, f);
+        }
         self.counts.evaluations += 1;
         let point = history.push();
         copy(&self.seen, &mut point.y);
