@@ -152,6 +152,8 @@ pub struct Figures {
     pub window: WindowKind,
     /// Per quantity, over all its channels: mean, min, max, rms, peak.
     pub quantities: BTreeMap<String, Statistics>,
+    /// How far each of these may be off by what lies between samples.
+    pub sampling: BTreeMap<String, Statistics>,
     /// Power out over power in: mean `output_torque_n_m` * mean speed of `output_angle_rad` /
     /// (mean `input_torque_n_m` * input speed). `None` without these channels or without positive
     /// input power, and in the transient window, where energy is stored and returned.

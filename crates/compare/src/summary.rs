@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use pinwheel_timeseries::norms::{Statistics, View};
+use pinwheel_timeseries::sampling;
 use pinwheel_timeseries::{TimeSeries, efficiency as ratio, mean_powers};
 
 use crate::comparison::{EngineEntry, EngineSummary, Figures, RefinementSummary};
@@ -170,14 +171,16 @@ fn figures(
         &[(participant, time_series)],
         time_series.window(window.from_s, window.to_s),
     );
-    let statistics: BTreeMap<String, Statistics> = quantities
-        .iter()
-        .filter_map(|quantity| {
-            let quantity = &shared(quantity, &[participant]);
-            let view = View::of(time_series, &quantity.channels, samples.clone())?;
-            Some((quantity.name.clone(), Statistics::of(&view)?))
-        })
-        .collect();
+    let found = quantities.iter().filter_map(|quantity| {
+        let quantity = &shared(quantity, &[participant]);
+        let (name, samples) = (&quantity.name, samples.clone());
+        let found = sampling::Figures::of(time_series, name, &quantity.channels, samples)?;
+        Some((
+            (name.clone(), found.statistics),
+            (name.clone(), found.sampling),
+        ))
+    });
+    let (quantities, sampling): (BTreeMap<_, _>, BTreeMap<_, _>) = found.unzip();
     let created = model::account(participant, window).map(|e| e.remainder_j / e.driver_j);
     let works = efficiency(participant, window, samples, judge);
     let accounted = works.ok().zip(created);
@@ -200,7 +203,8 @@ fn figures(
         window: window.kind,
         efficiency,
         efficiency_reason,
-        quantities: statistics,
+        quantities,
+        sampling,
     }
 }
 

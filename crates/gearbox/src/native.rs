@@ -68,6 +68,10 @@ pub enum NativeError {
 /// Baumgarte's rate in units of 1/step: fast enough to matter, slow enough for explicit methods.
 const BAUMGARTE_PER_STEP: f64 = 0.1;
 
+/// Steps of the scene's, or of the plan's of 0.125 rad of the fastest oscillation, from one that is looked at to the next: of all
+/// those the methods take each costs a twentieth of a fast run.
+const SEEN_STEPS: f64 = 3.0;
+
 /// Runs the scene; `watch` receives the simulated time at every sample and every 1000 steps and returns true to stop.
 /// With the integrator `auto` this is one run as [`auto::plan`] has it; [`resolve::run_resolved`](crate::resolve::run_resolved) verifies it.
 ///
@@ -166,7 +170,7 @@ fn integrate<F: Formulation>(
     let mut load = load_course::piece_at(&gearbox.scene.drive, 0.0);
     let mut field = gearbox.contact_field()?;
     let times = solver.sample_times_s();
-    let mut recorder = Recorder::with_room(gearbox, times.len());
+    let mut recorder = Recorder::with_between(gearbox, times.len());
     let mut joint_drift_m: f64 = 0.0;
     let mut energy = EnergyAccount::with_room(times.len());
     let mut balance = Balance::new(gearbox);
@@ -180,12 +184,22 @@ fn integrate<F: Formulation>(
                 let time = due.time();
                 stepper.set_stop_time(time);
                 let until = time - 1e-9 * solver.step_s;
-                reach(&mut stepper, &mut system, until, limits, &mut pace, watch)?;
+                while stepper.time() < until {
+                    advance(&mut stepper, &mut system, limits, &mut pace, watch)?;
+                    let (at, seen) = (stepper.time(), stepper.seen());
+                    if let Some(seen) = seen.and_then(|y| system.observe_at_hand(at, y))
+                        && at < until
+                    {
+                        recorder.record_between(&seen, seen.driver_torques[0]);
+                        system.pass_until(at + SEEN_STEPS * solver.step_s);
+                    }
+                }
                 stepper.interpolate(&mut system, time, &mut y);
                 if let Event::Entry(time) | Event::Break(time, _) = due {
                     let seen = system.observe_reduced(time, &y);
                     let contacts = contact_energy(&seen, field.as_mut());
                     energy.add(load.torque(time), &seen, &contacts);
+                    recorder.record_between(&seen, seen.driver_torques[0]);
                 }
                 if let Event::Break(_, from) = due {
                     stepper.enter(&mut system);
@@ -248,31 +262,27 @@ fn contact_energy(seen: &Observation<'_>, field: &mut dyn ContactField) -> Conta
     seen.energy.unwrap_or_else(|| field.energy(seen.bodies))
 }
 
-/// Steps until that time, s, is reached.
-fn reach<F: Formulation>(
+/// Makes a step.
+fn advance<F: Formulation>(
     stepper: &mut Segments<F>,
     system: &mut F,
-    until: f64,
     limits: Limits,
     pace: &mut Pace,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<(), NativeError> {
-    while stepper.time() < until {
-        if pace.is_due() {
-            let (time, counts) = (stepper.time(), stepper.counts());
-            if counts.evaluations > limits.evaluations {
-                let told = format!("more than {:.1e} evaluations", limits.evaluations as f64);
-                return Err(diverged(time)(told));
-            }
-            if watch(time) {
-                return Err(NativeError::Stopped);
-            }
-            pace.look(time, counts.steps).map_err(diverged(time))?;
+    if pace.is_due() {
+        let (time, counts) = (stepper.time(), stepper.counts());
+        if counts.evaluations > limits.evaluations {
+            let told = format!("more than {:.1e} evaluations", limits.evaluations as f64);
+            return Err(diverged(time)(told));
         }
-        stepper.step(system).map_err(|error| {
-            let (StepError::NotFinite { time } | StepError::StepTooSmall { time }) = error;
-            diverged(time)(error.to_string())
-        })?;
+        if watch(time) {
+            return Err(NativeError::Stopped);
+        }
+        pace.look(time, counts.steps).map_err(diverged(time))?;
     }
-    Ok(())
+    stepper.step(system).map_err(|error| {
+        let (StepError::NotFinite { time } | StepError::StepTooSmall { time }) = error;
+        diverged(time)(error.to_string())
+    })
 }

@@ -1,6 +1,7 @@
 //! Turns states at sample times into the contract's time series. Every engine records through this.
 
 use pinwheel_mbs::{BodyState, Observation, Wrench};
+use pinwheel_timeseries::sampling::{self, Between, Point, QUANTITIES};
 use pinwheel_timeseries::{TimeSeries, columns};
 
 use crate::Gearbox;
@@ -22,6 +23,9 @@ pub struct Recorder {
     forces: Vec<Wrench>,
     /// What the scene asks for beyond the contract's columns.
     channels: Option<Values>,
+    /// What is known between samples, where a solver tells it, and its columns at one time.
+    between: Option<Between>,
+    row: Vec<f64>,
 }
 
 /// Samples that are brought to their columns at a time.
@@ -57,6 +61,19 @@ impl Recorder {
                 .collect(),
             forces: vec![Wrench::default(); sleeves],
             channels: Values::new(gearbox, samples),
+            between: None,
+            row: Vec::new(),
+        }
+    }
+
+    /// The same of a solver that tells what it sees between samples ([`record_between`](Self::record_between)).
+    #[must_use]
+    pub(crate) fn with_between(gearbox: &Gearbox, samples: usize) -> Self {
+        let recorder = Self::with_room(gearbox, samples);
+        Self {
+            between: Some(Between::new(&QUANTITIES, samples)),
+            row: vec![0.0; recorder.columns.len()],
+            ..recorder
         }
     }
 
@@ -86,6 +103,29 @@ impl Recorder {
 
     /// Records a sample that a formulation tells, where a sleeve's only load is its contacts'. `driver_torque`: N m.
     pub fn record_observed(&mut self, seen: &Observation<'_>, driver_torque: f64) {
+        let (head, sleeves) = self.head(seen, driver_torque);
+        self.record_known(seen.time, head, sleeves);
+        if let Some(between) = &mut self.between {
+            let row = &self.rows[(self.pending - 1) * self.columns.len()..];
+            between.push(seen.time, true, &points(self.layout, row));
+        }
+    }
+
+    /// Records what lies between samples.
+    pub(crate) fn record_between(&mut self, seen: &Observation<'_>, driver_torque: f64) {
+        let (head, sleeves) = self.head(seen, driver_torque);
+        if let Some(between) = &mut self.between {
+            fill(&mut self.row, head, sleeves);
+            between.push(seen.time, false, &points(self.layout, &self.row));
+        }
+    }
+
+    /// The columns before the sleeves', and the sleeves' loads.
+    fn head<'a>(
+        &self,
+        seen: &Observation<'a>,
+        driver_torque: f64,
+    ) -> ([f64; columns::HEAD.len()], &'a [Wrench]) {
         let sleeves = &seen.loads[self.layout.external_bodies().start..];
         let output = Layout::OUTPUT;
         // All that turns the output but the load on itself.
@@ -93,8 +133,7 @@ impl Recorder {
             Some(moments) => moments[output] - seen.loads[output].moment,
             None => self.output_torque(seen.bodies, sleeves),
         };
-        let head = [driver_torque, torque, seen.bodies[output].angle];
-        self.record_known(seen.time, head, sleeves);
+        ([driver_torque, torque, seen.bodies[output].angle], sleeves)
     }
 
     /// Records a sample whose sleeve forces (ground frame, N, external then internal) are known.
@@ -144,13 +183,11 @@ impl Recorder {
         }
         self.time.push(t);
         let width = self.columns.len();
-        let (heads, magnitudes) =
-            self.rows[self.pending * width..][..width].split_at_mut(head.len());
-        heads.copy_from_slice(&head);
-        // `hypot` is exact to the last digit where squares overflow, which costs 2 % of a fast run.
-        for (magnitude, Wrench { fx, fy, .. }) in magnitudes.iter_mut().zip(forces) {
-            *magnitude = (fx * fx + fy * fy).sqrt();
-        }
+        fill(
+            &mut self.rows[self.pending * width..][..width],
+            head,
+            forces,
+        );
         self.pending += 1;
     }
 
@@ -219,8 +256,26 @@ impl Recorder {
         for (name, values) in self.channels.into_iter().flat_map(|c| c.finish(samples)) {
             time_series.push(name, values)?;
         }
-        Ok(time_series)
+        Ok(time_series.with_between(self.between.and_then(Between::finish)))
     }
+}
+
+/// Writes the columns' `head` and the magnitudes of the forces.
+fn fill(row: &mut [f64], head: [f64; columns::HEAD.len()], forces: &[Wrench]) {
+    let (heads, magnitudes) = row.split_at_mut(head.len());
+    heads.copy_from_slice(&head);
+    // `hypot` is exact to the last digit where squares overflow, which costs 2 % of a fast run.
+    for (magnitude, Wrench { fx, fy, .. }) in magnitudes.iter_mut().zip(forces) {
+        *magnitude = (fx * fx + fy * fy).sqrt();
+    }
+}
+
+/// The quantities of [`QUANTITIES`] in a row of columns.
+fn points(layout: Layout, row: &[f64]) -> [Point; QUANTITIES.len()] {
+    let (head, sleeves) = row.split_at(columns::HEAD.len());
+    let (externals, others) = sleeves.split_at(layout.external_sleeves);
+    let internals = &others[..layout.internal_sleeves];
+    [&head[..1], &head[1..2], externals, internals].map(|all| sampling::point(all.iter().copied()))
 }
 
 #[cfg(test)]

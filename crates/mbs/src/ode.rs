@@ -17,6 +17,12 @@ pub trait OdeSystem {
         self.derivative(t, y, dydt);
     }
 
+    /// The same of a state at the end of a step that goes on, of which only loads are looked at
+    /// ([`Formulation::observe_at_hand`]).
+    fn derivative_in_passing(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        self.derivative(t, y, dydt);
+    }
+
     /// One stage of a method that treats a stiff part of f = e + i implicitly: solves
     /// `y = y* + a i(t, y)` in place (`y` holds y*), then writes e and i at the solution.
     ///
@@ -115,6 +121,15 @@ pub trait Formulation: OdeSystem {
     fn observe_reduced(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
         self.observe(t, y)
     }
+
+    /// The same without the contacts' energy, where it takes no evaluation: the last one was of this state, in passing
+    /// ([`OdeSystem::derivative_in_passing`]).
+    fn observe_at_hand(&mut self, _t: f64, _y: &[f64]) -> Option<Observation<'_>> {
+        None
+    }
+
+    /// Nothing is observed in passing before this time, s.
+    fn pass_until(&mut self, _t: f64) {}
 
     /// Velocities integrated.
     fn degrees_of_freedom(&self) -> usize;

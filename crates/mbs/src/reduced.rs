@@ -65,6 +65,8 @@ pub struct Reduced<F> {
     /// What the bodies carry, of all reactions: scratch.
     borne: Vec<[f64; 2]>,
     evaluated: Evaluated,
+    /// Before this time, s, nothing is observed in passing.
+    passes_until: f64,
 }
 
 /// The state whose loads and energy are at hand, if any.
@@ -73,9 +75,20 @@ struct Evaluated {
     valid: bool,
     /// Carried bodies are in place.
     placed: bool,
+    /// The contacts' energy was asked for.
+    with_energy: bool,
     time: f64,
     y: Vec<f64>,
     energy: Option<ContactEnergy>,
+}
+
+impl Evaluated {
+    fn is_of(&self, t: f64, y: &[f64], wants_energy: bool) -> bool {
+        (self.with_energy || !wants_energy)
+            && self.valid
+            && self.time == t
+            && self.y.as_slice() == y
+    }
 }
 
 impl<F: Forces> Reduced<F> {
@@ -155,6 +168,7 @@ impl<F: Forces> Reduced<F> {
         let is_leaf = vec![false; moving.len()];
         Ok(Self {
             scales: None,
+            passes_until: f64::NEG_INFINITY,
             reactions: vec![[0.0; 2]; mechanism.revolutes.len()],
             borne: vec![[0.0; 2]; n],
             evaluated: Evaluated {
@@ -279,25 +293,24 @@ impl<F: Forces> Reduced<F> {
     }
 
     /// Everything at (t, y) that an observation tells of the forces, unless it is at hand.
-    fn evaluate_whole(&mut self, t: f64, y: &[f64]) {
-        let Evaluated {
-            valid, time, y: of, ..
-        } = &self.evaluated;
-        if *valid && *time == t && of.as_slice() == y {
+    fn evaluate_whole(&mut self, t: f64, y: &[f64], wants_energy: bool) {
+        if self.evaluated.is_of(t, y, wants_energy) {
             return;
         }
         self.turn(t, y);
         self.evaluated.placed = false;
         self.moments.fill(0.0);
         self.loads.fill(Wrench::default());
-        let mut sums = Sums::of_loads(&mut self.loads).with_energy();
+        let mut sums = Sums::of_loads(&mut self.loads);
+        sums.wants_energy = wants_energy;
         sums.moments = Some(&mut self.moments);
         let (forces, bodies) = (&mut self.forces, &self.bodies);
         if forces.evaluate(t, bodies, Pose::AnglesOnly, &mut sums) {
             self.evaluated.energy = sums.energy;
         } else {
             self.put(t);
-            let mut sums = Sums::of_loads(&mut self.loads).with_energy();
+            let mut sums = Sums::of_loads(&mut self.loads);
+            sums.wants_energy = wants_energy;
             let (forces, bodies) = (&mut self.forces, &self.bodies);
             forces.evaluate(t, bodies, Pose::Prescribed, &mut sums);
             self.evaluated.energy = sums.energy;
@@ -308,6 +321,7 @@ impl<F: Forces> Reduced<F> {
             *torque = self.inertia[driver.child] * acceleration - self.moments[driver.child];
         }
         (self.evaluated.valid, self.evaluated.time) = (true, t);
+        self.evaluated.with_energy = wants_energy;
         self.evaluated.y.copy_from_slice(y);
     }
 
@@ -477,7 +491,15 @@ impl<F: Forces> OdeSystem for Reduced<F> {
     }
 
     fn derivative_to_observe(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
-        self.evaluate_whole(t, y);
+        self.evaluate_whole(t, y, true);
+        self.write_derivative(y, dydt);
+    }
+
+    fn derivative_in_passing(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+        if t < self.passes_until {
+            return self.derivative(t, y, dydt);
+        }
+        self.evaluate_whole(t, y, false);
         self.write_derivative(y, dydt);
     }
 
@@ -542,7 +564,7 @@ impl<F: Forces> Formulation for Reduced<F> {
     }
 
     fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
-        self.evaluate_whole(t, y);
+        self.evaluate_whole(t, y, true);
         self.put(t);
         self.set_reactions(t);
         Observation {
@@ -552,8 +574,16 @@ impl<F: Forces> Formulation for Reduced<F> {
     }
 
     fn observe_reduced(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
-        self.evaluate_whole(t, y);
+        self.evaluate_whole(t, y, true);
         self.see(t)
+    }
+
+    fn observe_at_hand(&mut self, t: f64, y: &[f64]) -> Option<Observation<'_>> {
+        self.evaluated.is_of(t, y, false).then(|| self.see(t))
+    }
+
+    fn pass_until(&mut self, t: f64) {
+        self.passes_until = t;
     }
 
     fn degrees_of_freedom(&self) -> usize {

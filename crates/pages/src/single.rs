@@ -15,6 +15,9 @@ fn known(figure: &Figure, factor: f64) -> String {
     let (value, bound) = format::bounded(value, uncertainty, 0.0);
     match bound.as_str() {
         "" => value,
+        bound if figure.is_off_by_sampling() => {
+            format!("{value} {} (sampling)", bound.replace('\u{202f}', " "))
+        }
         bound => format!("{value} {}", bound.replace('\u{202f}', " ")),
     }
 }
@@ -61,7 +64,11 @@ fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
             }
             _ => "not verified: the run was made once, how far its figures may be off is not known",
         };
-        rows.push(("numerical error", how.to_owned()));
+        let mut how = how.to_owned();
+        if found.figures.iter().any(Figure::is_off_by_sampling) {
+            how += "; (sampling): mostly by what lies between samples, less with a smaller solver.sample_s";
+        }
+        rows.push(("numerical error", how));
     }
     rows
 }

@@ -1,10 +1,11 @@
 //! What one runs a scene for: driver's torque, peaks of the forces and efficiency after the start-up, each with how far it may be
 //! off where that is known.
 
+use pinwheel_compare::quantities::derive;
 use pinwheel_engines::Run;
 use pinwheel_gearbox::{Distance, Efficiency};
 use pinwheel_scene::{CheckedScene, Scales};
-use pinwheel_timeseries::norms::{Statistics, View};
+use pinwheel_timeseries::sampling::Figures;
 use pinwheel_timeseries::{TimeSeries, columns};
 use serde::Serialize;
 
@@ -15,8 +16,20 @@ pub struct Figure {
     pub name: String,
     /// The figure, in the unit of its name.
     pub value: f64,
-    /// How far it may be off by the run's numerical error; `None` where that is not known.
+    /// How far it may be off by the run's numerical error and by sampling; `None` where the first is not known.
     pub uncertainty: Option<f64>,
+    /// How far by sampling alone; `None` of what is no figure of samples.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sampling: Option<f64>,
+}
+
+impl Figure {
+    /// Whether it is off by sampling more than by all else.
+    #[must_use]
+    pub fn is_off_by_sampling(&self) -> bool {
+        let both = self.sampling.zip(self.uncertainty);
+        both.is_some_and(|(sampling, all)| sampling > 0.5 * all)
+    }
 }
 
 /// The figures of a run.
@@ -53,8 +66,8 @@ impl Results {
         let from_s = from_s(run, scene);
         let (mut figures, mut efficiency_reason) = (Vec::new(), None);
         let scales = Scales::of(scene);
-        let mut push = |name: &str, value: f64, size: f64, share: Option<f64>| {
-            let known = share.map(|share| size.abs() * share);
+        let mut push = |name: &str, value: f64, size: f64, share: Option<f64>, sampling: f64| {
+            let known = share.map(|share| size.abs() * share + sampling);
             let rounding = match name {
                 _ if name.ends_with("_n_m") => scales.rounding_n_m(),
                 _ if name.ends_with("_n") => scales.pressing_n(),
@@ -69,29 +82,44 @@ impl Results {
                     None if is_rounding => Some(rounding),
                     known => known.map(|u| u.max(rounding)),
                 },
+                sampling: Some(sampling).filter(|_| !is_rounding),
             });
         };
         let torque = shares.map(|d| d.driver_torque);
-        if let Some(found) = statistics(&run.time_series, columns::INPUT_TORQUE, from_s) {
+        if let Some(Figures {
+            statistics: found,
+            sampling,
+        }) = figures_of(&run.time_series, columns::INPUT_TORQUE, from_s)
+        {
             let quantity = columns::INPUT_TORQUE;
-            push(&format!("mean_{quantity}"), found.mean, found.rms, torque);
-            push(&format!("min_{quantity}"), found.min, found.rms, torque);
-            push(&format!("max_{quantity}"), found.max, found.rms, torque);
+            for (figure, value, sampling) in [
+                ("mean", found.mean, sampling.mean),
+                ("min", found.min, sampling.min),
+                ("max", found.max, sampling.max),
+            ] {
+                let name = format!("{figure}_{quantity}");
+                push(&name, value, found.rms, torque, sampling);
+            }
         }
         let forces = shares.map(|d| d.forces);
         for group in [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE] {
-            if let Some(found) = statistics(&run.time_series, group, from_s) {
-                push(&format!("peak_{group}"), found.peak, found.peak, forces);
-                push(&format!("mean_{group}"), found.mean, found.rms, forces);
+            if let Some(Figures {
+                statistics: found,
+                sampling,
+            }) = figures_of(&run.time_series, group, from_s)
+            {
+                let (peak, mean) = (format!("peak_{group}"), format!("mean_{group}"));
+                push(&peak, found.peak, found.peak, forces, sampling.peak);
+                push(&mean, found.mean, found.rms, forces, sampling.mean);
             }
         }
         if let Some(found) = run.stats.energy.last().and_then(Efficiency::of) {
             match found.defined() {
-                Ok(share) => push("efficiency", share, share, torque),
+                Ok(share) => push("efficiency", share, share, torque, 0.0),
                 Err(reason) => efficiency_reason = Some(reason),
             }
-            push("lost_share", found.lost_share, 1.0, torque);
-            push("created_share", found.created_share, 1.0, torque);
+            push("lost_share", found.lost_share, 1.0, torque, 0.0);
+            push("created_share", found.created_share, 1.0, torque, 0.0);
         }
         Self {
             from_s,
@@ -109,14 +137,9 @@ impl Results {
 }
 
 /// Over all channels of a quantity, from `from_s` on.
-fn statistics(time_series: &TimeSeries, group: &str, from_s: f64) -> Option<Statistics> {
+fn figures_of(time_series: &TimeSeries, quantity: &str, from_s: f64) -> Option<Figures> {
     let window = time_series.window(from_s, f64::INFINITY);
-    let mut channels = time_series.group(group);
-    if channels.is_empty() {
-        channels = time_series.channel(group).into_iter().collect();
-    }
-    let inside = channels
-        .into_iter()
-        .map(|values| values.get(window.clone()));
-    Statistics::of(&View::new(inside.collect::<Option<_>>()?))
+    let all = derive([time_series]);
+    let channels = &all.iter().find(|known| known.name == quantity)?.channels;
+    Figures::of(time_series, quantity, channels, window)
 }

@@ -31,6 +31,7 @@ pub mod norms;
 #[cfg(feature = "parquet")]
 mod parquet_file;
 mod run;
+pub mod sampling;
 mod store;
 pub mod table;
 mod units;

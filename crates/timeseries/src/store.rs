@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
+use crate::sampling::Between;
 use crate::{TimeSeriesError, columns};
 
 /// One named column.
@@ -20,6 +21,8 @@ pub struct TimeSeries {
     time_s: Vec<f64>,
     channels: Vec<Channel>,
     index: HashMap<String, usize>,
+    /// What the solver saw between samples. No file holds it.
+    between: Option<Box<Between>>,
 }
 
 impl TimeSeries {
@@ -42,6 +45,7 @@ impl TimeSeries {
             time_s,
             channels: Vec::new(),
             index: HashMap::new(),
+            between: None,
         })
     }
 
@@ -127,7 +131,21 @@ impl TimeSeries {
             time_s: pick(&self.time_s),
             channels: channels.collect(),
             index: self.index.clone(),
+            between: None,
         }
+    }
+
+    /// The same with what the solver saw between samples.
+    #[must_use]
+    pub fn with_between(self, between: Option<Between>) -> Self {
+        let between = between.map(Box::new);
+        Self { between, ..self }
+    }
+
+    /// What the solver saw between samples, where it told.
+    #[must_use]
+    pub fn between(&self) -> Option<&Between> {
+        self.between.as_deref()
     }
 
     /// All channels in the order they were added.

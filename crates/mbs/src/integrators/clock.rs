@@ -95,6 +95,10 @@ pub(super) trait Method: Serialize + DeserializeOwned + Send {
     fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError>;
     /// Writes the state at `t`, which lies inside the last accepted step and is not its end.
     fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]);
+    /// As [`Stepper::seen`].
+    fn seen(&self) -> Option<&[f64]> {
+        None
+    }
     /// Takes over what was saved of a run of the same method and settings.
     fn resume(&mut self, saved: Self) {
         *self = saved;
@@ -133,6 +137,10 @@ impl<S: OdeSystem, M: Method> Stepper<S> for M {
         }
         self.inside(system, t, y);
         system.project(t, y);
+    }
+
+    fn seen(&self) -> Option<&[f64]> {
+        Method::seen(self)
     }
 
     fn counts(&self) -> StepCounts {

@@ -170,7 +170,12 @@ impl Dopri5 {
         for i in 1..STAGES {
             let (known, rest) = self.k.split_at_mut(i);
             set_sum(&mut self.next, &self.y, h, A[i], known);
-            system.derivative(self.clock.time + C[i] * h, &self.next, &mut rest[0]);
+            let t = self.clock.time + C[i] * h;
+            if i + 1 < STAGES {
+                system.derivative(t, &self.next, &mut rest[0]);
+            } else {
+                system.derivative_in_passing(t, &self.next, &mut rest[0]);
+            }
             self.clock.counts.evaluations += 1;
         }
     }
@@ -235,6 +240,10 @@ impl Method for Dopri5 {
                 limit = 1.0;
             }
         }
+    }
+
+    fn seen(&self) -> Option<&[f64]> {
+        Some(&self.y)
     }
 
     fn inside<S: OdeSystem>(&mut self, _system: &mut S, t: f64, y: &mut [f64]) {

@@ -147,6 +147,11 @@ pub trait Stepper<S: OdeSystem>: Send {
     fn set_stop_time(&mut self, _time: f64) {}
     /// Writes the state at `t`, which lies inside the last accepted step.
     fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]);
+    /// The state at the end of the last accepted step, if f was evaluated of it last, in passing
+    /// ([`OdeSystem::derivative_in_passing`]).
+    fn seen(&self) -> Option<&[f64]> {
+        None
+    }
     /// Counts so far.
     fn counts(&self) -> StepCounts;
     /// Everything that the next steps depend on, to the bit. Made for the same program; no format to keep.

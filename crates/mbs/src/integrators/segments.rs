@@ -133,6 +133,10 @@ impl<S: OdeSystem> Stepper<S> for Segments<S> {
         self.stepper.interpolate(system, t, y);
     }
 
+    fn seen(&self) -> Option<&[f64]> {
+        self.stepper.seen()
+    }
+
     fn counts(&self) -> StepCounts {
         self.past + self.stepper.counts()
     }

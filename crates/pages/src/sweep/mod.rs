@@ -272,12 +272,12 @@ fn axis(axis: &Axis) -> GridAxis {
     }
 }
 
-/// How far a figure may be off: the engine's own statement, and of means what the window's place does to them.
+/// How far a figure may be off: the engine's own statement, what lies between samples, and of means what the window's place does to them.
 fn uncertainty(record: &RunRecord, column: &str, value: f64) -> Option<f64> {
     let torque = column.contains("torque") || column == "efficiency";
     let [forces, driver] = record.uncertainty.unwrap_or([f64::NAN; 2]);
     let share = if torque { driver } else { forces };
-    let numerical = value.abs() * share;
+    let numerical = value.abs() * share + record.sampling(column).unwrap_or(0.0);
     let mean_of = column.strip_prefix("mean_");
     let spread = mean_of.and_then(|quantity| record.figures.get(quantity));
     let drift = spread.map_or(f64::NAN, |spread| spread.drift);

@@ -244,7 +244,10 @@ impl<'a> Page<'a> {
                             |(_, figures)| figures.quantities.get(&quantity.name).map(of),
                         )
                         .unit(&quantity.unit)
-                        .uncertain(|(engine, _)| engine.u(&quantity.name, window.kind, (*norm)?));
+                        .uncertain(|(engine, figures)| {
+                            let sampling = figures.sampling.get(&quantity.name).map_or(0.0, of);
+                            Some(engine.u(&quantity.name, window.kind, (*norm)?)? + sampling)
+                        });
                 }
             }
             let percent = |share: Option<f64>| share.map(|share| 100.0 * share);

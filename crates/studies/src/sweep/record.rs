@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use pinwheel_compare::quantities::derive;
 use pinwheel_engines::{Engine, Run};
 use pinwheel_gearbox::Efficiency;
-use pinwheel_timeseries::norms::{Statistics, View};
+use pinwheel_timeseries::sampling::Figures;
 use pinwheel_timeseries::{Ending, EnergyAudit, efficiency, mean_powers};
 use serde::{Deserialize, Serialize};
 
 use crate::sweep::PlannedRun;
 use crate::sweep::journal::Written;
-use crate::sweep::spread::Spread;
+use crate::sweep::spread::{FIGURES, Spread};
 
 /// What is kept of a run. All but the two times is the same whenever it is run again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -123,14 +123,17 @@ impl RunRecord {
         let [from, to] = planned.window_s;
         let samples = run.time_series.window(from, to);
         for quantity in derive([&run.time_series]) {
-            let view = View::of(&run.time_series, &quantity.channels, samples.clone());
-            if let Some(of) = view.as_ref().and_then(Statistics::of) {
-                let half = samples.start + samples.len() / 2;
-                let late = View::of(&run.time_series, &quantity.channels, half..samples.end);
-                let late = late.as_ref().and_then(View::mean);
+            let of = |samples| {
+                let name = &quantity.name;
+                Figures::of(&run.time_series, name, &quantity.channels, samples)
+            };
+            if let Some(found) = of(samples.clone()) {
+                let mean = found.statistics.mean;
+                let late = of(samples.start + samples.len() / 2..samples.end);
                 let spread = Spread {
-                    drift: late.map_or(0.0, |late| (late - of.mean).abs()),
-                    statistics: of,
+                    drift: late.map_or(0.0, |late| (late.statistics.mean - mean).abs()),
+                    statistics: found.statistics,
+                    sampling: Some(found.sampling),
                 };
                 self.quantities.push(quantity.name.clone());
                 self.figures.insert(quantity.name, spread);
@@ -184,6 +187,14 @@ impl RunRecord {
             Ending::Finished => self.undefined.join("; "),
             ending => ending.reason().unwrap_or_default(),
         }
+    }
+
+    /// How far the figure of a column may be off by what lies between samples; `None` of what is no figure of samples.
+    #[must_use]
+    pub fn sampling(&self, column: &str) -> Option<f64> {
+        let (figure, quantity) = column.split_once('_')?;
+        let (_, of) = FIGURES.iter().find(|(name, _)| *name == figure)?;
+        self.figures.get(quantity)?.sampling.as_ref().map(of)
     }
 
     /// Everything that the figures depend on, as text: two records with one identity have the same figures.

@@ -12,6 +12,9 @@ pub struct Spread {
     /// How far the means of the window's halves are from its mean: what the window's place does to the mean.
     #[serde(default)]
     pub drift: f64,
+    /// How far the figures may be off by what lies between samples.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sampling: Option<Statistics>,
 }
 
 /// Figures in the order of their columns.

@@ -557,7 +557,7 @@ impl EtdAdams {
         if lands {
             system.derivative_to_observe(end, seen, f);
         } else {
-            system.derivative(end, seen, f);
+            system.derivative_in_passing(end, seen, f);
         }
         self.counts.evaluations += 1;
         let point = history.push();
@@ -695,6 +695,13 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
                 }
             }
             _ => self.start.interpolate(system, t, y),
+        }
+    }
+
+    fn seen(&self) -> Option<&[f64]> {
+        match self.runs && self.taken > 0 {
+            true => self.shown.then(|| &self.seen[..self.y.len()]),
+            false => Stepper::<S>::seen(&self.start),
         }
     }
 

@@ -1,0 +1,583 @@
+//! Means and extremes of what runs on between samples, and what sampling leaves them off by.
+//!
+//! A solver that hands out the states at its own steps has them folded into one [`Interval`] a sample ([`Between`]); of all other
+//! runs the samples themselves are taken. Either way a quantity is known in *points*, of which a mean is the integral of the
+//! cubic through the four nearest, over time. An extreme is that of the parabola through a point and its neighbours or of the
+//! quartic through five, whichever is less, and never less than the point itself.
+//!
+//! What lies between points shows in the sixth difference d of seven, with weights whose squares add up to 1: next to nothing
+//! where the course is smooth over them, and the scatter itself where each point stands for itself, as an oscillation does that
+//! they do not follow. Then a mean is off by about `sqrt(sum (h d)^2)/T`, of which [`SAFETY`] times is stated, and an extreme by d
+//! and by what parabola and quartic are apart. The cubic's own error at the ends of a window, below 1e-6 of an oscillation that is
+//! followed, is left out: no run is known as well.
+
+use std::ops::Range;
+
+use crate::norms::{Statistics, View};
+use crate::{TimeSeries, columns};
+
+/// Points that tell how smooth a course is.
+const POINTS: usize = 7;
+/// Factor between the scatter of a mean and what is stated.
+const SAFETY: f64 = 2.5;
+/// Points that are settled at a time.
+const CHUNK: usize = 256;
+/// A point nearer to the one before than this share of the distance before that says nothing new.
+const NEAR: f64 = 0.1;
+/// Spacings that differ by less than this share are equal.
+const EQUAL: f64 = 1e-6;
+/// 1 over the root of 924, by which the squares of the weights for equal spacings add up to 1.
+const EVEN: [f64; POINTS] = {
+    let unit = 0.032_897_584_747_988_45;
+    [
+        unit,
+        -6.0 * unit,
+        15.0 * unit,
+        -20.0 * unit,
+        15.0 * unit,
+        -6.0 * unit,
+        unit,
+    ]
+};
+
+/// A quantity at one time, all its channels together: sum, sum of the squares, smallest and largest.
+pub type Point = [f64; 4];
+
+const SUM: usize = 0;
+const SQUARES: usize = 1;
+const MIN: usize = 2;
+const MAX: usize = 3;
+
+/// The point of the values of all channels.
+pub fn point(values: impl Iterator<Item = f64>) -> Point {
+    let nothing = [0.0, 0.0, f64::INFINITY, f64::NEG_INFINITY];
+    values.fold(nothing, |[sum, squares, min, max], value| {
+        [
+            sum + value,
+            squares + value * value,
+            if value < min { value } else { min },
+            if value > max { value } else { max },
+        ]
+    })
+}
+
+/// A quantity between two samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Interval {
+    /// Integrals over time of the sum and of the squares, and the squares of what they may be off by.
+    integrals: [f64; 2],
+    off: [f64; 2],
+    /// Largest and smallest value, and how far beyond them it may reach.
+    max: [f64; 2],
+    min: [f64; 2],
+}
+
+const EMPTY: Interval = Interval {
+    integrals: [0.0; 2],
+    off: [0.0; 2],
+    max: [f64::NEG_INFINITY; 2],
+    min: [f64::INFINITY; 2],
+};
+
+/// Quantities between the samples of a run, from points in the order of time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Between {
+    names: Vec<&'static str>,
+    /// By quantity and interval.
+    intervals: Vec<Vec<Interval>>,
+    /// Points that are not settled yet and those before them that they need: times, which of them are samples, values by quantity.
+    times: Vec<f64>,
+    samples: Vec<bool>,
+    points: Vec<Vec<Point>>,
+    /// Intervals between points that are settled, of those.
+    settled: usize,
+    /// Points that were no samples.
+    others: usize,
+}
+
+impl Between {
+    /// Of these quantities, with room for so many samples.
+    #[must_use]
+    pub fn new(names: &[&'static str], samples: usize) -> Self {
+        Self {
+            names: names.to_vec(),
+            intervals: vec![Vec::with_capacity(samples); names.len()],
+            times: Vec::with_capacity(CHUNK + POINTS),
+            samples: Vec::with_capacity(CHUNK + POINTS),
+            points: vec![Vec::with_capacity(CHUNK + POINTS); names.len()],
+            settled: 0,
+            others: 0,
+        }
+    }
+
+    /// The quantities at a time, s. Times do not fall; of two that are next to each other a sample is taken.
+    pub fn push(&mut self, time: f64, is_sample: bool, points: &[Point]) {
+        if let [.., before, last] = self.times[..]
+            && time - last < NEAR * (last - before)
+        {
+            let kept = self.times.len() - 1;
+            if !is_sample {
+                return;
+            }
+            if !self.samples[kept] {
+                self.truncate(kept);
+                self.others -= 1;
+            }
+        }
+        if self.times.len() == CHUNK + POINTS {
+            self.settle(CHUNK + POINTS - 4);
+            self.forget();
+        }
+        self.times.push(time);
+        self.samples.push(is_sample);
+        self.others += usize::from(!is_sample);
+        for (all, point) in self.points.iter_mut().zip(points) {
+            all.push(*point);
+        }
+    }
+
+    fn truncate(&mut self, count: usize) {
+        self.times.truncate(count);
+        self.samples.truncate(count);
+        self.points.iter_mut().for_each(|all| all.truncate(count));
+    }
+
+    /// Drops the points that no later one needs.
+    fn forget(&mut self) {
+        let first = self.settled.saturating_sub(3);
+        self.times.drain(..first);
+        self.samples.drain(..first);
+        self.points
+            .iter_mut()
+            .for_each(|all| drop(all.drain(..first)));
+        self.settled -= first;
+    }
+
+    /// Settles the intervals from point to point up to the point `end`.
+    fn settle(&mut self, end: usize) {
+        let count = self.times.len();
+        if count < POINTS {
+            return;
+        }
+        let mut stencil = Stencil::default();
+        for i in self.settled..end {
+            stencil.set(&self.times, i);
+            let starts = self.samples[i];
+            for (points, intervals) in self.points.iter().zip(&mut self.intervals) {
+                // What precedes the first sample has no interval.
+                if starts {
+                    intervals.push(EMPTY);
+                }
+                let Some(last) = intervals.len().checked_sub(1) else {
+                    continue;
+                };
+                stencil.integrate(points, &mut intervals[last]);
+                if i > 0 {
+                    stencil.extremes(&self.times, points, |at, is_max, value, beyond| {
+                        // Of a sample the extreme may lie before it.
+                        let place = last.saturating_sub(usize::from(starts && at < 0.0));
+                        let interval = &mut intervals[place];
+                        if is_max {
+                            interval.max[0] = interval.max[0].max(value);
+                            interval.max[1] = interval.max[1].max(value + beyond);
+                        } else {
+                            interval.min[0] = interval.min[0].min(value);
+                            interval.min[1] = interval.min[1].min(value - beyond);
+                        }
+                    });
+                }
+            }
+        }
+        self.settled = end;
+    }
+
+    /// The whole run, in which there was more than samples; `None` if there was not, or too little of all.
+    #[must_use]
+    pub fn finish(mut self) -> Option<Self> {
+        let last = self.times.len().checked_sub(1)?;
+        self.settle(last);
+        let is_more = self.others > 0 && self.settled == last;
+        self.times = Vec::new();
+        self.samples = Vec::new();
+        self.points = Vec::new();
+        is_more.then_some(self)
+    }
+}
+
+/// The points about one interval from point to point.
+#[derive(Debug, Default)]
+struct Stencil {
+    /// The point before the interval, and the first of the seven and of the four.
+    at: usize,
+    seven: usize,
+    four: usize,
+    /// Length of the interval, s.
+    h: f64,
+    differences: [f64; POINTS],
+    integrals: [f64; 4],
+}
+
+impl Stencil {
+    fn set(&mut self, times: &[f64], i: usize) {
+        let count = times.len();
+        let (from, h) = (times[i], times[i + 1] - times[i]);
+        self.at = i;
+        self.h = h;
+        self.seven = i.saturating_sub(3).min(count - POINTS);
+        self.four = i.saturating_sub(1).min(count - 4);
+        let seven: &[f64; POINTS] = points_from(times, self.seven);
+        let even = (1..POINTS).fold(true, |all, k| {
+            all & ((seven[k] - seven[k - 1] - h).abs() <= EQUAL * h)
+        });
+        let inverse = h.recip();
+        self.differences = if even {
+            EVEN
+        } else {
+            divided(&seven.map(|t| (t - from) * inverse))
+        };
+        let four: &[f64; 4] = points_from(times, self.four);
+        let four = four.map(|t| (t - from) * inverse);
+        self.integrals = cubic(&four, i - self.four).map(|share| share * h);
+    }
+
+    #[inline]
+    fn integrate(&self, points: &[Point], into: &mut Interval) {
+        let four: &[Point; 4] = points_from(points, self.four);
+        let integrals = weighted(four, &self.integrals);
+        let seven: &[Point; POINTS] = points_from(points, self.seven);
+        let off = weighted(seven, &self.differences);
+        for k in [SUM, SQUARES] {
+            into.integrals[k] += integrals[k];
+            into.off[k] += (self.h * off[k]).powi(2);
+        }
+        for point in &points[self.at..=self.at + 1] {
+            into.max = into.max.map(|known| {
+                if point[MAX] > known {
+                    point[MAX]
+                } else {
+                    known
+                }
+            });
+            into.min = into.min.map(|known| {
+                if point[MIN] < known {
+                    point[MIN]
+                } else {
+                    known
+                }
+            });
+        }
+    }
+
+    /// Tells the extremes about the point: where in units of h from it, whether a maximum, the value, and how far beyond it.
+    #[inline]
+    fn extremes(&self, times: &[f64], points: &[Point], mut tell: impl FnMut(f64, bool, f64, f64)) {
+        let [before, here, after] = points_from(points, self.at - 1);
+        let is_max = here[MAX] > before[MAX] && here[MAX] >= after[MAX];
+        // A contact that is open is open.
+        let is_min = here[MIN] < before[MIN] && here[MIN] <= after[MIN] && here[MIN] != 0.0;
+        if !(is_max || is_min) || self.at < 2 || self.at + 2 >= points.len() {
+            return;
+        }
+        let seven: &[Point; POINTS] = points_from(points, self.seven);
+        let off = weighted(seven, &self.differences);
+        let five: &[f64; 5] = points_from(times, self.at - 2);
+        let at = five.map(|t| (t - times[self.at]) / self.h);
+        let values: &[Point; 5] = points_from(points, self.at - 2);
+        if is_max {
+            let (at, value, apart) = vertex(&at, values.map(|point| point[MAX]));
+            tell(at, true, value, apart + off[MAX].abs());
+        }
+        if is_min {
+            let (at, value, apart) = vertex(&at, values.map(|point| -point[MIN]));
+            tell(at, false, -value, apart + off[MIN].abs());
+        }
+    }
+}
+
+/// The first so many from `first` on, of which there are enough.
+#[inline]
+fn points_from<T, const N: usize>(all: &[T], first: usize) -> &[T; N] {
+    let found = all.get(first..).and_then(|rest| rest.first_chunk());
+    found.unwrap_or_else(|| unreachable!("{first} of {}", all.len()))
+}
+
+/// Sum of the points by weights.
+#[inline]
+fn weighted<const N: usize>(points: &[Point; N], weights: &[f64; N]) -> Point {
+    let mut sum = [0.0; 4];
+    for (point, weight) in points.iter().zip(weights) {
+        for (sum, value) in sum.iter_mut().zip(point) {
+            *sum += weight * value;
+        }
+    }
+    sum
+}
+
+/// Weights of the highest divided difference at these times, the squares of which add up to 1.
+fn divided(at: &[f64; POINTS]) -> [f64; POINTS] {
+    let mut products = [1.0; POINTS];
+    for j in 0..POINTS {
+        for k in 0..j {
+            let apart = at[j] - at[k];
+            products[j] *= apart;
+            products[k] *= -apart;
+        }
+    }
+    let weights = products.map(f64::recip);
+    let size = weights.iter().map(|w| w * w).sum::<f64>().sqrt().recip();
+    weights.map(|w| w * size)
+}
+
+/// Weights of the integral from 0 to 1 of the cubic through the values at these times, of which number `zero` is 0 and the next 1.
+fn cubic(at: &[f64; 4], zero: usize) -> [f64; 4] {
+    let one = zero + 1;
+    // The two others: one before and one after, but at the ends.
+    let (a, b) = match zero {
+        0 => (2, 3),
+        1 => (0, 3),
+        _ => (0, 1),
+    };
+    // Of t (t - 1) (t - other), and over its value there.
+    let weight =
+        |own: f64, other: f64| (2.0 * other - 1.0) / (12.0 * own * (own - 1.0) * (own - other));
+    let mut weights = [0.0; 4];
+    (weights[a], weights[b]) = (weight(at[a], at[b]), weight(at[b], at[a]));
+    // Exact for straight lines.
+    weights[one] = 0.5 - weights[a] * at[a] - weights[b] * at[b];
+    weights[zero] = 1.0 - weights[one] - weights[a] - weights[b];
+    weights
+}
+
+/// The maximum near the middle of five points, which is above its neighbours: where, how large at least, and how far
+/// parabola and quartic are apart there.
+fn vertex(at: &[f64; 5], values: [f64; 5]) -> (f64, f64, f64) {
+    let slope = |a: usize, b: usize| (values[b] - values[a]) / (at[b] - at[a]);
+    let bend = (slope(2, 3) - slope(1, 2)) / (at[3] - at[1]);
+    // Newton's parabola through the points 1, 2, 3, whose slope is 0 at its vertex.
+    let place = 0.5 * (at[1] + at[2] - slope(1, 2) / bend);
+    if !place.is_finite() {
+        return (0.0, values[2], 0.0);
+    }
+    let parabola = values[1] + (place - at[1]) * (slope(1, 2) + (place - at[2]) * bend);
+    let quartic: f64 = (0..5)
+        .map(|k| {
+            let others = (0..5).filter(|&j| j != k);
+            values[k]
+                * others
+                    .map(|j| (place - at[j]) / (at[k] - at[j]))
+                    .product::<f64>()
+        })
+        .sum();
+    let least = parabola.min(quartic).max(values[2]);
+    (place, least, (parabola - quartic).abs())
+}
+
+/// Figures of a quantity over a window, and what sampling leaves each of them off by.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Figures {
+    /// The figures.
+    pub statistics: Statistics,
+    /// How far each may be off by what lies between points.
+    pub sampling: Statistics,
+}
+
+impl Figures {
+    /// Of all `channels` of the quantity `name` over the samples `window`; `None` if one is missing or not finite, or without
+    /// samples.
+    #[must_use]
+    pub fn of(
+        time_series: &TimeSeries,
+        name: &str,
+        channels: &[impl AsRef<str>],
+        window: Range<usize>,
+    ) -> Option<Self> {
+        let view = View::of(time_series, channels, window.clone())?;
+        let samples = Statistics::of(&view)?;
+        let times = &time_series.time_s()[window.clone()];
+        let known = time_series.between().and_then(|all| all.intervals_of(name));
+        let known = known.and_then(|all| all.get(window.start..window.end - 1));
+        if let Some(intervals) = known {
+            return Some(Self::within(
+                samples,
+                view.channels().len(),
+                times,
+                intervals,
+            ));
+        }
+        let mut all = Between::new(&[""], times.len());
+        for (k, &time) in times.iter().enumerate() {
+            let known = point(view.channels().iter().map(|channel| channel[k]));
+            all.push(time, true, &[known]);
+        }
+        all.settle(all.times.len() - 1);
+        let intervals = &all.intervals[0];
+        if intervals.len() + 1 == times.len() && times.len() >= POINTS {
+            return Some(Self::within(
+                samples,
+                view.channels().len(),
+                times,
+                intervals,
+            ));
+        }
+        // Too few to tell more than that.
+        let range = samples.max - samples.min;
+        let sampling = Statistics {
+            mean: range,
+            min: range,
+            max: range,
+            rms: range,
+            peak: range,
+        };
+        Some(Self {
+            statistics: samples,
+            sampling,
+        })
+    }
+
+    fn within(samples: Statistics, channels: usize, times: &[f64], all: &[Interval]) -> Self {
+        let duration = times[times.len() - 1] - times[0];
+        let share = 1.0 / (duration * channels as f64);
+        let sum = |of: fn(&Interval) -> f64| all.iter().map(of).sum::<f64>();
+        let off = |of: fn(&Interval) -> f64| SAFETY * share * sum(of).sqrt();
+        let square = (share * sum(|i| i.integrals[1])).max(0.0);
+        let rms = square.sqrt();
+        let off_square = off(|i| i.off[1]);
+        let largest = |k: usize| all.iter().fold(samples.max, |most, i| most.max(i.max[k]));
+        let smallest = |k: usize| all.iter().fold(samples.min, |least, i| least.min(i.min[k]));
+        let ([max, highest], [min, lowest]) = ([0, 1].map(largest), [0, 1].map(smallest));
+        let peak = max.max(-min);
+        Self {
+            statistics: Statistics {
+                mean: share * sum(|i| i.integrals[0]),
+                min,
+                max,
+                rms,
+                peak,
+            },
+            sampling: Statistics {
+                mean: off(|i| i.off[0]),
+                min: min - lowest,
+                max: highest - max,
+                // Also where the root is next to nothing.
+                rms: (square + off_square).sqrt() - rms,
+                peak: highest.max(-lowest) - peak,
+            },
+        }
+    }
+}
+
+impl Between {
+    fn intervals_of(&self, name: &str) -> Option<&[Interval]> {
+        let place = self.names.iter().position(|known| *known == name)?;
+        Some(&self.intervals[place])
+    }
+}
+
+/// The quantities of a gearbox that [`Between`] is kept of: those every engine has, but for the output's angle.
+pub const QUANTITIES: [&str; 4] = [
+    columns::INPUT_TORQUE,
+    columns::OUTPUT_TORQUE,
+    columns::EXTERNAL_FORCE,
+    columns::INTERNAL_FORCE,
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NAME: &str = "force_n_0";
+
+    /// `of` at so many equal steps over 0 to 20.
+    fn sampled(of: &dyn Fn(f64) -> f64, steps: u32) -> Figures {
+        let times: Vec<f64> = (0..=steps)
+            .map(|k| 20.0 * f64::from(k) / f64::from(steps))
+            .collect();
+        let values = times.iter().map(|&t| of(t)).collect();
+        let mut time_series = TimeSeries::new(times).unwrap();
+        time_series.push(NAME, values).unwrap();
+        let whole = 0..time_series.len();
+        Figures::of(&time_series, "force_n", &[NAME], whole).unwrap()
+    }
+
+    /// The weights are exact for what they are of, equal spacings or not.
+    #[test]
+    fn weights_are_those_of_polynomials() {
+        let at = [-1.3, 0.0, 1.0, 1.7];
+        let weights = cubic(&at, 1);
+        for (power, exact) in [(0, 1.0), (1, 0.5), (2, 1.0 / 3.0), (3, 0.25)] {
+            let sum: f64 = at.iter().zip(weights).map(|(t, w)| w * t.powi(power)).sum();
+            assert!((sum - exact).abs() < 1e-14, "{power}: {sum}");
+        }
+        let ends = [([0.0, 1.0, 1.5, 3.0], 0), ([-2.0, -0.5, 0.0, 1.0], 2)];
+        for (at, zero) in ends {
+            let weights = cubic(&at, zero);
+            let sum: f64 = at.iter().zip(weights).map(|(t, w)| w * t * t * t).sum();
+            assert!((sum - 0.25).abs() < 1e-14, "{zero}: {sum}");
+        }
+        let even = divided(&[-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0]);
+        for (one, other) in even.iter().zip(EVEN) {
+            assert!((one.abs() - other.abs()).abs() < 1e-12);
+        }
+        let uneven = [-2.9, -2.0, -1.2, 0.0, 1.0, 2.4, 3.0];
+        for power in 0..6 {
+            let parts = uneven.iter().zip(divided(&uneven));
+            let sum: f64 = parts.map(|(t, w)| w * t.powi(power)).sum();
+            assert!(sum.abs() < 1e-9, "{power}: {sum}");
+        }
+    }
+
+    /// What is stated bounds what is missed, whether samples follow an oscillation or not, and is small where they do.
+    #[test]
+    fn what_sampling_leaves_is_stated() {
+        let of = |t: f64| 1.0 + (3.0 * t + 0.2).sin();
+        let mean = 1.0 + ((0.2_f64).cos() - (60.2_f64).cos()) / 60.0;
+        for steps in [19, 23, 29, 40, 67, 110, 171, 400, 1000] {
+            let found = sampled(&of, steps);
+            let (figures, off) = (found.statistics, found.sampling);
+            assert!(
+                (figures.mean - mean).abs() <= off.mean + 1e-6,
+                "{steps}: {found:?}"
+            );
+            let missed = 2.0 - figures.peak;
+            assert!((missed).abs() <= off.peak + 1e-9, "{steps}: {found:?}");
+            if steps >= 171 {
+                assert!(off.mean < 1e-3 && off.peak < 4e-3, "{steps}: {found:?}");
+            }
+        }
+    }
+
+    /// Points between samples make figures sharp that samples alone leave open; what is between a window's ends alone counts.
+    #[test]
+    fn points_between_samples_are_seen() {
+        let of = |t: f64| (2.0 * t).sin();
+        let mut between = Between::new(&["force_n"], 11);
+        // In chunks, and with points next to each other.
+        for k in 0..=2000 {
+            let t = f64::from(k) * 0.01;
+            between.push(t, k % 200 == 0, &[point([of(t)].into_iter())]);
+            between.push(t + 1e-9, false, &[point([of(t + 1e-9)].into_iter())]);
+        }
+        let times: Vec<f64> = (0..=10).map(|k| 2.0 * f64::from(k)).collect();
+        let mut time_series = TimeSeries::new(times.clone()).unwrap();
+        let values = times.iter().map(|&t| of(t)).collect();
+        time_series.push(NAME, values).unwrap();
+        let samples = |series: &TimeSeries, window| Figures::of(series, "force_n", &[NAME], window);
+        let rare = samples(&time_series, 0..11).unwrap();
+        assert!(rare.sampling.mean > 0.1, "{rare:?}");
+        let time_series = time_series.with_between(between.finish());
+        let all = samples(&time_series, 0..11).unwrap();
+        assert!((all.statistics.peak - 1.0).abs() < 1e-8, "{all:?}");
+        let mean = (1.0 - (40.0_f64).cos()) / 40.0;
+        assert!((all.statistics.mean - mean).abs() < 1e-8, "{all:?}");
+        assert!(
+            all.sampling.mean < 1e-6 && all.sampling.peak < 1e-6,
+            "{all:?}"
+        );
+        // From 2 to 4 s it falls to its minimum and rises to its maximum, neither of which is a sample.
+        let part = samples(&time_series, 1..3).unwrap().statistics;
+        assert!(
+            (part.min + 1.0).abs() < 1e-8 && (part.max - of(3.92699)).abs() < 1e-8,
+            "{part:?}"
+        );
+    }
+}
