@@ -12,6 +12,7 @@ use pinwheel_law::job;
 use pinwheel_scene::Scene;
 use pinwheel_studies::Control;
 use pinwheel_studies::recording::{Recorded, engines, record};
+use pinwheel_timeseries::group_of;
 use serde_json::Value;
 
 type Failure = Box<dyn std::error::Error>;
@@ -45,6 +46,16 @@ pub fn problem(gearbox: &Gearbox, samples_s: &[f64]) -> Result<Value, Failure> {
     Ok(job)
 }
 
+/// Half of the last decimal that is written of a quantity.
+fn rounding(courses: &str, quantity: &str) -> f64 {
+    let mut lines = courses.lines().map(|line| line.split(','));
+    let names = lines.next().into_iter().flatten();
+    let ours: Vec<bool> = names.map(|name| group_of(name).0 == quantity).collect();
+    let values = lines.flat_map(|line| line.zip(&ours).filter(|(_, ours)| **ours));
+    let decimals = values.map(|(value, _)| value.split_once('.').map_or(0, |(_, d)| d.len()));
+    0.5 * 0.1_f64.powi(decimals.max().and_then(|d| d.try_into().ok()).unwrap_or(0))
+}
+
 /// The files of a case by name.
 fn files(gearbox: &Gearbox, scratch: &Path) -> Result<Vec<(&'static str, String)>, Failure> {
     let name = "native-resolved";
@@ -61,17 +72,20 @@ fn files(gearbox: &Gearbox, scratch: &Path) -> Result<Vec<(&'static str, String)
     let mut recording = Recording::read(&text("toml")?, &text("csv")?)?;
     let rows: Vec<usize> = (0..recording.time_series.len()).step_by(EVERY).collect();
     recording.time_series = recording.time_series.select(&rows);
+    let (_, courses) = recording.write()?;
     let problem = problem(gearbox, recording.time_series.time_s())?;
     let mut uncertainty = "quantity,from_s,to_s,largest,rms\n".to_owned();
     for known in &recording.uncertainty {
         if let (Some(linf), Some(l2)) = (known.linf, known.l2) {
             let (quantity, from, to) = (&known.quantity, known.from_s, known.to_s);
+            let rounding = rounding(&courses, quantity);
+            let (linf, l2) = (linf + rounding, l2 + rounding / 3.0_f64.sqrt());
             let _ = writeln!(uncertainty, "{quantity},{from},{to},{linf:.1e},{l2:.1e}");
         }
     }
     Ok(vec![
         ("scene.json", serde_json::to_string_pretty(&problem)? + "\n"),
-        ("time_series.csv", recording.write()?.1),
+        ("time_series.csv", courses),
         ("uncertainty.csv", uncertainty),
     ])
 }

@@ -13,8 +13,9 @@ use pinwheel_scene::Scene;
 use pinwheel_timeseries::TimeSeries;
 use serde_json::Value;
 
-/// Beyond the benchmark's own uncertainty, of the largest value: what the other solutions' tolerances leave.
-const LIMIT: f64 = 1e-5;
+/// Beyond the benchmark's own uncertainty, of the largest value: what the other solutions' tolerances leave. Measured:
+/// 4.0e-8, in `one-wheel`.
+const LIMIT: f64 = 2e-7;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../reference/benchmark")
@@ -58,12 +59,13 @@ fn regress_problems_are_what_the_presets_say() {
     }
 }
 
-/// Another form of the equations by another integrator.
+/// Another integrator, and the form of the equations with multipliers where that is not too dear.
 fn again(case: &str, preset: &str, sets: &[&str]) -> TimeSeries {
     // Friction is stiff: an explicit method would take its steps from stability.
-    let (integrator, tolerance) = match case {
-        "friction" => ("rodas5p", 1e-8),
-        _ => ("dop853", 1e-10),
+    let (form, integrator, tolerance) = match case {
+        "friction" => ("native-reduced", "rodas5p", 1e-8),
+        "steel" | "forty-pins" => ("native-reduced", "dop853", 1e-10),
+        _ => ("native-lagrange", "dop853", 1e-10),
     };
     let gearbox = benchmark::scene(preset, sets).unwrap();
     let mut scene = Scene::clone(&gearbox.scene);
@@ -71,7 +73,7 @@ fn again(case: &str, preset: &str, sets: &[&str]) -> TimeSeries {
     scene.solver.tolerance = tolerance;
     let scene = scene.check().unwrap();
     let stop = AtomicBool::new(false);
-    let engine = by_name("native-lagrange", &scene).unwrap();
+    let engine = by_name(form, &scene).unwrap();
     let run = engine.run(&scene, &Control::new(&stop, &|_| {})).unwrap();
     assert!(run.ending.is_finished(), "{case}: {:?}", run.ending);
     run.time_series
@@ -97,12 +99,13 @@ fn read(case: &str, mine: &TimeSeries, limit: f64) -> (bool, String) {
 #[test]
 fn regress_another_form_and_integrator_give_the_benchmark() {
     for (case, preset, sets) in benchmark::CASES {
+        let start = std::time::Instant::now();
         let mine = again(case, preset, sets);
         let (agrees, said) = read(case, &mine, LIMIT);
-        println!("{case}\n{said}");
+        println!("{case}, {:.1} s\n{said}", start.elapsed().as_secs_f64());
         assert!(agrees, "{case}: {said}");
         // A thousandth of one force is seen, and so is a value that is none.
-        for factor in [1.001, f64::NAN] {
+        for factor in [1.001, f64::NAN].into_iter().filter(|_| case == "paper") {
             let mut spoiled = TimeSeries::new(mine.time_s().to_vec()).unwrap();
             for channel in mine.channels() {
                 let mut values = channel.values.to_vec();
