@@ -1,5 +1,6 @@
 //! Every crate that is built in: where it comes from, its licence, and no version beside another but those that
-//! `deny.toml` names. `cargo deny check` reads the same file and looks for advisories too; this needs no tool.
+//! `deny.toml` names. `cargo deny check` reads the same file and looks for advisories too; this needs no tool. And our own
+//! version, which stands the same everywhere.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::process::Command;
@@ -215,4 +216,42 @@ fn regress_cargo_run_is_the_program() {
         .filter_map(|package| package["default_run"].as_str())
         .collect();
     assert_eq!(to_run, ["pinwheel"]);
+}
+
+#[test]
+fn the_version_moves_everywhere_at_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = [
+        "Cargo.toml",
+        "Cargo.lock",
+        "CHANGELOG.md",
+        "CITATION.cff",
+        "python/pyproject.toml",
+        "tools/version",
+    ];
+    for file in files {
+        let to = folder.path().join(file);
+        std::fs::create_dir_all(to.parent().unwrap()).unwrap();
+        std::fs::copy(repository(file), to).unwrap();
+    }
+    let python = std::env::var_os("PYO3_PYTHON").unwrap_or_else(|| "python3".into());
+    let version = |arguments: &[&str]| {
+        let mut command = Command::new(&python);
+        command
+            .arg(folder.path().join("tools/version"))
+            .args(arguments);
+        let output = command.output().expect("Python");
+        let said = String::from_utf8_lossy(&output.stdout).trim().to_owned();
+        output.status.success().then_some(said)
+    };
+    let text = |file: &str| std::fs::read_to_string(folder.path().join(file)).unwrap();
+    assert_eq!(version(&[]).as_deref(), Some(env!("CARGO_PKG_VERSION")));
+    assert_eq!(version(&["9.8"]), None);
+    assert_eq!(version(&["9.8.7", "2031-02-03"]).as_deref(), Some("9.8.7"));
+    assert!(text("CITATION.cff").contains("version: 9.8.7\ndate-released: 2031-02-03\n"));
+    assert!(text("CHANGELOG.md").contains("## Unreleased\n\n## 9.8.7 (2031-02-03)\n"));
+    // One that stays behind is found.
+    let project = text("python/pyproject.toml").replace("\"9.8.7\"", "\"9.8.6\"");
+    std::fs::write(folder.path().join("python/pyproject.toml"), project).unwrap();
+    assert_eq!(version(&[]), None);
 }

@@ -5,7 +5,12 @@ use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
 fn main() -> io::Result<()> {
-    let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../..");
+    let here = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
+    // A package holds copies of what the links lead to. A checkout without links (Windows) has small files instead.
+    let root =
+        Some(here.join("shipped")).filter(|shipped| shipped.join("reference/recorded").is_dir());
+    let root = root.unwrap_or_else(|| here.join("../.."));
+    println!("cargo:rustc-env=PINWHEEL_SHIPPED={}", root.display());
     let out = PathBuf::from(env::var_os("OUT_DIR").unwrap_or_default());
     embed(
         &root.join("reference/recorded"),

@@ -14,16 +14,27 @@ const SHOWN: [&str; 7] = [
 ];
 
 fn main() -> io::Result<()> {
-    let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default()).join("../..");
-    let mut places = vec![
-        root.join("Cargo.lock"),
-        root.join("python/pinwheel_engines"),
-    ];
-    for entry in fs::read_dir(root.join("crates"))? {
-        let entry = entry?;
-        if !SHOWN.iter().any(|name| entry.file_name() == *name) {
-            places.push(entry.path().join("src"));
+    let here = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
+    let root = here.join("../..");
+    // A package holds copies of what the links lead to. A checkout without links (Windows) has small files instead.
+    let shipped =
+        Some(here.join("shipped")).filter(|shipped| shipped.join("reference/published").is_dir());
+    let shipped = shipped.unwrap_or_else(|| root.clone());
+    println!("cargo:rustc-env=PINWHEEL_SHIPPED={}", shipped.display());
+    let mut hasher = DefaultHasher::new();
+    let mut places = Vec::new();
+    // A packaged crate is never changed and takes its siblings in its own version: that version says all.
+    if root.join("crates/studies").is_dir() {
+        places.push(root.join("Cargo.lock"));
+        places.push(root.join("python/pinwheel_engines"));
+        for entry in fs::read_dir(root.join("crates"))? {
+            let entry = entry?;
+            if !SHOWN.iter().any(|name| entry.file_name() == *name) {
+                places.push(entry.path().join("src"));
+            }
         }
+    } else {
+        hasher.write(env::var("CARGO_PKG_VERSION").unwrap_or_default().as_bytes());
     }
     let mut files = Vec::new();
     for place in places {
@@ -32,7 +43,6 @@ fn main() -> io::Result<()> {
         walk(&place, &mut files)?;
     }
     files.sort();
-    let mut hasher = DefaultHasher::new();
     for file in &files {
         let name = file.strip_prefix(&root).unwrap_or(file);
         hasher.write(name.to_string_lossy().as_bytes());

@@ -192,7 +192,10 @@ fn sync_all(folder: &Path) -> bool {
 /// The system's; a full disk is often only told here.
 pub fn sync(path: &Path) -> io::Result<()> {
     if cfg!(unix) || path.is_file() {
-        File::options().read(true).open(path)?.sync_all()?;
+        // Windows writes out only what is open for writing.
+        let mut options = File::options();
+        options.read(true).write(!cfg!(unix));
+        options.open(path)?.sync_all()?;
     }
     Ok(())
 }

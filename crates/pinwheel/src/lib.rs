@@ -54,6 +54,16 @@
 //! | a scene as a co-simulation unit | [`fmu`] |
 //! | pages and text of what was found | [`pages`] |
 //!
+//! # Optimise it in debug builds too
+//!
+//! ```toml
+//! [profile.dev.package."*"]
+//! opt-level = 2
+//! ```
+//!
+//! Contacts are computed in vector lanes. Not optimised, on processors with AVX-512, one of those loops takes 10 MB of stack,
+//! more than a main thread has.
+//!
 //! `examples/` has five programs, each a little longer than the last: `run_a_gear`, `compare_engines`, `own_law`,
 //! `own_study`, `read_courses`. The program `pinwheel` is a shell around this library.
 

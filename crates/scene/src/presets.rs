@@ -14,7 +14,7 @@ macro_rules! presets {
         &[$(Preset {
             name: $name,
             text: include_str!(concat!(
-                env!("CARGO_MANIFEST_DIR"), "/../../reference/scenes/", $name, ".toml"
+                env!("PINWHEEL_SHIPPED"), "/reference/scenes/", $name, ".toml"
             )),
         }),*]
     };

@@ -19,8 +19,8 @@ macro_rules! languages {
     ($($typed:literal $about:literal: $folder:literal $source:literal, $header:literal;)*) => {
         [$(($typed, $about, Language {
             example: $folder,
-            manifest: include_str!(concat!("../../../../examples/solvers/", $folder, "/solver.toml")),
-            source: [$source, include_str!(concat!("../../../../examples/solvers/", $folder, "/", $source))],
+            manifest: include_str!(concat!(env!("PINWHEEL_SHIPPED"), "/examples/solvers/", $folder, "/solver.toml")),
+            source: [$source, include_str!(concat!(env!("PINWHEEL_SHIPPED"), "/examples/solvers/", $folder, "/", $source))],
             header: $header,
         })),*]
     };
@@ -36,7 +36,10 @@ pub static LANGUAGES: [(&str, &str, Language); 5] = languages! {
 };
 
 /// The header of the law library.
-pub(crate) const HEADER: &str = include_str!("../../../law/include/pinwheel_law.h");
+pub(crate) const HEADER: &str = include_str!(concat!(
+    env!("PINWHEEL_SHIPPED"),
+    "/crates/law/include/pinwheel_law.h"
+));
 
 impl Language {
     /// The files of a solver called `name`: their names and texts.

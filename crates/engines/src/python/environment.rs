@@ -51,7 +51,10 @@ pub const ENGINES: Requirements = Requirements {
     name: "engines",
     file: "python/requirements.txt",
     only_listed: false,
-    text: include_str!("../../../../python/requirements.txt"),
+    text: include_str!(concat!(
+        env!("PINWHEEL_SHIPPED"),
+        "/python/requirements.txt"
+    )),
 };
 
 /// A Python environment that is ready for use.

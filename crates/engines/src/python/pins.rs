@@ -3,7 +3,8 @@
 use pyo3::prelude::*;
 
 /// What we ask for.
-pub(super) const LIST: &str = include_str!("../../../../python/requirements.in");
+pub(super) const LIST: &str =
+    include_str!(concat!(env!("PINWHEEL_SHIPPED"), "/python/requirements.in"));
 
 /// The pins of a list: packages and versions.
 pub(super) fn pins(list: &'static str) -> impl Iterator<Item = (&'static str, &'static str)> {

@@ -12,8 +12,14 @@ pub(super) const MANIFEST: &str = "ida.toml";
 
 /// What its folder holds.
 static FILES: [(&str, &str); 2] = [
-    ("ida.py", include_str!("../../../../solvers/ida/ida.py")),
-    (MANIFEST, include_str!("../../../../solvers/ida/ida.toml")),
+    (
+        "ida.py",
+        include_str!(concat!(env!("PINWHEEL_SHIPPED"), "/solvers/ida/ida.py")),
+    ),
+    (
+        MANIFEST,
+        include_str!(concat!(env!("PINWHEEL_SHIPPED"), "/solvers/ida/ida.toml")),
+    ),
 ];
 
 /// What it needs.
@@ -21,12 +27,18 @@ const REQUIREMENTS: Requirements = Requirements {
     name: "ida",
     file: "solvers/ida/requirements.txt",
     only_listed: false,
-    text: include_str!("../../../../solvers/ida/requirements.txt"),
+    text: include_str!(concat!(
+        env!("PINWHEEL_SHIPPED"),
+        "/solvers/ida/requirements.txt"
+    )),
 };
 
 /// Name and pinned version of its package.
 pub(super) fn version() -> String {
-    let list = include_str!("../../../../solvers/ida/requirements.in");
+    let list = include_str!(concat!(
+        env!("PINWHEEL_SHIPPED"),
+        "/solvers/ida/requirements.in"
+    ));
     pinned(list, "scikit-sundae")
 }
 

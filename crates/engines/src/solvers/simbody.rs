@@ -18,7 +18,7 @@ pub(super) const MANIFESTS: [&str; 2] = ["merson.toml", "cpodes.toml"];
 /// Files of the folder `solvers/simbody`: names and texts.
 macro_rules! files {
     ($($name:literal)*) => {
-        [$(($name, include_str!(concat!("../../../../solvers/simbody/", $name))),)*
+        [$(($name, include_str!(concat!(env!("PINWHEEL_SHIPPED"), "/solvers/simbody/", $name))),)*
             ("pinwheel_law.h", HEADER)]
     };
 }

@@ -126,8 +126,8 @@ impl Statements {
     /// It cannot be read; a test makes sure that it can.
     pub(super) fn read() -> Result<Self, toml::de::Error> {
         toml::from_str(include_str!(concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../../reference/published/paper.toml"
+            env!("PINWHEEL_SHIPPED"),
+            "/reference/published/paper.toml"
         )))
     }
 }
