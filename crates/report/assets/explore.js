@@ -13,8 +13,8 @@ document.addEventListener('DOMContentLoaded', () => {
   const begun = () => ({ ...Object.fromEntries(sliders.map((s) => [s.key, s.value])), [LAW]: law.value });
   const own = begun();
   const states = { a: begun(), b: begun() };
-  /** What is shown of each; `figures` is null while they are computed. */
-  const found = { a: { ...first, figures: null }, b: { ...first, figures: null } };
+  /** What is shown of each, and the values asked for it; `figures` is null while they are computed. */
+  const found = { a: { ...first, asked: [], figures: null }, b: { ...first, asked: [], figures: null } };
   const blocked = { a: '', b: '' };
   const moved = { a: sliders[0].key, b: sliders[0].key };
   let now = 'b';
@@ -103,8 +103,8 @@ document.addEventListener('DOMContentLoaded', () => {
     if (busy) return;
     const name = [now, ...NAMES].find((one) => due[one] !== null);
     if (name === undefined) {
-      const rest = NAMES.find((one) => found[one].figures === null && !blocked[one]);
-      if (rest !== undefined && balancing === null) balance(found[rest], values(states[rest]));
+      const rest = NAMES.find((one) => found[one].figures === null);
+      if (rest !== undefined && balancing === null) balance(found[rest]);
       return;
     }
     busy = true;
@@ -114,8 +114,8 @@ document.addEventListener('DOMContentLoaded', () => {
     let failed = false;
     try {
       const asked = values(states[name]);
-      const state = { figures: null };
-      const balanced = balance(state, asked);
+      const state = { asked, figures: null };
+      const balanced = balance(state);
       const answer = await ask('run', asked);
       blocked[name] = answer.reason || '';
       if (!answer.reason) {
@@ -139,13 +139,13 @@ document.addEventListener('DOMContentLoaded', () => {
   }
   let balancing = null;
   /** Asks the figures of what is shown; newer questions end it, and what was ended is asked again when a hand rests. */
-  async function balance(state, asked) {
+  async function balance(state) {
     balancing?.abort();
     const own = new AbortController();
     balancing = own;
     let more = true;
     try {
-      const told = await ask(`balances?tab=${TAB}`, asked, own.signal);
+      const told = await ask(`balances?tab=${TAB}`, state.asked, own.signal);
       if (!told.late) [state.figures, state.why] = [told.figures || [], told.reason];
     } catch (error) {
       more = own.signal.aborted;

@@ -3,7 +3,7 @@
 //! Other pages in the browser must not drive it: the address holds a token that works once and is exchanged for a cookie; the
 //! host that is asked must be ours, and what changes anything must come from our own page.
 
-use std::io::{Read as _, Write as _};
+use std::net::TcpListener;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -16,15 +16,13 @@ use pinwheel::studies::comparison::{self, Effort, Input};
 use pinwheel::studies::output::file_name;
 use pinwheel::studies::{Control, Progress, Provenance, StudyError, choice};
 use serde_json::{Value, json};
-use tiny_http::{HTTPVersion, Header, Method, Request, Response, Server};
 
 use crate::args::{self, ExploreArgs};
 use crate::failure::Failure;
 use crate::folder::{Folder, replace};
+use crate::loopback::{self, Answer, Question};
 use crate::{interrupt, screen};
 
-/// Bytes of a question at most.
-const LONGEST: u64 = 16_384;
 /// Where the page is, if nothing else is there.
 const PORT: u16 = 7347;
 /// How often an interrupt is looked for.
@@ -60,39 +58,39 @@ struct Explorer {
     compared: Mutex<Compared>,
 }
 
-type Answer = Response<std::io::Cursor<Vec<u8>>>;
-
 pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     let spec = args.scene.scene.clone();
     let sets = args::overrides(&args.scene.set)?;
     let scene = Scene::load(&spec, &sets)?;
-    let server = listen(args.port)?;
-    let host = server.server_addr().to_string();
+    let listener = listen(args.port)?;
+    let unknown = |error: std::io::Error| Failure::engine(format!("loopback: {error}"));
+    let host = listener.local_addr().map_err(unknown)?.to_string();
     let token = secret()?;
+    let address = format!("http://{host}/?token={token}");
     let explorer = Arc::new(Explorer {
         settled: live::settled(&spec, &sets),
         span_s: Mutex::new(live::span_s(&scene)),
         spec,
         sets,
         cookie: format!("{}={}", cookie_name(&host), secret()?),
-        token: Mutex::new(Some(token.clone())),
+        token: Mutex::new(Some(token)),
         balancing: Mutex::default(),
         saving: Mutex::default(),
         compared: Mutex::default(),
         host,
     });
-    let address = format!("http://{}/?token={token}", explorer.host);
+    let answering = Arc::clone(&explorer);
+    loopback::serve(listener, move |question| {
+        answering.admit(question).unwrap_or_else(|answer| answer)
+    })
+    .map_err(unknown)?;
     screen::show(&format!("page: {address}"))?;
     if !args.print && open::that_detached(&address).is_err() {
         screen::complain("no browser could be started; open the address yourself");
     }
     interrupt::watched();
     while interrupt::check().is_ok() {
-        if let Ok(Some(request)) = server.recv_timeout(TICK) {
-            let explorer = Arc::clone(&explorer);
-            // One that is slow, or that never sends what it announced, holds up no other.
-            std::thread::spawn(move || explorer.serve(request));
-        }
+        std::thread::sleep(TICK);
     }
     // It stops by itself, and leaves no draft.
     let work = lock(&explorer.compared).work.take();
@@ -103,13 +101,12 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
 }
 
 /// On the port that is asked for; otherwise on the usual one, so that the browser's store is the same again, or on any.
-fn listen(port: Option<u16>) -> Result<Server, Failure> {
-    let at = |port: u16| Server::http(("127.0.0.1", port));
-    let server = match port {
-        Some(port) => at(port),
-        None => at(PORT).or_else(|_| at(0)),
+fn listen(port: Option<u16>) -> Result<TcpListener, Failure> {
+    let listener = match port {
+        Some(port) => loopback::bind(port),
+        None => loopback::bind(PORT).or_else(|_| loopback::bind(0)),
     };
-    server.map_err(|error| {
+    listener.map_err(|error| {
         let port = port.unwrap_or_default();
         Failure::input(format!(
             "port {port} cannot be used: {error}; name another with --port"
@@ -131,65 +128,30 @@ fn cookie_name(host: &str) -> String {
     format!("pinwheel-{}", host.rsplit(':').next().unwrap_or_default())
 }
 
-fn header(name: &str, value: &str) -> Option<Header> {
-    Header::from_bytes(name, value).ok()
-}
-
-fn sent<'a>(request: &'a Request, name: &'static str) -> Option<&'a str> {
-    let mut headers = request.headers().iter();
-    let found = headers.find(|header| header.field.equiv(name))?;
-    Some(found.value.as_str())
-}
-
-fn answer(status: u16, kind: &str, text: impl Into<String>) -> Answer {
-    let answer = Response::from_data(text.into().into_bytes());
-    let answer = answer.with_status_code(status).with_chunked_threshold(usize::MAX);
-    let headers = [
-        ("Content-Type", kind),
-        ("Cache-Control", "no-store"),
-        ("Referrer-Policy", "no-referrer"),
-        ("X-Content-Type-Options", "nosniff"),
-        ("X-Frame-Options", "DENY"),
-    ];
-    let headers = headers
-        .into_iter()
-        .filter_map(|(name, value)| header(name, value));
-    headers.fold(answer, Response::with_header)
-}
-
 fn page(text: impl Into<String>) -> Answer {
-    answer(200, "text/html; charset=utf-8", text)
+    Answer::new(200, "text/html", text)
 }
 
 fn told(value: &Value) -> Answer {
-    answer(200, "application/json", value.to_string())
+    Answer::new(200, "application/json", value.to_string())
+}
+
+fn plain(status: u16, why: impl Into<String>) -> Answer {
+    Answer::new(status, "text/plain", why)
 }
 
 fn refused(why: &str) -> Answer {
-    answer(403, "text/plain; charset=utf-8", why)
+    plain(403, why)
 }
 
 impl Explorer {
-    fn serve(self: &Arc<Self>, mut request: Request) {
-        let answer = self.admit(&mut request).unwrap_or_else(|answer| answer);
-        // In one piece: a second one would wait 40 ms for the first to be acknowledged.
-        let mut whole = Vec::new();
-        let sent = request.headers().to_vec();
-        let printed = answer.raw_print(&mut whole, HTTPVersion(1, 1), &sent, false, None);
-        let mut writer = request.into_writer();
-        // Who asked may be gone.
-        let _ = printed
-            .and_then(|()| writer.write_all(&whole))
-            .and_then(|()| writer.flush());
-    }
-
     /// The answer to who may ask; or why not.
-    fn admit(self: &Arc<Self>, request: &mut Request) -> Result<Answer, Answer> {
-        if sent(request, "Host") != Some(self.host.as_str()) {
+    fn admit(self: &Arc<Self>, question: &Question) -> Result<Answer, Answer> {
+        if question.header("Host") != Some(self.host.as_str()) {
             return Err(refused("another host was asked for"));
         }
-        let url = request.url().to_owned();
-        if let Some(token) = url.strip_prefix("/?token=") {
+        let path = question.path.as_str();
+        if let Some(token) = path.strip_prefix("/?token=") {
             let mut own = lock(&self.token);
             if own.as_deref() != Some(token) {
                 return Err(refused(
@@ -197,43 +159,39 @@ impl Explorer {
                 ));
             }
             *own = None;
-            drop(own);
             let cookie = format!("{}; HttpOnly; SameSite=Strict; Path=/", self.cookie);
-            let there = [("Location", "/"), ("Set-Cookie", cookie.as_str())];
-            let there = there
-                .into_iter()
-                .filter_map(|(name, value)| header(name, value));
-            return Ok(there.fold(answer(303, "text/plain", ""), Response::with_header));
+            return Ok(plain(303, "")
+                .with("Location", "/")
+                .with("Set-Cookie", cookie));
         }
-        let cookies = sent(request, "Cookie").unwrap_or_default();
+        let cookies = question.header("Cookie").unwrap_or_default();
         if !cookies.split("; ").any(|cookie| cookie == self.cookie) {
             return Err(refused("open the address that the program printed"));
         }
-        let values = match request.method() {
-            Method::Get => Vec::new(),
-            Method::Post => {
-                if sent(request, "Origin") != Some(format!("http://{}", self.host).as_str()) {
+        let found = match question.method.as_str() {
+            "GET" => match path {
+                "/" => self.page(),
+                "/status" => Ok(told(&self.status())),
+                "/comparison" => Ok(self.comparison()),
+                _ => Ok(plain(404, "there is nothing here")),
+            },
+            "POST" => {
+                if question.header("Origin") != Some(format!("http://{}", self.host).as_str()) {
                     return Err(refused("another page asked"));
                 }
-                let mut text = String::new();
-                let read = request.as_reader().take(LONGEST).read_to_string(&mut text);
-                let values = read.ok().and_then(|_| serde_json::from_str(&text).ok());
-                values.ok_or_else(|| answer(400, "text/plain", "not a list of keys and values"))?
+                let values: Vec<(String, String)> = serde_json::from_slice(&question.body)
+                    .map_err(|_| plain(400, "not a list of keys and values"))?;
+                match path {
+                    "/run" => self.run(&values),
+                    "/save" => self.save(&values),
+                    "/compare" => Ok(self.compare(&values)),
+                    path if path.starts_with("/balances") => self.balances(path, &values),
+                    _ => Ok(plain(404, "there is nothing here")),
+                }
             }
-            _ => return Err(answer(405, "text/plain", "only GET and POST")),
+            _ => return Err(plain(405, "only GET and POST")),
         };
-        let posted = *request.method() == Method::Post;
-        let found = match (posted, url.as_str()) {
-            (false, "/") => self.page(),
-            (false, "/status") => Ok(told(&self.status())),
-            (false, "/comparison") => Ok(self.comparison()),
-            (true, "/run") => self.run(&values),
-            (true, path) if path.starts_with("/balances") => self.balances(path, &values),
-            (true, "/save") => self.save(&values),
-            (true, "/compare") => Ok(self.compare(&values)),
-            _ => Ok(answer(404, "text/plain", "there is nothing here")),
-        };
-        found.map_err(|failure| answer(500, "text/plain; charset=utf-8", failure.message))
+        found.map_err(|failure| plain(500, failure.message))
     }
 
     fn page(&self) -> Result<Answer, Failure> {
@@ -241,14 +199,14 @@ impl Explorer {
             Ok(scene) => scene,
             Err(error) => {
                 let why = format!("{error}\n\nMend the file and load this page again.");
-                return Ok(answer(422, "text/plain; charset=utf-8", why));
+                return Ok(plain(422, why));
             }
         };
         *lock(&self.span_s) = live::span_s(&scene);
         let made = Provenance::here(args::typed());
         Ok(match live::page(&scene, &made, interrupt::flag())? {
             Ok(text) => page(text),
-            Err(why) => answer(422, "text/plain; charset=utf-8", why),
+            Err(why) => plain(422, why),
         })
     }
 
@@ -342,7 +300,7 @@ impl Explorer {
     fn comparison(&self) -> Answer {
         match &lock(&self.compared).page {
             Some(text) => page(text.clone()),
-            None => answer(404, "text/plain", "nothing was compared yet"),
+            None => plain(404, "nothing was compared yet"),
         }
     }
 

@@ -59,10 +59,16 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
         let facts = (!facts.is_empty()).then_some([heading, Block::Facts(facts)]);
         facts.into_iter().flatten()
     };
-    let [trust, unchecked] = [answer.trust(), answer.unchecked()];
-    let facts = under("Can I trust it?", trust)
-        .chain(under("Not checked", unchecked))
-        .chain(under("What next", answer.next()));
+    let mut unchecked = answer.unchecked();
+    // Bookkeeping last: it may be cut off.
+    unchecked.sort_by_key(|fact| fact.label == answer::UNRESOLVED);
+    let last = unchecked
+        .iter()
+        .position(|fact| fact.label == answer::UNRESOLVED);
+    let at = last.unwrap_or(unchecked.len());
+    unchecked.splice(at..at, answer.next());
+    let facts = under("Can I trust it?", answer.trust())
+        .chain(under("Not checked, and what next", unchecked));
     study.below.splice(0..0, facts);
     // Details stand below the first screen.
     let mut details = twins::blocks(found);

@@ -24,11 +24,13 @@ pub fn text(scene: &Scene, found: &Outcome) -> String {
     let figures = answer.figures();
     text += &terminal::pairs(figures.iter().map(|one| {
         let value = format!("{} {}", one.value, one.unit);
-        (one.label.as_str(), format!("{value:12} {}", one.bounds()))
+        // Four words would not stand on one line.
+        let bounds = one.bounds().replace("by contact law", "by law");
+        (one.label.as_str(), format!("{value:12} {bounds}"))
     }));
     let facts = |title: &str, facts: &[Fact]| match facts {
         [] => String::new(),
-        facts => format!("{}\n{}", styled(TITLE, title), terminal::facts(facts)),
+        facts => format!("\n{}\n{}", styled(TITLE, title), terminal::facts(facts)),
     };
     text += &facts("can I trust it", &answer.trust());
     let mut unchecked = answer.unchecked();
