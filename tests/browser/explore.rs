@@ -207,7 +207,7 @@ fn browser_explores_under_a_hand() {
     let good = std::fs::read_to_string(&file).unwrap();
     std::fs::write(
         &file,
-        good.replace("eccentricity_m =", "eccentricity_m = -"),
+        good.replace("eccentricity_m = ", "eccentricity_m = -"),
     )
     .unwrap();
     std::thread::sleep(std::time::Duration::from_millis(2500));
@@ -227,6 +227,8 @@ fn browser_explores_under_a_hand() {
         browser.go(&format!("http://127.0.0.1:{port}/{hash}"), look);
         browser.evaluate(SETTLED);
         browser.picture(&kept.join(format!("explore-{}.png", look.width)));
+        // The picture was taken at another height: everything is drawn anew.
+        browser.evaluate(SETTLED);
         let (wrong, seen) = faults(browser, look);
         assert!(wrong.is_empty(), "{}: {wrong:#?}", look.width);
         assert_eq!(seen["gearboxes"], json!(1));

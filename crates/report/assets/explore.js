@@ -190,7 +190,7 @@ document.addEventListener('DOMContentLoaded', () => {
   function series() {
     for (const label of Object.keys(first.series)) {
       const lines = NAMES.map((name, k) => ({ label: name.toUpperCase(), style: k === 0 ? 0 : 6, values: found[name].series[label] || [], visible: true }));
-      const spec = { x: { values: first.time, label: 'Time (s)', name: (k) => `t = ${PinwheelCharts.number(first.time[k], 4)} s` }, y: { label }, series: lines, describe: `${label} of both states over a turn` };
+      const spec = { x: { values: first.time, label: 'Time (s)', name: (k) => `t = ${PinwheelCharts.number(first.time[k], 4)} s` }, y: { label: label.match(/\(([^)]*)\)/)?.[1] || label }, series: lines, describe: `${label} of both states over a turn` };
       if (charts.has(label)) charts.get(label).update(spec);
       else {
         const plot = make('div', { class: 'plot' });
