@@ -283,7 +283,7 @@ const ASKED: [(&str, &str); 11] = [
     ("what was not checked", r"--features crossval|--engines"),
     (
         "was anything measured, and what next",
-        r"nothing here is measured[^]*pinwheel design",
+        r"nothing here is measured[^]*pinwheel design|pinwheel design[^]*nothing here is measured",
     ),
 ];
 

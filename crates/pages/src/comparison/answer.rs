@@ -468,6 +468,8 @@ impl<'a> Answer<'a> {
         }
         let more = reasons.len().saturating_sub(MOST);
         for (names, reason) in reasons.iter().take(MOST) {
+            // The label says so already.
+            let reason = reason.strip_prefix("left out: ").unwrap_or(reason);
             let text = format!("{}: {reason}", names.join(", "));
             facts.push(Fact::new("left out", Mark::None, text));
         }

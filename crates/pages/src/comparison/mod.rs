@@ -62,13 +62,9 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
     let mut unchecked = answer.unchecked();
     // Bookkeeping last: it may be cut off.
     unchecked.sort_by_key(|fact| fact.label == answer::UNRESOLVED);
-    let last = unchecked
-        .iter()
-        .position(|fact| fact.label == answer::UNRESOLVED);
-    let at = last.unwrap_or(unchecked.len());
-    unchecked.splice(at..at, answer.next());
+    unchecked.splice(0..0, answer.next());
     let facts = under("Can I trust it?", answer.trust())
-        .chain(under("Not checked, and what next", unchecked));
+        .chain(under("What next, and what was not checked", unchecked));
     study.below.splice(0..0, facts);
     // Details stand below the first screen.
     let mut details = twins::blocks(found);
