@@ -8,6 +8,7 @@ mod commands;
 mod failure;
 mod folder;
 mod interrupt;
+mod loopback;
 mod progress;
 mod screen;
 

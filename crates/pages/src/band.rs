@@ -76,18 +76,13 @@ pub(crate) fn fit(bands: &Bands) -> Option<String> {
         .into_iter()
         .map(|(cut, value)| {
             format!(
-                "{} um: {} {unit}",
+                "{} \u{b5}m: {} {unit}",
                 significant(1e6 * cut, 2),
                 significant(value, 3)
             )
         })
         .collect();
-    (!told.is_empty()).then(|| {
-        format!(
-            "{name} with the profile cut all round by {}",
-            told.join(", by ")
-        )
-    })
+    (!told.is_empty()).then(|| format!("{name}; profile cut by {}", told.join(", by ")))
 }
 
 /// Rows of a terminal.

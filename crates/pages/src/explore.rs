@@ -10,8 +10,9 @@ use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_report::animation::{Animation, markup};
 use pinwheel_report::study::{Block, Study};
-use pinwheel_scene::{CheckedScene, Override, Scene, SceneError, scales};
-use pinwheel_studies::{Provenance, design};
+use pinwheel_scene::bearings::BearingLaw;
+use pinwheel_scene::{CheckedScene, Override, Scene, scales};
+use pinwheel_studies::{Provenance, StudyError, design};
 use pinwheel_timeseries::columns;
 use serde_json::{Value, json};
 
@@ -20,7 +21,7 @@ use crate::design::HEADLINES;
 
 /// Key, label, unit, units in the key's own, and the ends of its slider as shares of the scene's value, or in the unit
 /// where that is 0.
-const SLIDERS: [(&str, &str, &str, f64, [f64; 2], [f64; 2]); 6] = [
+const SLIDERS: [(&str, &str, &str, f64, [f64; 2], [f64; 2]); 8] = [
     (
         "gear.eccentricity_m",
         "Eccentricity",
@@ -54,6 +55,14 @@ const SLIDERS: [(&str, &str, &str, f64, [f64; 2], [f64; 2]); 6] = [
         [0.0, 50.0],
     ),
     (
+        "gear.modification.radial_m",
+        "Generating circle larger by",
+        "\u{b5}m",
+        1e6,
+        [0.0, 4.0],
+        [-50.0, 50.0],
+    ),
+    (
         "drive.output_torque_n_m",
         "Load",
         "N m",
@@ -69,11 +78,28 @@ const SLIDERS: [(&str, &str, &str, f64, [f64; 2], [f64; 2]); 6] = [
         [0.2, 2.0],
         [1.0, 300.0],
     ),
+    (
+        CLEARANCE,
+        "Eccentric bearing's clearance",
+        "\u{b5}m",
+        1e6,
+        [0.0, 4.0],
+        [0.0, 20.0],
+    ),
 ];
+const CLEARANCE: &str = "bearings.eccentric.clearance_m";
+/// Its slider counts decades and ends at a rigid bearing, which is no key at all.
+const STIFFNESS: &str = "bearings.eccentric.stiffness_n_m";
+/// The stiffness of a bearing that has none.
+const RIGID: &str = "rigid";
+/// Ends of its slider, N/m.
+const STIFFNESSES: [f64; 2] = [1e7, 1e10];
 /// The key that is chosen, not moved.
 const LAW: &str = "contact.law";
 /// Samples of a state's turn.
 const SAMPLES: f64 = 120.0;
+/// Poses of the mesh that a state is balanced at: half of `design`'s fewest, as a hand waits for them.
+const POSES: usize = 12;
 /// The word of the load's balance at the start: a state is looked at without its start-up.
 const START: &str = "drive.start=equilibrium";
 
@@ -84,15 +110,39 @@ pub type Values = [(String, String)];
 ///
 /// # Errors
 /// Why there is none: it names keys.
-pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedScene, SceneError> {
+pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedScene, String> {
     let mut all = sets.to_vec();
     for (key, value) in values {
         let known = SLIDERS.iter().any(|slider| slider.0 == key) || key == LAW;
-        if known {
-            all.extend(format!("{key}={value}").parse::<Override>());
+        if known && key != CLEARANCE {
+            let set = format!("{key}={value}").parse::<Override>();
+            all.push(set.map_err(|error| error.to_string())?);
         }
     }
-    Scene::load(spec, &all)
+    let scene = Scene::load(spec, &all).map_err(|error| error.to_string())?;
+    let given = |key: &str| values.iter().find(|(of, _)| of == key);
+    if given(STIFFNESS).is_none() && given(CLEARANCE).is_none() {
+        return Ok(scene);
+    }
+    let mut changed = Scene::clone(&scene);
+    let bearing = &mut changed.bearings.eccentric;
+    match given(STIFFNESS).map(|(_, value)| value.as_str()) {
+        None => {}
+        Some(RIGID) => *bearing = None,
+        Some(value) => {
+            let exponent = BearingLaw::of(&scene).map(|law| law.exponent);
+            let bearing = bearing.get_or_insert_default();
+            // It takes the place of rollers, and their exponent stays.
+            (bearing.rollers, bearing.roller_length_m) = (None, None);
+            bearing.exponent = exponent.filter(|p| *p != 1.0);
+            bearing.stiffness_n_m = Some(value.parse().unwrap_or(f64::NAN));
+        }
+    }
+    if let Some((_, value)) = given(CLEARANCE) {
+        let clearance = value.parse().unwrap_or(f64::NAN);
+        bearing.get_or_insert_default().clearance_m = Some(clearance);
+    }
+    changed.check().map_err(|fault| fault.to_string())
 }
 
 /// How long a state is looked at, s: a turn of the input of the scene as it is, the same for both.
@@ -109,50 +159,33 @@ fn deep(scene: &CheckedScene) -> CheckedScene {
     stated.check().unwrap_or_else(|_| scene.clone())
 }
 
-/// What a page shows of a state.
-struct State {
-    view: Animation,
-    rest: Value,
-}
-
-/// What a state gives, as the page's script reads it, or in words why it gives nothing.
+/// What a run of a state gives, as the page's script reads it, or in words why it gives nothing.
 ///
 /// # Errors
 /// `cancel` was set.
-pub fn answer(
+pub fn motion(
     scene: &CheckedScene,
     span_s: f64,
     cancel: &AtomicBool,
 ) -> Result<Result<Value, String>, Cancelled> {
-    Ok(state(scene, span_s, cancel)?.map(|state| {
-        let mut told = state.rest;
-        told["view"] = state.view.json();
-        told
+    Ok(moved(scene, span_s, cancel)?.map(|(view, mut series)| {
+        series["view"] = view.json();
+        series
     }))
 }
 
-fn state(
+fn moved(
     scene: &CheckedScene,
     span_s: f64,
     cancel: &AtomicBool,
-) -> Result<Result<State, String>, Cancelled> {
-    let scene = deep(scene);
-    let gearbox = match Gearbox::new(&scene) {
+) -> Result<Result<(Animation, Value), String>, Cancelled> {
+    let gearbox = match Gearbox::new(&deep(scene)) {
         Ok(gearbox) => gearbox,
         Err(error) => return Ok(Err(error.to_string())),
     };
     let step = span_s / SAMPLES;
-    // Statics on one core, the run on another.
-    let (found, figures) = std::thread::scope(|scope| {
-        let statics = scope.spawn(|| design::few_figures(&gearbox));
-        let found = animation::window(&gearbox, "", (0.0, span_s), step, cancel);
-        // A gear without load has no figures.
-        (
-            found,
-            statics.join().ok().and_then(Result::ok).unwrap_or_default(),
-        )
-    });
-    let Some((view, series)) = found? else {
+    let found = animation::window(&gearbox, "", (0.0, span_s), step, cancel)?;
+    let Some((view, series)) = found else {
         return Ok(Err(
             "the run diverges at once; take a smaller solver.step_s".to_owned(),
         ));
@@ -168,12 +201,7 @@ fn state(
         };
         (0..times).map(at).collect()
     };
-    let wanted = figures.iter().filter(|one| HEADLINES.contains(&one.key));
-    let figures: Vec<Value> = wanted
-        .map(|one| json!([one.what, one.value, one.unit]))
-        .collect();
-    let rest = json!({
-        "figures": figures,
+    let told = json!({
         "time": short(series.time_s()),
         "series": {
             "Largest external force (N)": largest(columns::EXTERNAL_FORCE),
@@ -181,7 +209,20 @@ fn state(
             "Driver torque (N m)": torque,
         },
     });
-    Ok(Ok(State { view, rest }))
+    Ok(Ok((view, told)))
+}
+
+/// Figures of a state's balances: what each is, its value and its unit.
+///
+/// # Errors
+/// The gear carries nothing or cannot be balanced; `cancel` was set.
+pub fn balances(scene: &CheckedScene, cancel: &AtomicBool) -> Result<Vec<Value>, StudyError> {
+    let gearbox =
+        Gearbox::new(&deep(scene)).map_err(|error| StudyError::Input(error.to_string()))?;
+    let figures = design::few_figures(&gearbox, POSES, cancel)?;
+    let wanted = figures.iter().filter(|one| HEADLINES.contains(&one.key));
+    let told = wanted.map(|one| json!([one.what, one.value, one.unit]));
+    Ok(told.collect())
 }
 
 /// The page of a scene, with the scene as both states. `None` where it gives nothing to look at.
@@ -194,12 +235,12 @@ pub fn page(
     cancel: &AtomicBool,
 ) -> Result<Result<String, String>, Cancelled> {
     let span = span_s(scene);
-    let State { view, rest } = match state(scene, span, cancel)? {
-        Ok(state) => state,
+    let (view, rest) = match moved(scene, span, cancel)? {
+        Ok(found) => found,
         Err(why) => return Ok(Err(why)),
     };
     let views = [view.clone().titled("A"), view.titled("B")];
-    let data = json!({ "first": rest, "sliders": sliders(scene) });
+    let data = json!({ "first": rest, "sliders": sliders(scene), "rigid": RIGID });
     let data = data.to_string().replace('<', "\\u003c");
     let law = &scene.contact.law;
     let laws: String = LAWS
@@ -219,7 +260,7 @@ pub fn page(
         title: scene.name.clone(),
         eyebrow: "Pinwheel explore".to_owned(),
         lead: "Move a slider: the native solver runs one turn from the loaded balance, without start-up, and the balances \
-               follow. Lost motion and stiffness are those of the contacts alone."
+               at 12 poses of the mesh follow. Contacts, and eccentric bearings that have a stiffness, are all that gives way."
             .to_owned(),
         below: vec![Block::Explorer(explorer)],
         ..Study::default()
@@ -246,9 +287,29 @@ fn sliders(scene: &Scene) -> Vec<Value> {
         let value = keys.pointer(&path).and_then(Value::as_f64).unwrap_or(0.0) * factor;
         let [from, to] = match value {
             0.0 => *ends,
-            value => shares.map(|share| share * value),
+            value => {
+                let ends = shares.map(|share| share * value);
+                [ends[0].min(ends[1]), ends[0].max(ends[1])]
+            }
         };
         json!({"key": key, "label": label, "unit": unit, "factor": factor, "value": value, "from": from, "to": to})
     });
-    found.collect()
+    let mut found: Vec<Value> = found.collect();
+    let bearing = BearingLaw::of(scene);
+    let unit = match bearing.map_or(1.0, |law| law.exponent) {
+        1.0 => "N/m".to_owned(),
+        exponent => format!("N/m^{exponent:.3}"),
+    };
+    let value = bearing.map(|law| law.stiffness);
+    let [from, to] = STIFFNESSES.map(f64::log10);
+    let [from, to] = value.map_or([from, to], |own| {
+        [from.min(own.log10()), to.max(own.log10() + 1.0)]
+    });
+    let value = value.map_or_else(|| json!(RIGID), |own| json!(own));
+    // Before the clearance.
+    found.insert(found.len() - 1, json!({
+        "key": STIFFNESS, "label": "Eccentric bearing's stiffness", "unit": unit, "factor": 1.0, "value": value, "from": from,
+        "to": to, "decades": true,
+    }));
+    found
 }

@@ -1,35 +1,41 @@
 // A scene under a hand: sliders of two states, each asked of the program that serves this page.
 //
-// One question is under way at a time, and the newest values are asked next: what a hand passed over is never computed.
-// The states stand in the address, so that a page that is loaded again shows them again.
+// One run is under way at a time, and the newest values are asked next: what a hand passed over is never computed. Balances
+// are asked beside it and may take longer; until they are there their figures are said to be computed, and none is shown.
+// The states stand in the address and in the browser's store, so that nothing is lost by loading again or by the program's end.
 'use strict';
 document.addEventListener('DOMContentLoaded', () => {
   const { $, make, onRedraw } = PinwheelPage;
-  const { first, sliders } = JSON.parse($('explore-data').textContent);
+  const { first, sliders, rigid } = JSON.parse($('explore-data').textContent);
   const LAW = 'contact.law';
   const law = $('law');
   const NAMES = ['a', 'b'];
   const begun = () => ({ ...Object.fromEntries(sliders.map((s) => [s.key, s.value])), [LAW]: law.value });
   const own = begun();
   const states = { a: begun(), b: begun() };
-  const found = { a: first, b: first };
+  /** What is shown of each, and the values asked for it; `figures` is null while they are computed. */
+  const found = { a: { ...first, asked: [], figures: null }, b: { ...first, asked: [], figures: null } };
   const blocked = { a: '', b: '' };
+  const moved = { a: sliders[0].key, b: sliders[0].key };
   let now = 'b';
-  let moved = sliders[0].key;
+  const STORE = `pinwheel explore ${document.title}`;
+  /** How long balances are waited for before the run is drawn without them, ms. */
+  const PATIENCE = 100;
+  const TAB = Math.random().toString(36).slice(2);
   /** Times from a hand's move to the drawn answer, ms. */
   const latencies = (window.pinwheelLatencies = []);
 
-  async function ask(path, body) {
-    const answer = await fetch(path, body === undefined ? {} : { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) });
+  async function ask(path, body, signal) {
+    const answer = await fetch(path, body === undefined ? {} : { method: 'POST', signal, headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) });
     if (!answer.ok) throw new Error(await answer.text());
     return answer.json();
   }
   const say = (text) => { $('said').textContent = text; };
-  const gone = (error) => say(`The program does not answer: ${error.message}. Start it again; this address keeps both states.`);
+  const gone = (error) => say(`The program does not answer: ${error.message}. Start it again; both states are kept.`);
   // What is as the scene has it is not sent: the file's own digits count.
   const values = (state) => Object.entries(state).filter(([key, value]) => value !== own[key]).map(([key, value]) => {
     const slider = sliders.find((s) => s.key === key);
-    return [key, slider ? String(Number((value / slider.factor).toPrecision(12))) : value];
+    return [key, slider && value !== rigid ? String(Number((value / slider.factor).toPrecision(12))) : value];
   });
 
   // ---- Sliders
@@ -37,48 +43,57 @@ document.addEventListener('DOMContentLoaded', () => {
   for (const slider of sliders) {
     const step = Number(((slider.to - slider.from) / 200).toPrecision(2));
     const id = slider.key.replaceAll('.', '-');
-    const input = make('input', { type: 'range', id, min: slider.from, max: slider.to, step: 'any', value: slider.value });
+    const input = make('input', { type: 'range', id, min: slider.from, max: slider.to, step: 'any' });
     const shown = make('output', { for: id });
     const reason = make('p', { class: 'reason', role: 'alert' });
     const told = (value) => {
-      shown.textContent = `${PinwheelCharts.number(value, 4)} ${slider.unit}`;
+      shown.textContent = value === rigid ? rigid : `${PinwheelCharts.number(value, 4)} ${slider.unit}`;
       input.setAttribute('aria-valuetext', shown.textContent);
     };
+    // Where a value's thumb is, and the value of a thumb.
+    const place = (value) => (value === rigid ? slider.to : slider.decades ? Math.log10(value) : value);
+    const at = (raw) => {
+      if (Math.abs(raw - place(own[slider.key])) < step / 2) return own[slider.key];
+      if (!slider.decades) return Number((Math.round(raw / step) * step).toPrecision(6));
+      return raw > slider.to - step / 2 ? rigid : Number((10 ** raw).toPrecision(2));
+    };
     input.addEventListener('input', () => {
-      const raw = Number(input.value);
-      const value = Math.abs(raw - own[slider.key]) < step / 2 ? own[slider.key] : Number((Math.round(raw / step) * step).toPrecision(6));
+      const value = at(Number(input.value));
       told(value);
       change(slider.key, value);
     });
     $('sliders').append(make('div', { class: 'slider' }, make('label', { for: id }, slider.label), shown, input, reason));
-    inputs.set(slider.key, { set: (value) => { input.value = value; told(value); }, reason });
+    inputs.set(slider.key, { set: (value) => { input.value = place(value); told(value); }, reason });
   }
   inputs.set(LAW, { set: (value) => { law.value = value; }, reason: $('reason-law') });
   law.addEventListener('change', () => change(LAW, law.value));
 
   function change(key, value) {
     states[now][key] = value;
-    moved = key;
+    moved[now] = key;
     due[now] = performance.now();
     remember();
     pump();
   }
   function remember() {
-    history.replaceState(null, '', `#${encodeURIComponent(JSON.stringify({ now, a: values(states.a), b: values(states.b) }))}`);
+    const kept = JSON.stringify({ now, moved, a: values(states.a), b: values(states.b) });
+    history.replaceState(null, '', `#${encodeURIComponent(kept)}`);
+    try { localStorage.setItem(STORE, kept); } catch { /* a browser that stores nothing */ }
   }
   function recall() {
     try {
-      const kept = JSON.parse(decodeURIComponent(location.hash.slice(1)));
+      const kept = JSON.parse(location.hash ? decodeURIComponent(location.hash.slice(1)) : localStorage.getItem(STORE));
       for (const name of NAMES) {
         for (const [key, value] of kept[name]) {
           const slider = sliders.find((s) => s.key === key);
-          if (slider) states[name][key] = Number((Number(value) * slider.factor).toPrecision(12));
+          if (slider) states[name][key] = value === rigid ? rigid : Number((Number(value) * slider.factor).toPrecision(12));
           else if (key === LAW) states[name][key] = value;
         }
+        if (inputs.has(kept.moved[name])) moved[name] = kept.moved[name];
       }
       if (NAMES.includes(kept.now)) now = kept.now;
-      for (const name of NAMES) due[name] = performance.now();
-    } catch { /* an address without states */ }
+      for (const name of NAMES) if (values(states[name]).length) due[name] = performance.now();
+    } catch { /* no states were kept */ }
   }
 
   // ---- Answers
@@ -87,47 +102,95 @@ document.addEventListener('DOMContentLoaded', () => {
   async function pump() {
     if (busy) return;
     const name = [now, ...NAMES].find((one) => due[one] !== null);
-    if (name === undefined) return;
+    if (name === undefined) {
+      const rest = NAMES.find((one) => found[one].figures === null);
+      if (rest !== undefined && balancing === null) balance(found[rest]);
+      return;
+    }
     busy = true;
     document.body.dataset.busy = '';
     const since = due[name];
     due[name] = null;
+    let failed = false;
     try {
-      const answer = await ask('run', values(states[name]));
+      const asked = values(states[name]);
+      const state = { asked, figures: null };
+      const balanced = balance(state);
+      const answer = await ask('run', asked);
       blocked[name] = answer.reason || '';
       if (!answer.reason) {
-        found[name] = answer;
+        Object.assign(state, answer);
+        await Promise.race([balanced, new Promise((late) => { setTimeout(late, PATIENCE); })]);
+        found[name] = state;
         await host.replace(NAMES.indexOf(name), answer.view);
         figures();
         series();
       }
       reasons();
       latencies.push(performance.now() - since);
-    } catch (error) { gone(error); }
+    } catch (error) {
+      gone(error);
+      failed = true;
+    }
     busy = false;
     delete document.body.dataset.busy;
     document.body.dataset.answered = String(Number(document.body.dataset.answered || 0) + 1);
-    pump();
+    if (!failed) pump();
+  }
+  let balancing = null;
+  /** Asks the figures of what is shown; newer questions end it, and what was ended is asked again when a hand rests. */
+  async function balance(state) {
+    balancing?.abort();
+    const own = new AbortController();
+    balancing = own;
+    let more = true;
+    try {
+      const told = await ask(`balances?tab=${TAB}`, state.asked, own.signal);
+      if (!told.late) [state.figures, state.why] = [told.figures || [], told.reason];
+    } catch (error) {
+      more = own.signal.aborted;
+      if (!more) gone(error);
+    }
+    if (balancing === own) balancing = null;
+    if (NAMES.some((name) => found[name] === state)) figures();
+    if (more) pump();
   }
   // A reason stands where the hand is.
   function reasons() {
-    for (const [key, { reason }] of inputs) reason.textContent = key === moved ? blocked[now] : '';
+    const why = blocked[now] && `${blocked[now]} (shown: the last state that can be)`;
+    for (const [key, { reason }] of inputs) reason.textContent = key === moved[now] ? why : '';
     document.querySelector('.seen').classList.toggle('stale', Boolean(blocked[now]));
   }
   function figures() {
-    const number = (value) => (value === null ? '–' : PinwheelCharts.number(value, 4));
-    $('figures').replaceChildren(...found.a.figures.map(([what, a, unit], k) => {
-      const b = found.b.figures[k]?.[1] ?? null;
-      const change = a && b !== null ? `${b >= a ? '+' : '−'}${PinwheelCharts.number(Math.abs(100 * (b / a - 1)), 3)} %` : '';
-      const cells = [number(a), number(b), change].map((text) => make('td', { class: 'num' }, text));
+    const all = NAMES.map((name) => found[name].figures);
+    const number = (of, what) => {
+      if (of === null) return 'computing';
+      const value = of.find((one) => one[0] === what)?.[1];
+      return typeof value === 'number' ? PinwheelCharts.number(value, 4) : '–';
+    };
+    const rows = new Map(all.flatMap((one) => one || []).map(([what, , unit]) => [what, unit]));
+    $('figures').replaceChildren(...[...rows].map(([what, unit]) => {
+      const [a, b] = all.map((one) => one?.find((row) => row[0] === what)?.[1]);
+      const change = a && typeof b === 'number' ? difference(a, b) : '';
+      const cells = [...all.map((one) => number(one, what)), change].map((text) => make('td', { class: 'num' }, text));
       return make('tr', {}, make('th', { scope: 'row' }, `${what} (${unit})`), ...cells);
     }));
+    const whys = NAMES.filter((name) => found[name].why).map((name) => `${name.toUpperCase()}: ${found[name].why}`);
+    $('why').textContent = all.includes(null) ? 'Balances are computed.' : whys.join(' ');
+    document.body.toggleAttribute('data-computing', all.includes(null));
+  }
+  // A share where it is one, a multiple where it is many.
+  function difference(a, b) {
+    const ratio = b / a;
+    if (!(ratio > 0) || !Number.isFinite(ratio)) return '';
+    if (ratio > 2.5) return `${PinwheelCharts.number(ratio, 3)} times`;
+    return `${ratio >= 1 ? '+' : '−'}${PinwheelCharts.number(Math.abs(100 * (ratio - 1)), 3)} %`;
   }
   const charts = new Map();
   function series() {
     for (const label of Object.keys(first.series)) {
       const lines = NAMES.map((name, k) => ({ label: name.toUpperCase(), style: k === 0 ? 0 : 6, values: found[name].series[label] || [], visible: true }));
-      const spec = { x: { values: first.time, label: 'Time (s)', name: (k) => `t = ${PinwheelCharts.number(first.time[k], 4)} s` }, y: { label }, series: lines, describe: `${label} of both states over a turn` };
+      const spec = { x: { values: first.time, label: 'Time (s)', name: (k) => `t = ${PinwheelCharts.number(first.time[k], 4)} s` }, y: { label: label.match(/\(([^)]*)\)/)?.[1] || label }, series: lines, describe: `${label} of both states over a turn` };
       if (charts.has(label)) charts.get(label).update(spec);
       else {
         const plot = make('div', { class: 'plot' });
@@ -147,6 +210,12 @@ document.addEventListener('DOMContentLoaded', () => {
     remember();
   }
   buttons.forEach((b) => b.addEventListener('click', () => turn(b.dataset.state)));
+  $('anew').addEventListener('click', () => {
+    Object.assign(states[now], own);
+    due[now] = performance.now();
+    turn(now);
+    pump();
+  });
   $('same').addEventListener('click', () => {
     const other = now === 'a' ? 'b' : 'a';
     states[other] = { ...states[now] };
@@ -161,9 +230,11 @@ document.addEventListener('DOMContentLoaded', () => {
     try {
       const told = await ask('status');
       if (stamp !== null && told.stamp !== stamp) {
-        say('The scene was saved anew: both states follow.');
-        NAMES.forEach((name) => { due[name] = performance.now(); });
-        pump();
+        const all = await Promise.all(NAMES.map((name) => ask('run', values(states[name]))));
+        const why = all.find((one) => one.reason);
+        // Sliders begin where the file is now.
+        if (!why) return location.reload();
+        say(`The file was saved, but gives no gear: ${why.reason}`);
       }
       stamp = told.stamp;
       if (told.page) {
@@ -171,7 +242,7 @@ document.addEventListener('DOMContentLoaded', () => {
         if (!$('said').querySelector('a')) $('said').replaceChildren('Compared: ', link, ` (${told.place})`);
       } else if (told.compares) say(told.compares);
     } catch (error) { gone(error); }
-    setTimeout(watch, 1000);
+    return setTimeout(watch, 1000);
   }
 
   const host = document.querySelector('.gearboxes');

@@ -12,6 +12,8 @@
 //!
 //! A profile that is cut all round for play moves forces more than all of these, so two such cuts are told beside them.
 
+use std::sync::atomic::AtomicBool;
+
 use pinwheel_contact::Material;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Scene, scales};
@@ -133,8 +135,9 @@ fn laws(scene: &Scene) -> Vec<(String, Scene)> {
 }
 
 /// Figures of a scene; `None` where it cannot be balanced.
-fn figures(scene: &Scene) -> Result<Option<Vec<DesignFigure>>, StudyError> {
-    let found = compile(scene).and_then(|gearbox| design::few_figures(&gearbox));
+fn figures(scene: &Scene, cancel: &AtomicBool) -> Result<Option<Vec<DesignFigure>>, StudyError> {
+    let found =
+        compile(scene).and_then(|gearbox| design::few_figures(&gearbox, design::FEW, cancel));
     match found {
         Ok(found) => Ok(Some(found)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
@@ -152,7 +155,7 @@ pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, Stu
     if scene.contact.stiffness_multiplier != 1.0 {
         return Ok(None);
     }
-    let Some(own) = figures(scene)? else {
+    let Some(own) = figures(scene, control.cancel)? else {
         return Ok(None);
     };
     let share = |figure: &DesignFigure, own: &DesignFigure| {
@@ -166,7 +169,7 @@ pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, Stu
     let (mut labels, mut bands) = (Vec::new(), Vec::<Band>::new());
     for (label, scene) in laws(scene) {
         control.check()?;
-        let Some(found) = figures(&scene)? else {
+        let Some(found) = figures(&scene, control.cancel)? else {
             continue;
         };
         labels.push(label);
@@ -189,7 +192,7 @@ pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, Stu
         control.check()?;
         let mut cut = scene.clone();
         cut.gear.modification.equidistant_m += cut_m;
-        if let Some(found) = figures(&cut)? {
+        if let Some(found) = figures(&cut, control.cancel)? {
             let figures = shares(&found);
             fits.push(Fit { cut_m, figures });
         }

@@ -10,14 +10,9 @@ use super::SceneArgs;
 pub(crate) struct ExploreArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
-    /// Port on this machine [default: any that is free].
-    #[arg(
-        long,
-        value_name = "PORT",
-        default_value_t = 0,
-        hide_default_value = true
-    )]
-    pub(crate) port: u16,
+    /// Port on this machine; 0: any that is free [default: 7347, or any if that is taken].
+    #[arg(long, value_name = "PORT")]
+    pub(crate) port: Option<u16>,
     /// Print the address and open no browser.
     #[arg(long)]
     pub(crate) print: bool,

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
-use pinwheel_compare::{Assessment, Track, Verdict as Judged, quantities};
+use pinwheel_compare::{Assessment, Status, Track, Verdict as Judged, quantities};
 use pinwheel_engines::{Form, info, known, lacking};
 use pinwheel_report::comparison::{self, Headline};
 use pinwheel_report::format::significant;
@@ -194,10 +194,7 @@ impl<'a> Answer<'a> {
             .map_or((most.quantity, ""), |q| (&q.label, &q.unit));
         let [here, there] = [most.here, most.there].map(|value| significant(value, 3));
         let by = words::short(most.engine);
-        format!(
-            "{} {here} {unit} here, {there} by {by}",
-            label.to_lowercase()
-        )
+        format!("{} {here} {unit} here, {there} by {by}", brief(label))
     }
 
     /// Can I trust it: equations, integration, contacts, law, fit, measurement.
@@ -237,7 +234,7 @@ impl<'a> Answer<'a> {
             _ => String::new(),
         };
         let d = (self.number)(size(result));
-        format!("{a} and {b}, {}: D = {d}{bound}", label.to_lowercase())
+        format!("{a} and {b}, {}: D = {d}{bound}", brief(label))
     }
 
     fn equations(&self) -> Fact {
@@ -359,7 +356,7 @@ impl<'a> Answer<'a> {
         let why = match most.twin {
             _ if most.share() < SEEN || most.agree => String::new(),
             Some(twin) if most.is_explained() => {
-                format!(": it has {}, a difference of models", twin.contacts)
+                format!(": {}, a difference of models", twin.contacts)
             }
             Some(_) => ": its own contacts do not explain it".to_owned(),
             None => ": nothing explains it".to_owned(),
@@ -451,9 +448,17 @@ impl<'a> Answer<'a> {
         );
         tell(unasked, "not asked for; run it without `--engines`");
         let mut reasons: Vec<(Vec<&str>, String)> = Vec::new();
+        let is_late = |engine: &&EngineSummary| matches!(engine.status, Status::TimedOut { .. });
+        let late = comparison.engines.iter().filter(is_late).count();
         for engine in &comparison.engines {
-            let Some(reason) = engine.status.reason() else {
-                continue;
+            let reason = match engine.status.reason() {
+                // Each needs another time; which, its own row of the page says.
+                Some(_) if late > 1 && is_late(&engine) => {
+                    "timed out; Engines on the page says what each needs (`--longest SECONDS`)"
+                        .to_owned()
+                }
+                Some(reason) => reason,
+                None => continue,
             };
             let name = words::short(&engine.name);
             match reasons.iter_mut().find(|(_, known)| *known == reason) {
@@ -463,6 +468,8 @@ impl<'a> Answer<'a> {
         }
         let more = reasons.len().saturating_sub(MOST);
         for (names, reason) in reasons.iter().take(MOST) {
+            // The label says so already.
+            let reason = reason.strip_prefix("left out: ").unwrap_or(reason);
             let text = format!("{}: {reason}", names.join(", "));
             facts.push(Fact::new("left out", Mark::None, text));
         }
@@ -511,6 +518,11 @@ impl<'a> Answer<'a> {
             .map(|text| Fact::new("next", Mark::None, text))
             .collect()
     }
+}
+
+/// `External sleeve force` within a sentence.
+fn brief(label: &str) -> String {
+    label.to_lowercase().replace(" sleeve", "")
 }
 
 /// Pairs that solve the scene's own law.

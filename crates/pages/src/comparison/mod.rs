@@ -59,10 +59,12 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
         let facts = (!facts.is_empty()).then_some([heading, Block::Facts(facts)]);
         facts.into_iter().flatten()
     };
-    let [trust, unchecked] = [answer.trust(), answer.unchecked()];
-    let facts = under("Can I trust it?", trust)
-        .chain(under("Not checked", unchecked))
-        .chain(under("What next", answer.next()));
+    let mut unchecked = answer.unchecked();
+    // Bookkeeping last: it may be cut off.
+    unchecked.sort_by_key(|fact| fact.label == answer::UNRESOLVED);
+    unchecked.splice(0..0, answer.next());
+    let facts = under("Can I trust it?", answer.trust())
+        .chain(under("What next, and what was not checked", unchecked));
     study.below.splice(0..0, facts);
     // Details stand below the first screen.
     let mut details = twins::blocks(found);

@@ -4,7 +4,7 @@ use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::quantities::INPUT_TORQUE;
 use pinwheel_compare::{Comparison, Counts, Track, Verdict, WindowKind};
-use pinwheel_report::format::significant;
+use pinwheel_report::format::{self, significant};
 use pinwheel_report::study::Fact;
 use pinwheel_report::terminal::{self, BAD, GOOD, QUIET, TITLE, paragraph, styled};
 use pinwheel_report::words;
@@ -24,11 +24,17 @@ pub fn text(scene: &Scene, found: &Outcome) -> String {
     let figures = answer.figures();
     text += &terminal::pairs(figures.iter().map(|one| {
         let value = format!("{} {}", one.value, one.unit);
-        (one.label.as_str(), format!("{value:12} {}", one.bounds()))
+        // Four words would not stand on one line.
+        let bounds = one.bounds().replace("by contact law", "by law");
+        let value = match one.value.as_str() {
+            format::NONE => one.value.clone(),
+            _ => format!("{value:12}"),
+        };
+        (one.label.as_str(), format!("{value} {bounds}"))
     }));
     let facts = |title: &str, facts: &[Fact]| match facts {
         [] => String::new(),
-        facts => format!("{}\n{}", styled(TITLE, title), terminal::facts(facts)),
+        facts => format!("\n{}\n{}", styled(TITLE, title), terminal::facts(facts)),
     };
     text += &facts("can I trust it", &answer.trust());
     let mut unchecked = answer.unchecked();
@@ -36,8 +42,16 @@ pub fn text(scene: &Scene, found: &Outcome) -> String {
     unchecked.retain(|fact| fact.label != answer::UNRESOLVED);
     text += &facts("not checked", &unchecked);
     text += &terminal::facts(&answer.next());
-    format!("{text}{}", total(found))
+    text += &total(found);
+    // One more with the page's place.
+    match text.lines().count() < SCREEN {
+        true => text,
+        false => text.replace("\n\n", "\n"),
+    }
 }
+
+/// Lines of a screen.
+const SCREEN: usize = 30;
 
 /// Every figure and every verdict.
 #[must_use]

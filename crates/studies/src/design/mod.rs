@@ -28,6 +28,7 @@ mod orders;
 
 use std::f64::consts::PI;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::Native;
 use pinwheel_gearbox::statics::Statics;
@@ -65,7 +66,7 @@ const NO_LOAD: f64 = 1e-4;
 /// Poses at which stiffness and lost motion are found.
 const POSES: usize = 24;
 /// Poses at which contact laws are compared.
-const FEW: usize = 24;
+pub(crate) const FEW: usize = 24;
 /// Points of the curve of torsion, on either side of 0.
 const CURVE: usize = 20;
 /// Shares of the rated speed and torque of the efficiency's map.
@@ -267,14 +268,8 @@ pub(crate) fn figures_of(
     let mut figures = balances.figures();
     figures.extend(figures::of_runs(cycle.as_ref(), &efficiency));
     let preloaded = balances.preloaded();
-    if preloaded.is_some() {
-        let withhold = |one: DesignFigure| match one.is_lost_motion() {
-            true => one.withheld(),
-            false => one,
-        };
-        figures = figures.into_iter().map(withhold).collect();
-    }
     let is_loose = preloaded.is_none();
+    figures = told(figures, !is_loose);
 
     let mut bearings = summed.bearings;
     for bearing in &mut bearings {
@@ -371,16 +366,33 @@ fn balances(
     })
 }
 
-/// The figures of a gear's balances at few poses: what other laws are compared by, and what follows a hand.
+/// The figures of a gear's balances at few poses, `least` of them or somewhat more: what other laws are compared by, and what follows a hand.
 ///
 /// # Errors
-/// A gear without load, or one that cannot be balanced.
-pub fn few_figures(gearbox: &Gearbox) -> Result<Vec<DesignFigure>, StudyError> {
+/// A gear without load, or one that cannot be balanced; `cancel` was set.
+pub fn few_figures(
+    gearbox: &Gearbox,
+    least: usize,
+    cancel: &AtomicBool,
+) -> Result<Vec<DesignFigure>, StudyError> {
     let working = working_load(gearbox)?;
-    let poses = Poses::of(&gearbox.scene.gear).few(FEW);
+    let poses = Poses::of(&gearbox.scene.gear).few(least);
     let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
-    let found = balances(&mut statics, gearbox, &poses, working, &mut |_| Ok(()))?;
-    Ok(found.summed(1, 0).figures())
+    let control = Control::silent(cancel);
+    let found = balances(&mut statics, gearbox, &poses, working, &mut |_| {
+        Ok(control.check()?)
+    })?;
+    let is_preloaded = found.preloaded().is_some();
+    Ok(told(found.summed(1, 0).figures(), is_preloaded))
+}
+
+/// Figures as they are shown: what is preloaded has no lost motion.
+fn told(figures: Vec<DesignFigure>, is_preloaded: bool) -> Vec<DesignFigure> {
+    let withhold = |one: DesignFigure| match is_preloaded && one.is_lost_motion() {
+        true => one.withheld(),
+        false => one,
+    };
+    figures.into_iter().map(withhold).collect()
 }
 
 /// Twist of the output from the ideal mesh under a share of the working load, in the direction of that load, arcmin.
