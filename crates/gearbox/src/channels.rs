@@ -189,6 +189,14 @@ impl Values {
                         let ideal = self.geometry.ideal_wheel_angle(chosen.number, input.angle);
                         Some((bodies[wheel].angle - ideal) * ARCMIN)
                     }
+                    Whole::BearingOffsetX | Whole::BearingOffsetY => {
+                        let load = self
+                            .bearings
+                            .as_ref()
+                            .map(|b| b.load(bodies, chosen.number));
+                        let [x, y] = load.map_or([0.0; 2], |load| load.offset_m);
+                        Some(if whole == Whole::BearingOffsetX { x } else { y })
+                    }
                     Whole::ExternalContacts => Some(self.contacts[chosen.number][0] as f64),
                     Whole::InternalContacts => Some(self.contacts[chosen.number][1] as f64),
                 },

@@ -36,6 +36,7 @@ pub const PRESETS: &[Preset] = presets![
     "modified",
     "toleranced",
     "paper-bearings",
+    "printed-drive",
     // Hard on integrators: each one's description says why.
     "hard-adhesive",
     "hard-all-open",

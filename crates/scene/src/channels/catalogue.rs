@@ -80,6 +80,10 @@ pub enum Whole {
     TransmissionError,
     /// A wheel's angle less the ideal mesh's, arcmin.
     WheelTransmissionError,
+    /// Of a wheel's centre from its eccentric's, x and y.
+    BearingOffsetX,
+    /// Its y.
+    BearingOffsetY,
     /// External sleeves that press.
     ExternalContacts,
     /// Internal sleeves that press.
@@ -172,6 +176,8 @@ pub const FAMILIES: &[Family] = families! {
     "eccentric_bearing_force_y_n_*" Wheels What::Joint(J::Eccentric, X::Y), "its y, ground frame";
     "eccentric_bearing_radial_force_n_*" Wheels What::Joint(J::Eccentric, X::Radial), "its part away from the input's axis";
     "eccentric_bearing_tangential_force_n_*" Wheels What::Joint(J::Eccentric, X::Tangential), "its part counter-clockwise about the input's axis: times e, the torque this wheel takes";
+    "eccentric_bearing_offset_x_m_*" Wheels What::Whole(W::BearingOffsetX), "the wheel's centre less its eccentric's, x, ground frame; 0 without `[bearings]`";
+    "eccentric_bearing_offset_y_m_*" Wheels What::Whole(W::BearingOffsetY), "its y";
     "external_pin_force_n_*" External What::Joint(J::ExternalPin, X::Magnitude), "force of the housing's pin on the external sleeve";
     "external_pin_force_x_n_*" External What::Joint(J::ExternalPin, X::X), "its x, ground frame";
     "external_pin_force_y_n_*" External What::Joint(J::ExternalPin, X::Y), "its y, ground frame";
