@@ -116,7 +116,7 @@ fn program_run_writes_courses_and_their_record() {
 #[test]
 fn program_compare_writes_report_summary_and_time_series() {
     let dir = tempfile::tempdir().unwrap();
-    let args = words("compare paper --engines native-reduced,native-lagrange --out r");
+    let args = words("compare paper --engines native-reduced,native-lagrange --verbose --out r");
     let shown = done(run_in(dir.path(), args.iter().chain(&SHORT)));
     for part in [
         "reduced / lagrange",
