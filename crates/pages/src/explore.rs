@@ -1,6 +1,6 @@
 //! The live page of a scene: sliders, two states of the gear side by side, and what a run and its balances say of each.
 //!
-//! A program serves it (`pinwheel explore`): the page sends the values of a state, [`answer`] says what they give.
+//! A program serves it (`pinwheel explore`): the page sends the values of a state, [`motion`] and [`balances`] say what they give.
 
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
