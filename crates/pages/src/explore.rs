@@ -1,6 +1,6 @@
 //! The live page of a scene: sliders, two states of the gear side by side, and what a run and its balances say of each.
 //!
-//! A program serves it (`pinwheel explore`): the page sends the values of a state, [`answer`] says what they give.
+//! A program serves it (`pinwheel explore`): the page sends the values of a state, [`motion`] and [`balances`] say what they give.
 
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
@@ -98,8 +98,6 @@ const STIFFNESSES: [f64; 2] = [1e7, 1e10];
 const LAW: &str = "contact.law";
 /// Samples of a state's turn.
 const SAMPLES: f64 = 120.0;
-/// Poses of the mesh that a state is balanced at: half of `design`'s fewest, as a hand waits for them.
-const POSES: usize = 12;
 /// The word of the load's balance at the start: a state is looked at without its start-up.
 const START: &str = "drive.start=equilibrium";
 
@@ -219,7 +217,7 @@ fn moved(
 pub fn balances(scene: &CheckedScene, cancel: &AtomicBool) -> Result<Vec<Value>, StudyError> {
     let gearbox =
         Gearbox::new(&deep(scene)).map_err(|error| StudyError::Input(error.to_string()))?;
-    let figures = design::few_figures(&gearbox, POSES, cancel)?;
+    let figures = design::few_figures(&gearbox, cancel)?;
     let wanted = figures.iter().filter(|one| HEADLINES.contains(&one.key));
     let told = wanted.map(|one| json!([one.what, one.value, one.unit]));
     Ok(told.collect())
@@ -260,7 +258,7 @@ pub fn page(
         title: scene.name.clone(),
         eyebrow: "Pinwheel explore".to_owned(),
         lead: "Move a slider: the native solver runs one turn from the loaded balance, without start-up, and the balances \
-               at 12 poses of the mesh follow. Contacts, and eccentric bearings that have a stiffness, are all that gives way."
+               at a few poses of the mesh follow. Contacts, and eccentric bearings that have a stiffness, are all that gives way."
             .to_owned(),
         below: vec![Block::Explorer(explorer)],
         ..Study::default()

@@ -136,8 +136,7 @@ fn laws(scene: &Scene) -> Vec<(String, Scene)> {
 
 /// Figures of a scene; `None` where it cannot be balanced.
 fn figures(scene: &Scene, cancel: &AtomicBool) -> Result<Option<Vec<DesignFigure>>, StudyError> {
-    let found =
-        compile(scene).and_then(|gearbox| design::few_figures(&gearbox, design::FEW, cancel));
+    let found = compile(scene).and_then(|gearbox| design::few_figures(&gearbox, cancel));
     match found {
         Ok(found) => Ok(Some(found)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),

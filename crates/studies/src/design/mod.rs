@@ -66,7 +66,7 @@ const NO_LOAD: f64 = 1e-4;
 /// Poses at which stiffness and lost motion are found.
 const POSES: usize = 24;
 /// Poses at which contact laws are compared.
-pub(crate) const FEW: usize = 24;
+const FEW: usize = 24;
 /// Points of the curve of torsion, on either side of 0.
 const CURVE: usize = 20;
 /// Shares of the rated speed and torque of the efficiency's map.
@@ -366,17 +366,16 @@ fn balances(
     })
 }
 
-/// The figures of a gear's balances at few poses, `least` of them or somewhat more: what other laws are compared by, and what follows a hand.
+/// The figures of a gear's balances at few poses: what other laws are compared by, and what follows a hand.
 ///
 /// # Errors
 /// A gear without load, or one that cannot be balanced; `cancel` was set.
 pub fn few_figures(
     gearbox: &Gearbox,
-    least: usize,
     cancel: &AtomicBool,
 ) -> Result<Vec<DesignFigure>, StudyError> {
     let working = working_load(gearbox)?;
-    let poses = Poses::of(&gearbox.scene.gear).few(least);
+    let poses = Poses::of(&gearbox.scene.gear).few(FEW);
     let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
     let control = Control::silent(cancel);
     let found = balances(&mut statics, gearbox, &poses, working, &mut |_| {
