@@ -7,7 +7,7 @@
 //!
 //! What lies between points shows in the sixth difference d of seven, with weights whose squares add up to 1: next to nothing
 //! where the course is smooth over them, and the scatter itself where each point stands for itself, as an oscillation does that
-//! they do not follow. Then a mean is off by about `sqrt(sum (h d)^2)/T`, of which [`SAFETY`] times is stated, and an extreme by d
+//! they do not follow. Then a mean is off by about `sqrt(sum (h d)^2)/T`, of which 2.5 times is stated, and an extreme by d
 //! and by what parabola and quartic are apart. The cubic's own error at the ends of a window, below 1e-6 of an oscillation that is
 //! followed, is left out: no run is known as well.
 
