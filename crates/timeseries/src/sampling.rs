@@ -1,6 +1,6 @@
 //! Means and extremes of what runs on between samples, and what sampling leaves them off by.
 //!
-//! A solver that hands out the states at its own steps has them folded into one [`Interval`] a sample ([`Between`]); of all other
+//! A solver that hands out the states at its own steps has them folded into one interval a sample ([`Between`]); of all other
 //! runs the samples themselves are taken. Either way a quantity is known in *points*, of which a mean is the integral of the
 //! cubic through the four nearest, over time. An extreme is that of the parabola through a point and its neighbours or of the
 //! quartic through five, whichever is less, and never less than the point itself.
