@@ -23,6 +23,7 @@ const GEARS: u64 = 10;
 #[derive(Debug, Clone)]
 struct Known {
     name: String,
+    from_s: f64,
     now: [f64; 2],
     then: [f64; 2],
 }
@@ -63,6 +64,7 @@ fn figures(scene: Scene, engine: &dyn Engine) -> Vec<Known> {
         let all = figure.uncertainty?;
         Some(Known {
             name: figure.name.clone(),
+            from_s: results.from_s,
             now: [figure.value, all],
             then: [value, all - figure.sampling.unwrap_or(0.0)],
         })
@@ -135,7 +137,9 @@ impl Share {
             (a - b).abs() > u + v + 1e-9 * a.abs().max(b.abs())
         };
         for a in one {
-            let Some(b) = other.iter().find(|b| b.name == a.name) else {
+            // A window begins at a sample: other samples may give another window.
+            let same = |b: &&Known| b.name == a.name && (b.from_s / a.from_s - 1.0).abs() < 1e-6;
+            let Some(b) = other.iter().find(same) else {
                 continue;
             };
             self.seen += 1;
@@ -203,7 +207,14 @@ fn hard_figures_hang_on_nothing_else() {
             figures(scene.clone(), &Native::LAGRANGE),
         ];
         for ((share, label), other) in shares.iter_mut().zip(labels).zip(&others) {
-            share.count(&format!("{seed}, {label}"), [&own, other]);
+            // Constants of that law have units.
+            if label == "a thousandth" && scene.contact.law == "line-contact" {
+                continue;
+            }
+            share.count(
+                &format!("{seed}, {label}, {}", scene.contact.law),
+                [&own, other],
+            );
         }
     }
     let mut all = Share::default();

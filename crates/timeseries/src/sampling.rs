@@ -1,13 +1,13 @@
 //! Means and extremes of what runs on between samples, and what sampling leaves them off by.
 //!
-//! A solver that hands out the states at its own steps has them folded into one [`Interval`] a sample ([`Between`]); of all other
+//! A solver that hands out the states at its own steps has them folded into one interval a sample ([`Between`]); of all other
 //! runs the samples themselves are taken. Either way a quantity is known in *points*, of which a mean is the integral of the
 //! cubic through the four nearest, over time. An extreme is that of the parabola through a point and its neighbours or of the
 //! quartic through five, whichever is less, and never less than the point itself.
 //!
 //! What lies between points shows in the sixth difference d of seven, with weights whose squares add up to 1: next to nothing
 //! where the course is smooth over them, and the scatter itself where each point stands for itself, as an oscillation does that
-//! they do not follow. Then a mean is off by about `sqrt(sum (h d)^2)/T`, of which [`SAFETY`] times is stated, and an extreme by d
+//! they do not follow. Then a mean is off by about `sqrt(sum (h d)^2)/T`, of which 2.5 times is stated, and an extreme by d
 //! and by what parabola and quartic are apart. The cubic's own error at the ends of a window, below 1e-6 of an oscillation that is
 //! followed, is left out: no run is known as well.
 
