@@ -10,7 +10,7 @@ names of keys and columns end in their unit.
 >>> r = s.run("native-reduced")
 >>> r["external_sleeve_force_n"].shape
 (201, 16)
->>> c = pinwheel.compare(s.with_(backlash_m=0.0), ["native-reduced", "native-lagrange"])
+>>> c = pinwheel.compare(s.with_(backlash_m=0.0, step_s=2e-6), ["native-reduced", "native-lagrange"])
 >>> c.passed
 True
 """

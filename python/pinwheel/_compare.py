@@ -154,7 +154,7 @@ def compare(
     `against`: measured data or another program's, as (file, map); the map says which column is what, with its
     uncertainty (docs/foreign-data.md).
 
-    >>> c = compare(Scene("paper", duration_s=0.01), ["native-reduced", "native-lagrange"])
+    >>> c = compare(Scene("paper", duration_s=0.01, step_s=2e-6), ["native-reduced", "native-lagrange"])
     >>> c.passed, {v.verdict for v in c.verdicts} <= {"agree"}
     (True, True)
     """

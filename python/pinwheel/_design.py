@@ -44,8 +44,8 @@ def gear(
     """A scene from a catalogue's data, as `pinwheel init` makes it: diameters in mm, what is left out is suggested.
 
     >>> s = gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500)
-    >>> s["external_sleeves"], s["pin_circle_radius_m"]
-    (40, 0.052)
+    >>> s["external_sleeves"], s["drive.output_torque_n_m"]
+    (40, 200.0)
     """
 
     def metres(length_mm: float | None) -> float | None:
