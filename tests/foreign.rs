@@ -7,7 +7,7 @@ use pinwheel_tests::{Outcome, run_in, words};
 use pinwheel_timeseries::TimeSeries;
 use serde_json::Value;
 
-const COMPARE: [&str; 9] = [
+const COMPARE: [&str; 10] = [
     "compare",
     "paper",
     "--engines",
@@ -18,6 +18,7 @@ const COMPARE: [&str; 9] = [
     "--set",
     "solver.step_s=1e-5",
     "--force",
+    "--verbose",
 ];
 
 /// Our own time series in another program's clothes: semicolons, decimal commas, milliseconds that begin

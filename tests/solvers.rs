@@ -203,6 +203,7 @@ fn crossval_a_held_out_solver_joins_every_command() {
         natives[1],
         "--junit",
         "junit.xml",
+        "--verbose",
     ]);
     assert!(
         compared.contains("resolved / held-out-midpoint"),

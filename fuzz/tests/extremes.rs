@@ -42,6 +42,12 @@ fn beside(key: &str) -> &'static str {
     match key.strip_prefix("bearings.eccentric.") {
         None | Some("stiffness_n_m") => "",
         Some("rollers") => "bearings.eccentric.roller_length_m = 0.01\n",
+        Some("friction_coefficient") => {
+            "bearings.eccentric.stiffness_n_m = 5e8\nbearings.eccentric.bore_m = 0.02\n"
+        }
+        Some("bore_m") => {
+            "bearings.eccentric.stiffness_n_m = 5e8\nbearings.eccentric.friction_coefficient = 0.002\n"
+        }
         Some("roller_length_m") => "bearings.eccentric.rollers = 16\n",
         Some(_) => "bearings.eccentric.stiffness_n_m = 5e8\n",
     }

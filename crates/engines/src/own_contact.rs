@@ -8,6 +8,7 @@ use pinwheel_scene::scales::{self, Spring};
 use pinwheel_scene::{Scene, load_course};
 use pinwheel_timeseries::Ending;
 
+#[cfg(any(feature = "rapier", feature = "python"))]
 /// What an engine cannot honour that holds its wheels by revolutes.
 pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
     if scene.bearings.eccentric.is_none() {

@@ -322,7 +322,8 @@ mod tests {
         scene.contact.internal_spring_n_m = Some(1e8);
         scene.bearings = toml::from_str(
             "output_torsion_n_m_rad = 1e5\n[eccentric]\nstiffness_n_m = 1e8\nexponent = 1.0\nrollers = 9\n\
-             roller_length_m = 0.01\nclearance_m = 0.0\ndamping_n_s_m = 1.0\ndynamic_rating_n = 2e4",
+             roller_length_m = 0.01\nclearance_m = 0.0\ndamping_n_s_m = 1.0\ndynamic_rating_n = 2e4\n\
+             friction_coefficient = 0.002\nbore_m = 0.02",
         )
         .unwrap();
         scene.gear.modification.radial_m = -1e-5;

