@@ -104,7 +104,12 @@ fn figures_are_the_time_series() {
             .iter()
             .flat_map(|f| &f[window.clone()])
             .fold(0.0, |a: f64, b| a.max(*b));
-        assert_eq!(peaks[k], peak);
+        // The peak may lie between samples, 2.4 % above them here; never below.
+        assert!(
+            (1.0..1.05).contains(&(peaks[k] / peak)),
+            "{} {peak}",
+            peaks[k]
+        );
         let torque = &time_series.channel("input_torque_n_m").unwrap()[window];
         // The mean is over time, of curves through the samples; their trapezoids are near it.
         let ends = 0.5 * (torque[0] + torque[20]);
