@@ -7,7 +7,7 @@ use pinwheel_tests::{Outcome, run_in, words};
 use pinwheel_timeseries::TimeSeries;
 use serde_json::Value;
 
-const COMPARE: [&str; 10] = [
+const COMPARE: [&str; 9] = [
     "compare",
     "paper",
     "--engines",
@@ -18,7 +18,6 @@ const COMPARE: [&str; 10] = [
     "--set",
     "solver.step_s=1e-5",
     "--force",
-    "--verbose",
 ];
 
 /// Our own time series in another program's clothes: semicolons, decimal commas, milliseconds that begin
@@ -410,9 +409,17 @@ fn uncertain_inputs_are_part_of_the_budget() {
         "factor = -1.0, uncertainty = { of_reading = 0.001 } }",
     );
     std::fs::write(dir.path().join("rig.toml"), map).unwrap();
-    let foreign = ["--against", "rig.csv", "--map", "rig.toml", "--out", "out"];
+    // Budgets are details.
+    let foreign = words("--against rig.csv --map rig.toml --out out --verbose");
     let budget = |sets: &[&str]| {
-        let outcome = run_in(dir.path(), COMPARE.iter().chain(&foreign).chain(sets));
+        let outcome = run_in(
+            dir.path(),
+            COMPARE
+                .iter()
+                .copied()
+                .chain(foreign.clone())
+                .chain(sets.iter().copied()),
+        );
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
         let found = summary(dir.path());
         let entries = found["pairs"][0]["entries"].as_array().unwrap().clone();

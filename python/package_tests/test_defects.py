@@ -10,26 +10,12 @@ from decimal import Decimal
 
 import numpy as np
 import pytest
+from twenty_tasks import my_euler
 
 import pinwheel
 from pinwheel import InputError, Scene, SceneError
 
 SHORT = Scene("paper", duration_s=0.004)
-
-
-@pinwheel.engine(order=1)
-def my_euler(job):
-    """Euler's method."""
-    angles, rates = job.angles, job.rates
-    job.sample(angles, rates)
-    for steps in job.intervals():
-        for start, length in steps:
-            job.at(start, length)
-            accelerations = job.torques(start, angles, rates) / job.moments
-            accelerations[job.INPUT] = 0.0
-            rates = rates + length * accelerations
-            angles = angles + length * rates
-        job.sample(angles, rates)
 
 
 def test_a_comparison_knows_engines_as_they_were_asked_for():

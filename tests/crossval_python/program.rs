@@ -104,7 +104,7 @@ fn crossval_python_program_without_packages_falls_back_on_recordings() {
     };
     let outcome = run(&words(
         "compare paper --engines native-resolved,mujoco-shared-law,exudyn-own-contact \
-         --out out --verbose",
+         --out out",
     ));
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     assert!(outcome.stdout.contains("recorded"), "{}", outcome.stdout);

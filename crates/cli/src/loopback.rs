@@ -28,10 +28,8 @@ pub(crate) struct Question {
 impl Question {
     /// The value of a header; `None` where it is absent, given twice or no text.
     pub(crate) fn header(&self, name: &str) -> Option<&str> {
-        let mut all = self.headers.iter();
-        let mut of_name = all
-            .by_ref()
-            .filter(|(own, _)| own.eq_ignore_ascii_case(name));
+        let all = self.headers.iter();
+        let mut of_name = all.filter(|(own, _)| own.eq_ignore_ascii_case(name));
         let (_, value) = of_name.next()?;
         match of_name.next() {
             None => std::str::from_utf8(value).ok(),

@@ -9,9 +9,11 @@ use pinwheel_contact::laws::LAWS;
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_report::animation::{Animation, markup};
+use pinwheel_report::format::bounded;
 use pinwheel_report::study::{Block, Study};
 use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::{CheckedScene, Override, Scene, scales};
+use pinwheel_studies::design::DesignFigure;
 use pinwheel_studies::{Provenance, StudyError, design};
 use pinwheel_timeseries::columns;
 use serde_json::{Value, json};
@@ -210,7 +212,7 @@ fn moved(
     Ok(Ok((view, told)))
 }
 
-/// Figures of a state's balances: what each is, its value and its unit.
+/// Figures of a state's balances: what each is, its value, its unit, and the value as it is shown, with its uncertainty.
 ///
 /// # Errors
 /// The gear carries nothing or cannot be balanced; `cancel` was set.
@@ -219,11 +221,16 @@ pub fn balances(scene: &CheckedScene, cancel: &AtomicBool) -> Result<Vec<Value>,
         Gearbox::new(&deep(scene)).map_err(|error| StudyError::Input(error.to_string()))?;
     let figures = design::few_figures(&gearbox, cancel)?;
     let wanted = figures.iter().filter(|one| HEADLINES.contains(&one.key));
-    let told = wanted.map(|one| json!([one.what, one.value, one.unit]));
+    let shown = |one: &DesignFigure| {
+        let value = one.value?;
+        let (figure, bound) = bounded(value, one.uncertainty, value.abs());
+        Some(format!("{figure} {bound}"))
+    };
+    let told = wanted.map(|one| json!([one.what, one.value, one.unit, shown(one)]));
     Ok(told.collect())
 }
 
-/// The page of a scene, with the scene as both states. `None` where it gives nothing to look at.
+/// The page of a scene, with the scene as both states, or in words why it gives nothing to look at.
 ///
 /// # Errors
 /// `cancel` was set.

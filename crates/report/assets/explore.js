@@ -163,11 +163,7 @@ document.addEventListener('DOMContentLoaded', () => {
   }
   function figures() {
     const all = NAMES.map((name) => found[name].figures);
-    const number = (of, what) => {
-      if (of === null) return 'computing';
-      const value = of.find((one) => one[0] === what)?.[1];
-      return typeof value === 'number' ? PinwheelCharts.number(value, 4) : '–';
-    };
+    const number = (of, what) => (of === null ? 'computing' : (of.find((one) => one[0] === what)?.[3] ?? '–'));
     const rows = new Map(all.flatMap((one) => one || []).map(([what, , unit]) => [what, unit]));
     $('figures').replaceChildren(...[...rows].map(([what, unit]) => {
       const [a, b] = all.map((one) => one?.find((row) => row[0] === what)?.[1]);

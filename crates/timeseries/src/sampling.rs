@@ -394,15 +394,13 @@ impl Figures {
         let view = View::of(time_series, channels, window.clone())?;
         let samples = Statistics::of(&view)?;
         let times = &time_series.time_s()[window.clone()];
+        let within =
+            |intervals: &[Interval]| Self::within(samples, view.channels().len(), times, intervals);
         let known = time_series.between().and_then(|all| all.intervals_of(name));
         let known = known.and_then(|all| all.get(window.start..window.end - 1));
-        if let Some(intervals) = known {
-            return Some(Self::within(
-                samples,
-                view.channels().len(),
-                times,
-                intervals,
-            ));
+        // One sample has nothing beside it.
+        if let Some(intervals) = known.filter(|intervals| !intervals.is_empty()) {
+            return Some(within(intervals));
         }
         let mut all = Between::new(&[""], times.len());
         for (k, &time) in times.iter().enumerate() {
@@ -412,12 +410,7 @@ impl Figures {
         all.settle(all.times.len() - 1);
         let intervals = &all.intervals[0];
         if intervals.len() + 1 == times.len() && times.len() >= POINTS {
-            return Some(Self::within(
-                samples,
-                view.channels().len(),
-                times,
-                intervals,
-            ));
+            return Some(within(intervals));
         }
         // Too few to tell more than that.
         let range = samples.max - samples.min;
@@ -573,6 +566,9 @@ mod tests {
             all.sampling.mean < 1e-6 && all.sampling.peak < 1e-6,
             "{all:?}"
         );
+        // One sample has no mean over time, and no number that is none.
+        let one = samples(&time_series, 4..5).unwrap();
+        assert_eq!(one.statistics.mean, of(8.0), "{one:?}");
         // From 2 to 4 s it falls to its minimum and rises to its maximum, neither of which is a sample.
         let part = samples(&time_series, 1..3).unwrap().statistics;
         assert!(

@@ -374,10 +374,7 @@ impl Statics<'_> {
             share = match &before {
                 Some((last, _)) => (last * growth).min(1.0),
                 None => {
-                    for at in u.iter_mut().enumerate().filter(|(k, _)| is_length(*k)) {
-                        let home = rigid_place(&rigid, self.gearbox.layout, at.0);
-                        *at.1 = home + 0.25 * (*at.1 - home);
-                    }
+                    u = self.stretched(phi, &u, 0.25);
                     0.25 * share
                 }
             };
@@ -442,13 +439,4 @@ impl Statics<'_> {
 /// Whether an unknown is a place of a wheel, and no angle.
 fn is_length(unknown: usize) -> bool {
     unknown > 0 && !unknown.is_multiple_of(OF_A_WHEEL)
-}
-
-/// The same unknown at the rigid balance.
-fn rigid_place(rigid: &Equilibrium, layout: Layout, unknown: usize) -> f64 {
-    let body = layout.wheel_bodies().start + (unknown - 1) / OF_A_WHEEL;
-    match (unknown - 1) % OF_A_WHEEL {
-        0 => rigid.bodies[body].x,
-        _ => rigid.bodies[body].y,
-    }
 }

@@ -172,8 +172,8 @@ fn equilibrium_start_has_no_transient() {
     );
 }
 
-/// What the bearings store and lose is in the account: under a law with a potential no more is left over than in a rigid gear,
-/// where the account's own samples leave 4e-5.
+/// What the bearings store and lose is in the account: under a law with a potential no more is left over than in a rigid gear
+/// (4e-5 there, whatever the tolerance).
 #[test]
 fn the_energy_account_closes() {
     let sets = [

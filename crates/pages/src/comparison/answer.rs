@@ -197,7 +197,7 @@ impl<'a> Answer<'a> {
         format!("{} {here} {unit} here, {there} by {by}", brief(label))
     }
 
-    /// Can I trust it: equations, integration, contacts, law, fit, measurement.
+    /// Can I trust it: equations, integration, contacts, law, fit, measurement and what was done to its data.
     pub(super) fn trust(&self) -> Vec<Fact> {
         let mut facts = vec![self.equations()];
         facts.extend(self.integration());
@@ -205,6 +205,8 @@ impl<'a> Answer<'a> {
         facts.extend(self.difference());
         facts.extend(self.law());
         facts.extend(self.measured());
+        let notes = words::of_measured(&self.found.comparison);
+        facts.extend(notes.map(|note| Fact::new("data", Mark::None, note)));
         facts
     }
 
@@ -476,6 +478,16 @@ impl<'a> Answer<'a> {
         if more > 0 {
             let text = format!("and {more} more: `--verbose`, or Engines on the page");
             facts.push(Fact::new("left out", Mark::None, text));
+        }
+        let recorded = comparison.engines.iter();
+        let recorded = recorded.filter(|engine| engine.cost.recorded.is_some());
+        let recorded: Vec<&str> = recorded.map(|engine| words::short(&engine.name)).collect();
+        if !recorded.is_empty() {
+            let text = format!(
+                "{}: not run here but recorded before; Engines on the page says when and why",
+                recorded.join(", ")
+            );
+            facts.push(Fact::new("recorded", Mark::None, text));
         }
         let counts = comparison.counts;
         if counts.inconclusive > counts.inconclusive_actionable {

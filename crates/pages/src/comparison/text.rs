@@ -68,8 +68,7 @@ pub fn details(found: &Outcome) -> String {
         text.push('\n');
         text.push_str(&terminal::pairs(band::rows(bands)));
     }
-    let told = words::of_measured(comparison).chain(words::of_windows(comparison));
-    let told = told.chain(budgets(comparison));
+    let told = words::of_windows(comparison).chain(budgets(comparison));
     let twins = found.twins.iter().filter_map(super::twins::line);
     text + &lines(told.chain(twins))
 }
