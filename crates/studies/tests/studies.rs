@@ -472,3 +472,27 @@ fn published_measured_drive_is_softer_than_its_contacts() {
         assert!(fitted.budget[0].share < 0.025, "{:?}", fitted.budget);
     }
 }
+
+/// A bearing that turns has a life and a loss; one at rest has neither, and no number in their place.
+#[test]
+fn a_bearing_at_rest_has_no_life_and_no_loss() {
+    let found = |speed: &str| {
+        let sets = [
+            "bearings.eccentric.stiffness_n_m=5e8",
+            "bearings.eccentric.friction_coefficient=0.002",
+            "bearings.eccentric.bore_m=0.02",
+            "bearings.eccentric.dynamic_rating_n=2e4",
+            speed,
+        ];
+        let gearbox = Gearbox::new(&scene("paper", &sets).check().unwrap()).unwrap();
+        let found = pinwheel_studies::design::run(&gearbox, false, &Control::quiet()).unwrap();
+        let named = |key: &str| {
+            let found = found.figures.iter().find(|figure| figure.key == key);
+            found.and_then(|figure| figure.value)
+        };
+        ["eccentric_bearing_life_h", "eccentric_bearing_loss_percent"].map(named)
+    };
+    let [life, loss] = found("drive.input_speed_rad_s=50.0").map(Option::unwrap);
+    assert!(life > 0.0 && loss > 0.0, "{life} {loss}");
+    assert_eq!(found("drive.input_speed_rad_s=0.0"), [None, None]);
+}

@@ -275,12 +275,14 @@ pub(crate) fn figures_of(
     for bearing in &mut bearings {
         bearing.radial_harmonics = orders::of_force(&bearing.radial_n, &poses);
     }
-    if let Some(rating) = scene.bearings.eccentric.and_then(|b| b.dynamic_rating_n) {
+    // A bearing at rest does not wear, and loses nothing.
+    let turns = scene.drive.input_speed_rad_s != 0.0;
+    let turning = scene.bearings.eccentric.filter(|_| turns);
+    if let Some(rating) = turning.and_then(|bearing| bearing.dynamic_rating_n) {
         figures.push(balances.life(rating, scene));
     }
-    if let Some(law) = BearingLaw::of(scene).filter(|law| law.drag_m > 0.0) {
-        figures.push(balances.bearing_loss(&law, scene));
-    }
+    let law = BearingLaw::of(scene).filter(|law| turns && law.drag_m > 0.0);
+    figures.extend(law.map(|law| balances.bearing_loss(&law, scene)));
     Ok(DesignResult {
         scene: scene.clone(),
         rated_torque_n_m: rated,
