@@ -170,7 +170,7 @@ fn a_shift_in_time_is_found_told_and_offered() {
     let shown: Vec<&str> = shown.split_whitespace().collect();
     let shown = shown.join(" ");
     assert!(
-        shown.contains("s were added to its times") && shown.contains("measured"),
+        shown.contains("s were added to its times") && shown.contains("apart (relative L2, "),
         "{shown}"
     );
     let (_, apart) = with("0.503");

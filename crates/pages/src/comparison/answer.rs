@@ -224,12 +224,10 @@ impl<'a> Answer<'a> {
     }
 
     /// `reduced and exudyn-constrained, internal sleeve force, D = 2e-4 (U 4e-3)`.
-    fn who(&self, pair: &Pair, entry: &PairEntry) -> String {
+    fn who(&self, pair: &Pair, entry: &'a PairEntry) -> String {
         let result = &entry.result;
         let [a, b] = [&pair.a, &pair.b].map(|name| words::short(name));
-        let mut quantity = self.found.comparison.quantities.iter();
-        let quantity = quantity.find(|q| q.name == entry.quantity);
-        let label = quantity.map_or(entry.quantity.as_str(), |q| &q.label);
+        let label = self.label(entry);
         let bound = match (result.combined(), result.bound) {
             (Some(u), _) => format!(", U = {}", (self.number)(u)),
             (None, Some(limit)) => format!(", limit {}", (self.number)(limit)),
@@ -237,6 +235,12 @@ impl<'a> Answer<'a> {
         };
         let d = (self.number)(size(result));
         format!("{a} and {b}, {}: D = {d}{bound}", brief(label))
+    }
+
+    fn label(&self, entry: &'a PairEntry) -> &'a str {
+        let mut quantity = self.found.comparison.quantities.iter();
+        let quantity = quantity.find(|q| q.name == entry.quantity);
+        quantity.map_or(entry.quantity.as_str(), |q| &q.label)
     }
 
     fn equations(&self) -> Fact {
@@ -406,9 +410,22 @@ impl<'a> Answer<'a> {
 
     fn measured(&self) -> Option<Fact> {
         let pairs = self.pairs_of(|track| track == Track::Measured);
-        let worst = Assessment::gravest(pairs, |(_, entry)| &entry.result)?;
-        let (pair, entry) = worst;
-        let said = words::verdict(&entry.result, self.number);
+        let (mut pair, mut entry) = Assessment::gravest(pairs, |(_, entry)| &entry.result)?;
+        let mut said = words::verdict(&entry.result, self.number);
+        // Without an uncertainty to judge by there is still how far apart they are.
+        let apart = |entry: &PairEntry| entry.metrics.as_ref()?.relative_l2;
+        if entry.result.verdict == Judged::NotCompared {
+            let pairs = self.pairs_of(|track| track == Track::Measured);
+            let pairs = pairs.filter_map(|(pair, entry)| Some((pair, entry, apart(entry)?)));
+            if let Some((of, farthest, l2)) = pairs.max_by(|a, b| a.2.total_cmp(&b.2)) {
+                (pair, entry) = (of, farthest);
+                let place = brief(self.label(entry));
+                said = format!(
+                    "{said}; at most {} apart (relative L2, {place})",
+                    (self.number)(l2)
+                );
+            }
+        }
         let [a, b] = [&pair.a, &pair.b].map(|name| words::short(name));
         let mark = match entry.result.verdict {
             Judged::Agree => Mark::Good,
