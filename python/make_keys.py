@@ -1,10 +1,13 @@
-"""Writes `pinwheel/_keys.py`, the types of a scene's keys, from the program's table of keys: `python make_keys.py`."""
+"""Writes `pinwheel/_keys.py`, the types of a scene's keys, from the program's table of keys: `python -P make_keys.py`,
+where the package is installed.
+"""
 
 import json
+import re
 from pathlib import Path
 
 from pinwheel import _core
-from pinwheel._scene import TABLES
+from pinwheel._scene import TABLES, Scene
 
 HEAD = '''"""Types of a scene's keys; written by `python/make_keys.py` from the program's table of keys."""
 
@@ -42,6 +45,12 @@ def leaves(schema: dict, prefix: str = "") -> dict[str, dict]:
     return found
 
 
+def columns() -> list[str]:
+    """Names that a run answers to: its columns, numbered ones by the name they share; not those of single wheels."""
+    run = Scene("paper", duration_s=2e-4, channels=["*"]).run("native", check=False)
+    return [name for name in run if not re.match(r"wheel_\d", name)]
+
+
 def text() -> str:
     """The module."""
     keys = leaves(json.loads(_core.schema()))
@@ -66,6 +75,8 @@ def text() -> str:
     lines += ["Vary = TypedDict(", '    "Vary",', "    {"]
     lines += [f"        {json.dumps(name)}: Axis," for name in every]
     lines += ["    },", "    total=False,", ")", ""]
+    lines += ["# Columns of a run and channels that a scene may ask for.", "Column: TypeAlias = Literal["]
+    lines += [*(f"    {json.dumps(name)}," for name in columns()), "]", ""]
     return "\n".join(lines)
 
 

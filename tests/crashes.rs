@@ -177,6 +177,7 @@ fn is_hidden(path: &Path) -> bool {
 
 fn start(dir: &Path, words: &[&str]) -> Child {
     let mut command = pinwheel();
+    command.env("SOURCE_DATE_EPOCH", "0"); // units hold the time they were made
     command
         .current_dir(dir)
         .args(words)

@@ -1,8 +1,9 @@
 //! `pinwheel fmu` in the program; what is in a unit is tested where it is made (`crates/fmu`).
 
 use std::fs;
+use std::path::Path;
 
-use pinwheel_tests::run_in;
+use pinwheel_tests::{Outcome, pinwheel, run_in};
 
 #[test]
 fn a_unit_is_where_the_program_says() {
@@ -10,7 +11,7 @@ fn a_unit_is_where_the_program_says() {
     let dir = folder.path();
     let scene = "base = \"paper\"\nname = \"a <b> & \\\"c\\\"\"\ndescription = \"1 < 2 & 'so'\"\n";
     fs::write(dir.join("mine.toml"), scene).expect("scene");
-    let make = |out: &str| run_in(dir, ["fmu", "mine.toml", "--out", out]);
+    let make = |out: &str| at("1767225600", dir, &["fmu", "mine.toml", "--out", out]);
     for out in ["one.fmu", "deep/two.fmu"] {
         let made = make(out);
         assert_eq!(made.code, Some(0), "{}", made.stderr);
@@ -18,6 +19,13 @@ fn a_unit_is_where_the_program_says() {
     }
     let bytes = |out: &str| fs::read(dir.join(out)).expect(out);
     assert_eq!(bytes("one.fmu"), bytes("deep/two.fmu"));
+    let other = at("1767225601", dir, &["fmu", "mine.toml", "--out", "one.fmu"]);
+    assert_eq!(other.code, Some(0), "{}", other.stderr);
+    assert_ne!(
+        bytes("one.fmu"),
+        bytes("deep/two.fmu"),
+        "the time stands in it"
+    );
     let told = run_in(dir, ["fmu", "paper", "--json"]);
     assert!(
         told.stdout.contains("\"file\": \"out/paper.fmu\""),
@@ -25,6 +33,14 @@ fn a_unit_is_where_the_program_says() {
         told.stdout
     );
     assert!(dir.join("out/paper.fmu").is_file());
+}
+
+/// A command at a time of which `SOURCE_DATE_EPOCH` speaks.
+fn at(epoch: &str, dir: &Path, words: &[&str]) -> Outcome {
+    let mut command = pinwheel();
+    let command = command.current_dir(dir).args(words);
+    let done = command.env("SOURCE_DATE_EPOCH", epoch).output();
+    done.expect("starts").into()
 }
 
 #[test]
@@ -54,6 +70,15 @@ fn bad_input_of_units() {
         assert_eq!(
             outcome.stderr.trim_end().lines().count(),
             1,
+            "{}",
+            outcome.stderr
+        );
+    }
+    for epoch in ["", "-1", "1e9", "253402300800"] {
+        let outcome = at(epoch, folder.path(), &["fmu", "paper"]);
+        assert_eq!(outcome.code, Some(2), "{epoch}: {}", outcome.stderr);
+        assert!(
+            outcome.stderr.contains("SOURCE_DATE_EPOCH"),
             "{}",
             outcome.stderr
         );

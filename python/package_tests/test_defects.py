@@ -1,6 +1,7 @@
 """What once was wrong or misled, a test each."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -139,3 +140,62 @@ def test_units_typed_with_numbers():
         Scene("paper", backlash_m="0.6 mm")
     with pytest.raises(SceneError, match=r"`gear\.pin_circle_radius_m`.*metres"):
         Scene("paper", pin_circle_radius_m=52.0, eccentricity_m=0.75, external_sleeve_radius_m=2.0)
+
+
+def test_remedies_of_a_text_are_ways_of_python(tmp_path):
+    texts = []
+    for scene, engines in (
+        (SHORT, ["native", "native-lagrange"]),
+        ("steel", ["native", my_euler]),
+        (pinwheel.gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500).with_(duration_s=0.004), ()),
+    ):
+        found = pinwheel.compare(scene, engines, longest_s=0.5)
+        texts.append(str(found))
+        assert "--" not in found.details()
+    texts += [str(pinwheel.statics("steel")), str(pinwheel.explain("paper"))]
+    texts.append(str(pinwheel.sweep(SHORT, vary={"backlash_m": [0.0, 1e-4]}, engines="native", out=tmp_path / "out")))
+    for text in texts:
+        assert not re.findall(r"--[a-z]+", text), text
+        assert max(len(line) for line in text.splitlines()) <= 80, text
+
+
+def test_flags_are_said_in_python():
+    from pinwheel._page import plain
+
+    for told, here in (
+        ("not in this build; rebuild with --features crossval", "where it is built with its feature crossval"),
+        ("not asked for; run it without --engines", "not asked for; name no engines"),
+        ("timed out; Engines on the page says what each needs (--longest SECONDS)", "(`longest_s=SECONDS`)"),
+        ("ask for more of rapier: --longest 300; or leave it out", "ask for more of rapier: `longest_s=300`; or"),
+        ("refine mine or leave it out: --engines", "refine mine or leave it out of `engines`"),
+        ("leave it out with --engines, or change the scene", "leave it out by `engines`, or change"),
+        ("give it more time (--longest) or a smaller", "give it more time (`longest_s`) or a smaller"),
+        ("and 3 more: --verbose, or Engines on the page", "and 3 more: `details()`, or"),
+        (
+            "measurement   nothing; --against rig.csv\n              --map rig.toml would",
+            '`against=[("rig.csv", "rig.toml")]` would',
+        ),
+        ("for these rollers: --set contact.law=line-hertz, or say", '`with_({"contact.law": "line-hertz"})`, or'),
+        ("--set solver.step_s=1e-6", '`with_({"solver.step_s": 1e-6})`'),
+        ("pinwheel design of this scene", "`pinwheel.design` of this scene"),
+    ):
+        assert here in " ".join(plain(told).split()), plain(told)
+    # What holds no flag stays as it is, line for line.
+    table = "a  b\n1  2\n\n   x\n    y\nlabel         text that\n              goes on"
+    assert plain(table) == table
+
+
+def test_what_ran_until_it_diverged_is_a_run():
+    wild = Scene("steel", integrator="rk2", step_s=1e-4, duration_s=0.05)
+    with pytest.raises(pinwheel.Diverged) as caught:
+        wild.run("native", check=False)
+    partial = caught.value.partial
+    assert isinstance(partial, pinwheel.Run) and 0 < partial.time_s.size < 501
+
+
+def test_how_long_and_how_sharp_a_comparison_is():
+    sharp = pinwheel.compare(SHORT, ["native", "native-lagrange"], resolution=1e-4)
+    assert sharp.data["resolution"] == 1e-4
+    for wrong in ({"longest_s": -1.0}, {"resolution": 0.0}, {"resolution": 2.0}):
+        with pytest.raises(InputError, match=next(iter(wrong)).split("_")[0]):
+            pinwheel.compare(SHORT, ["native"], **wrong)

@@ -18,6 +18,22 @@ pinwheel.sweep("paper", vary={"backlash_m": [0.0]}, stp_s=1e-5)
 pinwheel.compare("paper").verdicts[0].verdict == "agreed"
 pinwheel.gear(ratio=39, pin_circle_diameter_mm=104.0, torque_n_m=200.0)
 """
+# What it must take, with the types that it infers.
+RIGHT = """\
+from typing import assert_type
+import numpy as np
+import numpy.typing as npt
+import pinwheel
+run = pinwheel.run("paper")
+assert_type(run["external_sleeve_force_n"], npt.NDArray[np.float64])
+forces = [run[f"external_sleeve_force_n_{k}"] for k in range(16)]
+try:
+    run = pinwheel.run("steel")
+except pinwheel.Diverged as error:
+    assert_type(error.partial, pinwheel.Run | None)
+with pinwheel.explore("paper") as page:
+    assert_type(page.url, str)
+"""
 
 
 def test_twenty_tasks(tmp_path):
@@ -30,10 +46,12 @@ def test_twenty_tasks(tmp_path):
 def test_types(tmp_path):
     wrong = tmp_path / "wrong.py"
     wrong.write_text(WRONG)
+    right = tmp_path / "right.py"
+    right.write_text(RIGHT)
     tasks = str(ROOT / "python/package_tests/twenty_tasks.py")
     settings = ["--config-file", str(ROOT / "python/pyproject.toml"), "--cache-dir", str(ROOT / "target/mypy-tasks")]
     checked = subprocess.run(
-        [sys.executable, "-m", "mypy", *settings, tasks, str(wrong)],
+        [sys.executable, "-m", "mypy", *settings, tasks, str(right), str(wrong)],
         capture_output=True,
         text=True,
         check=False,
@@ -48,7 +66,7 @@ def test_types(tmp_path):
 def test_keys_are_those_of_the_program(monkeypatch):
     monkeypatch.syspath_prepend(str(ROOT / "python"))
     make_keys = pytest.importorskip("make_keys")
-    assert make_keys.text() == (ROOT / "python/pinwheel/_keys.py").read_text(), "run python/make_keys.py"
+    assert make_keys.text() == (ROOT / "python/pinwheel/_keys.py").read_text(), "python -P python/make_keys.py"
 
 
 def test_help_says_what_attributes_are(capsys):

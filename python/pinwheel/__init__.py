@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from pinwheel._design import Design, Figure, design, fmu, gear, statics
     from pinwheel._engine import Engine, EngineInfo, Job, engine, engines
     from pinwheel._explain import Explanation, explain
+    from pinwheel._explore import Explorer, explore
     from pinwheel._law import Law, LawInfo, laws
     from pinwheel._run import Run, run
     from pinwheel._sweep import Sweep, sweep
@@ -51,6 +52,7 @@ else:
         "_design": ("Design", "Figure", "design", "fmu", "gear", "statics"),
         "_engine": ("Engine", "EngineInfo", "Job", "engine", "engines"),
         "_explain": ("Explanation", "explain"),
+        "_explore": ("Explorer", "explore"),
         "_law": ("Law", "LawInfo", "laws"),
         "_run": ("Run", "run"),
         "_sweep": ("Sweep", "sweep"),
@@ -79,6 +81,7 @@ __all__ = [
     "EngineFailed",
     "EngineInfo",
     "Explanation",
+    "Explorer",
     "Figure",
     "InputError",
     "Job",
@@ -99,6 +102,7 @@ __all__ = [
     "engine",
     "engines",
     "explain",
+    "explore",
     "fmu",
     "gear",
     "keys",

@@ -17,15 +17,24 @@ def beside(library: str) -> str | None:
     return str(found[0]) if found and f"PINWHEEL_{library.upper()}" not in os.environ else None
 
 
+def program() -> Path:
+    """The program that comes with the package."""
+    found = FOLDER / ("pinwheel.exe" if os.name == "nt" else "pinwheel")
+    if not found.is_file():
+        raise FileNotFoundError(f"{found} is not there; install the package again with pip, which builds it")
+    return found
+
+
 def main() -> int:
     """Runs the program with this process's arguments; its exit status."""
-    program = FOLDER / ("pinwheel.exe" if os.name == "nt" else "pinwheel")
-    if not program.is_file():
-        print(f"error: {program} is not there; install the package again with pip, which builds it", file=sys.stderr)
+    try:
+        found = program()
+    except FileNotFoundError as error:
+        print(f"error: {error}", file=sys.stderr)
         return 2
     if os.name != "nt":
-        os.execv(program, ["pinwheel", *sys.argv[1:]])
-    return subprocess.run([program, *sys.argv[1:]], check=False).returncode
+        os.execv(found, ["pinwheel", *sys.argv[1:]])
+    return subprocess.run([found, *sys.argv[1:]], check=False).returncode
 
 
 if __name__ == "__main__":

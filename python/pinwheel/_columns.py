@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     import polars
     import xarray
 
+    from pinwheel._keys import Column
+
 Floats = npt.NDArray[np.float64]
 _NUMBERED = re.compile(r"(.+)_(\d+)")
 # How names end, longer endings first.
@@ -77,7 +79,7 @@ class Columns(Mapping[str, Floats]):
             if (match := _NUMBERED.fullmatch(name)) is not None:
                 self._groups.setdefault(match[1], []).append(k)
 
-    def __getitem__(self, name: str) -> Floats:
+    def __getitem__(self, name: Column | str) -> Floats:
         if name == "time_s":
             return self.time_s
         if name in self._index:

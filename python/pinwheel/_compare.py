@@ -55,7 +55,7 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
 
     def __init__(self, scene: Scene, core: _core.Compared) -> None:
         self.scene = scene
-        self._page, self._text = core.page, plain(core.text())
+        self._page, self._text, self._details = core.page, plain(core.text()), plain(core.details())
         self.data: dict[str, Any] = json.loads(core.json())
         self.runs: dict[str, Columns] = {name: Columns(columns) for name, columns in core.time_series()}
         self.verdicts: tuple[Verdict, ...] = tuple(
@@ -105,11 +105,15 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
         """The verdicts as a DataFrame."""
         return wanted("pandas", "frames").DataFrame([vars(verdict) for verdict in self.verdicts])
 
+    def details(self) -> str:
+        """Figures of every engine and the verdict of every pair, as text."""
+        return self._details
+
     def __str__(self) -> str:
         return self._text
 
     def __repr__(self) -> str:
-        counts = {word: count for word, count in self.data["counts"].items() if count}
+        counts = {word: count for word, count in self.data["counts"].items() if count and word != "inconclusive_actionable"}
         told = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in counts.items()) or "nothing compared"
         return f"<Comparison of {self.scene.name} in {len(self.engines)} engines: {told}>"
 
@@ -144,6 +148,8 @@ def compare(
     engines: Sequence[EngineLike] | EngineLike = (),
     *,
     against: Sequence[tuple[str | os.PathLike[str], str | os.PathLike[str]]] = (),
+    longest_s: float = 30.0,
+    resolution: float = 0.01,
     progress: bool | Told | None = None,
 ) -> Comparison:
     """Runs a scene on several engines and compares every pair; without names on all that this Python has.
@@ -152,7 +158,8 @@ def compare(
     does wrong is its status in the result, and no exception.
 
     `against`: measured data or another program's, as (file, map); the map says which column is what, with its
-    uncertainty (docs/foreign-data.md).
+    uncertainty (docs/foreign-data.md). `longest_s`: wall time after which an engine is refined no further; `resolution`:
+    the largest uncertainty of a pair, relative, that still counts as resolved.
 
     >>> c = compare(Scene("paper", duration_s=0.01, step_s=2e-6), ["native-reduced", "native-lagrange"])
     >>> c.passed, {v.verdict for v in c.verdicts} <= {"agree"}
@@ -161,4 +168,4 @@ def compare(
     made = scene if isinstance(scene, Scene) else Scene(scene)
     with telling(progress, "compare") as told:
         files = [(os.fspath(file), os.fspath(table)) for file, table in against]
-        return Comparison(made, _core.compare(made._inner, several(engines), files, told))
+        return Comparison(made, _core.compare(made._inner, several(engines), files, (longest_s, resolution), told))

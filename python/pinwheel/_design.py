@@ -214,11 +214,14 @@ def _design(scene: Scene | str, runs: bool, progress: bool | Told | None) -> Des
         return Design(made, _core.design(made._inner, runs, told))
 
 
-def fmu(scene: Scene | str, path: str | os.PathLike[str]) -> Path:
-    """Writes the scene as a co-simulation unit of FMI 2.0 (docs/fmu.md); the file."""
+def fmu(scene: Scene | str, path: str | os.PathLike[str], *, author: str | None = None) -> Path:
+    """Writes the scene as a co-simulation unit of FMI 2.0 (docs/fmu.md), which names its author; the file.
+
+    The unit says when it was made, or what the environment's SOURCE_DATE_EPOCH says.
+    """
     from pinwheel.__main__ import beside
 
     made = scene if isinstance(scene, Scene) else Scene(scene)
     target = Path(path)
-    target.write_bytes(_core.fmu(made._inner, beside("fmu")))
+    target.write_bytes(_core.fmu(made._inner, beside("fmu"), author))
     return target

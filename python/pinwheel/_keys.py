@@ -34,6 +34,8 @@ class Keys(TypedDict, total=False):
     output: Mapping[str, Any]
     base: str
     """preset or scene file from which everything is taken that is left out here"""
+    bore_m: float
+    """its bore d, for that moment (m)"""
     clearance_m: float
     """its radial clearance; absent: 0 (m)"""
     damping_n_s_m: float
@@ -42,6 +44,8 @@ class Keys(TypedDict, total=False):
     """its basic dynamic rating C, for its life after ISO 281 (N)"""
     exponent: float
     """p of its force K d^p; absent: 1, or 10/9 of rollers"""
+    friction_coefficient: float
+    """mu; 0: no friction; if left out 0.0: no friction"""
     roller_length_m: float
     """length of these rollers (m)"""
     rollers: int
@@ -58,8 +62,6 @@ class Keys(TypedDict, total=False):
     """how deep a wheel is behind a contact, of the law line-hertz; absent: the wall between a hole and the profile, at least half of the external sleeves' radius (m)"""
     external_spring_n_m: float
     """k of external contacts under the law linear; absent: the secant of line-hertz under the largest load (N m)"""
-    friction_coefficient: float
-    """mu; 0: no friction; if left out 0.0: no friction"""
     friction_dynamic_coefficient: float
     """mu_d of the friction law adams; if left out 0.0: used by the friction law adams only"""
     friction_dynamic_speed_m_s: float
@@ -180,10 +182,12 @@ Vary = TypedDict(
     "Vary",
     {
         "base": Axis,
+        "bore_m": Axis,
         "clearance_m": Axis,
         "damping_n_s_m": Axis,
         "dynamic_rating_n": Axis,
         "exponent": Axis,
+        "friction_coefficient": Axis,
         "roller_length_m": Axis,
         "rollers": Axis,
         "stiffness_n_m": Axis,
@@ -192,7 +196,6 @@ Vary = TypedDict(
         "detection": Axis,
         "disc_depth_m": Axis,
         "external_spring_n_m": Axis,
-        "friction_coefficient": Axis,
         "friction_dynamic_coefficient": Axis,
         "friction_dynamic_speed_m_s": Axis,
         "friction_law": Axis,
@@ -249,10 +252,12 @@ Vary = TypedDict(
         "stabilisation": Axis,
         "step_s": Axis,
         "tolerance": Axis,
+        "bearings.eccentric.bore_m": Axis,
         "bearings.eccentric.clearance_m": Axis,
         "bearings.eccentric.damping_n_s_m": Axis,
         "bearings.eccentric.dynamic_rating_n": Axis,
         "bearings.eccentric.exponent": Axis,
+        "bearings.eccentric.friction_coefficient": Axis,
         "bearings.eccentric.roller_length_m": Axis,
         "bearings.eccentric.rollers": Axis,
         "bearings.eccentric.stiffness_n_m": Axis,
@@ -334,3 +339,41 @@ Vary = TypedDict(
     },
     total=False,
 )
+
+# Columns of a run and channels that a scene may ask for.
+Column: TypeAlias = Literal[
+    "time_s",
+    "input_torque_n_m",
+    "output_torque_n_m",
+    "output_angle_rad",
+    "external_sleeve_force_n",
+    "internal_sleeve_force_n",
+    "efficiency",
+    "input_power_w",
+    "output_power_w",
+    "damping_loss_w",
+    "friction_loss_w",
+    "transmission_error_arcmin",
+    "wheel_transmission_error_arcmin",
+    "external_contact_ratio",
+    "internal_contact_ratio",
+    "input_bearing_force_n",
+    "input_bearing_force_x_n",
+    "input_bearing_force_y_n",
+    "output_bearing_force_n",
+    "output_bearing_force_x_n",
+    "output_bearing_force_y_n",
+    "eccentric_bearing_force_n",
+    "eccentric_bearing_force_x_n",
+    "eccentric_bearing_force_y_n",
+    "eccentric_bearing_radial_force_n",
+    "eccentric_bearing_tangential_force_n",
+    "eccentric_bearing_offset_x_m",
+    "eccentric_bearing_offset_y_m",
+    "external_pin_force_n",
+    "external_pin_force_x_n",
+    "external_pin_force_y_n",
+    "internal_pin_force_n",
+    "internal_pin_force_x_n",
+    "internal_pin_force_y_n",
+]

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 import tempfile
+import textwrap
 import webbrowser
 from collections.abc import Callable
 from pathlib import Path
@@ -12,9 +14,58 @@ from typing import Any
 _STYLES = re.compile(r"\x1b\[[0-9;]*m")
 
 
+def _with(match: re.Match[str]) -> str:
+    key, value = match.groups()
+    try:
+        float(value)
+    except ValueError:
+        value = json.dumps(value)
+    return f'`with_({{"{key}": {value}}})`'
+
+
+# How remedies that the program tells are followed here.
+_FLAGS: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
+    ("rebuild with --features crossval", "the program has them where it is built with its feature crossval"),
+    ("run it without --engines", "name no engines"),
+    (r"leave it out: --engines\b", "leave it out of `engines`"),
+    (r"with --engines\b", "by `engines`"),
+    (r"--longest (?:SECONDS|([0-9.]+))", lambda match: f"`longest_s={match[1] or 'SECONDS'}`"),
+    (r"--longest\b", "`longest_s`"),
+    ("--verbose", "`details()`"),
+    (r"--against (\S+) --map (\S+)", r'`against=[("\1", "\2")]`'),
+    (r"--set ([a-z0-9_.]+)=([^\s,;`)]+)", _with),
+    (r"\bpinwheel (design|explain|engines)\b", r"`pinwheel.\1`"),
+)
+
+
 def plain(text: str) -> str:
-    """A terminal's text without its colours."""
-    return _STYLES.sub("", text)
+    """A terminal's text without its colours, and with remedies as they are followed from Python.
+
+    >>> plain("--set contact.law=line-hertz, or give it more time (--longest 300)")
+    '`with_({"contact.law": "line-hertz"})`, or give it more time (`longest_s=300`)'
+    """
+    lines = _STYLES.sub("", text).split("\n")
+    done: list[str] = []
+    while lines:
+        first = lines.pop(0)
+        block, indent = [first], 0
+        # What goes on below stands where the text of the first line stands, behind its label.
+        while lines and (below := len(lines[0]) - len(lines[0].lstrip())) > 0 and first[below - 1 : below] in (" ", ""):
+            if below != (indent or below):
+                break
+            indent = below
+            block.append(lines.pop(0))
+        if not indent and (label := re.match(r"\S.*?\s{2,}", first)):
+            indent = label.end()
+        head, said = first[:indent], " ".join([first[indent:], *(line.strip() for line in block[1:])])
+        here = said
+        for flag, ours in _FLAGS:
+            here = re.sub(flag, ours, here)
+        if here == said:
+            done += block
+        else:
+            done += textwrap.wrap(here, 80, initial_indent=head, subsequent_indent=" " * indent, break_long_words=False)
+    return "\n".join(done)
 
 
 class Paged:

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     import polars
     import xarray
 
+    from pinwheel._keys import Column
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Run(Mapping[str, Floats]):
@@ -92,7 +94,7 @@ class Run(Mapping[str, Floats]):
         """Remarks of the engine."""
         return list(self.stats["notes"])
 
-    def __getitem__(self, name: str) -> Floats:
+    def __getitem__(self, name: Column | str) -> Floats:
         return self.columns[name]
 
     def __iter__(self) -> Iterator[str]:
@@ -131,7 +133,7 @@ class Run(Mapping[str, Floats]):
         """Writes the program's `courses.csv`."""
         self.columns.to_csv(path)
 
-    def plot(self, *names: str, ax: Any = None) -> Any:
+    def plot(self, *names: Column | str, ax: Any = None) -> Any:
         """Draws columns (torques and forces without names) over the time with matplotlib.
 
         `ax`: axes to draw into, one for each name; without it a new figure. The axes, or an array of them for several names.

@@ -23,9 +23,15 @@ impl Served {
     }
 
     fn of(dir: &Path, scene: &str, port: &str) -> Self {
+        Self::with(dir, scene, &["--print", "--port", port])
+    }
+
+    fn with(dir: &Path, scene: &str, flags: &[&str]) -> Self {
         let mut child = pinwheel()
             .current_dir(dir)
-            .args(["explore", scene, "--print", "--port", port])
+            .args(["explore", scene])
+            .args(flags)
+            .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
@@ -348,6 +354,68 @@ fn explore_says_that_a_port_is_taken() {
     assert!(answer.stderr.contains("--port"), "{}", answer.stderr);
 }
 
+/// Asks for `path` at the page's own host, with more headers and a body; the status and the whole answer.
+fn asked(served: &Served, request: &str, more: &str, body: &str) -> (String, String) {
+    use std::io::{Read as _, Write as _};
+    let host = format!("127.0.0.1:{}", served.port());
+    let mut socket = std::net::TcpStream::connect(&host).unwrap();
+    let own = match more.contains("Host:") {
+        true => String::new(),
+        false => format!("Host: {host}\r\n"),
+    };
+    let length = body.len();
+    write!(socket, "{request} HTTP/1.1\r\n{own}{more}Content-Length: {length}\r\nConnection: close\r\n\r\n{body}").unwrap();
+    let mut answer = String::new();
+    socket.read_to_string(&mut answer).unwrap();
+    (answer[9..12].to_owned(), answer)
+}
+
+#[test]
+fn explore_in_a_frame_answers_who_has_its_address_until_its_input_ends() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut served = Served::with(dir.path(), "paper", &["--embed"]);
+    let path = served.1.splitn(4, '/').nth(3).unwrap().to_owned();
+    assert_eq!(path.len(), 33, "128 bits and a slash: {path}");
+    for _ in 0..2 {
+        let (status, answer) = asked(&served, &format!("GET /{path}"), "", "");
+        assert_eq!(status, "200", "as often as it is asked for");
+        assert!(!answer.contains("X-Frame-Options"), "it stands in a frame");
+    }
+    assert_eq!(
+        asked(&served, &format!("GET /{path}status"), "", "").0,
+        "200"
+    );
+    for other in [
+        "",
+        "status",
+        "?token=0",
+        &path[..32],
+        &format!("{}0/", &path[..31]),
+    ] {
+        assert_eq!(
+            asked(&served, &format!("GET /{other}"), "", "").0,
+            "403",
+            "{other}"
+        );
+    }
+    let run = format!("POST /{path}run");
+    let origin = |name: &str| format!("Origin: {name}\r\n");
+    let own = origin(&format!("http://127.0.0.1:{}", served.port()));
+    assert_eq!(asked(&served, &run, &own, "[]").0, "200");
+    let rebound = format!("Host: evil.example\r\n{own}");
+    for foreign in [
+        "",
+        &origin("http://evil.example"),
+        &origin("null"),
+        &rebound,
+    ] {
+        assert_eq!(asked(&served, &run, foreign, "[]").0, "403", "{foreign}");
+    }
+    drop(served.0.stdin.take());
+    let ended = served.0.wait().unwrap();
+    assert!(ended.success(), "{ended}");
+}
+
 #[test]
 fn explore_answers_its_own_page_alone() {
     let dir = tempfile::tempdir().unwrap();
@@ -357,24 +425,12 @@ fn explore_answers_its_own_page_alone() {
     let served = Served::start(dir.path(), "0");
     let host = format!("127.0.0.1:{}", served.port());
     let path = served.1.rsplit('/').next().unwrap();
-    let ask = |request: &str, more: &str, body: &str| -> (String, String) {
-        use std::io::{Read as _, Write as _};
-        let mut socket = std::net::TcpStream::connect(&host).unwrap();
-        let host = if more.contains("Host:") {
-            String::new()
-        } else {
-            format!("Host: {host}\r\n")
-        };
-        let length = body.len();
-        write!(socket, "{request} HTTP/1.1\r\n{host}{more}Content-Length: {length}\r\nConnection: close\r\n\r\n{body}").unwrap();
-        let mut answer = String::new();
-        socket.read_to_string(&mut answer).unwrap();
-        (answer[9..12].to_owned(), answer)
-    };
+    let ask = |request: &str, more: &str, body: &str| asked(&served, request, more, body);
     assert_eq!(ask("GET /", "", "").0, "403", "without a token");
     assert_eq!(ask("GET /?token=00", "", "").0, "403", "a wrong token");
     let (status, answer) = ask(&format!("GET /{path}"), "", "");
     assert_eq!(status, "303", "{answer}");
+    assert!(answer.contains("X-Frame-Options: DENY"), "{answer}");
     let cookie = answer
         .lines()
         .find_map(|line| line.strip_prefix("Set-Cookie: "))

@@ -63,7 +63,7 @@ impl Answer {
     fn bytes(&self) -> Vec<u8> {
         let mut head = format!(
             "HTTP/1.1 {} -\r\nContent-Length: {}\r\nConnection: close\r\nCache-Control: no-store\r\nReferrer-Policy: no-referrer\r\n\
-             X-Content-Type-Options: nosniff\r\nX-Frame-Options: DENY\r\n",
+             X-Content-Type-Options: nosniff\r\n",
             self.status,
             self.body.len()
         );

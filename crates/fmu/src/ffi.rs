@@ -27,6 +27,7 @@ use crate::instance::{Instance, Refusal};
 use crate::model::Model;
 
 const OK: c_int = 0;
+const WARNING: c_int = 1;
 const ERROR: c_int = 3;
 /// `fmi2CoSimulation` of `fmi2Type`.
 const CO_SIMULATION: c_int = 1;
@@ -330,10 +331,13 @@ pub extern "C" fn fmi2EnterInitializationMode(component: Component) -> c_int {
 pub extern "C" fn fmi2ExitInitializationMode(component: Component) -> c_int {
     on(component, |unit| {
         unit.exit_initialization()?;
-        if let Some(own) = UNITS.find(component)
-            && own.talks.load(Ordering::Relaxed)
-        {
-            own.logger.tell(OK, c"logAll", &unit.method());
+        if let Some(own) = UNITS.find(component) {
+            if let Some(what) = unit.unheeded() {
+                own.logger.tell(WARNING, c"logStatusWarning", &what);
+            }
+            if own.talks.load(Ordering::Relaxed) {
+                own.logger.tell(OK, c"logAll", &unit.method());
+            }
         }
         Ok(OK)
     })

@@ -399,14 +399,30 @@ impl Instance {
         })
     }
 
-    /// The method and its tolerance, in words.
+    /// The method and what sets its steps, in words.
     #[must_use]
     pub fn method(&self) -> String {
         let words = |gear: &CoSimulation| {
             let (name, tolerance) = gear.method();
-            format!("{name}, tolerance {tolerance:e}")
+            match gear.adaptive() {
+                true => format!("{name}, tolerance {tolerance:e}"),
+                false => format!("{name}, steps of {:e} s", gear.step_s()),
+            }
         };
         self.gear.as_ref().map_or_else(String::new, words)
+    }
+
+    /// That a tolerance was given and has no effect, in words.
+    #[must_use]
+    pub fn unheeded(&self) -> Option<String> {
+        let tolerance = self.prescribed.tolerance?;
+        let fixed = self.gear.as_ref().is_some_and(|gear| !gear.adaptive());
+        fixed.then(|| {
+            format!(
+                "the tolerance {tolerance:e} has no effect on the scene's method ({}); solver.integrator = \"auto\" heeds one",
+                self.method()
+            )
+        })
     }
 
     /// The time reached, s.

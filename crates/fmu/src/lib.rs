@@ -16,4 +16,4 @@ mod package;
 
 pub use instance::{Instance, Refusal};
 pub use model::{Model, Variable, What};
-pub use package::{Package, PackageError};
+pub use package::{Imprint, Package, PackageError};

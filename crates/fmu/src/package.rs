@@ -1,9 +1,10 @@
-//! The file: a zip archive of the description, the library and the scene, the same bytes for the same scene and library.
+//! The file: a zip archive of the description, the library and the scene. The same scene, library and imprint give the same bytes.
 
 use std::f64::consts::PI;
 use std::io::{Cursor, Write as _};
 use std::path::Path;
 use std::sync::Arc;
+use std::time::{Duration, SystemTime};
 
 use pinwheel_files::output::escape;
 use pinwheel_gearbox::Gearbox;
@@ -28,10 +29,47 @@ const CHANNELS: [&str; 6] = [
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub enum PackageError {
-    /// The scene.
-    Scene(String),
+    /// The scene, or what else was given.
+    Given(String),
     /// The library, the first step, or the archive.
     Unit(String),
+}
+
+/// What a unit says of its origin.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Imprint {
+    /// Of the model.
+    pub author: String,
+    /// When it was made.
+    pub made: SystemTime,
+}
+
+impl Imprint {
+    /// Of now, or of the time that `SOURCE_DATE_EPOCH` names [reproducible-builds.org]; those who make Pinwheel stand for an
+    /// author who is not named.
+    ///
+    /// # Errors
+    /// A `SOURCE_DATE_EPOCH` that is no time.
+    pub fn here(author: Option<&str>) -> Result<Self, PackageError> {
+        // The end of the year 9999: later dates have no form.
+        const LAST_S: u64 = 253_402_300_799;
+        let made = match std::env::var("SOURCE_DATE_EPOCH") {
+            Err(_) => SystemTime::now(),
+            Ok(text) => {
+                let seconds = text.parse().ok().filter(|seconds| *seconds <= LAST_S);
+                let seconds = seconds.ok_or_else(|| {
+                    PackageError::Given(format!(
+                        "SOURCE_DATE_EPOCH is `{text}`; it counts whole seconds since 1970, such as 1767225600"
+                    ))
+                })?;
+                SystemTime::UNIX_EPOCH + Duration::from_secs(seconds)
+            }
+        };
+        Ok(Self {
+            author: author.unwrap_or(env!("CARGO_PKG_AUTHORS")).to_owned(),
+            made,
+        })
+    }
 }
 
 /// A unit of FMI, as `UnitDefinitions` has it.
@@ -206,6 +244,7 @@ pub struct Package {
     identifier: String,
     method: String,
     library: Vec<u8>,
+    imprint: Imprint,
 }
 
 impl Package {
@@ -213,7 +252,7 @@ impl Package {
     ///
     /// # Errors
     /// A scene that makes no unit, or a library that cannot be read.
-    pub fn new(gearbox: &Gearbox, library: &Path) -> Result<Self, PackageError> {
+    pub fn new(gearbox: &Gearbox, library: &Path, imprint: Imprint) -> Result<Self, PackageError> {
         let mut channels = gearbox.scene.output.channels.clone();
         for channel in CHANNELS {
             if !gearbox.channels.names().any(|name| name == channel) {
@@ -221,8 +260,8 @@ impl Package {
             }
         }
         let gearbox = gearbox.with_channels(channels);
-        let gearbox = gearbox.map_err(|error| PackageError::Scene(error.to_string()))?;
-        let model = Arc::new(Model::of(&gearbox).map_err(PackageError::Scene)?);
+        let gearbox = gearbox.map_err(|error| PackageError::Given(error.to_string()))?;
+        let model = Arc::new(Model::of(&gearbox).map_err(PackageError::Given)?);
         let mut trial = Instance::new(Arc::clone(&model));
         let mut first = || -> Result<String, Refusal> {
             trial.enter_initialization()?;
@@ -247,6 +286,7 @@ impl Package {
             model,
             method,
             library: bytes,
+            imprint,
         })
     }
 
@@ -296,6 +336,8 @@ impl Package {
         let tolerance = tolerance.map(|variable| format!(" tolerance=\"{:e}\"", variable.start));
         let version = env!("CARGO_PKG_VERSION");
         let (name, about) = (escape(&scene.name), escape(&scene.description));
+        let author = escape(&self.imprint.author);
+        let date = humantime::format_rfc3339_seconds(self.imprint.made);
         let outputs = rows.iter().filter(|row| row.of.is_output());
         let outputs =
             outputs.map(|row| format!("      <Unknown index=\"{}\"/>\n", row.reference + 1));
@@ -305,7 +347,10 @@ impl Package {
             identifier = self.identifier,
             about = about,
             guid = self.model.guid(),
+            author = author,
+            license = env!("CARGO_PKG_LICENSE"),
             version = version,
+            date = date,
             stop_s = format_args!("{:e}", scene.solver.duration_s),
             tolerance = tolerance.collect::<String>(),
             step_s = format_args!("{:e}", scene.solver.sample_s),
@@ -322,6 +367,8 @@ impl Package {
             name = name,
             about = about,
             version = version,
+            date = date,
+            author = author,
             method = escape(&self.method),
             rows = rows.iter().map(Row::documentation).collect::<String>(),
         );

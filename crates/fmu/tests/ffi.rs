@@ -241,10 +241,18 @@ fn crossval_the_loaded_library_runs_rolls_back_and_refuses() {
         assert_eq!(status(unit, 2, place.as_mut_ptr()), 0);
         assert!((place[0] - 5.002).abs() < 1e-12);
 
+        // The paper's method has a fixed step: a tolerance is told to have no effect.
+        let reset = function!(Plain, b"fmi2Reset");
+        assert_eq!((reset(unit), setup(unit, 1, 1e-9, 0.0, 0, 0.0)), (0, 0));
+        assert_eq!((enter(unit), exit(unit)), (0, 0));
+        let told = "1 gear %s logStatusWarning the tolerance 1e-9 has no effect on the scene's method (rk2, steps of 1e-5 s)";
+        let heard = HEARD.lock().expect("heard").clone();
+        assert!(heard.iter().any(|line| line.starts_with(told)), "{heard:?}");
+
         free(unit);
         free(unit);
         free(ptr::null_mut());
-        assert_eq!(step(unit, 5.002, 1e-3, 0), 3, "freed");
+        assert_eq!(step(unit, 0.0, 1e-3, 0), 3, "freed");
         assert_eq!(step(ptr::null_mut(), 0.0, 1e-3, 0), 3, "null");
     }
 }

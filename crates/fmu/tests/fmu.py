@@ -4,6 +4,7 @@ import csv
 import math
 import shutil
 import sys
+from datetime import datetime, timezone
 
 import fmpy
 from fmpy import fmi2
@@ -42,6 +43,18 @@ def compare(unit, courses):
             off = relative(result[name], [float(row[column]) for row in wanted])
             print(f"step {step:g} s: {name} differs by {off:.1e}")
             assert off < LIMIT, (step, name, off)
+
+
+def heeds(unit):
+    """The importer's tolerance acts."""
+    column = "external_sleeve_force_n[4]"
+    own, coarse = (
+        fmpy.simulate_fmu(unit, stop_time=5e-3, output_interval=1e-3, relative_tolerance=tolerance, output=[column])
+        for tolerance in (None, 1e-3)
+    )
+    off = relative(coarse[column], own[column])
+    print(f"a tolerance of 1e-3 moves a force by {off:.1e}")
+    assert off > 10.0 * LIMIT, off
 
 
 def slave(unit, folder, heard):
@@ -125,7 +138,12 @@ def main(unit, courses):
     problems = validate_fmu(unit)
     assert not problems, problems
     print("fmpy.validate_fmu finds nothing")
+    description = fmpy.read_model_description(unit)
+    assert description.author == 'A. "B" & C' and description.license == "MIT OR Apache-2.0", description
+    made = datetime.fromisoformat(description.generationDateAndTime)
+    assert abs(datetime.now(timezone.utc) - made).total_seconds() < 3600.0, made
     compare(unit, courses)
+    heeds(unit)
     folder = fmpy.extract(unit)
     try:
         rollback(unit, folder)

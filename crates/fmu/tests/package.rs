@@ -7,8 +7,9 @@ use std::fs;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::SystemTime;
 
-use pinwheel_fmu::Package;
+use pinwheel_fmu::{Imprint, Package};
 use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_scene::{Override, Scene};
 
@@ -28,21 +29,37 @@ fn gearbox(scene: &str, sets: &[&str]) -> Gearbox {
     Gearbox::new(&Scene::load(scene, &sets).expect(scene)).expect("gearbox")
 }
 
+/// Of what a description has to escape.
+fn imprint() -> Imprint {
+    Imprint::here(Some("A. \"B\" & C")).expect("imprint")
+}
+
 #[test]
 fn the_same_scene_gives_the_same_bytes() {
-    let bytes = |sets: &[&str]| {
-        let package = Package::new(&gearbox("paper", sets), &library()).expect("package");
+    let bytes = |sets: &[&str], author: &str| {
+        let imprint = Imprint {
+            author: author.to_owned(),
+            made: SystemTime::UNIX_EPOCH,
+        };
+        let package = Package::new(&gearbox("paper", sets), &library(), imprint).expect("package");
         (package.guid().to_owned(), package.bytes().expect("bytes"))
     };
-    let (one, two) = (bytes(&[]), bytes(&[]));
+    let (one, two) = (bytes(&[], "A. Author"), bytes(&[], "A. Author"));
     assert!(one == two && one.1.starts_with(b"PK"));
-    assert_ne!(bytes(&["gear.backlash_m=1e-4"]).0, one.0);
+    assert_ne!(bytes(&["gear.backlash_m=1e-4"], "A. Author").0, one.0);
+    // The imprint is no part of what tells units apart.
+    let other = bytes(&[], "Another");
+    assert!(other.0 == one.0 && other.1 != one.1);
     println!("{} bytes", one.1.len());
 }
 
 #[test]
 fn bad_input_a_library_that_is_not_there() {
-    let error = Package::new(&gearbox("paper", &[]), Path::new("/nowhere/lib.so"));
+    let error = Package::new(
+        &gearbox("paper", &[]),
+        Path::new("/nowhere/lib.so"),
+        imprint(),
+    );
     assert!(
         error
             .expect_err("none")
@@ -85,7 +102,7 @@ fn crossval_a_unit_in_fmpy_is_the_native_run() {
             "description=1 < 2 & 'so'",
         ];
         let gearbox = gearbox(scene, &sets);
-        let package = Package::new(&gearbox, &library()).expect("package");
+        let package = Package::new(&gearbox, &library(), imprint()).expect("package");
         fs::write(&unit, package.bytes().expect("bytes")).expect("unit");
         let run = native::run(&gearbox, &mut |_| false)
             .expect("run")

@@ -223,6 +223,12 @@ impl CoSimulation {
         (&solver.integrator, solver.tolerance)
     }
 
+    /// The step of a fixed-step method, s.
+    #[must_use]
+    pub fn step_s(&self) -> f64 {
+        self.gearbox.scene.solver.step_s
+    }
+
     /// Whether that error sets its steps.
     #[must_use]
     pub fn adaptive(&self) -> bool {

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use pinwheel::engines::external::fmu_library;
-use pinwheel::fmu::{Package, PackageError};
+use pinwheel::fmu::{Imprint, Package, PackageError};
 use pinwheel::scene::catalogue::{ARGUMENTS, Catalogue, MATERIALS};
 use pinwheel::scene::did_you_mean;
 use pinwheel::studies::StudyError;
@@ -137,15 +137,20 @@ pub(crate) fn design(
 
 /// The scene as a co-simulation unit: the file's bytes. `library`: of such units; by itself as the program finds it.
 #[pyfunction]
-pub(crate) fn fmu(py: Python<'_>, scene: &Core, library: Option<&str>) -> Raises<Vec<u8>> {
+pub(crate) fn fmu(
+    py: Python<'_>,
+    scene: &Core,
+    library: Option<&str>,
+    author: Option<&str>,
+) -> Raises<Vec<u8>> {
     let gearbox = pinwheel::compile(&scene.checked)?;
     let library = match library {
         Some(library) => Path::new(library).to_owned(),
         None => fmu_library().map_err(input)?,
     };
-    py.detach(|| Package::new(&gearbox, &library)?.bytes())
+    py.detach(|| Package::new(&gearbox, &library, Imprint::here(author)?)?.bytes())
         .map_err(|error| match error {
-            PackageError::Scene(_) => input(error.to_string()),
+            PackageError::Given(why) => input(why),
             PackageError::Unit(_) => plain(error),
         })
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel::engines::Engine;
 use pinwheel::pages;
-use pinwheel::studies::comparison::foreign;
+use pinwheel::studies::comparison::{Effort, foreign};
 use pinwheel::studies::{Provenance, StudyError, bench as benches, choice, comparison, explained};
 use pyo3::prelude::*;
 
@@ -50,6 +50,11 @@ impl Compared {
     fn text(&self) -> String {
         pages::comparison::text(&self.0.gearbox.scene, &self.0)
     }
+
+    /// What it shows with `--verbose`.
+    fn details(&self) -> String {
+        pages::comparison::details(&self.0)
+    }
 }
 
 /// Runs a scene on several engines and compares them; without names on all there are.
@@ -59,6 +64,7 @@ pub(crate) fn compare(
     scene: &Core,
     engines: Vec<Bound<'_, PyAny>>,
     against: Vec<(PathBuf, PathBuf)>,
+    effort: (f64, f64),
     progress: Option<Py<PyAny>>,
 ) -> Raises<Compared> {
     let checked = &scene.checked;
@@ -66,6 +72,8 @@ pub(crate) fn compare(
     let engines = guests::engines(Asked::each(&engines, Some(&desk))?, checked)?;
     let pairs = against.iter().map(|(file, map)| (&**file, &**map));
     let data = foreign::open(pairs)?;
+    let (longest_s, resolution) = effort;
+    let effort = Effort::asked(checked, "", &[], longest_s, resolution)?;
     let found = supervised(py, &desk, progress.as_ref(), |control| {
         let gearbox = foreign::with_channels(&data, pinwheel::compile(checked)?)?;
         let input = comparison::Input {
@@ -73,7 +81,7 @@ pub(crate) fn compare(
             engines: &engines,
             data: &data,
         };
-        comparison::run(&input, control)
+        comparison::run_with(&input, effort, control)
     })?;
     Ok(Compared(found?))
 }

@@ -16,4 +16,8 @@ pub(crate) struct ExploreArgs {
     /// Print the address and open no browser.
     #[arg(long)]
     pub(crate) print: bool,
+    /// For a frame of another page, as in a notebook: print an address that opens it as often as it is asked for, and end
+    /// with the standard input.
+    #[arg(long)]
+    pub(crate) embed: bool,
 }

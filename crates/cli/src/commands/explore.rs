@@ -1,7 +1,8 @@
 //! `pinwheel explore`: a live page, served to this machine alone.
 //!
 //! Other pages in the browser must not drive it: the address holds a token that works once and is exchanged for a cookie; the
-//! host that is asked must be ours, and what changes anything must come from our own page.
+//! host that is asked must be ours, and what changes anything must come from our own page. A page in a frame of another site
+//! gets no cookie: there a secret begins every path, and whoever has it may show the page.
 
 use std::net::TcpListener;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -38,6 +39,50 @@ struct Compared {
     work: Option<JoinHandle<()>>,
 }
 
+/// Who is answered.
+enum Entry {
+    /// The one browser that used the token, by its cookie.
+    Browser {
+        token: Mutex<Option<String>>,
+        cookie: String,
+    },
+    /// Who has this beginning of every path.
+    Frame(String),
+}
+
+impl Entry {
+    /// The path that is asked for, of who may ask; else what to answer.
+    fn admit<'q>(&self, question: &'q Question) -> Result<&'q str, Answer> {
+        let path = question.path.as_str();
+        let unknown = "open the address that the program printed";
+        match self {
+            Self::Frame(secret) => {
+                let inside = path.strip_prefix(secret.as_str());
+                let inside = inside.filter(|inside| inside.starts_with('/'));
+                inside.ok_or_else(|| refused(unknown))
+            }
+            Self::Browser { token, cookie } => {
+                if let Some(given) = path.strip_prefix("/?token=") {
+                    let mut own = lock(token);
+                    if own.as_deref() != Some(given) {
+                        return Err(refused(
+                            "this address was used before: start `pinwheel explore` again",
+                        ));
+                    }
+                    *own = None;
+                    let cookie = format!("{cookie}; HttpOnly; SameSite=Strict; Path=/");
+                    return Err(plain(303, "")
+                        .with("Location", "/")
+                        .with("Set-Cookie", cookie));
+                }
+                let cookies = question.header("Cookie").unwrap_or_default();
+                let known = cookies.split("; ").any(|other| other == cookie);
+                known.then_some(path).ok_or_else(|| refused(unknown))
+            }
+        }
+    }
+}
+
 struct Explorer {
     spec: String,
     /// Of the user, for what is saved and compared.
@@ -48,9 +93,7 @@ struct Explorer {
     span_s: Mutex<f64>,
     /// `127.0.0.1:PORT`.
     host: String,
-    /// Opens the page, once.
-    token: Mutex<Option<String>>,
-    cookie: String,
+    entry: Entry,
     /// Which page's balances are computed, and what stops them once it asks for newer ones.
     balancing: Mutex<(String, Arc<AtomicBool>)>,
     /// Names of files are chosen one at a time.
@@ -62,18 +105,26 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     let spec = args.scene.scene.clone();
     let sets = args::overrides(&args.scene.set)?;
     let scene = Scene::load(&spec, &sets)?;
-    let listener = listen(args.port)?;
+    let port = args.embed.then_some(0);
+    let listener = listen(args.port.or(port))?;
     let unknown = |error: std::io::Error| Failure::engine(format!("loopback: {error}"));
     let host = listener.local_addr().map_err(unknown)?.to_string();
     let token = secret()?;
-    let address = format!("http://{host}/?token={token}");
+    let (path, entry) = if args.embed {
+        (format!("/{token}/"), Entry::Frame(format!("/{token}")))
+    } else {
+        let path = format!("/?token={token}");
+        let cookie = format!("{}={}", cookie_name(&host), secret()?);
+        let token = Mutex::new(Some(token));
+        (path, Entry::Browser { token, cookie })
+    };
+    let address = format!("http://{host}{path}");
     let explorer = Arc::new(Explorer {
         settled: live::settled(&spec, &sets),
         span_s: Mutex::new(live::span_s(&scene)),
         spec,
         sets,
-        cookie: format!("{}={}", cookie_name(&host), secret()?),
-        token: Mutex::new(Some(token)),
+        entry,
         balancing: Mutex::default(),
         saving: Mutex::default(),
         compared: Mutex::default(),
@@ -81,11 +132,21 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     });
     let answering = Arc::clone(&explorer);
     loopback::serve(listener, move |question| {
-        answering.admit(question).unwrap_or_else(|answer| answer)
+        let answer = answering.admit(question).unwrap_or_else(|answer| answer);
+        match answering.entry {
+            Entry::Browser { .. } => answer.with("X-Frame-Options", "DENY"),
+            Entry::Frame(_) => answer,
+        }
     })
     .map_err(unknown)?;
     screen::show(&format!("page: {address}"))?;
-    if !args.print && open::that_detached(&address).is_err() {
+    if args.embed {
+        std::thread::spawn(|| {
+            // Whoever shows the page holds the other end.
+            let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
+            interrupt::flag().store(true, Ordering::Relaxed);
+        });
+    } else if !args.print && open::that_detached(&address).is_err() {
         screen::complain("no browser could be started; open the address yourself");
     }
     interrupt::watched();
@@ -150,24 +211,7 @@ impl Explorer {
         if question.header("Host") != Some(self.host.as_str()) {
             return Err(refused("another host was asked for"));
         }
-        let path = question.path.as_str();
-        if let Some(token) = path.strip_prefix("/?token=") {
-            let mut own = lock(&self.token);
-            if own.as_deref() != Some(token) {
-                return Err(refused(
-                    "this address was used before: start `pinwheel explore` again",
-                ));
-            }
-            *own = None;
-            let cookie = format!("{}; HttpOnly; SameSite=Strict; Path=/", self.cookie);
-            return Ok(plain(303, "")
-                .with("Location", "/")
-                .with("Set-Cookie", cookie));
-        }
-        let cookies = question.header("Cookie").unwrap_or_default();
-        if !cookies.split("; ").any(|cookie| cookie == self.cookie) {
-            return Err(refused("open the address that the program printed"));
-        }
+        let path = self.entry.admit(question)?;
         let found = match question.method.as_str() {
             "GET" => match path {
                 "/" => self.page(),

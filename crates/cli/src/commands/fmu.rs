@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use pinwheel::engines::external;
-use pinwheel::fmu::{Package, PackageError};
+use pinwheel::fmu::{Imprint, Package, PackageError};
 use pinwheel::studies::output::file_name;
 
 use crate::args::FmuArgs;
@@ -24,13 +24,13 @@ pub(crate) fn fmu(args: &FmuArgs) -> Result<(), Failure> {
         )));
     }
     let library = external::fmu_library().map_err(Failure::engine)?;
-    let package = Package::new(&gearbox, &library).map_err(|error| match error {
-        PackageError::Scene(_) => Failure::input(error.to_string()),
-        _ => Failure::engine(error.to_string()),
-    })?;
-    let bytes = package
-        .bytes()
-        .map_err(|error| Failure::engine(error.to_string()))?;
+    let failed = |error: PackageError| match error {
+        PackageError::Given(why) => Failure::input(why),
+        PackageError::Unit(why) => Failure::engine(why),
+    };
+    let imprint = Imprint::here(args.author.as_deref()).map_err(failed)?;
+    let package = Package::new(&gearbox, &library, imprint).map_err(failed)?;
+    let bytes = package.bytes().map_err(failed)?;
     replace(&file, &bytes)?;
     let told = serde_json::json!({
         "file": file,
