@@ -8,6 +8,7 @@
 mod access;
 mod chromium;
 mod explore;
+mod hostile;
 mod interact;
 mod motion;
 mod studies;

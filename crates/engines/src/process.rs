@@ -192,6 +192,7 @@ fn end(child: &mut Child, news: &Receiver<Piece>, listener: Listener<'_>) {
 }
 
 /// A name that no other program of ours has; a solver that starts Pinwheel keeps it beside those of that one's solvers.
+#[expect(clippy::disallowed_methods, reason = "a name, no duration")]
 fn mark() -> String {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let since = SystemTime::now().duration_since(UNIX_EPOCH);

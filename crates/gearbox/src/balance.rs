@@ -82,6 +82,8 @@ mod tests {
             friction_j: 0.0,
             remainder_j,
             remainder_share: Some(remainder_j / driver_j),
+            remainder_off_j: 0.0,
+            lost_off_j: 0.0,
         }
     }
 

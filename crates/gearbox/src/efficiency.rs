@@ -22,6 +22,10 @@ pub struct Efficiency {
     pub created_share: f64,
     /// What contacts lose, as a share of the work delivered and lost.
     pub lost_share: f64,
+    /// How far `created_share` may be off by what lies between the account's entries.
+    pub created_off: f64,
+    /// The same of `lost_share` and `of_losses`.
+    pub lost_off: f64,
     /// Whether anything rubs, so that the loss is more than that of the contacts' damping.
     pub rubs: bool,
 }
@@ -48,6 +52,8 @@ impl Efficiency {
             of_losses: delivered / (delivered + lost),
             created_share: audit.remainder_j / taken,
             lost_share: lost / (delivered + lost),
+            created_off: audit.remainder_off_j / taken,
+            lost_off: audit.lost_off_j / (delivered + lost),
             rubs: audit.friction_j != 0.0,
         })
     }
@@ -103,6 +109,8 @@ mod tests {
             friction_j: 0.75 * lost_j,
             remainder_j,
             remainder_share: EnergyAudit::share(remainder_j, driver_j, load_j, 0.0),
+            remainder_off_j: 0.0,
+            lost_off_j: 0.0,
         }
     }
 

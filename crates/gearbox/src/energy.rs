@@ -12,9 +12,15 @@
 //! itself brings the integrator's order. States are at most `STEPS` steps apart, whatever is sampled.
 //! Where the load jumps its power does: there are two states at that time, one with each load, and no interval's
 //! cubic reaches over it. Entries between samples are folded into the works at once: what a run keeps of its energy
-//! grows with its samples, not with its steps.
+//! grows with its samples, not with its steps. States that a method passes through with all forces at hand are entries too.
+//!
+//! What lies between entries is stated with the works ([`Scatter`]).
+
+mod scatter;
 
 use pinwheel_mbs::Observation;
+use pinwheel_timeseries::sampling::SAFETY;
+use scatter::{Scatter, Two};
 
 use crate::Layout;
 use crate::contacts::ContactEnergy;
@@ -29,6 +35,9 @@ const ROUNDING: f64 = 1e-6;
 /// Intervals that differ by no more than this share are equal: sample times are products and sums of decimal numbers.
 const EQUAL: f64 = 1e-9;
 
+/// An entry in passing that is nearer to one neighbour than this share of the distance to the other says nothing new.
+const NEAR: f64 = 0.1;
+
 /// driver, load, damping, sliding: powers, W, or works, J.
 type Four = [f64; 4];
 
@@ -38,6 +47,9 @@ pub struct EnergyAccount {
     /// Works up to the segment under way, J.
     before_segment: Four,
     segment: Segment,
+    /// An entry in passing, until the next one tells whether it is far enough from it.
+    passed: Option<(f64, Four)>,
+    scatter: Scatter,
     marks: Vec<Mark>,
 }
 
@@ -49,6 +61,8 @@ struct Mark {
     works: Four,
     /// kinetic, stored, J.
     energies: [f64; 2],
+    /// Squares of what works since the start may be off by, J^2.
+    off: Two,
 }
 
 pub use pinwheel_timeseries::EnergyAudit;
@@ -80,18 +94,30 @@ impl EnergyAccount {
     pub(crate) fn restart_at(&mut self) {
         self.before_segment = add(self.before_segment, self.segment.work());
         self.segment = Segment::default();
+        self.scatter.restart();
     }
 
     /// Adds an entry between samples. `load`: N m on the output shaft; `contacts`: of the state seen.
     pub(crate) fn add(&mut self, load: f64, seen: &Observation<'_>, contacts: &ContactEnergy) {
-        let driver = seen.driver_torques.first().copied().unwrap_or(0.0);
-        let powers = [
-            driver * seen.bodies[Layout::INPUT].rate,
-            load * seen.bodies[Layout::OUTPUT].rate,
-            contacts.damping_w,
-            contacts.friction_w,
-        ];
-        self.enter(seen.time, powers);
+        self.enter(seen.time, powers(load, seen, contacts));
+    }
+
+    /// Adds an entry of a state in passing, where there is none beside it.
+    pub(crate) fn pass(&mut self, load: f64, seen: &Observation<'_>, contacts: &ContactEnergy) {
+        self.settle_passed(seen.time);
+        self.passed = Some((seen.time, powers(load, seen, contacts)));
+    }
+
+    /// Enters what was passed if it is far enough from the entries before it and at `next`, s.
+    #[inline]
+    fn settle_passed(&mut self, next: f64) {
+        let (Some((time, powers)), Some(last)) = (self.passed.take(), self.segment.last()) else {
+            return;
+        };
+        let (before, after) = (time - last, next - time);
+        if before > NEAR * after && after > NEAR * before {
+            self.settle(time, powers);
+        }
     }
 
     /// Adds the entry of a sample, which the account can begin or end at.
@@ -112,12 +138,22 @@ impl EnergyAccount {
             time,
             works: add(self.before_segment, self.segment.work()),
             energies,
+            off: self.scatter.squares(),
         });
+    }
+
+    #[inline]
+    fn enter(&mut self, time: f64, powers: Four) {
+        self.settle_passed(time);
+        self.settle(time, powers);
     }
 
     /// Adds an entry, and settles the works up to the last samples, whose last intervals it makes more accurate.
     #[inline]
-    fn enter(&mut self, time: f64, powers: Four) {
+    fn settle(&mut self, time: f64, powers: Four) {
+        let [driver, load, damping, sliding] = powers;
+        let lost = damping + sliding;
+        self.scatter.add(time, [driver + load - lost, lost]);
         for entry in self.segment.add(time, powers) {
             if let Some(mark) = entry.mark {
                 self.marks[mark].works = add(self.before_segment, entry.work);
@@ -160,6 +196,17 @@ impl EnergyAccount {
     }
 }
 
+#[inline]
+fn powers(load: f64, seen: &Observation<'_>, contacts: &ContactEnergy) -> Four {
+    let driver = seen.driver_torques.first().copied().unwrap_or(0.0);
+    [
+        driver * seen.bodies[Layout::INPUT].rate,
+        load * seen.bodies[Layout::OUTPUT].rate,
+        contacts.damping_w,
+        contacts.friction_w,
+    ]
+}
+
 /// The account from one sample to another.
 #[inline]
 fn between(a: &Mark, b: &Mark) -> EnergyAudit {
@@ -171,6 +218,7 @@ fn between(a: &Mark, b: &Mark) -> EnergyAudit {
     let energies = [a.energies, b.energies];
     let each = energies.as_flattened().iter();
     let held_j = each.fold(0.0, |most: f64, e| most.max(e.abs()));
+    let off = |k: usize| SAFETY * (b.off[k] - a.off[k]).max(0.0).sqrt();
     EnergyAudit {
         from_s: a.time,
         to_s: b.time,
@@ -182,6 +230,8 @@ fn between(a: &Mark, b: &Mark) -> EnergyAudit {
         friction_j,
         remainder_j,
         remainder_share: EnergyAudit::share(remainder_j, driver_j, load_j, held_j),
+        remainder_off_j: off(0),
+        lost_off_j: off(1),
     }
 }
 
@@ -232,6 +282,11 @@ impl Segment {
             self.entries[k].work = add(self.entries[k - 1].work, interval);
         }
         &self.entries[first.min(self.len)..self.len]
+    }
+
+    /// When its last entry was, s.
+    fn last(&self) -> Option<f64> {
+        Some(self.entries[self.len.checked_sub(1)?].time)
     }
 
     /// Works so far, J.

@@ -191,6 +191,9 @@ fn integrate<F: Formulation>(
                         && at < until
                     {
                         recorder.record_between(&seen, seen.driver_torques[0]);
+                        if let Some(contacts) = &seen.energy {
+                            energy.pass(load.torque(at), &seen, contacts);
+                        }
                         system.pass_until(at + SEEN_STEPS * solver.step_s);
                     }
                 }

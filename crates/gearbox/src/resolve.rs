@@ -357,10 +357,10 @@ impl Refinement {
     /// Bound of the finer run's error; `before` is the distance one refinement earlier and its factor. Directions are not
     /// looked at, so that no order counts as confirmed.
     fn error(&self, moved: Distance, factor: f64, before: Option<(Distance, f64)>) -> Distance {
-        let bound = |of: fn(Distance) -> f64| {
-            let step = |(distance, ratio)| Step {
+        Distance::of_each(|of| {
+            let step = |(distance, ratio): (Distance, f64)| Step {
                 ratio,
-                difference: of(distance),
+                difference: of(&distance),
             };
             let steps: Vec<Step> = [Some((moved, factor)), before]
                 .into_iter()
@@ -371,12 +371,8 @@ impl Refinement {
             let apart: f64 = steps.iter().map(|step| step.difference).sum();
             known
                 .map_or(SAFETY_UNCONFIRMED * apart, |known| known.u)
-                .max(LEAST_SHARE * of(moved))
-        };
-        Distance {
-            forces: bound(|distance| distance.forces),
-            driver_torque: bound(|distance| distance.driver_torque),
-        }
+                .max(LEAST_SHARE * of(&moved))
+        })
     }
 
     /// The next refinement: to a third of the target.
@@ -399,6 +395,7 @@ mod tests {
         Distance {
             forces,
             driver_torque,
+            ..Distance::default()
         }
     }
 

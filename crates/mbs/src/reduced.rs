@@ -499,7 +499,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         if t < self.passes_until {
             return self.derivative(t, y, dydt);
         }
-        self.evaluate_whole(t, y, false);
+        self.evaluate_whole(t, y, true);
         self.write_derivative(y, dydt);
     }
 

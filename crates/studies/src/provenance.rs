@@ -52,6 +52,7 @@ impl Provenance {
 }
 
 /// The day in UTC, `2026-01-31`.
+#[expect(clippy::disallowed_methods, reason = "a day, no duration")]
 fn today() -> String {
     let now = humantime::format_rfc3339_seconds(std::time::SystemTime::now());
     now.to_string().chars().take(10).collect()

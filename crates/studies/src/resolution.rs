@@ -139,12 +139,10 @@ fn error(
         let ratio = if info.adaptive { DECADE } else { 2.0 };
         let how = convergence_of(info, &gearbox.scene);
         let known = convergence::estimate(&[Step { ratio, difference }], None, how, f64::EPSILON);
-        known.ok().map(|known| known.u)
+        known.map_or(f64::NAN, |known| known.u)
     };
-    Some(Distance {
-        forces: bound(apart.forces)?,
-        driver_torque: bound(apart.driver_torque)?,
-    })
+    let found = Distance::of_each(|part| bound(part(&apart)));
+    (!found.worst().is_nan()).then_some(found)
 }
 
 /// The gearbox at a step `factor` times finer, or at a tolerance ten times finer (coarser where `factor` is below 1), and then half

@@ -54,16 +54,16 @@ pub fn from_s(run: &Run, scene: &CheckedScene) -> f64 {
 }
 
 impl Results {
-    /// Those of `run`, as far as it has what they are made of, off by these shares of forces and torque; `uncertainty`: how that is
-    /// known.
+    /// Those of `run` from `from_s` on ([`from_s`]), as far as it has what they are made of, off by these shares of forces and
+    /// torque; `uncertainty`: how that is known.
     #[must_use]
     pub fn of(
         run: &Run,
         scene: &CheckedScene,
+        from_s: f64,
         uncertainty: &'static str,
         shares: Option<Distance>,
     ) -> Self {
-        let from_s = from_s(run, scene);
         let (mut figures, mut efficiency_reason) = (Vec::new(), None);
         let scales = Scales::of(scene);
         let mut push = |name: &str, value: f64, size: f64, share: Option<f64>, sampling: f64| {
@@ -85,23 +85,27 @@ impl Results {
                 sampling: Some(sampling).filter(|_| !is_rounding),
             });
         };
-        let torque = shares.map(|d| d.driver_torque);
+        let [torque, torque_at_most] = [
+            shares.map(|d| d.driver_torque),
+            shares.map(|d| d.torque_at_most),
+        ];
         if let Some(Figures {
             statistics: found,
             sampling,
         }) = figures_of(&run.time_series, columns::INPUT_TORQUE, from_s)
         {
             let quantity = columns::INPUT_TORQUE;
-            for (figure, value, sampling) in [
-                ("mean", found.mean, sampling.mean),
-                ("min", found.min, sampling.min),
-                ("max", found.max, sampling.max),
+            for (figure, value, (size, share), sampling) in [
+                ("mean", found.mean, (found.rms, torque), sampling.mean),
+                ("min", found.min, (found.peak, torque_at_most), sampling.min),
+                ("max", found.max, (found.peak, torque_at_most), sampling.max),
             ] {
                 let name = format!("{figure}_{quantity}");
-                push(&name, value, found.rms, torque, sampling);
+                push(&name, value, size, share, sampling);
             }
         }
         let forces = shares.map(|d| d.forces);
+        let force_at_most = shares.map(|d| d.force_at_most);
         for group in [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE] {
             if let Some(Figures {
                 statistics: found,
@@ -109,17 +113,20 @@ impl Results {
             }) = figures_of(&run.time_series, group, from_s)
             {
                 let (peak, mean) = (format!("peak_{group}"), format!("mean_{group}"));
-                push(&peak, found.peak, found.peak, forces, sampling.peak);
+                push(&peak, found.peak, found.peak, force_at_most, sampling.peak);
                 push(&mean, found.mean, found.rms, forces, sampling.mean);
             }
         }
-        if let Some(found) = run.stats.energy.last().and_then(Efficiency::of) {
+        let account = run.stats.energy.last();
+        let account = account.filter(|audit| audit.from_s == from_s);
+        if let Some(found) = account.and_then(Efficiency::of) {
             match found.defined() {
-                Ok(share) => push("efficiency", share, share, torque, 0.0),
+                Ok(share) => push("efficiency", share, share, torque, found.lost_off),
                 Err(reason) => efficiency_reason = Some(reason),
             }
-            push("lost_share", found.lost_share, 1.0, torque, 0.0);
-            push("created_share", found.created_share, 1.0, torque, 0.0);
+            push("lost_share", found.lost_share, 1.0, torque, found.lost_off);
+            let (created, off) = (found.created_share, found.created_off);
+            push("created_share", created, 1.0, torque, off);
         }
         Self {
             from_s,

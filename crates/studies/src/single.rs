@@ -208,6 +208,12 @@ impl Outcome {
     /// What it was run for.
     #[must_use]
     pub fn results(&self) -> Results {
+        self.results_from(results::from_s(&self.run, &self.scene))
+    }
+
+    /// The same over another window: from `from_s` on, a sample; without what is of its energy account's window.
+    #[must_use]
+    pub fn results_from(&self, from_s: f64) -> Results {
         let verified = self.run.uncertainty.as_ref().and_then(|u| u.error);
         let estimated = self.resolution.as_ref().and_then(|r| r.error);
         let known = match (verified, estimated) {
@@ -215,7 +221,8 @@ impl Outcome {
             (None, Some(_)) => "estimated",
             (None, None) => "not verified",
         };
-        Results::of(&self.run, &self.scene, known, verified.or(estimated))
+        let shares = verified.or(estimated);
+        Results::of(&self.run, &self.scene, from_s, known, shares)
     }
 
     /// That its step or tolerance does not resolve the scene, with a remedy.

@@ -29,6 +29,10 @@ pub const LEAST_ALIGNMENT: f64 = 0.5;
 pub const CONTACTS: f64 = 2.5;
 /// The order that a scene with friction, impacts or jumps allows.
 pub const FRICTION: f64 = 1.0;
+/// Of a step that does not follow its friction, what the finest run is off by at least over its distance to the next: steps that
+/// chatter part as far as they err, however much finer one is, and the order that such differences show is none. Measured by
+/// `rk4` and rapier on `one-wheel` with friction, steps 1e-5 to 8e-8 s, ratios 2 to 8: of 528 errors 516 covered without it, 527 with.
+pub const CHATTER: f64 = 1.5;
 /// The order in a tolerance that contacts allow.
 pub const KINKS: f64 = 0.5;
 /// The same of explicit Runge-Kutta methods, whose few long steps scatter more: measured with Dormand-Prince on 90 random gears
@@ -78,6 +82,11 @@ impl Method {
     /// a step it falls, so that the order which three runs show is an accident.
     fn is_kinked(self) -> bool {
         matches!(self, Self::Step { order, limit: Some(limit) } if FRICTION < limit && limit < order)
+    }
+
+    /// Whether friction sets the error, and not the method.
+    fn is_rubbing(self) -> bool {
+        matches!(self, Self::Step { order, limit: Some(limit) } if limit <= FRICTION && limit < order)
     }
 
     fn least_order(self) -> f64 {
@@ -291,6 +300,9 @@ pub fn estimate(
     let bound = |order: f64, safety: f64| {
         let mut refinement = fine.ratio;
         let mut largest = safety * fine.difference / (refinement.powf(order) - 1.0);
+        if method.is_rubbing() {
+            largest = largest.max(CHATTER * fine.difference);
+        }
         // Every level predicts the error of the finest; an accident of one difference does not hide the others.
         // With friction, and at tolerances, coarse runs fall with the method's own order; over kinks with theirs. Clearly more
         // than the method's own order is luck: the finest difference is small for no reason, the next one is not.

@@ -169,13 +169,19 @@ pub struct Least {
     pub torque_n_m: f64,
 }
 
-/// Relative L2 distances of two runs of a gearbox.
+/// Relative distances of two runs of a gearbox.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Distance {
-    /// All sleeve forces together.
+    /// All sleeve forces together, L2.
     pub forces: f64,
-    /// The driver's torque.
+    /// The driver's torque, L2.
     pub driver_torque: f64,
+    /// The largest of a sleeve force at a sample, over the largest force: what bounds an extreme, which the root of a mean does not.
+    #[serde(default)]
+    pub force_at_most: f64,
+    /// The same of the driver's torque.
+    #[serde(default)]
+    pub torque_at_most: f64,
 }
 
 impl Distance {
@@ -193,15 +199,31 @@ impl Distance {
             Cow::Owned(b.select(&rows))
         };
         let at = |view: for<'v> fn(&'v TimeSeries, Range<usize>) -> View<'v>, least: f64| {
-            relative_l2(&view(a, samples.clone()), &view(&b, samples.clone()), least)
+            let (a, b) = (view(a, samples.clone()), view(&b, samples.clone()));
+            [relative_l2(&a, &b, least), relative_linf(&a, &b, least)]
         };
+        let [forces, force_at_most] = at(|run, rows| View::forces(run, rows), least.force_n);
+        let [driver_torque, torque_at_most] =
+            at(|run, rows| View::driver_torque(run, rows), least.torque_n_m);
         Self {
-            forces: at(|run, rows| View::forces(run, rows), least.force_n),
-            driver_torque: at(|run, rows| View::driver_torque(run, rows), least.torque_n_m),
+            forces,
+            driver_torque,
+            force_at_most,
+            torque_at_most,
         }
     }
 
-    /// The larger of the two; NaN if either is.
+    /// Each by itself, of whatever has as many.
+    pub fn of_each(mut of: impl FnMut(fn(&Self) -> f64) -> f64) -> Self {
+        Self {
+            forces: of(|d| d.forces),
+            driver_torque: of(|d| d.driver_torque),
+            force_at_most: of(|d| d.force_at_most),
+            torque_at_most: of(|d| d.torque_at_most),
+        }
+    }
+
+    /// The larger of both L2; NaN if either is.
     #[must_use]
     pub fn worst(&self) -> f64 {
         if self.forces.is_nan() || self.driver_torque.is_nan() {
@@ -210,22 +232,16 @@ impl Distance {
         self.forces.max(self.driver_torque)
     }
 
-    /// Both, with another's added.
+    /// Each with another's added.
     #[must_use]
     pub fn plus(&self, other: &Self) -> Self {
-        Self {
-            forces: self.forces + other.forces,
-            driver_torque: self.driver_torque + other.driver_torque,
-        }
+        Self::of_each(|part| part(self) + part(other))
     }
 
-    /// Both, and `least` where they are less.
+    /// Each, and `least` where it is less.
     #[must_use]
     pub fn at_least(&self, least: f64) -> Self {
-        Self {
-            forces: self.forces.max(least),
-            driver_torque: self.driver_torque.max(least),
-        }
+        Self::of_each(|part| part(self).max(least))
     }
 }
 
@@ -412,10 +428,14 @@ mod tests {
         let of = |forces: f64, driver_torque: f64| Distance {
             forces,
             driver_torque,
+            force_at_most: 3.0,
+            torque_at_most: 6.0,
         };
         assert_eq!((of(1.0, 2.0).worst(), of(2.0, 1.0).worst()), (2.0, 2.0));
         assert!(of(f64::NAN, 1.0).worst().is_nan() && of(1.0, f64::NAN).worst().is_nan());
-        assert_eq!(of(2.0, 4.0).plus(&of(1.0, 2.0)), of(3.0, 6.0));
+        let sum = of(2.0, 4.0).plus(&of(1.0, 2.0));
+        assert_eq!((sum.forces, sum.driver_torque), (3.0, 6.0));
+        assert_eq!((sum.force_at_most, sum.torque_at_most), (6.0, 12.0));
         assert_eq!(of(2.0, 4.0).at_least(3.0), of(3.0, 4.0));
     }
 
@@ -467,6 +487,7 @@ mod tests {
                 Distance::between(&time_series(&coarse, 110.0, 10.0), &fine, Least::default());
             assert!((off.forces - 0.1).abs() < 1e-8, "{off:?}");
             assert!(off.driver_torque < 1e-8, "{off:?}");
+            assert!((off.force_at_most - 0.1).abs() < 1e-8 && off.torque_at_most < 1e-8);
         }
         let rows: Vec<_> = rows_at(&[0.0, 1.5, 2.0], &[0.0, 1.0, 2.0]).collect();
         assert_eq!(rows, [Some(0), None, Some(2)]);

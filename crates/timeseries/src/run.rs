@@ -131,6 +131,12 @@ pub struct EnergyAudit {
     pub remainder_j: f64,
     /// The remainder as a share of the larger of the two works; `None` where those are only the account's rounding.
     pub remainder_share: Option<f64>,
+    /// How far the remainder may be off by what lies between the account's entries, J.
+    #[serde(default)]
+    pub remainder_off_j: f64,
+    /// The same of what is lost.
+    #[serde(default)]
+    pub lost_off_j: f64,
 }
 
 impl EnergyAudit {

@@ -7,8 +7,8 @@
 //!
 //! What lies between points shows in the sixth difference d of seven, with weights whose squares add up to 1: next to nothing
 //! where the course is smooth over them, and the scatter itself where each point stands for itself, as an oscillation does that
-//! they do not follow. Then a mean is off by about `sqrt(sum (h d)^2)/T`, of which 2.5 times is stated, and an extreme by d
-//! and by what parabola and quartic are apart. The cubic's own error at the ends of a window, below 1e-6 of an oscillation that is
+//! they do not follow. Then a mean is off by about `sqrt(sum (h d)^2)/T`, and an extreme by d and by what parabola and quartic are
+//! apart; 2.5 times that is stated. The cubic's own error at the ends of a window, below 1e-6 of an oscillation that is
 //! followed, is left out: no run is known as well.
 
 use std::ops::Range;
@@ -17,9 +17,9 @@ use crate::norms::{Statistics, View};
 use crate::{TimeSeries, columns};
 
 /// Points that tell how smooth a course is.
-const POINTS: usize = 7;
+pub const POINTS: usize = 7;
 /// Factor between the scatter of a mean and what is stated.
-const SAFETY: f64 = 2.5;
+pub const SAFETY: f64 = 2.5;
 /// Points that are settled at a time.
 const CHUNK: usize = 256;
 /// A point nearer to the one before than this share of the distance before that says nothing new.
@@ -221,20 +221,12 @@ impl Stencil {
     fn set(&mut self, times: &[f64], i: usize) {
         let count = times.len();
         let (from, h) = (times[i], times[i + 1] - times[i]);
+        let inverse = h.recip();
         self.at = i;
         self.h = h;
         self.seven = i.saturating_sub(3).min(count - POINTS);
         self.four = i.saturating_sub(1).min(count - 4);
-        let seven: &[f64; POINTS] = points_from(times, self.seven);
-        let even = (1..POINTS).fold(true, |all, k| {
-            all & ((seven[k] - seven[k - 1] - h).abs() <= EQUAL * h)
-        });
-        let inverse = h.recip();
-        self.differences = if even {
-            EVEN
-        } else {
-            divided(&seven.map(|t| (t - from) * inverse))
-        };
+        self.differences = sixth_difference(points_from(times, self.seven));
         let four: &[f64; 4] = points_from(times, self.four);
         let four = four.map(|t| (t - from) * inverse);
         self.integrals = cubic(&four, i - self.four).map(|share| share * h);
@@ -275,21 +267,26 @@ impl Stencil {
         let is_max = here[MAX] > before[MAX] && here[MAX] >= after[MAX];
         // A contact that is open is open.
         let is_min = here[MIN] < before[MIN] && here[MIN] <= after[MIN] && here[MIN] != 0.0;
-        if !(is_max || is_min) || self.at < 2 || self.at + 2 >= points.len() {
+        if !(is_max || is_min) {
             return;
         }
         let seven: &[Point; POINTS] = points_from(points, self.seven);
         let off = weighted(seven, &self.differences);
-        let five: &[f64; 5] = points_from(times, self.at - 2);
+        // About the point, but at the ends.
+        let first = self.at.saturating_sub(2).min(points.len() - 5);
+        let five: &[f64; 5] = points_from(times, first);
         let at = five.map(|t| (t - times[self.at]) / self.h);
-        let values: &[Point; 5] = points_from(points, self.at - 2);
+        let values: &[Point; 5] = points_from(points, first);
+        let mut vertex = |is_max: bool, sign: f64, k: usize| {
+            let values = values.map(|point| sign * point[k]);
+            let (place, value, apart) = vertex(&at, values, self.at - first);
+            tell(place, is_max, sign * value, SAFETY * (apart + off[k].abs()));
+        };
         if is_max {
-            let (at, value, apart) = vertex(&at, values.map(|point| point[MAX]));
-            tell(at, true, value, apart + off[MAX].abs());
+            vertex(true, 1.0, MAX);
         }
         if is_min {
-            let (at, value, apart) = vertex(&at, values.map(|point| -point[MIN]));
-            tell(at, false, -value, apart + off[MIN].abs());
+            vertex(false, -1.0, MIN);
         }
     }
 }
@@ -311,6 +308,20 @@ fn weighted<const N: usize>(points: &[Point; N], weights: &[f64; N]) -> Point {
         }
     }
     sum
+}
+
+/// Weights of the sixth difference of values at these times, the squares of which add up to 1.
+#[must_use]
+pub fn sixth_difference(times: &[f64; POINTS]) -> [f64; POINTS] {
+    let (from, h) = (times[3], times[4] - times[3]);
+    let even = (1..POINTS).fold(true, |all, k| {
+        all & ((times[k] - times[k - 1] - h).abs() <= EQUAL * h)
+    });
+    if even {
+        return EVEN;
+    }
+    let inverse = h.recip();
+    divided(&times.map(|t| (t - from) * inverse))
 }
 
 /// Weights of the highest divided difference at these times, the squares of which add up to 1.
@@ -348,17 +359,19 @@ fn cubic(at: &[f64; 4], zero: usize) -> [f64; 4] {
     weights
 }
 
-/// The maximum near the middle of five points, which is above its neighbours: where, how large at least, and how far
+/// The maximum near number `k` of five points, which is no end and above its neighbours: where, how large at least, and how far
 /// parabola and quartic are apart there.
-fn vertex(at: &[f64; 5], values: [f64; 5]) -> (f64, f64, f64) {
+fn vertex(at: &[f64; 5], values: [f64; 5], k: usize) -> (f64, f64, f64) {
     let slope = |a: usize, b: usize| (values[b] - values[a]) / (at[b] - at[a]);
-    let bend = (slope(2, 3) - slope(1, 2)) / (at[3] - at[1]);
-    // Newton's parabola through the points 1, 2, 3, whose slope is 0 at its vertex.
-    let place = 0.5 * (at[1] + at[2] - slope(1, 2) / bend);
+    let (before, after) = (k - 1, k + 1);
+    let bend = (slope(k, after) - slope(before, k)) / (at[after] - at[before]);
+    // Newton's parabola through the three points, whose slope is 0 at its vertex.
+    let place = 0.5 * (at[before] + at[k] - slope(before, k) / bend);
     if !place.is_finite() {
-        return (0.0, values[2], 0.0);
+        return (0.0, values[k], 0.0);
     }
-    let parabola = values[1] + (place - at[1]) * (slope(1, 2) + (place - at[2]) * bend);
+    let parabola =
+        values[before] + (place - at[before]) * (slope(before, k) + (place - at[k]) * bend);
     let quartic: f64 = (0..5)
         .map(|k| {
             let others = (0..5).filter(|&j| j != k);
@@ -368,7 +381,7 @@ fn vertex(at: &[f64; 5], values: [f64; 5]) -> (f64, f64, f64) {
                     .product::<f64>()
         })
         .sum();
-    let least = parabola.min(quartic).max(values[2]);
+    let least = parabola.min(quartic).max(values[k]);
     (place, least, (parabola - quartic).abs())
 }
 

@@ -123,6 +123,24 @@ fn hard_kinks_limit_the_order_before_it_shows() {
     );
 }
 
+/// Steps that chatter on friction part as far as they err, whatever their ratio: here rapier on `one-wheel` with friction, at 5e-6 s
+/// and 8 and 16 times that. The distances look like order 0.9, by which the finest would be off by half of what it is.
+#[test]
+fn regress_chatter_shows_no_order() {
+    let rough = Method::Step {
+        order: 2.0,
+        limit: Some(FRICTION),
+    };
+    let steps = [(8.0, 2.3e-2), (2.0, 2.0e-2)];
+    let steps = steps.map(|(ratio, difference)| Step { ratio, difference });
+    let found = estimate(&steps, Some(1.0), rough, 0.0).unwrap();
+    let error = 1.5e-2;
+    assert!(found.u > error && found.u < 3.0 * error, "{found:?}");
+    // Where contacts alone set the order, ratios count.
+    let smooth = estimate(&steps, Some(1.0), SMOOTH(2.0), 0.0).unwrap();
+    assert!(smooth.u < error, "{smooth:?}");
+}
+
 #[test]
 fn another_order_than_stated_costs_a_factor() {
     // A fourth-order method that shows order 2, and one of order 1 that shows 2.

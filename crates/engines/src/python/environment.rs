@@ -113,16 +113,21 @@ fn named(
     Ok(found)
 }
 
-/// Asks an environment's interpreter where its packages are, its version, and what is installed (`name==version`).
+/// Asks an environment's interpreter where its packages are, its version, and what is installed (`name==version`) with every file
+/// that belongs to it, each as long as it was.
 fn probe(folder: &Path, cancel: &AtomicBool) -> Result<(Environment, String, Vec<String>), String> {
     let python = python_of(folder);
     if !python.exists() {
         return Err(format!("there is no {}", python.display()));
     }
-    let ask = "import sys, sysconfig, importlib.metadata as m
+    let ask = "import os, sys, sysconfig, importlib.metadata as m
 print('%d.%d.%d' % sys.version_info[:3])
 print(p := sysconfig.get_path('purelib'))
-for d in m.distributions(path=[p]): print('%s==%s' % (d.name, d.version))";
+def same(f):
+    try: return f.size is None or os.stat(f.locate()).st_size == f.size
+    except OSError: return False
+for d in m.distributions(path=[p]):
+    if all(map(same, d.files or [])): print('%s==%s' % (d.name, d.version))";
     let said = call(&python, ["-I", "-c", ask], None, cancel)?;
     let mut lines = said.lines();
     match (lines.next(), lines.next()) {

@@ -178,7 +178,7 @@ mod tests {
         let of = |forces: f64| {
             let error = Distance {
                 forces,
-                driver_torque: 0.0,
+                ..Distance::default()
             };
             remedy(1e-3, Some(error), 1000)
         };

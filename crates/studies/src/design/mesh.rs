@@ -14,8 +14,11 @@ use super::orders::ForceHarmonic;
 
 /// Poses for one passage of a sleeve.
 const PER_MESH: usize = 16;
-/// Poses at most.
+/// Poses at most, of which a passage has four at least where sleeves of a gear with errors meet again after many.
 const MOST: usize = 4096;
+/// Poses at most of any gear. Those of a large one with errors meet passages at places that differ from one to the next, and what
+/// parts of them differ by is in the +-.
+const MOST_OF_ALL: usize = 4 * MOST;
 /// Places around the eccentric at which the sharing is kept, of each side of it.
 const PLACES: usize = 180;
 
@@ -78,6 +81,11 @@ impl Poses {
         self.meshes.map(|mesh| mesh * self.wheels)
     }
 
+    /// Whether harmonics of both meshes can be told from so many poses.
+    pub(super) fn has_harmonics(&self) -> bool {
+        self.angles.len() > 2 * self.meshes[0].max(self.meshes[1]) + 1
+    }
+
     pub(super) fn of(gear: &Gear) -> Self {
         let g = gcd(gear.lobes(), gear.internal_sleeves);
         let all = g * gear.external_sleeves;
@@ -85,7 +93,7 @@ impl Poses {
         let meshes = [gear.lobes() / g, gear.internal_sleeves / g].map(|mesh| mesh * times);
         let period = TAU * meshes[0] as f64 / gear.external_sleeves as f64;
         let most = meshes[0].max(meshes[1]);
-        let count = most * PER_MESH.min(MOST / most).max(4);
+        let count = (most * PER_MESH.min(MOST / most).max(4)).min(MOST_OF_ALL);
         let wheels = gear.wheels;
         let (angles, parts) = spread(period, meshes.map(|mesh| mesh * wheels), count);
         Self {
@@ -339,5 +347,26 @@ impl Bearing {
             radial_harmonics: Vec::new(),
         };
         (0..wheels).map(bearing).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// However many passages there are until parts with errors meet again, poses are bounded; too few for the harmonics of a mesh
+    /// they tell none.
+    #[test]
+    fn regress_poses_are_bounded() {
+        let mut gear = pinwheel_scene::Scene::paper().gear;
+        let plain = Poses::of(&gear);
+        assert!(plain.has_harmonics() && plain.angles.len() < 2 * MOST);
+        gear.external_sleeves = 400;
+        assert!(Poses::of(&gear).has_harmonics());
+        gear.errors.external_sleeve_radial_m = vec![1e-6; 400];
+        let large = Poses::of(&gear);
+        let count = large.angles.len();
+        assert!(count < MOST_OF_ALL + MOST, "{count}: there were 640 000");
+        assert!(!large.has_harmonics());
     }
 }

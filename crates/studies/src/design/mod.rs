@@ -233,9 +233,17 @@ pub(crate) fn figures_of(
     let mut statics = Statics::new(gearbox).map_err(of_scene)?;
     step(0, "torsion")?;
     let curve = curve(&mut statics, gearbox, working).map_err(of_scene)?;
-    let balances = balances(&mut statics, gearbox, &poses, working, &mut |stage| {
-        step(stage, ["torsion", "rated load", "no load"][stage])
-    })?;
+    let balances = balances(
+        &mut statics,
+        gearbox,
+        &poses,
+        working,
+        &mut |stage, pose| {
+            let what = ["torsion", "rated load", "no load"][stage];
+            let all = poses.angles.len();
+            step(stage, &format!("{what}, pose {} of {all}", pose + 1))
+        },
+    )?;
     let summed = balances.summed(1, 0);
     let time_series = [
         (&balances.loaded, rated),
@@ -338,23 +346,23 @@ pub(crate) fn working_load(gearbox: &Gearbox) -> Result<f64, StudyError> {
 }
 
 /// All balances that figures are read off: the twist at a few of the poses, then the rated load and next to none at all of
-/// them; `step` is told which of these begins, from 0 on, and asked at every pose.
+/// them; `step` is told which of these it is, from 0 on, and the number of every pose.
 fn balances(
     statics: &mut Statics<'_>,
     gearbox: &Gearbox,
     poses: &Poses,
     working: f64,
-    step: &mut dyn FnMut(usize) -> Result<(), StudyError>,
+    step: &mut dyn FnMut(usize, usize) -> Result<(), StudyError>,
 ) -> Result<Balances, StudyError> {
     let of_scene = |source| of_scene(&gearbox.scene, source);
-    step(0)?;
+    step(0, 0)?;
     let few = poses.few(POSES.min(poses.angles.len()));
     let (lost, stiffness) = twisted(statics, &few, gearbox, working).map_err(of_scene)?;
     let mut at = |stage: usize, load: f64| -> Result<Vec<Pose>, StudyError> {
         let mut found = Vec::with_capacity(poses.angles.len());
         let mut near = None;
-        for &phi in &poses.angles {
-            step(stage)?;
+        for (pose, &phi) in poses.angles.iter().enumerate() {
+            step(stage, pose)?;
             found.push(Pose::find(statics, gearbox, phi, load, &mut near).map_err(of_scene)?);
         }
         Ok(found)
@@ -380,7 +388,7 @@ pub fn few_figures(
     let poses = Poses::of(&gearbox.scene.gear).few(FEW);
     let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
     let control = Control::silent(cancel);
-    let found = balances(&mut statics, gearbox, &poses, working, &mut |_| {
+    let found = balances(&mut statics, gearbox, &poses, working, &mut |_, _| {
         Ok(control.check()?)
     })?;
     let is_preloaded = found.preloaded().is_some();

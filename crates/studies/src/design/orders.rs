@@ -47,8 +47,12 @@ pub(super) fn of_force(force_n: &[f64], poses: &Poses) -> Vec<ForceHarmonic> {
     largest(force_n, poses).into_iter().map(force).collect()
 }
 
-/// The largest harmonics of a course over one period, largest first.
+/// The largest harmonics of a course over one period, largest first; none where the poses are too few for those of the meshes, which
+/// would look like others.
 pub(super) fn largest(course: &[f64], poses: &Poses) -> Vec<Harmonic> {
+    if !poses.has_harmonics() {
+        return Vec::new();
+    }
     let scale = 2.0 / course.len() as f64;
     let [external, internal] = poses.meshes;
     let mut found: Vec<Harmonic> = moduli(course.to_vec())

@@ -128,6 +128,21 @@ fn an_environment_without_its_packages_is_not_whole() {
     )
     .unwrap();
     assert!(whole(&made.folder, more, &GO).is_some());
+    // As pip records its files: what a full disk or a crash cut off is no package any more, and the environment is made again.
+    fs::write(info.join("RECORD"), "no_such/core.so,sha256=x,5\n").unwrap();
+    assert!(
+        whole(&made.folder, more, &GO).is_none(),
+        "a file is missing"
+    );
+    let file = made.packages.join("no_such").join("core.so");
+    fs::create_dir(file.parent().unwrap()).unwrap();
+    fs::write(&file, "12345").unwrap();
+    assert!(whole(&made.folder, more, &GO).is_some());
+    fs::write(&file, "12").unwrap();
+    assert!(
+        whole(&made.folder, more, &GO).is_none(),
+        "a file is cut off"
+    );
 }
 
 #[test]

@@ -1,0 +1,109 @@
+//! What an energy account may be off by between its entries: as of sampled means, from the sixth difference of seven of them
+//! ([`pinwheel_timeseries::sampling`]).
+
+use pinwheel_timeseries::sampling::{POINTS, sixth_difference};
+
+/// Of what the remainder is the integral of, but for the growth of kinetic and stored energy, and of the losses, W.
+pub(super) type Two = [f64; 2];
+
+/// Squares of what the integrals of both may be off by, J^2, up to the last entry but three.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Scatter {
+    /// Of segments that ended and the one under way.
+    squares: Two,
+    /// Of the last interval that was looked at.
+    last: Two,
+    /// Of the segment under way: entries kept, at most seven.
+    len: usize,
+    is_known: bool,
+    times: [f64; POINTS],
+    powers: [Two; POINTS],
+}
+
+impl Scatter {
+    #[inline]
+    pub(super) fn add(&mut self, time: f64, powers: Two) {
+        if self.len == POINTS {
+            self.times.rotate_left(1);
+            self.powers.rotate_left(1);
+            self.len -= 1;
+        }
+        self.times[self.len] = time;
+        self.powers[self.len] = powers;
+        self.len += 1;
+        if self.len < POINTS {
+            return;
+        }
+        let weights = sixth_difference(&self.times);
+        let h = self.times[4] - self.times[3];
+        self.last = [0, 1].map(|k| {
+            let parts = self.powers.iter().zip(weights).map(|(p, w)| w * p[k]);
+            (h * parts.sum::<f64>()).powi(2)
+        });
+        // The first of a segment stands for the intervals before it too.
+        let intervals = if self.is_known { 1.0 } else { 4.0 };
+        self.is_known = true;
+        self.count(self.last, intervals);
+    }
+
+    fn count(&mut self, squares: Two, intervals: f64) {
+        for (sum, square) in self.squares.iter_mut().zip(squares) {
+            *sum += intervals * square;
+        }
+    }
+
+    /// The squares so far. Fewer than seven entries tell no more than their range.
+    pub(super) fn squares(&self) -> Two {
+        let mut all = self.squares;
+        if self.is_known || self.len == 0 {
+            return all;
+        }
+        let (times, powers) = (&self.times[..self.len], &self.powers[..self.len]);
+        for (k, sum) in all.iter_mut().enumerate() {
+            let values = powers.iter().map(|p| p[k]);
+            let least = values.clone().fold(f64::INFINITY, f64::min);
+            let range = values.fold(f64::NEG_INFINITY, f64::max) - least;
+            *sum += (range * (times[self.len - 1] - times[0])).powi(2);
+        }
+        all
+    }
+
+    /// The next entry is the first of another segment.
+    pub(super) fn restart(&mut self) {
+        if self.is_known {
+            self.count(self.last, 3.0);
+        } else {
+            self.squares = self.squares();
+        }
+        (self.len, self.is_known) = (0, false);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn seen(power: impl Fn(f64) -> f64, entries: u32, h: f64) -> Scatter {
+        let mut scatter = Scatter::default();
+        for k in 0..entries {
+            let t = h * f64::from(k);
+            scatter.add(t, [power(t), 0.0]);
+        }
+        scatter
+    }
+
+    /// Next to nothing where the power is smooth, the power's own size where entries do not follow it, the range of few.
+    #[test]
+    fn what_is_between_entries_is_told_from_them() {
+        let off = |scatter: &Scatter| scatter.squares().map(f64::sqrt);
+        assert!(off(&seen(|t| 1.0 + t * t * t, 50, 0.1))[0] < 1e-12);
+        let smooth = off(&seen(f64::sin, 200, 0.1))[0];
+        let coarse = off(&seen(f64::sin, 200, 1.5))[0];
+        assert!(smooth < 1e-6 && coarse > 0.5, "{smooth} {coarse}");
+        let few = seen(|t| t, 3, 1.0);
+        assert!((off(&few)[0] - 4.0).abs() < 1e-12, "{few:?}");
+        let mut ended = few.clone();
+        ended.restart();
+        assert_eq!(ended.squares(), few.squares());
+    }
+}

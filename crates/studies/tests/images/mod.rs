@@ -1,0 +1,172 @@
+//! The same gear written otherwise: in other units, in a mirror, turned as a whole. Every figure is known from its image.
+
+use std::f64::consts::{PI, TAU};
+
+use pinwheel_scene::{Errors, Gear, Scene};
+use serde_json::Value;
+
+/// The old units over new ones.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Units {
+    pub(crate) length: f64,
+    pub(crate) time: f64,
+    pub(crate) force: f64,
+}
+
+/// Units by the end of a key or column, the first that fits, in powers of length, time and force.
+const ENDS: [(&str, [f64; 3]); 13] = [
+    ("_kg_m2", [1.0, 2.0, 1.0]),
+    ("_kg_m3", [-4.0, 2.0, 1.0]),
+    ("_kg", [-1.0, 2.0, 1.0]),
+    ("_n_m15", [-1.5, 0.0, 1.0]),
+    ("_n_s_m", [-1.0, 1.0, 1.0]),
+    ("_spring_n_m", [-1.0, 0.0, 1.0]),
+    ("_n_m", [1.0, 0.0, 1.0]),
+    ("_n", [0.0, 0.0, 1.0]),
+    ("_pa", [-2.0, 0.0, 1.0]),
+    ("_rad_s", [0.0, -1.0, 0.0]),
+    ("_m_s", [1.0, -1.0, 0.0]),
+    ("_s", [0.0, 1.0, 0.0]),
+    ("_m", [1.0, 0.0, 0.0]),
+];
+
+impl Units {
+    /// A value of that name in the new units over that in the old ones.
+    pub(crate) fn of(self, name: &str) -> f64 {
+        let known = ENDS.iter().find(|(end, _)| name.ends_with(end));
+        let [length, time, force] = known.map_or([0.0; 3], |(_, powers)| *powers);
+        self.length.powf(length) * self.time.powf(time) * self.force.powf(force)
+    }
+
+    fn apply(self, name: &str, value: &mut Value) {
+        match value {
+            Value::Object(fields) => fields.iter_mut().for_each(|(key, v)| self.apply(key, v)),
+            Value::Array(items) => items.iter_mut().for_each(|v| self.apply(name, v)),
+            _ => {
+                let factor = self.of(name);
+                if let Some(x) = value.as_f64().filter(|_| factor != 1.0) {
+                    *value = (factor * x).into();
+                }
+            }
+        }
+    }
+
+    /// The scene in the new units.
+    pub(crate) fn scene(self, scene: &Scene) -> Scene {
+        let mut value = serde_json::to_value(scene).unwrap();
+        self.apply("", &mut value);
+        let mut scaled: Scene = serde_json::from_value(value).unwrap();
+        if scene.contact.law == "line-contact" {
+            // F = H K L^(8/9) delta^(10/9): K is Palmgren's steel in N/m^2, whatever the scene's E is. H makes up for it.
+            scaled.contact.stiffness_multiplier *= self.force / self.length.powi(2);
+        }
+        scaled
+    }
+}
+
+/// Entries in another order, each times a sign; of an empty list none.
+fn ordered(list: &mut Vec<f64>, sign: f64, from: impl Fn(usize) -> usize) {
+    *list = (0..list.len()).map(|k| sign * list[from(k)]).collect();
+}
+
+/// All lists in another order: sleeves and pins by the number they come from, and wheels. What lies across a radius takes `sign`.
+fn permuted(
+    gear: &mut Gear,
+    sign: f64,
+    sleeve: impl Fn(usize) -> usize,
+    pin: impl Fn(usize) -> usize,
+    wheel: impl Fn(usize) -> usize,
+) {
+    let (pins, errors) = (gear.internal_sleeves, &mut gear.errors);
+    let hole = |k: usize| wheel(k / pins) * pins + pin(k % pins);
+    ordered(&mut errors.external_sleeve_radial_m, 1.0, &sleeve);
+    ordered(&mut errors.external_sleeve_tangential_m, sign, &sleeve);
+    ordered(&mut errors.external_sleeve_radius_m, 1.0, &sleeve);
+    ordered(&mut errors.internal_sleeve_radial_m, 1.0, &pin);
+    ordered(&mut errors.internal_sleeve_tangential_m, sign, &pin);
+    ordered(&mut errors.internal_sleeve_radius_m, 1.0, &pin);
+    ordered(&mut errors.hole_radial_m, 1.0, hole);
+    ordered(&mut errors.hole_tangential_m, sign, hole);
+    ordered(&mut errors.hole_radius_m, 1.0, hole);
+    ordered(&mut errors.eccentricity_m, 1.0, &wheel);
+    ordered(&mut errors.phase_rad, sign, &wheel);
+}
+
+/// Errors of every kind, so large that they shift loads between parts: of the order of what the load presses in.
+pub(crate) fn deviate(gear: &mut Gear, size: f64) {
+    let list = |count: usize, seed: f64| -> Vec<f64> {
+        let noise = |k: usize| (seed + 2.4 * (k * k + 3 * k + 1) as f64).sin();
+        (0..count).map(|k| size * noise(k)).collect()
+    };
+    let (sleeves, pins, wheels) = (gear.external_sleeves, gear.internal_sleeves, gear.wheels);
+    let arcs = list(wheels, 11.0).into_iter();
+    gear.errors = Errors {
+        external_sleeve_radial_m: list(sleeves, 1.0),
+        external_sleeve_tangential_m: list(sleeves, 2.0),
+        external_sleeve_radius_m: list(sleeves, 3.0),
+        internal_sleeve_radial_m: list(pins, 4.0),
+        internal_sleeve_tangential_m: list(pins, 5.0),
+        internal_sleeve_radius_m: list(pins, 6.0),
+        hole_radial_m: list(pins * wheels, 7.0),
+        hole_tangential_m: list(pins * wheels, 8.0),
+        hole_radius_m: list(pins * wheels, 9.0),
+        eccentricity_m: list(wheels, 10.0),
+        phase_rad: arcs.map(|arc| arc / gear.eccentricity_m).collect(),
+    };
+}
+
+/// The gear in a mirror along the x axis: what was at an angle is at its negative, so that wheels, sleeves, pins and holes come in
+/// reverse order.
+pub(crate) fn mirrored(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.drive.input_speed_rad_s *= -1.0;
+    scene.drive.output_torque_n_m *= -1.0;
+    for change in &mut scene.drive.load_changes {
+        change.output_torque_n_m *= -1.0;
+    }
+    let (sleeves, pins, wheels) = (
+        scene.gear.external_sleeves,
+        scene.gear.internal_sleeves,
+        scene.gear.wheels,
+    );
+    permuted(
+        &mut scene.gear,
+        -1.0,
+        |k| (sleeves - k) % sleeves,
+        |k| (pins - k) % pins,
+        |k| (wheels - k) % wheels,
+    );
+    scene
+}
+
+/// The gear turned as a whole by as many sleeves and pins as fall on each other, with the wheels counted from another one, and
+/// what is left of the turn in all `phase_rad` alike; `None` if no such turn leaves less than a radian.
+pub(crate) fn turned(scene: &Scene) -> Option<Scene> {
+    let gear = &scene.gear;
+    let (sleeves, pins, wheels) = (gear.external_sleeves, gear.internal_sleeves, gear.wheels);
+    let common = (1..=pins)
+        .rev()
+        .find(|g| sleeves % g == 0 && pins % g == 0)?;
+    let turns = (0..common).flat_map(|turn| (0..wheels).map(move |first| (turn, first)));
+    let left = |&(turn, first): &(usize, usize)| {
+        let left = TAU * (turn as f64 / common as f64 - first as f64 / wheels as f64);
+        (left + PI).rem_euclid(TAU) - PI
+    };
+    let possible = turns.filter(|both| *both != (0, 0) && left(both).abs() < 0.95);
+    let (turn, first) = possible.max_by(|a, b| left(a).abs().total_cmp(&left(b).abs()))?;
+    let mut scene = scene.clone();
+    let (by_sleeves, by_pins) = (turn * sleeves / common, turn * pins / common);
+    let back = |by: usize, count: usize| move |k: usize| (k + count - by) % count;
+    permuted(
+        &mut scene.gear,
+        1.0,
+        back(by_sleeves, sleeves),
+        back(by_pins, pins),
+        back(first, wheels),
+    );
+    let phases = &mut scene.gear.errors.phase_rad;
+    phases.resize(wheels, 0.0);
+    let left = left(&(turn, first));
+    phases.iter_mut().for_each(|phase| *phase += left);
+    Some(scene)
+}
