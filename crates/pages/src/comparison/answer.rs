@@ -110,33 +110,7 @@ impl<'a> Answer<'a> {
 
     /// The verdict with the figure that people come for.
     pub(super) fn verdict(&self) -> Verdict {
-        let found = self.found;
-        let plain = comparison::verdict(&found.comparison);
-        let twin = found.twins.iter();
-        let mut twin = twin.filter(|twin| twin.verdict == Judged::Differ);
-        let (tone, word, said) = if let Some(twin) = twin.next() {
-            let said = format!(
-                "{} is {} from a native run with the same contacts",
-                words::short(&twin.engine),
-                twin.worst()
-                    .map_or_else(String::new, |worst| percent(worst.difference()))
-            );
-            (Tone::Bad, "Differs".to_owned(), said)
-        } else if plain.tone == Tone::Good && found.is_unexplained() {
-            let largest = found.largest().map(|largest| self.apart(&largest));
-            (
-                Tone::Open,
-                "Not confirmed".to_owned(),
-                largest.unwrap_or_default(),
-            )
-        } else {
-            let worst = self.worst(Judged::Differ, |_| true);
-            let said = match worst {
-                Some((pair, entry)) => self.who(pair, entry),
-                None => self.first_figure(),
-            };
-            (plain.tone, plain.headline, said)
-        };
+        let (tone, word, said) = self.judged();
         Verdict {
             tone,
             headline: match said.as_str() {
@@ -145,6 +119,36 @@ impl<'a> Answer<'a> {
             },
             detail: self.summary(),
         }
+    }
+
+    /// How it is shown, the verdict in a word or two, and what it is of. Good only where there is an agreement to show, and no
+    /// difference that nothing explains.
+    pub(super) fn judged(&self) -> (Tone, String, String) {
+        let found = self.found;
+        let mut twins = found.twins.iter();
+        if let Some(twin) = twins.find(|twin| twin.verdict == Judged::Differ) {
+            let worst = twin.worst().map(|worst| percent(worst.difference()));
+            let said = format!(
+                "{} is {} from a native run with the same contacts",
+                words::short(&twin.engine),
+                worst.unwrap_or_default()
+            );
+            return (Tone::Bad, "Differs".to_owned(), said);
+        }
+        let plain = comparison::verdict(&found.comparison);
+        let open = |said: String| (Tone::Open, "Not confirmed".to_owned(), said);
+        if plain.tone == Tone::Good && found.is_unexplained() {
+            let largest = found.largest().map(|largest| self.apart(&largest));
+            return open(largest.unwrap_or_default());
+        }
+        if plain.tone == Tone::Good && !found.shows_agreement() {
+            return open("nothing was compared with it".to_owned());
+        }
+        let said = match self.worst(Judged::Differ, |_| true) {
+            Some((pair, entry)) => self.who(pair, entry),
+            None => self.first_figure(),
+        };
+        (plain.tone, plain.headline, said)
     }
 
     fn first_figure(&self) -> String {
@@ -531,6 +535,10 @@ impl<'a> Answer<'a> {
         let unexplained = self.found.largest().filter(|_| self.found.is_unexplained());
         if let Some(most) = unexplained {
             next.push(match most.twin {
+                _ if most.measured => format!(
+                    "state in its map how far `{}` may be off (`uncertainty`): then it is judged",
+                    most.engine
+                ),
                 Some(_) => format!(
                     "ask for more of `{}`: --longest 300; or leave it out",
                     most.engine

@@ -5,8 +5,8 @@ use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::quantities::INPUT_TORQUE;
 use pinwheel_compare::{Comparison, Counts, Track, Verdict, WindowKind};
 use pinwheel_report::format::{self, significant};
-use pinwheel_report::study::Fact;
-use pinwheel_report::terminal::{self, BAD, GOOD, QUIET, TITLE, paragraph, styled};
+use pinwheel_report::study::{Fact, Tone};
+use pinwheel_report::terminal::{self, BAD, GOOD, OPEN, QUIET, TITLE, paragraph, styled};
 use pinwheel_report::words;
 use pinwheel_scene::Scene;
 use pinwheel_studies::comparison::Outcome;
@@ -42,7 +42,7 @@ pub fn text(scene: &Scene, found: &Outcome) -> String {
     unchecked.retain(|fact| fact.label != answer::UNRESOLVED);
     text += &facts("not checked", &unchecked);
     text += &terminal::facts(&answer.next());
-    text += &total(found);
+    text += &total(&answer, &found.comparison);
     // One more with the page's place.
     match text.lines().count() < SCREEN {
         true => text,
@@ -88,18 +88,19 @@ fn lines(all: impl IntoIterator<Item = String>) -> String {
 }
 
 /// The last lines: what all verdicts amount to.
-fn total(found: &Outcome) -> String {
-    let comparison = &found.comparison;
-    let (headline, style) = match found.exit_status() {
-        1 => ("DIFFERS", BAD),
-        4 => ("NOT CONFIRMED", BAD),
-        _ if found.is_unexplained() => ("NOT CONFIRMED", BAD),
-        _ if comparison.passed => ("PASS", GOOD),
-        _ if comparison.counts.differ > 0 => ("PASS", QUIET),
-        _ => ("NOTHING COMPARED", QUIET),
+fn total(answer: &Answer<'_>, comparison: &Comparison) -> String {
+    let (tone, word, _) = answer.judged();
+    let style = match tone {
+        Tone::Good => GOOD,
+        Tone::Bad => BAD,
+        Tone::Open => OPEN,
+        Tone::Neutral => QUIET,
     };
     let counts = words::counts(comparison);
-    styled(style, &paragraph(&format!("{headline}  {counts}")))
+    styled(
+        style,
+        &paragraph(&format!("{}  {counts}", word.to_uppercase())),
+    )
 }
 
 /// The window figures are shown for: the steady one, or the whole run.
