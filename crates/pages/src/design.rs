@@ -272,13 +272,16 @@ fn figures(
     figures: &[DesignFigure],
     how: impl Fn(&DesignFigure) -> String,
 ) -> Table {
-    Table::of(caption, figures)
+    let mut table = Table::of(caption, figures)
         .text("", "Figure", |one| one.what)
         .number("", "Value", |one| one.value)
-        .said(|one| with_band(one))
-        .text("", "By contact law", |one| {
+        .said(|one| with_band(one));
+    if figures.iter().any(|one| wide(one).is_some()) {
+        table = table.text("", "By contact law", |one| {
             wide(one).map_or_else(String::new, band::interval)
-        })
+        });
+    }
+    table
         .text("", "Unit", |one| one.unit)
         .text("", "How", |one| how(one))
         .done()

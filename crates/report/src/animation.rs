@@ -240,7 +240,9 @@ impl Animation {
                 }
             }
         }
-        let offsets = columns[forces.end..].iter().flatten();
+        let offsets = columns[forces.end..]
+            .iter()
+            .flat_map(|c| &c[time.len() / 2..]);
         let largest = offsets.fold(0.0, |most: f64, mm| most.max(mm.abs()));
         let wanted = OFFSET * 1e3 * gear.pitch_radius_m();
         let mut writer = Writer::default();

@@ -391,7 +391,7 @@ impl PhysicsHooks for Nearest {
             edge.user_data == ball.user_data
                 && line.distance_to_local_point(centre(edge, ball), false) < radius
         });
-        touching.then_some(SolverFlags::COMPUTE_IMPULSES)
+        touching.then_some(SolverFlags::COMPUTE_RIGID_IMPULSES)
     }
 
     fn modify_solver_contacts(&self, context: &mut ContactModificationContext<'_>) {

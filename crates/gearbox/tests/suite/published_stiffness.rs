@@ -105,6 +105,18 @@ fn figures_of(gearbox: &Gearbox, torque: f64) -> ((f64, f64), f64, f64) {
     (range(&plays), stiffness, high - low)
 }
 
+/// Mean stiffness about the balances under `torque` at so many poses of a span of the input's angle, N m/arcmin.
+fn stiffness_over(gearbox: &Gearbox, torque: f64, span: f64, poses: u32) -> f64 {
+    let mut statics = Statics::new(gearbox).unwrap();
+    let mut at = |pose: u32| {
+        let full = statics
+            .solve(span * f64::from(pose) / f64::from(poses), torque)
+            .unwrap();
+        statics.compliance(&full).unwrap()[0]
+    };
+    (0..poses).map(&mut at).sum::<f64>() / ARCMIN / f64::from(poses)
+}
+
 /// One stage of a disc under a torque: levers of the contacts that can push, m, and the clearance that each has to close, m.
 struct Stage {
     levers: Vec<f64>,
@@ -249,16 +261,17 @@ fn own_law(gearbox: &Gearbox) -> impl Fn(&[f64], &[f64], f64) -> Box<dyn Fn(usiz
 
 /// Printed stiffness by the law that its authors state, on our geometry, and what parts it from ours:
 ///
-/// | drive | printed | their law | our law | the solver, one disc | both discs |
+/// | drive | printed | their law | our law | the solver | the solver, all poses |
 /// |---|---|---|---|---|---|
-/// | 15:1, PLA | 2.792 | 2.804 | 2.23 | 2.30 | 2.17 |
-/// | 29:1, PLA | 5.400 | 5.306 | 3.91 | 4.07 | 3.76 |
-/// | 29:1, steel | 239.3 | 231.4 | 187.3 | 188.0 | 166.9 |
+/// | 15:1, PLA | 2.792 | 2.804 | 2.23 | 2.28 | 2.17 |
+/// | 29:1, PLA | 5.400 | 5.306 | 3.91 | 3.89 | 3.76 |
+/// | 29:1, steel | 239.3 | 231.4 | 187.3 | 187.7 | 166.9 |
 ///
+/// All but the last are means over eight poses on one pitch of the lobes, as theirs are; the last is over the mesh's whole period.
 /// So their law gives their figures to 0.4, 1.7 and 3.3 % (their clearances are to a polygon that is up to 0.4 um off, which the
 /// 12 um of the steel drive feel). Ours takes more of the disc for elastic: all of it, where theirs ends at the radius of hole or
-/// flank. The rest is that discs which share one output do not close their clearances at once. Without clearance the solver and
-/// the closed form of the same law are the same but for the bend of the levers (measured 3.5e-3, 3.7e-3, 4e-4).
+/// flank: 20 to 27 %. The rest is the poses: 3 to 11 %. Without clearance the solver and the closed form of the same law are the
+/// same but for the bend of the levers (measured 3.5e-3, 3.7e-3, 4e-4).
 #[test]
 fn published_stiffness_by_the_law_that_its_authors_state() {
     let data = table("cycloidgen");
@@ -285,7 +298,7 @@ fn published_stiffness_by_the_law_that_its_authors_state() {
         let theirs = counted.stiffness(8, stated_law(printed, torque));
         close(theirs, wanted, tolerance, drive);
         let own = counted.stiffness(8, own_law(&gearbox));
-        // One disc under half of the load, with its play and without.
+        // One disc under half of the load, with its play and without; the other one stands alike.
         let mut scene = Scene::clone(&gearbox.scene);
         scene.gear.wheels = 1;
         scene.drive.output_torque_n_m = torque;
@@ -295,13 +308,15 @@ fn published_stiffness_by_the_law_that_its_authors_state() {
         gear.hole_radius_m = gear.internal_sleeve_radius_m + gear.eccentricity_m;
         let tight = Gearbox::new(&scene.check().unwrap()).unwrap();
         let closed = of(&tight, 0.0).stiffness(240, own_law(&tight));
-        let [loose, solved] = [&one, &tight].map(|gearbox| 2.0 * figures_of(gearbox, torque).1);
+        let solved = 2.0 * figures_of(&tight, torque).1;
+        let pitch = TAU / one.geometry.ratio();
+        let loose = 2.0 * stiffness_over(&one, torque, pitch, 8);
         println!(
             "{drive}: {wanted}, {theirs:.4}; ours {own:.4}, {loose:.4}; without play {closed:.4}, {solved:.4}"
         );
         close(solved, closed, 6e-3, drive);
-        // With it levers bend more: 4 % of the soft drives.
-        close(loose, own, 0.06, drive);
+        // With it levers bend more: measured 2.1, 0.5 and 0.2 %.
+        close(loose, own, 0.03, drive);
     }
     assert_eq!(compared, 3);
 }

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
-use pinwheel_compare::{Assessment, Status, Track, Verdict as Judged, quantities};
+use pinwheel_compare::{Assessment, Comparison, Status, Track, Verdict as Judged, quantities};
 use pinwheel_engines::{Form, info, known, lacking};
 use pinwheel_report::comparison::{self, Headline};
 use pinwheel_report::format::significant;
@@ -52,6 +52,10 @@ pub(super) struct Answer<'a> {
 impl<'a> Answer<'a> {
     pub(super) fn new(found: &'a Outcome, number: Number) -> Self {
         Self { found, number }
+    }
+
+    pub(super) fn comparison(&self) -> &'a Comparison {
+        &self.found.comparison
     }
 
     /// Forces, driver torque and efficiency.
@@ -210,7 +214,7 @@ impl<'a> Answer<'a> {
         facts.extend(self.law());
         facts.extend(self.measured());
         let notes = words::of_measured(&self.found.comparison);
-        facts.extend(notes.map(|note| Fact::new("data", Mark::None, note)));
+        facts.extend(notes.map(|note| Fact::new(DATA, Mark::None, note)));
         facts
     }
 
@@ -364,7 +368,7 @@ impl<'a> Answer<'a> {
     fn difference(&self) -> Option<Fact> {
         let most = self.found.largest()?;
         let why = match most.twin {
-            _ if most.share() < SEEN || most.agree => String::new(),
+            _ if most.share() < SEEN || most.verdict == Some(Judged::Agree) => String::new(),
             Some(twin) if most.is_explained() => {
                 format!(": {}, a difference of models", twin.contacts)
             }
@@ -535,6 +539,10 @@ impl<'a> Answer<'a> {
         let unexplained = self.found.largest().filter(|_| self.found.is_unexplained());
         if let Some(most) = unexplained {
             next.push(match most.twin {
+                _ if most.measured && most.verdict == Some(Judged::Differ) => format!(
+                    "find what the model leaves out of `{}`, or what is wrong with it: it is off by more than it may be",
+                    most.engine
+                ),
                 _ if most.measured => format!(
                     "state in its map how far `{}` may be off (`uncertainty`): then it is judged",
                     most.engine
@@ -562,6 +570,8 @@ fn brief(label: &str) -> String {
     label.to_lowercase().replace(" sleeve", "")
 }
 
+/// What was done to measured data.
+pub(super) const DATA: &str = "data";
 /// Pairs that solve the scene's own law.
 const SHARES: fn(Track) -> bool = |track| matches!(track, Track::Native | Track::SharedLaw);
 /// What is neither agreed nor differs, with nothing to act on.

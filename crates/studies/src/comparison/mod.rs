@@ -157,7 +157,7 @@ const ROUNDING: f64 = 1e-6;
 pub struct Largest<'a> {
     /// The engine, or the measured data.
     pub engine: &'a str,
-    /// Whether it is measured data, which do not say how far they may be off.
+    /// Whether it is measured data.
     pub measured: bool,
     /// Column or group of columns: the largest force, or the mean torque.
     pub quantity: &'static str,
@@ -167,8 +167,8 @@ pub struct Largest<'a> {
     pub there: f64,
     /// What the engine really has for contacts, if that is not the scene's law.
     pub twin: Option<&'a Twin>,
-    /// Whether the two were found to agree in it.
-    pub agree: bool,
+    /// What was found of the two in it, if they were compared.
+    pub verdict: Option<Verdict>,
 }
 
 impl Largest<'_> {
@@ -181,7 +181,8 @@ impl Largest<'_> {
     /// Whether it is none, or the engine's own contacts explain it: it agrees with its twin.
     #[must_use]
     pub fn is_explained(&self) -> bool {
-        self.agree || self.twin.is_some_and(|twin| twin.verdict == Verdict::Agree)
+        let twin = self.twin.map(|twin| twin.verdict);
+        [self.verdict, twin].contains(&Some(Verdict::Agree))
     }
 }
 
@@ -223,12 +224,6 @@ impl Outcome {
             ];
             let verdict = &verdict;
             quantities.into_iter().filter_map(move |quantity| {
-                let verdict = verdict(&other.name, quantity);
-                // Data that say how far they may be off are judged against that.
-                let judged = matches!(verdict, Some(Verdict::Agree | Verdict::Differ));
-                if other.track == Track::Measured && judged {
-                    return None;
-                }
                 Some(Largest {
                     engine: &other.name,
                     measured: other.track == Track::Measured,
@@ -236,7 +231,7 @@ impl Outcome {
                     here: figure(&native.name, quantity)?,
                     there: figure(&other.name, quantity)?,
                     twin: self.twins.iter().find(|twin| twin.engine == other.name),
-                    agree: verdict == Some(Verdict::Agree),
+                    verdict: verdict(&other.name, quantity),
                 })
             })
         });
