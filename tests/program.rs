@@ -54,7 +54,7 @@ fn program_run_gives_figures_of_its_window_and_how_far_they_may_be_off() {
          peak_internal_sleeve_force_n",
     ) {
         let off = get(&found, name, "value").unwrap() - get(&exact, name, "value").unwrap();
-        let bound = get(&found, name, "uncertainty").unwrap();
+        let bound = get(&found, name, "numerical_uncertainty").unwrap();
         assert!(
             off.abs() <= bound && bound < 0.02 * get(&found, name, "value").unwrap(),
             "{name}: {off} off, {bound} said"
@@ -71,7 +71,10 @@ fn program_run_gives_figures_of_its_window_and_how_far_they_may_be_off() {
         shown.contains("not verified") && !shown.contains('\u{b1}'),
         "{shown}"
     );
-    assert_eq!(get(&found, "mean_input_torque_n_m", "uncertainty"), None);
+    assert_eq!(
+        get(&found, "mean_input_torque_n_m", "numerical_uncertainty"),
+        None
+    );
 }
 
 #[test]
@@ -154,7 +157,12 @@ fn program_compare_writes_report_summary_and_time_series() {
         2,
         "{engine}"
     );
-    assert!(engine["uncertainty"][0]["relative_l2"].as_f64().unwrap() < 0.005);
+    assert!(
+        engine["numerical_uncertainty"][0]["relative_l2"]
+            .as_f64()
+            .unwrap()
+            < 0.005
+    );
     assert!(!summary["assumptions"].as_array().unwrap().is_empty());
     let page = std::fs::read_to_string(out.join("index.html")).unwrap();
     assert!(
@@ -748,4 +756,71 @@ fn a_run_of_few_samples_says_one_thing_of_its_error() {
         "{said}"
     );
     assert!(!said.contains("made once"), "{said}");
+}
+
+/// Pages and terminals write short names: they are names.
+#[test]
+fn program_takes_engines_as_its_pages_call_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let compare = "compare paper --engines reduced,lagrange --out r --set solver.duration_s=0.005";
+    done(run_in(dir.path(), words(compare)));
+    let found = json(dir.path().join("r/summary.json"));
+    let names = found["engines"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|e| e["name"].as_str().unwrap());
+    let names: Vec<&str> = names.collect();
+    assert_eq!(names, ["native-reduced", "native-lagrange"]);
+    let twice = run_in(
+        dir.path(),
+        words("compare paper --engines reduced,native-reduced"),
+    );
+    assert_eq!(twice.code, Some(2), "{twice:?}");
+}
+
+/// The same words everywhere: `--json` is what is in the folder, `--quiet` where it is, `--verbose` which files there are.
+#[test]
+fn program_speaks_as_it_is_asked() {
+    let dir = tempfile::tempdir().unwrap();
+    let of = |words_of: &str| {
+        let short = "--set solver.duration_s=0.005 --force --out r";
+        done(run_in(dir.path(), words(&format!("{words_of} {short}"))))
+    };
+    for (command, file, place) in [
+        ("run paper", "run.json", "courses.csv"),
+        (
+            "compare paper --engines reduced,lagrange",
+            "summary.json",
+            "index.html",
+        ),
+        ("design paper --statics", "summary.json", "index.html"),
+    ] {
+        let told: Value = serde_json::from_str(&of(&format!("{command} --json"))).unwrap();
+        assert_eq!(told, json(dir.path().join("r").join(file)), "{command}");
+        let quiet = of(&format!("{command} -q"));
+        assert_eq!(quiet.lines().count(), 1, "{quiet}");
+        assert!(quiet.trim().ends_with(place), "{quiet}");
+        let verbose = of(&format!("-v {command}"));
+        assert!(
+            verbose.contains(place) && verbose.contains(&format!("{file}")),
+            "{verbose}"
+        );
+        assert!(verbose.len() > of(command).len());
+        let coloured = of(&format!("{command} --color always"));
+        let plain = of(&format!("{command} --color never"));
+        assert!(
+            coloured.contains("\u{1b}[") && !plain.contains('\u{1b}'),
+            "{command}"
+        );
+        // How it is told is no part of what was done.
+        let record = std::fs::read_to_string(dir.path().join("r").join(file)).unwrap();
+        assert!(!record.contains("--color"), "{command}");
+    }
+    for command in ["engines", "laws", "explain paper"] {
+        let told = done(run_in(dir.path(), words(&format!("{command} --json"))));
+        serde_json::from_str::<Value>(&told).unwrap();
+    }
+    let both = run_in(dir.path(), words("compare paper -q -v"));
+    assert_eq!(both.code, Some(2), "{both:?}");
 }

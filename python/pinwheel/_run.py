@@ -72,7 +72,7 @@ class Run(Mapping[str, Floats]):
         columns = Columns.read_csv(Path(folder) / "courses.csv")
         scene = Scene(_written(data.pop("scene")))
         engine, version, track = (data.pop(key) for key in ("engine", "version", "track"))
-        resolution, uncertainty = (data.pop(key, None) for key in ("resolution", "uncertainty"))
+        resolution, uncertainty = (data.pop(key, None) for key in ("resolution", "numerical_uncertainty"))
         return cls(scene, engine, version, track, columns, data, resolution, uncertainty)
 
     def save(self, folder: str | os.PathLike[str]) -> None:
@@ -80,7 +80,7 @@ class Run(Mapping[str, Floats]):
         place = Path(folder)
         place.mkdir(parents=True, exist_ok=True)
         data = {"engine": self.engine, "version": self.version, "track": self.track, **self.stats}
-        data |= {"resolution": self.resolution, "uncertainty": self.uncertainty, "scene": self.scene.to_dict()}
+        data |= {"resolution": self.resolution, "numerical_uncertainty": self.uncertainty, "scene": self.scene.to_dict()}
         (place / "run.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
         self.to_csv(place / "courses.csv")
 

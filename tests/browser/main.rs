@@ -6,6 +6,7 @@
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 mod access;
+mod amber;
 mod chromium;
 mod explore;
 mod hostile;

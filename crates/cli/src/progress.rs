@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 use pinwheel::studies::{Control, Progress};
 
-use crate::interrupt;
+use crate::{interrupt, screen};
 
 /// What takes less than this needs no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -26,7 +26,7 @@ pub(crate) fn watched<T, E>(
     let bar = Bar {
         label,
         started: Instant::now(),
-        visible: std::io::stderr().is_terminal(),
+        visible: std::io::stderr().is_terminal() && !screen::manner().quiet,
         drawn_ms: AtomicU64::new(0),
         bar: OnceLock::new(),
     };

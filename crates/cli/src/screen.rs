@@ -3,12 +3,30 @@
 
 use std::io::{ErrorKind, Write as _};
 use std::path::Path;
+use std::sync::OnceLock;
 
 use pinwheel::report::sanitize::{address, sanitize, shortened};
-use pinwheel::report::terminal::{BAD, styled};
+use pinwheel::report::terminal::{BAD, paragraph, styled};
 use pinwheel::studies::output::reason;
 
+use crate::args::Manner;
 use crate::failure::Failure;
+
+static MANNER: OnceLock<Manner> = OnceLock::new();
+
+/// From now on the program speaks like this.
+pub(crate) fn speak(manner: Manner) {
+    manner.colours().write_global();
+    let _ = MANNER.set(manner);
+}
+
+/// How the program speaks.
+pub(crate) fn manner() -> Manner {
+    MANNER.get().copied().unwrap_or_default()
+}
+
+/// What every study writes for programs.
+pub(crate) const SUMMARY: &str = "summary.json";
 
 /// Writes results to stdout, with a final newline.
 pub(crate) fn show(text: &str) -> Result<(), Failure> {
@@ -24,10 +42,44 @@ pub(crate) fn show(text: &str) -> Result<(), Failure> {
     }
 }
 
-/// Writes results and where their page is; on terminals that know links, one to click.
-pub(crate) fn show_with_page(text: &str, page: &Path) -> Result<(), Failure> {
-    if !text.is_empty() {
+/// Writes what a study found: its text, or as it is asked for, the JSON of its folder or less.
+pub(crate) fn show_found(text: &str, folder: &Path, file: &str) -> Result<(), Failure> {
+    let Manner {
+        quiet,
+        verbose,
+        json,
+        ..
+    } = manner();
+    if json {
+        let path = folder.join(file);
+        return match std::fs::read_to_string(&path) {
+            Ok(text) => show(&text),
+            Err(error) => Err(Failure::input(format!(
+                "{} cannot be read: {}",
+                path.display(),
+                reason(&error)
+            ))),
+        };
+    }
+    if !(quiet || text.is_empty()) {
         show(text)?;
+    }
+    if verbose {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+        let mut names: Vec<String> = names.filter(|name| !name.starts_with('.')).collect();
+        names.sort();
+        show(&paragraph(&format!("files: {}", names.join(", "))))?;
+    }
+    Ok(())
+}
+
+/// The same, and where its page is; on terminals that know links, one to click.
+pub(crate) fn show_with_page(text: &str, page: &Path) -> Result<(), Failure> {
+    let folder = page.parent().unwrap_or(page);
+    show_found(text, folder, SUMMARY)?;
+    if manner().json {
+        return Ok(());
     }
     let place = page.display().to_string();
     let place = sanitize(&place, false);

@@ -64,7 +64,10 @@ pub struct EngineSummary {
     /// What was judged of this engine alone; empty unless finished.
     pub judged: Vec<EngineEntry>,
     /// Its numerical uncertainty per window and quantity; empty where no evidence was given.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(
+        rename = "numerical_uncertainty",
+        skip_serializing_if = "Vec::is_empty"
+    )]
     pub uncertainty: Vec<QuantityUncertainty>,
     /// The runs that these rest on; `None` where there is no refinement study.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -44,7 +44,9 @@ mod stopping;
 pub use control::{Cancelled, Control, Progress};
 pub use engine::{Ending, Engine, Halt, Knob, Prepared, Refinement, Run, RunStats, Track};
 pub use own_contact::OwnContact;
-pub use registry::{EngineInfo, Form, Native, by_name, family, info, known, lacking, registry};
+pub use registry::{
+    EngineInfo, Form, Native, by_name, family, full_name, info, known, lacking, registry,
+};
 pub use stopping::stop_preparing;
 
 /// The value of an environment variable; one that is empty is as good as none.

@@ -394,5 +394,17 @@ pub fn by_name(name: &str, scene: &Scene) -> Option<Box<dyn Engine>> {
     if name == "native" {
         return Some(Box::new(Native::of(scene)));
     }
+    let name = full_name(name);
     registry().into_iter().find(|engine| engine.name() == name)
+}
+
+/// The name of an engine that pages and terminals call by its short one; a solver that joined by that name comes first.
+#[must_use]
+pub fn full_name(name: &str) -> &str {
+    let joined = crate::external::admitted();
+    if joined.into_iter().any(|engine| engine.name() == name) {
+        return name;
+    }
+    let found = known().find(|info| info.short == name);
+    found.map_or(name, |info| info.name)
 }

@@ -22,6 +22,11 @@ pub trait PairSource {
     /// A pair at its closest points, touching or not; `None` if the engine does not know it.
     fn pair(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> Option<PairContact>;
 
+    /// Visits every pair that touches, which is less than to look at all pairs; `false` if the engine does not know them so.
+    fn touching(&mut self, _: &[BodyState], _visit: &mut dyn FnMut(&PairContact)) -> bool {
+        false
+    }
+
     /// Visits every pair that carries a normal force above `least_n`, N.
     fn loaded(&mut self, bodies: &[BodyState], least_n: f64, visit: Visit<'_>);
 
@@ -35,6 +40,11 @@ pub struct LawPairs<'a>(pub &'a mut dyn ContactField);
 impl PairSource for LawPairs<'_> {
     fn pair(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> Option<PairContact> {
         Some(self.0.nearest(bodies, wheel, sleeve))
+    }
+
+    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) -> bool {
+        self.0.touching(bodies, visit);
+        true
     }
 
     fn loaded(&mut self, bodies: &[BodyState], least_n: f64, visit: Visit<'_>) {
@@ -73,6 +83,8 @@ pub(crate) struct Values {
     pairs: Vec<(usize, Sleeve)>,
     places: Vec<usize>,
     found: Vec<Option<PairContact>>,
+    /// Whether a channel asks for what pairs are without contact.
+    needs_gaps: bool,
     /// Sleeves that press on each wheel: external, internal.
     contacts: Vec<[usize; 2]>,
     needs_contacts: bool,
@@ -108,7 +120,13 @@ impl Values {
             let is = |chosen: &Chosen| matches!(chosen.what, What::Whole(w) if wanted.contains(&w));
             list.iter().any(is)
         };
+        let of_gaps = |chosen: &Chosen| {
+            use PairQuantity::{FrictionForce, NormalForce, Pressure, PressureSliding};
+            let forces = [NormalForce, FrictionForce, Pressure, PressureSliding];
+            matches!(chosen.what, What::Pair(quantity) if !forces.contains(&quantity))
+        };
         Some(Self {
+            needs_gaps: list.iter().any(of_gaps),
             columns: vec![Some(Vec::with_capacity(samples)); list.len()],
             found: vec![None; pairs.len()],
             contacts: vec![[0; 2]; gearbox.layout.wheels],
@@ -128,9 +146,7 @@ impl Values {
     /// Adds a sample. `output_torque`: moment of the contact forces on the output shaft, N m.
     pub(crate) fn record(&mut self, seen: &mut Seen<'_>, output_torque: f64) {
         let bodies = seen.bodies;
-        for (found, &(wheel, sleeve)) in self.found.iter_mut().zip(&self.pairs) {
-            *found = seen.contacts.pair(bodies, wheel, sleeve);
-        }
+        let apart = self.find(seen);
         self.contacts.fill([0; 2]);
         let counts = &mut self.contacts;
         let mut count = |wheel: usize, sleeve: Sleeve| {
@@ -153,13 +169,16 @@ impl Values {
                 continue;
             };
             let value = match chosen.what {
-                What::Pair(quantity) => self.found[self.places[k]].map(|pair| {
-                    let wheel = &bodies[self.layout.wheel_bodies().start + pair.wheel];
-                    let centre = [wheel.x, wheel.y];
-                    of_pair(&pair, quantity, || {
-                        self.pressure.of(&self.geometry, &pair, centre, wheel.angle)
-                    })
-                }),
+                What::Pair(quantity) => {
+                    let found = self.found[self.places[k]].map(|pair| {
+                        let wheel = &bodies[self.layout.wheel_bodies().start + pair.wheel];
+                        let centre = [wheel.x, wheel.y];
+                        of_pair(&pair, quantity, || {
+                            self.pressure.of(&self.geometry, &pair, centre, wheel.angle)
+                        })
+                    });
+                    found.or(apart)
+                }
                 What::Joint(joint, part) => {
                     let body = carried(self.layout, joint, chosen.number);
                     let force = match (&self.bearings, joint) {
@@ -206,6 +225,29 @@ impl Values {
                 None => self.columns[k] = None,
             }
         }
+    }
+
+    /// Looks at the pairs asked for; what those have that are not found: forces of none where only forces are asked for.
+    fn find(&mut self, seen: &mut Seen<'_>) -> Option<f64> {
+        self.found.fill(None);
+        let (found, pairs) = (&mut self.found, &self.pairs);
+        let known = !self.needs_gaps
+            && !pairs.is_empty()
+            && seen.contacts.touching(seen.bodies, &mut |pair| {
+                let place = pairs
+                    .iter()
+                    .position(|known| *known == (pair.wheel, pair.sleeve));
+                if let Some(place) = place {
+                    found[place] = Some(*pair);
+                }
+            });
+        if known {
+            return Some(0.0);
+        }
+        for (found, &(wheel, sleeve)) in found.iter_mut().zip(pairs) {
+            *found = seen.contacts.pair(seen.bodies, wheel, sleeve);
+        }
+        None
     }
 
     /// Takes the last sample out again.

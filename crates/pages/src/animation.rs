@@ -6,7 +6,7 @@ use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::native::{self, NativeError};
 use pinwheel_gearbox::resolve;
 use pinwheel_gearbox::{Gearbox, GearboxError, auto};
-use pinwheel_report::animation::{Animation, CHANNELS, markup, sampling};
+use pinwheel_report::animation::{Animation, markup, needed, sampling};
 use pinwheel_report::study::Block;
 use pinwheel_scene::{CheckedScene, Formulation, Scene};
 use pinwheel_timeseries::TimeSeries;
@@ -51,7 +51,7 @@ pub(crate) fn window(
         solver.sample_s = step.min(to_s);
         solver.duration_s = to_s;
     });
-    let channels = CHANNELS.map(str::to_owned).to_vec();
+    let channels = needed(&gearbox.scene);
     let recording = recording.map_err(GearboxError::from);
     let Ok(gearbox) = recording.and_then(|gearbox| gearbox.with_channels(channels)) else {
         return Ok(None);

@@ -8,12 +8,13 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_report::animation::markup;
 use pinwheel_report::colours;
 use pinwheel_report::format::{self, NONE, significant};
+use pinwheel_report::stack::stack;
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Study, Style, Tile};
 use pinwheel_report::terminal::{self, TITLE, list, styled};
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::design::{DesignFigure, DesignResult, Joint, Share};
+use pinwheel_studies::design::{DesignFigure, DesignResult, Joint, Rest, Share};
 use pinwheel_timeseries::table::{Shown, Table};
 
 use crate::{animation, band};
@@ -73,9 +74,14 @@ pub fn page(
     let all = figures(caption, &found.figures, |one| how(found, one));
     let (_, about) = given_way(found);
     let mut blocks = vec![Block::Text(about), all.into()];
+    if !found.shares().is_empty() {
+        let caption = "Compliance: what gives way under the rated load";
+        blocks.push(Block::Html(stack(caption, &found.shares())));
+    }
     if !found.budget.is_empty() {
         blocks.push(budget(found).into());
     }
+    blocks.extend(found.rest.as_ref().map(fitted).map(Block::Text));
     if let Some(bands) = &found.bands {
         blocks.extend(band::blocks(bands));
     }
@@ -132,6 +138,7 @@ pub fn text(found: &DesignResult) -> String {
     for share in &found.budget {
         rows.push(("budget", budgeted(share)));
     }
+    rows.extend(found.rest.as_ref().map(|rest| ("fit", fitted(rest))));
     if let Some(bands) = &found.bands {
         rows.push(("by contact law", band::about(bands)));
         rows.extend(band::outside(bands).map(|said| ("law", said)));
@@ -265,13 +272,16 @@ fn figures(
     figures: &[DesignFigure],
     how: impl Fn(&DesignFigure) -> String,
 ) -> Table {
-    Table::of(caption, figures)
+    let mut table = Table::of(caption, figures)
         .text("", "Figure", |one| one.what)
         .number("", "Value", |one| one.value)
-        .said(|one| with_band(one))
-        .text("", "By contact law", |one| {
+        .said(|one| with_band(one));
+    if figures.iter().any(|one| wide(one).is_some()) {
+        table = table.text("", "By contact law", |one| {
             wide(one).map_or_else(String::new, band::interval)
-        })
+        });
+    }
+    table
         .text("", "Unit", |one| one.unit)
         .text("", "How", |one| how(one))
         .done()
@@ -590,6 +600,17 @@ fn budget(found: &DesignResult) -> Table {
     .unit("arcmin")
     .shown(SHOWN)
     .done()
+}
+
+/// The fitted rest, and what is not known of it.
+fn fitted(rest: &Rest) -> String {
+    format!(
+        "A fit, not a prediction: with bearings.output_torsion_n_m_rad={} the gear has the stated {} N m/arcmin. The rest is then {} % \
+         of the compliance; nothing here says what it is made of.",
+        significant(rest.output_torsion_n_m_rad, 4),
+        figure(rest.stated_n_m_per_arcmin),
+        significant(100.0 * rest.share, 2)
+    )
 }
 
 fn budgeted(share: &Share) -> String {

@@ -128,8 +128,13 @@ document.addEventListener('DOMContentLoaded', () => {
           `${fixed(state.input, 3)} N m`, `${fixed(state.output, 2)} N m`,
           `${fixed(peak(state.external), 1)} N`, `${fixed(peak(state.internal), 1)} N`,
           state.bodies.map((body) => body.loaded).join(' + '),
+          `${state.bodies.map(({ off }) => (1e3 * Math.hypot(...off)).toFixed(1)).join(', ')} µm`,
         ];
         cells.forEach((cell, k) => say(cell, texts[k]));
+        // How far wheels stand off their eccentrics, and how many times farther they are drawn.
+        const label = cells.at(-1).previousSibling;
+        say(label, `Offset, × ${box.view.offset}`);
+        label.hidden = cells.at(-1).hidden = box.view.offset === 0;
       }
     }
     const show = () => { tell(); paint(); };

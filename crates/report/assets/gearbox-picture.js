@@ -107,8 +107,14 @@ const PinwheelPicture = (() => {
       pen.fillRect(0, 0, size, size);
     }
 
+    /** The centre of a wheel whose offset from its eccentric is drawn so many times larger; 0: that of its eccentric. */
+    function centre(i, times) {
+      const { x, y, off } = state.bodies[i];
+      return [x + (times - 1) * off[0], y + (times - 1) * off[1]];
+    }
     function wheel(i, colours) {
-      const { x, y, theta } = state.bodies[i];
+      const { theta } = state.bodies[i];
+      const [x, y] = centre(i, box.view.offset);
       const [c, s] = [scale * Math.cos(theta), scale * Math.sin(theta)];
       const opacity = i === 0 ? 0.86 : 0.95;
       context.setTransform(c, -s, -s, -c, size / 2 + scale * x, size / 2 - scale * y);
@@ -130,7 +136,8 @@ const PinwheelPicture = (() => {
       for (let i = gear.wheels - 1; i >= 0; i -= 1) {
         if (!options.wheels[i]) continue;
         context.beginPath();
-        circle(context, state.bodies[i].x, state.bodies[i].y, cam - 0.4);
+        const [x, y] = centre(i, 0);
+        circle(context, x, y, cam - 0.4);
         context.globalAlpha = i === 0 ? 0.9 : 1;
         fill(context, colours.steel);
         context.globalAlpha = 1;

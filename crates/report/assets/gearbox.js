@@ -49,6 +49,7 @@ const PinwheelGearbox = (() => {
     const [input, output, error] = channels;
     const wheels = channels.slice(3, 3 + gear.wheels);
     const pair = (i, n) => channels[3 + gear.wheels + i * (gear.zk + gear.zi) + n];
+    const offsets = channels.slice(3 + gear.wheels * (1 + gear.zk + gear.zi));
 
     // The profile as few points: chords of a lobe stay within `tolerance` of it, the other lobes are turned copies.
     function profile(tolerance) {
@@ -92,7 +93,7 @@ const PinwheelGearbox = (() => {
     const sleeves = [...external, ...internal];
     const bodies = gear.bodies.map(({ e, phase, holes }) => {
       const forces = sleeves.map((sleeve) => ({ sleeve, force: 0, fx: 0, fy: 0 }));
-      return { e, phase, holes, x: 0, y: 0, theta: 0, forces, count: 0, loaded: 0 };
+      return { e, phase, holes, x: 0, y: 0, theta: 0, off: [0, 0], forces, count: 0, loaded: 0 };
     });
     const state = { t: 0, phi: 0, psi: 0, external, internal, sleeves, bodies, input: 0, output: 0 };
 
@@ -108,7 +109,10 @@ const PinwheelGearbox = (() => {
       }
       for (const sleeve of sleeves) { sleeve.fx = 0; sleeve.fy = 0; }
       bodies.forEach((body, i) => {
-        const [x, y] = [body.e * Math.cos(phi + body.phase), body.e * Math.sin(phi + body.phase)];
+        // The wheel's centre: its eccentric's, and what its bearing gives way by.
+        for (const k of view.offset > 0 ? [0, 1] : []) body.off[k] = between(offsets[2 * i + k], s);
+        const x = body.e * Math.cos(phi + body.phase) + body.off[0];
+        const y = body.e * Math.sin(phi + body.phase) + body.off[1];
         const theta = (Math.PI - phi - body.phase) / zs + between(wheels[i], s);
         const [c, sn] = [Math.cos(theta), Math.sin(theta)];
         Object.assign(body, { x, y, theta, count: 0, loaded: 0 });

@@ -14,13 +14,28 @@ use serde_json::json;
 use crate::chart_data::json_for_script;
 use crate::packed::{Rounding, Writer};
 
-/// Channels that an animation needs beside the contract's (`output.channels` of the scene).
-pub const CHANNELS: [&str; 4] = [
-    "transmission_error_arcmin",
-    "wheel_transmission_error_arcmin_*",
-    "wheel_*_external_normal_force_n_*",
-    "wheel_*_internal_normal_force_n_*",
-];
+/// Channels that an animation of a scene needs beside the contract's (`output.channels` of the scene).
+#[must_use]
+pub fn needed(scene: &Scene) -> Vec<String> {
+    let mut needed = vec![
+        "transmission_error_arcmin",
+        "wheel_transmission_error_arcmin_*",
+        "wheel_*_external_normal_force_n_*",
+        "wheel_*_internal_normal_force_n_*",
+    ];
+    if floats(scene) {
+        needed.extend([
+            "eccentric_bearing_offset_x_m_*",
+            "eccentric_bearing_offset_y_m_*",
+        ]);
+    }
+    needed.into_iter().map(str::to_owned).collect()
+}
+
+/// Whether wheels move against their eccentrics.
+fn floats(scene: &Scene) -> bool {
+    scene.bearings.eccentric.is_some()
+}
 
 /// Binary digits of a channel's largest value that are kept.
 const DIGITS: i32 = 14;
@@ -32,9 +47,25 @@ const PER_SLEEVE: f64 = 24.0;
 const LEAST: f64 = 1e-3;
 /// Radians of a minute of arc.
 const ARCMIN: f64 = PI / (180.0 * 60.0);
+/// How far a wheel is drawn off its eccentric at most, as a share of the pins' circle.
+const OFFSET: f64 = 0.02;
 
-fn channels(gear: &Gear) -> usize {
-    3 + gear.wheels * (1 + gear.external_sleeves + gear.internal_sleeves)
+fn channels(scene: &Scene) -> usize {
+    let gear = &scene.gear;
+    let offsets = 2 * usize::from(floats(scene));
+    3 + gear.wheels * (1 + gear.external_sleeves + gear.internal_sleeves + offsets)
+}
+
+/// 1, 2, 5, 10, ...: how many times larger offsets of up to `largest` are drawn, to be at most `wanted`.
+fn magnified(largest: f64, wanted: f64) -> f64 {
+    let ratio = wanted / largest;
+    if !(ratio.is_finite() && ratio > 1.0) {
+        return 1.0;
+    }
+    let decade = 10.0_f64.powf(ratio.log10().floor());
+    let steps = [5.0, 2.0, 1.0].into_iter();
+    let mut steps = steps.filter(|step| step * decade <= ratio);
+    steps.next().unwrap_or(1.0) * decade
 }
 
 /// How far apart samples of a scene should be, s, and how long a stretch fits into one page, s.
@@ -44,7 +75,7 @@ pub fn sampling(scene: &Scene) -> (f64, f64) {
     let sleeve = turn / scene.gear.external_sleeves as f64;
     // Vibration of the wheels on their contacts, about 1 kHz, must not be lost either.
     let step = (sleeve / PER_SLEEVE).min(2e-4);
-    let samples = BUDGET / (2 * channels(&scene.gear));
+    let samples = BUDGET / (2 * channels(scene));
     (step, step * samples.saturating_sub(1) as f64)
 }
 
@@ -68,6 +99,8 @@ struct View {
     /// Force of a full arrow, N: 99 in 100 samples of the loaded sleeves lie below in the second half.
     full: f64,
     least: f64,
+    /// How many times larger than they are the wheels' offsets from their eccentrics are drawn; 0 where there are none.
+    offset: f64,
     /// How many channels there are, one after the other in `samples`.
     channels: usize,
     samples: String,
@@ -198,6 +231,20 @@ impl Animation {
                 }
             }
         }
+        let forces = forces..columns.len();
+        if floats(scene) {
+            for i in 0..gear.wheels {
+                for axis in ["x", "y"] {
+                    let name = format!("eccentric_bearing_offset_{axis}_m_{i}");
+                    columns.push(part(&name, 1e3)?);
+                }
+            }
+        }
+        let offsets = columns[forces.end..]
+            .iter()
+            .flat_map(|c| &c[time.len() / 2..]);
+        let largest = offsets.fold(0.0, |most: f64, mm| most.max(mm.abs()));
+        let wanted = OFFSET * 1e3 * gear.pitch_radius_m();
         let mut writer = Writer::default();
         for column in &columns {
             let finite = |v: &f64| if v.is_finite() { *v } else { 0.0 };
@@ -205,7 +252,7 @@ impl Animation {
             writer.column(&column, Rounding::OfPeak(DIGITS));
         }
         let later = time.len() / 2;
-        let loads = columns[forces..].iter().flat_map(|c| &c[later..]);
+        let loads = columns[forces].iter().flat_map(|c| &c[later..]);
         let mut loads: Vec<f64> = loads.copied().filter(|f| *f > 0.0).collect();
         loads.sort_by(f64::total_cmp);
         let full = loads.get(loads.len() * 99 / 100).copied().unwrap_or(1.0);
@@ -220,6 +267,11 @@ impl Animation {
                 count: time.len(),
                 full,
                 least: LEAST * full,
+                offset: if floats(scene) {
+                    magnified(largest, wanted)
+                } else {
+                    0.0
+                },
                 channels: columns.len(),
                 samples: writer.finish(),
             },
@@ -333,7 +385,7 @@ mod tests {
         let made = Animation::of("a <gear>", &scene(), &time_series(), (0.002, 0.006)).unwrap();
         assert_eq!(
             (made.view.count, made.view.channels),
-            (5, channels(&scene().gear))
+            (5, channels(&scene()))
         );
         // The first channel rises from 3 to 7 N m.
         let first = crate::packed::tests::Reader::new(&made.view.samples).column();
@@ -377,6 +429,26 @@ mod tests {
     }
 
     #[test]
+    fn offsets_are_drawn_as_large_as_can_be_seen() {
+        for (largest, times) in [(0.01, 100.0), (0.009, 100.0), (0.004, 200.0), (2.0, 1.0)] {
+            assert_eq!(magnified(largest, 1.04), times, "{largest}");
+        }
+        assert_eq!(magnified(0.0, 1.0), 1.0);
+        // Of the packed channels the last are the offsets, and a scene without bearings has none.
+        let mut scene = scene();
+        let mut series = time_series();
+        for axis in ["x", "y"] {
+            let name = format!("eccentric_bearing_offset_{axis}_m_0");
+            series.push(name, vec![1e-5; 11]).unwrap();
+        }
+        let rigid = Animation::of("x", &scene, &series, (0.0, 1.0)).unwrap();
+        assert_eq!((rigid.view.offset, rigid.view.channels), (0.0, 9));
+        scene.bearings.eccentric = Some(Default::default());
+        let floating = Animation::of("x", &scene, &series, (0.0, 1.0)).unwrap();
+        assert_eq!((floating.view.offset, floating.view.channels), (20.0, 11));
+    }
+
+    #[test]
     fn without_the_channels_there_is_none() {
         let bare = TimeSeries::new(vec![0.0, 1.0]).unwrap();
         assert!(Animation::of("x", &scene(), &bare, (0.0, 1.0)).is_none());
@@ -393,7 +465,7 @@ mod tests {
             let (step, stretch) = sampling(&scene);
             assert!(
                 step > 0.0
-                    && 2.0 * channels(&scene.gear) as f64 * (stretch / step) < 1.01 * BUDGET as f64
+                    && 2.0 * channels(&scene) as f64 * (stretch / step) < 1.01 * BUDGET as f64
             );
         }
     }

@@ -16,6 +16,7 @@ pub mod comparison;
 pub mod format;
 mod packed;
 pub mod sanitize;
+pub mod stack;
 pub mod study;
 pub mod table;
 pub mod terminal;

@@ -12,6 +12,8 @@ pub const TITLE: Style = Style::new().bold();
 pub const GOOD: Style = AnsiColor::Green.on_default();
 /// Verdicts that do not.
 pub const BAD: Style = AnsiColor::Red.on_default().bold();
+/// What nothing confirms.
+pub const OPEN: Style = AnsiColor::Yellow.on_default().bold();
 /// What is there but not judged.
 pub const QUIET: Style = Style::new().dimmed();
 

@@ -7,7 +7,7 @@
 //!
 //! | materials | laws |
 //! |---|---|
-//! | steel on steel | `line-hertz` with a third, the whole and three times the disc's depth; `line-contact` (Palmgren) |
+//! | steel on steel | `line-hertz` with a third, the whole and three times the disc's depth; `line-contact` (Palmgren), `kunert`, `lundberg` |
 //! | others | `line-hertz` with these depths |
 //!
 //! A profile that is cut all round for play moves forces more than all of these, so two such cuts are told beside them.
@@ -29,8 +29,12 @@ const DEPTHS: [f64; 3] = [1.0 / 3.0, 1.0, 3.0];
 const CUTS: [f64; 2] = [5e-6, 10e-6];
 /// The law of rollers of any materials.
 pub const ROLLERS: &str = "line-hertz";
-/// The law of steel rollers alone.
-const STEEL_ROLLERS: &str = "line-contact";
+/// Laws that others take for steel rollers, with their labels.
+const STEEL_ROLLERS: [(&str, &str); 3] = [
+    ("line-contact", "line-contact (Palmgren)"),
+    ("kunert", "kunert"),
+    ("lundberg", "lundberg"),
+];
 /// By how much a figure may lie outside of its band and be called inside: rounding of balances.
 const ROUNDING: f64 = 1e-6;
 
@@ -128,8 +132,8 @@ fn laws(scene: &Scene) -> Vec<(String, Scene)> {
         })
         .collect();
     if is_steel(parameters.pin) && is_steel(parameters.disc) {
-        let label = format!("{STEEL_ROLLERS} (Palmgren)");
-        found.push((label, with(STEEL_ROLLERS, &|_| ())));
+        let steel = STEEL_ROLLERS.iter();
+        found.extend(steel.map(|(law, label)| ((*label).to_owned(), with(law, &|_| ()))));
     }
     found
 }

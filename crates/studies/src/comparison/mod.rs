@@ -155,8 +155,10 @@ const ROUNDING: f64 = 1e-6;
 /// The largest difference of a figure between an engine and the native solver, judged or not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Largest<'a> {
-    /// The engine.
+    /// The engine, or the measured data.
     pub engine: &'a str,
+    /// Whether it is measured data.
+    pub measured: bool,
     /// Column or group of columns: the largest force, or the mean torque.
     pub quantity: &'static str,
     /// By the native solver.
@@ -165,8 +167,8 @@ pub struct Largest<'a> {
     pub there: f64,
     /// What the engine really has for contacts, if that is not the scene's law.
     pub twin: Option<&'a Twin>,
-    /// Whether the two were found to agree in it.
-    pub agree: bool,
+    /// What was found of the two in it, if they were compared.
+    pub verdict: Option<Verdict>,
 }
 
 impl Largest<'_> {
@@ -179,7 +181,8 @@ impl Largest<'_> {
     /// Whether it is none, or the engine's own contacts explain it: it agrees with its twin.
     #[must_use]
     pub fn is_explained(&self) -> bool {
-        self.agree || self.twin.is_some_and(|twin| twin.verdict == Verdict::Agree)
+        let twin = self.twin.map(|twin| twin.verdict);
+        [self.verdict, twin].contains(&Some(Verdict::Agree))
     }
 }
 
@@ -201,31 +204,34 @@ impl Outcome {
         };
         let native = |p: &&Participant| p.track == Track::Native && p.status.is_finished();
         let native = self.participants.iter().rfind(native)?;
-        let agree = |name: &str, quantity: &str| {
+        let verdict = |name: &str, quantity: &str| {
             let mut pairs = self.comparison.pairs.iter();
-            let pair = pairs.find(|p| [&p.a, &p.b] == [&native.name, name]);
+            let pair = pairs.find(|p| {
+                let both = [p.a.as_str(), p.b.as_str()];
+                both.contains(&native.name.as_str()) && both.contains(&name)
+            });
             let mut entries = pair.into_iter().flat_map(|pair| &pair.entries);
             let entry = entries.find(|e| e.quantity == quantity && e.window == window);
-            entry.is_some_and(|entry| entry.result.verdict == Verdict::Agree)
+            entry.map(|entry| entry.result.verdict)
         };
-        let engines = self.participants.iter();
-        // Measured data are judged against their own uncertainty.
-        let engines = engines.filter(|p| !matches!(p.track, Track::Native | Track::Measured));
-        let all = engines.flat_map(|engine| {
+        let others = self.participants.iter();
+        let others = others.filter(|p| p.track != Track::Native);
+        let all = others.flat_map(|other| {
             let quantities = [
                 columns::EXTERNAL_FORCE,
                 columns::INTERNAL_FORCE,
                 columns::INPUT_TORQUE,
             ];
-            let agree = &agree;
+            let verdict = &verdict;
             quantities.into_iter().filter_map(move |quantity| {
                 Some(Largest {
-                    engine: &engine.name,
+                    engine: &other.name,
+                    measured: other.track == Track::Measured,
                     quantity,
                     here: figure(&native.name, quantity)?,
-                    there: figure(&engine.name, quantity)?,
-                    twin: self.twins.iter().find(|twin| twin.engine == engine.name),
-                    agree: agree(&engine.name, quantity),
+                    there: figure(&other.name, quantity)?,
+                    twin: self.twins.iter().find(|twin| twin.engine == other.name),
+                    verdict: verdict(&other.name, quantity),
                 })
             })
         });
@@ -239,6 +245,17 @@ impl Outcome {
     pub fn is_unexplained(&self) -> bool {
         let largest = self.largest();
         largest.is_some_and(|found| found.share() > EXPLAINED && !found.is_explained())
+    }
+
+    /// Whether there is an agreement to show: of two engines, of an engine with a native run with the same contacts, or with
+    /// measured data.
+    #[must_use]
+    pub fn shows_agreement(&self) -> bool {
+        let entries = self.comparison.pairs.iter().flat_map(|pair| &pair.entries);
+        let mut verdicts = entries.map(|entry| entry.result.verdict);
+        let twins = self.twins.iter().map(|twin| twin.verdict);
+        verdicts.any(|verdict| verdict == Verdict::Agree)
+            || twins.into_iter().any(|verdict| verdict == Verdict::Agree)
     }
 
     /// The exit status: 1 too if an engine differs from its twin.

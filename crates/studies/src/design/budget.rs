@@ -9,7 +9,7 @@ use pinwheel_scene::{Bearings, Scene};
 use serde::Serialize;
 
 use super::mesh::Poses;
-use super::{FEW, Spread, twisted};
+use super::{ARCMIN, DesignResult, FEW, Spread, twisted};
 use crate::StudyError;
 use crate::control::{compile, of_scene};
 
@@ -26,11 +26,54 @@ pub struct Share {
     pub lost_motion_arcmin: f64,
 }
 
+/// What remains besides all that a scene has, as a fit to a stiffness that a catalogue or a measurement states.
+///
+/// It is one spring between carrier and output: it says how large the rest is, not what it is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Rest {
+    /// What is stated, N m/arcmin.
+    pub stated_n_m_per_arcmin: f64,
+    /// `bearings.output_torsion_n_m_rad` with which the scene has that stiffness.
+    pub output_torsion_n_m_rad: f64,
+    /// Its share of the whole compliance.
+    pub share: f64,
+}
+
+impl Rest {
+    /// Of a gear whose stiffness is stated.
+    ///
+    /// # Errors
+    /// It is none, or the gear is as soft without a rest.
+    pub(super) fn of(found: &DesignResult, stated: f64) -> Result<Self, StudyError> {
+        let before = found.budget.iter().rfind(|share| share.part != REST);
+        let own = before.map_or(found.torsion.stiffness_n_m_per_arcmin.mean, |share| {
+            share.stiffness_n_m_per_arcmin
+        });
+        if !(stated > 0.0 && stated < own) {
+            return Err(StudyError::Input(format!(
+                "a stated stiffness of {stated} N m/arcmin leaves nothing to fit: the gear has {own:.3} N m/arcmin by what the \
+                 scene says; state less than that and more than 0"
+            )));
+        }
+        let share = 1.0 - stated / own;
+        Ok(Self {
+            stated_n_m_per_arcmin: stated,
+            output_torsion_n_m_rad: stated / share * ARCMIN,
+            share,
+        })
+    }
+}
+
+/// The part that gives way in every gear.
+pub(super) const CONTACTS: &str = "contacts";
+/// The part that a fit replaces.
+pub(super) const REST: &str = "carrier and flange";
+
 /// Of the gear under the `working` load; empty where contacts alone give way.
 pub(super) fn of(gearbox: &Gearbox, working: f64) -> Result<Vec<Share>, StudyError> {
     let all = gearbox.scene.bearings;
     let parts = [
-        ("contacts", true, Bearings::default()),
+        (CONTACTS, true, Bearings::default()),
         (
             "eccentric bearings",
             all.eccentric.is_some(),
@@ -39,11 +82,7 @@ pub(super) fn of(gearbox: &Gearbox, working: f64) -> Result<Vec<Share>, StudyErr
                 ..Bearings::default()
             },
         ),
-        (
-            "carrier and flange",
-            all.output_torsion_n_m_rad.is_some(),
-            all,
-        ),
+        (REST, all.output_torsion_n_m_rad.is_some(), all),
     ];
     let mut shares: Vec<Share> = Vec::new();
     if all == Bearings::default() {

@@ -44,7 +44,7 @@ use crate::output::{OutputError, write_with};
 use crate::provenance::{Provenance, Summary};
 use crate::{Control, Progress, StudyError, single};
 
-pub use budget::Share;
+pub use budget::{Rest, Share};
 pub use cycle::Cycle;
 pub use drawing::{CHORD_M, Drawing};
 pub use figures::DesignFigure;
@@ -140,6 +140,7 @@ pub struct Operating {
     /// `None` where no work passes, or the run diverged.
     pub efficiency: Option<Efficiency>,
     /// How far it may be off, by the run's own verification of the driver's torque.
+    #[serde(rename = "numerical_uncertainty")]
     pub uncertainty: Option<f64>,
     /// How the run ended.
     pub status: &'static str,
@@ -170,6 +171,9 @@ pub struct DesignResult {
     pub transmission: [Transmission; 2],
     /// What gives way under the rated load; empty where contacts alone do.
     pub budget: Vec<Share>,
+    /// What remains, as a fit to a stated stiffness ([`DesignResult::fit_rest`]).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rest: Option<Rest>,
     /// Who carries the rated load.
     pub sharing: [Sharing; 2],
     /// Pressure and sliding under the rated load.
@@ -306,6 +310,7 @@ pub(crate) fn figures_of(
             twist_arcmin: curve.1,
         },
         budget: budget::of(gearbox, working)?,
+        rest: None,
         sharing: summed.sharing,
         pressure: summed.pressure,
         bearings,
@@ -487,6 +492,35 @@ fn operating(
 }
 
 impl DesignResult {
+    /// Fits what the scene does not have to a stiffness that is stated, N m/arcmin.
+    ///
+    /// # Errors
+    /// There is nothing to fit.
+    pub fn fit_rest(&mut self, stated_n_m_per_arcmin: f64) -> Result<(), StudyError> {
+        self.rest = Some(Rest::of(self, stated_n_m_per_arcmin)?);
+        Ok(())
+    }
+
+    /// What gives way and its share of the whole compliance; with a fitted rest, of the whole with it. Empty where contacts alone
+    /// do.
+    #[must_use]
+    pub fn shares(&self) -> Vec<(&'static str, f64)> {
+        let own = self.budget.iter().map(|part| (part.part, part.share));
+        let Some(rest) = self.rest else {
+            return own.collect();
+        };
+        let mut shares: Vec<_> = own.filter(|(part, _)| *part != budget::REST).collect();
+        if shares.is_empty() {
+            shares.push((budget::CONTACTS, 1.0));
+        }
+        let whole: f64 = shares.iter().map(|(_, share)| share).sum();
+        for (_, share) in &mut shares {
+            *share *= (1.0 - rest.share) / whole;
+        }
+        shares.push(("the rest, fitted", rest.share));
+        shares
+    }
+
     /// Writes `summary.json`, `torsion.csv`, `period.csv`, of runs `hysteresis.csv`, and the joint into the folder `dir`.
     ///
     /// # Errors

@@ -62,7 +62,7 @@ pub struct RunRecord {
     /// Evaluations of the contact forces.
     pub rhs_calls: u64,
     /// Numerical uncertainty of the forces and of the driver's torque, relative, where the engine has verified its run.
-    #[serde(default)]
+    #[serde(default, rename = "numerical_uncertainty", alias = "uncertainty")]
     pub uncertainty: Option<[f64; 2]>,
     /// Remarks of the engine.
     pub notes: Vec<String>,

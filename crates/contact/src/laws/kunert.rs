@@ -1,0 +1,38 @@
+//! Line contact after Kunert: `F_n = max(0, K_L delta^(1/0.925) + S(delta) C v)`; see [`super::line_contact`].
+//!
+//! delta = 4.05e-5 F^0.925/L^0.85 with delta and L in mm and F in N, for steel rollers whose ends fall off so that they press
+//! evenly along their length. So `K_L = H (1000/4.05e-5)^(1/0.925) L^(0.85/0.925)`, whatever the radii.
+
+use super::{LawInfo, LawParameters, LineContact, line_contact};
+
+pub(super) fn new(parameters: &LawParameters) -> LineContact {
+    LineContact::fitted(4.05e-5, 1.0 / 0.925, 0.85 / 0.925, parameters)
+}
+
+pub(super) const INFO: LawInfo = LawInfo {
+    name: "kunert",
+    summary: "profiled rollers on a line after Kunert, exponent 1/0.925, with the paper's damping",
+    formula: "max(0, K_L delta^(1/0.925) + S(delta) C v), K_L = H (1000/4.05e-5)^(1/0.925) L_mm^(0.85/0.925)",
+    source: "K. Kunert, 1961: delta = 4.05e-5 F^0.925/L^0.85 (mm, N), as in R. Teutsch, B. Sauer, J. Tribology 126 (2004) 436, Table 1",
+    domain: "steel rollers of the best profile for their load on a half space; the radii do not enter",
+    materials: "steel: fitted to it",
+    ..line_contact::INFO
+};
+
+#[cfg(test)]
+mod tests {
+    use super::super::NormalLaw as _;
+    use super::*;
+
+    /// The formula as printed, with H = 1: 1000 N on 10 mm.
+    #[test]
+    fn published_depth_is_kunert_s() {
+        let parameters = LawParameters {
+            stiffness_multiplier: 1.0,
+            ..LawParameters::default()
+        };
+        let law = new(&parameters);
+        let depth = 1e-3 * 4.05e-5 * 1000.0_f64.powf(0.925) / 10.0_f64.powf(0.85);
+        assert!((law.force(0.0, depth, 0.0) / 1000.0 - 1.0).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,44 @@
+//! Shares of a whole as one bar, each part with its name and its share.
+
+use std::fmt::Write as _;
+
+use pinwheel_files::output::escape;
+
+use crate::colours;
+use crate::format::significant;
+
+/// Markup of the bar. A part is as long as its share, and the list below names all of them, however short they are.
+#[must_use]
+pub fn stack(caption: &str, parts: &[(&str, f64)]) -> String {
+    let (mut bar, mut names) = (String::new(), String::new());
+    for (k, (name, share)) in parts.iter().enumerate() {
+        let (name, colour) = (escape(name), k % colours::COUNT);
+        let percent = 100.0 * share.clamp(0.0, 1.0);
+        let told = significant(100.0 * share, 2);
+        let _ = write!(
+            bar,
+            "<i style=\"flex:{percent:.4};--part:var(--line-{colour})\"></i>"
+        );
+        let _ = write!(
+            names,
+            "<li style=\"--part:var(--line-{colour})\">{name} <b>{told} %</b></li>"
+        );
+    }
+    let caption = escape(caption);
+    format!(
+        "<figure class=\"stack\"><figcaption>{caption}</figcaption><div aria-hidden=\"true\">{bar}</div><ul>{names}</ul></figure>"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_as_long_as_their_shares() {
+        let markup = stack("a <whole>", &[("one", 0.25), ("two", 0.75)]);
+        assert!(markup.contains("a &lt;whole&gt;"));
+        assert!(markup.contains("flex:25.0000") && markup.contains("flex:75.0000"));
+        assert!(markup.contains("two <b>75 %</b>"), "{markup}");
+    }
+}

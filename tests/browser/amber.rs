@@ -1,0 +1,135 @@
+//! No green without an agreement to show, nor with a difference that nothing explains: who differs, why, and what to do, on the first
+//! screen of page and terminal.
+
+use std::path::Path;
+
+use pinwheel_tests::{run_in, words};
+use pinwheel_timeseries::TimeSeries;
+
+use crate::chromium::Chromium;
+use crate::interact::DESK;
+
+/// What a comparison says: banner, first screen, and terminal.
+struct Said {
+    banner: String,
+    screen: String,
+    terminal: String,
+}
+
+impl Said {
+    fn of(browser: &mut Chromium, dir: &Path, command: &str, code: i32) -> Self {
+        let args = format!("compare {command} --out r --force");
+        let done = run_in(dir, words(&args));
+        assert_eq!(done.code, Some(code), "{command}: {done:?}");
+        assert!(done.stdout.lines().count() <= 30, "{}", done.stdout);
+        browser.open(&dir.join("r/index.html"), DESK);
+        let mut text = |what: &str| browser.evaluate(what).as_str().unwrap().to_owned();
+        Self {
+            banner: text("document.querySelector('.banner').className"),
+            screen: text(
+                "[...document.querySelectorAll('.answer *')].filter((e) => e.getBoundingClientRect().bottom < 1000).map((e) => e.textContent).join(' ')",
+            ),
+            terminal: done.stdout.split_whitespace().collect::<Vec<_>>().join(" "),
+        }
+    }
+
+    /// Shown as `tone`, with all of `wanted` on the first screen and on the terminal.
+    fn says(&self, tone: &str, verdict: &str, wanted: &[&str]) {
+        assert_eq!(self.banner, format!("banner {tone}"), "{}", self.screen);
+        let last = self.terminal.contains(&verdict.to_uppercase());
+        assert!(last && self.screen.contains(verdict), "{}", self.terminal);
+        for wanted in wanted {
+            assert!(self.screen.contains(wanted), "{wanted}: {}", self.screen);
+            let plain = wanted.replace('\u{202f}', " ");
+            let terminal = self.terminal.replace('\u{202f}', " ");
+            assert!(terminal.contains(&plain), "{wanted}: {terminal}");
+        }
+    }
+}
+
+/// A rig of 120 % of the driver's torque, and its map, which says how far it may be off or does not.
+fn rig(dir: &Path, uncertainty: &str) {
+    let ran = run_in(
+        dir,
+        words("run paper --set solver.duration_s=0.02 --out ours --force"),
+    );
+    assert_eq!(ran.code, Some(0), "{ran:?}");
+    let ours = TimeSeries::load_csv(&dir.join("ours/courses.csv")).unwrap();
+    let torque = ours.channel("input_torque_n_m").unwrap();
+    let rows = ours.time_s().iter().zip(torque);
+    let rows: String = rows
+        .map(|(t, torque)| format!("{t},{}\n", 1.2 * torque))
+        .collect();
+    std::fs::write(dir.join("rig.csv"), format!("t,torque\n{rows}")).unwrap();
+    let map = format!(
+        "name = \"rig\"\n[time]\ncolumn = \"t\"\n[columns]\ninput_torque_n_m = {{ column = \"torque\"{uncertainty} }}\n"
+    );
+    std::fs::write(dir.join("rig.toml"), map).unwrap();
+}
+
+#[test]
+fn browser_is_amber_where_nothing_confirms() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let browser = &mut browser;
+    let dir = tempfile::tempdir().unwrap();
+    let dir = dir.path();
+    let short = "--set solver.duration_s=0.02";
+    // One engine alone agrees with its load, and with nobody.
+    let alone = Said::of(browser, dir, &format!("paper --engines reduced {short}"), 0);
+    alone.says("open", "Not confirmed", &["nothing agrees yet"]);
+
+    // Data that are 20 % off and do not say how far they may be.
+    let against =
+        format!("paper --engines reduced,lagrange --against rig.csv --map rig.toml {short}");
+    rig(dir, "");
+    let off = Said::of(browser, dir, &against, 0);
+    off.says(
+        "open",
+        "Not confirmed",
+        &["by rig", "nothing explains it", "state in its map how far"],
+    );
+    // And that do.
+    rig(dir, ", uncertainty = { of_reading = 0.005 }");
+    let judged = Said::of(browser, dir, &against, 0);
+    judged.says(
+        "open",
+        "Not confirmed",
+        &["by rig", "nothing explains it", "what the model leaves out"],
+    );
+
+    // A solver whose forces are 20 % too large: with runs that show how far it may be off it differs, without it confirms nothing.
+    let made = run_in(dir, words("solver new --language python mine"));
+    assert_eq!(made.code, Some(0), "{made:?}");
+    let place = dir.join("mine/solver.py");
+    let sound = std::fs::read_to_string(&place).unwrap();
+    let faulty = sound.replace("[math.hypot(", "[1.2 * math.hypot(");
+    assert_ne!(sound, faulty);
+    std::fs::write(&place, faulty).unwrap();
+    let of = format!("paper --engines reduced,lagrange --solver mine/solver.toml {short}");
+    let differs = Said::of(browser, dir, &of, 1);
+    differs.says("fail", "Differs", &["mine"]);
+    let manifest = dir.join("mine/solver.toml");
+    let text = std::fs::read_to_string(&manifest).unwrap();
+    let (kept, _) = text.split_once("[refine]").unwrap();
+    std::fs::write(&manifest, kept).unwrap();
+    let unknown = Said::of(browser, dir, &of, 0);
+    unknown.says(
+        "open",
+        "Not confirmed",
+        &["by mine", "nothing explains it", "leave it out"],
+    );
+}
+
+/// An engine with contacts of its own beside the native solver: what parts them is told, and whose contacts explain it.
+#[test]
+fn browser_says_whose_contacts_make_the_difference() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let command = "paper --engines reduced,rapier-colliders --set solver.duration_s=0.1 --set contact.law=hunt-crossley";
+    let said = Said::of(&mut browser, dir.path(), command, 0);
+    said.says("pass", "Pass", &["from native runs with the same contacts"]);
+}
