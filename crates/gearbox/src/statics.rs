@@ -133,12 +133,13 @@ impl<'a> Statics<'a> {
         let (layout, geometry) = (self.gearbox.layout, &self.gearbox.geometry);
         let motion = &self.motion;
         let (input, output) = ([phi, motion.speed], [psi, motion.output[0]]);
+        let eccentric = [0, 1].map(|k| geometry.eccentric_angle(input[k], output[k]));
         for (body, [angle, rate]) in [(Layout::INPUT, input), (Layout::OUTPUT, output)] {
             self.bodies[body].angle = angle;
             self.bodies[body].rate = rate;
         }
         for (i, body) in layout.wheel_bodies().enumerate() {
-            self.bodies[body] = geometry.wheel_state(i, input, [wheels[i], motion.wheels[i][0]]);
+            self.bodies[body] = geometry.wheel_state(i, eccentric, [wheels[i], motion.wheels[i][0]]);
         }
         for (k, body) in layout.internal_bodies().enumerate() {
             self.bodies[body] = geometry.internal_state(k, output);
@@ -191,7 +192,7 @@ impl<'a> Statics<'a> {
     /// Half widths of the brackets: of a wheel about its ideal mesh, of the output about its own.
     fn brackets(&self) -> (f64, f64) {
         let geometry = &self.gearbox.geometry;
-        let twist = PITCHES * std::f64::consts::TAU / geometry.ratio();
+        let twist = PITCHES * std::f64::consts::TAU / geometry.lobes();
         let wheel = geometry.wheel_play_rad + twist;
         (wheel, wheel + twist + geometry.hole_play_rad)
     }
@@ -398,7 +399,8 @@ impl<'a> Statics<'a> {
             self.gearbox.load_torque(0.0),
         );
         // A hundredth of a mesh period: contacts pass through their ramps within a few of these.
-        let h = 0.01 * std::f64::consts::TAU / (self.gearbox.geometry.ratio() + 1.0);
+        let mesh = std::f64::consts::TAU / (self.gearbox.geometry.lobes() + 1.0);
+        let h = 0.01 * mesh / self.gearbox.scene.eccentric_per_input().abs();
         self.motion = Motion::none(self.gearbox.layout.wheels);
         let mut here = self.solve(0.0, load)?;
         for _ in 0..2 {

@@ -62,6 +62,18 @@ pub(crate) fn shortening(given: &Given<'_>) -> Option<f64> {
     Some(given.number("gear.eccentricity_m")? * given.number("gear.external_sleeves")? / radius)
 }
 
+pub(crate) fn cranks(given: &Given<'_>) -> Option<f64> {
+    given.number("cranks.count")
+}
+
+pub(crate) fn crank_circle(given: &Given<'_>) -> Option<f64> {
+    given.number("cranks.circle_radius_m")
+}
+
+pub(crate) fn crank_shaft(given: &Given<'_>) -> Option<f64> {
+    Some(given.number("cranks.bore_radius_m")? - given.number("gear.eccentricity_m")?)
+}
+
 pub(crate) fn hole_radius(given: &Given<'_>) -> Option<f64> {
     Some(given.number("gear.internal_sleeve_radius_m")? + given.number("gear.eccentricity_m")?)
 }

@@ -37,6 +37,8 @@ pub const PRESETS: &[Preset] = presets![
     "toleranced",
     "paper-bearings",
     "printed-drive",
+    "rv-320",
+    "rv-40e-like",
     // Hard on integrators: each one's description says why.
     "hard-adhesive",
     "hard-all-open",
