@@ -102,13 +102,18 @@ impl Cranks {
     }
 
     /// See [`Bearings::share`](super::Bearings::share).
-    pub(super) fn share(&self, share: f64) -> Self {
+    pub(super) fn share(&self, share: f64, of_clearance: f64) -> Self {
         let mut less = self.clone();
         less.support = self.support.map(|support| support / share);
         for (_, clearance) in less.bores.iter_mut().flatten() {
-            *clearance *= share;
+            *clearance *= of_clearance;
         }
         less
+    }
+
+    /// Clearance of a bearing beyond that of all, m.
+    pub(super) fn extra_clearance_m(&self, wheel: usize, crank: usize) -> f64 {
+        self.bores[wheel][crank].1
     }
 
     fn count(&self) -> usize {
@@ -172,7 +177,7 @@ impl Cranks {
 
     /// The bearing's law in a bore with a clearance of its own.
     fn law(&self, law: &BearingLaw, wheel: usize, crank: usize) -> BearingLaw {
-        let clearance_m = law.clearance_m + self.bores[wheel][crank].1;
+        let clearance_m = law.clearance_m + self.extra_clearance_m(wheel, crank);
         BearingLaw { clearance_m, ..*law }
     }
 

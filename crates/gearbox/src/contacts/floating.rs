@@ -50,14 +50,14 @@ impl Bearings {
         })
     }
 
-    /// The same bearings and supports giving way by a share of what they do under the same forces.
-    pub(crate) fn share(&self, share: f64) -> Self {
+    /// The same bearings and supports giving way by a share of what they do under the same forces, with one of their clearance.
+    pub(crate) fn share(&self, share: f64, of_clearance: f64) -> Self {
         let law = BearingLaw {
             stiffness: self.law.stiffness / share.powf(self.law.exponent),
-            clearance_m: self.law.clearance_m * share,
+            clearance_m: self.law.clearance_m * of_clearance,
             ..self.law
         };
-        let cranks = self.cranks.as_ref().map(|cranks| cranks.share(share));
+        let cranks = self.cranks.as_ref().map(|cranks| cranks.share(share, of_clearance));
         Self {
             law,
             cranks,
@@ -93,6 +93,12 @@ impl Bearings {
         };
         cranks.crank(&self.law, self.layout, bodies, crank, &mut found);
         found[wheel].load()
+    }
+
+    /// Clearance of that bearing, m.
+    pub(crate) fn clearance_m(&self, wheel: usize, crank: usize) -> f64 {
+        let own = self.cranks.as_ref().map(|cranks| cranks.extra_clearance_m(wheel, crank));
+        self.law.clearance_m + own.unwrap_or_default()
     }
 
     /// The bearing of a wheel on its one eccentric.

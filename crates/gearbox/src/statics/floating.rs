@@ -36,6 +36,8 @@ const REMEMBERED: usize = 8;
 const STEPS: usize = 60;
 const HALVINGS: usize = 12;
 const SERVES: f64 = 0.2;
+/// Least step of the clearance, as a share of it.
+const LEAST_LOOSER: f64 = 1e-4;
 /// Steps at most of a root in a bracket.
 const BISECTIONS: usize = 200;
 /// What may be left of forces and moments, as a share of the load's.
@@ -344,6 +346,8 @@ impl Statics<'_> {
             }
         }
         let none = || GearboxError::NoEquilibrium { load_n_m: load };
+        // Several bearings a wheel do not all give way along the forces found: their clearance comes last.
+        let tight = if self.gearbox.scene.cranks.is_some() { 0.0 } else { 1.0 };
         // A first step that fails is tried from nearer to the rigid gear.
         let mut before: Option<(f64, Vec<f64>)> = None;
         let mut growth = GROWTH;
@@ -353,11 +357,15 @@ impl Statics<'_> {
                 None => u.clone(),
             };
             if self
-                .balance(phi, load, &bearings.share(share), &mut there)
+                .balance(phi, load, &bearings.share(share, tight * share), &mut there)
                 .is_some()
             {
                 if share >= 1.0 {
-                    return Ok(self.floating_equilibrium(phi, load, &bearings, &there));
+                    let whole = match self.gearbox.scene.cranks {
+                        Some(_) => self.loosened(phi, load, &bearings, there).ok_or_else(none)?,
+                        None => there,
+                    };
+                    return Ok(self.floating_equilibrium(phi, load, &bearings, &whole));
                 }
                 before = Some((share, there));
             } else {
@@ -374,6 +382,36 @@ impl Statics<'_> {
                 }
             };
         }
+    }
+
+    /// From the balance on bearings without clearance to that with all of it: each step moves wheels on by what their bearings
+    /// give way more, along the offsets that they have.
+    fn loosened(&mut self, phi: f64, load: f64, bearings: &Bearings, mut u: Vec<f64>) -> Option<Vec<f64>> {
+        let (mut share, mut step) = (0.0, 1.0);
+        let layout = self.gearbox.layout;
+        while share < 1.0 && step > LEAST_LOOSER {
+            let next = f64::min(share + step, 1.0);
+            let looser = bearings.share(1.0, next);
+            self.place_floating(phi, &u, None);
+            let mut there = u.clone();
+            for (i, wheel) in there[1..].chunks_mut(OF_A_WHEEL).enumerate() {
+                for (crank, seat) in layout.internal_bodies().enumerate() {
+                    let [dx, dy] = bearings.of_crank(&self.bodies, i, crank).offset_m;
+                    let seat = self.bodies[seat];
+                    let further = (next - share) * bearings.clearance_m(i, crank)
+                        / (dx.hypot(dy).max(f64::MIN_POSITIVE) * layout.internal_sleeves as f64);
+                    wheel[0] += further * dx;
+                    wheel[1] += further * dy;
+                    let square = seat.x * seat.x + seat.y * seat.y;
+                    wheel[2] += further * (seat.x * dy - seat.y * dx) / square;
+                }
+            }
+            match self.balance(phi, load, &looser, &mut there) {
+                Some(_) => (share, u, step) = (next, there, 2.0 * step),
+                None => step *= 0.5,
+            }
+        }
+        (share >= 1.0).then_some(u)
     }
 
     /// Where bearings sit from a wheel's centre, m, and what each will have to carry of `contacts`, N: of cranks the least that
