@@ -20,7 +20,7 @@ use newton::NEAR_STEPS;
 use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums, Wrench};
 
 use crate::Layout;
-use crate::contacts::{ContactField, PairContact};
+use crate::contacts::{Bearings, ContactField, PairContact};
 use crate::{Gearbox, GearboxError};
 
 /// Elastic twist allowed beyond the free play, in pitches (2 pi/zs): the guard of dynamic runs is 0.25.
@@ -382,6 +382,13 @@ impl<'a> Statics<'a> {
         self.field
             .touching(&equilibrium.bodies, &mut |pair| pairs.push(*pair));
         pairs
+    }
+
+    /// The bearings that cranks of an RV gear carry wheels by, as pairs; of other gears none.
+    pub fn on_cranks(&mut self, equilibrium: &Equilibrium) -> Vec<PairContact> {
+        let bearings = Bearings::of(&self.gearbox.scene, &self.gearbox.geometry);
+        let found = bearings.map(|bearings| bearings.crank_pairs(&equilibrium.bodies));
+        found.unwrap_or_default()
     }
 
     /// States at t = 0 of a run that starts loaded and already in its slow motion.

@@ -14,7 +14,7 @@ use pinwheel_scene::bearings::BearingLaw;
 
 use super::field::ContactEnergy;
 use super::floating::BearingLoad;
-use crate::Layout;
+use crate::{Layout, Sleeve};
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 
@@ -258,11 +258,34 @@ impl Cranks {
                 loads[wheel].moment += bearing.drag - cross(bearing.arm, [fx, fy]);
             }
             let moment = Self::moment(found);
-            let BodyState { x, y, .. } = bodies[body];
-            let across = (1.0 + self.teeth_ratio) * moment / (x * x + y * y);
-            loads[body].fx += sum[0] - across * y;
-            loads[body].fy += sum[1] + across * x;
+            let [fx, fy] = self.with_mesh(sum, moment, &bodies[body]);
+            loads[body].fx += fx;
+            loads[body].fy += fy;
             loads[Layout::INPUT].moment -= self.teeth_ratio * moment;
+        }
+    }
+
+    /// What a crank hands to the output, N: the force of its bearings, and that of its planet's mesh under the crank's moment.
+    fn with_mesh(&self, force: [f64; 2], moment: f64, &BodyState { x, y, .. }: &BodyState) -> [f64; 2] {
+        let across = (1.0 + self.teeth_ratio) * moment / (x * x + y * y);
+        [force[0] - across * y, force[1] + across * x]
+    }
+
+    /// See [`Bearings::on_output`](super::Bearings::on_output).
+    pub(super) fn on_output(
+        &self,
+        law: &BearingLaw,
+        layout: Layout,
+        bodies: &[BodyState],
+        visit: &mut dyn FnMut(Sleeve, [f64; 2]),
+    ) {
+        let mut found = [CrankBearing::default(); WHEELS];
+        for (crank, body) in layout.internal_bodies().enumerate() {
+            self.crank(law, layout, bodies, crank, &mut found);
+            let found = &found[..layout.wheels];
+            let sum = |k: usize| found.iter().map(|bearing| bearing.on_crank[k]).sum();
+            let force = self.with_mesh([sum(0), sum(1)], Self::moment(found), &bodies[body]);
+            visit(Sleeve::Internal(crank), force);
         }
     }
 

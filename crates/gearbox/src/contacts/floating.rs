@@ -84,7 +84,8 @@ impl Bearings {
         all
     }
 
-    /// The bearing of a crank of an RV gear in a wheel; of other gears nothing.
+    /// The bearing of a crank of an RV gear in a wheel, whose offset is the bore's centre from the eccentric's; of other gears
+    /// nothing.
     #[must_use]
     pub fn of_crank(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> BearingLoad {
         let mut found = [CrankBearing::default(); WHEELS];
@@ -93,6 +94,48 @@ impl Bearings {
         };
         cranks.crank(&self.law, self.layout, bodies, crank, &mut found);
         found[wheel].load()
+    }
+
+    /// The same as a pair of wheel and crank.
+    fn crank_pair(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> PairContact {
+        let load = self.of_crank(bodies, wheel, crank);
+        let ([dx, dy], [fx, fy]) = (load.offset_m, load.on_wheel);
+        let offset = dx.hypot(dy);
+        let normal = match offset > 0.0 {
+            true => [-dx / offset, -dy / offset],
+            false => [0.0; 2],
+        };
+        let seat = bodies[self.layout.sleeve_body(Sleeve::Internal(crank))];
+        PairContact {
+            wheel,
+            sleeve: Sleeve::Internal(crank),
+            point: [seat.x + dx, seat.y + dy],
+            normal,
+            penetration_m: offset - self.clearance_m(wheel, crank),
+            normal_rate_m_s: load.rate,
+            tangential_rate_m_s: 0.0,
+            stiffness: self.law.stiffness,
+            normal_force_n: fx.hypot(fy),
+            friction_force_n: 0.0,
+            along_force_n: 0.0,
+            centre: [seat.x, seat.y],
+        }
+    }
+
+    /// All of them that carry.
+    pub(crate) fn crank_pairs(&self, bodies: &[BodyState]) -> Vec<PairContact> {
+        let cranks = self.cranks.iter().flat_map(|_| 0..self.layout.internal_sleeves);
+        let of_crank = |crank| (0..self.layout.wheels).map(move |wheel| (wheel, crank));
+        let all = cranks.flat_map(of_crank);
+        let pairs = all.map(|(wheel, crank)| self.crank_pair(bodies, wheel, crank));
+        pairs.filter(|pair| pair.normal_force_n > 0.0).collect()
+    }
+
+    /// Visits every crank of an RV gear with the force that it hands to the output, N, ground frame.
+    pub fn on_output(&self, bodies: &[BodyState], visit: &mut dyn FnMut(Sleeve, [f64; 2])) {
+        if let Some(cranks) = &self.cranks {
+            cranks.on_output(&self.law, self.layout, bodies, visit);
+        }
     }
 
     /// Clearance of that bearing, m.
@@ -202,7 +245,11 @@ impl ContactField for Floating {
     }
 
     fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
-        self.contacts.nearest(bodies, wheel, sleeve)
+        match (&self.bearings.cranks, sleeve) {
+            // A crank's bearing stands in the place of a sleeve in its hole.
+            (Some(_), Sleeve::Internal(crank)) => self.bearings.crank_pair(bodies, wheel, crank),
+            _ => self.contacts.nearest(bodies, wheel, sleeve),
+        }
     }
 
     fn law(&self) -> &Law {

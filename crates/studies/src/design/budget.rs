@@ -5,7 +5,8 @@
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_scene::{Bearings, Scene};
+use pinwheel_scene::bearings::{BearingLaw, typical_force};
+use pinwheel_scene::{Bearings, EccentricBearing, Scene};
 use serde::Serialize;
 
 use super::mesh::Poses;
@@ -26,39 +27,56 @@ pub struct Share {
     pub lost_motion_arcmin: f64,
 }
 
+/// Cranks without bearings are held more often than they move: bearings so much stiffer stand for rigid ones.
+const STIFFER: f64 = 1e4;
+
+/// What contacts alone leave of a scene's bearings.
+fn rigid(scene: &mut Scene) {
+    let law = BearingLaw::of(scene).filter(|_| scene.cranks.is_some());
+    scene.bearings = Bearings {
+        eccentric: law.map(|law| EccentricBearing {
+            stiffness_n_m: Some(STIFFER * law.slope_under(typical_force(scene))),
+            ..EccentricBearing::default()
+        }),
+        ..Bearings::default()
+    };
+    if let Some(cranks) = &mut scene.cranks {
+        cranks.support_stiffness_n_m = None;
+    }
+}
+
 /// Of the gear under the `working` load; empty where contacts alone give way.
 pub(super) fn of(gearbox: &Gearbox, working: f64) -> Result<Vec<Share>, StudyError> {
     let all = gearbox.scene.bearings;
-    let parts = [
-        ("contacts", true, Bearings::default()),
-        (
-            "eccentric bearings",
-            all.eccentric.is_some(),
-            Bearings {
-                eccentric: all.eccentric,
-                ..Bearings::default()
-            },
-        ),
-        (
-            "carrier and flange",
-            all.output_torsion_n_m_rad.is_some(),
-            all,
-        ),
-    ];
+    let support = (gearbox.scene.cranks).and_then(|cranks| cranks.support_stiffness_n_m);
+    let mut scene = Scene::clone(&gearbox.scene);
+    rigid(&mut scene);
+    let mut parts = vec![("contacts", scene.clone())];
+    if all.eccentric.is_some() {
+        scene.bearings.eccentric = all.eccentric;
+        let part = match scene.cranks {
+            Some(_) => "crank bearings",
+            None => "eccentric bearings",
+        };
+        parts.push((part, scene.clone()));
+    }
+    if let (Some(cranks), Some(_)) = (&mut scene.cranks, support) {
+        cranks.support_stiffness_n_m = support;
+        parts.push(("crank supports", scene.clone()));
+    }
+    if all.output_torsion_n_m_rad.is_some() {
+        scene.bearings = all;
+        parts.push(("carrier and flange", scene));
+    }
     let mut shares: Vec<Share> = Vec::new();
     if all == Bearings::default() {
         return Ok(shares);
     }
     let mut compliance = Vec::new();
-    for (part, is_there, bearings) in parts {
-        if !is_there {
-            continue;
-        }
-        let mut scene = Scene::clone(&gearbox.scene);
-        scene.bearings = bearings;
+    for (part, scene) in parts {
         let gearbox = compile(&scene)?;
         let of_scene = |source| of_scene(&gearbox.scene, source);
-        let poses = Poses::of(&scene.gear).few(FEW);
+        let poses = Poses::of(&scene).few(FEW);
         let mut statics = Statics::new(&gearbox).map_err(of_scene)?;
         let found = twisted(&mut statics, &poses, &gearbox, working).map_err(of_scene)?;
         let stiffness = Spread::of(found.1.into_iter().flatten()).mean;
