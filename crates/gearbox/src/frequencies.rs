@@ -31,8 +31,8 @@ impl Frequencies {
         let floating = BearingLaw::of(scene).map_or(0.0, |bearing| {
             let sleeves = 0.25 * (gear.external_sleeves + gear.internal_sleeves) as f64;
             let bearings = scene.cranks.map_or(1, |cranks| cranks.count) as f64;
-            let stiffness =
-                bearings * bearing.slope_under(typical_force(scene)) + sleeves * scales.contact_stiffness_n_m;
+            let stiffness = bearings * bearing.slope_under(typical_force(scene))
+                + sleeves * scales.contact_stiffness_n_m;
             (stiffness / scene.mass.wheel.mass_kg).sqrt()
         });
         let contact_rad_s = f64::max(rigid, floating);

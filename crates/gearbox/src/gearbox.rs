@@ -246,7 +246,11 @@ impl Gearbox {
         };
         let mut bodies = vec![
             body("input shaft".into(), mass.input_shaft, Layout::INPUT),
-            body("output shaft".into(), self.scene.output_shaft(), Layout::OUTPUT),
+            body(
+                "output shaft".into(),
+                self.scene.output_shaft(),
+                Layout::OUTPUT,
+            ),
         ];
         let pin = |parent, parent_point, child| Revolute {
             parent,

@@ -66,6 +66,8 @@ pub struct Statics<'a> {
     slopes: Jacobian,
     /// Of wheels that float, the last balances and their loads.
     floated: Vec<(Equilibrium, f64)>,
+    /// Bearings do not give way.
+    is_rigid: bool,
     /// Evaluations of all contacts so far.
     evaluations: u64,
 }
@@ -122,8 +124,18 @@ impl<'a> Statics<'a> {
             motion: Motion::none(gearbox.layout.wheels),
             slopes: newton::slopes(gearbox),
             floated: Vec::new(),
+            is_rigid: false,
             evaluations: 0,
         })
+    }
+
+    /// The same as if no bearing gave way.
+    #[must_use]
+    pub fn on_rigid_bearings(self) -> Self {
+        Self {
+            is_rigid: true,
+            ..self
+        }
     }
 
     /// Puts all bodies at the input angle `phi` and the given angles, for an evaluation of their loads.
@@ -139,7 +151,8 @@ impl<'a> Statics<'a> {
             self.bodies[body].rate = rate;
         }
         for (i, body) in layout.wheel_bodies().enumerate() {
-            self.bodies[body] = geometry.wheel_state(i, eccentric, [wheels[i], motion.wheels[i][0]]);
+            self.bodies[body] =
+                geometry.wheel_state(i, eccentric, [wheels[i], motion.wheels[i][0]]);
         }
         for (k, body) in layout.internal_bodies().enumerate() {
             self.bodies[body] = geometry.internal_state(k, output);
@@ -255,7 +268,7 @@ impl<'a> Statics<'a> {
     /// # Errors
     /// [`GearboxError::NoEquilibrium`]: the load is more than the teeth carry before they jump.
     pub fn solve(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
-        if self.gearbox.floats() {
+        if self.gearbox.floats() && !self.is_rigid {
             return self.float(phi, load);
         }
         self.solve_rigid(phi, load)
@@ -263,6 +276,9 @@ impl<'a> Statics<'a> {
 
     /// The same with rigid eccentrics.
     fn solve_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+        if self.gearbox.scene.cranks.is_some() {
+            return self.solve_on_cranks(phi, load);
+        }
         let ideal = self.gearbox.geometry.ideal_output_angle(phi);
         let mut wheels = self.ideal_wheels(phi);
         if load == 0.0 && self.rests(phi, &wheels) {

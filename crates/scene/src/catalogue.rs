@@ -504,7 +504,11 @@ impl Catalogue {
             );
         }
         // The output of an RV gear turns with the input: a load against the motion is negative.
-        let against = if self.cranks.is_some() { -self.torque_n_m } else { self.torque_n_m };
+        let against = if self.cranks.is_some() {
+            -self.torque_n_m
+        } else {
+            self.torque_n_m
+        };
         let (speed, torque) = (written(self.speed_rad_s), written(against));
         let rpm = short(self.speed_rad_s * 30.0 / PI);
         let Material {
@@ -644,7 +648,13 @@ pub(crate) mod tests {
     /// A catalogue's ratios, and one that no first stage makes.
     #[test]
     fn an_rv_gear_from_its_ratio() {
-        for (ratio, pins, cranks) in [(57, 42, 2), (81, 40, 2), (105, 40, 2), (121, 40, 3), (153, 38, 3)] {
+        for (ratio, pins, cranks) in [
+            (57, 42, 2),
+            (81, 40, 2),
+            (105, 40, 2),
+            (121, 40, 3),
+            (153, 38, 3),
+        ] {
             let catalogue = Catalogue {
                 cranks: Some(cranks),
                 ..catalogue(ratio, 128.0)
@@ -652,9 +662,16 @@ pub(crate) mod tests {
             let draft = catalogue.draft().unwrap();
             let again = Scene::from_toml(&draft.text, "mine.toml", &[]).unwrap();
             assert_eq!(&*again, &*draft.scene);
-            assert!((again.ratio() - ratio as f64).abs() < 1e-9, "{}", draft.text);
+            assert!(
+                (again.ratio() - ratio as f64).abs() < 1e-9,
+                "{}",
+                draft.text
+            );
             assert!(again.output_per_input() > 0.0 && again.drive.output_torque_n_m < 0.0);
-            assert_eq!((again.gear.external_sleeves, again.gear.internal_sleeves), (pins, cranks));
+            assert_eq!(
+                (again.gear.external_sleeves, again.gear.internal_sleeves),
+                (pins, cranks)
+            );
         }
         let prime = Catalogue {
             cranks: Some(2),

@@ -74,13 +74,25 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
         let [is, wanted] = [is, wanted].map(short);
         Err(Fault::new(
             &[key],
-            format!("is {is}, but cranks stand in the place of internal sleeves and {by} makes it {wanted}"),
+            format!(
+                "is {is}, but cranks stand in the place of internal sleeves and {by} makes it {wanted}"
+            ),
             "leave it out",
         ))
     };
-    own("gear.internal_sleeves", gear.internal_sleeves as f64, "cranks.count", cranks.count as f64)?;
+    own(
+        "gear.internal_sleeves",
+        gear.internal_sleeves as f64,
+        "cranks.count",
+        cranks.count as f64,
+    )?;
     let circle = (gear.internal_circle_radius_m, cranks.circle_radius_m);
-    own("gear.internal_circle_radius_m", circle.0, "cranks.circle_radius_m", circle.1)?;
+    own(
+        "gear.internal_circle_radius_m",
+        circle.0,
+        "cranks.circle_radius_m",
+        circle.1,
+    )?;
     let shaft = cranks.bore_radius_m - gear.eccentricity_m;
     if shaft <= 0.0 {
         return Err(Fault::new(
@@ -92,9 +104,19 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
             "make the bore larger",
         ));
     }
-    own("gear.internal_sleeve_radius_m", gear.internal_sleeve_radius_m, "cranks.bore_radius_m", shaft)?;
+    own(
+        "gear.internal_sleeve_radius_m",
+        gear.internal_sleeve_radius_m,
+        "cranks.bore_radius_m",
+        shaft,
+    )?;
     let bore = gear.hole_radius_m;
-    own("gear.hole_radius_m", bore, "cranks.bore_radius_m", gear.internal_sleeve_radius_m + gear.eccentricity_m)?;
+    own(
+        "gear.hole_radius_m",
+        bore,
+        "cranks.bore_radius_m",
+        gear.internal_sleeve_radius_m + gear.eccentricity_m,
+    )?;
     if scene.bearings.eccentric.is_none() {
         return Err(Fault::new(
             &["bearings.eccentric.stiffness_n_m"],
@@ -104,7 +126,10 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     }
     if contact.internal_stiffness_multiplier.is_some() || contact.internal_spring_n_m.is_some() {
         return Err(Fault::new(
-            &["contact.internal_spring_n_m", "contact.internal_stiffness_multiplier"],
+            &[
+                "contact.internal_spring_n_m",
+                "contact.internal_stiffness_multiplier",
+            ],
             "is for internal sleeves, and an RV gear has none".to_owned(),
             "leave it out",
         ));
@@ -118,7 +143,10 @@ fn at_least_three(gear: &Gear) -> Result<(), Fault> {
     }
     Err(Fault::new(
         &["gear.internal_sleeves"],
-        format!("is {}, and fewer than three cannot hold the output shaft", gear.internal_sleeves),
+        format!(
+            "is {}, and fewer than three cannot hold the output shaft",
+            gear.internal_sleeves
+        ),
         "give at least 3, or [cranks] for an RV gear",
     ))
 }

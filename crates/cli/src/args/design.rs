@@ -119,7 +119,11 @@ impl InitArgs {
             name,
             ratio: usize::from(self.ratio),
             cranks: (self.kind == "rv").then(|| {
-                let usual = if self.pin_circle_diameter_mm < 200.0 { 2 } else { 3 };
+                let usual = if self.pin_circle_diameter_mm < 200.0 {
+                    2
+                } else {
+                    3
+                };
                 self.cranks.map_or(usual, usize::from)
             }),
             pin_circle_diameter_m: mm(self.pin_circle_diameter_mm),

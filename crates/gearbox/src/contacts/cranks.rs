@@ -14,9 +14,9 @@ use pinwheel_scene::bearings::BearingLaw;
 
 use super::field::ContactEnergy;
 use super::floating::BearingLoad;
-use crate::{Layout, Sleeve};
 use crate::geometry::Geometry;
 use crate::scene::Scene;
+use crate::{Layout, Sleeve};
 
 /// Wheels at most: as many as a scene may have.
 pub(super) const WHEELS: usize = 64;
@@ -89,14 +89,19 @@ impl Cranks {
         let bore = |wheel: usize, crank: usize| {
             let centre = geometry.hole_centres[wheel][crank];
             let shaft = geometry.internal_radii_m[crank] + scene.gear.eccentricity_m;
-            ([centre.re, centre.im], geometry.hole_radii_m[wheel][crank] - shaft)
+            (
+                [centre.re, centre.im],
+                geometry.hole_radii_m[wheel][crank] - shaft,
+            )
         };
         let of_wheel = |wheel: usize| (0..cranks.count).map(|crank| bore(wheel, crank)).collect();
         Some(Self {
             teeth_ratio: geometry.teeth_ratio,
             support: cranks.support_stiffness_n_m,
             phases: geometry.crank_phases.clone(),
-            eccentrics: wheels.map(|(phase, e)| [e * phase.cos(), e * phase.sin()]).collect(),
+            eccentrics: wheels
+                .map(|(phase, e)| [e * phase.cos(), e * phase.sin()])
+                .collect(),
             bores: (0..scene.gear.wheels).map(of_wheel).collect(),
         })
     }
@@ -164,7 +169,11 @@ impl Cranks {
             found.offset_m = [found.offset_m[0] - given[0], found.offset_m[1] - given[1]];
             let [dx, dy] = found.offset_m;
             let offset = dx.hypot(dy);
-            let [nx, ny] = if offset > 0.0 { [dx / offset, dy / offset] } else { [0.0; 2] };
+            let [nx, ny] = if offset > 0.0 {
+                [dx / offset, dy / offset]
+            } else {
+                [0.0; 2]
+            };
             found.rate = rates[i][0] * nx + rates[i][1] * ny;
             let force = law.force(offset, found.rate);
             found.stored_j = law.stored(offset);
@@ -178,14 +187,27 @@ impl Cranks {
     /// The bearing's law in a bore with a clearance of its own.
     fn law(&self, law: &BearingLaw, wheel: usize, crank: usize) -> BearingLaw {
         let clearance_m = law.clearance_m + self.extra_clearance_m(wheel, crank);
-        BearingLaw { clearance_m, ..*law }
+        BearingLaw {
+            clearance_m,
+            ..*law
+        }
     }
 
     /// How far a crank gives way: the one balance of a convex potential, from rest by Newton's method.
-    fn gives_way(&self, law: &BearingLaw, crank: usize, support: f64, bearings: &[CrankBearing]) -> [f64; 2] {
+    fn gives_way(
+        &self,
+        law: &BearingLaw,
+        crank: usize,
+        support: f64,
+        bearings: &[CrankBearing],
+    ) -> [f64; 2] {
         // Force that is left at s, its slopes, and the sum of the forces' sizes.
         let left = |s: [f64; 2]| {
-            let (mut force, mut slope, mut size) = ([-support * s[0], -support * s[1]], [support, 0.0, support], support * s[0].hypot(s[1]));
+            let (mut force, mut slope, mut size) = (
+                [-support * s[0], -support * s[1]],
+                [support, 0.0, support],
+                support * s[0].hypot(s[1]),
+            );
             for (i, bearing) in bearings.iter().enumerate() {
                 let law = self.law(law, i, crank);
                 let [dx, dy] = [bearing.offset_m[0] - s[0], bearing.offset_m[1] - s[1]];
@@ -244,7 +266,13 @@ impl Cranks {
     }
 
     /// Adds the loads of all of them.
-    pub(super) fn add_loads(&self, law: &BearingLaw, layout: Layout, bodies: &[BodyState], loads: &mut [Wrench]) {
+    pub(super) fn add_loads(
+        &self,
+        law: &BearingLaw,
+        layout: Layout,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+    ) {
         let mut found = [CrankBearing::default(); WHEELS];
         for (crank, body) in layout.internal_bodies().enumerate() {
             self.crank(law, layout, bodies, crank, &mut found);
@@ -266,7 +294,12 @@ impl Cranks {
     }
 
     /// What a crank hands to the output, N: the force of its bearings, and that of its planet's mesh under the crank's moment.
-    fn with_mesh(&self, force: [f64; 2], moment: f64, &BodyState { x, y, .. }: &BodyState) -> [f64; 2] {
+    fn with_mesh(
+        &self,
+        force: [f64; 2],
+        moment: f64,
+        &BodyState { x, y, .. }: &BodyState,
+    ) -> [f64; 2] {
         let across = (1.0 + self.teeth_ratio) * moment / (x * x + y * y);
         [force[0] - across * y, force[1] + across * x]
     }
@@ -310,7 +343,12 @@ impl Cranks {
     }
 
     /// Torque that holds the input against them, N m.
-    pub(super) fn driver_torque(&self, law: &BearingLaw, layout: Layout, bodies: &[BodyState]) -> f64 {
+    pub(super) fn driver_torque(
+        &self,
+        law: &BearingLaw,
+        layout: Layout,
+        bodies: &[BodyState],
+    ) -> f64 {
         let mut found = [CrankBearing::default(); WHEELS];
         let mut sum = 0.0;
         for crank in 0..self.count() {

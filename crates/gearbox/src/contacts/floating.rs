@@ -57,7 +57,10 @@ impl Bearings {
             clearance_m: self.law.clearance_m * of_clearance,
             ..self.law
         };
-        let cranks = self.cranks.as_ref().map(|cranks| cranks.share(share, of_clearance));
+        let cranks = self
+            .cranks
+            .as_ref()
+            .map(|cranks| cranks.share(share, of_clearance));
         Self {
             law,
             cranks,
@@ -124,7 +127,10 @@ impl Bearings {
 
     /// All of them that carry.
     pub(crate) fn crank_pairs(&self, bodies: &[BodyState]) -> Vec<PairContact> {
-        let cranks = self.cranks.iter().flat_map(|_| 0..self.layout.internal_sleeves);
+        let cranks = self
+            .cranks
+            .iter()
+            .flat_map(|_| 0..self.layout.internal_sleeves);
         let of_crank = |crank| (0..self.layout.wheels).map(move |wheel| (wheel, crank));
         let all = cranks.flat_map(of_crank);
         let pairs = all.map(|(wheel, crank)| self.crank_pair(bodies, wheel, crank));
@@ -140,7 +146,10 @@ impl Bearings {
 
     /// Clearance of that bearing, m.
     pub(crate) fn clearance_m(&self, wheel: usize, crank: usize) -> f64 {
-        let own = self.cranks.as_ref().map(|cranks| cranks.extra_clearance_m(wheel, crank));
+        let own = self
+            .cranks
+            .as_ref()
+            .map(|cranks| cranks.extra_clearance_m(wheel, crank));
         self.law.clearance_m + own.unwrap_or_default()
     }
 

@@ -96,7 +96,10 @@ pub(crate) fn contacts(
     let (scene, geometry) = match scene.cranks {
         Some(_) => {
             let gear = scene.gear.without_internal_sleeves();
-            let scene = Scene { gear, ..scene.clone() };
+            let scene = Scene {
+                gear,
+                ..scene.clone()
+            };
             without = (scene, geometry.without_internal_sleeves());
             (&without.0, &without.1)
         }

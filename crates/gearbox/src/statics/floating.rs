@@ -82,12 +82,19 @@ impl Statics<'_> {
         let moment = share * largest;
         let force = moment / gear.lever_m();
         let stiffest = bearings.law.slope_under(force);
-        let rounding = ROUNDINGS * f64::EPSILON * gear.eccentricity_m * stiffest;
+        // Where bearings sit: of cranks on their circle, about which forces have moments as well.
+        let circle = self
+            .gearbox
+            .scene
+            .cranks
+            .map(|cranks| cranks.circle_radius_m);
+        let place = circle.unwrap_or(gear.eccentricity_m);
+        let rounding = ROUNDINGS * f64::EPSILON * place * stiffest;
         Size {
             length: share * scales.length,
             angle: share * scales.angle,
             force: force.max(rounding / LEFT),
-            moment,
+            moment: moment.max(circle.unwrap_or_default() * rounding / LEFT),
         }
     }
 
@@ -316,11 +323,7 @@ impl Statics<'_> {
 
     /// The same by continuation from the balance of rigid eccentrics.
     fn float_from_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
-        let rigid = match self.gearbox.scene.cranks {
-            Some(_) => self.solve_on_cranks(phi, load)?,
-            None => self.solve_rigid(phi, load)?,
-        };
-        let bearings = self.bearings()?;
+        let (rigid, bearings) = (self.solve_rigid(phi, load)?, self.bearings()?);
         let mut u = self.unknowns(&rigid.bodies, rigid.output);
         // Forces of the contacts alone: what the bearings will have to carry.
         let contacts = self.left(phi, load, &bearings, &u, None);
@@ -347,7 +350,11 @@ impl Statics<'_> {
         }
         let none = || GearboxError::NoEquilibrium { load_n_m: load };
         // Several bearings a wheel do not all give way along the forces found: their clearance comes last.
-        let tight = if self.gearbox.scene.cranks.is_some() { 0.0 } else { 1.0 };
+        let tight = if self.gearbox.scene.cranks.is_some() {
+            0.0
+        } else {
+            1.0
+        };
         // A first step that fails is tried from nearer to the rigid gear.
         let mut before: Option<(f64, Vec<f64>)> = None;
         let mut growth = GROWTH;
@@ -362,7 +369,9 @@ impl Statics<'_> {
             {
                 if share >= 1.0 {
                     let whole = match self.gearbox.scene.cranks {
-                        Some(_) => self.loosened(phi, load, &bearings, there).ok_or_else(none)?,
+                        Some(_) => self
+                            .loosened(phi, load, &bearings, there)
+                            .ok_or_else(none)?,
                         None => there,
                     };
                     return Ok(self.floating_equilibrium(phi, load, &bearings, &whole));
@@ -386,7 +395,13 @@ impl Statics<'_> {
 
     /// From the balance on bearings without clearance to that with all of it: each step moves wheels on by what their bearings
     /// give way more, along the offsets that they have.
-    fn loosened(&mut self, phi: f64, load: f64, bearings: &Bearings, mut u: Vec<f64>) -> Option<Vec<f64>> {
+    fn loosened(
+        &mut self,
+        phi: f64,
+        load: f64,
+        bearings: &Bearings,
+        mut u: Vec<f64>,
+    ) -> Option<Vec<f64>> {
         let (mut share, mut step) = (0.0, 1.0);
         let layout = self.gearbox.layout;
         while share < 1.0 && step > LEAST_LOOSER {
@@ -416,7 +431,11 @@ impl Statics<'_> {
 
     /// Where bearings sit from a wheel's centre, m, and what each will have to carry of `contacts`, N: of cranks the least that
     /// holds force and moment, evenly.
-    fn carried(&self, bodies: &[BodyState], contacts: &[f64]) -> (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>) {
+    fn carried(
+        &self,
+        bodies: &[BodyState],
+        contacts: &[f64],
+    ) -> (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>) {
         let seats: Vec<[f64; 2]> = match self.gearbox.scene.cranks {
             Some(_) => {
                 let cranks = bodies[self.gearbox.layout.internal_bodies()].iter();
@@ -428,7 +447,8 @@ impl Statics<'_> {
         let share = 1.0 / seats.len() as f64;
         let of_wheel = |loads: &[f64]| {
             let turn = if polar > 0.0 { loads[2] / polar } else { 0.0 };
-            let at = |&[x, y]: &[f64; 2]| [share * loads[0] - turn * y, share * loads[1] + turn * x];
+            let at =
+                |&[x, y]: &[f64; 2]| [share * loads[0] - turn * y, share * loads[1] + turn * x];
             seats.iter().map(at).collect()
         };
         let forces = contacts[1..].chunks(OF_A_WHEEL).map(of_wheel).collect();
@@ -436,7 +456,11 @@ impl Statics<'_> {
     }
 
     /// The balance of an RV gear all of whose cranks' bearings are rigid: wheels turn with the output, and one angle is free.
-    fn solve_on_cranks(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+    pub(super) fn solve_on_cranks(
+        &mut self,
+        phi: f64,
+        load: f64,
+    ) -> Result<Equilibrium, GearboxError> {
         let geometry = &self.gearbox.geometry;
         let (rho, middle) = (geometry.teeth_ratio, geometry.ideal_output_angle(phi));
         let homes: Vec<f64> = (0..self.gearbox.layout.wheels)
@@ -463,7 +487,8 @@ impl Statics<'_> {
             if here == 0.0 || last < ANGLE {
                 break;
             }
-            let slope = (moment(psi + DIFFERENCE * ANGLE.sqrt()) - here) / (DIFFERENCE * ANGLE.sqrt());
+            let slope =
+                (moment(psi + DIFFERENCE * ANGLE.sqrt()) - here) / (DIFFERENCE * ANGLE.sqrt());
             let next = next_root(psi, here, slope, (&mut low, &mut high), last);
             (last, psi) = ((next - psi).abs(), next);
         }

@@ -5,8 +5,7 @@
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_scene::bearings::{BearingLaw, typical_force};
-use pinwheel_scene::{Bearings, EccentricBearing, Scene};
+use pinwheel_scene::{Bearings, Scene};
 use serde::Serialize;
 
 use super::mesh::Poses;
@@ -27,33 +26,18 @@ pub struct Share {
     pub lost_motion_arcmin: f64,
 }
 
-/// Cranks without bearings are held more often than they move: bearings so much stiffer stand for rigid ones.
-const STIFFER: f64 = 1e4;
-
-/// What contacts alone leave of a scene's bearings.
-fn rigid(scene: &mut Scene) {
-    let law = BearingLaw::of(scene).filter(|_| scene.cranks.is_some());
-    scene.bearings = Bearings {
-        eccentric: law.map(|law| EccentricBearing {
-            stiffness_n_m: Some(STIFFER * law.slope_under(typical_force(scene))),
-            ..EccentricBearing::default()
-        }),
-        ..Bearings::default()
-    };
-    if let Some(cranks) = &mut scene.cranks {
-        cranks.support_stiffness_n_m = None;
-    }
-}
-
 /// Of the gear under the `working` load; empty where contacts alone give way.
 pub(super) fn of(gearbox: &Gearbox, working: f64) -> Result<Vec<Share>, StudyError> {
     let all = gearbox.scene.bearings;
     let support = (gearbox.scene.cranks).and_then(|cranks| cranks.support_stiffness_n_m);
+    // The first is balanced on rigid bearings, which cranks cannot do without in a scene.
     let mut scene = Scene::clone(&gearbox.scene);
-    rigid(&mut scene);
+    scene.bearings.output_torsion_n_m_rad = None;
+    if let Some(cranks) = &mut scene.cranks {
+        cranks.support_stiffness_n_m = None;
+    }
     let mut parts = vec![("contacts", scene.clone())];
     if all.eccentric.is_some() {
-        scene.bearings.eccentric = all.eccentric;
         let part = match scene.cranks {
             Some(_) => "crank bearings",
             None => "eccentric bearings",
@@ -78,6 +62,9 @@ pub(super) fn of(gearbox: &Gearbox, working: f64) -> Result<Vec<Share>, StudyErr
         let of_scene = |source| of_scene(&gearbox.scene, source);
         let poses = Poses::of(&scene).few(FEW);
         let mut statics = Statics::new(&gearbox).map_err(of_scene)?;
+        if part == "contacts" {
+            statics = statics.on_rigid_bearings();
+        }
         let found = twisted(&mut statics, &poses, &gearbox, working).map_err(of_scene)?;
         let stiffness = Spread::of(found.1.into_iter().flatten()).mean;
         compliance.push(1.0 / stiffness);

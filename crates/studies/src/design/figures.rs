@@ -190,7 +190,10 @@ impl Balances {
     fn carried(&self, scene: &Scene, every: usize, of: usize) -> Vec<Vec<f64>> {
         let Some(cranks) = scene.cranks else {
             let bearings = self.summed(every, of).bearings;
-            return bearings.iter().map(|bearing| bearing.forces_n().collect()).collect();
+            return bearings
+                .iter()
+                .map(|bearing| bearing.forces_n().collect())
+                .collect();
         };
         let poses = self.loaded.iter().skip(of).step_by(every);
         let mut all = vec![Vec::new(); scene.gear.wheels];

@@ -179,7 +179,12 @@ impl Pose {
         }
         let pair = |contact: &PairContact| {
             let wheel = contact.wheel;
-            pair(gearbox, turned + phases[wheel], found.wheels[wheel], contact)
+            pair(
+                gearbox,
+                turned + phases[wheel],
+                found.wheels[wheel],
+                contact,
+            )
         };
         let cranks = statics.on_cranks(&found);
         let on_crank = |contact: &PairContact| {
