@@ -292,3 +292,25 @@ fn crossval_solvers_recordings_are_of_these_programs() {
         }
     }
 }
+
+/// Wheels that float on the bearing of an eccentric and on the cranks of RV gears.
+#[test]
+fn crossval_floating_wheels_by_programs() {
+    let mut engines = vec![IDA];
+    engines.extend(simbody().then_some(SIMBODY));
+    for preset in ["paper-bearings", "rv-320", "rv-40e-like"] {
+        let scene = scene(
+            preset,
+            &[
+                ("solver.duration_s", "0.001"),
+                ("solver.sample_s", "2e-5"),
+                ("solver.tolerance", "1e-10"),
+            ],
+        );
+        let reference = runs::native(&scene, "dopri5", 1e-6);
+        for engine in &engines {
+            let errors = errors(engine, &scene, (0.0, 0.001), &reference);
+            assert_within(errors, [1e-6, 1e-6]);
+        }
+    }
+}

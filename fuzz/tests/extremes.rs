@@ -83,6 +83,11 @@ fn bad_input_every_number_at_its_ends() {
         for (key, line) in lines() {
             let own = ends(key.kind);
             for value in VALUES.iter().copied().chain(own.iter().map(String::as_str)) {
+                // Cranks go with an RV gear alone.
+                let preset = match key.name.starts_with("cranks.") {
+                    true => "rv-40e-like",
+                    false => preset,
+                };
                 let text = format!("base = \"{preset}\"\n{}\n", line.replace('@', value));
                 total += 1;
                 println!("{text}");

@@ -30,6 +30,7 @@ def gear(
     pin_circle_diameter_mm: float,
     torque_n_m: float,
     speed_rpm: float,
+    cranks: int | None = None,
     material: Material = "steel",
     pin_diameter_mm: float | None = None,
     eccentricity_mm: float | None = None,
@@ -42,6 +43,7 @@ def gear(
     friction: float | None = None,
 ) -> Scene:
     """A scene from a catalogue's data, as `pinwheel init` makes it: diameters in mm, what is left out is suggested.
+    `cranks` makes it an RV gear with so many cranks.
 
     >>> s = gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500)
     >>> s["external_sleeves"], s["drive.output_torque_n_m"]
@@ -53,6 +55,7 @@ def gear(
 
     given = {
         "ratio": ratio,
+        "cranks": cranks,
         "pin_circle_diameter_m": metres(pin_circle_diameter_mm),
         "torque_n_m": torque_n_m,
         "speed_rad_s": speed_rpm * pi / 30.0,

@@ -167,18 +167,19 @@ class Kinematics:
         return moments
 
     def ideal(self, scene: Scene, time_s: float = 0.0) -> tuple[Floats, Floats]:
-        """Absolute angles and rates of the ideal mesh: output and wheels at -omega/zs, external sleeves at rest.
+        """Absolute angles and rates of the ideal mesh: output and wheels at -omega/zs, omega the eccentrics'; external sleeves rest.
 
         A wheel whose centre stands at e (cos f, sin f) fits at the angle (pi - f)/zs. Internal sleeves turn with the
         output, which starts at 0.
         """
         layout, zs, omega = self.layout, self.gear.lobes, scene.drive.input_speed_rad_s
+        turning = self.gear.eccentric_per_input * omega
         angles, rates = np.zeros(layout.bodies), np.zeros(layout.bodies)
         angles[INPUT], rates[INPUT] = omega * time_s, omega
-        angles[OUTPUT], rates[OUTPUT] = -omega * time_s / zs, -omega / zs
-        f = wheel_phases(self.gear) + omega * time_s
-        angles[layout.wheel_bodies], rates[layout.wheel_bodies] = (math.pi - f) / zs, -omega / zs
-        angles[layout.internal_bodies], rates[layout.internal_bodies] = angles[OUTPUT], -omega / zs
+        angles[OUTPUT], rates[OUTPUT] = -turning * time_s / zs, -turning / zs
+        f = wheel_phases(self.gear) + turning * time_s
+        angles[layout.wheel_bodies], rates[layout.wheel_bodies] = (math.pi - f) / zs, rates[OUTPUT]
+        angles[layout.internal_bodies], rates[layout.internal_bodies] = angles[OUTPUT], rates[OUTPUT]
         return angles, rates
 
     def output_torque(self, states: Floats, loads: Floats) -> float:

@@ -52,6 +52,11 @@ class Gear(Table):
         return int(self.external_sleeves) - 1
 
     @property
+    def eccentric_per_input(self) -> float:
+        """How far eccentrics turn for an angle of the input at the ideal mesh: 1, but in RV gears."""
+        return float(self._keys.get("eccentric_per_input", 1.0))
+
+    @property
     def pitch_radius_m(self) -> float:
         """R = e zk/m: radius of the circle the external sleeves sit on without backlash."""
         return float(self.eccentricity_m * self.external_sleeves / self.shortening)
@@ -241,6 +246,17 @@ class Solver(Table):
         return np.array(times, dtype=np.float64)
 
 
+def _fold_cranks(data: dict[str, Any]) -> None:
+    """What the rigid first stage of an RV gear does to the eccentrics' angle and to the output's inertia."""
+    cranks = data.get("cranks")
+    if cranks is None:
+        return
+    rho, gear, mass = cranks["sun_teeth"] / cranks["planet_teeth"], data["gear"], data["mass"]
+    gear["eccentric_per_input"] = -rho * (gear["external_sleeves"] - 1) / (gear["external_sleeves"] + rho)
+    turning = cranks["count"] * mass["internal_sleeve"]["moment_kg_m2"]
+    mass["output_shaft"]["moment_kg_m2"] += (1.0 + rho) ** 2 * turning
+
+
 @dataclass(frozen=True)
 class Scene:
     """A complete scene. SI units; angles counter-clockwise."""
@@ -266,6 +282,8 @@ class Scene:
             data = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise SceneError(f"the scene is not valid TOML: {error}") from error
+
+        _fold_cranks(data)
 
         def keys(table: str) -> tuple[dict[str, Any], str]:
             found = data.get(table, {})

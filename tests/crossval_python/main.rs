@@ -6,6 +6,7 @@
 
 mod accuracy;
 mod cycloidgen;
+mod floating;
 mod guards;
 mod joint;
 mod law;

@@ -183,7 +183,7 @@ impl Values {
                     let body = carried(self.layout, joint, chosen.number);
                     let force = match (&self.bearings, joint) {
                         (Some(bearings), Joint::Eccentric) => {
-                            Some(bearings.load(bodies, chosen.number).on_wheel)
+                            Some(bearings.of_wheel(bodies, chosen.number).on_wheel)
                         }
                         // Wheels that float have no revolute.
                         (Some(_), _) if body > Layout::OUTPUT => seen
@@ -212,7 +212,7 @@ impl Values {
                         let load = self
                             .bearings
                             .as_ref()
-                            .map(|b| b.load(bodies, chosen.number));
+                            .map(|b| b.of_wheel(bodies, chosen.number));
                         let [x, y] = load.map_or([0.0; 2], |load| load.offset_m);
                         Some(if whole == Whole::BearingOffsetX { x } else { y })
                     }

@@ -3,7 +3,8 @@
 use pinwheel_contact::laws::hysteresis_factor;
 use serde::Serialize;
 
-use pinwheel_scene::free_play;
+use pinwheel_scene::bearings::BearingLaw;
+use pinwheel_scene::{Cranks, free_play};
 
 use crate::Gearbox;
 use crate::scene::{Detection, Formulation, Gear, Scene, Stabilisation};
@@ -53,6 +54,57 @@ pub struct Explanation {
     pub channels_available: Vec<Statement>,
 }
 
+/// What carries the wheels, where that is elastic.
+fn bearings(
+    scene: &Scene,
+    cranks: Option<&Cranks>,
+    modelled: &mut Statements,
+    left_out: &mut Statements,
+) {
+    if let Some(law) = BearingLaw::of(scene) {
+        let (stiffness, exponent) = (law.stiffness, law.exponent);
+        let clearance_um = 1e6 * law.clearance_m;
+        modelled.add(
+            "wheels that float on elastic bearings",
+            format!(
+                "F = K d^p beyond {clearance_um:.3} um of clearance, K = {stiffness:.3e} N/m^p, p = {exponent:.3}"
+            ),
+        );
+    }
+    let Some(cranks) = cranks else {
+        left_out.add("bending and housing", "rigid bodies, but for the bearings");
+        return;
+    };
+    let (count, ratio) = (cranks.count, scene.ratio());
+    modelled.add(
+        format!("an RV gear of ratio {ratio}, {count} cranks in the output"),
+        "ratio 1 + zk planet/sun; the output turns with the input",
+    );
+    modelled.add(
+        "a rigid first stage, folded into input and output",
+        "cranks turn by (1 + rho) output - rho input, rho = sun/planet; their inertia acts as (1 + rho)^2 of it on the output",
+    );
+    match cranks.support_stiffness_n_m {
+        Some(stiffness) => modelled.add(
+            format!("elastic supports of the cranks, {stiffness:.3e} N/m"),
+            "springs without mass, in series with the bearings; dampers bridge both",
+        ),
+        None => left_out.add(
+            "supports of the cranks",
+            "rigid: cranks.support_stiffness_n_m is not given",
+        ),
+    }
+    left_out.add(
+        "the first stage's mesh and the cranks' bending",
+        "its stiffness, play and losses, and the radial part of its forces; they change the stiffness little",
+    );
+    left_out.add(
+        "the cranks' reaction on the driver",
+        "what their turning speeds up and down with the output; its mean is 0",
+    );
+    left_out.add("bending and housing", "rigid bodies, but for the bearings");
+}
+
 /// Explains the model of a compiled scene.
 #[must_use]
 pub fn explain(gearbox: &Gearbox) -> Explanation {
@@ -60,7 +112,9 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     let mechanism = gearbox.mechanism();
     let (layout, contact, solver) = (gearbox.layout, &scene.contact, &scene.solver);
     let sleeves = layout.external_sleeves + layout.internal_sleeves;
-    let free_angles = layout.wheels + 1 + if gearbox.has_friction() { sleeves } else { 0 };
+    let of_a_wheel = if gearbox.floats() { 3 } else { 1 };
+    let free_angles =
+        of_a_wheel * layout.wheels + 1 + if gearbox.has_friction() { sleeves } else { 0 };
     let lagrange = solver.formulation == Formulation::Lagrange;
     let coordinates = 3 * mechanism.bodies.len();
 
@@ -104,8 +158,14 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
             String::new()
         };
         modelled.add(
-            format!("{} wheel angles, the output angle{spins}", layout.wheels),
-            "the only angles that forces can change",
+            match gearbox.floats() {
+                true => format!(
+                    "{} wheels' places and angles, the output angle{spins}",
+                    layout.wheels
+                ),
+                false => format!("{} wheel angles, the output angle{spins}", layout.wheels),
+            },
+            "all that forces can change",
         );
         left_out.add(
             format!("{} translations and their joint multipliers", 2 * bodies),
@@ -128,6 +188,10 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
             "without friction no force depends on them",
         );
     }
+    let sleeves = match scene.cranks {
+        Some(_) => layout.external_sleeves,
+        None => sleeves,
+    };
     let (pairs, law) = (layout.wheels * sleeves, &contact.law);
     modelled.add(
         format!("{pairs} wheel-sleeve pairs with the law `{law}`"),
@@ -206,10 +270,15 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
             ),
         );
     }
-    left_out.add(
-        "bending, bearings and housing",
-        "rigid bodies on ideal revolutes, as in the paper",
-    );
+    match (&scene.cranks, gearbox.floats()) {
+        (None, false) => left_out.add(
+            "bending, bearings and housing",
+            "rigid bodies on ideal revolutes, as in the paper",
+        ),
+        (cranks, _) => {
+            bearings(scene, cranks.as_ref(), &mut modelled, &mut left_out);
+        }
+    }
     left_out.add(
         "gravity",
         "the plane of motion is horizontal in the paper's model; no force depends on it",

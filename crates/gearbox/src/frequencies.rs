@@ -30,12 +30,13 @@ impl Frequencies {
         // A floating wheel on its bearing and on the loaded quarter of its contacts.
         let floating = BearingLaw::of(scene).map_or(0.0, |bearing| {
             let sleeves = 0.25 * (gear.external_sleeves + gear.internal_sleeves) as f64;
-            let stiffness =
-                bearing.slope_under(typical_force(scene)) + sleeves * scales.contact_stiffness_n_m;
+            let bearings = scene.cranks.map_or(1, |cranks| cranks.count) as f64;
+            let stiffness = bearings * bearing.slope_under(typical_force(scene))
+                + sleeves * scales.contact_stiffness_n_m;
             (stiffness / scene.mass.wheel.mass_kg).sqrt()
         });
         let contact_rad_s = f64::max(rigid, floating);
-        let turns = scene.drive.input_speed_rad_s.abs();
+        let turns = scene.eccentric_speed_rad_s().abs();
         let (zk, zi) = (gear.external_sleeves as f64, gear.internal_sleeves as f64);
         Self {
             contact_rad_s,

@@ -47,7 +47,7 @@ impl Gearbox {
     pub fn after(earlier: Option<&Self>, scene: &CheckedScene) -> Result<Self, GearboxError> {
         pinwheel_faults::compiled();
         let earlier = earlier.map(|gearbox| &gearbox.geometry);
-        let geometry = Geometry::after(earlier, &scene.gear)?;
+        let geometry = Geometry::after(earlier, scene)?;
         let mut gearbox = Self {
             scene: scene.clone(),
             layout: Layout::of(&scene.gear),
@@ -214,13 +214,14 @@ impl Gearbox {
     #[must_use]
     pub fn kinematic_states(&self) -> Vec<BodyState> {
         let speed = self.scene.drive.input_speed_rad_s;
-        let slow = -speed / self.geometry.ratio();
+        let slow = self.geometry.ideal_output_angle(speed);
+        let turning = self.geometry.ideal_eccentric_angle(speed);
         let mut states = vec![BodyState::default(); self.layout.bodies()];
         states[Layout::INPUT].rate = speed;
         states[Layout::OUTPUT].rate = slow;
         for (i, body) in self.layout.wheel_bodies().enumerate() {
             let own = [self.geometry.ideal_wheel_angle(i, 0.0), slow];
-            states[body] = self.geometry.wheel_state(i, [0.0, speed], own);
+            states[body] = self.geometry.wheel_state(i, [0.0, turning], own);
         }
         let seats = self.geometry.external_points.iter();
         for (&[x, y], body) in seats.zip(self.layout.external_bodies()) {
@@ -245,7 +246,11 @@ impl Gearbox {
         };
         let mut bodies = vec![
             body("input shaft".into(), mass.input_shaft, Layout::INPUT),
-            body("output shaft".into(), mass.output_shaft, Layout::OUTPUT),
+            body(
+                "output shaft".into(),
+                self.scene.output_shaft(),
+                Layout::OUTPUT,
+            ),
         ];
         let pin = |parent, parent_point, child| Revolute {
             parent,

@@ -1,6 +1,7 @@
 //! The gear's geometry: where everything sits at the ideal mesh.
 //!
-//! Wheel i of n has its centre at `e e^{i f}`, `f = phi + 2 pi i/n` with the input angle phi. It
+//! Wheel i of n has its centre at `e e^{i f}`, `f = a + 2 pi i/n` with the eccentrics' angle a, which is the input's but in
+//! RV gears ([`Geometry::eccentric_angle`]). It
 //! meshes exactly at the angle `(pi - f)/zs`. External sleeve j sits at `(R + d) e^{2 pi i j/zk}`,
 //! internal sleeve k at `R_w e^{i (psi + 2 pi k/zi)}` with the output angle psi; hole k of every wheel
 //! stands around internal sleeve k at t = 0, its centre at `R_w` from the wheel's. Errors of the parts move them from
@@ -14,7 +15,7 @@ use pinwheel_mbs::BodyState;
 use pinwheel_scene::{largest_hole_play, largest_play};
 
 use crate::GearboxError;
-use crate::scene::Gear;
+use crate::scene::{Gear, Scene};
 
 /// Derived geometry; wheel-frame points are relative to the wheel's centre.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,28 +40,35 @@ pub struct Geometry {
     pub wheel_phases: Vec<f64>,
     /// Their eccentricities, m.
     pub eccentricities_m: Vec<f64>,
+    /// By how much each crank of an RV gear is out of phase, rad; of other gears none.
+    pub crank_phases: Vec<f64>,
     /// Hole centres of every wheel, wheel frame, m.
     pub hole_centres: Vec<Vec<Complex>>,
     /// Radii of the holes of every wheel, m.
     pub hole_radii_m: Vec<Vec<f64>>,
+    /// rho of an RV gear's first stage, teeth of the sun over a planet's; 0 where the input bears the eccentrics.
+    pub teeth_ratio: f64,
     /// How far a wheel turns freely at most, rad.
     pub wheel_play_rad: f64,
     /// The same of the output in its holes, rad.
     pub hole_play_rad: f64,
     lobes: f64,
+    /// Of the eccentrics for one of the input at the ideal mesh.
+    eccentric_per_input: f64,
 }
 
 impl Geometry {
-    /// Geometry of a checked gear.
+    /// Geometry of a checked scene.
     ///
     /// # Errors
     /// Parameters for which there is no curve.
-    pub fn new(gear: &Gear) -> Result<Self, GearboxError> {
-        Self::after(None, gear)
+    pub fn new(scene: &Scene) -> Result<Self, GearboxError> {
+        Self::after(None, scene)
     }
 
     /// The same, with the curve of another gear where it is the same curve: most of the work is in its reaches.
-    pub(crate) fn after(earlier: Option<&Self>, gear: &Gear) -> Result<Self, GearboxError> {
+    pub(crate) fn after(earlier: Option<&Self>, scene: &Scene) -> Result<Self, GearboxError> {
+        let gear = &scene.gear;
         let sleeves = u32::try_from(gear.external_sleeves).unwrap_or(u32::MAX);
         let (eccentricity, shortening) = (gear.eccentricity_m, gear.generating_shortening());
         let known = earlier.map(|earlier| &earlier.curve);
@@ -95,6 +103,11 @@ impl Geometry {
             internal_radii_m: (0..internal)
                 .map(|k| gear.internal_sleeve_radius_of_m(k))
                 .collect(),
+            crank_phases: match scene.cranks {
+                Some(_) => (0..internal).map(|k| gear.crank_phase_of_rad(k)).collect(),
+                None => Vec::new(),
+            },
+            teeth_ratio: scene.cranks.map_or(0.0, |cranks| cranks.teeth_ratio()),
             wheel_phases,
             eccentricities_m: (0..wheels).map(|i| gear.eccentricity_of_m(i)).collect(),
             hole_centres: (0..wheels)
@@ -112,7 +125,19 @@ impl Geometry {
             wheel_play_rad: largest_play(gear),
             hole_play_rad: largest_hole_play(gear),
             lobes,
+            eccentric_per_input: scene.eccentric_per_input(),
         })
+    }
+
+    /// The same of a gear whose output has neither sleeves nor holes.
+    pub(crate) fn without_internal_sleeves(&self) -> Self {
+        Self {
+            internal_points: Vec::new(),
+            internal_radii_m: Vec::new(),
+            hole_centres: vec![Vec::new(); self.hole_centres.len()],
+            hole_radii_m: vec![Vec::new(); self.hole_radii_m.len()],
+            ..self.clone()
+        }
     }
 
     /// Whether all sleeves are the generating one and all holes alike: what the lanes take for granted.
@@ -126,10 +151,25 @@ impl Geometry {
             && holes.all(|wheel| alike(wheel, gear.hole_radius_m))
     }
 
-    /// Wheel `i` where the input stands at an angle and turns at a rate (rad, rad/s), and the wheel at its `own`.
-    pub(crate) fn wheel_state(&self, i: usize, input: [f64; 2], own: [f64; 2]) -> BodyState {
-        let ([phi, speed], [angle, rate]) = (input, own);
-        let (s, c) = (phi + self.wheel_phases[i]).sin_cos();
+    /// Angle of the eccentrics for those of input and output, rad; rates likewise: (1 + rho) output - rho input of an RV gear.
+    #[must_use]
+    pub fn eccentric_angle(&self, input: f64, output: f64) -> f64 {
+        match self.teeth_ratio {
+            0.0 => input,
+            rho => (1.0 + rho) * output - rho * input,
+        }
+    }
+
+    /// The same at the ideal mesh.
+    #[must_use]
+    pub fn ideal_eccentric_angle(&self, input: f64) -> f64 {
+        self.eccentric_per_input * input
+    }
+
+    /// Wheel `i` on an eccentric that stands at an angle and turns at a rate (rad, rad/s), itself at its `own`.
+    pub(crate) fn wheel_state(&self, i: usize, eccentric: [f64; 2], own: [f64; 2]) -> BodyState {
+        let ([turned, speed], [angle, rate]) = (eccentric, own);
+        let (s, c) = (turned + self.wheel_phases[i]).sin_cos();
         let e = self.eccentricities_m[i];
         BodyState::new([e * c, e * s, angle], [-speed * e * s, speed * e * c, rate])
     }
@@ -145,18 +185,18 @@ impl Geometry {
     /// Angle of wheel `i` at the ideal mesh, for the input angle `phi`, rad.
     #[must_use]
     pub fn ideal_wheel_angle(&self, i: usize, phi: f64) -> f64 {
-        (PI - phi - self.wheel_phases[i]) / self.lobes
+        (PI - self.ideal_eccentric_angle(phi) - self.wheel_phases[i]) / self.lobes
     }
 
     /// Angle of the output at the ideal mesh, for the input angle `phi`, rad.
     #[must_use]
     pub fn ideal_output_angle(&self, phi: f64) -> f64 {
-        -phi / self.lobes
+        -self.ideal_eccentric_angle(phi) / self.lobes
     }
 
-    /// Gear ratio zs: the output turns at -input/zs.
+    /// zs, lobes of a wheel: from one to the next it turns by 2 pi/zs.
     #[must_use]
-    pub fn ratio(&self) -> f64 {
+    pub fn lobes(&self) -> f64 {
         self.lobes
     }
 }

@@ -41,7 +41,7 @@ pub fn check_output(gearbox: &Gearbox, input: f64, output: f64) -> Result<(), St
 
 /// Angle from one lobe to the next, rad.
 fn pitch(gearbox: &Gearbox) -> f64 {
-    std::f64::consts::TAU / gearbox.geometry.ratio()
+    std::f64::consts::TAU / gearbox.geometry.lobes()
 }
 
 #[inline]

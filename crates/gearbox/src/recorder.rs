@@ -97,6 +97,14 @@ impl Recorder {
             };
             (sum.fx, sum.fy) = (sum.fx + fx, sum.fy + fy);
         });
+        if let Some(bearings) = field.bearings() {
+            bearings.on_output(bodies, &mut |sleeve, [fx, fy]| {
+                if let Sleeve::Internal(k) = sleeve {
+                    let sum = &mut forces[externals + k];
+                    (sum.fx, sum.fy) = (sum.fx + fx, sum.fy + fy);
+                }
+            });
+        }
         self.record_loads(t, driver_torque, bodies, &forces);
         self.forces = forces;
     }

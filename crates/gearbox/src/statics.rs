@@ -20,7 +20,7 @@ use newton::NEAR_STEPS;
 use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums, Wrench};
 
 use crate::Layout;
-use crate::contacts::{ContactField, PairContact};
+use crate::contacts::{Bearings, ContactField, PairContact};
 use crate::{Gearbox, GearboxError};
 
 /// Elastic twist allowed beyond the free play, in pitches (2 pi/zs): the guard of dynamic runs is 0.25.
@@ -66,6 +66,8 @@ pub struct Statics<'a> {
     slopes: Jacobian,
     /// Of wheels that float, the last balances and their loads.
     floated: Vec<(Equilibrium, f64)>,
+    /// Bearings do not give way.
+    is_rigid: bool,
     /// Evaluations of all contacts so far.
     evaluations: u64,
 }
@@ -122,8 +124,18 @@ impl<'a> Statics<'a> {
             motion: Motion::none(gearbox.layout.wheels),
             slopes: newton::slopes(gearbox),
             floated: Vec::new(),
+            is_rigid: false,
             evaluations: 0,
         })
+    }
+
+    /// The same as if no bearing gave way.
+    #[must_use]
+    pub fn on_rigid_bearings(self) -> Self {
+        Self {
+            is_rigid: true,
+            ..self
+        }
     }
 
     /// Puts all bodies at the input angle `phi` and the given angles, for an evaluation of their loads.
@@ -133,12 +145,14 @@ impl<'a> Statics<'a> {
         let (layout, geometry) = (self.gearbox.layout, &self.gearbox.geometry);
         let motion = &self.motion;
         let (input, output) = ([phi, motion.speed], [psi, motion.output[0]]);
+        let eccentric = [0, 1].map(|k| geometry.eccentric_angle(input[k], output[k]));
         for (body, [angle, rate]) in [(Layout::INPUT, input), (Layout::OUTPUT, output)] {
             self.bodies[body].angle = angle;
             self.bodies[body].rate = rate;
         }
         for (i, body) in layout.wheel_bodies().enumerate() {
-            self.bodies[body] = geometry.wheel_state(i, input, [wheels[i], motion.wheels[i][0]]);
+            self.bodies[body] =
+                geometry.wheel_state(i, eccentric, [wheels[i], motion.wheels[i][0]]);
         }
         for (k, body) in layout.internal_bodies().enumerate() {
             self.bodies[body] = geometry.internal_state(k, output);
@@ -191,7 +205,7 @@ impl<'a> Statics<'a> {
     /// Half widths of the brackets: of a wheel about its ideal mesh, of the output about its own.
     fn brackets(&self) -> (f64, f64) {
         let geometry = &self.gearbox.geometry;
-        let twist = PITCHES * std::f64::consts::TAU / geometry.ratio();
+        let twist = PITCHES * std::f64::consts::TAU / geometry.lobes();
         let wheel = geometry.wheel_play_rad + twist;
         (wheel, wheel + twist + geometry.hole_play_rad)
     }
@@ -254,7 +268,7 @@ impl<'a> Statics<'a> {
     /// # Errors
     /// [`GearboxError::NoEquilibrium`]: the load is more than the teeth carry before they jump.
     pub fn solve(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
-        if self.gearbox.floats() {
+        if self.gearbox.floats() && !self.is_rigid {
             return self.float(phi, load);
         }
         self.solve_rigid(phi, load)
@@ -262,6 +276,9 @@ impl<'a> Statics<'a> {
 
     /// The same with rigid eccentrics.
     fn solve_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+        if self.gearbox.scene.cranks.is_some() {
+            return self.solve_on_cranks(phi, load);
+        }
         let ideal = self.gearbox.geometry.ideal_output_angle(phi);
         let mut wheels = self.ideal_wheels(phi);
         if load == 0.0 && self.rests(phi, &wheels) {
@@ -383,6 +400,13 @@ impl<'a> Statics<'a> {
         pairs
     }
 
+    /// The bearings that cranks of an RV gear carry wheels by, as pairs; of other gears none.
+    pub fn on_cranks(&mut self, equilibrium: &Equilibrium) -> Vec<PairContact> {
+        let bearings = Bearings::of(&self.gearbox.scene, &self.gearbox.geometry);
+        let found = bearings.map(|bearings| bearings.crank_pairs(&equilibrium.bodies));
+        found.unwrap_or_default()
+    }
+
     /// States at t = 0 of a run that starts loaded and already in its slow motion.
     ///
     /// Along the equilibria the angles are functions of the input angle, so rates are `omega d/dphi` and
@@ -398,7 +422,8 @@ impl<'a> Statics<'a> {
             self.gearbox.load_torque(0.0),
         );
         // A hundredth of a mesh period: contacts pass through their ramps within a few of these.
-        let h = 0.01 * std::f64::consts::TAU / (self.gearbox.geometry.ratio() + 1.0);
+        let mesh = std::f64::consts::TAU / (self.gearbox.geometry.lobes() + 1.0);
+        let h = 0.01 * mesh / self.gearbox.scene.eccentric_per_input().abs();
         self.motion = Motion::none(self.gearbox.layout.wheels);
         let mut here = self.solve(0.0, load)?;
         for _ in 0..2 {

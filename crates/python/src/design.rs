@@ -22,6 +22,7 @@ use crate::supervise::{Desk, supervised};
 #[pyo3(from_item_all)]
 pub(crate) struct Given {
     ratio: usize,
+    cranks: Option<usize>,
     pin_circle_diameter_m: f64,
     torque_n_m: f64,
     speed_rad_s: f64,
@@ -52,6 +53,7 @@ pub(crate) fn gear(name: String, given: Given) -> Raises<String> {
     let catalogue = Catalogue {
         name,
         ratio: given.ratio,
+        cranks: given.cranks,
         pin_circle_diameter_m: given.pin_circle_diameter_m,
         torque_n_m: given.torque_n_m,
         speed_rad_s: given.speed_rad_s,

@@ -132,7 +132,23 @@ const PinwheelPicture = (() => {
       context.globalAlpha = 1;
     }
     // Eccentric cams on one shaft, with a hand.
+    function cranks(colours) {
+      for (let i = gear.wheels - 1; i >= 0; i -= 1) {
+        if (!options.wheels[i]) continue;
+        for (const { x, y } of state.internal) {
+          context.beginPath();
+          circle(context, x + state.bodies[i].x, y + state.bodies[i].y, gear.rh - 0.4);
+          context.globalAlpha = i === 0 ? 0.9 : 1;
+          fill(context, colours.steel);
+          context.globalAlpha = 1;
+          stroke(context, colours.edge[i % 4], 0.5);
+        }
+      }
+      plain(context, state.internal, colours);
+      hand(gear.sun, colours);
+    }
     function input(colours) {
+      if (gear.sun) { cranks(colours); return; }
       for (let i = gear.wheels - 1; i >= 0; i -= 1) {
         if (!options.wheels[i]) continue;
         context.beginPath();
@@ -143,13 +159,17 @@ const PinwheelPicture = (() => {
         context.globalAlpha = 1;
         stroke(context, colours.edge[i % 4], 0.5);
       }
+      hand(0.55 * cam, colours);
+    }
+    // The input's shaft, or its sun.
+    function hand(r, colours) {
       context.beginPath();
-      circle(context, 0, 0, 0.55 * cam);
+      circle(context, 0, 0, r);
       fill(context, colours.sheet);
       stroke(context, colours['steel-edge'], 0.6);
       context.beginPath();
       context.moveTo(0, 0);
-      context.lineTo(0.55 * cam * Math.cos(state.phi), 0.55 * cam * Math.sin(state.phi));
+      context.lineTo(r * Math.cos(state.phi), r * Math.sin(state.phi));
       stroke(context, colours.ink, 1.1);
       context.beginPath();
       circle(context, 0, 0, 0.8);

@@ -100,7 +100,9 @@ const PinwheelGearbox = (() => {
     function move(s) {
       const t = view.from + view.step * s;
       const phi = view.speed * t;
-      const psi = -phi / zs + between(error, s);
+      // Cranks of an RV gear turn at another angle than the input.
+      const turned = gear.per * phi;
+      const psi = -turned / zs + between(error, s);
       Object.assign(state, { t, phi, psi, input: between(input, s), output: between(output, s) });
       const [cos, sin] = [Math.cos(psi), Math.sin(psi)];
       for (const sleeve of internal) {
@@ -111,9 +113,9 @@ const PinwheelGearbox = (() => {
       bodies.forEach((body, i) => {
         // The wheel's centre: its eccentric's, and what its bearing gives way by.
         for (const k of view.offset > 0 ? [0, 1] : []) body.off[k] = between(offsets[2 * i + k], s);
-        const x = body.e * Math.cos(phi + body.phase) + body.off[0];
-        const y = body.e * Math.sin(phi + body.phase) + body.off[1];
-        const theta = (Math.PI - phi - body.phase) / zs + between(wheels[i], s);
+        const x = body.e * Math.cos(turned + body.phase) + body.off[0];
+        const y = body.e * Math.sin(turned + body.phase) + body.off[1];
+        const theta = (Math.PI - turned - body.phase) / zs + between(wheels[i], s);
         const [c, sn] = [Math.cos(theta), Math.sin(theta)];
         Object.assign(body, { x, y, theta, count: 0, loaded: 0 });
         sleeves.forEach((sleeve, n) => {
@@ -124,6 +126,10 @@ const PinwheelGearbox = (() => {
           if (n < gear.zk) {
             ({ nx, ny } = foot(at, px, py, sleeve.beta - theta));
             body.loaded += 1;
+          } else if (gear.sun) {
+            // Of a crank's bearing the size of its force is known, not where it points: a colour, and no arrow.
+            sleeve.fx += force;
+            return;
           } else {
             const [hx, hy] = body.holes[sleeve.number];
             const length = Math.hypot(px - hx, py - hy) || 1;

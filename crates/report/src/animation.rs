@@ -122,6 +122,9 @@ struct GearJson {
     rw: f64,
     rh: f64,
     wheels: usize,
+    /// Turns of the eccentrics for one of the input, and the sun's radius where cranks carry the wheels.
+    per: f64,
+    sun: Option<f64>,
     d: f64,
     /// Where the parts are, errors included: sleeves on the housing, sleeves on the output, wheels.
     external: Vec<Place>,
@@ -141,7 +144,8 @@ struct WheelJson {
 }
 
 impl GearJson {
-    fn of(gear: &Gear) -> Self {
+    fn of(scene: &Scene) -> Self {
+        let gear = &scene.gear;
         let mm = |metres: f64| 1e3 * metres;
         // To a tenth of a nanometre.
         let place =
@@ -182,6 +186,11 @@ impl GearJson {
             rw: mm(gear.internal_circle_radius_m),
             rh: mm(gear.hole_radius_m),
             wheels: gear.wheels,
+            per: scene.eccentric_per_input(),
+            sun: scene.cranks.map(|cranks| {
+                let rho = cranks.teeth_ratio();
+                mm(cranks.circle_radius_m * rho / (1.0 + rho))
+            }),
             d: mm(gear.backlash_m),
             external: (0..gear.external_sleeves).map(outer).collect(),
             internal: (0..gear.internal_sleeves).map(inner).collect(),
@@ -260,7 +269,7 @@ impl Animation {
             title: title.into(),
             deviates: !gear.errors.is_none(),
             view: View {
-                gear: GearJson::of(gear),
+                gear: GearJson::of(scene),
                 speed: scene.drive.input_speed_rad_s,
                 from: start,
                 step: (end - start) / (time.len() - 1) as f64,

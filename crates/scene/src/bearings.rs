@@ -129,10 +129,15 @@ impl BearingLaw {
     }
 }
 
-/// What a bearing carries under the largest load, N: about the load on one wheel over the lever of its lobes.
+/// What a bearing carries under the largest load, N: about the load on one wheel over the lever of its lobes; of cranks its
+/// share, and what turns the output.
 #[must_use]
 pub fn typical_force(scene: &Scene) -> f64 {
-    crate::Scales::of(scene).wheel_torque_n_m / scene.gear.lever_m()
+    let torque = crate::scales::wheel_torque_n_m(scene);
+    let eccentric = torque / scene.gear.lever_m();
+    scene.cranks.as_ref().map_or(eccentric, |cranks| {
+        (eccentric + torque / cranks.circle_radius_m) / cranks.count as f64
+    })
 }
 
 /// Keys that go together.

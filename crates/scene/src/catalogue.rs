@@ -10,6 +10,7 @@
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
+use std::ops::RangeInclusive;
 
 use crate::checked::CheckedScene;
 use crate::error::{Fault, SceneError};
@@ -53,8 +54,10 @@ pub const MATERIALS: &[Material] = materials! {
 pub struct Catalogue {
     /// Name of the scene.
     pub name: String,
-    /// Input turns per output turn, the housing fixed: the number of lobes.
+    /// Input turns per output turn, the housing fixed: the number of lobes, and of an RV gear 1 + zk planet/sun.
     pub ratio: usize,
+    /// Cranks of an RV gear; `None`: one eccentric and output pins.
+    pub cranks: Option<usize>,
     /// Circle of the pins (external sleeves), m.
     pub pin_circle_diameter_m: f64,
     /// Rated torque of the output, N m.
@@ -129,6 +132,34 @@ const INWARDS: f64 = 0.45;
 const OUTPUT_PINS: [usize; 5] = [8, 6, 10, 5, 4];
 /// Face width as a share of R.
 const FACE: f64 = 0.15;
+/// Of RV gears: the number of pins that is tried first, and the least and most; teeth of a sun; planet over sun.
+const RV_PINS: [usize; 3] = [40, 20, 80];
+const SUN: RangeInclusive<usize> = 12..=30;
+const TEETH: RangeInclusive<usize> = 1..=6;
+/// Largest bore for a crank as a share of the cranks' circle; the needles' radius as a share of the bore's, how much of the way
+/// around they take, and how much of the disc's thickness.
+const BORE: f64 = 0.3;
+const NEEDLE: f64 = 0.12;
+const NEEDLES: [f64; 2] = [0.85, 0.9];
+
+/// Pins, teeth of the sun and of a planet.
+type FirstStage = [usize; 3];
+
+/// The first stage that makes an RV gear of a ratio, its pins as near to the usual number as can be; `None`: there is none.
+fn first_stage(ratio: usize) -> Option<FirstStage> {
+    let [usual, least, most] = RV_PINS;
+    let mut pins: Vec<usize> = (least..=most).step_by(2).collect();
+    pins.sort_by_key(|pins| pins.abs_diff(usual));
+    let whole = |pins: usize| {
+        let planet = move |sun: usize| (ratio.saturating_sub(1) * sun).checked_div(pins);
+        let fits = move |&(sun, planet): &(usize, usize)| {
+            planet * pins == (ratio - 1) * sun && TEETH.contains(&(planet / sun))
+        };
+        let mut teeth = SUN.filter_map(move |sun| Some((sun, planet(sun)?)));
+        teeth.find(fits).map(|(sun, planet)| [pins, sun, planet])
+    };
+    pins.into_iter().find_map(whole)
+}
 
 impl Catalogue {
     /// Makes the scene.
@@ -240,6 +271,22 @@ impl Catalogue {
         })
     }
 
+    fn first_stage(&self) -> Result<FirstStage, Fault> {
+        first_stage(self.ratio).ok_or_else(|| {
+            let [_, least, most] = RV_PINS;
+            let near = (1..self.ratio).flat_map(|off| [self.ratio - off, self.ratio + off]);
+            let near = near.into_iter().find(|ratio| first_stage(*ratio).is_some());
+            Fault::new(
+                &["gear.external_sleeves"],
+                format!(
+                    "finds no first stage: no even number of pins from {least} to {most} makes 1 + pins planet/sun = {}",
+                    self.ratio
+                ),
+                format!("give a ratio such as {}", near.unwrap_or(121)),
+            )
+        })
+    }
+
     fn plan(&self) -> Result<(Gear, Vec<&'static str>), Fault> {
         let mut suggested = Vec::new();
         let mut take = |given: Option<f64>, key: &'static str, suggest: &dyn Fn() -> f64| {
@@ -248,7 +295,11 @@ impl Catalogue {
                 suggest()
             })
         };
-        let pins = self.ratio + 1;
+        let stage = match self.cranks {
+            Some(_) => Some(self.first_stage()?),
+            None => None,
+        };
+        let pins = stage.map_or(self.ratio + 1, |[pins, ..]| pins);
         let radius = 0.5 * self.pin_circle_diameter_m;
         let half_pitch = radius * (PI / pins as f64).sin();
         let mut gear = Gear {
@@ -317,7 +368,8 @@ impl Catalogue {
         suggested: &mut Vec<&'static str>,
     ) -> Result<(), Fault> {
         let pit = Profile::of(gear).pit_radius();
-        let counts = self.output_pins.map_or(OUTPUT_PINS.to_vec(), |n| vec![n]);
+        let counts = (self.cranks.or(self.output_pins)).map_or(OUTPUT_PINS.to_vec(), |n| vec![n]);
+        let inwards = if self.cranks.is_some() { BORE } else { INWARDS };
         let circles: Vec<f64> = match self.output_circle_diameter_m {
             Some(diameter) => vec![0.5 * diameter],
             // From the usual one outwards on both sides.
@@ -335,7 +387,7 @@ impl Catalogue {
             for &circle in &circles {
                 let most = ((pit - circle) / (1.0 + WALL))
                     .min(circle * (PI / count as f64).sin() / (1.0 + 0.5 * WALL))
-                    .min(INWARDS * circle);
+                    .min(inwards * circle);
                 let sleeve = match self.output_pin_diameter_m {
                     Some(pin) => 0.5 * pin,
                     None => 0.5 * rounded_down(2.0 * (most - e)),
@@ -408,13 +460,10 @@ impl Catalogue {
         }
         lines! {
             "gear.pin_circle_radius_m" m(0.5 * self.pin_circle_diameter_m), "R, circle of the pins";
-            "gear.external_sleeves" gear.external_sleeves.to_string(), "pins on the housing: ratio + 1";
+            "gear.external_sleeves" gear.external_sleeves.to_string(), if self.cranks.is_some() { "pins on the housing" } else { "pins on the housing: ratio + 1" };
             "gear.external_sleeve_radius_m" m(gear.external_sleeve_radius_m), "radius of a pin with its sleeve";
             "gear.eccentricity_m" m(gear.eccentricity_m), &shortening;
             "gear.wheels" gear.wheels.to_string(), "cycloidal discs, evenly phased";
-            "gear.internal_sleeves" gear.internal_sleeves.to_string(), "output pins";
-            "gear.internal_sleeve_radius_m" m(gear.internal_sleeve_radius_m), "radius of an output pin with its sleeve; holes are larger by e";
-            "gear.internal_circle_radius_m" m(gear.internal_circle_radius_m), "circle of the output pins";
             "gear.face_width_m" m(gear.face_width_m.unwrap_or_default()), "thickness of a disc; masses follow from it";
         }
         if gear.backlash_m > 0.0 {
@@ -424,7 +473,43 @@ impl Catalogue {
                 "the pins stand on R + this",
             );
         }
-        let (speed, torque) = (written(self.speed_rad_s), written(self.torque_n_m));
+        let circle = m(gear.internal_circle_radius_m);
+        if self.cranks.is_none() {
+            lines! {
+                "gear.internal_sleeves" gear.internal_sleeves.to_string(), "output pins";
+                "gear.internal_sleeve_radius_m" m(gear.internal_sleeve_radius_m), "radius of an output pin with its sleeve; holes are larger by e";
+                "gear.internal_circle_radius_m" circle, "circle of the output pins";
+            }
+        } else if let Some([pins, sun, planet]) = first_stage(self.ratio) {
+            let bore = gear.hole_radius_m;
+            let [around, along] = NEEDLES;
+            let needles = (around * PI * (1.0 - NEEDLE) / NEEDLE).floor();
+            let length = along * gear.face_width_m.unwrap_or_default();
+            let _ = write!(
+                text,
+                "\n[cranks]\n\
+                 count = {:<36} # cranks, each with a planet\n\
+                 circle_radius_m = {circle:<26} # suggested: circle they stand on\n\
+                 bore_radius_m = {:<28} # suggested: a disc's bore for a crank\n\
+                 sun_teeth = {sun:<32} # suggested: 1 + {pins} planet/sun is the ratio\n\
+                 planet_teeth = {planet:<29} # suggested\n\
+                 # support_stiffness_n_m = 5e8                # of what holds a crank in the output; rigid as long as it is left out\n\
+                 \n[bearings.eccentric]\n\
+                 rollers = {needles:<34} # suggested: needles in a bore\n\
+                 roller_length_m = {:<26} # suggested\n\
+                 # clearance_m = 5e-6                         # radial; it makes most of the lost motion\n",
+                gear.internal_sleeves,
+                m(bore),
+                m(rounded_down(length)),
+            );
+        }
+        // The output of an RV gear turns with the input: a load against the motion is negative.
+        let against = if self.cranks.is_some() {
+            -self.torque_n_m
+        } else {
+            self.torque_n_m
+        };
+        let (speed, torque) = (written(self.speed_rad_s), written(against));
         let rpm = short(self.speed_rad_s * 30.0 / PI);
         let Material {
             name,
@@ -488,6 +573,7 @@ pub(crate) mod tests {
         Catalogue {
             name: "mine".to_owned(),
             ratio,
+            cranks: None,
             pin_circle_diameter_m: 1e-3 * diameter_mm,
             torque_n_m: 100.0 * (diameter_mm / 130.0).powi(3),
             speed_rad_s: 157.0,
@@ -557,6 +643,43 @@ pub(crate) mod tests {
         ] {
             assert_eq!(rounded_down(from), to);
         }
+    }
+
+    /// A catalogue's ratios, and one that no first stage makes.
+    #[test]
+    fn an_rv_gear_from_its_ratio() {
+        for (ratio, pins, cranks) in [
+            (57, 42, 2),
+            (81, 40, 2),
+            (105, 40, 2),
+            (121, 40, 3),
+            (153, 38, 3),
+        ] {
+            let catalogue = Catalogue {
+                cranks: Some(cranks),
+                ..catalogue(ratio, 128.0)
+            };
+            let draft = catalogue.draft().unwrap();
+            let again = Scene::from_toml(&draft.text, "mine.toml", &[]).unwrap();
+            assert_eq!(&*again, &*draft.scene);
+            assert!(
+                (again.ratio() - ratio as f64).abs() < 1e-9,
+                "{}",
+                draft.text
+            );
+            assert!(again.output_per_input() > 0.0 && again.drive.output_torque_n_m < 0.0);
+            assert_eq!(
+                (again.gear.external_sleeves, again.gear.internal_sleeves),
+                (pins, cranks)
+            );
+        }
+        let prime = Catalogue {
+            cranks: Some(2),
+            ..catalogue(998, 128.0)
+        };
+        let said = prime.draft().unwrap_err();
+        let tried: usize = said.remedy.rsplit(' ').next().unwrap().parse().unwrap();
+        assert!(first_stage(tried).is_some(), "{said}");
     }
 
     proptest! {

@@ -17,8 +17,8 @@ pub struct Derived {
     pub pitch_radius_m: f64,
     /// zs.
     pub lobes: usize,
-    /// Input turns per output turn; they turn against each other.
-    pub ratio: usize,
+    /// Input turns per output turn; they turn against each other, and with each other in an RV gear.
+    pub ratio: f64,
     /// Radius of curvature of the profile at a lobe's tip, m.
     pub tip_curvature_radius_m: f64,
     /// Radius of curvature of the profile in a pit, m; negative where the profile is concave.
@@ -34,7 +34,7 @@ pub struct Derived {
     /// How far a wheel turns freely to one side because of backlash and modification, rad
     /// ([`scales::free_play`]).
     pub free_play_rad: f64,
-    /// Driver torque if no energy is lost or created: load/zs, N m; of a load that changes the last one.
+    /// Driver torque if no energy is lost or created: load/ratio, N m; of a load that changes the last one.
     pub ideal_input_torque_n_m: f64,
     /// Largest force of an external sleeve on a wheel, rigid and without clearance, N:
     /// about 4 T/(e zs zk) with T the largest load on one wheel.
@@ -115,15 +115,19 @@ impl Derived {
             };
         }
         let expected = if scene.drive.load_changes.is_empty() {
-            "load/zs, if the contacts neither lose nor create energy"
+            "load/ratio, if the contacts neither lose nor create energy"
         } else {
-            "the last load/zs, if the contacts neither lose nor create energy"
+            "the last load/ratio, if the contacts neither lose nor create energy"
+        };
+        let direction = match scene.cranks {
+            Some(_) => "1 + zk planet/sun: the output turns with the input",
+            None => "the output turns against the input",
         };
         let circle = self.pitch_radius_m + scene.gear.backlash_m;
         let [tips, pits] = self.profile_radii_m;
         let walls = self.walls;
-        lines! {
-            "ratio" self.ratio as f64, "", "the output turns against the input";
+        let mut lines = lines! {
+            "ratio" self.ratio, "", direction;
             "circle of the external sleeves" circle, "m", "R + d, R = e zk/m";
             "profile from" pits, "m", "pits";
             "profile to" tips, "m", "lobe tips";
@@ -138,7 +142,12 @@ impl Derived {
             "driver torque, ideal" self.ideal_input_torque_n_m, "N m", expected;
             "largest external sleeve force" self.external_force_estimate_n, "N", "a wheel, springs all alike, without clearance: 4 T/(e zs zk); the contact law and play move it, see `pinwheel design`";
             "largest internal sleeve force" self.internal_force_estimate_n, "N", "a wheel, likewise: 4 T/(zi Rw)";
+        };
+        if scene.cranks.is_some() {
+            let of_sleeves = ["clearance in the holes", "largest internal sleeve force"];
+            lines.retain(|line| !of_sleeves.contains(&line.what));
         }
+        lines
     }
 }
 
@@ -159,6 +168,7 @@ pub fn derived(scene: &Scene) -> Derived {
     let curve = Profile::of(gear);
     let (e, q) = (gear.eccentricity_m, gear.edge_offset_m());
     let (zk, zs) = (gear.external_sleeves as f64, gear.lobes() as f64);
+    let turning = scene.eccentric_per_input().abs();
     let zi = gear.internal_sleeves as f64;
     let wheel_torque = load_course::largest(&scene.drive) / gear.wheels as f64;
     let input_hertz = scene.drive.input_speed_rad_s.abs() / TAU;
@@ -167,10 +177,25 @@ pub fn derived(scene: &Scene) -> Derived {
         order,
         hertz: order * input_hertz,
     };
+    let mut frequencies = vec![frequency("input shaft turns", 1.0)];
+    match scene.cranks {
+        Some(_) => frequencies.push(frequency("cranks turn", turning)),
+        None => frequencies.extend([
+            frequency("a given internal sleeve is loaded", zk / zs),
+            frequency(
+                "a wheel passes from internal sleeve to internal sleeve",
+                zi * zk / zs,
+            ),
+        ]),
+    }
+    frequencies.push(frequency(
+        "a wheel passes from external sleeve to external sleeve",
+        zk * turning,
+    ));
     Derived {
         pitch_radius_m: gear.pitch_radius_m(),
         lobes: gear.lobes(),
-        ratio: gear.lobes(),
+        ratio: scene.ratio(),
         tip_curvature_radius_m: 1.0 / curve.curvature(1.0) - q,
         pit_curvature_radius_m: 1.0 / curve.curvature(-1.0) - q,
         smallest_convex_radius_m: curve.smallest_convex_radius(),
@@ -178,18 +203,10 @@ pub fn derived(scene: &Scene) -> Derived {
         walls: Walls::of(gear),
         hole_clearance_m: hole_clearance(gear),
         free_play_rad: scales::free_play(gear),
-        ideal_input_torque_n_m: load_course::final_load(scene) / zs,
+        ideal_input_torque_n_m: -load_course::final_load(scene) * scene.output_per_input(),
         external_force_estimate_n: scales::external_force(gear, wheel_torque),
         internal_force_estimate_n: scales::internal_force(gear, wheel_torque),
-        frequencies: vec![
-            frequency("input shaft turns", 1.0),
-            frequency("a given internal sleeve is loaded", zk / zs),
-            frequency(
-                "a wheel passes from internal sleeve to internal sleeve",
-                zi * zk / zs,
-            ),
-            frequency("a wheel passes from external sleeve to external sleeve", zk),
-        ],
+        frequencies,
         // Wheel i is the first wheel 2 pi i/n of input later; a ripple of order p per turn repeats
         // in phase when p i/n is whole for every i.
         external_ripple_in_phase: gear.external_sleeves.is_multiple_of(gear.wheels),

@@ -61,7 +61,7 @@ impl Errors {
 
     /// Every list with its key and the entries it should have.
     #[must_use]
-    pub fn lists(&self, gear: &Gear) -> [ErrorList<'_>; 11] {
+    pub fn lists(&self, gear: &Gear) -> [ErrorList<'_>; 12] {
         let external = ("external sleeves", gear.external_sleeves);
         let internal = ("internal sleeves", gear.internal_sleeves);
         let holes = ("holes, wheel by wheel", gear.internal_sleeves * gear.wheels);
@@ -86,6 +86,7 @@ impl Errors {
             hole_radial_m holes;
             hole_tangential_m holes;
             hole_radius_m holes;
+            crank_phase_rad internal;
             eccentricity_m wheels;
             phase_rad wheels;
         }
@@ -214,6 +215,32 @@ impl Gear {
     #[must_use]
     pub fn phase_of_rad(&self, wheel: usize) -> f64 {
         TAU * wheel as f64 / self.wheels as f64 + entry(&self.errors.phase_rad, wheel)
+    }
+
+    /// By how much crank `k` of an RV gear is out of phase, rad.
+    #[must_use]
+    pub fn crank_phase_of_rad(&self, k: usize) -> f64 {
+        entry(&self.errors.crank_phase_rad, k)
+    }
+
+    /// The gear without its internal sleeves and holes, whose lists of errors become empty.
+    #[must_use]
+    pub fn without_internal_sleeves(&self) -> Self {
+        let mut gear = self.clone();
+        gear.internal_sleeves = 0;
+        let errors = &mut gear.errors;
+        for list in [
+            &mut errors.internal_sleeve_radial_m,
+            &mut errors.internal_sleeve_tangential_m,
+            &mut errors.internal_sleeve_radius_m,
+            &mut errors.hole_radial_m,
+            &mut errors.hole_tangential_m,
+            &mut errors.hole_radius_m,
+            &mut errors.crank_phase_rad,
+        ] {
+            list.clear();
+        }
+        gear
     }
 
     /// The gap of an external sleeve that stands at the angle `phi` (rad) from the eccentric at the ideal mesh, to first

@@ -46,7 +46,11 @@ pub(crate) fn fill(table: &mut Table) -> Result<Vec<Origin>, Gap> {
                 missing.push(row.name);
                 continue;
             }
-            Otherwise::Nothing => continue,
+            Otherwise::Needed if lookup(table, new_part).is_some() => {
+                missing.push(row.name);
+                continue;
+            }
+            Otherwise::Nothing | Otherwise::Needed => continue,
             Otherwise::Usual(text, why) => (usual(text), Source::Usual(why)),
             Otherwise::Follows(formula, words) => {
                 if new_part != part || stale {

@@ -62,6 +62,18 @@ pub(crate) fn shortening(given: &Given<'_>) -> Option<f64> {
     Some(given.number("gear.eccentricity_m")? * given.number("gear.external_sleeves")? / radius)
 }
 
+pub(crate) fn cranks(given: &Given<'_>) -> Option<f64> {
+    given.number("cranks.count")
+}
+
+pub(crate) fn crank_circle(given: &Given<'_>) -> Option<f64> {
+    given.number("cranks.circle_radius_m")
+}
+
+pub(crate) fn crank_shaft(given: &Given<'_>) -> Option<f64> {
+    Some(given.number("cranks.bore_radius_m")? - given.number("gear.eccentricity_m")?)
+}
+
 pub(crate) fn hole_radius(given: &Given<'_>) -> Option<f64> {
     Some(given.number("gear.internal_sleeve_radius_m")? + given.number("gear.eccentricity_m")?)
 }
@@ -152,7 +164,8 @@ pub(crate) fn duration(given: &Given<'_>) -> Option<f64> {
 
 pub(crate) fn sample(given: &Given<'_>) -> Option<f64> {
     let scales = given.scales()?;
-    let mesh = turn(given, &scales)? / given.gear()?.external_sleeves as f64;
+    let turn = turn(given, &scales)? / given.scene.eccentric_per_input().abs();
+    let mesh = turn / given.gear()?.external_sleeves as f64;
     let fast = std::f64::consts::TAU / scales.modes_rad_s[1];
     let duration = given.number("solver.duration_s")?;
     let wanted = (mesh / 40.0).min(fast / 4.0).max(duration / 20_000.0);

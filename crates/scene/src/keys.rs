@@ -43,6 +43,8 @@ pub enum Range {
 pub enum Otherwise {
     /// Nothing can: an error that names the key.
     Required,
+    /// The same where its table is there.
+    Needed,
     /// Nothing has to: the key asks for something.
     Nothing,
     /// A usual value, as TOML, and why it is one.
@@ -143,7 +145,7 @@ pub fn key(name: &str) -> Option<&'static Key> {
 }
 
 use Kind::{Choice, Count, Number, Numbers, Tables, Text, Texts};
-use Otherwise::{Follows, Nothing, Required, Usual};
+use Otherwise::{Follows, Needed, Nothing, Required, Usual};
 use Range::{Between, From};
 
 const METRES: &str = "lengths are in metres: 6 mm is 0.006";
@@ -191,9 +193,9 @@ pub const KEYS: &[Key] = keys! {
     "gear.pin_circle_radius_m" LENGTH, Nothing, "R: circle of the external sleeves without backlash; instead of gear.shortening", METRES;
     "gear.shortening" Number(Between(1e-3, 1.0)), Follows(formulas::shortening, "e zk/R with R = gear.pin_circle_radius_m"), "m: shortening coefficient e zk/R", "it is e zk/R, usually 0.5 to 0.9; at 1 and above the wheel's profile crosses itself";
     "gear.external_sleeve_radius_m" LENGTH, Required, "q: radius of an external sleeve", METRES;
-    "gear.internal_sleeves" Count(3, 1000), Required, "zi: sleeves on the output shaft", "fewer than three cannot hold the output shaft, more than 1000 no real gear has";
-    "gear.internal_sleeve_radius_m" LENGTH, Required, "radius of an internal sleeve", METRES;
-    "gear.internal_circle_radius_m" LENGTH, Required, "circle the internal sleeves sit on", METRES;
+    "gear.internal_sleeves" Count(2, 1000), Follows(formulas::cranks, "cranks.count: cranks stand in the place of internal sleeves"), "zi: sleeves on the output shaft", "fewer than three cannot hold the output shaft, more than 1000 no real gear has";
+    "gear.internal_sleeve_radius_m" LENGTH, Follows(formulas::crank_shaft, "cranks.bore_radius_m - gear.eccentricity_m: a crank's shaft just passes its bore"), "radius of an internal sleeve", METRES;
+    "gear.internal_circle_radius_m" LENGTH, Follows(formulas::crank_circle, "cranks.circle_radius_m"), "circle the internal sleeves sit on", METRES;
     "gear.hole_radius_m" LENGTH, Follows(formulas::hole_radius, "gear.internal_sleeve_radius_m + gear.eccentricity_m: a hole without clearance"), "radius of a wheel's hole", METRES;
     "gear.wheels" Count(1, 64), Required, "wheels, evenly phased on the eccentric", "most gears have one to three wheels; every wheel meets every sleeve, so memory and time grow with it";
     "gear.backlash_m" Number(From(0.0, 1.0)), Usual("0.0", "no backlash"), "d: external sleeves sit at R + d", METRES;
@@ -211,11 +213,12 @@ pub const KEYS: &[Key] = keys! {
     "gear.errors.hole_radial_m" Numbers(DEVIATION), Nothing, "of each hole, wheel by wheel, how far it sits outwards of its place", LIST;
     "gear.errors.hole_tangential_m" Numbers(DEVIATION), Nothing, "of each hole, wheel by wheel, how far it sits counter-clockwise of its place", LIST;
     "gear.errors.hole_radius_m" Numbers(DEVIATION), Nothing, "of each hole, wheel by wheel, by how much its radius is larger", LIST;
+    "gear.errors.crank_phase_rad" Numbers(ANGLE), Nothing, "of each crank of an RV gear, how far it stands counter-clockwise of its place", LIST;
     "gear.errors.eccentricity_m" Numbers(DEVIATION), Nothing, "of each wheel, by how much its eccentricity is larger", LIST;
     "gear.errors.phase_rad" Numbers(ANGLE), Nothing, "of each wheel, how far its eccentric stands counter-clockwise of its place", LIST;
 
     "drive.input_speed_rad_s" Number(From(-1e6, 1e6)), Required, "omega", "500 rpm is 52.36 rad/s";
-    "drive.output_torque_n_m" TORQUE, Required, "load on the output shaft; positive opposes the motion of a positive input speed", LOAD;
+    "drive.output_torque_n_m" TORQUE, Required, "load on the output shaft, counter-clockwise; positive opposes the motion of a positive input speed, of an RV gear that of a negative one", LOAD;
     "drive.start" Choice("start", || vec!["kinematic", "equilibrium"]), Usual("\"kinematic\"", "rates of the ideal mesh, load at once"), "state at t = 0", "\"kinematic\": rates of the ideal mesh; \"equilibrium\": statically loaded";
     "drive.load_ramp_s" TIME, Usual("0.0", "the load acts at once"), "the load rises linearly over this time; 0: at once", SECONDS;
     "drive.load_changes" Tables(CHANGE), Nothing, "what the load becomes during the run", "write it like [{ time_s = 0.3, output_torque_n_m = -22.0 }]";
@@ -237,8 +240,8 @@ pub const KEYS: &[Key] = keys! {
     "mass.output_shaft.moment_kg_m2" MOMENT, Follows(formulas::output_shaft_moment, "mass times radius^2/2 of that disc"), "moment of inertia of the loaded shaft", MOMENTS;
     "mass.wheel.mass_kg" MASS, Follows(formulas::wheel_mass, "density times face width times the area inside the profile less holes and bore"), "mass of one wheel", KILOGRAMS;
     "mass.wheel.moment_kg_m2" MOMENT, Follows(formulas::wheel_moment, "mass times the radius of gyration^2 of that area"), "moment of inertia of one wheel about its centre", MOMENTS;
-    "mass.internal_sleeve.mass_kg" MASS, Follows(formulas::internal_sleeve_mass, "a solid cylinder, as long as all wheels"), "mass of a sleeve on the output shaft", KILOGRAMS;
-    "mass.internal_sleeve.moment_kg_m2" MOMENT, Follows(formulas::internal_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a sleeve on the output shaft", MOMENTS;
+    "mass.internal_sleeve.mass_kg" MASS, Follows(formulas::internal_sleeve_mass, "a solid cylinder, as long as all wheels"), "mass of a sleeve on the output shaft; of an RV gear that of a crank with its planet", KILOGRAMS;
+    "mass.internal_sleeve.moment_kg_m2" MOMENT, Follows(formulas::internal_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a sleeve on the output shaft, or of a crank with its planet", MOMENTS;
     "mass.external_sleeve.mass_kg" MASS, Follows(formulas::external_sleeve_mass, "a solid cylinder, as long as all wheels"), "mass of a sleeve on the housing", KILOGRAMS;
     "mass.external_sleeve.moment_kg_m2" MOMENT, Follows(formulas::external_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a sleeve on the housing", MOMENTS;
 
@@ -264,6 +267,12 @@ pub const KEYS: &[Key] = keys! {
     "bearings.eccentric.bore_m" LENGTH, Nothing, "its bore d, for that moment", METRES;
     "bearings.eccentric.dynamic_rating_n" Number(From(1.0, 1e9)), Nothing, "its basic dynamic rating C, for its life after ISO 281", "bearing catalogues give it in kN: 20 kN is 20000";
     "bearings.output_torsion_n_m_rad" Number(From(1e-3, 1e15)), Nothing, "torsional stiffness of carrier and flange; absent: rigid; counts in `design` alone", "1 N m/arcmin is 3437.7 N m/rad";
+    "cranks.count" Count(2, 12), Needed, "cranks of an RV reducer, which carry the wheels in the place of one eccentric", "RV reducers have two or three";
+    "cranks.circle_radius_m" LENGTH, Needed, "circle the cranks stand on", METRES;
+    "cranks.bore_radius_m" LENGTH, Needed, "a wheel's bore for a crank's eccentric and its bearing", METRES;
+    "cranks.sun_teeth" Count(3, 10_000), Needed, "teeth of the sun on the input shaft", "with the planets' it makes the ratio 1 + zk planet/sun";
+    "cranks.planet_teeth" Count(3, 10_000), Needed, "teeth of a planet, one on each crank", "with the sun's it makes the ratio 1 + zk planet/sun";
+    "cranks.support_stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "stiffness of what holds a crank in the output; absent: rigid", "a pair of tapered roller bearings has 4e8 to 1e9 N/m";
     "contact.detection" Choice("detection", || vec!["exact", "points"]), Usual("\"exact\"", "the closest point of the curve"), "how the contact point is found", "\"exact\" or \"points\"";
     "contact.wheel_points" Count(24, 1_000_000), Follows(formulas::wheel_points, "100 a lobe, at least 4000; used by detection points only"), "points on a wheel's profile", "the paper uses 600 and 4000; more than a million costs memory and gains nothing over detection = \"exact\"";
     "contact.hole_points" Count(8, 1_000_000), Usual("100", "used by detection points only"), "points on a hole", "the paper uses 20 to 100; more than a million costs memory and gains nothing over detection = \"exact\"";
@@ -326,6 +335,11 @@ mod tests {
              friction_coefficient = 0.002\nbore_m = 0.02",
         )
         .unwrap();
+        scene.cranks = toml::from_str(
+            "count = 2\ncircle_radius_m = 0.03\nbore_radius_m = 0.01\nsun_teeth = 12\nplanet_teeth = 36\n\
+             support_stiffness_n_m = 1e8",
+        )
+        .ok();
         scene.gear.modification.radial_m = -1e-5;
         scene.gear.errors = every_error();
         scene.drive.load_changes.push(crate::LoadChange {

@@ -38,6 +38,7 @@ pub mod catalogue;
 pub mod channels;
 mod check;
 mod checked;
+mod cranks;
 mod derived;
 pub mod deviations;
 mod error;
@@ -73,7 +74,7 @@ pub use keys::{KEYS, Key};
 pub use layout::{Layout, Sleeve};
 
 pub use model::{
-    Bearings, BodyMass, Contact, Detection, Drive, EccentricBearing, Errors, Formulation,
+    Bearings, BodyMass, Contact, Cranks, Detection, Drive, EccentricBearing, Errors, Formulation,
     FrictionLaw, Gear, LoadChange, Masses, Modification, Output, PlusMinus, Scene, Solver,
     Stabilisation, Start,
 };

@@ -27,6 +27,9 @@ pub struct Scene {
     /// What else gives way under the load; without it only contacts do.
     #[serde(default, skip_serializing_if = "Bearings::is_none")]
     pub bearings: Bearings,
+    /// The cranks of an RV reducer; without it one eccentric carries the wheels.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cranks: Option<Cranks>,
     /// Formulation, integrator and sampling.
     pub solver: Solver,
     /// What is recorded beyond the contract's columns.
@@ -267,6 +270,26 @@ pub struct EccentricBearing {
     pub dynamic_rating_n: Option<f64>,
 }
 
+/// The first stage and the cranks of an RV reducer: a sun drives planets, each on a crank whose eccentrics carry the wheels.
+/// Cranks stand in the place of internal sleeves: on a circle of the output, which carries them.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cranks {
+    /// How many, evenly spaced.
+    pub count: usize,
+    /// Radius of the circle they stand on, m.
+    pub circle_radius_m: f64,
+    /// Radius of a wheel's bore for a crank's eccentric and its bearing, m.
+    pub bore_radius_m: f64,
+    /// Teeth of the sun on the input shaft.
+    pub sun_teeth: usize,
+    /// Teeth of a planet.
+    pub planet_teeth: usize,
+    /// Stiffness of what holds a crank in the output, N/m; `None`: a rigid revolute.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub support_stiffness_n_m: Option<f64>,
+}
+
 /// Which equations are integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -338,12 +361,12 @@ impl Scene {
         PAPER.clone()
     }
 
-    /// Moment of inertia of the output shaft with the internal sleeves on their circle, kg m^2.
+    /// Moment of inertia of the output shaft with what it carries on its circle, internal sleeves or cranks, kg m^2.
     #[must_use]
     pub fn output_inertia_kg_m2(&self) -> f64 {
         let (gear, mass) = (&self.gear, &self.mass);
         let sleeves = gear.internal_sleeves as f64 * mass.internal_sleeve.mass_kg;
-        mass.output_shaft.moment_kg_m2 + sleeves * gear.internal_circle_radius_m.powi(2)
+        self.output_shaft().moment_kg_m2 + sleeves * gear.internal_circle_radius_m.powi(2)
     }
 }
 
@@ -445,6 +468,9 @@ pub struct Errors {
     /// Radii of holes, m; wheel by wheel.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub hole_radius_m: Vec<f64>,
+    /// Of the angle of each crank of an RV gear, rad.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub crank_phase_rad: Vec<f64>,
     /// Of each wheel's eccentric, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub eccentricity_m: Vec<f64>,

@@ -37,6 +37,8 @@ pub const PRESETS: &[Preset] = presets![
     "toleranced",
     "paper-bearings",
     "printed-drive",
+    "rv-320",
+    "rv-40e-like",
     // Hard on integrators: each one's description says why.
     "hard-adhesive",
     "hard-all-open",
@@ -66,6 +68,9 @@ pub const PRESETS: &[Preset] = presets![
     "hard-ramp-1e-9",
     "hard-rpm-20",
     "hard-rpm-6000",
+    "hard-rv-crank-loose",
+    "hard-rv-crank-phase",
+    "hard-rv-reversal",
     "hard-steel",
     "hard-steel-damped",
     "hard-stiffness-0.1",

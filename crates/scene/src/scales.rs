@@ -19,6 +19,7 @@ use pinwheel_contact::{
     HertzStiffness, Law, LawParameters, Material, NormalLaw as _, PaperLaw, Ramp,
 };
 
+use crate::bearings::{BearingLaw, typical_force};
 use crate::check::hole_to_profile_m;
 use crate::load_course;
 use crate::model::Scene;
@@ -216,6 +217,15 @@ pub fn largest_hole_play(gear: &crate::Gear) -> f64 {
 /// solver add. 1.0e-9 N for the paper's gear.
 const ROUNDING: f64 = 1e-11;
 
+/// Load torque on one wheel, N m: the largest of the run, or where there is none what makes the [`least_depth`].
+pub(crate) fn wheel_torque_n_m(scene: &Scene) -> f64 {
+    let gear = &scene.gear;
+    let outer = Spring::of(scene, hertz(scene).on_flat(gear.external_sleeve_radius_m));
+    let unloaded = outer.force(least_depth(scene));
+    let load = load_course::largest(&scene.drive) / gear.wheels as f64;
+    load.max(0.25 * unloaded * gear.lever_m() * gear.external_sleeves as f64)
+}
+
 impl Scales {
     /// Force above which a contact presses, N: less is the rounding of sleeves that only just touch, as all of them do in
     /// the ideal mesh of a gear without backlash.
@@ -243,17 +253,23 @@ impl Scales {
         let lever = gear.lever_m();
         let least = least_depth(scene);
         let load = load_course::largest(&scene.drive) / gear.wheels as f64;
+        let torque = wheel_torque_n_m(scene);
         let torsion = |spring: Spring, lever: f64, sleeves: usize| {
             let sleeves = sleeves as f64;
             let depth = spring.depth(4.0 * load / (lever * sleeves), least);
             0.25 * sleeves * spring.tangent(depth) * lever * lever
         };
-        let unloaded = outer.force(least);
-        let torque = load.max(0.25 * unloaded * lever * gear.external_sleeves as f64);
         let force = external_force(gear, torque);
         let penetration = outer.depth(force, least);
         let housing = torsion(outer, lever, gear.external_sleeves);
-        let output = torsion(inner, gear.internal_circle_radius_m, gear.internal_sleeves);
+        let circle = gear.internal_circle_radius_m;
+        let output = match BearingLaw::of(scene).filter(|_| scene.cranks.is_some()) {
+            Some(bearing) => {
+                let stiffness = bearing.slope_under(typical_force(scene));
+                gear.internal_sleeves as f64 * stiffness * circle * circle
+            }
+            None => torsion(inner, circle, gear.internal_sleeves),
+        };
         Self {
             wheel_torque_n_m: torque,
             external_force_n: force,
@@ -279,7 +295,7 @@ fn modes(scene: &Scene, housing: f64, coupling: f64) -> [f64; 2] {
     let radius = gear.internal_circle_radius_m;
     let wheels = gear.wheels as f64;
     let carried = mass.internal_sleeve.mass_kg * radius * radius * gear.internal_sleeves as f64;
-    let output = mass.output_shaft.moment_kg_m2 + carried;
+    let output = scene.output_shaft().moment_kg_m2 + carried;
     let wheel = mass.wheel.moment_kg_m2;
     let (a, b, c) = (
         (housing + coupling) / wheel,

@@ -72,7 +72,7 @@ fn of(row: &Key) -> Value {
     .cloned()
     .unwrap_or_default();
     match row.otherwise {
-        Otherwise::Required | Otherwise::Nothing => {}
+        Otherwise::Required | Otherwise::Needed | Otherwise::Nothing => {}
         Otherwise::Usual(text, why) => {
             about = format!("{about}; if left out {text}: {why}");
             let value: Option<toml::Value> = text.parse().ok();

@@ -21,6 +21,12 @@ pub(crate) struct InitArgs {
     /// Input turns per output turn, the housing fixed: the number of lobes.
     #[arg(long, value_parser = ratio)]
     ratio: u16,
+    /// `cycloidal`: one eccentric and output pins; `rv`: a sun, planets and cranks, ratio 1 + pins planet/sun.
+    #[arg(long, default_value = "cycloidal", value_parser = ["cycloidal", "rv"])]
+    kind: String,
+    /// Cranks of an RV gear [default: 2, or 3 from a pin circle of 200 mm on].
+    #[arg(long, value_parser = clap::value_parser!(u16).range(2..=12))]
+    cranks: Option<u16>,
     /// Diameter of the circle on which the pins stand.
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
     pin_circle_diameter_mm: f64,
@@ -112,6 +118,14 @@ impl InitArgs {
         Catalogue {
             name,
             ratio: usize::from(self.ratio),
+            cranks: (self.kind == "rv").then(|| {
+                let usual = if self.pin_circle_diameter_mm < 200.0 {
+                    2
+                } else {
+                    3
+                };
+                self.cranks.map_or(usual, usize::from)
+            }),
             pin_circle_diameter_m: mm(self.pin_circle_diameter_mm),
             torque_n_m: self.torque_n_m,
             speed_rad_s: self.speed_rpm * std::f64::consts::PI / 30.0,

@@ -45,6 +45,9 @@ impl Contacts for Law {
         self.0.touching(now, &mut |pair| {
             sums.add(pair.wheel, pair.sleeve, pair.force_on_sleeve());
         });
+        if let Some(bearings) = self.0.bearings() {
+            bearings.on_output(now, &mut |sleeve, force| sums.add_to_sleeve(sleeve, force));
+        }
     }
 
     fn driver_torque(&self, now: &[BodyState]) -> Option<f64> {

@@ -56,7 +56,7 @@ pub(super) fn contact_spring(
         (state.vx, state.vy, state.rate) = (0.0, 0.0, 0.0);
     }
     let start = states.clone();
-    let limit = 0.25 * std::f64::consts::TAU / gearbox.geometry.ratio();
+    let limit = 0.25 * std::f64::consts::TAU / gearbox.geometry.lobes();
 
     // The load turns the output, that the wheels, and those lean on the external sleeves.
     let wheels_at = |twist: f64, states: &mut [BodyState]| {

@@ -31,6 +31,12 @@ impl Sums {
         self.wheels[wheel][1] -= fy;
     }
 
+    /// Adds a force on a sleeve that no wheel's contact makes.
+    pub(super) fn add_to_sleeve(&mut self, sleeve: Sleeve, [fx, fy]: [f64; 2]) {
+        let sum = &mut self.sleeves[sleeve_slot(self.layout, sleeve)];
+        *sum = [sum[0] + fx, sum[1] + fy];
+    }
+
     /// Force on a body, N; 0 for the shafts, which touch nothing.
     pub(super) fn on_body(&self, body: usize) -> [f64; 2] {
         let (wheels, sleeves) = (

@@ -115,7 +115,7 @@ mod tests {
     fn of_two_flanks_the_nearer_is_touched() {
         let mut scene = Scene::paper();
         scene.gear.modification.rotational_rad = 1e-4;
-        let flanks = Flanks::of(&Geometry::new(&scene.gear).unwrap()).unwrap();
+        let flanks = Flanks::of(&Geometry::new(&scene).unwrap()).unwrap();
         let pit = PI / flanks.lobes;
         let at = |angle: f64, penetration: f64| {
             let point = Complex::unit(angle).scale(0.05);

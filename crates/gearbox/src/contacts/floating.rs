@@ -4,6 +4,7 @@ use pinwheel_contact::Law;
 use pinwheel_mbs::{BodyState, Pose, Sums, Wrench, add_pair};
 use pinwheel_scene::bearings::BearingLaw;
 
+use super::cranks::{CrankBearing, Cranks, WHEELS};
 use super::field::{ContactEnergy, ContactField, PairContact};
 use crate::geometry::Geometry;
 use crate::scene::Scene;
@@ -16,10 +17,12 @@ pub struct Bearings {
     layout: Layout,
     /// Of every eccentric, in the input's frame, m.
     seats: Vec<[f64; 2]>,
+    /// What carries wheels in the place of one eccentric.
+    cranks: Option<Cranks>,
 }
 
 /// One bearing at a state.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct BearingLoad {
     /// On the wheel at its centre, N, ground frame.
     pub on_wheel: [f64; 2],
@@ -27,9 +30,9 @@ pub struct BearingLoad {
     pub offset_m: [f64; 2],
     /// Friction on the wheel, N m, and what it loses, W.
     pub drag_n_m: f64,
-    drag_w: f64,
+    pub(super) drag_w: f64,
     /// How fast the offset grows, m/s.
-    rate: f64,
+    pub(super) rate: f64,
 }
 
 impl Bearings {
@@ -43,12 +46,115 @@ impl Bearings {
             seats: seats
                 .map(|(phase, e)| [e * phase.cos(), e * phase.sin()])
                 .collect(),
+            cranks: Cranks::of(scene, geometry),
         })
     }
 
-    /// The bearing of a wheel.
+    /// The same bearings and supports giving way by a share of what they do under the same forces, with one of their clearance.
+    pub(crate) fn share(&self, share: f64, of_clearance: f64) -> Self {
+        let law = BearingLaw {
+            stiffness: self.law.stiffness / share.powf(self.law.exponent),
+            clearance_m: self.law.clearance_m * of_clearance,
+            ..self.law
+        };
+        let cranks = self
+            .cranks
+            .as_ref()
+            .map(|cranks| cranks.share(share, of_clearance));
+        Self {
+            law,
+            cranks,
+            ..self.clone()
+        }
+    }
+
+    /// What carries a wheel: its bearing, or those of all cranks together, whose offset is their mean.
     #[must_use]
-    pub fn load(&self, bodies: &[BodyState], wheel: usize) -> BearingLoad {
+    pub fn of_wheel(&self, bodies: &[BodyState], wheel: usize) -> BearingLoad {
+        if self.cranks.is_none() {
+            return self.load(bodies, wheel);
+        }
+        let mut all = BearingLoad::default();
+        let share = 1.0 / self.layout.internal_sleeves as f64;
+        for crank in 0..self.layout.internal_sleeves {
+            let one = self.of_crank(bodies, wheel, crank);
+            for k in 0..2 {
+                all.on_wheel[k] += one.on_wheel[k];
+                all.offset_m[k] += share * one.offset_m[k];
+            }
+            all.drag_n_m += one.drag_n_m;
+        }
+        all
+    }
+
+    /// The bearing of a crank of an RV gear in a wheel, whose offset is the bore's centre from the eccentric's; of other gears
+    /// nothing.
+    #[must_use]
+    pub fn of_crank(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> BearingLoad {
+        let mut found = [CrankBearing::default(); WHEELS];
+        let Some(cranks) = &self.cranks else {
+            return BearingLoad::default();
+        };
+        cranks.crank(&self.law, self.layout, bodies, crank, &mut found);
+        found[wheel].load()
+    }
+
+    /// The same as a pair of wheel and crank.
+    fn crank_pair(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> PairContact {
+        let load = self.of_crank(bodies, wheel, crank);
+        let ([dx, dy], [fx, fy]) = (load.offset_m, load.on_wheel);
+        let offset = dx.hypot(dy);
+        let normal = match offset > 0.0 {
+            true => [-dx / offset, -dy / offset],
+            false => [0.0; 2],
+        };
+        let seat = bodies[self.layout.sleeve_body(Sleeve::Internal(crank))];
+        PairContact {
+            wheel,
+            sleeve: Sleeve::Internal(crank),
+            point: [seat.x + dx, seat.y + dy],
+            normal,
+            penetration_m: offset - self.clearance_m(wheel, crank),
+            normal_rate_m_s: load.rate,
+            tangential_rate_m_s: 0.0,
+            stiffness: self.law.stiffness,
+            normal_force_n: fx.hypot(fy),
+            friction_force_n: 0.0,
+            along_force_n: 0.0,
+            centre: [seat.x, seat.y],
+        }
+    }
+
+    /// All of them that carry.
+    pub(crate) fn crank_pairs(&self, bodies: &[BodyState]) -> Vec<PairContact> {
+        let cranks = self
+            .cranks
+            .iter()
+            .flat_map(|_| 0..self.layout.internal_sleeves);
+        let of_crank = |crank| (0..self.layout.wheels).map(move |wheel| (wheel, crank));
+        let all = cranks.flat_map(of_crank);
+        let pairs = all.map(|(wheel, crank)| self.crank_pair(bodies, wheel, crank));
+        pairs.filter(|pair| pair.normal_force_n > 0.0).collect()
+    }
+
+    /// Visits every crank of an RV gear with the force that it hands to the output, N, ground frame.
+    pub fn on_output(&self, bodies: &[BodyState], visit: &mut dyn FnMut(Sleeve, [f64; 2])) {
+        if let Some(cranks) = &self.cranks {
+            cranks.on_output(&self.law, self.layout, bodies, visit);
+        }
+    }
+
+    /// Clearance of that bearing, m.
+    pub(crate) fn clearance_m(&self, wheel: usize, crank: usize) -> f64 {
+        let own = self
+            .cranks
+            .as_ref()
+            .map(|cranks| cranks.extra_clearance_m(wheel, crank));
+        self.law.clearance_m + own.unwrap_or_default()
+    }
+
+    /// The bearing of a wheel on its one eccentric.
+    fn load(&self, bodies: &[BodyState], wheel: usize) -> BearingLoad {
         let input = bodies[Layout::INPUT];
         let body = bodies[self.layout.wheel_bodies().start + wheel];
         let ([sx, sy], (s, c)) = (self.seats[wheel], input.angle.sin_cos());
@@ -75,6 +181,9 @@ impl Bearings {
 
     /// Adds all of them.
     pub(crate) fn add_loads(&self, bodies: &[BodyState], loads: &mut [Wrench]) {
+        if let Some(cranks) = &self.cranks {
+            return cranks.add_loads(&self.law, self.layout, bodies, loads);
+        }
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
             let load = self.load(bodies, wheel);
             let (pair, at) = ([body, Layout::INPUT], [bodies[body].x, bodies[body].y]);
@@ -87,6 +196,9 @@ impl Bearings {
     /// Torque that holds the input against them, N m.
     #[must_use]
     pub fn driver_torque(&self, bodies: &[BodyState]) -> f64 {
+        if let Some(cranks) = &self.cranks {
+            return cranks.driver_torque(&self.law, self.layout, bodies);
+        }
         let input = bodies[Layout::INPUT];
         let of = |(wheel, body): (usize, usize)| {
             let load = self.load(bodies, wheel);
@@ -97,6 +209,9 @@ impl Bearings {
     }
 
     fn add_energy(&self, bodies: &[BodyState], sum: &mut ContactEnergy) {
+        if let Some(cranks) = &self.cranks {
+            return cranks.add_energy(&self.law, self.layout, bodies, sum);
+        }
         for wheel in 0..self.layout.wheels {
             let load = self.load(bodies, wheel);
             let [dx, dy] = load.offset_m;
@@ -139,7 +254,11 @@ impl ContactField for Floating {
     }
 
     fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
-        self.contacts.nearest(bodies, wheel, sleeve)
+        match (&self.bearings.cranks, sleeve) {
+            // A crank's bearing stands in the place of a sleeve in its hole.
+            (Some(_), Sleeve::Internal(crank)) => self.bearings.crank_pair(bodies, wheel, crank),
+            _ => self.contacts.nearest(bodies, wheel, sleeve),
+        }
     }
 
     fn law(&self) -> &Law {

@@ -1,5 +1,6 @@
 //! Contacts between wheels and sleeves: detection, law and friction put together for a scene.
 
+mod cranks;
 mod detection;
 mod field;
 mod flanks;
@@ -90,6 +91,20 @@ pub(crate) fn contacts(
     kernel: Kernel,
 ) -> Result<Box<dyn ContactField>, GearboxError> {
     let law = law(scene).ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
+    // Cranks touch no hole.
+    let without;
+    let (scene, geometry) = match scene.cranks {
+        Some(_) => {
+            let gear = scene.gear.without_internal_sleeves();
+            let scene = Scene {
+                gear,
+                ..scene.clone()
+            };
+            without = (scene, geometry.without_internal_sleeves());
+            (&without.0, &without.1)
+        }
+        None => (scene, geometry),
+    };
     // Lanes take all sleeves, and all holes, for alike.
     let in_lanes = kernel != Kernel::Scalar
         && scene.contact.friction_law == FrictionLaw::Regularised
@@ -126,7 +141,7 @@ mod tests {
         let mut scene = Scene::paper();
         scene.contact.detection = Detection::Points;
         scene.contact.law = "paper-conservative".to_owned();
-        let geometry = Geometry::new(&scene.gear).unwrap();
+        let geometry = Geometry::new(&scene).unwrap();
         let told = field(&scene, &geometry, Kernel::Lanes).map(|_| ());
         let told = told.unwrap_err().to_string();
         assert!(told.contains("detection = \"exact\""), "{told}");

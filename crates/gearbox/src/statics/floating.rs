@@ -14,9 +14,8 @@
 
 use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::{BodyState, Wrench};
-use pinwheel_scene::bearings::BearingLaw;
 
-use super::{Equilibrium, Statics};
+use super::{ANGLE, Equilibrium, Statics, next_root};
 use crate::contacts::Bearings;
 use crate::{GearboxError, Layout, load_course};
 
@@ -37,6 +36,10 @@ const REMEMBERED: usize = 8;
 const STEPS: usize = 60;
 const HALVINGS: usize = 12;
 const SERVES: f64 = 0.2;
+/// Least step of the clearance, as a share of it.
+const LEAST_LOOSER: f64 = 1e-4;
+/// Steps at most of a root in a bracket.
+const BISECTIONS: usize = 200;
 /// What may be left of forces and moments, as a share of the load's.
 const LEFT: f64 = 1e-9;
 /// Roundings of a wheel's place that may be left as a force of its bearing.
@@ -45,15 +48,6 @@ const ROUNDINGS: f64 = 4.0;
 const BALANCED: f64 = 1e-13;
 /// A weak spring to the last iterate, as a share of a contact's stiffness: for directions that nothing holds.
 const WEAK: f64 = 1e-9;
-
-/// A bearing that gives way by a share of what `law` does under the same force.
-fn share_of(law: &BearingLaw, share: f64) -> BearingLaw {
-    BearingLaw {
-        stiffness: law.stiffness / share.powf(law.exponent),
-        clearance_m: law.clearance_m * share,
-        ..*law
-    }
-}
 
 /// Unknowns of a wheel, from its body.
 const OF_A_WHEEL: usize = 3;
@@ -88,12 +82,19 @@ impl Statics<'_> {
         let moment = share * largest;
         let force = moment / gear.lever_m();
         let stiffest = bearings.law.slope_under(force);
-        let rounding = ROUNDINGS * f64::EPSILON * gear.eccentricity_m * stiffest;
+        // Where bearings sit: of cranks on their circle, about which forces have moments as well.
+        let circle = self
+            .gearbox
+            .scene
+            .cranks
+            .map(|cranks| cranks.circle_radius_m);
+        let place = circle.unwrap_or(gear.eccentricity_m);
+        let rounding = ROUNDINGS * f64::EPSILON * place * stiffest;
         Size {
             length: share * scales.length,
             angle: share * scales.angle,
             force: force.max(rounding / LEFT),
-            moment,
+            moment: moment.max(circle.unwrap_or_default() * rounding / LEFT),
         }
     }
 
@@ -326,28 +327,33 @@ impl Statics<'_> {
         let mut u = self.unknowns(&rigid.bodies, rigid.output);
         // Forces of the contacts alone: what the bearings will have to carry.
         let contacts = self.left(phi, load, &bearings, &u, None);
-        let forces: Vec<[f64; 2]> = (0..self.gearbox.layout.wheels)
-            .map(|i| [contacts[1 + OF_A_WHEEL * i], contacts[2 + OF_A_WHEEL * i]])
-            .collect();
-        let most = forces.iter().map(|[x, y]| x.hypot(*y)).fold(0.0, f64::max);
+        let (seats, forces) = self.carried(&rigid.bodies, contacts.as_slice());
+        let most = forces.iter().flatten().map(|[x, y]| x.hypot(*y));
+        let most = most.fold(0.0, f64::max);
         if most <= LEFT * self.size(load, &bearings).force {
             return Ok(self.floating_equilibrium(phi, load, &bearings, &u));
         }
         let whole = bearings.law.offset_under(most);
         let mut share = (FIRST * self.size(load, &bearings).length / whole).min(1.0);
-        for (i, force) in forces.iter().enumerate() {
-            let size = force[0].hypot(force[1]);
-            if size > 0.0 {
-                let offset = share * bearings.law.offset_under(size) / size;
-                u[1 + OF_A_WHEEL * i] += offset * force[0];
-                u[2 + OF_A_WHEEL * i] += offset * force[1];
+        for (wheel, forces) in u[1..].chunks_mut(OF_A_WHEEL).zip(&forces) {
+            for (&[sx, sy], &[fx, fy]) in seats.iter().zip(forces) {
+                let size = fx.hypot(fy);
+                if size > 0.0 {
+                    let offset = share * bearings.law.offset_under(size) / size;
+                    let offset = offset / seats.len() as f64;
+                    wheel[0] += offset * fx;
+                    wheel[1] += offset * fy;
+                    let lever = (sx * sx + sy * sy).max(f64::MIN_POSITIVE);
+                    wheel[2] += offset * (sx * fy - sy * fx) / lever;
+                }
             }
         }
         let none = || GearboxError::NoEquilibrium { load_n_m: load };
-        let softened = |share: f64| {
-            let mut softened = bearings.clone();
-            softened.law = share_of(&bearings.law, share);
-            softened
+        // Several bearings a wheel do not all give way along the forces found: their clearance comes last.
+        let tight = if self.gearbox.scene.cranks.is_some() {
+            0.0
+        } else {
+            1.0
         };
         // A first step that fails is tried from nearer to the rigid gear.
         let mut before: Option<(f64, Vec<f64>)> = None;
@@ -358,11 +364,17 @@ impl Statics<'_> {
                 None => u.clone(),
             };
             if self
-                .balance(phi, load, &softened(share), &mut there)
+                .balance(phi, load, &bearings.share(share, tight * share), &mut there)
                 .is_some()
             {
                 if share >= 1.0 {
-                    return Ok(self.floating_equilibrium(phi, load, &bearings, &there));
+                    let whole = match self.gearbox.scene.cranks {
+                        Some(_) => self
+                            .loosened(phi, load, &bearings, there)
+                            .ok_or_else(none)?,
+                        None => there,
+                    };
+                    return Ok(self.floating_equilibrium(phi, load, &bearings, &whole));
                 }
                 before = Some((share, there));
             } else {
@@ -381,15 +393,130 @@ impl Statics<'_> {
         }
     }
 
-    /// The same with the wheels' offsets from their eccentrics times `factor`.
+    /// From the balance on bearings without clearance to that with all of it: each step moves wheels on by what their bearings
+    /// give way more, along the offsets that they have.
+    fn loosened(
+        &mut self,
+        phi: f64,
+        load: f64,
+        bearings: &Bearings,
+        mut u: Vec<f64>,
+    ) -> Option<Vec<f64>> {
+        let (mut share, mut step) = (0.0, 1.0);
+        let layout = self.gearbox.layout;
+        while share < 1.0 && step > LEAST_LOOSER {
+            let next = f64::min(share + step, 1.0);
+            let looser = bearings.share(1.0, next);
+            self.place_floating(phi, &u, None);
+            let mut there = u.clone();
+            for (i, wheel) in there[1..].chunks_mut(OF_A_WHEEL).enumerate() {
+                for (crank, seat) in layout.internal_bodies().enumerate() {
+                    let [dx, dy] = bearings.of_crank(&self.bodies, i, crank).offset_m;
+                    let seat = self.bodies[seat];
+                    let further = (next - share) * bearings.clearance_m(i, crank)
+                        / (dx.hypot(dy).max(f64::MIN_POSITIVE) * layout.internal_sleeves as f64);
+                    wheel[0] += further * dx;
+                    wheel[1] += further * dy;
+                    let square = seat.x * seat.x + seat.y * seat.y;
+                    wheel[2] += further * (seat.x * dy - seat.y * dx) / square;
+                }
+            }
+            match self.balance(phi, load, &looser, &mut there) {
+                Some(_) => (share, u, step) = (next, there, 2.0 * step),
+                None => step *= 0.5,
+            }
+        }
+        (share >= 1.0).then_some(u)
+    }
+
+    /// Where bearings sit from a wheel's centre, m, and what each will have to carry of `contacts`, N: of cranks the least that
+    /// holds force and moment, evenly.
+    fn carried(
+        &self,
+        bodies: &[BodyState],
+        contacts: &[f64],
+    ) -> (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>) {
+        let seats: Vec<[f64; 2]> = match self.gearbox.scene.cranks {
+            Some(_) => {
+                let cranks = bodies[self.gearbox.layout.internal_bodies()].iter();
+                cranks.map(|crank| [crank.x, crank.y]).collect()
+            }
+            None => vec![[0.0; 2]],
+        };
+        let polar: f64 = seats.iter().map(|[x, y]| x * x + y * y).sum();
+        let share = 1.0 / seats.len() as f64;
+        let of_wheel = |loads: &[f64]| {
+            let turn = if polar > 0.0 { loads[2] / polar } else { 0.0 };
+            let at =
+                |&[x, y]: &[f64; 2]| [share * loads[0] - turn * y, share * loads[1] + turn * x];
+            seats.iter().map(at).collect()
+        };
+        let forces = contacts[1..].chunks(OF_A_WHEEL).map(of_wheel).collect();
+        (seats, forces)
+    }
+
+    /// The balance of an RV gear all of whose cranks' bearings are rigid: wheels turn with the output, and one angle is free.
+    pub(super) fn solve_on_cranks(
+        &mut self,
+        phi: f64,
+        load: f64,
+    ) -> Result<Equilibrium, GearboxError> {
+        let geometry = &self.gearbox.geometry;
+        let (rho, middle) = (geometry.teeth_ratio, geometry.ideal_output_angle(phi));
+        let homes: Vec<f64> = (0..self.gearbox.layout.wheels)
+            .map(|i| geometry.ideal_wheel_angle(i, 0.0))
+            .collect();
+        let half = self.brackets().1;
+        let mut moment = |psi: f64| {
+            let wheels: Vec<f64> = homes.iter().map(|home| home + psi).collect();
+            self.place(phi, &wheels, psi);
+            self.field.add_loads(&self.bodies, &mut self.loads);
+            let of = |body: usize| {
+                let (BodyState { x, y, .. }, load) = (self.bodies[body], self.loads[body]);
+                load.moment + (1.0 + rho) * (x * load.fy - y * load.fx)
+            };
+            load + self.gearbox.layout.wheel_bodies().map(of).sum::<f64>()
+        };
+        let (mut low, mut high) = (middle - half, middle + half);
+        if moment(low) < 0.0 || moment(high) > 0.0 {
+            return Err(GearboxError::NoEquilibrium { load_n_m: load });
+        }
+        let (mut psi, mut last) = (middle, f64::INFINITY);
+        for _ in 0..BISECTIONS {
+            let here = moment(psi);
+            if here == 0.0 || last < ANGLE {
+                break;
+            }
+            let slope =
+                (moment(psi + DIFFERENCE * ANGLE.sqrt()) - here) / (DIFFERENCE * ANGLE.sqrt());
+            let next = next_root(psi, here, slope, (&mut low, &mut high), last);
+            (last, psi) = ((next - psi).abs(), next);
+        }
+        moment(psi);
+        Ok(Equilibrium {
+            input: phi,
+            wheels: homes.iter().map(|home| home + psi).collect(),
+            output: psi,
+            bodies: self.bodies.clone(),
+            residual: 0.0,
+        })
+    }
+
+    /// The same with the wheels' offsets from their eccentrics times `factor`, and of cranks their turns against the output.
     fn stretched(&mut self, phi: f64, u: &[f64], factor: f64) -> Vec<f64> {
         let mut there = u.to_vec();
         for i in 0..self.gearbox.layout.wheels {
-            let own = [u[OF_A_WHEEL * (i + 1)], 0.0];
-            let home = self.gearbox.geometry.wheel_state(i, [phi, 0.0], own);
+            let geometry = &self.gearbox.geometry;
+            let own = match self.gearbox.scene.cranks {
+                Some(_) => geometry.ideal_wheel_angle(i, 0.0) + u[0],
+                None => u[OF_A_WHEEL * (i + 1)],
+            };
+            let eccentric = geometry.eccentric_angle(phi, u[0]);
+            let home = geometry.wheel_state(i, [eccentric, 0.0], [own, 0.0]);
             let at = 1 + OF_A_WHEEL * i;
-            there[at] = home.x + factor * (u[at] - home.x);
-            there[at + 1] = home.y + factor * (u[at + 1] - home.y);
+            for (k, home) in [home.x, home.y, home.angle].into_iter().enumerate() {
+                there[at + k] = home + factor * (u[at + k] - home);
+            }
         }
         there
     }
@@ -405,7 +532,7 @@ impl Statics<'_> {
         let mut u = self.unknowns(&near.bodies, near.output);
         let geometry = &self.gearbox.geometry;
         u[0] += geometry.ideal_output_angle(phi) - geometry.ideal_output_angle(near.input);
-        let (s, c) = (phi - near.input).sin_cos();
+        let (s, c) = geometry.ideal_eccentric_angle(phi - near.input).sin_cos();
         for (i, wheel) in u[1..].chunks_mut(OF_A_WHEEL).enumerate() {
             let [x, y] = [wheel[0], wheel[1]];
             (wheel[0], wheel[1]) = (c * x - s * y, s * x + c * y);

@@ -344,7 +344,7 @@ fn compliance(gearbox: &Gearbox, torque: f64) -> [f64; 3] {
     while pins > 0 {
         (lobes, pins) = (pins, lobes % pins);
     }
-    let period = TAU * gearbox.geometry.ratio() / gear.external_sleeves as f64 / lobes as f64;
+    let period = TAU * gearbox.geometry.lobes() / gear.external_sleeves as f64 / lobes as f64;
     let mut statics = Statics::new(gearbox).unwrap();
     let mut twists = |share: f64| -> Vec<f64> {
         let pose = |k: u32| {

@@ -36,6 +36,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
 pub(crate) fn together(scene: &Scene) -> Result<(), Fault> {
     combinations::check(scene)?;
     crate::bearings::check(scene)?;
+    crate::cranks::check(scene)?;
     load::check(scene)?;
     gear(&scene.gear)?;
     crate::uncertain::check(scene)?;

@@ -72,33 +72,42 @@ pub(super) const REST: &str = "carrier and flange";
 /// Of the gear under the `working` load; empty where contacts alone give way.
 pub(super) fn of(gearbox: &Gearbox, working: f64) -> Result<Vec<Share>, StudyError> {
     let all = gearbox.scene.bearings;
-    let parts = [
-        (CONTACTS, true, Bearings::default()),
-        (
-            "eccentric bearings",
-            all.eccentric.is_some(),
-            Bearings {
-                eccentric: all.eccentric,
-                ..Bearings::default()
-            },
-        ),
-        (REST, all.output_torsion_n_m_rad.is_some(), all),
-    ];
+    let support = (gearbox.scene.cranks).and_then(|cranks| cranks.support_stiffness_n_m);
+    // The first is balanced on rigid bearings, which cranks cannot do without in a scene.
+    let mut scene = Scene::clone(&gearbox.scene);
+    scene.bearings.output_torsion_n_m_rad = None;
+    if let Some(cranks) = &mut scene.cranks {
+        cranks.support_stiffness_n_m = None;
+    }
+    let mut parts = vec![(CONTACTS, scene.clone())];
+    if all.eccentric.is_some() {
+        let part = match scene.cranks {
+            Some(_) => "crank bearings",
+            None => "eccentric bearings",
+        };
+        parts.push((part, scene.clone()));
+    }
+    if let (Some(cranks), Some(_)) = (&mut scene.cranks, support) {
+        cranks.support_stiffness_n_m = support;
+        parts.push(("crank supports", scene.clone()));
+    }
+    if all.output_torsion_n_m_rad.is_some() {
+        scene.bearings = all;
+        parts.push((REST, scene));
+    }
     let mut shares: Vec<Share> = Vec::new();
     if all == Bearings::default() {
         return Ok(shares);
     }
     let mut compliance = Vec::new();
-    for (part, is_there, bearings) in parts {
-        if !is_there {
-            continue;
-        }
-        let mut scene = Scene::clone(&gearbox.scene);
-        scene.bearings = bearings;
+    for (part, scene) in parts {
         let gearbox = compile(&scene)?;
         let of_scene = |source| of_scene(&gearbox.scene, source);
-        let poses = Poses::of(&scene.gear).few(FEW);
+        let poses = Poses::of(&scene).few(FEW);
         let mut statics = Statics::new(&gearbox).map_err(of_scene)?;
+        if part == CONTACTS {
+            statics = statics.on_rigid_bearings();
+        }
         let found = twisted(&mut statics, &poses, &gearbox, working).map_err(of_scene)?;
         let stiffness = Spread::of(found.1.into_iter().flatten()).mean;
         compliance.push(1.0 / stiffness);

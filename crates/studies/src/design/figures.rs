@@ -44,6 +44,8 @@ definitions! {
         "largest of a pose";
     INTERNAL_FORCE = "internal_force_n", "largest pin force, internal", "N",
         "largest of a pose";
+    CRANK_FORCE = "crank_bearing_force_n", "crank bearing, largest force", "N",
+        "largest of a pose, of all wheels and cranks";
     EXTERNAL_TOUCHING = "external_touching", "external pins that carry", "",
         "touch a wheel, on average";
     INTERNAL_TOUCHING = "internal_touching", "internal pins that carry", "",
@@ -124,6 +126,8 @@ pub struct DesignFigure {
 pub(super) struct Balances {
     /// Parts that the poses are made of.
     pub(super) parts: usize,
+    /// Cranks carry the wheels, as in an RV gear.
+    pub(super) on_cranks: bool,
     /// Lost motion, arcmin.
     pub(super) lost: Vec<f64>,
     /// Stiffness in either direction, N m/arcmin.
@@ -136,6 +140,7 @@ pub(super) struct Balances {
 
 /// The same, summed up.
 pub(super) struct Summed {
+    on_cranks: bool,
     pub(super) lost: Spread,
     pub(super) stiffness: Spread,
     pub(super) sharing: [Sharing; 2],
@@ -149,7 +154,7 @@ pub(super) struct Summed {
 
 /// How fast the rings of an eccentric bearing turn against each other, rad/s.
 fn bearing_rate_rad_s(scene: &Scene) -> f64 {
-    scene.drive.input_speed_rad_s.abs() * (1.0 + 1.0 / scene.gear.lobes() as f64)
+    scene.eccentric_speed_rad_s().abs() * (1.0 + 1.0 / scene.gear.lobes() as f64)
 }
 
 impl Balances {
@@ -167,6 +172,7 @@ impl Balances {
             spread.max - spread.min
         });
         Summed {
+            on_cranks: self.on_cranks,
             lost: Spread::of(lost.copied()),
             stiffness: Spread::of(stiffness.flatten().copied()),
             sharing: Stage::BOTH.map(|stage| Sharing::of(&loaded, stage)),
@@ -177,6 +183,29 @@ impl Balances {
             bearings: Bearing::all(&loaded),
             error,
         }
+    }
+
+    /// Of every wheel, the forces of its bearing over some of the poses, N. On cranks those of all: in the next period each crank
+    /// stands where its neighbour does in this one.
+    fn carried(&self, scene: &Scene, every: usize, of: usize) -> Vec<Vec<f64>> {
+        let Some(cranks) = scene.cranks else {
+            let bearings = self.summed(every, of).bearings;
+            return bearings
+                .iter()
+                .map(|bearing| bearing.forces_n().collect())
+                .collect();
+        };
+        let poses = self.loaded.iter().skip(of).step_by(every);
+        let mut all = vec![Vec::new(); scene.gear.wheels];
+        for (number, pose) in poses.enumerate() {
+            for pair in pose.of(Stage::Internal) {
+                all[pair.wheel].push(pair.force_n);
+            }
+            // Bearings that carry nothing count too.
+            let whole = (number + 1) * cranks.count;
+            all.iter_mut().for_each(|forces| forces.resize(whole, 0.0));
+        }
+        all
     }
 
     /// Basic rating life of the most loaded eccentric bearing of the dynamic rating `rating_n`.
@@ -194,13 +223,13 @@ impl Balances {
             10.0 / 3.0
         };
         let turns = bearing_rate_rad_s(scene);
-        let hours = |bearing: &Bearing| {
-            let mean = Spread::of(bearing.forces_n().map(|force| force.powf(power))).mean;
+        let hours = |forces: &Vec<f64>| {
+            let mean = Spread::of(forces.iter().map(|force| force.powf(power))).mean;
             let millions = rating_n.powf(power) / mean;
             1e6 * millions * std::f64::consts::TAU / turns / 3600.0
         };
         let of = |every, of| {
-            let bearings = self.summed(every, of).bearings;
+            let bearings = self.carried(scene, every, of);
             let least = bearings.iter().map(hours).fold(f64::INFINITY, f64::min);
             vec![BEARING_LIFE.balanced(least)]
         };
@@ -210,15 +239,16 @@ impl Balances {
     /// What the friction of all eccentric bearings loses at the rated speed and load.
     pub(super) fn bearing_loss(&self, law: &BearingLaw, scene: &Scene) -> DesignFigure {
         let rate = bearing_rate_rad_s(scene);
-        let percent = |bearings: &[Bearing]| {
-            let force = |bearing: &Bearing| Spread::of(bearing.forces_n()).mean;
+        let alike = scene.cranks.map_or(1, |cranks| cranks.count) as f64;
+        let percent = |bearings: &[Vec<f64>]| {
+            let force = |forces: &Vec<f64>| alike * Spread::of(forces.iter().copied()).mean;
             let lost: f64 = (bearings.iter().map(force))
                 .map(|force| law.drag(force, rate).abs() * rate)
                 .sum();
-            let turns = scene.drive.input_speed_rad_s / scene.gear.lobes() as f64;
+            let turns = scene.drive.input_speed_rad_s * scene.output_per_input();
             100.0 * lost / (scene.drive.output_torque_n_m * turns).abs()
         };
-        let of = |every, of| vec![BEARING_LOSS.balanced(percent(&self.summed(every, of).bearings))];
+        let of = |every, of| vec![BEARING_LOSS.balanced(percent(&self.carried(scene, every, of)))];
         parted(self.parts, of).swap_remove(0)
     }
 
@@ -319,6 +349,10 @@ impl Summed {
         let pressed = |k: usize| 1e-6 * self.pressure[k].largest_pa;
         let slid = |k: usize| 1e-6 * self.pressure[k].pressure_sliding_w_m2;
         let largest = |what: Definition, spread: &Spread| what.balanced(spread.max).over(spread);
+        let inner = match self.on_cranks {
+            true => CRANK_FORCE,
+            false => INTERNAL_FORCE,
+        };
         let mut figures = vec![
             largest(LOST_MOTION, &self.lost),
             STIFFNESS
@@ -327,13 +361,19 @@ impl Summed {
             ERROR_RATED.balanced(loaded),
             ERROR_NO_LOAD.balanced(unloaded),
             largest(EXTERNAL_FORCE, &external.largest_force_n),
-            largest(INTERNAL_FORCE, &internal.largest_force_n),
+            largest(inner, &internal.largest_force_n),
             EXTERNAL_TOUCHING.is(external.touching.mean, self.quantum),
             INTERNAL_TOUCHING.is(internal.touching.mean, self.quantum),
             EXTERNAL_PRESSURE.balanced(pressed(0)),
             INTERNAL_PRESSURE.balanced(pressed(1)),
             PRESSURE_SLIDING.balanced(slid(0).max(slid(1))),
         ];
+        if self.on_cranks {
+            // A bearing has no pins, and its force is told above.
+            let of_pins = [INTERNAL_TOUCHING.key, INTERNAL_PRESSURE.key];
+            figures.retain(|figure| !of_pins.contains(&figure.key));
+            return figures;
+        }
         let bearing = self.bearings.first();
         figures.extend(bearing.map(|bearing| largest(BEARING_FORCE, &bearing.force_n)));
         figures

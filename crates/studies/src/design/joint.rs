@@ -114,7 +114,8 @@ impl Joint {
         if springs.is_empty() {
             return Err(GearboxError::NoEquilibrium { load_n_m: rated });
         }
-        let (scene, ratio) = (&gearbox.scene, gearbox.geometry.ratio());
+        let scene = &gearbox.scene;
+        let ratio = scene.ratio();
         let (mass, gear) = (&scene.mass, &scene.gear);
         let wheels = gear.wheels as f64;
         let pins = gear.internal_sleeves as f64 * mass.internal_sleeve.mass_kg;
@@ -129,7 +130,7 @@ impl Joint {
         });
         let twist_rad = mean_twists(&all).to_vec();
         let mut joint = Self {
-            ratio: -ratio,
+            ratio: scene.output_per_input().recip(),
             springs,
             damping_n_m_s_per_rad: all.iter().map(|pose| pose.damping).sum::<Option<f64>>(),
             friction: found.map(|(friction, _)| friction),
@@ -192,7 +193,8 @@ impl Joint {
         line("Equivalent joint of a cycloidal gear; SI units, angles in rad.");
         let ratio = self.ratio;
         line(&format!(
-            "ratio: {ratio}; input and output turn against each other"
+            "ratio: {ratio}; input and output turn {} each other",
+            if ratio < 0.0 { "against" } else { "with" }
         ));
         for figure in &self.figures {
             let off = figure.uncertainty.filter(|u| *u > 0.0);

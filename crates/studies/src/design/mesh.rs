@@ -6,7 +6,7 @@ use pinwheel_gearbox::contacts::PairContact;
 use pinwheel_gearbox::pressure::LinePressure;
 use pinwheel_gearbox::statics::{Equilibrium, Statics};
 use pinwheel_gearbox::{Gearbox, GearboxError};
-use pinwheel_scene::{Gear, Sleeve};
+use pinwheel_scene::{Scene, Sleeve};
 use serde::Serialize;
 
 use super::Spread;
@@ -24,7 +24,7 @@ const PLACES: usize = 180;
 
 /// The poses of one period.
 ///
-/// From the eccentric an external sleeve follows the other after 2 pi/zk of the input, an internal one after
+/// With angles of the eccentrics, which are the input's but in RV gears: from the eccentric an external sleeve follows the other after 2 pi/zk of the input, an internal one after
 /// 2 pi zs/(zi zk). Both come round together after 2 pi zs/(g zk), g = gcd(zs, zi): less than a turn of the input. Parts with
 /// errors of their own meet again only when the output has turned once.
 pub(super) struct Poses {
@@ -86,12 +86,14 @@ impl Poses {
         self.angles.len() > 2 * self.meshes[0].max(self.meshes[1]) + 1
     }
 
-    pub(super) fn of(gear: &Gear) -> Self {
+    pub(super) fn of(scene: &Scene) -> Self {
+        let gear = &scene.gear;
         let g = gcd(gear.lobes(), gear.internal_sleeves);
         let all = g * gear.external_sleeves;
         let times = if gear.errors.is_none() { 1 } else { all };
         let meshes = [gear.lobes() / g, gear.internal_sleeves / g].map(|mesh| mesh * times);
-        let period = TAU * meshes[0] as f64 / gear.external_sleeves as f64;
+        let turned = TAU * meshes[0] as f64 / gear.external_sleeves as f64;
+        let period = turned / scene.eccentric_per_input().abs();
         let most = meshes[0].max(meshes[1]);
         let count = (most * PER_MESH.min(MOST / most).max(4)).min(MOST_OF_ALL);
         let wheels = gear.wheels;
@@ -103,7 +105,7 @@ impl Poses {
             period,
             meshes,
             per_turn: TAU / period,
-            ratio: gear.lobes() as f64,
+            ratio: scene.ratio(),
         }
     }
 }
@@ -130,7 +132,7 @@ impl Stage {
     }
 }
 
-/// A touching pair of a balance.
+/// A touching pair of a balance; of an RV gear a crank's bearing stands for that of an internal sleeve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair {
     /// Wheel.
@@ -174,9 +176,10 @@ impl Pose {
         let touching = statics.touching(&found);
         let wheels = gearbox.layout.wheels;
         let phases = &gearbox.geometry.wheel_phases;
+        let turned = gearbox.geometry.eccentric_angle(phi, found.output);
         let mut bearings = vec![[0.0; 2]; wheels];
         for contact in &touching {
-            let (s, c) = (phi + phases[contact.wheel]).sin_cos();
+            let (s, c) = (turned + phases[contact.wheel]).sin_cos();
             let [fx, fy] = contact.force_on_sleeve();
             let sum = &mut bearings[contact.wheel];
             sum[0] -= fx * c + fy * s;
@@ -184,21 +187,45 @@ impl Pose {
         }
         let pair = |contact: &PairContact| {
             let wheel = contact.wheel;
-            pair(gearbox, phi + phases[wheel], found.wheels[wheel], contact)
+            pair(
+                gearbox,
+                turned + phases[wheel],
+                found.wheels[wheel],
+                contact,
+            )
         };
+        let cranks = statics.on_cranks(&found);
+        let on_crank = |contact: &PairContact| {
+            let [x, y] = contact.centre;
+            Pair {
+                wheel: contact.wheel,
+                sleeve: contact.sleeve,
+                place_rad: from_eccentric(y.atan2(x), turned + phases[contact.wheel]),
+                force_n: contact.normal_force_n,
+                penetration_m: contact.penetration_m,
+                pressure_pa: 0.0,
+                sliding_m_s: 0.0,
+            }
+        };
+        let cranks = cranks.iter().map(on_crank);
         let pose = Self {
             error_rad: found.output + gearbox.flange_twist_rad(load)
                 - gearbox.geometry.ideal_output_angle(phi),
-            pairs: touching.iter().map(pair).collect(),
+            pairs: touching.iter().map(pair).chain(cranks).collect(),
             bearings,
         };
         *near = Some(found);
         Ok(pose)
     }
 
-    fn of(&self, stage: Stage) -> impl Iterator<Item = &Pair> {
+    pub(super) fn of(&self, stage: Stage) -> impl Iterator<Item = &Pair> {
         self.pairs.iter().filter(move |pair| stage.has(pair.sleeve))
     }
+}
+
+/// An angle about the gear's axis from an eccentric's, -pi to pi.
+fn from_eccentric(angle: f64, eccentric: f64) -> f64 {
+    (angle - eccentric + PI).rem_euclid(TAU) - PI
 }
 
 /// Place, pressure and sliding of a contact; `eccentric` and `angle`: of the wheel's eccentric and of the wheel, rad.
@@ -207,8 +234,8 @@ fn pair(gearbox: &Gearbox, eccentric: f64, angle: f64, contact: &PairContact) ->
     let geometry = &gearbox.geometry;
     let pressure = LinePressure::new(&gearbox.scene.contact);
     // Velocity of the wheel at W: about its centre at -omega/zs, and with it along the eccentric's circle.
-    let omega = gearbox.scene.drive.input_speed_rad_s;
-    let rate = -omega / geometry.ratio();
+    let omega = gearbox.scene.eccentric_speed_rad_s();
+    let rate = -omega / geometry.lobes();
     let (s, c) = eccentric.sin_cos();
     let e = geometry.eccentricities_m[contact.wheel];
     let [wx, wy] = contact.point;
@@ -224,7 +251,7 @@ fn pair(gearbox: &Gearbox, eccentric: f64, angle: f64, contact: &PairContact) ->
     Pair {
         wheel: contact.wheel,
         sleeve: contact.sleeve,
-        place_rad: (y.atan2(x) - eccentric + PI).rem_euclid(TAU) - PI,
+        place_rad: from_eccentric(y.atan2(x), eccentric),
         force_n: contact.normal_force_n,
         penetration_m: contact.penetration_m,
         pressure_pa: pressure.of(geometry, contact, [e * c, e * s], angle),
@@ -358,13 +385,13 @@ mod tests {
     /// they tell none.
     #[test]
     fn regress_poses_are_bounded() {
-        let mut gear = pinwheel_scene::Scene::paper().gear;
-        let plain = Poses::of(&gear);
+        let mut scene = Scene::paper();
+        let plain = Poses::of(&scene);
         assert!(plain.has_harmonics() && plain.angles.len() < 2 * MOST);
-        gear.external_sleeves = 400;
-        assert!(Poses::of(&gear).has_harmonics());
-        gear.errors.external_sleeve_radial_m = vec![1e-6; 400];
-        let large = Poses::of(&gear);
+        scene.gear.external_sleeves = 400;
+        assert!(Poses::of(&scene).has_harmonics());
+        scene.gear.errors.external_sleeve_radial_m = vec![1e-6; 400];
+        let large = Poses::of(&scene);
         let count = large.angles.len();
         assert!(count < MOST_OF_ALL + MOST, "{count}: there were 640 000");
         assert!(!large.has_harmonics());

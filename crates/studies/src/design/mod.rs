@@ -200,7 +200,7 @@ pub fn run(
     control: &Control<'_>,
 ) -> Result<DesignResult, StudyError> {
     let mut found = figures_of(gearbox, runs, control)?;
-    let poses = Poses::of(&gearbox.scene.gear);
+    let poses = Poses::of(&gearbox.scene);
     let joint = Statics::new(gearbox).and_then(|mut statics| {
         let rated = (found.rated_torque_n_m, &poses);
         Joint::identify(&mut statics, gearbox, rated, &found.efficiency)
@@ -233,7 +233,7 @@ pub(crate) fn figures_of(
         (control.progress)(Progress::new(done, total, what));
         Ok(control.check()?)
     };
-    let poses = Poses::of(&scene.gear);
+    let poses = Poses::of(scene);
     let mut statics = Statics::new(gearbox).map_err(of_scene)?;
     step(0, "torsion")?;
     let curve = curve(&mut statics, gearbox, working).map_err(of_scene)?;
@@ -374,6 +374,7 @@ fn balances(
     };
     Ok(Balances {
         parts: poses.parts,
+        on_cranks: gearbox.scene.cranks.is_some(),
         lost,
         stiffness,
         loaded: at(1, working)?,
@@ -390,7 +391,7 @@ pub fn few_figures(
     cancel: &AtomicBool,
 ) -> Result<Vec<DesignFigure>, StudyError> {
     let working = working_load(gearbox)?;
-    let poses = Poses::of(&gearbox.scene.gear).few(FEW);
+    let poses = Poses::of(&gearbox.scene).few(FEW);
     let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
     let control = Control::silent(cancel);
     let found = balances(&mut statics, gearbox, &poses, working, &mut |_, _| {

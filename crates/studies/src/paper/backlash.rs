@@ -15,9 +15,10 @@ pub(super) const NAMES: [&str; 3] = ["0", "0.3_mm", "0.6_mm"];
 
 /// The smallest turn of a wheel from its ideal mesh to the first touch, rad, found on the curve itself.
 fn turn_to_touch(scene: &Scene, backlash: f64) -> Result<f64, StudyError> {
-    let mut gear = scene.gear.clone();
-    gear.backlash_m = backlash;
-    let geometry = Geometry::new(&gear).map_err(|source| of_scene(scene, source))?;
+    let mut loose = scene.clone();
+    loose.gear.backlash_m = backlash;
+    let gear = &loose.gear;
+    let geometry = Geometry::new(&loose).map_err(|source| of_scene(scene, source))?;
     let centre = Complex::new(gear.eccentricity_m, 0.0);
     let circle = geometry.curve.pitch_radius() + backlash;
     let gap = |turn: f64| {
@@ -28,7 +29,7 @@ fn turn_to_touch(scene: &Scene, backlash: f64) -> Result<f64, StudyError> {
         gaps.fold(f64::INFINITY, f64::min)
     };
     // The gap falls steadily from d, and the closed form is its tangent: three times as far is well inside.
-    let (mut low, mut high) = (0.0, 3.0 * free_play(&gear));
+    let (mut low, mut high) = (0.0, 3.0 * free_play(gear));
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
         if gap(middle) > 0.0 {

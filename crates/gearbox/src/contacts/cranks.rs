@@ -1,0 +1,360 @@
+//! The bearings of wheels on the cranks of an RV reducer.
+//!
+//! ```text
+//! H_ij = r_i + bore j of wheel i          C_ij = S_j + s_j + e_i u(gamma_j + phi_i),  gamma_j = (1 + rho) psi - rho phi
+//! d = H - C,   F = [K max(0, |d| - g)^p + c |d|'] d/|d|  on the crank;   elastic support:  sum_i K max(0, |d| - g)^p d/|d| = k s_j
+//! crank   m_j = sum_i e_i u(gamma_j + phi_i) x F_ij       input   -rho m_j       output   (1 + rho) m_j + S_j x sum_i F_ij
+//! ```
+//! S_j: the crank's place on the output. Its support is a spring without mass, so that s_j follows from the places of the other
+//! bodies; dampers bridge both. The planets' mesh turns the output by a force across S_j at the crank, so that what a crank
+//! carries, and hands to the output, is one force at its centre.
+
+use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::bearings::BearingLaw;
+
+use super::field::ContactEnergy;
+use super::floating::BearingLoad;
+use crate::geometry::Geometry;
+use crate::scene::Scene;
+use crate::{Layout, Sleeve};
+
+/// Wheels at most: as many as a scene may have.
+pub(super) const WHEELS: usize = 64;
+/// Steps of Newton's method for the place of a crank, halvings of one, and what may be left of the forces.
+const STEPS: usize = 40;
+const HALVINGS: usize = 8;
+const LEFT: f64 = 1e-14;
+
+/// All cranks.
+#[derive(Debug, Clone)]
+pub(super) struct Cranks {
+    /// rho
+    teeth_ratio: f64,
+    /// k, N/m.
+    support: Option<f64>,
+    /// Angles by which cranks are out of phase, rad.
+    phases: Vec<f64>,
+    /// Of each wheel: its eccentrics on all cranks, m, for a crank's angle of 0.
+    eccentrics: Vec<[f64; 2]>,
+    /// Of each wheel: the bores in its frame, m, and their clearance beyond that of the bearing, m.
+    bores: Vec<Vec<([f64; 2], f64)>>,
+}
+
+/// A crank's bearing in one wheel.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct CrankBearing {
+    /// On the crank, N, ground frame; at the bore's centre.
+    on_crank: [f64; 2],
+    /// Bore's centre less the eccentric's, m, ground frame.
+    offset_m: [f64; 2],
+    /// How fast it grows where the support is rigid, m/s.
+    rate: f64,
+    /// Energy that the bearing stores, J, and what its damping loses, W.
+    stored_j: f64,
+    damping_w: f64,
+    /// Friction on the wheel, N m, and how fast wheel and crank turn against each other, rad/s.
+    drag: f64,
+    turning: f64,
+    /// Bore's centre from the wheel's, and the eccentric's from the crank's, m, ground frame.
+    arm: [f64; 2],
+    eccentric: [f64; 2],
+}
+
+impl CrankBearing {
+    /// The same as the wheel takes it.
+    pub(super) fn load(&self) -> BearingLoad {
+        BearingLoad {
+            on_wheel: self.on_crank.map(|f| -f),
+            offset_m: self.offset_m,
+            drag_n_m: self.drag,
+            drag_w: -self.drag * self.turning,
+            rate: self.rate,
+        }
+    }
+}
+
+fn turned([x, y]: [f64; 2], (s, c): (f64, f64)) -> [f64; 2] {
+    [c * x - s * y, s * x + c * y]
+}
+
+fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+impl Cranks {
+    /// `None`: one eccentric carries the wheels.
+    pub(super) fn of(scene: &Scene, geometry: &Geometry) -> Option<Self> {
+        let cranks = scene.cranks.as_ref()?;
+        let wheels = geometry.wheel_phases.iter().zip(&geometry.eccentricities_m);
+        let bore = |wheel: usize, crank: usize| {
+            let centre = geometry.hole_centres[wheel][crank];
+            let shaft = geometry.internal_radii_m[crank] + scene.gear.eccentricity_m;
+            (
+                [centre.re, centre.im],
+                geometry.hole_radii_m[wheel][crank] - shaft,
+            )
+        };
+        let of_wheel = |wheel: usize| (0..cranks.count).map(|crank| bore(wheel, crank)).collect();
+        Some(Self {
+            teeth_ratio: geometry.teeth_ratio,
+            support: cranks.support_stiffness_n_m,
+            phases: geometry.crank_phases.clone(),
+            eccentrics: wheels
+                .map(|(phase, e)| [e * phase.cos(), e * phase.sin()])
+                .collect(),
+            bores: (0..scene.gear.wheels).map(of_wheel).collect(),
+        })
+    }
+
+    /// See [`Bearings::share`](super::Bearings::share).
+    pub(super) fn share(&self, share: f64, of_clearance: f64) -> Self {
+        let mut less = self.clone();
+        less.support = self.support.map(|support| support / share);
+        for (_, clearance) in less.bores.iter_mut().flatten() {
+            *clearance *= of_clearance;
+        }
+        less
+    }
+
+    /// Clearance of a bearing beyond that of all, m.
+    pub(super) fn extra_clearance_m(&self, wheel: usize, crank: usize) -> f64 {
+        self.bores[wheel][crank].1
+    }
+
+    fn count(&self) -> usize {
+        self.phases.len()
+    }
+
+    /// The bearings of one crank, of every wheel, and how far the crank gives way in its support, m.
+    pub(super) fn crank(
+        &self,
+        law: &BearingLaw,
+        layout: Layout,
+        bodies: &[BodyState],
+        crank: usize,
+        out: &mut [CrankBearing; WHEELS],
+    ) -> [f64; 2] {
+        let (input, output) = (&bodies[Layout::INPUT], &bodies[Layout::OUTPUT]);
+        let place = &bodies[layout.internal_bodies().start + crank];
+        let rho = self.teeth_ratio;
+        let angle = (1.0 + rho) * output.angle - rho * input.angle + self.phases[crank];
+        let rate = (1.0 + rho) * output.rate - rho * input.rate;
+        let turn = angle.sin_cos();
+        let wheels = &bodies[layout.wheel_bodies()];
+        let mut rates = [[0.0; 2]; WHEELS];
+        for (i, (wheel, found)) in wheels.iter().zip(out.iter_mut()).enumerate() {
+            let eccentric = turned(self.eccentrics[i], turn);
+            let arm = turned(self.bores[i][crank].0, wheel.angle.sin_cos());
+            rates[i] = [
+                wheel.vx - wheel.rate * arm[1] - place.vx + rate * eccentric[1],
+                wheel.vy + wheel.rate * arm[0] - place.vy - rate * eccentric[0],
+            ];
+            *found = CrankBearing {
+                offset_m: [
+                    wheel.x + arm[0] - place.x - eccentric[0],
+                    wheel.y + arm[1] - place.y - eccentric[1],
+                ],
+                turning: wheel.rate - rate,
+                arm,
+                eccentric,
+                ..CrankBearing::default()
+            };
+        }
+        let given = self.support.map_or([0.0; 2], |support| {
+            let offsets = &out[..wheels.len()];
+            self.gives_way(law, crank, support, offsets)
+        });
+        for (i, found) in out[..wheels.len()].iter_mut().enumerate() {
+            let law = self.law(law, i, crank);
+            found.offset_m = [found.offset_m[0] - given[0], found.offset_m[1] - given[1]];
+            let [dx, dy] = found.offset_m;
+            let offset = dx.hypot(dy);
+            let [nx, ny] = if offset > 0.0 {
+                [dx / offset, dy / offset]
+            } else {
+                [0.0; 2]
+            };
+            found.rate = rates[i][0] * nx + rates[i][1] * ny;
+            let force = law.force(offset, found.rate);
+            found.stored_j = law.stored(offset);
+            found.damping_w = (force - law.force(offset, 0.0)) * found.rate;
+            found.on_crank = [force * nx, force * ny];
+            found.drag = law.drag(force, found.turning);
+        }
+        given
+    }
+
+    /// The bearing's law in a bore with a clearance of its own.
+    fn law(&self, law: &BearingLaw, wheel: usize, crank: usize) -> BearingLaw {
+        let clearance_m = law.clearance_m + self.extra_clearance_m(wheel, crank);
+        BearingLaw {
+            clearance_m,
+            ..*law
+        }
+    }
+
+    /// How far a crank gives way: the one balance of a convex potential, from rest by Newton's method.
+    fn gives_way(
+        &self,
+        law: &BearingLaw,
+        crank: usize,
+        support: f64,
+        bearings: &[CrankBearing],
+    ) -> [f64; 2] {
+        // Force that is left at s, its slopes, and the sum of the forces' sizes.
+        let left = |s: [f64; 2]| {
+            let (mut force, mut slope, mut size) = (
+                [-support * s[0], -support * s[1]],
+                [support, 0.0, support],
+                support * s[0].hypot(s[1]),
+            );
+            for (i, bearing) in bearings.iter().enumerate() {
+                let law = self.law(law, i, crank);
+                let [dx, dy] = [bearing.offset_m[0] - s[0], bearing.offset_m[1] - s[1]];
+                let offset = dx.hypot(dy);
+                let beyond = offset - law.clearance_m;
+                if beyond <= 0.0 || offset == 0.0 {
+                    continue;
+                }
+                let [nx, ny] = [dx / offset, dy / offset];
+                let pressed = law.elastic(beyond);
+                let (along, across) = (law.exponent * pressed / beyond, pressed / offset);
+                force = [force[0] + pressed * nx, force[1] + pressed * ny];
+                slope[0] += along * nx * nx + across * ny * ny;
+                slope[1] += (along - across) * nx * ny;
+                slope[2] += along * ny * ny + across * nx * nx;
+                size += pressed;
+            }
+            (force, slope, size)
+        };
+        let mut s = [0.0; 2];
+        let (mut force, mut slope, mut size) = left(s);
+        for _ in 0..STEPS {
+            let most = force[0].hypot(force[1]);
+            if most <= LEFT * size {
+                break;
+            }
+            let determinant = slope[0] * slope[2] - slope[1] * slope[1];
+            let step = [
+                (slope[2] * force[0] - slope[1] * force[1]) / determinant,
+                (slope[0] * force[1] - slope[1] * force[0]) / determinant,
+            ];
+            let mut share = 1.0;
+            let mut next = None;
+            for _ in 0..HALVINGS {
+                let there = [s[0] + share * step[0], s[1] + share * step[1]];
+                let found = left(there);
+                if found.0[0].hypot(found.0[1]) < most {
+                    next = Some((there, found));
+                    break;
+                }
+                share *= 0.5;
+            }
+            // As near as rounding lets it come.
+            let Some((there, found)) = next else { break };
+            s = there;
+            (force, slope, size) = found;
+        }
+        s
+    }
+
+    /// Moment of a crank about its own axis, which its planet carries, N m.
+    fn moment(bearings: &[CrankBearing]) -> f64 {
+        // The force points along the offset: at the bore's centre its lever is the eccentric's.
+        let of = |bearing: &CrankBearing| cross(bearing.eccentric, bearing.on_crank) - bearing.drag;
+        bearings.iter().map(of).sum()
+    }
+
+    /// Adds the loads of all of them.
+    pub(super) fn add_loads(
+        &self,
+        law: &BearingLaw,
+        layout: Layout,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+    ) {
+        let mut found = [CrankBearing::default(); WHEELS];
+        for (crank, body) in layout.internal_bodies().enumerate() {
+            self.crank(law, layout, bodies, crank, &mut found);
+            let found = &found[..layout.wheels];
+            let mut sum = [0.0; 2];
+            for (wheel, bearing) in layout.wheel_bodies().zip(found) {
+                let [fx, fy] = bearing.on_crank;
+                sum = [sum[0] + fx, sum[1] + fy];
+                loads[wheel].fx -= fx;
+                loads[wheel].fy -= fy;
+                loads[wheel].moment += bearing.drag - cross(bearing.arm, [fx, fy]);
+            }
+            let moment = Self::moment(found);
+            let [fx, fy] = self.with_mesh(sum, moment, &bodies[body]);
+            loads[body].fx += fx;
+            loads[body].fy += fy;
+            loads[Layout::INPUT].moment -= self.teeth_ratio * moment;
+        }
+    }
+
+    /// What a crank hands to the output, N: the force of its bearings, and that of its planet's mesh under the crank's moment.
+    fn with_mesh(
+        &self,
+        force: [f64; 2],
+        moment: f64,
+        &BodyState { x, y, .. }: &BodyState,
+    ) -> [f64; 2] {
+        let across = (1.0 + self.teeth_ratio) * moment / (x * x + y * y);
+        [force[0] - across * y, force[1] + across * x]
+    }
+
+    /// See [`Bearings::on_output`](super::Bearings::on_output).
+    pub(super) fn on_output(
+        &self,
+        law: &BearingLaw,
+        layout: Layout,
+        bodies: &[BodyState],
+        visit: &mut dyn FnMut(Sleeve, [f64; 2]),
+    ) {
+        let mut found = [CrankBearing::default(); WHEELS];
+        for (crank, body) in layout.internal_bodies().enumerate() {
+            self.crank(law, layout, bodies, crank, &mut found);
+            let found = &found[..layout.wheels];
+            let sum = |k: usize| found.iter().map(|bearing| bearing.on_crank[k]).sum();
+            let force = self.with_mesh([sum(0), sum(1)], Self::moment(found), &bodies[body]);
+            visit(Sleeve::Internal(crank), force);
+        }
+    }
+
+    /// Adds what they and the supports store, and what they lose.
+    pub(super) fn add_energy(
+        &self,
+        law: &BearingLaw,
+        layout: Layout,
+        bodies: &[BodyState],
+        sum: &mut ContactEnergy,
+    ) {
+        let mut found = [CrankBearing::default(); WHEELS];
+        for crank in 0..self.count() {
+            let [x, y] = self.crank(law, layout, bodies, crank, &mut found);
+            sum.stored_j += 0.5 * self.support.unwrap_or_default() * (x * x + y * y);
+            for bearing in &found[..layout.wheels] {
+                sum.stored_j += bearing.stored_j;
+                sum.damping_w += bearing.damping_w;
+                sum.friction_w -= bearing.drag * bearing.turning;
+            }
+        }
+    }
+
+    /// Torque that holds the input against them, N m.
+    pub(super) fn driver_torque(
+        &self,
+        law: &BearingLaw,
+        layout: Layout,
+        bodies: &[BodyState],
+    ) -> f64 {
+        let mut found = [CrankBearing::default(); WHEELS];
+        let mut sum = 0.0;
+        for crank in 0..self.count() {
+            self.crank(law, layout, bodies, crank, &mut found);
+            sum += Self::moment(&found[..layout.wheels]);
+        }
+        self.teeth_ratio * sum
+    }
+}

@@ -1,0 +1,209 @@
+//! RV reducers: cranks in the place of one eccentric and of the internal sleeves.
+//!
+//! A sun on the input drives planets, each on a crank; the cranks stand in the output and carry the wheels. With phi the
+//! input's angle, psi the output's and rho = z_sun/z_planet a crank turns by
+//!
+//! ```text
+//! gamma = (1 + rho) psi - rho phi,     at the ideal mesh psi = -gamma/zs:     phi/psi = 1 + zk/rho
+//! ```
+//! so the output turns with the input. The first stage is rigid. As long as the input turns at a constant speed the cranks'
+//! inertia about their own axes then acts as (1 + rho)^2 of it on the output.
+
+use crate::error::Fault;
+use crate::model::{BodyMass, Cranks, Gear, Scene};
+use crate::number::short;
+
+impl Cranks {
+    /// rho, teeth of the sun over those of a planet.
+    #[must_use]
+    pub fn teeth_ratio(&self) -> f64 {
+        self.sun_teeth as f64 / self.planet_teeth as f64
+    }
+}
+
+impl Scene {
+    /// How far eccentrics turn for an angle of the input at the ideal mesh: 1, and -rho zs/(zk + rho) of an RV gear.
+    #[must_use]
+    pub fn eccentric_per_input(&self) -> f64 {
+        self.cranks.as_ref().map_or(1.0, |cranks| {
+            let (rho, zk) = (cranks.teeth_ratio(), self.gear.external_sleeves as f64);
+            -rho * self.gear.lobes() as f64 / (zk + rho)
+        })
+    }
+
+    /// How far the output turns for it: -1/zs, and 1/(1 + zk/rho) of an RV gear.
+    #[must_use]
+    pub fn output_per_input(&self) -> f64 {
+        -self.eccentric_per_input() / self.gear.lobes() as f64
+    }
+
+    /// Turns of the input for one of the output, without a sign.
+    #[must_use]
+    pub fn ratio(&self) -> f64 {
+        self.cranks
+            .as_ref()
+            .map_or(self.gear.lobes() as f64, |cranks| {
+                let planets = self.gear.external_sleeves * cranks.planet_teeth;
+                1.0 + planets as f64 / cranks.sun_teeth as f64
+            })
+    }
+
+    /// Speed of the eccentrics at the ideal mesh, rad/s.
+    #[must_use]
+    pub fn eccentric_speed_rad_s(&self) -> f64 {
+        self.eccentric_per_input() * self.drive.input_speed_rad_s
+    }
+
+    /// The output shaft with the inertia that the cranks' turning adds to it.
+    #[must_use]
+    pub fn output_shaft(&self) -> BodyMass {
+        let mut shaft = self.mass.output_shaft;
+        if let Some(cranks) = &self.cranks {
+            let turning = cranks.count as f64 * self.mass.internal_sleeve.moment_kg_m2;
+            shaft.moment_kg_m2 += (1.0 + cranks.teeth_ratio()).powi(2) * turning;
+        }
+        shaft
+    }
+}
+
+/// What an RV reducer needs, and what it has no place for.
+pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
+    let (gear, contact) = (&scene.gear, &scene.contact);
+    let Some(cranks) = &scene.cranks else {
+        return at_least_three(gear);
+    };
+    let own = |key: &'static str, is: f64, by: &str, wanted: f64| {
+        if is == wanted {
+            return Ok(());
+        }
+        let [is, wanted] = [is, wanted].map(short);
+        Err(Fault::new(
+            &[key],
+            format!(
+                "is {is}, but cranks stand in the place of internal sleeves and {by} makes it {wanted}"
+            ),
+            "leave it out",
+        ))
+    };
+    own(
+        "gear.internal_sleeves",
+        gear.internal_sleeves as f64,
+        "cranks.count",
+        cranks.count as f64,
+    )?;
+    let circle = (gear.internal_circle_radius_m, cranks.circle_radius_m);
+    own(
+        "gear.internal_circle_radius_m",
+        circle.0,
+        "cranks.circle_radius_m",
+        circle.1,
+    )?;
+    let shaft = cranks.bore_radius_m - gear.eccentricity_m;
+    if shaft <= 0.0 {
+        return Err(Fault::new(
+            &["cranks.bore_radius_m"],
+            format!(
+                "is {} m, no larger than the eccentricity: a crank's shaft cannot pass it",
+                short(cranks.bore_radius_m)
+            ),
+            "make the bore larger",
+        ));
+    }
+    own(
+        "gear.internal_sleeve_radius_m",
+        gear.internal_sleeve_radius_m,
+        "cranks.bore_radius_m",
+        shaft,
+    )?;
+    let bore = gear.hole_radius_m;
+    own(
+        "gear.hole_radius_m",
+        bore,
+        "cranks.bore_radius_m",
+        gear.internal_sleeve_radius_m + gear.eccentricity_m,
+    )?;
+    if scene.bearings.eccentric.is_none() {
+        return Err(Fault::new(
+            &["bearings.eccentric.stiffness_n_m"],
+            "is missing; wheels on several rigid cranks are held more often than they can move, so that no forces follow".to_owned(),
+            "give stiffness_n_m, or rollers and roller_length_m",
+        ));
+    }
+    if contact.internal_stiffness_multiplier.is_some() || contact.internal_spring_n_m.is_some() {
+        return Err(Fault::new(
+            &[
+                "contact.internal_spring_n_m",
+                "contact.internal_stiffness_multiplier",
+            ],
+            "is for internal sleeves, and an RV gear has none".to_owned(),
+            "leave it out",
+        ));
+    }
+    Ok(())
+}
+
+fn at_least_three(gear: &Gear) -> Result<(), Fault> {
+    if gear.internal_sleeves >= 3 {
+        return Ok(());
+    }
+    Err(Fault::new(
+        &["gear.internal_sleeves"],
+        format!(
+            "is {}, and fewer than three cannot hold the output shaft",
+            gear.internal_sleeves
+        ),
+        "give at least 3, or [cranks] for an RV gear",
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Override, Scene};
+
+    fn told(key: &str, value: &str) -> String {
+        let set = Override::new(key, value);
+        Scene::load("rv-40e-like", &[set]).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn bad_input_of_cranks_names_the_key() {
+        for (key, value, wanted) in [
+            ("gear.internal_sleeves", "8", "gear.internal_sleeves"),
+            ("gear.hole_radius_m", "0.02", "gear.hole_radius_m"),
+            ("cranks.bore_radius_m", "0.001", "cranks.bore_radius_m"),
+            ("cranks.count", "1", "cranks.count"),
+            ("gear.errors.hole_radius_m", "[-1e-6,0,0,0]", "clearance"),
+            ("contact.internal_spring_n_m", "1e8", "internal sleeves"),
+        ] {
+            let said = told(key, value);
+            assert!(said.contains(wanted), "{key}: {said}");
+        }
+        // Rigid, or with half of its keys.
+        let text = "[gear]\neccentricity_m = 0.0013\nexternal_sleeves = 40\npin_circle_radius_m = 0.064\nwheels = 2\n\
+            external_sleeve_radius_m = 0.003\n[drive]\ninput_speed_rad_s = 190.0\noutput_torque_n_m = -412.0\n[cranks]\ncount = 2\n";
+        let rest =
+            "circle_radius_m = 0.036\nbore_radius_m = 0.011\nsun_teeth = 12\nplanet_teeth = 36\n";
+        let said = |text: &str| {
+            Scene::from_toml(text, "mine.toml", &[])
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(said(text).contains("cranks.sun_teeth"), "{}", said(text));
+        let rigid = said(&format!("{text}{rest}"));
+        assert!(
+            rigid.contains("bearings.eccentric.stiffness_n_m"),
+            "{rigid}"
+        );
+    }
+
+    /// 1 + 40 x 36/12, by the teeth; and of any other gear its lobes.
+    #[test]
+    fn published_ratio_of_a_catalogue() {
+        let scene = Scene::load("rv-40e-like", &[]).unwrap();
+        assert_eq!(scene.ratio(), 121.0);
+        assert!((scene.output_per_input() * 121.0 - 1.0).abs() < 1e-14);
+        let again = Scene::from_complete(&scene.to_toml()).unwrap();
+        assert_eq!(again, scene);
+        assert_eq!(Scene::paper().ratio(), 15.0);
+    }
+}

@@ -1,0 +1,45 @@
+//! Wheels that float: on the bearing of one eccentric, and on the cranks of RV gears.
+
+use super::*;
+
+const RAPIER: &str = "rapier-shared-law";
+
+/// Measured over the first millisecond, the largest of four quantities: explicit engines 3e-7 and less, rapier's leapfrog and
+/// exudyn's implicit steps of second order as below.
+#[test]
+fn crossval_floating_wheels() {
+    let made_up: &[(&str, &str)] = &[
+        ("gear.external_sleeves", "30"),
+        ("gear.eccentricity_m", "0.0012"),
+        ("cranks.count", "3"),
+        ("cranks.sun_teeth", "15"),
+        ("cranks.planet_teeth", "35"),
+        ("bearings.eccentric.clearance_m", "3e-6"),
+        ("contact.friction_coefficient", "0.03"),
+    ];
+    for (preset, sets) in [
+        ("paper-bearings", &[][..]),
+        ("rv-320", &[]),
+        ("rv-40e-like", &[]),
+        ("rv-40e-like", made_up),
+    ] {
+        let base = [
+            ("solver.duration_s", "0.001"),
+            ("solver.sample_s", "2e-5"),
+            ("solver.step_s", "5e-7"),
+            ("solver.tolerance", "1e-10"),
+        ];
+        let scene = scene(preset, &[&base, sets].concat());
+        let reference = native(&scene, "dopri5", 1e-6);
+        for (engine, limit) in [
+            (MUJOCO, 1e-6),
+            (EXPLICIT, 1e-6),
+            (CONSTRAINED, 1e-2),
+            (RAPIER, 1e-3),
+        ] {
+            let found = run(engine, &scene);
+            let what = format!("{preset} {}, {engine}", sets.len());
+            assert_within(&what, worst(&found, &reference, 0.0), limit);
+        }
+    }
+}
