@@ -122,6 +122,30 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
         "cranks.bore_radius_m",
         gear.internal_sleeve_radius_m + gear.eccentricity_m,
     )?;
+    let clearance = scene
+        .bearings
+        .eccentric
+        .and_then(|bearing| bearing.clearance_m);
+    let all = (0..gear.wheels).flat_map(|wheel| (0..cranks.count).map(move |crank| (wheel, crank)));
+    let tightest = all.map(|(wheel, crank)| {
+        let wider = gear.hole_radius_of_m(wheel, crank) - gear.hole_radius_m;
+        wider - (gear.internal_sleeve_radius_of_m(crank) - gear.internal_sleeve_radius_m)
+    });
+    let tightest = tightest.fold(0.0, f64::min) + clearance.unwrap_or_default();
+    // Radii are sums, known to their rounding.
+    if tightest < -4.0 * f64::EPSILON * gear.hole_radius_m {
+        return Err(Fault::new(
+            &[
+                "gear.errors.hole_radius_m",
+                "bearings.eccentric.clearance_m",
+            ],
+            format!(
+                "leaves a crank's bearing a clearance of {} m, and bearings under preload are not modelled",
+                short(tightest)
+            ),
+            "make the errors smaller, or bearings.eccentric.clearance_m larger",
+        ));
+    }
     if scene.bearings.eccentric.is_none() {
         return Err(Fault::new(
             &["bearings.eccentric.stiffness_n_m"],
