@@ -476,7 +476,15 @@ fn transmission(found: &DesignResult) -> Section {
     )
 }
 
-/// Force over place, of external and internal pins.
+/// What carries wheels on the output's side.
+fn inner(found: &DesignResult) -> &'static str {
+    match found.scene.cranks {
+        Some(_) => "Crank bearings",
+        None => "Internal pins",
+    }
+}
+
+/// Force over place, of external pins, and of internal ones or crank bearings.
 pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
     let of = |(stage, title): (usize, &str)| {
         let series = designs.iter().enumerate().map(|(k, (_, found))| {
@@ -489,7 +497,10 @@ pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
         let note = match designs {
             [(_, found)] => {
                 let touching = figure(found.sharing[stage].touching.mean);
-                format!("{touching} pins touch a wheel on average.")
+                match (stage, found.scene.cranks) {
+                    (1, Some(_)) => format!("{touching} bearings of a wheel carry on average."),
+                    _ => format!("{touching} pins touch a wheel on average."),
+                }
             }
             _ => String::new(),
         };
@@ -499,12 +510,18 @@ pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
             ..chart(title, x, y, series.collect())
         }
     };
-    let stages = ["External pins", "Internal pins"].into_iter().enumerate();
+    let inner = designs
+        .first()
+        .map_or("Internal pins", |(_, found)| inner(found));
+    let stages = ["External pins", inner].into_iter().enumerate();
     stages.map(of).collect()
 }
 
 fn sharing(found: &DesignResult) -> Section {
+    // Cranks carry no pins.
+    let kinds = if found.scene.cranks.is_some() { 1 } else { 2 };
     let sharing = ["external", "internal"].into_iter().zip(&found.sharing);
+    let sharing = sharing.take(kinds);
     let rows = sharing
         .zip(&found.pressure)
         .map(|((pins, force), pressure)| (pins, force, pressure));

@@ -23,7 +23,7 @@ use crate::design::HEADLINES;
 
 /// Key, label, unit, units in the key's own, and the ends of its slider as shares of the scene's value, or in the unit
 /// where that is 0.
-const SLIDERS: [(&str, &str, &str, f64, [f64; 2], [f64; 2]); 8] = [
+const SLIDERS: [(&str, &str, &str, f64, [f64; 2], [f64; 2]); 10] = [
     (
         "gear.eccentricity_m",
         "Eccentricity",
@@ -79,6 +79,22 @@ const SLIDERS: [(&str, &str, &str, f64, [f64; 2], [f64; 2]); 8] = [
         1.0,
         [0.2, 2.0],
         [1.0, 300.0],
+    ),
+    (
+        "cranks.circle_radius_m",
+        "Circle of the cranks",
+        "mm",
+        1e3,
+        [0.7, 1.3],
+        [10.0, 100.0],
+    ),
+    (
+        "cranks.support_stiffness_n_m",
+        "Stiffness of a crank's support",
+        "N/\u{b5}m",
+        1e-6,
+        [0.1, 4.0],
+        [100.0, 2000.0],
     ),
     (
         CLEARANCE,
@@ -287,7 +303,10 @@ pub fn settled(spec: &str, sets: &[Override]) -> Vec<Override> {
 
 fn sliders(scene: &Scene) -> Vec<Value> {
     let keys = serde_json::to_value(scene).unwrap_or_default();
-    let found = SLIDERS.iter().map(|(key, label, unit, factor, shares, ends)| {
+    // Those of cranks are an RV gear's alone.
+    let there = |key: &str| !key.starts_with("cranks.") || scene.cranks.is_some();
+    let shown = SLIDERS.iter().filter(|slider| there(slider.0));
+    let found = shown.map(|(key, label, unit, factor, shares, ends)| {
         let path = format!("/{}", key.replace('.', "/"));
         let value = keys.pointer(&path).and_then(Value::as_f64).unwrap_or(0.0) * factor;
         let [from, to] = match value {
