@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 
 use pinwheel_contact::laws::law_info;
 use pinwheel_contact::{
-    HertzStiffness, Law, LawParameters, Material, NormalLaw as _, PaperLaw, Ramp,
+    HertzStiffness, Law, LawParameters, Material, NormalLaw as _, PaperLaw, PinLaw, Ramp,
 };
 
 use crate::check::hole_to_profile_m;
@@ -124,6 +124,15 @@ pub fn hertz(scene: &Scene) -> HertzStiffness {
 #[must_use]
 pub fn law(scene: &Scene) -> Option<Law> {
     Law::named(&scene.contact.law, &law_parameters(scene))
+}
+
+/// The same with the bending of the scene's output pins.
+#[must_use]
+pub fn pin_law(scene: &Scene) -> Option<PinLaw> {
+    Some(PinLaw {
+        law: law(scene)?,
+        pin_n_m: scene.bearings.internal_sleeve_stiffness_n_m,
+    })
 }
 
 /// A contact at rest under a scene's law.
@@ -243,17 +252,21 @@ impl Scales {
         let lever = gear.lever_m();
         let least = least_depth(scene);
         let load = load_course::largest(&scene.drive) / gear.wheels as f64;
-        let torsion = |spring: Spring, lever: f64, sleeves: usize| {
+        let torsion = |spring: Spring, pin: Option<f64>, lever: f64, sleeves: usize| {
             let sleeves = sleeves as f64;
             let depth = spring.depth(4.0 * load / (lever * sleeves), least);
-            0.25 * sleeves * spring.tangent(depth) * lever * lever
+            let contact = spring.tangent(depth);
+            let tangent = pin.map_or(contact, |pin| contact * pin / (contact + pin));
+            0.25 * sleeves * tangent * lever * lever
         };
         let unloaded = outer.force(least);
         let torque = load.max(0.25 * unloaded * lever * gear.external_sleeves as f64);
         let force = external_force(gear, torque);
         let penetration = outer.depth(force, least);
-        let housing = torsion(outer, lever, gear.external_sleeves);
-        let output = torsion(inner, gear.internal_circle_radius_m, gear.internal_sleeves);
+        let housing = torsion(outer, None, lever, gear.external_sleeves);
+        let pin = scene.bearings.internal_sleeve_stiffness_n_m;
+        let (radius, sleeves) = (gear.internal_circle_radius_m, gear.internal_sleeves);
+        let output = torsion(inner, pin, radius, sleeves);
         Self {
             wheel_torque_n_m: torque,
             external_force_n: force,

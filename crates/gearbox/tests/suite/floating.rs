@@ -26,6 +26,7 @@ fn both_forms_agree() {
     let methods = [
         ("paper", "dopri5", "1e-9", "0"),
         ("eleven-pins", "dopri5", "1e-9", "0"),
+        ("paper", "etd-adams", "1e-9", "0"),
         ("paper", "imex2-adaptive", "1e-6", "0.1"),
     ];
     for (preset, method, tolerance, friction) in methods {
@@ -109,6 +110,56 @@ fn bearings_soften_the_gear_and_clearance_loosens_it() {
     let lost = |sets: &[&str]| twist(sets, 0.66) - twist(sets, -0.66);
     let tight = lost(&["bearings.eccentric.stiffness_n_m=2e8"]);
     assert!(lost(&LOOSE) > 1.3 * tight, "{} {tight}", lost(&LOOSE));
+}
+
+/// Pins of output sleeves that bend: what the twist under a light load grows by is that of the springs in series, F/k at the
+/// circle of the pins, and the energy of a run is accounted for.
+#[test]
+fn published_pins_bend_in_series() {
+    let linear = [
+        "contact.law=\"linear\"",
+        "contact.external_spring_n_m=1e12",
+        "contact.internal_spring_n_m=1e8",
+    ];
+    let twist = |pin: &str| {
+        let sets = [&linear[..], &[pin]].concat();
+        let gearbox = gearbox("paper", &sets);
+        let mut statics = Statics::new(&gearbox).unwrap();
+        let [low, high] = [20.0, 22.0].map(|load| statics.solve(0.2, load).unwrap().output);
+        (high - low) / 2.0
+    };
+    let rigid = twist("bearings.internal_sleeve_stiffness_n_m=1e15");
+    let soft = twist("bearings.internal_sleeve_stiffness_n_m=5e7");
+    // Springs of 1e8 N/m at all sleeves that carry, then of 1/(1/1e8 + 1/5e7): three times as soft. The housing is stiff.
+    assert!((soft / rigid - 3.0).abs() < 1e-3, "{soft} {rigid}");
+    let stiff = twist("bearings.internal_sleeve_stiffness_n_m=1e12");
+    assert!((stiff / rigid - 1.0 - 1e-4).abs() < 2e-6, "{stiff} {rigid}");
+}
+
+/// The same energy comes out as goes in, and the forces are those of rigid pins as pins stiffen.
+#[test]
+fn pins_store_what_they_bend() {
+    let run = |sets: &[&str]| {
+        let common = [
+            "contact.law=\"paper-conservative\"",
+            "solver.integrator=\"dop853\"",
+            "solver.tolerance=1e-10",
+            "solver.duration_s=0.02",
+        ];
+        native::run(
+            &gearbox("paper", &[&common[..], sets].concat()),
+            &mut |_| false,
+        )
+        .unwrap()
+    };
+    for sets in [&NEEDLES[..], &[]] {
+        let sets = [sets, &["bearings.internal_sleeve_stiffness_n_m=2e7"]].concat();
+        let audit = run(&sets).energy.audit(0.0, 0.02).unwrap();
+        assert!(audit.remainder_share.unwrap().abs() < 1e-4, "{audit:?}");
+    }
+    let [rigid, stiff] = [&[][..], &["bearings.internal_sleeve_stiffness_n_m=1e15"]].map(run);
+    let off = gearbox("paper", &[]).distance(&rigid.time_series, &stiff.time_series);
+    assert!(off.forces < 1e-6, "{off:?}");
 }
 
 /// Without a load a wheel rests in the middle of its clearance, and a run with neither load nor speed stays there.

@@ -1,7 +1,7 @@
 //! The compliance budget: what gives way, part by part.
 //!
-//! The gear is balanced with contacts alone, then with its eccentric bearings, then with carrier and flange, each time with all
-//! before. Compliances add up, so a part's share is what the twist under load grows by when it joins.
+//! The gear is balanced with contacts alone, then with its eccentric bearings, then with the bending of its output pins, then with
+//! carrier and flange, each time with all before. Compliances add up, so a part's share is what the twist under load grows by when it joins.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::Statics;
@@ -40,13 +40,22 @@ pub(super) fn of(gearbox: &Gearbox, working: f64) -> Result<Vec<Share>, StudyErr
             },
         ),
         (
+            "output pins",
+            all.internal_sleeve_stiffness_n_m.is_some(),
+            Bearings {
+                eccentric: all.eccentric,
+                internal_sleeve_stiffness_n_m: all.internal_sleeve_stiffness_n_m,
+                ..Bearings::default()
+            },
+        ),
+        (
             "carrier and flange",
             all.output_torsion_n_m_rad.is_some(),
             all,
         ),
     ];
     let mut shares: Vec<Share> = Vec::new();
-    if all == Bearings::default() {
+    if parts.iter().filter(|(_, is_there, _)| *is_there).count() == 1 {
         return Ok(shares);
     }
     let mut compliance = Vec::new();
