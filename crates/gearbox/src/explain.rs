@@ -206,9 +206,15 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
             ),
         );
     }
+    let bearings = &scene.bearings;
+    let gives_way =
+        bearings.eccentric.is_some() || bearings.internal_sleeve_stiffness_n_m.is_some();
     left_out.add(
         "bending, bearings and housing",
-        "rigid bodies on ideal revolutes, as in the paper",
+        match gives_way {
+            true => "rigid bodies on ideal revolutes but for what [bearings] gives",
+            false => "rigid bodies on ideal revolutes, as in the paper",
+        },
     );
     left_out.add(
         "gravity",

@@ -21,6 +21,8 @@ pub struct Sums<'a> {
     /// Loads on all bodies, in their order: ground frame, N and N m about the centre of mass. With a prescribed pose they
     /// hold 0 on entry.
     pub loads: Option<&'a mut [Wrench]>,
+    /// Whether of the loads only those on bodies that no joint holds are looked at, as `moments` tell the rest.
+    pub floating_alone: bool,
     /// Moments about the pins by body, N m, loads of carried bodies included: of the free bodies of
     /// [`Reduced`](crate::Reduced), and where `loads` are asked for too also of the driven ones.
     pub moments: Option<&'a mut [f64]>,

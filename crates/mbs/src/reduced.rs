@@ -483,6 +483,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         if !self.floating.is_empty() {
             self.loads.fill(Wrench::default());
             sums.loads = Some(&mut self.loads);
+            sums.floating_alone = true;
         }
         let (forces, bodies) = (&mut self.forces, &self.bodies);
         if !forces.evaluate(t, bodies, Pose::AnglesOnly, &mut sums) {

@@ -101,7 +101,9 @@ impl Key {
     /// The unit that ends its name, as one writes it; empty for counts, names and plain numbers.
     #[must_use]
     pub fn unit(&self) -> &'static str {
-        const UNITS: [(&str, &str); 14] = [
+        const UNITS: [(&str, &str); 16] = [
+            ("stiffness_n_m", "N/m"),
+            ("spring_n_m", "N/m"),
             ("_n_m_rad", "N m/rad"),
             ("_n_m15", "N/m^1.5"),
             ("_n_s_m", "N s/m"),

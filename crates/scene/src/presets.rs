@@ -37,6 +37,7 @@ pub const PRESETS: &[Preset] = presets![
     "toleranced",
     "paper-bearings",
     "printed-drive",
+    "needle-bearings",
     // Hard on integrators: each one's description says why.
     "hard-adhesive",
     "hard-all-open",

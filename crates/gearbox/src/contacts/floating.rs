@@ -50,13 +50,19 @@ impl Bearings {
     /// The bearing of a wheel.
     #[must_use]
     pub fn load(&self, bodies: &[BodyState], wheel: usize) -> BearingLoad {
+        self.load_at(bodies, wheel, bodies[Layout::INPUT].angle.sin_cos())
+    }
+
+    /// The same with sine and cosine of the input's angle.
+    #[inline]
+    fn load_at(&self, bodies: &[BodyState], wheel: usize, (s, c): (f64, f64)) -> BearingLoad {
         let input = bodies[Layout::INPUT];
         let body = bodies[self.layout.wheel_bodies().start + wheel];
-        let ([sx, sy], (s, c)) = (self.seats[wheel], input.angle.sin_cos());
+        let [sx, sy] = self.seats[wheel];
         let (ex, ey) = (c * sx - s * sy, s * sx + c * sy);
         let (dx, dy) = (body.x - input.x - ex, body.y - input.y - ey);
         let (ux, uy) = (body.vx + input.rate * ey, body.vy - input.rate * ex);
-        let offset = dx.hypot(dy);
+        let offset = (dx * dx + dy * dy).sqrt();
         let [nx, ny] = match offset > 0.0 {
             true => [dx / offset, dy / offset],
             false => [0.0; 2],
@@ -76,8 +82,9 @@ impl Bearings {
 
     /// Adds all of them.
     pub(crate) fn add_loads(&self, bodies: &[BodyState], loads: &mut [Wrench]) {
+        let turn = bodies[Layout::INPUT].angle.sin_cos();
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
-            let load = self.load(bodies, wheel);
+            let load = self.load_at(bodies, wheel, turn);
             let (pair, at) = ([body, Layout::INPUT], [bodies[body].x, bodies[body].y]);
             add_pair(loads, bodies, pair, at, load.on_wheel);
             loads[body].moment += load.drag_n_m;

@@ -35,6 +35,13 @@ fn reduced(gearbox: &Gearbox) -> Reduced<Contacts> {
     system.with_leaves(&sleeves)
 }
 
+/// The same, pair by pair.
+fn one_by_one(gearbox: &Gearbox) -> Reduced<Contacts> {
+    let mut gearbox = gearbox.clone();
+    gearbox.kernel = Kernel::Scalar;
+    reduced(&gearbox)
+}
+
 /// Angles at the ideal mesh of time `t` with a twist, and rates near it; wheels that float near their eccentrics.
 fn state(gearbox: &Gearbox, t: f64, twist: f64, noise: &[f64], free: &[usize]) -> Vec<f64> {
     let (layout, geometry) = (gearbox.layout, &gearbox.geometry);
@@ -158,8 +165,9 @@ const LAWS: [&str; 10] = [
     "flores",
 ];
 
+// Shrunk noise puts contacts at the very edge of touching, where slopes have two sides.
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 300, max_shrink_iters: 0, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn the_jacobian_is_the_slope(
@@ -187,6 +195,12 @@ proptest! {
         let n = y.len() / 2;
         let mut jacobian = Jacobian::new(&system.structure(), 2 * n);
         prop_assert!(system.jacobian(t, &y, &mut jacobian));
+        let (lanes, scalar) = (entries(&mut system, t, &y), entries(&mut one_by_one(&gearbox), t, &y));
+        // The scalar loop takes some slopes of the profile by differences: measured 1.3e-7.
+        let most = lanes.iter().fold(1.0, |m: f64, x| m.max(x.abs()));
+        for (a, b) in lanes.iter().zip(scalar) {
+            prop_assert!((a - b).abs() < 1e-5 * most, "{} lanes {a:e} scalar {b:e} of {most:e}", LAWS[law]);
+        }
         // Places count as the angles that move the rim as far.
         let size = |k: usize| if k % n < free.len() { 1.0 } else { 1.0 / gearbox.scene.gear.pitch_radius_m() };
 

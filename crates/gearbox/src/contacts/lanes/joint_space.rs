@@ -111,6 +111,8 @@ struct Segment {
 struct Sums<S: Simd> {
     /// Whether energy is asked for.
     asked: bool,
+    /// Whether loads on sleeves are.
+    on_sleeves: bool,
     /// Moments on input, with `LOADS`, and output.
     on_input: Lanes<S>,
     on_output: Lanes<S>,
@@ -274,6 +276,7 @@ impl JointSpace {
         let nothing = Lanes::splat(simd, 0.0);
         let mut sums = Sums {
             asked: LOADS && found.wants_energy,
+            on_sleeves: !FLOATS || !found.floating_alone,
             on_input: nothing,
             on_output: nothing,
             stored: nothing,
@@ -282,7 +285,10 @@ impl JointSpace {
         self.external::<S, LOADS, FLOATS>(simd, &law.law, shapes, bodies, &mut sums);
         self.internal::<S, LOADS, FLOATS>(simd, law, shapes, bodies, output, &mut sums);
         if LOADS && let Some(loads) = &mut found.loads {
-            self.scatter(loads);
+            if sums.on_sleeves {
+                self.scatter(loads);
+            }
+            self.scatter_wheels(loads);
         }
         if sums.asked {
             found.energy = Some(ContactEnergy {
@@ -518,7 +524,9 @@ impl JointSpace {
                     push = push - normal.turned().scale(along);
                 }
                 let push = push.times_conj(direction);
-                self.forces[0].add_pair(pair, push);
+                if sums.on_sleeves {
+                    self.forces[0].add_pair(pair, push);
+                }
                 react(&mut self.wheels, pair, push);
             }
         }
@@ -586,13 +594,15 @@ impl JointSpace {
                     sums.on_input = sums.on_input + (lever * force).only(inside);
                 }
                 let push = normal.scale(-force).only(inside);
-                self.forces[1].add_pair(pair, push);
+                if sums.on_sleeves {
+                    self.forces[1].add_pair(pair, push);
+                }
                 react(&mut self.wheels, pair, push);
             }
         }
     }
 
-    /// Forces of sleeves and wheels to the bodies; those of the sleeves are 0 again.
+    /// Forces of the sleeves to the bodies; here they are 0 again.
     #[inline(always)]
     fn scatter(&mut self, loads: &mut [Wrench]) {
         let layout = &self.layout;
@@ -615,7 +625,12 @@ impl JointSpace {
                 };
             }
         }
-        for (k, load) in loads[layout.wheel_bodies()].iter_mut().enumerate() {
+    }
+
+    /// The same of the wheels.
+    #[inline(always)]
+    fn scatter_wheels(&self, loads: &mut [Wrench]) {
+        for (k, load) in loads[self.layout.wheel_bodies()].iter_mut().enumerate() {
             let wheel = &self.wheels[k];
             (load.fx, load.fy, load.moment) = (wheel.force.re, wheel.force.im, wheel.moment);
         }
