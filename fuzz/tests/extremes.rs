@@ -39,6 +39,11 @@ fn ends(kind: Kind) -> Vec<String> {
 
 /// What a key asks for beside itself.
 fn beside(key: &str) -> &'static str {
+    match key {
+        "bearings.sleeve_friction_coefficient" => return "bearings.sleeve_bore_m = 0.01\n",
+        "bearings.sleeve_bore_m" => return "bearings.sleeve_friction_coefficient = 0.01\n",
+        _ => {}
+    }
     match key.strip_prefix("bearings.eccentric.") {
         None | Some("stiffness_n_m") => "",
         Some("rollers") => "bearings.eccentric.roller_length_m = 0.01\n",

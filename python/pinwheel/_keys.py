@@ -51,9 +51,19 @@ class Keys(TypedDict, total=False):
     rollers: int
     """its rollers, where they give K after Palmgren"""
     stiffness_n_m: float
-    """K of the bearing that carries a wheel on its eccentric; or give rollers (N m)"""
+    """K of the bearing that carries a wheel on its eccentric; or give rollers (N/m)"""
+    input_seal_n_m: float
+    """torque of the input shaft's seal against its turning; absent: 0 (N m)"""
+    internal_sleeve_stiffness_n_m: float
+    """stiffness of an output pin against bending, in series with its contacts; absent: rigid (N/m)"""
+    output_seal_n_m: float
+    """torque of the output shaft's seal against its turning; absent: 0 (N m)"""
     output_torsion_n_m_rad: float
     """torsional stiffness of carrier and flange; absent: rigid; counts in `design` alone (N m/rad)"""
+    sleeve_bore_m: float
+    """bore d of the sleeves, for that moment (m)"""
+    sleeve_friction_coefficient: float
+    """friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; absent: 0; counts in `design` alone"""
     constant_stiffness_n_m15: float
     """K of laws with one stiffness for all contacts (N/m^1.5); if left out: after Hertz, of an external sleeve on a flat; used by laws of one stiffness only"""
     detection: Literal["exact", "points"]
@@ -61,7 +71,9 @@ class Keys(TypedDict, total=False):
     disc_depth_m: float
     """how deep a wheel is behind a contact, of the law line-hertz; absent: the wall between a hole and the profile, at least half of the external sleeves' radius (m)"""
     external_spring_n_m: float
-    """k of external contacts under the law linear; absent: the secant of line-hertz under the largest load (N m)"""
+    """k of external contacts under the law linear; absent: the secant of line-hertz under the largest load (N/m)"""
+    friction_coefficient: float
+    """mu; 0: no friction; if left out 0.0: no friction"""
     friction_dynamic_coefficient: float
     """mu_d of the friction law adams; if left out 0.0: used by the friction law adams only"""
     friction_dynamic_speed_m_s: float
@@ -75,7 +87,7 @@ class Keys(TypedDict, total=False):
     impact_speed_m_s: float
     """speed of an impact with that restitution (m/s); if left out 0.01: used by the hysteresis laws only"""
     internal_spring_n_m: float
-    """k of internal contacts, likewise (N m)"""
+    """k of internal contacts, likewise (N/m)"""
     internal_stiffness_multiplier: float
     """H of internal contacts, of laws of balls; absent: that of all"""
     law: Literal["paper", "paper-conservative", "constant", "hunt-crossley", "lee-wang", "herbert-mcwhannell", "lankarani-nikravesh", "flores", "adams-impact", "line-contact", "line-hertz", "linear", "paper-printed"]
@@ -191,7 +203,12 @@ Vary = TypedDict(
         "roller_length_m": Axis,
         "rollers": Axis,
         "stiffness_n_m": Axis,
+        "input_seal_n_m": Axis,
+        "internal_sleeve_stiffness_n_m": Axis,
+        "output_seal_n_m": Axis,
         "output_torsion_n_m_rad": Axis,
+        "sleeve_bore_m": Axis,
+        "sleeve_friction_coefficient": Axis,
         "constant_stiffness_n_m15": Axis,
         "detection": Axis,
         "disc_depth_m": Axis,
@@ -261,7 +278,12 @@ Vary = TypedDict(
         "bearings.eccentric.roller_length_m": Axis,
         "bearings.eccentric.rollers": Axis,
         "bearings.eccentric.stiffness_n_m": Axis,
+        "bearings.input_seal_n_m": Axis,
+        "bearings.internal_sleeve_stiffness_n_m": Axis,
+        "bearings.output_seal_n_m": Axis,
         "bearings.output_torsion_n_m_rad": Axis,
+        "bearings.sleeve_bore_m": Axis,
+        "bearings.sleeve_friction_coefficient": Axis,
         "contact.constant_stiffness_n_m15": Axis,
         "contact.damping_n_s_m": Axis,
         "contact.detection": Axis,

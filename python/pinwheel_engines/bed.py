@@ -43,6 +43,8 @@ def check_own_contact(engine: str, scene: Scene) -> None:
     contact = scene.contact
     if contact.law not in LAWS:
         raise Unsupported(engine, f'contact.law = "{contact.law}": its own contact can imitate only {", ".join(LAWS)}')
+    if scene.pin_n_m is not None:
+        raise Unsupported(engine, "bearings.internal_sleeve_stiffness_n_m: its own contact has no pins in series")
     if contact.friction_coefficient != 0.0:
         raise Unsupported(
             engine, f"contact.friction_coefficient = {contact.friction_coefficient}: its own contact has none here"

@@ -12,6 +12,9 @@ Both forces act at W on both bodies, so a pair balances in force and moment.
 The law `line-hertz` has F_n = max(0, F + S(delta) C v_n) with F of `line_hertz`, and a third force: A = -dU/dR dR/ds along t
 on the sleeve, where s is the way of P along t. It acts at P on both bodies. Points know no dR/ds: they are for `paper`.
 
+A pin that bends (k, N/m) takes its part of an internal sleeve's delta: the contact takes x, F_e(x) = k (delta - x) at rest, and
+closes at s v_n, s = x/delta; F_n = F_e + s (F_n(x, s v_n) - F_e).
+
 Four slips of the printed equations are put right: n's rate of change (Eq. 16, 17) is not taken from an un-normalised
 velocity, friction acts against sliding in both directions (Eq. 22 gives none for v_t < 0), the sleeve's spin counts in
 v_rel, and the contact never pulls.
@@ -188,23 +191,49 @@ class ContactLaw:
         contact = self.scene.contact
         in_hole = sleeve >= self.layout.internal_bodies.start
         stiffness = np.where(in_hole, self.hole_stiffness_factor, self.stiffness_factor) * np.sqrt(effective)
-        ramp = np.clip(delta / contact.ramp_m, 0.0, 1.0)
-        damping = contact.damping_n_s_m * v_n
-        if self._line is None:
-            elastic, along = stiffness * delta**1.5, np.zeros_like(delta)
-            normal_force = np.maximum(0.0, ramp * (elastic + damping))
-            above = 1.5 * stiffness * np.sqrt(delta)
-            slope = np.where(delta < contact.ramp_m, 2.5 * elastic / contact.ramp_m, above)
-        else:
-            own = np.concatenate([self._outer_radii, self._inner_radii])[sleeve - self.layout.external_bodies.start]
-            elastic, slope = self._line.force_and_slope(delta, effective, own)
-            along = self._line.along_n(elastic, effective, effective_slope)
-            normal_force = np.maximum(0.0, elastic + ramp * damping)
+        own = np.concatenate([self._outer_radii, self._inner_radii])[sleeve - self.layout.external_bodies.start]
+        pin = self.scene.pin_n_m
+        depth = delta.copy()
+        if pin is not None:
+            depth[in_hole] = self._on_pins(delta[in_hole], stiffness[in_hole], effective[in_hole], own[in_hole], pin)
+        share = depth / delta
+        at_rest, slope = self._at_rest(depth, stiffness, effective, own)
+        ramp = np.clip(depth / contact.ramp_m, 0.0, 1.0)
+        normal_force = np.maximum(0.0, at_rest + ramp * contact.damping_n_s_m * share * v_n)
+        if pin is not None:
+            normal_force = at_rest + share * (normal_force - at_rest)
+            slope = np.where(in_hole, slope * pin / (slope + pin), slope)
+        along = np.zeros_like(delta)
+        if self._line is not None:
+            along = self._line.along_n(at_rest, effective, effective_slope)
         slide = np.clip(v_t / contact.friction_ramp_m_s, -1.0, 1.0)
         friction = -contact.friction_coefficient * normal_force * slide
         return Contacts(
             state, wheel, sleeve, point, normal, delta, v_n, v_t, stiffness, normal_force, friction, along, slope
         )
+
+    def _at_rest(self, depth: Floats, stiffness: Floats, effective: Floats, own: Floats) -> tuple[Floats, Floats]:
+        """F_e of contacts that are pressed in so deep, N, and its slope, N/m."""
+        if self._line is not None:
+            return self._line.force_and_slope(depth, effective, own)
+        width, elastic = self.scene.contact.ramp_m, stiffness * depth**1.5
+        above = 1.5 * stiffness * np.sqrt(depth)
+        slope = np.where(depth < width, 2.5 * elastic / width, above)
+        return np.clip(depth / width, 0.0, 1.0) * elastic, slope
+
+    def _on_pins(self, delta: Floats, stiffness: Floats, effective: Floats, own: Floats, pin: float) -> Floats:
+        """What the contacts take of delta, m: Newton's method within a shrinking bracket."""
+        low, high, x = np.zeros_like(delta), delta.copy(), delta.copy()
+        for _ in range(100):
+            force, slope = self._at_rest(x, stiffness, effective, own)
+            excess = force - pin * (delta - x)
+            low, high = np.where(excess < 0.0, x, low), np.where(excess < 0.0, high, x)
+            step = x - excess / (slope + pin)
+            beyond = np.where((step > low) & (step < high), step, 0.5 * (low + high))
+            if np.all(np.abs(beyond - x) <= 1e-15 * delta):
+                break
+            x = beyond
+        return x
 
     def loads(self, states: Floats) -> Floats:
         """Loads (n, bodies, 3) = fx, fy, moment about the centre of mass, of states (n, bodies, 6)."""

@@ -269,6 +269,8 @@ class Scene:
     solver: Solver
     # Wheels are free bodies on elastic bearings, whose forces the compiled law has.
     floats: bool = False
+    # Stiffness of an output pin against bending, in series with its contacts, N/m; None: rigid.
+    pin_n_m: float | None = None
 
     @staticmethod
     def of(scene: str | Scene) -> Scene:
@@ -299,6 +301,7 @@ class Scene:
             Contact(*keys("contact")),
             Solver(*keys("solver")),
             "eccentric" in keys("bearings")[0],
+            keys("bearings")[0].get("internal_sleeve_stiffness_n_m"),
         )
 
     @staticmethod

@@ -1,6 +1,7 @@
 """The contact law against its own definitions: rates by finite differences, balance, hand calculations, convergence."""
 
 import csv
+import dataclasses
 import math
 from pathlib import Path
 
@@ -303,3 +304,26 @@ def test_internal_contacts_of_another_stiffness():
     # It is of balls; rollers have one H.
     one, other = (scene.with_keys("contact", law="line-hertz") for scene in (one, other))
     assert np.array_equal(evaluate(one, states), evaluate(other, states))
+
+
+@pytest.mark.parametrize("law", ["paper", "line-hertz"])
+def test_a_pin_that_bends_is_a_spring_in_series(law):
+    """Contact and pin carry one force and share the approach; what is lost is lost at the contact's share of the rate."""
+    rigid = scenes.scene().with_keys("contact", law=law, damping_n_s_m=0.0)
+    soft, pin = dataclasses.replace(rigid, pin_n_m=2e6), 2e6
+    states = scenes.random_states(rigid, 200)
+    a, b = ContactLaw(rigid).contacts(states), ContactLaw(soft).contacts(states)
+    inner = b.sleeve >= ContactLaw(soft).layout.internal_bodies.start
+    assert inner.any() and np.array_equal(a.normal_force_n[~inner], b.normal_force_n[~inner])
+    force, depth = b.normal_force_n[inner], b.penetration_m[inner] - b.normal_force_n[inner] / pin
+    assert np.all(force < a.normal_force_n[inner])
+    plain = ContactLaw(rigid)
+    radius = (b.stiffness[inner] / plain.hole_stiffness_factor) ** 2
+    sleeve = np.full(depth.size, rigid.gear.internal_sleeve_radius_m)
+    at_rest, _ = plain._at_rest(depth, b.stiffness[inner], radius, sleeve)
+    np.testing.assert_allclose(at_rest, force, rtol=1e-9)
+    damped = ContactLaw(soft.with_keys("contact", damping_n_s_m=1.0)).contacts(states)
+    share = depth / b.penetration_m[inner]
+    more = np.clip(depth / rigid.contact.ramp_m, 0.0, 1.0) * share**2 * damped.normal_rate_m_s[inner]
+    pressed = damped.normal_force_n[inner] > (1.0 - 0.9 * share) * force
+    np.testing.assert_allclose((damped.normal_force_n[inner] - force)[pressed], more[pressed], rtol=1e-6, atol=1e-9)

@@ -20,6 +20,7 @@ fn crossval_python_law_in_numpy() {
     let rollers = ("contact.law", "line-hertz");
     let points = ("contact.detection", "points");
     let coarse = ("contact.wheel_points", "600");
+    let pin = ("bearings.internal_sleeve_stiffness_n_m", "1e7");
     let flanks = ("gear.modification.rotational_rad", "2e-4");
     for (preset, settings, largest) in [
         ("paper", vec![], 1e-12),
@@ -37,6 +38,8 @@ fn crossval_python_law_in_numpy() {
         ("toleranced", vec![paper, friction], 3e-11),
         ("toleranced", vec![paper, points, coarse, flanks], 3e-11),
         ("paper", vec![rollers], 1e-11),
+        ("paper-friction", vec![pin], 1e-12),
+        ("paper", vec![rollers, pin], 1e-11),
         ("modified", vec![rollers], 2e-11),
     ] {
         let scene = scene(preset, &settings);

@@ -85,6 +85,13 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
+    /// The instruction set.
+    #[must_use]
+    #[inline(always)]
+    pub fn simd(self) -> S {
+        self.simd
+    }
+
     /// The first [`Lanes::COUNT`] values of a slice; lanes beyond its end are 0.
     #[must_use]
     #[inline(always)]

@@ -69,6 +69,8 @@ pub use friction::{AdamsFriction, Friction, RegularisedCoulomb};
 pub use hertz::{HertzStiffness, Material};
 pub use hole::Hole;
 pub use lanes::{ComplexLanes, Lanes, Mask};
-pub use laws::{ConstantStiffness, Hysteresis, Law, LawParameters, NormalLaw, PaperLaw, Ramp};
+pub use laws::{
+    ConstantStiffness, Hysteresis, Law, LawParameters, NormalLaw, OnPin, PaperLaw, PinLaw, Ramp,
+};
 pub use points::{HolePoints, ProfilePoints, Vertex};
 pub use real::Real;

@@ -18,6 +18,18 @@ pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
     Err(Ending::unsupported(reason))
 }
 
+#[cfg(any(feature = "rapier", feature = "python"))]
+/// What an engine cannot honour whose contacts are springs of its own, besides.
+pub(crate) fn pins_are_rigid(scene: &Scene) -> Result<(), Ending> {
+    wheels_are_held(scene)?;
+    if scene.bearings.internal_sleeve_stiffness_n_m.is_none() {
+        return Ok(());
+    }
+    let reason = "its contacts are springs of its own, and bearings.internal_sleeve_stiffness_n_m puts pins in series with \
+                  the scene's law";
+    Err(Ending::unsupported(reason))
+}
+
 /// The contacts of an engine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OwnContact {

@@ -118,6 +118,26 @@ fn crossval_a_unit_with_friction_is_the_native_run() {
     }
 }
 
+/// Wheels on needles, output pins that bend, sealed shafts.
+#[test]
+fn crossval_a_unit_with_floating_wheels_is_the_native_run() {
+    for method in ["etd-adams", "dopri5"] {
+        let method = format!("solver.integrator={method}");
+        let sets = [
+            method.as_str(),
+            "bearings.internal_sleeve_stiffness_n_m=1e7",
+            "bearings.input_seal_n_m=0.05",
+            "solver.tolerance=1e-9",
+            "solver.duration_s=0.01",
+            "solver.sample_s=1e-4",
+        ];
+        for step in [1e-3, 1e-4] {
+            let off = against_run("paper-bearings", &sets, step);
+            assert!(off < 1e-6, "{method} {step}: {off:.2e}");
+        }
+    }
+}
+
 /// The scene's load with a ramp and jumps, which fall between communication points.
 #[test]
 fn crossval_a_units_load_follows_the_scene() {

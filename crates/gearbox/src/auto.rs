@@ -215,9 +215,8 @@ impl<'a> Planner<'a> {
     }
 
     fn first(&self) -> Plan {
-        // The form whose Jacobian is known in closed form (not of floating wheels), without which a Rosenbrock step costs ten times as much.
-        let is_reduced = self.scene.solver.formulation == Formulation::Reduced
-            && self.scene.bearings.eccentric.is_none();
+        // The form whose Jacobian is known in closed form, without which a Rosenbrock step costs ten times as much.
+        let is_reduced = self.scene.solver.formulation == Formulation::Reduced;
         let Frequencies {
             contact_rad_s: contact,
             friction_1_s: rate,

@@ -4,7 +4,7 @@ use pinwheel_contact::laws::hysteresis_factor;
 use serde::Serialize;
 
 use pinwheel_scene::bearings::BearingLaw;
-use pinwheel_scene::{Cranks, free_play};
+use pinwheel_scene::free_play;
 
 use crate::Gearbox;
 use crate::scene::{Detection, Formulation, Gear, Scene, Stabilisation};
@@ -55,12 +55,7 @@ pub struct Explanation {
 }
 
 /// What carries the wheels, where that is elastic.
-fn bearings(
-    scene: &Scene,
-    cranks: Option<&Cranks>,
-    modelled: &mut Statements,
-    left_out: &mut Statements,
-) {
+fn bearings(scene: &Scene, modelled: &mut Statements, left_out: &mut Statements) {
     if let Some(law) = BearingLaw::of(scene) {
         let (stiffness, exponent) = (law.stiffness, law.exponent);
         let clearance_um = 1e6 * law.clearance_m;
@@ -71,8 +66,7 @@ fn bearings(
             ),
         );
     }
-    let Some(cranks) = cranks else {
-        left_out.add("bending and housing", "rigid bodies, but for the bearings");
+    let Some(cranks) = &scene.cranks else {
         return;
     };
     let (count, ratio) = (cranks.count, scene.ratio());
@@ -102,7 +96,6 @@ fn bearings(
         "the cranks' reaction on the driver",
         "what their turning speeds up and down with the output; its mean is 0",
     );
-    left_out.add("bending and housing", "rigid bodies, but for the bearings");
 }
 
 /// Explains the model of a compiled scene.
@@ -270,15 +263,18 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
             ),
         );
     }
-    match (&scene.cranks, gearbox.floats()) {
-        (None, false) => left_out.add(
-            "bending, bearings and housing",
-            "rigid bodies on ideal revolutes, as in the paper",
-        ),
-        (cranks, _) => {
-            bearings(scene, cranks.as_ref(), &mut modelled, &mut left_out);
-        }
+    if gearbox.floats() {
+        bearings(scene, &mut modelled, &mut left_out);
     }
+    let given = &scene.bearings;
+    let gives_way = given.eccentric.is_some() || given.internal_sleeve_stiffness_n_m.is_some();
+    left_out.add(
+        "bending, bearings and housing",
+        match gives_way {
+            true => "rigid bodies on ideal revolutes but for what [bearings] gives",
+            false => "rigid bodies on ideal revolutes, as in the paper",
+        },
+    );
     left_out.add(
         "gravity",
         "the plane of motion is horizontal in the paper's model; no force depends on it",

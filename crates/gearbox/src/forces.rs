@@ -125,6 +125,9 @@ impl Forces for GearForces {
         if let Some(bearings) = self.field.bearings() {
             bearings.add_loads(bodies, loads);
         }
+        if let Some(seals) = self.field.seals() {
+            seals.add(bodies, loads, |load| &mut load.moment);
+        }
         self.add_held(time, loads);
     }
 

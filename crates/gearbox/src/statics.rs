@@ -15,6 +15,7 @@
 mod floating;
 mod newton;
 
+use floating::OF_A_WHEEL;
 use newton::NEAR_STEPS;
 
 use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums, Wrench};
@@ -64,6 +65,8 @@ pub struct Statics<'a> {
     /// The motion about which moments are taken; see [`Statics::moving`].
     motion: Motion,
     slopes: Jacobian,
+    /// The same with the places of wheels that float.
+    floating_slopes: Jacobian,
     /// Of wheels that float, the last balances and their loads.
     floated: Vec<(Equilibrium, f64)>,
     /// Bearings do not give way.
@@ -122,7 +125,8 @@ impl<'a> Statics<'a> {
             loads: vec![Wrench::default(); gearbox.layout.bodies()],
             gearbox,
             motion: Motion::none(gearbox.layout.wheels),
-            slopes: newton::slopes(gearbox),
+            slopes: newton::slopes(1 + gearbox.layout.wheels),
+            floating_slopes: newton::slopes(1 + OF_A_WHEEL * gearbox.layout.wheels),
             floated: Vec::new(),
             is_rigid: false,
             evaluations: 0,

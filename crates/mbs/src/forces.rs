@@ -10,7 +10,8 @@ pub enum Pose {
     Any,
     /// Every body stands and moves as its joints prescribe, which forces may make use of.
     Prescribed,
-    /// As [`Prescribed`](Self::Prescribed), but only angles and rates are set: carried bodies were not put in place.
+    /// As [`Prescribed`](Self::Prescribed), but only angles and rates are set: bodies that others carry were not put
+    /// in place. Bodies that no joint holds are.
     AnglesOnly,
 }
 
@@ -20,11 +21,14 @@ pub struct Sums<'a> {
     /// Loads on all bodies, in their order: ground frame, N and N m about the centre of mass. With a prescribed pose they
     /// hold 0 on entry.
     pub loads: Option<&'a mut [Wrench]>,
+    /// Whether of the loads only those on bodies that no joint holds are looked at, as `moments` tell the rest.
+    pub floating_alone: bool,
     /// Moments about the pins by body, N m, loads of carried bodies included: of the free bodies of
     /// [`Reduced`](crate::Reduced), and where `loads` are asked for too also of the driven ones.
     pub moments: Option<&'a mut [f64]>,
     /// How these moments change with the free angles (N m/rad), the free rates (N m s/rad) and the time (N m/s), in the order
-    /// of [`Reduced::free_bodies`](crate::Reduced::free_bodies).
+    /// of [`Reduced::free_bodies`](crate::Reduced::free_bodies); then the forces on bodies that no joint holds, x and y of one
+    /// after the other, all by their places and velocities too.
     pub slopes: Option<&'a mut Jacobian>,
     /// Whether the energy of the contacts is asked for.
     pub wants_energy: bool,

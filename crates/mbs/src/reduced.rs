@@ -480,6 +480,11 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         self.turn(t, y);
         self.moments.fill(0.0);
         let mut sums = Sums::of_moments(&mut self.moments);
+        if !self.floating.is_empty() {
+            self.loads.fill(Wrench::default());
+            sums.loads = Some(&mut self.loads);
+            sums.floating_alone = true;
+        }
         let (forces, bodies) = (&mut self.forces, &self.bodies);
         if !forces.evaluate(t, bodies, Pose::AnglesOnly, &mut sums) {
             self.carry();

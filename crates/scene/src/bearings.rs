@@ -102,11 +102,37 @@ impl BearingLaw {
         (self.elastic(beyond) + damping * rate).max(0.0)
     }
 
+    /// The force, N, and its slopes by the offset, N/m, and by its rate, N s/m.
+    #[must_use]
+    pub fn slopes(&self, offset: f64, rate: f64) -> [f64; 3] {
+        let (force, beyond) = (self.force(offset, rate), offset - self.clearance_m);
+        if force <= 0.0 {
+            return [0.0; 3];
+        }
+        let share = beyond / self.ramp_m;
+        let rising = if share < 1.0 { rate / self.ramp_m } else { 0.0 };
+        [
+            force,
+            self.exponent * self.elastic(beyond) / beyond + self.damping_n_s_m * rising,
+            self.damping_n_s_m * share.min(1.0),
+        ]
+    }
+
     /// Moment of the friction on the wheel, N m, under a force (N) while the wheel turns at `rate` rad/s against its eccentric.
     #[must_use]
     #[inline]
     pub fn drag(&self, force: f64, rate: f64) -> f64 {
         -self.drag_m * force * (rate / SLOW_RAD_S).clamp(-1.0, 1.0)
+    }
+
+    /// Its slopes by the force, m, and by the rate, N m s.
+    #[must_use]
+    pub fn drag_slopes(&self, force: f64, rate: f64) -> [f64; 2] {
+        let inside = if rate.abs() < SLOW_RAD_S { 1.0 } else { 0.0 };
+        [
+            self.drag(1.0, rate),
+            -self.drag_m * force * inside / SLOW_RAD_S,
+        ]
     }
 
     /// Energy stored at an offset, J.
@@ -142,6 +168,17 @@ pub fn typical_force(scene: &Scene) -> f64 {
 
 /// Keys that go together.
 pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
+    let sleeve = &scene.bearings;
+    if sleeve.sleeve_friction_coefficient.is_some() != sleeve.sleeve_bore_m.is_some() {
+        return Err(Fault::new(
+            &[match sleeve.sleeve_bore_m {
+                Some(_) => "bearings.sleeve_friction_coefficient",
+                None => "bearings.sleeve_bore_m",
+            }],
+            "is missing; a sleeve's friction has a coefficient and a bore".to_owned(),
+            "give both or none",
+        ));
+    }
     let Some(bearing) = scene.bearings.eccentric else {
         return Ok(());
     };

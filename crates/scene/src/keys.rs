@@ -103,7 +103,9 @@ impl Key {
     /// The unit that ends its name, as one writes it; empty for counts, names and plain numbers.
     #[must_use]
     pub fn unit(&self) -> &'static str {
-        const UNITS: [(&str, &str); 14] = [
+        const UNITS: [(&str, &str); 16] = [
+            ("stiffness_n_m", "N/m"),
+            ("spring_n_m", "N/m"),
             ("_n_m_rad", "N m/rad"),
             ("_n_m15", "N/m^1.5"),
             ("_n_s_m", "N s/m"),
@@ -266,7 +268,12 @@ pub const KEYS: &[Key] = keys! {
     "bearings.eccentric.friction_coefficient" Number(From(0.0, 1.0)), Nothing, "its friction mu, of the moment mu F d/2 against its turning; absent: 0", "needles have 0.002, cylindrical rollers 0.0011";
     "bearings.eccentric.bore_m" LENGTH, Nothing, "its bore d, for that moment", METRES;
     "bearings.eccentric.dynamic_rating_n" Number(From(1.0, 1e9)), Nothing, "its basic dynamic rating C, for its life after ISO 281", "bearing catalogues give it in kN: 20 kN is 20000";
+    "bearings.internal_sleeve_stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "stiffness of an output pin against bending, in series with its contacts; absent: rigid", "a pin held at one end has 3 E I/l^3 at the length l";
     "bearings.output_torsion_n_m_rad" Number(From(1e-3, 1e15)), Nothing, "torsional stiffness of carrier and flange; absent: rigid; counts in `design` alone", "1 N m/arcmin is 3437.7 N m/rad";
+    "bearings.sleeve_friction_coefficient" Number(From(0.0, 1.0)), Nothing, "friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; absent: 0; counts in `design` alone", "needles have 0.002, oiled bronze 0.05 to 0.1";
+    "bearings.sleeve_bore_m" LENGTH, Nothing, "bore d of the sleeves, for that moment", METRES;
+    "bearings.input_seal_n_m" Number(From(0.0, 1e9)), Nothing, "torque of the input shaft's seal against its turning; absent: 0", "seal catalogues give it: some 0.1 N m on a shaft of 20 mm";
+    "bearings.output_seal_n_m" Number(From(0.0, 1e9)), Nothing, "torque of the output shaft's seal against its turning; absent: 0", "seal catalogues give it: some 0.1 N m on a shaft of 20 mm";
     "cranks.count" Count(2, 12), Needed, "cranks of an RV reducer, which carry the wheels in the place of one eccentric", "RV reducers have two or three";
     "cranks.circle_radius_m" LENGTH, Needed, "circle the cranks stand on", METRES;
     "cranks.bore_radius_m" LENGTH, Needed, "a wheel's bore for a crank's eccentric and its bearing", METRES;
@@ -330,7 +337,9 @@ mod tests {
         scene.contact.external_spring_n_m = Some(1e8);
         scene.contact.internal_spring_n_m = Some(1e8);
         scene.bearings = toml::from_str(
-            "output_torsion_n_m_rad = 1e5\n[eccentric]\nstiffness_n_m = 1e8\nexponent = 1.0\nrollers = 9\n\
+            "output_torsion_n_m_rad = 1e5\ninternal_sleeve_stiffness_n_m = 5e7\n\
+             sleeve_friction_coefficient = 0.002\nsleeve_bore_m = 0.01\ninput_seal_n_m = 0.1\noutput_seal_n_m = 0.1\n\
+             [eccentric]\nstiffness_n_m = 1e8\nexponent = 1.0\nrollers = 9\n\
              roller_length_m = 0.01\nclearance_m = 0.0\ndamping_n_s_m = 1.0\ndynamic_rating_n = 2e4\n\
              friction_coefficient = 0.002\nbore_m = 0.02",
         )

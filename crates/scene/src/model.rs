@@ -231,9 +231,24 @@ pub struct Bearings {
     /// What carries each wheel on its eccentric; `None`: a rigid revolute.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eccentric: Option<EccentricBearing>,
+    /// Stiffness of an output pin against bending at its sleeve, N/m; `None`: rigid.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub internal_sleeve_stiffness_n_m: Option<f64>,
     /// Torsional stiffness of carrier and flange beyond the internal sleeves, N m/rad; `None`: rigid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub output_torsion_n_m_rad: Option<f64>,
+    /// Friction of a sleeve on its pin, with its bore: counts in `design` alone; `None`: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sleeve_friction_coefficient: Option<f64>,
+    /// Bore of the sleeves, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sleeve_bore_m: Option<f64>,
+    /// Torque of the seal on the input shaft, N m; `None`: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub input_seal_n_m: Option<f64>,
+    /// Torque of the seal on the output shaft, N m; `None`: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub output_seal_n_m: Option<f64>,
 }
 
 /// The elastic bearing between an eccentric and its wheel: F = K max(0, d - g)^p along the offset d of their centres, and

@@ -37,6 +37,7 @@ pub const PRESETS: &[Preset] = presets![
     "toleranced",
     "paper-bearings",
     "printed-drive",
+    "needle-bearings",
     "rv-320",
     "rv-40e-like",
     // Hard on integrators: each one's description says why.

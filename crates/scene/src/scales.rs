@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 
 use pinwheel_contact::laws::law_info;
 use pinwheel_contact::{
-    HertzStiffness, Law, LawParameters, Material, NormalLaw as _, PaperLaw, Ramp,
+    HertzStiffness, Law, LawParameters, Material, NormalLaw as _, PaperLaw, PinLaw, Ramp,
 };
 
 use crate::bearings::{BearingLaw, typical_force};
@@ -125,6 +125,15 @@ pub fn hertz(scene: &Scene) -> HertzStiffness {
 #[must_use]
 pub fn law(scene: &Scene) -> Option<Law> {
     Law::named(&scene.contact.law, &law_parameters(scene))
+}
+
+/// The same with the bending of the scene's output pins.
+#[must_use]
+pub fn pin_law(scene: &Scene) -> Option<PinLaw> {
+    Some(PinLaw {
+        law: law(scene)?,
+        pin_n_m: scene.bearings.internal_sleeve_stiffness_n_m,
+    })
 }
 
 /// A contact at rest under a scene's law.
@@ -254,21 +263,26 @@ impl Scales {
         let least = least_depth(scene);
         let load = load_course::largest(&scene.drive) / gear.wheels as f64;
         let torque = wheel_torque_n_m(scene);
-        let torsion = |spring: Spring, lever: f64, sleeves: usize| {
+        let torsion = |spring: Spring, pin: Option<f64>, lever: f64, sleeves: usize| {
             let sleeves = sleeves as f64;
             let depth = spring.depth(4.0 * load / (lever * sleeves), least);
-            0.25 * sleeves * spring.tangent(depth) * lever * lever
+            let contact = spring.tangent(depth);
+            let tangent = pin.map_or(contact, |pin| contact * pin / (contact + pin));
+            0.25 * sleeves * tangent * lever * lever
         };
         let force = external_force(gear, torque);
         let penetration = outer.depth(force, least);
-        let housing = torsion(outer, lever, gear.external_sleeves);
-        let circle = gear.internal_circle_radius_m;
+        let housing = torsion(outer, None, lever, gear.external_sleeves);
+        let (circle, sleeves) = (gear.internal_circle_radius_m, gear.internal_sleeves);
         let output = match BearingLaw::of(scene).filter(|_| scene.cranks.is_some()) {
             Some(bearing) => {
                 let stiffness = bearing.slope_under(typical_force(scene));
-                gear.internal_sleeves as f64 * stiffness * circle * circle
+                sleeves as f64 * stiffness * circle * circle
             }
-            None => torsion(inner, circle, gear.internal_sleeves),
+            None => {
+                let pin = scene.bearings.internal_sleeve_stiffness_n_m;
+                torsion(inner, pin, circle, sleeves)
+            }
         };
         Self {
             wheel_torque_n_m: torque,

@@ -22,6 +22,7 @@ mod paper;
 mod paper_conservative;
 mod paper_printed;
 mod parameters;
+mod pin_law;
 mod ramp;
 mod registry;
 
@@ -38,6 +39,7 @@ pub use paper::PaperLaw;
 pub use paper_conservative::PaperConservative;
 pub use paper_printed::PaperPrinted;
 pub use parameters::LawParameters;
+pub use pin_law::{OnPin, PinLaw};
 pub use ramp::Ramp;
 use registry::registry;
 

@@ -13,7 +13,7 @@ use super::watch::hosted;
 use super::{convert, ffi, host, pins};
 use crate::control::Control;
 use crate::engine::{Ending, Engine, Halt, Prepared, Run, Track, prepared};
-use crate::own_contact::wheels_are_held;
+use crate::own_contact::pins_are_rigid;
 use crate::registry::EngineInfo;
 
 /// One engine of the package.
@@ -100,7 +100,7 @@ impl Engine for PythonEngine {
         let mut gearbox = gearbox.clone();
         // The law is ours: what the native solver can do, it can do.
         if self.0.track != Track::SharedLaw {
-            wheels_are_held(&gearbox.scene)?;
+            pins_are_rigid(&gearbox.scene)?;
             let given = self.0.own_contact.given(Scene::clone(&gearbox.scene));
             if given != *gearbox.scene {
                 let given = given.check().map_err(Ending::unsupported)?;

@@ -20,7 +20,7 @@ use super::spring::{contact_spring, spring_load};
 use super::sums::Sums;
 use super::world::{World, in_frame_of};
 use crate::engine::{Ending, Halt, Prepared, prepared};
-use crate::own_contact::wheels_are_held;
+use crate::own_contact::pins_are_rigid;
 
 /// Points of a wheel's edge, and fewest on a lobe: a gear of 39 lobes has its mean forces right to
 /// 0.8 % with 103 points a lobe, against 267.
@@ -49,7 +49,7 @@ const PERIODS: f64 = 0.5;
 pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
     let scene = &gearbox.scene;
     friction_is_plain(scene)?;
-    wheels_are_held(scene)?;
+    pins_are_rigid(scene)?;
     if scene.drive.start == Start::Equilibrium {
         return Err(Ending::unsupported(
                 "its contact spring is not the scene's law, so the equilibrium of drive.start = \"equilibrium\" is not \

@@ -1,10 +1,11 @@
 //! The contact forces of a whole gearbox as a function of its bodies' states.
 
-use pinwheel_contact::{Law, NormalLaw};
+use pinwheel_contact::{NormalLaw, PinLaw};
 pub use pinwheel_mbs::ContactEnergy;
 use pinwheel_mbs::{BodyState, Pose, Sums, Wrench};
 
 use super::floating::Bearings;
+use super::seals::Seals;
 use crate::Sleeve;
 
 /// One pair of wheel and sleeve at its closest points.
@@ -18,7 +19,7 @@ pub struct PairContact {
     pub point: [f64; 2],
     /// n, unit vector from the sleeve centre P to W. Ground frame.
     pub normal: [f64; 2],
-    /// delta, m: above 0 where they touch, below 0 a gap.
+    /// delta, m: above 0 where they touch, below 0 a gap. Of a sleeve on a pin that bends, contact and bending together.
     pub penetration_m: f64,
     /// v_n = d(delta)/dt, m/s.
     pub normal_rate_m_s: f64,
@@ -52,15 +53,23 @@ impl PairContact {
 
     /// F_n of a pair that touches, N, if it closed at `rate` (m/s) at the same positions.
     #[must_use]
-    pub fn normal_force_at(&self, law: &Law, rate: f64) -> f64 {
-        law.force(self.stiffness, self.penetration_m, rate)
+    pub fn normal_force_at(&self, law: &PinLaw, rate: f64) -> f64 {
+        self.observed(law, rate)[0]
+    }
+
+    /// That, the force at rest, N, and the energy stored, J.
+    fn observed(&self, law: &PinLaw, rate: f64) -> [f64; 3] {
+        let (stiffness, depth) = (self.stiffness, self.penetration_m);
+        match self.sleeve {
+            Sleeve::External(_) => law.law.observed(stiffness, depth, rate),
+            Sleeve::Internal(_) => law.observed(stiffness, depth, rate),
+        }
     }
 
     /// Adds what the pair stores and dissipates.
-    pub(super) fn add_energy(&self, law: &Law, sum: &mut ContactEnergy) {
-        let (stiffness, depth) = (self.stiffness, self.penetration_m);
-        let elastic = self.normal_force_at(law, 0.0);
-        sum.stored_j += law.stored(stiffness, depth);
+    pub(super) fn add_energy(&self, law: &PinLaw, sum: &mut ContactEnergy) {
+        let [_, elastic, stored] = self.observed(law, 0.0);
+        sum.stored_j += stored;
         sum.damping_w += (self.normal_force_n - elastic) * self.normal_rate_m_s;
         sum.friction_w -= self.friction_force_n * self.tangential_rate_m_s;
     }
@@ -87,10 +96,15 @@ pub trait ContactField: Send {
     fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact;
 
     /// The law of all pairs.
-    fn law(&self) -> &Law;
+    fn law(&self) -> &PinLaw;
 
     /// The bearings that wheels float on; `None`: eccentrics hold them rigidly.
     fn bearings(&self) -> Option<&Bearings> {
+        None
+    }
+
+    /// The seals of the shafts.
+    fn seals(&self) -> Option<&Seals> {
         None
     }
 

@@ -7,12 +7,14 @@ mod flanks;
 mod floating;
 mod lanes;
 mod pairs;
+mod seals;
 
 use pinwheel_contact::NormalLaw as _;
-use pinwheel_scene::scales::law;
+use pinwheel_scene::scales::pin_law;
 
 pub use field::{ContactEnergy, ContactField, PairContact};
 pub use floating::{BearingLoad, Bearings};
+pub use seals::Seals;
 
 use crate::GearboxError;
 use crate::geometry::Geometry;
@@ -71,16 +73,20 @@ fn at_most_avx2() -> pulp::Arch {
     pulp::Arch::Scalar
 }
 
-/// The contact field of a scene, with the bearings that its wheels float on.
+/// The contact field of a scene, with the bearings that its wheels float on and the seals of its shafts.
 pub(crate) fn field(
     scene: &Scene,
     geometry: &Geometry,
     kernel: Kernel,
 ) -> Result<Box<dyn ContactField>, GearboxError> {
     let contacts = contacts(scene, geometry, kernel)?;
-    Ok(match Bearings::of(scene, geometry) {
+    let inner = match Bearings::of(scene, geometry) {
         Some(bearings) => Box::new(floating::Floating { contacts, bearings }),
         None => contacts,
+    };
+    Ok(match Seals::of(scene) {
+        Some(seals) => Box::new(seals::Sealed { inner, seals }),
+        None => inner,
     })
 }
 
@@ -90,7 +96,7 @@ pub(crate) fn contacts(
     geometry: &Geometry,
     kernel: Kernel,
 ) -> Result<Box<dyn ContactField>, GearboxError> {
-    let law = law(scene).ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
+    let law = pin_law(scene).ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
     // Cranks touch no hole.
     let without;
     let (scene, geometry) = match scene.cranks {
@@ -114,15 +120,15 @@ pub(crate) fn contacts(
             Box::new(LaneField::new(scene, geometry, law, kernel.arch()))
         }
         Detection::Exact => {
-            let exact = Exact::new(scene, geometry, &law);
+            let exact = Exact::new(scene, geometry, &law.law);
             Box::new(Pairs::new(scene, geometry, law, exact))
         }
         // A force along the profile needs the slope of K, which points do not have.
-        Detection::Points if law.along(1.0, 1.0).is_some() => {
+        Detection::Points if law.law.along(1.0, 1.0).is_some() => {
             return Err(GearboxError::Geometry(format!(
                 "contact.detection = \"points\" has no slope of the stiffness, which the law `{}` needs; \
                  use contact.detection = \"exact\"",
-                law.info().name
+                law.law.info().name
             )));
         }
         Detection::Points => {

@@ -4,7 +4,7 @@
 //! wheel brings the sleeves in, one brings the sum of forces back. Forces of a pair act at W on
 //! both bodies, so action and reaction balance in force and in moment.
 
-use pinwheel_contact::{AdamsFriction, Complex, Friction, Law, NormalLaw, RegularisedCoulomb};
+use pinwheel_contact::{AdamsFriction, Complex, Friction, NormalLaw, PinLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
 use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums, Wrench};
 
@@ -18,7 +18,7 @@ use crate::{Layout, Sleeve};
 /// The contact field of one detection.
 pub(super) struct Pairs<D> {
     layout: Layout,
-    law: Law,
+    law: PinLaw,
     detection: D,
     friction: Friction,
     external_directions: Vec<Complex>,
@@ -85,7 +85,7 @@ impl Loaded {
     #[inline]
     pub(super) fn contact(
         &self,
-        law: &Law,
+        law: &PinLaw,
         wheel: usize,
         sleeve: Sleeve,
         frame: &WheelFrame,
@@ -99,7 +99,7 @@ impl Loaded {
             penetration_m: self.touch.penetration,
             normal_rate_m_s: self.normal_rate,
             tangential_rate_m_s: self.tangential_rate,
-            stiffness: law.stiffness(self.touch.stiffness),
+            stiffness: law.law.stiffness(self.touch.stiffness),
             normal_force_n: self.normal_force,
             friction_force_n: self.friction_force,
             along_force_n: self.along_force,
@@ -125,7 +125,7 @@ fn friction(contact: &scene::Contact) -> Friction {
 }
 
 impl<D: Detection> Pairs<D> {
-    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: Law, detection: D) -> Self {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: PinLaw, detection: D) -> Self {
         Self {
             layout: Layout::of(&scene.gear),
             law,
@@ -179,7 +179,14 @@ impl<D: Detection> Pairs<D> {
 
     /// v_rel = (sleeve's material velocity at W, spin included) - (wheel's at W), then Eq. 20 and 21.
     #[inline]
-    fn load(&self, touch: Touch, wheel: &WheelFrame, sleeve: &BodyState, p: Complex) -> Loaded {
+    fn load(
+        &self,
+        kind: Sleeve,
+        touch: Touch,
+        wheel: &WheelFrame,
+        sleeve: &BodyState,
+        p: Complex,
+    ) -> Loaded {
         let arm = touch.point - p;
         let sleeve_velocity = Complex::new(sleeve.vx, sleeve.vy) * wheel.turn.conj()
             + arm.turned().scale(sleeve.rate);
@@ -188,8 +195,8 @@ impl<D: Detection> Pairs<D> {
         let normal_rate = relative.dot(touch.normal);
         let tangential_rate = relative.dot(touch.normal.turned());
         let (stiffness, depth) = (touch.stiffness, touch.penetration);
-        let normal_force = self.law.force(stiffness, depth, normal_rate);
-        let along = self.law.along(stiffness, depth);
+        let normal_force = self.force(kind, stiffness, depth, normal_rate);
+        let along = self.law.law.along(stiffness, depth);
         Loaded {
             touch,
             arm,
@@ -198,6 +205,15 @@ impl<D: Detection> Pairs<D> {
             normal_force,
             friction_force: self.friction.force(normal_force, tangential_rate),
             along_force: along.map_or(0.0, |along| -touch.stiffness_slope * along),
+        }
+    }
+
+    /// F of a sleeve of that kind.
+    #[inline]
+    fn force(&self, kind: Sleeve, stiffness: f64, depth: f64, rate: f64) -> f64 {
+        match kind {
+            Sleeve::External(_) => self.law.law.force(stiffness, depth, rate),
+            Sleeve::Internal(_) => self.law.force(stiffness, depth, rate),
         }
     }
 
@@ -218,7 +234,7 @@ impl<D: Detection> Pairs<D> {
             let sleeve = &bodies[first + j];
             let p = frame.point(sleeve);
             if let Some((touch, seat)) = self.profile(j, p, [direction * back, multiple]) {
-                let pair = self.load(touch, frame, sleeve, p);
+                let pair = self.load(Sleeve::External(j), touch, frame, sleeve, p);
                 visit(Sleeve::External(j), first + j, &pair, seat);
             }
         }
@@ -227,7 +243,7 @@ impl<D: Detection> Pairs<D> {
             let sleeve = &bodies[first + k];
             let p = frame.point(sleeve);
             if let Some(touch) = self.detection.hole(wheel, k, p) {
-                let pair = self.load(touch, frame, sleeve, p);
+                let pair = self.load(Sleeve::Internal(k), touch, frame, sleeve, p);
                 visit(Sleeve::Internal(k), first + k, &pair, Seat::Corner);
             }
         }
@@ -236,13 +252,33 @@ impl<D: Detection> Pairs<D> {
 
 /// Of the free bodies, which are all but the first.
 pub(super) const OUTPUT: usize = Layout::OUTPUT - 1;
+
+/// Of wheels that float, where their places begin among all that is free.
+pub(super) fn places(layout: Layout, slopes: &Jacobian) -> usize {
+    slopes.rate.dimension().saturating_sub(2 * layout.wheels)
+}
 /// Shares of stiffness and penetration, and the closing speed (m/s), by which the law's differences go to either side.
 pub(super) const STIFFNESS_SHARE: f64 = 1e-4;
 pub(super) const PENETRATION_SHARE: f64 = 1e-5;
 pub(super) const CLOSING: f64 = 1e-6;
 
-/// Slopes of the moments of a pair on its wheel, on the output and on the sleeve.
-type Moments = [f64; 3];
+/// Slopes of what a pair does: moments on its wheel, on the output and on the sleeve, and the force on the wheel, ground frame.
+type Rows = [f64; 5];
+
+/// What slopes are by: something that moves the sleeve's centre P against the wheel.
+#[derive(Clone, Copy)]
+struct Move {
+    /// d(delta), d(tau): the way of P along n and along t.
+    way: [f64; 2],
+    /// How the velocity of P changes along n and along t, that n turns left aside.
+    drift: [f64; 2],
+    /// How z changes: its moment on n, and along n.
+    arm: [f64; 2],
+    /// By how much the wheel turns.
+    turn: f64,
+    /// What the sliding speed depends on its rate with.
+    slip: f64,
+}
 
 /// What the sleeves leave on a wheel, in its frame.
 #[derive(Default)]
@@ -262,9 +298,9 @@ impl Reaction {
 }
 
 impl<D: Detection> Pairs<D> {
-    /// How the moments of a pair change with the angles of wheel, output and input, and with their rates; then with the
-    /// sleeve's own rate, which friction alone feels. In the notation of [`slopes`](super::lanes), whose formulas these are
-    /// for one pair.
+    /// How what a pair does changes with the angles of wheel and output, then with the input's, or with the place of a wheel that
+    /// floats, and with their rates; then with the sleeve's own rate, which friction alone feels. In the notation of
+    /// [`slopes`](super::lanes), whose formulas these are for one pair.
     fn columns(
         &self,
         bodies: &[BodyState],
@@ -272,9 +308,9 @@ impl<D: Detection> Pairs<D> {
         (sleeve, body): (Sleeve, &BodyState),
         pair: &Loaded,
         slopes: &Slopes,
-        friction: Option<RegularisedCoulomb>,
-    ) -> ([(Moments, Moments); 3], Moments) {
-        let (law, touch) = (&self.law, &pair.touch);
+        (friction, floats): (Option<RegularisedCoulomb>, bool),
+    ) -> ([(Rows, Rows); 4], Rows) {
+        let (law, touch) = (&self.law.law, &pair.touch);
         let (stiffness, depth) = (touch.stiffness, touch.penetration);
         let (n, t) = (touch.normal, touch.normal.turned());
         let back = frame.turn.conj();
@@ -288,7 +324,9 @@ impl<D: Detection> Pairs<D> {
             Complex::new(body.vx, body.vy) * back - frame.velocity - p.turned().scale(frame.rate);
         let (closing, passing) = (velocity.dot(n), velocity.dot(t));
 
-        let force = |stiffness: f64, depth: f64, closing: f64| law.force(stiffness, depth, closing);
+        let force = |stiffness: f64, depth: f64, closing: f64| {
+            self.force(sleeve, stiffness, depth, closing)
+        };
         let either = |h: f64, of: &dyn Fn(f64) -> f64| (of(h) - of(-h)) / (2.0 * h);
         let by_stiffness = either(STIFFNESS_SHARE * stiffness, &|h| {
             force(stiffness + h, depth, closing)
@@ -305,18 +343,18 @@ impl<D: Detection> Pairs<D> {
         } = *slopes;
         // A = -K' Y, and its slopes by the way along t and by the depth; K' itself grows with the depth by -turning.
         let along = law.along(stiffness, depth).filter(|_| !is_internal);
-        let at_centre = along.map(|along| {
+        let [at_centre, along_by_path, along_by_depth] = along.map_or([0.0; 3], |along| {
             let rise = either(PENETRATION_SHARE * depth, &|h| {
                 law.along(stiffness, depth + h).unwrap_or_default()
             });
             let by_stiffness = either(STIFFNESS_SHARE * stiffness, &|h| {
                 law.along(stiffness + h, depth).unwrap_or_default()
             });
-            (
+            [
                 -stiffening * along,
                 -(bend * along + stiffening * stiffening * by_stiffness),
                 stiffening * (turning * along - rise),
-            )
+            ]
         });
 
         // T = -mu F g, and its slopes by F and by v_t.
@@ -331,42 +369,91 @@ impl<D: Detection> Pairs<D> {
         }
         let drag = drag_by_force * pressed;
 
-        let normal_levers = [-p.cross(n), carried * z.cross(n), -c.cross(n)];
-        let levers = [-p.dot(n), carried * z.dot(n), -c.dot(n)];
-        let turns = [-1.0, 0.0, 1.0];
-        let [on_wheel, on_output] = [normal_levers[0], normal_levers[1]];
-        // What the sliding speed depends on the rates with; on the wheel's with W instead of P.
-        let drags = [levers[0] - rho, levers[1], rho];
-        let by = [0, 1, 2].map(|k| {
-            let (lever, path) = (normal_levers[k], levers[k]);
+        let (across, along) = (p.cross(n), p.dot(n));
+        // A wheel that is carried swings with the input, one that floats goes its own way.
+        let turned = |way: [f64; 2], turn: f64| {
+            let (by_centre, beside) = (c.dot(n) * turn, c.cross(n) * turn);
+            Move {
+                way,
+                drift: [
+                    -over_wheel * way[1] - by_centre * over_input,
+                    over_wheel * way[0] + beside * over_input,
+                ],
+                arm: [-way[1] - by_centre, way[0] + beside],
+                turn: if turn < 0.0 { 1.0 } else { 0.0 },
+                slip: way[1],
+            }
+        };
+        let mut of_wheel = turned([-across, -along], -1.0);
+        // With W instead of P.
+        of_wheel.slip -= rho;
+        let of_output = turned([carried * z.cross(n), carried * z.dot(n)], 0.0);
+        let of_input = turned([-c.cross(n), -c.dot(n)], 1.0);
+        let axes = [back, back.turned()];
+        let [x, y] = axes.map(|axis| {
+            let way = [-axis.dot(n), -axis.dot(t)];
+            Move {
+                way,
+                drift: [frame.rate * way[1], -frame.rate * way[0]],
+                arm: [0.0; 2],
+                turn: 0.0,
+                slip: way[1],
+            }
+        });
+        if floats {
+            of_wheel.drift = [passing, -closing];
+        }
+        let moves = match floats {
+            true => [of_wheel, of_output, x, y],
+            false => [of_wheel, of_output, of_input, of_input],
+        };
+        let ground = |normal: f64, tangential: f64| {
+            axes.map(|axis| axis.dot(n.scale(normal) + t.scale(tangential)))
+        };
+        let by = moves.map(|of| {
+            let ([lever, path], [aside, against]) = (of.way, of.arm);
             let tilt = turning * path;
-            let (by_centre, beside) = (c.dot(n) * turns[k], c.cross(n) * turns[k]);
-            let slower = tilt * passing - over_wheel * path - by_centre * over_input;
-            let faster = over_wheel * lever + beside * over_input - tilt * closing - lever * spin;
+            let slower = tilt * passing + of.drift[0];
+            let faster = of.drift[1] - tilt * closing - lever * spin;
             let push = by_stiffness * stiffening * path + by_depth * lever + by_closing * slower;
             let pull = drag_by_force * push + drag_by_slip * faster;
-            let mut wheel = pull * drags[0]
-                - push * on_wheel
-                - pressed * (path - tilt * p.dot(n))
-                - drag * tilt * p.dot(t);
-            if let Some((force, by_path, by_depth)) = at_centre {
-                wheel += (by_path * path + by_depth * lever) * levers[0]
-                    - force * (lever + tilt * p.dot(t));
-            }
-            let output = pull * drags[1] - push * on_output
-                + carried * drag * (lever + beside + tilt * z.dot(t))
-                - carried * pressed * (tilt * z.dot(n) - path - by_centre);
-            let position = [wheel, output, pull * rho - drag * lever];
+            let beside = along_by_path * path + along_by_depth * lever;
+            let wheel = pull * of_wheel.slip + push * across
+                - pressed * (path - tilt * along)
+                - drag * tilt * p.dot(t)
+                - beside * along
+                - at_centre * (lever + tilt * p.dot(t));
+            let output = pull * of_output.slip - push * of_output.way[0]
+                + carried * drag * (against + tilt * z.dot(t))
+                - carried * pressed * (tilt * z.dot(n) + aside);
+            let tilt = tilt + of.turn;
+            let [fx, fy] = ground(
+                push + (drag + at_centre) * tilt,
+                pressed * tilt - pull - beside,
+            );
+            let position = [wheel, output, pull * rho - drag * lever, fx, fy];
             let push = by_closing * lever;
-            let pull = drag_by_force * push + drag_by_slip * if k == 0 { drags[0] } else { path };
+            let pull = drag_by_force * push + drag_by_slip * of.slip;
+            let [fx, fy] = ground(push, -pull);
             let rate = [
-                pull * drags[0] - push * on_wheel,
-                pull * drags[1] - push * on_output,
+                pull * of_wheel.slip + push * across,
+                pull * of_output.slip - push * of_output.way[0],
                 pull * rho,
+                fx,
+                fy,
             ];
             (position, rate)
         });
-        (by, drags.map(|lever| drag_by_slip * rho * lever))
+        let pull = drag_by_slip * rho;
+        let [fx, fy] = ground(0.0, -pull);
+        let by_spin = [
+            pull * of_wheel.slip,
+            pull * of_output.slip,
+            pull * rho,
+            fx,
+            fy,
+        ];
+        (by, by_spin)
     }
 }
 
@@ -377,7 +464,7 @@ impl<D: Detection> Pairs<D> {
         let on_sleeve = pair.on_sleeve();
         let mut total = on_sleeve;
         left.moment -= pair.touch.point.cross(on_sleeve);
-        if self.law.along(1.0, 1.0).is_some() {
+        if self.law.law.along(1.0, 1.0).is_some() {
             let centre = pair.touch.point - pair.arm;
             total = total + pair.at_centre();
             left.moment -= centre.cross(pair.at_centre());
@@ -389,18 +476,22 @@ impl<D: Detection> Pairs<D> {
         load.moment += pair.arm.cross(on_sleeve);
     }
 
-    /// The friction that slopes must know, if any; `None`: this field has none of the slopes asked for.
-    fn sloped_friction(&self, slopes: &Jacobian) -> Option<Option<RegularisedCoulomb>> {
+    /// The friction that slopes must know, if any, and whether wheels float; `None`: this field has none of the slopes asked for.
+    fn sloped_friction(&self, slopes: &Jacobian) -> Option<(Option<RegularisedCoulomb>, bool)> {
         let free = slopes.rate.dimension();
-        let friction = match self.friction {
-            Friction::Regularised(friction) if free + 1 == self.layout.bodies() => Some(friction),
-            _ if free == 1 + self.layout.wheels => None,
+        let places = 2 * self.layout.wheels;
+        let [rubbing, smooth] = [self.layout.bodies() - 1, 1 + self.layout.wheels];
+        let (friction, floats) = match self.friction {
+            Friction::Regularised(friction) if free == rubbing || free == rubbing + places => {
+                (Some(friction), free > rubbing)
+            }
+            _ if free == smooth || free == smooth + places => (None, free > smooth),
             _ => return None,
         };
-        (D::HAS_SLOPES && slopes.position.is_some()).then_some(friction)
+        (D::HAS_SLOPES && slopes.position.is_some()).then_some((friction, floats))
     }
 
-    /// Adds how the moments of one pair change; `at`: its wheel, sleeve, the sleeve's body and where it touches.
+    /// Adds how what one pair does changes; `at`: its wheel, sleeve, the sleeve's body and where it touches.
     #[inline]
     fn add_slopes_of(
         &self,
@@ -408,15 +499,13 @@ impl<D: Detection> Pairs<D> {
         bodies: &[BodyState],
         frame: &WheelFrame,
         pair: &Loaded,
-        friction: Option<RegularisedCoulomb>,
+        (friction, floats): (Option<RegularisedCoulomb>, bool),
         slopes: &mut Jacobian,
     ) {
+        let first_place = places(self.layout, slopes);
         let Some(position) = &mut slopes.position else {
             return;
         };
-        let input_rate = bodies[Layout::INPUT].rate;
-        // Sleeves are free where something rubs.
-        let moved = if friction.is_some() { 3 } else { 2 };
         let touch = match (sleeve, seat) {
             (Sleeve::External(j), Seat::Foot(unit)) => {
                 self.detection.profile_slopes(j, &pair.touch, unit)
@@ -428,15 +517,22 @@ impl<D: Detection> Pairs<D> {
             (Sleeve::Internal(k), _) => self.detection.hole_slopes(wheel, k, &pair.touch),
         };
         let own = (sleeve, &bodies[body]);
-        let (by, by_spin) = self.columns(bodies, frame, own, pair, &touch, friction);
-        let [by_wheel, by_output, (by_input, _)] = by;
-        let rows = [1 + wheel, OUTPUT, body - 1];
-        for (k, &row) in rows.iter().enumerate().take(moved) {
-            for (of, (by_angle, by_rate)) in rows.iter().zip([&by_wheel, &by_output]) {
-                position.add(row, *of, by_angle[k]);
+        let (by, by_spin) = self.columns(bodies, frame, own, pair, &touch, (friction, floats));
+        let place = first_place + 2 * wheel;
+        let rows = [1 + wheel, OUTPUT, body - 1, place, place + 1];
+        for (k, &row) in rows.iter().enumerate() {
+            // Sleeves are free where something rubs.
+            if k == 2 && friction.is_none() || k > 2 && !floats {
+                continue;
+            }
+            let free = [rows[0], rows[1], place, place + 1];
+            for (of, (by_place, by_rate)) in free.iter().zip(&by).take(if floats { 4 } else { 2 }) {
+                position.add(row, *of, by_place[k]);
                 slopes.rate.add(row, *of, by_rate[k]);
             }
-            slopes.time[row] += by_input[k] * input_rate;
+            if !floats {
+                slopes.time[row] += by[2].0[k] * bodies[Layout::INPUT].rate;
+            }
             if friction.is_some() {
                 slopes.rate.add(row, body - 1, by_spin[k]);
             }
@@ -447,7 +543,7 @@ impl<D: Detection> Pairs<D> {
 impl<D: Detection> ContactField for Pairs<D> {
     fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
         let friction = match &sums.slopes {
-            None => Some(None),
+            None => Some((None, false)),
             Some(slopes) => self.sloped_friction(slopes),
         };
         let is_told = sums.moments.is_none() && pose != Pose::AnglesOnly;
@@ -479,7 +575,7 @@ impl<D: Detection> ContactField for Pairs<D> {
         true
     }
 
-    fn law(&self) -> &Law {
+    fn law(&self) -> &PinLaw {
         &self.law
     }
 
@@ -509,7 +605,7 @@ impl<D: Detection> ContactField for Pairs<D> {
             Sleeve::External(j) => self.profile_gap(j, p),
             Sleeve::Internal(k) => self.detection.hole_gap(wheel, k, p),
         };
-        let mut pair = self.load(touch.unwrap_or_else(gap), &frame, body, p);
+        let mut pair = self.load(sleeve, touch.unwrap_or_else(gap), &frame, body, p);
         if touch.is_none() {
             (pair.normal_force, pair.friction_force, pair.along_force) = (0.0, 0.0, 0.0);
         }

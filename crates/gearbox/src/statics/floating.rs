@@ -8,12 +8,12 @@
 //! ```text
 //! offset of the bearing under F:   s (g + (F/K)^(1/p)),   s -> 1
 //! ```
-//! Newton's method with differences balances every step. A light load is approached from the scene's largest, by parts of it:
+//! Newton's method balances every step, with differences where contacts have no slopes. A light load is approached from the scene's largest, by parts of it:
 //! near no load nothing but the last balance tells where a wheel floats. Without a load wheels rest at the middle of their
 //! clearance.
 
 use nalgebra::{DMatrix, DVector};
-use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_mbs::{BodyState, Pose, Sums, Wrench};
 
 use super::{ANGLE, Equilibrium, Statics, next_root};
 use crate::contacts::Bearings;
@@ -50,7 +50,7 @@ const BALANCED: f64 = 1e-13;
 const WEAK: f64 = 1e-9;
 
 /// Unknowns of a wheel, from its body.
-const OF_A_WHEEL: usize = 3;
+pub(super) const OF_A_WHEEL: usize = 3;
 
 /// Scales of forces and places.
 #[derive(Clone, Copy)]
@@ -145,8 +145,43 @@ impl Statics<'_> {
         left
     }
 
-    /// How what is left changes with the unknowns, by differences from `here`.
+    /// How what is left changes with the unknowns, from `here`.
     fn matrix(
+        &mut self,
+        phi: f64,
+        load: f64,
+        bearings: &Bearings,
+        (u, here): (&[f64], &DVector<f64>),
+        size: Size,
+    ) -> DMatrix<f64> {
+        self.place_floating(phi, u, None);
+        self.floating_slopes.clear();
+        let mut sums = Sums::of_slopes(&mut self.floating_slopes);
+        // Cranks' bearings have no slopes.
+        let is_known = self.gearbox.scene.cranks.is_none();
+        if !is_known || !self.field.evaluate(&self.bodies, Pose::Any, &mut sums) {
+            return self.differences(phi, load, bearings, (u, here), size);
+        }
+        bearings.add_slopes(&self.bodies, &mut self.floating_slopes);
+        let wheels = self.gearbox.layout.wheels;
+        // Angles first, then places.
+        let free = |unknown: usize| match unknown {
+            0 => 0,
+            k => {
+                let (wheel, part) = ((k - 1) / OF_A_WHEEL, (k - 1) % OF_A_WHEEL);
+                match is_length(k) {
+                    true => 1 + wheels + 2 * wheel + part,
+                    false => 1 + wheel,
+                }
+            }
+        };
+        let position = self.floating_slopes.position.as_ref();
+        let entry = |i, j| position.map_or(0.0, |slopes| slopes.entry(free(i), free(j)));
+        DMatrix::from_fn(u.len(), u.len(), entry)
+    }
+
+    /// The same by differences.
+    fn differences(
         &mut self,
         phi: f64,
         load: f64,
@@ -194,7 +229,7 @@ impl Statics<'_> {
         };
         let mut here = self.left(phi, load, bearings, u, None);
         let mut most = norm(&here);
-        // Differences cost many evaluations, so slopes serve as long as steps with them gain.
+        // Slopes cost more than forces, so they serve as long as steps with them gain.
         let mut slopes = None;
         for _ in 0..STEPS {
             if most < BALANCED {

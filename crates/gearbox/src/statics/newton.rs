@@ -12,7 +12,7 @@
 use pinwheel_mbs::{Jacobian, Structure};
 
 use super::{ANGLE, Equilibrium, Statics};
-use crate::{Gearbox, Layout};
+use crate::Layout;
 
 /// Steps at most; a gear takes 5 to 10.
 const MOST_STEPS: usize = 40;
@@ -35,8 +35,7 @@ const BEYOND: f64 = 1.001;
 const OUTPUT: usize = Layout::OUTPUT - 1;
 
 /// Of wheels and output, as they are free without friction.
-pub(super) fn slopes(gearbox: &Gearbox) -> Jacobian {
-    let free = 1 + gearbox.layout.wheels;
+pub(super) fn slopes(free: usize) -> Jacobian {
     let is_leaf = vec![false; free];
     Jacobian::new(&Structure::SecondOrder { is_leaf }, 2 * free)
 }
@@ -153,6 +152,7 @@ impl Statics<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Gearbox;
     use crate::scene::Scene;
 
     /// By differences: what the wheels leave of K + s D at small s.

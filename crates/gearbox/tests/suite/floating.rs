@@ -17,6 +17,21 @@ const LOOSE: [&str; 2] = [
 
 /// Nothing to add to an RV gear.
 const RV: [&str; 2] = ["gear.backlash_m=0", "drive.load_ramp_s=0"];
+/// A ring of 40 pins on 64 mm with two discs under 412 N m, Palmgren's rollers on 9 mm.
+const RING: [&str; 12] = [
+    "gear.external_sleeves=40",
+    "gear.shortening=0.8125",
+    "gear.eccentricity_m=0.0013",
+    "gear.external_sleeve_radius_m=0.003",
+    "gear.internal_sleeves=8",
+    "gear.internal_sleeve_radius_m=0.012",
+    "gear.internal_circle_radius_m=0.04",
+    "gear.hole_radius_m=0.0133",
+    "contact.law=\"line-contact\"",
+    "contact.stiffness_multiplier=1",
+    "contact.line_length_m=0.009",
+    "drive.output_torque_n_m=412",
+];
 
 fn gearbox(preset: &str, sets: &[&str]) -> Gearbox {
     let sets: Vec<_> = sets.iter().map(|set| set.parse().unwrap()).collect();
@@ -29,6 +44,7 @@ fn both_forms_agree() {
     let methods = [
         ("paper", "dopri5", "1e-9", "0"),
         ("eleven-pins", "dopri5", "1e-9", "0"),
+        ("paper", "etd-adams", "1e-9", "0"),
         ("paper", "imex2-adaptive", "1e-6", "0.1"),
         ("rv-40e-like", "dopri5", "1e-9", "0"),
         ("rv-320", "dopri5", "1e-9", "0.05"),
@@ -122,6 +138,119 @@ fn bearings_soften_the_gear_and_clearance_loosens_it() {
     let lost = |sets: &[&str]| twist(sets, 0.66) - twist(sets, -0.66);
     let tight = lost(&["bearings.eccentric.stiffness_n_m=2e8"]);
     assert!(lost(&LOOSE) > 1.3 * tight, "{} {tight}", lost(&LOOSE));
+}
+
+/// On equal linear springs a pin adds its own to each: the twist grows by T/(w k zi R^2/4), half of the zi pins on the circle R
+/// carrying w wheels, whatever the contacts.
+#[test]
+fn published_pins_bend_in_series() {
+    let twist = |pin: f64| {
+        let pin = format!("bearings.internal_sleeve_stiffness_n_m={pin:e}");
+        let gearbox = gearbox("paper", &["contact.law=\"linear\"", &pin]);
+        let mut statics = Statics::new(&gearbox).unwrap();
+        (statics.solve(0.2, 0.22).unwrap().output, gearbox)
+    };
+    let (rigid, gearbox) = twist(1e15);
+    let gear = &gearbox.scene.gear;
+    let lever = gear.internal_sleeves as f64 * gear.internal_circle_radius_m.powi(2) / 4.0;
+    for pin in [1e8, 1e9, 1e10] {
+        let wanted = 0.22 / (gear.wheels as f64 * pin * lever);
+        let found = twist(pin).0 - rigid;
+        assert!(
+            (found / wanted - 1.0).abs() < 5e-4,
+            "{pin:e}: {found:e} {wanted:e}"
+        );
+    }
+}
+
+/// The ring on its own, with Palmgren's bearing of sixteen needles, and with pins: an independent program found these stiffnesses, N m/arcmin, and lost motions, arcmin, with contacts alone, bearings, pins of
+/// 5e7 N/m besides, and 5 um of clearance.
+#[test]
+fn regress_what_bearings_and_pins_leave_of_a_gear() {
+    let pins = "bearings.internal_sleeve_stiffness_n_m=5e7";
+    let loose = "bearings.eccentric.clearance_m=5e-6";
+    let cases: [(&[&str], Option<f64>, f64); 4] = [
+        (&[], Some(569.8), 0.067),
+        (&NEEDLES, Some(331.0), 0.114),
+        (&[NEEDLES[0], NEEDLES[1], pins], Some(75.0), 0.379),
+        (&[NEEDLES[0], NEEDLES[1], pins, loose], None, 1.06),
+    ];
+    for (bearings, stiffness, lost) in cases {
+        let gearbox = gearbox("paper", &[&RING[..], bearings].concat());
+        let mut statics = Statics::new(&gearbox).unwrap();
+        let arcmin = |rad: f64| rad.to_degrees() * 60.0;
+        let (mut soft, mut most) = (0.0, 0.0_f64);
+        let poses = 12;
+        for k in 0..poses {
+            let phi = std::f64::consts::TAU * f64::from(k) / f64::from(poses);
+            let mut twist = |share: f64| arcmin(statics.solve(phi, share * 412.0).unwrap().output);
+            soft += (twist(1.0) - twist(0.5)) / 206.0 / f64::from(poses);
+            most = most.max((twist(0.03) - twist(-0.03)).abs());
+        }
+        if let Some(stiffness) = stiffness {
+            let found = 1.0 / soft.abs();
+            assert!(
+                (found / stiffness - 1.0).abs() < 0.005,
+                "{found} {stiffness}"
+            );
+        }
+        // Two or three digits were told.
+        assert!((most / lost - 1.0).abs() < 0.01, "{most} {lost}");
+    }
+}
+
+/// One housing pin 10 um too far in carries eight times what it should. Discs that float do not evade it: they carry more.
+#[test]
+fn regress_a_pin_too_far_in_is_no_less_loaded_by_floating_discs() {
+    let errors = format!(
+        "gear.errors.external_sleeve_radial_m=[-1e-5{}]",
+        ", 0.0".repeat(39)
+    );
+    let largest = |bearings: &[&str]| {
+        let gearbox = gearbox("paper", &[&RING[..], &[&errors], bearings].concat());
+        let mut statics = Statics::new(&gearbox).unwrap();
+        let poses = (0..24).map(|k| 0.1 + std::f64::consts::TAU * f64::from(k) / 24.0);
+        let forces = poses.map(|phi| {
+            let found = statics.solve(phi, 412.0).unwrap();
+            let pairs = statics.touching(&found).into_iter();
+            pairs.map(|pair| pair.normal_force_n).fold(0.0, f64::max)
+        });
+        forces.fold(0.0, f64::max)
+    };
+    let rigid = largest(&[]);
+    assert!((rigid / 3456.0 - 1.0).abs() < 1e-3, "{rigid}");
+    let stiff = largest(&["bearings.eccentric.stiffness_n_m=1e12"]);
+    assert!((stiff / rigid - 1.0).abs() < 1e-3, "{stiff} {rigid}");
+    let real = largest(&NEEDLES);
+    assert!((real / rigid - 1.058).abs() < 2e-3, "{real} {rigid}");
+}
+
+/// The same energy comes out as goes in, and the forces are those of rigid pins as pins stiffen.
+#[test]
+fn pins_store_what_they_bend() {
+    let run = |sets: &[&str]| {
+        let common = [
+            "contact.law=\"paper-conservative\"",
+            "solver.integrator=\"dop853\"",
+            "solver.tolerance=1e-10",
+            "solver.duration_s=0.02",
+            // How often the account looks; at 1e-5 it misses 1.6e-4.
+            "solver.step_s=2e-6",
+        ];
+        native::run(
+            &gearbox("paper", &[&common[..], sets].concat()),
+            &mut |_| false,
+        )
+        .unwrap()
+    };
+    for sets in [&NEEDLES[..], &[]] {
+        let sets = [sets, &["bearings.internal_sleeve_stiffness_n_m=2e7"]].concat();
+        let audit = run(&sets).energy.audit(0.0, 0.02).unwrap();
+        assert!(audit.remainder_share.unwrap().abs() < 5e-6, "{audit:?}");
+    }
+    let [rigid, stiff] = [&[][..], &["bearings.internal_sleeve_stiffness_n_m=1e15"]].map(run);
+    let off = gearbox("paper", &[]).distance(&rigid.time_series, &stiff.time_series);
+    assert!(off.forces < 1e-6, "{off:?}");
 }
 
 /// Without a load a wheel rests in the middle of its clearance, and a run with neither load nor speed stays there.

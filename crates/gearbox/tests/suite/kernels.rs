@@ -7,11 +7,16 @@ use pinwheel_contact::Complex;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, Kernel, PairContact};
 use pinwheel_mbs::{BodyState, Pose, Sums, Wrench};
-use pinwheel_scene::{CheckedScene, Layout, Scene, Sleeve};
+use pinwheel_scene::{CheckedScene, Layout, Override, Scene, Sleeve};
 use proptest::prelude::*;
 
 /// All loops but the scalar one.
 const LANES: [Kernel; 3] = [Kernel::Lanes, Kernel::Avx2, Kernel::Portable];
+
+fn gearbox(preset: &str, sets: &[(&str, &str)]) -> Gearbox {
+    let sets: Vec<_> = sets.iter().map(|&(k, v)| Override::new(k, v)).collect();
+    Gearbox::new(&Scene::load(preset, &sets).unwrap()).unwrap()
+}
 
 /// Loads of both loops on the same states.
 fn loads(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> Vec<Wrench> {
@@ -245,9 +250,10 @@ proptest! {
     fn lanes_equal_the_scalar_loop(
         zk in 5_usize..121, m in 0.3..0.9_f64, zi in 3_usize..20, wheels in 1_usize..4, friction: bool,
         law in 0..4_usize, kernel in prop::sample::select(&LANES), backlash in prop_oneof![Just(0.0), 0.0..1.4e-3], input in 0.0..40.0_f64, twist in 0.0..2e-3_f64,
-        rates in prop::array::uniform16(-1.0..1.0_f64),
+        rates in prop::array::uniform16(-1.0..1.0_f64), pin in prop::option::of(4.0..9.0_f64),
     ) {
         let mut scene = Scene::paper();
+        scene.bearings.internal_sleeve_stiffness_n_m = pin.map(|digits| 10f64.powf(digits));
         scene.gear.external_sleeves = zk;
         scene.gear.shortening = m;
         scene.gear.internal_sleeves = zi;
@@ -348,6 +354,72 @@ fn levers_serve_every_law() {
                             info.name
                         );
                     }
+                }
+            }
+        }
+    }
+}
+
+/// Wheels that float: the loads by levers are those of the scalar loop, wherever the wheels are, with any bearing and pin.
+#[test]
+fn levers_know_wheels_that_float() {
+    let bearings = [
+        ("bearings.eccentric.stiffness_n_m", "3e8"),
+        ("bearings.eccentric.bore_m", "0.02"),
+        ("bearings.eccentric.friction_coefficient", "0.01"),
+    ];
+    let pin = ("bearings.internal_sleeve_stiffness_n_m", "1e7");
+    for (preset, law) in [
+        ("paper", "paper"),
+        ("backlash-0.6", "paper-conservative"),
+        ("eleven-pins", "line-hertz"),
+        ("one-wheel", "linear"),
+    ] {
+        for sets in [&bearings[..], &[bearings[0], pin]] {
+            let sets = [sets, &[("contact.law", law)]].concat();
+            let gearbox = gearbox(preset, &sets);
+            let play = gearbox.scene.gear.backlash_m / gearbox.scene.gear.lever_m();
+            for input in [0.0, 0.9, 12.4] {
+                let rates = [1.0, 0.8, 0.9, -0.4];
+                let mut bodies = states(&gearbox, input, 1e-3 + 1.5 * play, &rates);
+                for (k, body) in gearbox.layout.wheel_bodies().enumerate() {
+                    bodies[body].x += 2e-5 * rates[k % 4];
+                    bodies[body].y -= 1e-5 * rates[(k + 1) % 4];
+                    bodies[body].vx += 0.01 * rates[(k + 2) % 4];
+                    bodies[body].vy += 0.01 * rates[(k + 3) % 4];
+                }
+                let slow = loads(&gearbox, Kernel::Scalar, &bodies);
+                let (_, stored) = pairs(&gearbox, Kernel::Scalar, &bodies);
+                let largest = slow
+                    .iter()
+                    .fold(0.0_f64, |most, load| most.max(load.fx.abs()));
+                assert!(largest > 10.0, "{preset} {largest}");
+                let near = |a: f64, b: f64| {
+                    assert!((a - b).abs() <= 1e-8 * largest, "{preset} {law}: {a} {b}");
+                };
+                for kernel in LANES {
+                    let mut gearbox = gearbox.clone();
+                    gearbox.kernel = kernel;
+                    let mut field = gearbox.contact_field().unwrap();
+                    let mut fast = vec![Wrench::default(); bodies.len()];
+                    let mut moments = vec![0.0; bodies.len()];
+                    let energy = from_angles(field.as_mut(), &bodies, &mut moments, &mut fast);
+                    let energy = energy.unwrap();
+                    near(energy.stored_j / stored.stored_j * largest, largest);
+                    near(energy.damping_w, stored.damping_w);
+                    assert_eq!(energy.friction_w > 0.0, sets.len() > 3);
+                    for (body, (a, b)) in fast.iter().zip(&slow).enumerate() {
+                        near(a.fx, b.fx);
+                        near(a.fy, b.fy);
+                        near(a.moment, b.moment);
+                        if body != Layout::OUTPUT && body < gearbox.layout.wheel_bodies().end {
+                            near(moments[body], b.moment);
+                        }
+                    }
+                    let output: f64 = (gearbox.layout.internal_bodies())
+                        .map(|k| bodies[k].x * slow[k].fy - bodies[k].y * slow[k].fx)
+                        .sum();
+                    near(moments[Layout::OUTPUT], output);
                 }
             }
         }

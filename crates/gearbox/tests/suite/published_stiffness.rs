@@ -309,7 +309,7 @@ fn published_stiffness_by_the_law_that_its_authors_state() {
         let tight = Gearbox::new(&scene.check().unwrap()).unwrap();
         let closed = of(&tight, 0.0).stiffness(240, own_law(&tight));
         let solved = 2.0 * figures_of(&tight, torque).1;
-        let pitch = TAU / one.geometry.ratio();
+        let pitch = TAU / one.geometry.lobes();
         let loose = 2.0 * stiffness_over(&one, torque, pitch, 8);
         println!(
             "{drive}: {wanted}, {theirs:.4}; ours {own:.4}, {loose:.4}; without play {closed:.4}, {solved:.4}"

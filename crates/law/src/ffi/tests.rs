@@ -39,7 +39,7 @@ fn loads(law: *mut PinwheelLaw, states: &[f64]) -> (i32, Vec<f64>) {
     (status, loads)
 }
 
-/// The presets without any friction, with it, with points, with another law and with more bodies.
+/// The presets without any friction, with it, with points, with another law, with more bodies and with wheels that float.
 #[test]
 fn crossval_forces_are_the_native_ones_to_the_bit() {
     for (scene, sets) in [
@@ -48,6 +48,8 @@ fn crossval_forces_are_the_native_ones_to_the_bit() {
         ("forty-pins", &[]),
         ("paper", &["contact.detection=points"]),
         ("paper", &["contact.law=paper-conservative"]),
+        ("paper-bearings", &["contact.friction_coefficient=0.05"]),
+        ("needle-bearings", &[]),
     ] {
         let sets: Vec<_> = sets
             .iter()

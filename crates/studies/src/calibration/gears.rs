@@ -7,8 +7,10 @@
 use std::f64::consts::{PI, TAU};
 
 use pinwheel_gearbox::{Frequencies, Gearbox};
+use pinwheel_scene::bearings::typical_force;
 use pinwheel_scene::{
-    BodyMass, Detection, Errors, FrictionLaw, Gear, LoadChange, Masses, Modification, Scene, Start,
+    BodyMass, Detection, EccentricBearing, Errors, FrictionLaw, Gear, LoadChange, Masses,
+    Modification, Scene, Start,
 };
 
 use crate::rng::Rng;
@@ -24,7 +26,9 @@ const SAMPLES: f64 = 60.0;
 #[must_use]
 pub fn gear(seed: u64) -> Option<Scene> {
     let mut rng = Rng::new(seed);
-    let scene = (0..1000).find_map(|_| draw(&mut rng))?;
+    // Of its own, so that gears without bearings are what they were before there were any.
+    let mut bearings = Rng::new(!seed);
+    let scene = (0..1000).find_map(|_| draw(&mut rng, &mut bearings))?;
     Some(Scene {
         name: format!("random-{seed}"),
         ..scene
@@ -32,7 +36,7 @@ pub fn gear(seed: u64) -> Option<Scene> {
 }
 
 /// One draw; `None` if its parts do not fit together.
-fn draw(rng: &mut Rng) -> Option<Scene> {
+fn draw(rng: &mut Rng, apart: &mut Rng) -> Option<Scene> {
     let mut scene = Scene::paper();
     scene.gear = geometry(rng);
     let wheel_density = if rng.chance(0.7) { 7850.0 } else { 1200.0 };
@@ -40,6 +44,7 @@ fn draw(rng: &mut Rng) -> Option<Scene> {
     material(rng, &mut scene);
     drive(rng, &mut scene);
     contact(rng, &mut scene);
+    bearings(apart, &mut scene);
     solver(rng, &mut scene);
     let checked = scene.clone().check().ok()?;
     // A load can be more than the teeth carry from an equilibrium.
@@ -196,6 +201,27 @@ fn contact(rng: &mut Rng, scene: &mut Scene) {
         contact.wheel_points = gear.lobes() * rng.whole(200, 600);
         contact.hole_points = rng.whole(100, 400);
     }
+}
+
+/// A fifth of the gears float on bearings, linear or of rollers, with clearance or without, and half of these have pins that bend.
+fn bearings(rng: &mut Rng, scene: &mut Scene) {
+    if !rng.chance(0.2) {
+        return;
+    }
+    let (depth, force) = (twist(scene).0, typical_force(scene));
+    let clearance = depth * rng.spread(0.1, 3.0);
+    let [has_rollers, is_loose, bends] = [0.4, 0.3, 0.5].map(|share| rng.chance(share));
+    // Some times stiffer than the contacts to as soft as they are.
+    let [stiffness, pin] = [force, 0.1 * force].map(|force| force / depth * rng.spread(0.5, 10.0));
+    let rollers = rng.whole(8, 30);
+    scene.bearings.eccentric = Some(EccentricBearing {
+        stiffness_n_m: (!has_rollers).then_some(stiffness),
+        rollers: has_rollers.then_some(rollers),
+        roller_length_m: has_rollers.then_some(0.15 * scene.gear.pitch_radius_m()),
+        clearance_m: is_loose.then_some(clearance),
+        ..EccentricBearing::default()
+    });
+    scene.bearings.internal_sleeve_stiffness_n_m = bends.then_some(pin);
 }
 
 /// Penetration of the most loaded sleeve, m, and the frequency of a wheel on its sleeves, rad/s, at the load; of a load

@@ -1,11 +1,11 @@
 //! The compliance budget: what gives way, part by part.
 //!
-//! The gear is balanced with contacts alone, then with its eccentric bearings, then with carrier and flange, each time with all
-//! before. Compliances add up, so a part's share is what the twist under load grows by when it joins.
+//! The gear is balanced with contacts alone, then with its eccentric bearings, then with the bending of its output pins, then with
+//! carrier and flange, each time with all before. Compliances add up, so a part's share is what the twist under load grows by when it joins.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_scene::{Bearings, Scene};
+use pinwheel_scene::Scene;
 use serde::Serialize;
 
 use super::mesh::Poses;
@@ -76,6 +76,7 @@ pub(super) fn of(gearbox: &Gearbox, working: f64) -> Result<Vec<Share>, StudyErr
     // The first is balanced on rigid bearings, which cranks cannot do without in a scene.
     let mut scene = Scene::clone(&gearbox.scene);
     scene.bearings.output_torsion_n_m_rad = None;
+    scene.bearings.internal_sleeve_stiffness_n_m = None;
     if let Some(cranks) = &mut scene.cranks {
         cranks.support_stiffness_n_m = None;
     }
@@ -91,12 +92,16 @@ pub(super) fn of(gearbox: &Gearbox, working: f64) -> Result<Vec<Share>, StudyErr
         cranks.support_stiffness_n_m = support;
         parts.push(("crank supports", scene.clone()));
     }
+    if all.internal_sleeve_stiffness_n_m.is_some() {
+        scene.bearings.internal_sleeve_stiffness_n_m = all.internal_sleeve_stiffness_n_m;
+        parts.push(("output pins", scene.clone()));
+    }
     if all.output_torsion_n_m_rad.is_some() {
         scene.bearings = all;
         parts.push((REST, scene));
     }
     let mut shares: Vec<Share> = Vec::new();
-    if all == Bearings::default() {
+    if parts.len() == 1 {
         return Ok(shares);
     }
     let mut compliance = Vec::new();

@@ -4,8 +4,8 @@
 //! each part of them, which meet the mesh at other places: the largest change is its numerical uncertainty. A figure of a
 //! run is as uncertain as the run says. What other contact laws would give is apart ([`Band`](crate::band::Bands)).
 
-use pinwheel_scene::Scene;
 use pinwheel_scene::bearings::BearingLaw;
+use pinwheel_scene::{Scene, Sleeve};
 use serde::Serialize;
 
 use super::mesh::{Bearing, Pair, Pose, Pressure, Sharing, Stage};
@@ -64,6 +64,11 @@ definitions! {
 
     BEARING_LOSS = "eccentric_bearing_loss_percent", "eccentric bearings, friction loss", "%",
         "mu F d/2 against their turning, of the rated output power";
+
+    SLEEVE_LOSS = "sleeve_loss_percent", "sleeves on their pins, friction loss", "%",
+        "mu F d/2 against their turning as they roll, of the rated output power; in no run";
+    SEAL_LOSS = "seal_loss_percent", "seals, friction loss", "%",
+        "their torques at rated speed, of the rated output power";
 
     LOST_MOTION_RUN = "lost_motion_run_arcmin", "lost motion by a run", "arcmin",
         "of a slow loop of the load, the mean of both branches";
@@ -157,6 +162,23 @@ fn bearing_rate_rad_s(scene: &Scene) -> f64 {
     scene.eccentric_speed_rad_s().abs() * (1.0 + 1.0 / scene.gear.lobes() as f64)
 }
 
+/// What the output does at the rated speed and load, W.
+fn rated_w(scene: &Scene) -> f64 {
+    let turns = scene.drive.input_speed_rad_s * scene.output_per_input();
+    (scene.drive.output_torque_n_m * turns).abs()
+}
+
+/// What the seals lose at the rated speed; `None` without seals.
+pub(super) fn seal_loss(scene: &Scene) -> Option<DesignFigure> {
+    let (bearings, ratio) = (&scene.bearings, scene.ratio());
+    let torques = [bearings.input_seal_n_m, bearings.output_seal_n_m];
+    torques.iter().any(Option::is_some).then(|| {
+        let [input, output] = torques.map(Option::unwrap_or_default);
+        let lost = (input + output / ratio) * scene.drive.input_speed_rad_s.abs();
+        SEAL_LOSS.is(100.0 * lost / rated_w(scene), 0.0)
+    })
+}
+
 impl Balances {
     /// Of the poses whose number leaves `of` when divided by `every`.
     pub(super) fn summed(&self, every: usize, of: usize) -> Summed {
@@ -245,11 +267,29 @@ impl Balances {
             let lost: f64 = (bearings.iter().map(force))
                 .map(|force| law.drag(force, rate).abs() * rate)
                 .sum();
-            let turns = scene.drive.input_speed_rad_s * scene.output_per_input();
-            100.0 * lost / (scene.drive.output_torque_n_m * turns).abs()
+            100.0 * lost / rated_w(scene)
         };
         let of = |every, of| vec![BEARING_LOSS.balanced(percent(&self.carried(scene, every, of)))];
         parted(self.parts, of).swap_remove(0)
+    }
+
+    /// What the friction of all sleeves on their pins loses at the rated speed and load, if they roll on the wheels.
+    pub(super) fn sleeve_loss(&self, scene: &Scene) -> Option<DesignFigure> {
+        let (bearings, gear) = (&scene.bearings, &scene.gear);
+        let lever = 0.5 * bearings.sleeve_friction_coefficient? * bearings.sleeve_bore_m?;
+        let lost = |pair: &Pair| {
+            let radius = match pair.sleeve {
+                Sleeve::External(_) => gear.external_sleeve_radius_m,
+                Sleeve::Internal(_) => gear.internal_sleeve_radius_m,
+            };
+            lever * pair.force_n * pair.sliding_m_s / radius
+        };
+        let of = |every: usize, of: usize| {
+            let poses = self.loaded.iter().skip(of).step_by(every);
+            let mean = Spread::of(poses.map(|pose| pose.pairs.iter().map(lost).sum())).mean;
+            vec![SLEEVE_LOSS.balanced(100.0 * mean / rated_w(scene))]
+        };
+        Some(parted(self.parts, of).swap_remove(0))
     }
 
     /// The figures of statics.

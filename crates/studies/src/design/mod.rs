@@ -295,6 +295,10 @@ pub(crate) fn figures_of(
     }
     let law = BearingLaw::of(scene).filter(|law| turns && law.drag_m > 0.0);
     figures.extend(law.map(|law| balances.bearing_loss(&law, scene)));
+    if turns {
+        figures.extend(balances.sleeve_loss(scene));
+        figures.extend(figures::seal_loss(scene));
+    }
     Ok(DesignResult {
         scene: scene.clone(),
         rated_torque_n_m: rated,

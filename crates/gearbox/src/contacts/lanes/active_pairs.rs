@@ -1,6 +1,6 @@
 //! Touching pairs one by one, found several at a time.
 
-use pinwheel_contact::{Law, NormalLaw, Real, RegularisedCoulomb};
+use pinwheel_contact::{PinLaw, Real, RegularisedCoulomb};
 use pulp::Simd;
 
 use super::pair_loop::{Group, Sink, Wheel};
@@ -11,7 +11,7 @@ use crate::contacts::pairs::{Loaded, WheelFrame};
 
 /// Gives every touching pair, with rates and forces, to `visit`.
 pub(super) struct ActivePairs<'a, 'v> {
-    pub(super) law: Law,
+    pub(super) law: PinLaw,
     pub(super) friction: RegularisedCoulomb,
     pub(super) visit: &'a mut (dyn FnMut(&PairContact) + 'v),
 }
@@ -24,9 +24,7 @@ impl Sink for ActivePairs<'_, '_> {
         let relative = group.relative_velocity::<true>(simd, wheel);
         let normal_rate = relative.dot(touching.normal);
         let tangential_rate = relative.dot(touching.normal.turned());
-        let pressure = self
-            .law
-            .force(touching.stiffness, touching.penetration, normal_rate);
+        let pressure = group.force(&self.law, touching.penetration, normal_rate);
         let along = group.along(&self.law);
         let frame = WheelFrame {
             centre: wheel.centre.lane(0),

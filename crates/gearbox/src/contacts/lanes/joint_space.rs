@@ -1,4 +1,5 @@
-//! Contacts of a gear whose bodies stand where their joints hold them: angles and rates are all there is to know.
+//! Contacts of a gear whose bodies stand where their joints hold them: angles and rates are all there is to know, and the places
+//! of wheels that float.
 //!
 //! With phi, psi, theta the angles of input, output and wheel, f the phase of the wheel's eccentric, b how far sleeves
 //! stand outside of C (the backlash, less a radial modification), a0 the place where the ideal mesh has the foot of a sleeve in direction beta, and E = e^{i zs a0}, that sleeve's centre stands at
@@ -17,6 +18,9 @@
 //!   n = o/|o|,  o = s e^{i psi} - h e^{i theta} - c,   P x n = h e^{i theta} x n,   c x n = z x n - P x n
 //! ```
 //!
+//! A wheel that floats has its centre for c in k, `k = -e - c e^{i zs theta}`, and closes its contacts with its own velocity v in
+//! place of the input's: -v.n for -c x n phi'.
+//!
 //! **Which sleeves can touch.** P is outside for certain where `H |q|^2 < q.(1 + m E)` (`local_feet`), in units of R. Both
 //! sides are the first harmonic of the place along the ring, as |E| = 1:
 //!
@@ -28,7 +32,7 @@
 
 use std::mem::take;
 
-use pinwheel_contact::{Complex, ComplexLanes, Lanes, Law, Mask, NormalLaw, Real};
+use pinwheel_contact::{Complex, ComplexLanes, Lanes, Law, Mask, NormalLaw, PinLaw, Real};
 use pinwheel_mbs::{self as mbs, BodyState, ContactEnergy, Wrench};
 use pulp::Simd;
 
@@ -107,6 +111,8 @@ struct Segment {
 struct Sums<S: Simd> {
     /// Whether energy is asked for.
     asked: bool,
+    /// Whether loads on sleeves are.
+    on_sleeves: bool,
     /// Moments on input, with `LOADS`, and output.
     on_input: Lanes<S>,
     on_output: Lanes<S>,
@@ -255,30 +261,34 @@ impl JointSpace {
         }
     }
 
-    /// Forces at the angles and rates of `bodies`, whose places are not looked at. Moments are those of wheels and output,
+    /// Forces at the angles and rates of `bodies`, whose places are not looked at but those of wheels that float. Moments are those of wheels and output,
     /// with `LOADS` the input's and all bodies' loads, too; those on wheels and sleeves are written. Nothing rubs.
     #[inline(always)]
-    pub(super) fn run<S: Simd, const LOADS: bool>(
+    pub(super) fn run<S: Simd, const LOADS: bool, const FLOATS: bool>(
         &mut self,
         simd: S,
-        law: &Law,
+        law: &PinLaw,
         shapes: &Shapes,
         bodies: &[BodyState],
         found: &mut mbs::Sums<'_>,
     ) {
-        let output = self.place(simd, bodies);
+        let output = self.place::<S, FLOATS>(simd, bodies);
         let nothing = Lanes::splat(simd, 0.0);
         let mut sums = Sums {
             asked: LOADS && found.wants_energy,
+            on_sleeves: !FLOATS || !found.floating_alone,
             on_input: nothing,
             on_output: nothing,
             stored: nothing,
             dissipated: nothing,
         };
-        self.external::<S, LOADS>(simd, law, shapes, bodies, &mut sums);
-        self.internal::<S, LOADS>(simd, law, shapes, bodies, output, &mut sums);
+        self.external::<S, LOADS, FLOATS>(simd, &law.law, shapes, bodies, &mut sums);
+        self.internal::<S, LOADS, FLOATS>(simd, law, shapes, bodies, output, &mut sums);
         if LOADS && let Some(loads) = &mut found.loads {
-            self.scatter(loads);
+            if sums.on_sleeves {
+                self.scatter(loads);
+            }
+            self.scatter_wheels(loads);
         }
         if sums.asked {
             found.energy = Some(ContactEnergy {
@@ -299,7 +309,7 @@ impl JointSpace {
 
     /// Reads the angles; returns e^{i psi}.
     #[inline(always)]
-    fn place<S: Simd>(&mut self, simd: S, bodies: &[BodyState]) -> Complex {
+    fn place<S: Simd, const FLOATS: bool>(&mut self, simd: S, bodies: &[BodyState]) -> Complex {
         let n = self.wheels.len();
         let hubs = &bodies[self.layout.wheel_bodies()][..n];
         self.angles[0] = bodies[Layout::INPUT].angle;
@@ -320,7 +330,11 @@ impl JointSpace {
         let (h, m, b) = (self.repulsion, self.shortening, self.backlash / self.radius);
         let wheels = &mut self.wheels[..n];
         for k in 0..n {
-            let centre = eccentrics[k] * input;
+            let centre = if FLOATS {
+                Complex::new(hubs[k].x, hubs[k].y)
+            } else {
+                eccentrics[k] * input
+            };
             let multiple = Complex::new(multiples[0][k], multiples[1][k]);
             let off = centre * multiple + Complex::new(self.eccentricity, 0.0);
             let (mesh, phase) = (off.scale(-1.0 / self.radius), multiple.conj());
@@ -418,8 +432,27 @@ impl JointSpace {
         true
     }
 
+    /// Of the centres of a pair's wheels, m/s.
     #[inline(always)]
-    fn external<S: Simd, const LOADS: bool>(
+    fn velocities<S: Simd>(
+        &self,
+        simd: S,
+        bodies: &[BodyState],
+        pair: [Segment; 2],
+    ) -> ComplexLanes<S> {
+        let first = self.layout.wheel_bodies().start;
+        let [one, two] = [
+            &bodies[first + pair[0].wheel],
+            &bodies[first + pair[1].wheel],
+        ];
+        ComplexLanes::new(
+            Lanes::splat_pair(simd, [one.vx, two.vx]),
+            Lanes::splat_pair(simd, [one.vy, two.vy]),
+        )
+    }
+
+    #[inline(always)]
+    fn external<S: Simd, const LOADS: bool, const FLOATS: bool>(
         &mut self,
         simd: S,
         law: &Law,
@@ -447,8 +480,18 @@ impl JointSpace {
             let wheel_lever = foot.sin * foot.inverse * c(-r * self.lobes / zk);
             let input_lever = foot.outward.im * foot.inverse * c(-(r + b)) - wheel_lever;
             let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
-            let closing = -(wheel_lever * wheel_rate) - input_lever * c(bodies[Layout::INPUT].rate);
-            let force = sums.force(law, stiffness, foot.depth, closing, inside);
+            let closing = if FLOATS {
+                let away = foot.outward.scale(foot.inverse).times_conj(direction);
+                self.velocities(simd, bodies, pair).dot(away) - wheel_lever * wheel_rate
+            } else {
+                -(wheel_lever * wheel_rate) - input_lever * c(bodies[Layout::INPUT].rate)
+            };
+            let force = if sums.asked {
+                let observed = law.observed(stiffness, foot.depth, closing);
+                sums.add_energy(observed, closing, inside)
+            } else {
+                law.force(stiffness, foot.depth, closing)
+            };
             let pressure = force.only(inside);
             let mut moment = (wheel_lever * force).only(inside);
             let mut beside = None;
@@ -459,7 +502,7 @@ impl JointSpace {
                 let m2 = c(self.shortening * self.shortening);
                 let reach = (foot.cos + m2).mul_add(c(r / zk), (foot.cos + c(1.0)) * c(r));
                 moment = moment + along * (reach * foot.inverse - foot.depth).only(inside);
-                if LOADS {
+                if LOADS && !FLOATS {
                     // A, whose lever is -c.n = (R + b) Re T/sqrt(g) less that.
                     let centre = foot.outward.re * foot.inverse * c(r + b);
                     let lever = centre - (reach * foot.inverse - foot.depth);
@@ -467,7 +510,7 @@ impl JointSpace {
                 }
                 beside = Some(along);
             }
-            if LOADS {
+            if LOADS && !FLOATS {
                 sums.on_input = sums.on_input + (input_lever * force).only(inside);
             }
             let moment = moment.sums();
@@ -481,17 +524,19 @@ impl JointSpace {
                     push = push - normal.turned().scale(along);
                 }
                 let push = push.times_conj(direction);
-                self.forces[0].add_pair(pair, push);
+                if sums.on_sleeves {
+                    self.forces[0].add_pair(pair, push);
+                }
                 react(&mut self.wheels, pair, push);
             }
         }
     }
 
     #[inline(always)]
-    fn internal<S: Simd, const LOADS: bool>(
+    fn internal<S: Simd, const LOADS: bool, const FLOATS: bool>(
         &mut self,
         simd: S,
-        law: &Law,
+        law: &PinLaw,
         shapes: &Shapes,
         bodies: &[BodyState],
         output: Complex,
@@ -506,6 +551,7 @@ impl JointSpace {
         }
         let over_input = c(bodies[Layout::OUTPUT].rate - bodies[Layout::INPUT].rate);
         let input_rate = c(bodies[Layout::INPUT].rate);
+        let output_rate = c(bodies[Layout::OUTPUT].rate);
         let output = ComplexLanes::splat(simd, output);
         let stiffness = c(shapes.hole_stiffness);
         for group in self.segments[1].chunks(2) {
@@ -526,22 +572,37 @@ impl JointSpace {
             let normal = offset.scale(inverse);
             let (wheel_lever, output_lever) = (hole.cross(normal), sleeve.cross(normal));
             let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
-            let closing = wheel_lever.mul_add(input_rate - wheel_rate, output_lever * over_input);
-            let force = sums.force(law, stiffness, depth, closing, inside);
+            let closing = if FLOATS {
+                let apart = output_lever * output_rate - wheel_lever * wheel_rate;
+                apart - self.velocities(simd, bodies, pair).dot(normal)
+            } else {
+                wheel_lever.mul_add(input_rate - wheel_rate, output_lever * over_input)
+            };
+            let force = if sums.asked {
+                let observed = law.observed(stiffness, depth, closing);
+                sums.add_energy(observed, closing, inside)
+            } else {
+                law.force(stiffness, depth, closing)
+            };
             sums.on_output = sums.on_output - (output_lever * force).only(inside);
             let moment = (wheel_lever * force).only(inside).sums();
             self.wheels[pair[0].wheel].moment += moment[0];
             self.wheels[pair[1].wheel].moment += moment[1];
             if LOADS {
-                sums.on_input = sums.on_input + ((output_lever - wheel_lever) * force).only(inside);
+                if !FLOATS {
+                    let lever = output_lever - wheel_lever;
+                    sums.on_input = sums.on_input + (lever * force).only(inside);
+                }
                 let push = normal.scale(-force).only(inside);
-                self.forces[1].add_pair(pair, push);
+                if sums.on_sleeves {
+                    self.forces[1].add_pair(pair, push);
+                }
                 react(&mut self.wheels, pair, push);
             }
         }
     }
 
-    /// Forces of sleeves and wheels to the bodies; those of the sleeves are 0 again.
+    /// Forces of the sleeves to the bodies; here they are 0 again.
     #[inline(always)]
     fn scatter(&mut self, loads: &mut [Wrench]) {
         let layout = &self.layout;
@@ -564,7 +625,12 @@ impl JointSpace {
                 };
             }
         }
-        for (k, load) in loads[layout.wheel_bodies()].iter_mut().enumerate() {
+    }
+
+    /// The same of the wheels.
+    #[inline(always)]
+    fn scatter_wheels(&self, loads: &mut [Wrench]) {
+        for (k, load) in loads[self.layout.wheel_bodies()].iter_mut().enumerate() {
             let wheel = &self.wheels[k];
             (load.fx, load.fy, load.moment) = (wheel.force.re, wheel.force.im, wheel.moment);
         }
@@ -572,20 +638,14 @@ impl JointSpace {
 }
 
 impl<S: Simd> Sums<S> {
-    /// The force; where energy is asked for, what the contacts inside store and dissipate is added.
+    /// Adds what the contacts inside store and dissipate, `observed` by their law; returns the force.
     #[inline(always)]
-    fn force(
+    fn add_energy(
         &mut self,
-        law: &Law,
-        stiffness: Lanes<S>,
-        depth: Lanes<S>,
+        [force, elastic, stored]: [Lanes<S>; 3],
         closing: Lanes<S>,
         inside: Mask<S>,
     ) -> Lanes<S> {
-        if !self.asked {
-            return law.force(stiffness, depth, closing);
-        }
-        let [force, elastic, stored] = law.observed(stiffness, depth, closing);
         self.stored = self.stored + stored.only(inside);
         self.dissipated = self.dissipated + ((force - elastic) * closing).only(inside);
         force

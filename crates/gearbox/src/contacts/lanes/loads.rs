@@ -1,6 +1,6 @@
 //! Forces of all touching pairs, summed onto the bodies.
 
-use pinwheel_contact::{Complex, Lanes, Law, NormalLaw, Real, RegularisedCoulomb};
+use pinwheel_contact::{Complex, Lanes, NormalLaw, PinLaw, Real, RegularisedCoulomb};
 use pinwheel_mbs::{ContactEnergy, Wrench};
 use pulp::Simd;
 
@@ -10,7 +10,7 @@ use super::pair_loop::{Group, Sink, Wheel};
 /// Adds forces (Eq. 20, 21) to the sleeves' columns and to the wheels' loads, and with `ENERGY` what they store and
 /// dissipate.
 pub(super) struct Loads<'a, const FRICTION: bool, const ENERGY: bool> {
-    pub(super) law: Law,
+    pub(super) law: PinLaw,
     pub(super) friction: RegularisedCoulomb,
     pub(super) loads: &'a mut [Wrench],
     pub(super) energy: &'a mut ContactEnergy,
@@ -24,12 +24,16 @@ impl<const FRICTION: bool, const ENERGY: bool> Sink for Loads<'_, FRICTION, ENER
         let relative = group.relative_velocity::<FRICTION>(simd, wheel);
         let (stiffness, depth) = (touching.stiffness, touching.penetration);
         let closing = relative.dot(n);
-        let pressure = self.law.force(stiffness, depth, closing);
+        let pressure = group.force(&self.law, depth, closing);
         let mut on_sleeve = n.scale(-pressure);
         if ENERGY {
             let mask = touching.mask;
-            let elastic = self.law.force(stiffness, depth, depth.like(0.0));
-            let stored = self.law.stored(stiffness, depth);
+            let at_rest = depth.like(0.0);
+            let [_, elastic, stored] = if group.external {
+                self.law.law.observed(stiffness, depth, at_rest)
+            } else {
+                self.law.observed(stiffness, depth, at_rest)
+            };
             self.energy.stored_j += stored.only(mask).sum();
             self.energy.damping_w += ((pressure - elastic) * closing).only(mask).sum();
         }

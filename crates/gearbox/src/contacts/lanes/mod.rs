@@ -13,7 +13,7 @@ mod pair_loop;
 mod shapes;
 mod slopes;
 
-use pinwheel_contact::{Law, RegularisedCoulomb};
+use pinwheel_contact::{PinLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
 use pinwheel_mbs::{BodyState, Pose, Sums};
 use pulp::Simd;
@@ -35,11 +35,13 @@ use slopes::Slopes;
 /// The contact field with exact detection, in lanes.
 pub(super) struct LaneField {
     arch: pulp::Arch,
-    law: Law,
+    law: PinLaw,
     friction: RegularisedCoulomb,
     pairs: LanePairs,
     /// Without friction.
     joint_space: Option<JointSpace>,
+    /// Whether no joint holds the wheels.
+    floats: bool,
     /// For single pairs, where lanes gain nothing.
     scalar: Pairs<Exact>,
 }
@@ -69,26 +71,33 @@ impl<K: Sink> pulp::WithSimd for PairLoop<'_, K> {
 }
 
 /// Angles and rates to moments, and with `LOADS` to loads.
-struct JointSpaceLoop<'a, 'b, const LOADS: bool> {
+struct JointSpaceLoop<'a, 'b, const LOADS: bool, const FLOATS: bool> {
     joint_space: &'a mut JointSpace,
     shapes: &'a Shapes,
-    law: Law,
+    law: PinLaw,
     bodies: &'a [BodyState],
     sums: &'a mut Sums<'b>,
 }
 
-impl<const LOADS: bool> pulp::WithSimd for JointSpaceLoop<'_, '_, LOADS> {
+impl<const LOADS: bool, const FLOATS: bool> pulp::WithSimd
+    for JointSpaceLoop<'_, '_, LOADS, FLOATS>
+{
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.joint_space
-            .run::<S, LOADS>(simd, &self.law, self.shapes, self.bodies, self.sums);
+        self.joint_space.run::<S, LOADS, FLOATS>(
+            simd,
+            &self.law,
+            self.shapes,
+            self.bodies,
+            self.sums,
+        );
     }
 }
 
 impl LaneField {
-    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: Law, arch: pulp::Arch) -> Self {
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, law: PinLaw, arch: pulp::Arch) -> Self {
         let contact = &scene.contact;
         let layout = Layout::of(&scene.gear);
         let coefficient = contact.friction_coefficient;
@@ -99,6 +108,7 @@ impl LaneField {
                 coefficient,
                 ramp: contact.friction_ramp_m_s * factor(Fault::FrictionSign, -1.0),
             },
+            floats: scene.bearings.eccentric.is_some(),
             joint_space: (coefficient == 0.0).then(|| JointSpace::new(scene, geometry)),
             pairs: LanePairs {
                 layout,
@@ -106,7 +116,7 @@ impl LaneField {
                 external: Sleeves::new(layout.external_bodies()),
                 internal: Sleeves::new(layout.internal_bodies()),
             },
-            scalar: Pairs::new(scene, geometry, law, Exact::new(scene, geometry, &law)),
+            scalar: Pairs::new(scene, geometry, law, Exact::new(scene, geometry, &law.law)),
         }
     }
 
@@ -139,9 +149,13 @@ impl LaneField {
     }
 
     /// Moments, and loads if they are asked for, of bodies whose joints hold them. Nothing rubs.
-    fn sum_in_joint_space<const LOADS: bool>(&mut self, bodies: &[BodyState], sums: &mut Sums<'_>) {
+    fn sum_in_joint_space<const LOADS: bool, const FLOATS: bool>(
+        &mut self,
+        bodies: &[BodyState],
+        sums: &mut Sums<'_>,
+    ) {
         if let Some(joint_space) = &mut self.joint_space {
-            self.arch.dispatch(JointSpaceLoop::<LOADS> {
+            self.arch.dispatch(JointSpaceLoop::<LOADS, FLOATS> {
                 joint_space,
                 shapes: &self.pairs.shapes,
                 law: self.law,
@@ -163,7 +177,9 @@ impl LaneField {
         } else {
             1 + layout.wheels
         };
-        if slopes.rate.dimension() != free || slopes.position.is_none() {
+        let all = slopes.rate.dimension();
+        let places = 2 * layout.wheels;
+        if all != free && all != free + places || slopes.position.is_none() {
             return false;
         }
         if has_friction {
@@ -180,10 +196,12 @@ impl LaneField {
 impl ContactField for LaneField {
     fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
         if self.joint_space.is_some() && pose != Pose::Any && sums.slopes.is_none() {
-            if sums.loads.is_some() {
-                self.sum_in_joint_space::<true>(bodies, sums);
-            } else {
-                self.sum_in_joint_space::<false>(bodies, sums);
+            match (sums.loads.is_some(), self.floats) {
+                (true, false) => self.sum_in_joint_space::<true, false>(bodies, sums),
+                (false, false) => self.sum_in_joint_space::<false, false>(bodies, sums),
+                (true, true) => self.sum_in_joint_space::<true, true>(bodies, sums),
+                // Forces move such wheels, and moments are not all.
+                (false, true) => return false,
             }
             return true;
         }
@@ -213,7 +231,7 @@ impl ContactField for LaneField {
         self.scalar.nearest(bodies, wheel, sleeve)
     }
 
-    fn law(&self) -> &Law {
+    fn law(&self) -> &PinLaw {
         &self.law
     }
 }

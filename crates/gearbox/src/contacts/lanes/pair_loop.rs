@@ -1,6 +1,6 @@
 //! The walk over all pairs of wheels and sleeves, a group of lanes at a time.
 
-use pinwheel_contact::{Complex, ComplexLanes, Lanes, Law, NormalLaw};
+use pinwheel_contact::{Complex, ComplexLanes, Lanes, NormalLaw, PinLaw};
 use pinwheel_mbs::BodyState;
 use pulp::Simd;
 
@@ -46,7 +46,7 @@ impl<S: Simd> Wheel<S> {
     pub(super) fn push(
         &mut self,
         group: &Group<'_, S>,
-        law: &Law,
+        law: &PinLaw,
         n: ComplexLanes<S>,
         point: ComplexLanes<S>,
         on_sleeve: ComplexLanes<S>,
@@ -83,12 +83,23 @@ impl<S: Simd> Group<'_, S> {
         self.touching.point - self.p
     }
 
+    /// F where the sleeves close at this rate, in lanes that touch.
+    #[inline(always)]
+    pub(super) fn force(&self, law: &PinLaw, depth: Lanes<S>, closing: Lanes<S>) -> Lanes<S> {
+        let stiffness = self.touching.stiffness;
+        if self.external {
+            law.law.force(stiffness, depth, closing)
+        } else {
+            law.force(stiffness, depth, closing)
+        }
+    }
+
     /// Force on the sleeves at their centres along t, N, in lanes that touch, and 0 in others; `None` where there is none.
     #[inline(always)]
-    pub(super) fn along(&self, law: &Law) -> Option<Lanes<S>> {
+    pub(super) fn along(&self, law: &PinLaw) -> Option<Lanes<S>> {
         let touching = &self.touching;
         let foot = touching.foot.as_ref()?;
-        let along = law.along(touching.stiffness, touching.penetration)?;
+        let along = law.law.along(touching.stiffness, touching.penetration)?;
         let slopes = self.shapes.stiffness_slopes(foot, touching.stiffness);
         Some(-(slopes.along * along).only(touching.mask))
     }

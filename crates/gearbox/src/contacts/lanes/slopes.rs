@@ -12,20 +12,25 @@
 //! A = -K' Y,    dA = -(K'' Y + K'^2 Y_K) d(tau) - K' (Y_delta - b Y) d(delta)    of laws with a force along the profile, Y = dU/dK
 //! moments:  theta: -F ln + T (-W.n) + A lt,   psi: -F ln + T lt,   sigma: T rho
 //! ```
+//! Of a wheel that floats the input moves nothing, and its place x, y does, u being one of the ground's axes:
+//!
+//! ```text
+//! ln = -u.n,  lt = -u.t;    force on the wheel:  F n - (T + A) t
+//! ```
 //! and the moments are differentiated by the product rule. The slopes of the normal law are differences of the law itself,
 //! right to 1e-9, so that a law needs none of its own. Where friction or law have a kink, one side's slope counts.
 
-use pinwheel_contact::{Lanes, Law, NormalLaw, Real, RegularisedCoulomb};
+use pinwheel_contact::{ComplexLanes, Lanes, Law, NormalLaw, PinLaw, Real, RegularisedCoulomb};
 use pinwheel_mbs::{Arrow, BodyState, Jacobian};
 use pulp::Simd;
 
 use super::pair_loop::{Group, Sink, Wheel};
 use crate::Layout;
-use crate::contacts::pairs::{CLOSING, OUTPUT, PENETRATION_SHARE, STIFFNESS_SHARE};
+use crate::contacts::pairs::{CLOSING, OUTPUT, PENETRATION_SHARE, STIFFNESS_SHARE, places};
 
 /// Adds the slopes of the moments about the pins to a Jacobian.
 pub(super) struct Slopes<'a, const FRICTION: bool> {
-    law: Law,
+    law: PinLaw,
     friction: RegularisedCoulomb,
     position: &'a mut Arrow,
     rate: &'a mut Arrow,
@@ -34,24 +39,33 @@ pub(super) struct Slopes<'a, const FRICTION: bool> {
     output_rate: f64,
     /// Sleeves' first body, external and internal.
     first: [usize; 2],
+    /// Where the wheels' places begin, if they float.
+    places: Option<usize>,
 }
 
-/// The angles that move a contact besides the sleeve's own: wheel, output, input.
+/// What moves a contact besides the sleeve's own angle: those of wheel, output and input, or the place of a wheel that floats.
 const WHEEL: usize = 0;
 const CARRIER: usize = 1;
 const INPUT: usize = 2;
-const ANGLES: usize = 3;
+const PLACE: usize = 2;
 
 impl<'a, const FRICTION: bool> Slopes<'a, FRICTION> {
     /// `None` for a Jacobian that is not of second order.
     pub(super) fn new(
-        law: Law,
+        law: PinLaw,
         friction: RegularisedCoulomb,
         layout: Layout,
         bodies: &[BodyState],
         slopes: &'a mut Jacobian,
     ) -> Option<Self> {
+        let places = places(layout, slopes);
+        let hubs_or_bodies = if FRICTION {
+            layout.bodies() - 1
+        } else {
+            1 + layout.wheels
+        };
         Some(Self {
+            places: (slopes.rate.dimension() > hubs_or_bodies).then_some(places),
             law,
             friction,
             position: slopes.position.as_mut()?,
@@ -77,23 +91,29 @@ struct Pressure<S: Simd> {
 
 impl<S: Simd> Pressure<S> {
     #[inline(always)]
-    fn new(law: &Law, group: &Group<'_, S>, closing: Lanes<S>) -> Self {
+    fn new(law: &PinLaw, group: &Group<'_, S>, closing: Lanes<S>) -> Self {
         let (touching, mask) = (&group.touching, group.touching.mask);
         let (stiffness, depth) = (touching.stiffness, touching.penetration);
         let c = |x: f64| depth.like(x);
         let (more, less) = (c(1.0 + STIFFNESS_SHARE), c(1.0 - STIFFNESS_SHARE));
-        let by_stiffness = (law.force(stiffness * more, depth, closing)
-            - law.force(stiffness * less, depth, closing))
-            * (stiffness * c(2.0 * STIFFNESS_SHARE)).recip();
+        // All holes of a wheel are as stiff.
+        let by_stiffness = if group.external {
+            let law = &law.law;
+            let rise = law.force(stiffness * more, depth, closing)
+                - law.force(stiffness * less, depth, closing);
+            rise * (stiffness * c(2.0 * STIFFNESS_SHARE)).recip()
+        } else {
+            c(0.0)
+        };
         let (more, less) = (c(1.0 + PENETRATION_SHARE), c(1.0 - PENETRATION_SHARE));
-        let by_depth = (law.force(stiffness, depth * more, closing)
-            - law.force(stiffness, depth * less, closing))
+        let by_depth = (group.force(law, depth * more, closing)
+            - group.force(law, depth * less, closing))
             * (depth * c(2.0 * PENETRATION_SHARE)).recip();
-        let by_closing = (law.force(stiffness, depth, closing + c(CLOSING))
-            - law.force(stiffness, depth, closing - c(CLOSING)))
+        let by_closing = (group.force(law, depth, closing + c(CLOSING))
+            - group.force(law, depth, closing - c(CLOSING)))
             * c(0.5 / CLOSING);
         Self {
-            force: law.force(stiffness, depth, closing).only(mask),
+            force: group.force(law, depth, closing).only(mask),
             by_stiffness: by_stiffness.only(mask),
             by_depth: by_depth.only(mask),
             by_closing: by_closing.only(mask),
@@ -162,6 +182,9 @@ impl<S: Simd> Profile<S> {
 /// Slopes of the three moments of a contact: on the wheel, on the output, on the sleeve.
 type Moments<S> = [Lanes<S>; 3];
 
+/// Slopes of the force on a wheel that floats, along n and along t.
+type Force<S> = [Lanes<S>; 2];
+
 impl<const FRICTION: bool> Slopes<'_, FRICTION> {
     /// Adds a column of slopes, of the angle or rate `of` a hub, or of the time.
     #[inline(always)]
@@ -184,6 +207,22 @@ impl<const FRICTION: bool> Slopes<'_, FRICTION> {
                 }
             }
         }
+    }
+
+    /// Adds those of the force on a wheel that floats.
+    #[inline(always)]
+    fn add_force<S: Simd>(
+        &mut self,
+        target: Target,
+        wheel: &Wheel<S>,
+        [n, t]: [ComplexLanes<S>; 2],
+        force: Force<S>,
+    ) {
+        let Some(places) = self.places else { return };
+        let force = n.scale(force[0]) + t.scale(force[1]);
+        let row = places + 2 * wheel.number;
+        self.put(target, row, wheel.back.dot(force).sum());
+        self.put(target, row + 1, wheel.back.turned().dot(force).sum());
     }
 
     #[inline(always)]
@@ -220,7 +259,7 @@ impl<const FRICTION: bool> Sink for Slopes<'_, FRICTION> {
         let (p, centre) = (group.p, wheel.centre * wheel.back);
         let z = p + centre;
         let zero = p.re.like(0.0);
-        let profile = Profile::new(&self.law, &group);
+        let profile = Profile::new(&self.law.law, &group);
         let (along, across, beside) = (p.dot(n), p.cross(n), p.dot(t));
         let (centre_along, centre_across) = (centre.dot(n), centre.cross(n));
         let rho = group.arm().dot(n).only(mask);
@@ -256,26 +295,49 @@ impl<const FRICTION: bool> Sink for Slopes<'_, FRICTION> {
             drag_by_slip = sticking * force * one.like(slope);
         }
 
-        let mut normal_levers = [-across, z.cross(n), -centre_across];
-        let mut levers = [-along, z.dot(n), -centre_along];
+        let axes = [wheel.back, wheel.back.turned()];
+        let mut normal_levers = [-across, z.cross(n), -centre_across, zero];
+        let mut levers = [-along, z.dot(n), -centre_along, zero];
         if group.external {
             (normal_levers[CARRIER], levers[CARRIER]) = (zero, zero);
+        }
+        let floats = self.places.is_some();
+        if floats {
+            for (k, axis) in [(PLACE, axes[0]), (PLACE + 1, axes[1])] {
+                (normal_levers[k], levers[k]) = (-axis.dot(n), -axis.dot(t));
+            }
         }
         let turns = [-one, zero, one];
         // What the sliding speed depends on the wheel's rate with: W instead of P.
         let wheel_lever = -(along + rho);
-        for k in 0..ANGLES {
+        for k in 0..if floats { PLACE + 2 } else { INPUT + 1 } {
             if k == CARRIER && group.external {
                 continue;
             }
-            let (depth, path, turn) = (normal_levers[k], levers[k], turns[k]);
+            let (depth, path) = (normal_levers[k], levers[k]);
             let tilt = turning * path;
-            let by_centre = centre_along * turn;
-            let mut slower = -(over_wheel * path) + tilt * passing;
-            slower = slower - by_centre * one.like(over_input);
-            let faster = over_wheel * depth + centre_across * turn * one.like(over_input)
-                - tilt * closing
-                - depth * spin;
+            let is_place = floats && k >= PLACE;
+            // How z changes, with the turn of n: its moment on n, and along n.
+            let (mut aside, mut against) = (tilt * z.dot(n), zero);
+            let (mut slower, mut faster);
+            if is_place {
+                slower = wheel.rate * path + tilt * passing;
+                faster = -(wheel.rate * depth);
+            } else {
+                let turn = turns[k];
+                let by_centre = centre_along * turn;
+                aside = aside - path - by_centre;
+                against = depth + centre_across * turn;
+                slower = -(over_wheel * path) + tilt * passing;
+                slower = slower - by_centre * one.like(over_input);
+                faster = over_wheel * depth + centre_across * turn * one.like(over_input);
+            }
+            if floats && k == WHEEL {
+                // Seen from the wheel all velocities turn.
+                slower = passing + tilt * passing;
+                faster = -closing;
+            }
+            faster = faster - tilt * closing - depth * spin;
             let push = pressure.by_stiffness * profile.stiffening * path
                 + pressure.by_depth * depth
                 + pressure.by_closing * slower;
@@ -283,39 +345,49 @@ impl<const FRICTION: bool> Sink for Slopes<'_, FRICTION> {
             let mut on_wheel = -(push * normal_levers[WHEEL]) - force * (path - tilt * along)
                 + pull * wheel_lever
                 - drag * tilt * beside;
+            let (mut at_centre, mut more_at_centre) = (zero, zero);
             if let Some(Centre {
                 force,
                 by_path,
                 by_depth,
             }) = profile.centre
             {
-                on_wheel = on_wheel + (by_path * path + by_depth * depth) * levers[WHEEL]
-                    - force * (depth + tilt * beside);
+                (at_centre, more_at_centre) = (force, by_path * path + by_depth * depth);
+                on_wheel =
+                    on_wheel + more_at_centre * levers[WHEEL] - force * (depth + tilt * beside);
             }
-            let on_output = -(push * normal_levers[CARRIER])
-                - force * (tilt * z.dot(n) - path - by_centre)
+            let on_output = -(push * normal_levers[CARRIER]) - force * aside
                 + pull * levers[CARRIER]
-                + drag * (depth + centre_across * turn + tilt * z.dot(t));
+                + drag * (against + tilt * z.dot(t));
             let on_sleeve = rho * pull - depth * drag;
             let column = [on_wheel, on_output, on_sleeve];
             let hub = 1 + wheel.number;
-            if k == INPUT {
+            if k == INPUT && !floats {
                 let rate = one.like(self.input_rate);
                 let column = [on_wheel * rate, on_output * rate, on_sleeve * rate];
                 self.add(Target::Time, &group, hub, column);
-            } else {
-                let of = if k == WHEEL { hub } else { OUTPUT };
-                self.add(Target::Position(of), &group, hub, column);
-                let lever = if k == WHEEL { wheel_lever } else { path };
-                let push = pressure.by_closing * depth;
-                let pull = drag_by_force * push + drag_by_slip * lever;
-                let column = [
-                    pull * wheel_lever - push * normal_levers[WHEEL],
-                    pull * levers[CARRIER] - push * normal_levers[CARRIER],
-                    rho * pull,
-                ];
-                self.add(Target::Rate(of), &group, hub, column);
+                continue;
             }
+            let of = match (k, self.places) {
+                (WHEEL, _) => hub,
+                (CARRIER, _) | (_, None) => OUTPUT,
+                (_, Some(places)) => places + 2 * wheel.number + k - PLACE,
+            };
+            self.add(Target::Position(of), &group, hub, column);
+            let tilt = if k == WHEEL { tilt + one } else { tilt };
+            let across = push + (drag + at_centre) * tilt;
+            let beside = force * tilt - pull - more_at_centre;
+            self.add_force(Target::Position(of), wheel, [n, t], [across, beside]);
+            let lever = if k == WHEEL { wheel_lever } else { path };
+            let push = pressure.by_closing * depth;
+            let pull = drag_by_force * push + drag_by_slip * lever;
+            let column = [
+                pull * wheel_lever - push * normal_levers[WHEEL],
+                pull * levers[CARRIER] - push * normal_levers[CARRIER],
+                rho * pull,
+            ];
+            self.add(Target::Rate(of), &group, hub, column);
+            self.add_force(Target::Rate(of), wheel, [n, t], [push, -pull]);
         }
         if FRICTION {
             let pull = drag_by_slip * rho;
@@ -328,6 +400,13 @@ impl<const FRICTION: bool> Sink for Slopes<'_, FRICTION> {
                     self.rate
                         .add(1 + wheel.number, sleeve, rows[0].as_slice()[k]);
                     self.rate.add(OUTPUT, sleeve, rows[1].as_slice()[k]);
+                    if let Some(places) = self.places {
+                        let row = places + 2 * wheel.number;
+                        for (k_axis, axis) in axes.iter().enumerate() {
+                            let value = -(axis.dot(t) * pull);
+                            self.rate.add(row + k_axis, sleeve, value.as_slice()[k]);
+                        }
+                    }
                 }
             }
         }
