@@ -451,3 +451,41 @@ fn hard_cranks_with_errors_balance() {
         "{alike} {loose} {turned}"
     );
 }
+/// Seals take their torques times the rates from the driver, in the account too, by whatever method and with floating wheels or
+/// held ones.
+#[test]
+fn seals_are_lost_power() {
+    for (bearing, method) in [
+        (&[][..], "dopri5"),
+        (&[], "etd-adams"),
+        (&NEEDLES, "etd-adams"),
+        (&NEEDLES, "rk4"),
+    ] {
+        let method = format!("solver.integrator=\"{method}\"");
+        let run = |seals: [f64; 2]| {
+            let [input, output] = seals;
+            let sets = [
+                bearing,
+                &[
+                    &method,
+                    &format!("bearings.input_seal_n_m={input}"),
+                    &format!("bearings.output_seal_n_m={output}"),
+                    "drive.start=\"equilibrium\"",
+                    "solver.tolerance=1e-8",
+                    "solver.duration_s=0.02",
+                ],
+            ]
+            .concat();
+            let run = native::run(&gearbox("paper", &sets), &mut |_| false).unwrap();
+            run.energy.audit(0.0, 0.02).unwrap()
+        };
+        let [none, some] = [[0.0; 2], [0.05, 0.5]].map(run);
+        let gear = gearbox("paper", &[]).scene.gear.clone();
+        let wanted = (0.05 + 0.5 / gear.lobes() as f64) * 52.34 * 0.02;
+        assert_eq!(none.friction_j, 0.0);
+        let found = some.friction_j / wanted;
+        assert!((found - 1.0).abs() < 0.01, "{method}: {some:?} {wanted}");
+        let dearer = (some.driver_j - none.driver_j) / some.friction_j;
+        assert!((dearer - 1.0).abs() < 0.05, "{method}: {dearer} {some:?}");
+    }
+}
