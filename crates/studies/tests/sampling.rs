@@ -61,7 +61,7 @@ impl Seen {
     }
 
     /// Where its own window begins, s of the original gear.
-    fn from_s(&self) -> f64 {
+    fn begins_s(&self) -> f64 {
         self.outcome.results().from_s / self.units.time
     }
 
@@ -137,7 +137,7 @@ impl Share {
             // Solutions of other equations have other roundings.
             (a - b).abs() > u + v + 1e-9 * a.abs().max(b.abs())
         };
-        let wanted = one.from_s().max(other.from_s());
+        let wanted = one.begins_s().max(other.begins_s());
         let [at_one, at_other] = [one, other].map(|seen| seen.sample_at(wanted) / seen.units.time);
         let from_s = at_one.max(at_other);
         let [of_one, of_other] = [one, other].map(|seen| seen.figures(seen.sample_at(from_s)));
@@ -178,6 +178,34 @@ fn regress_peaks_do_not_hang_on_samples() {
     );
 }
 
+/// Figures that were outside of their +- by up to hundreds of times, sampled twice and ten times as often: what the energy account
+/// says of contacts that oscillate (13 and 17), and an extreme beside the end of the run (33).
+#[test]
+fn regress_accounts_and_ends_do_not_hang_on_samples() {
+    let mut share = Share::default();
+    for seed in [13, 17, 33] {
+        let mut scene = gears::gear(seed).unwrap();
+        scene.solver.integrator = "auto".to_owned();
+        if seed == 33 {
+            deviate(&mut scene);
+        }
+        let [own, half, tenth] = [1.0, 2.0, 10.0].map(|parts| {
+            let mut scene = scene.clone();
+            scene.solver.sample_s /= parts;
+            Seen::of(scene, &Native::REDUCED).unwrap()
+        });
+        share.count(&format!("{seed}, half"), [&own, &half]);
+        share.count(&format!("{seed}, tenth"), [&own, &tenth]);
+    }
+    assert!(share.seen > 40 && share.now == 0, "{share:?}");
+}
+
+/// Errors of all parts, of the order of what the load presses in.
+fn deviate(scene: &mut Scene) {
+    let size = 1e-5 * scene.gear.external_sleeve_radius_m;
+    images::deviate(&mut scene.gear, size);
+}
+
 /// Of random gears, every other one with errors of its parts: sampled twice and ten times as often, in a mirror with the order of
 /// all parts reversed, turned as a whole with another first wheel, in other units, and by the Lagrange form.
 #[test]
@@ -205,8 +233,7 @@ fn hard_figures_hang_on_nothing_else() {
         let mut scene = gears::gear(seed).unwrap();
         scene.solver.integrator = "auto".to_owned();
         if seed % 2 == 1 {
-            let size = 1e-5 * scene.gear.external_sleeve_radius_m;
-            images::deviate(&mut scene.gear, size);
+            deviate(&mut scene);
         }
         let sampled = |parts: f64| {
             let mut scene = scene.clone();
@@ -261,8 +288,9 @@ fn hard_figures_hang_on_nothing_else() {
     }
     println!("all: {all:?}");
     assert!(all.seen > 200 * gears as usize / GEARS as usize);
+    // Measured over 200 gears: 38 of 9 259 outside, 1 858 when figures were of samples; 65 of accounts over other windows.
     assert!(
-        all.now * 50 <= all.seen && all.then > 4 * all.now && all.apart * 10 < all.seen,
+        all.now * 100 <= all.seen && all.then > 4 * all.now && all.apart * 50 < all.seen,
         "{all:?}"
     );
 }
