@@ -464,12 +464,14 @@ fn seals_are_lost_power() {
         let method = format!("solver.integrator=\"{method}\"");
         let run = |seals: [f64; 2]| {
             let [input, output] = seals;
+            let input_seal = format!("bearings.input_seal_n_m={input}");
+            let output_seal = format!("bearings.output_seal_n_m={output}");
             let sets = [
                 bearing,
                 &[
                     &method,
-                    &format!("bearings.input_seal_n_m={input}"),
-                    &format!("bearings.output_seal_n_m={output}"),
+                    input_seal.as_str(),
+                    output_seal.as_str(),
                     "drive.start=\"equilibrium\"",
                     "solver.tolerance=1e-8",
                     "solver.duration_s=0.02",
