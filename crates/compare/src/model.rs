@@ -92,6 +92,8 @@ mod tests {
             friction_j: 0.0,
             remainder_j: share.unwrap_or(0.0),
             remainder_share: share,
+            remainder_off_j: 0.0,
+            lost_off_j: 0.0,
         });
         Participant::that_cost(Cost {
             energy: energy.collect(),

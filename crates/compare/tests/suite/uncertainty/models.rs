@@ -21,6 +21,8 @@ fn account(remainder_share: f64) -> Energy {
         friction_j: 0.0,
         remainder_j: 20.0 * remainder_share,
         remainder_share: Some(remainder_share),
+        remainder_off_j: 0.0,
+        lost_off_j: 0.0,
     }
 }
 
