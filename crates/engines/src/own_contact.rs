@@ -6,6 +6,7 @@
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::scales::{self, Spring};
 use pinwheel_scene::{Scene, load_course};
+#[cfg(any(feature = "rapier", feature = "python"))]
 use pinwheel_timeseries::Ending;
 
 #[cfg(any(feature = "rapier", feature = "python"))]
