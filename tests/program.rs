@@ -803,7 +803,7 @@ fn program_speaks_as_it_is_asked() {
         assert!(quiet.trim().ends_with(place), "{quiet}");
         let verbose = of(&format!("-v {command}"));
         assert!(
-            verbose.contains(place) && verbose.contains(&format!("{file}")),
+            verbose.contains(place) && verbose.contains(file),
             "{verbose}"
         );
         assert!(verbose.len() > of(command).len());

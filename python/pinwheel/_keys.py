@@ -90,7 +90,7 @@ class Keys(TypedDict, total=False):
     """k of internal contacts, likewise (N/m)"""
     internal_stiffness_multiplier: float
     """H of internal contacts, of laws of balls; absent: that of all"""
-    law: Literal["paper", "paper-conservative", "constant", "hunt-crossley", "lee-wang", "herbert-mcwhannell", "lankarani-nikravesh", "flores", "adams-impact", "line-contact", "line-hertz", "linear", "paper-printed"]
+    law: Literal["paper", "paper-conservative", "constant", "hunt-crossley", "lee-wang", "herbert-mcwhannell", "lankarani-nikravesh", "flores", "adams-impact", "line-contact", "line-hertz", "lundberg", "kunert", "linear", "paper-printed"]
     """normal law; if left out 'line-hertz': rollers on a line, both bodies elastic; creates no energy"""
     line_length_m: float
     """length of a line contact (m); if left out: the face width, or 0.15 R; used by laws of rollers and for pressures"""

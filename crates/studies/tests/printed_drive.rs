@@ -209,21 +209,13 @@ fn picture(measured: &Measured) -> String {
         course(&contacts, measured.torque)
     );
     for (class, y, text) in [
-        (
-            "blue",
-            44,
-            "measured: two branches, friction of the whole drive included",
-        ),
-        ("red", 64, "ours, contacts and clearances as stated"),
-        (
-            "green",
-            84,
-            "ours with the rest fitted to the measured slope",
-        ),
+        ("blue", 300, "measured, friction included"),
+        ("red", 322, "ours, contacts and clearances as stated"),
+        ("green", 344, "ours with the rest fitted to the slope"),
     ] {
         let _ = writeln!(
             svg,
-            "<text class=\"{class}\" x=\"76\" y=\"{y}\">{text}</text>"
+            "<text class=\"{class}\" x=\"412\" y=\"{y}\">{text}</text>"
         );
     }
     svg + "<text x=\"382\" y=\"408\" text-anchor=\"middle\">twist of the output (degrees)</text>\n\

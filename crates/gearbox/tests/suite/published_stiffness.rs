@@ -117,6 +117,9 @@ fn stiffness_over(gearbox: &Gearbox, torque: f64, span: f64, poses: u32) -> f64 
     (0..poses).map(&mut at).sum::<f64>() / ARCMIN / f64::from(poses)
 }
 
+/// Force of a contact, by its number and depth, N and m.
+type Force = Box<dyn Fn(usize, f64) -> f64>;
+
 /// One stage of a disc under a torque: levers of the contacts that can push, m, and the clearance that each has to close, m.
 struct Stage {
     levers: Vec<f64>,
@@ -160,7 +163,7 @@ impl Counted<'_> {
         let (mesh, output) = (LinearMesh::of(gear), LinearOutput::of(gear));
         let curve = Epitrochoid::new(
             gear.eccentricity_m,
-            gear.external_sleeves as u32,
+            u32::try_from(gear.external_sleeves).unwrap(),
             gear.shortening,
         )
         .unwrap();
@@ -195,11 +198,7 @@ impl Counted<'_> {
     }
 
     /// Of the whole drive, N m/arcmin: both discs beside each other, means of the stages over poses on one pitch of the lobes.
-    fn stiffness(
-        &self,
-        poses: u32,
-        force: impl Fn(&[f64], &[f64], f64) -> Box<dyn Fn(usize, f64) -> f64>,
-    ) -> f64 {
+    fn stiffness(&self, poses: u32, force: impl Fn(&[f64], &[f64], f64) -> Force) -> f64 {
         let lobes = self.gearbox.scene.gear.external_sleeves - 1;
         let mut means = [0.0; 2];
         for pose in 0..poses {
@@ -215,10 +214,7 @@ impl Counted<'_> {
 
 /// The law that the package states: K. L. Johnson, Contact Mechanics, 1985, 4.45, either body a half cylinder of its own radius,
 /// and of the pin circle's at most; a power 0.9 of the force through the share that a rigid disc without play would have.
-fn stated_law(
-    printed: &toml::Table,
-    torque: f64,
-) -> impl Fn(&[f64], &[f64], f64) -> Box<dyn Fn(usize, f64) -> f64> {
+fn stated_law(printed: &toml::Table, torque: f64) -> impl Fn(&[f64], &[f64], f64) -> Force {
     let moduli = numbers(printed, "moduli");
     let (length, most) = (
         number(printed, "line_length_m"),
@@ -243,7 +239,7 @@ fn stated_law(
 }
 
 /// Our law of rollers at the same contacts.
-fn own_law(gearbox: &Gearbox) -> impl Fn(&[f64], &[f64], f64) -> Box<dyn Fn(usize, f64) -> f64> {
+fn own_law(gearbox: &Gearbox) -> impl Fn(&[f64], &[f64], f64) -> Force {
     let parameters = scales::law_parameters(&gearbox.scene);
     let hertz = parameters.hertz("line-hertz");
     let law = Law::named("line-hertz", &parameters).unwrap();

@@ -187,11 +187,13 @@ impl Largest<'_> {
 }
 
 impl Outcome {
-    /// What the largest difference is that a reader of the figures would see, once the gear runs steadily.
+    /// What the largest difference is that a reader of the figures would see, once the gear runs steadily if it does.
     #[must_use]
     pub fn largest(&self) -> Option<Largest<'_>> {
-        let mut windows = self.comparison.windows.iter();
-        let window = windows.find(|w| w.kind != WindowKind::Transient)?.kind;
+        let windows = &self.comparison.windows;
+        let steady = windows.iter().find(|w| w.kind != WindowKind::Transient);
+        // In a start-up contacts of another kind swing otherwise.
+        let window = steady.or(windows.first())?.kind;
         let figure = |name: &str, quantity| {
             let mut engines = self.comparison.engines.iter();
             let engine = engines.find(|engine| engine.name == name)?;
@@ -215,7 +217,11 @@ impl Outcome {
             entry.map(|entry| entry.result.verdict)
         };
         let others = self.participants.iter();
-        let others = others.filter(|p| p.track != Track::Native);
+        let others = others.filter(|p| match p.track {
+            Track::Native => false,
+            Track::OwnContact => steady.is_some(),
+            Track::SharedLaw | Track::Measured => true,
+        });
         let all = others.flat_map(|other| {
             let quantities = [
                 columns::EXTERNAL_FORCE,
