@@ -6,7 +6,7 @@
 use std::f64::consts::{PI, TAU};
 
 use pinwheel_files::output::escape;
-use pinwheel_scene::{Gear, Scene};
+use pinwheel_scene::Scene;
 use pinwheel_timeseries::{TimeSeries, columns};
 use serde::Serialize;
 use serde_json::json;

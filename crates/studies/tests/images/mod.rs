@@ -110,6 +110,7 @@ pub(crate) fn deviate(gear: &mut Gear, size: f64) {
         hole_radial_m: list(pins * wheels, 7.0),
         hole_tangential_m: list(pins * wheels, 8.0),
         hole_radius_m: list(pins * wheels, 9.0),
+        crank_phase_rad: Vec::new(),
         eccentricity_m: list(wheels, 10.0),
         phase_rad: arcs.map(|arc| arc / gear.eccentricity_m).collect(),
     };
