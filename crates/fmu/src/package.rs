@@ -50,6 +50,7 @@ impl Imprint {
     ///
     /// # Errors
     /// A `SOURCE_DATE_EPOCH` that is no time.
+    #[expect(clippy::disallowed_methods, reason = "a day, no duration")]
     pub fn here(author: Option<&str>) -> Result<Self, PackageError> {
         // The end of the year 9999: later dates have no form.
         const LAST_S: u64 = 253_402_300_799;

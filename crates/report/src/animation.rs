@@ -409,7 +409,7 @@ mod tests {
     #[test]
     fn parts_stand_where_their_errors_put_them() {
         let mut scene = scene();
-        let nominal = GearJson::of(&scene.gear);
+        let nominal = GearJson::of(&scene);
         let errors = &mut scene.gear.errors;
         errors.external_sleeve_radial_m = vec![1e-5, 0.0, 0.0];
         errors.external_sleeve_tangential_m = vec![2e-5, 0.0, 0.0];
@@ -418,7 +418,7 @@ mod tests {
         errors.hole_radius_m = vec![0.0, 5e-6];
         errors.eccentricity_m = vec![6e-6];
         errors.phase_rad = vec![1e-3];
-        let moved = GearJson::of(&scene.gear);
+        let moved = GearJson::of(&scene);
         let by = |a: f64, b: f64| (1e5 * (b - a)).round() / 1e5;
         let between =
             |a: &[Place], b: &[Place], k: usize| [0, 1, 2].map(|axis| by(a[k][axis], b[k][axis]));
