@@ -12,8 +12,8 @@ Both forces act at W on both bodies, so a pair balances in force and moment.
 The law `line-hertz` has F_n = max(0, F + S(delta) C v_n) with F of `line_hertz`, and a third force: A = -dU/dR dR/ds along t
 on the sleeve, where s is the way of P along t. It acts at P on both bodies. Points know no dR/ds: they are for `paper`.
 
-A pin that bends (k, N/m) takes its part of an internal sleeve's delta: the contact takes x, F_e(x) = k (delta - x) at rest, and
-closes at s v_n, s = x/delta; F_n = F_e + s (F_n(x, s v_n) - F_e).
+A pin that bends (k, N/m) takes its part of an internal sleeve's delta: the contact takes x, F_e(x) = k (delta - x) at rest,
+and closes at s v_n, s = x/delta; F_n = F_e + s (F_n(x, s v_n) - F_e).
 
 Four slips of the printed equations are put right: n's rate of change (Eq. 16, 17) is not taken from an un-normalised
 velocity, friction acts against sliding in both directions (Eq. 22 gives none for v_t < 0), the sleeve's spin counts in

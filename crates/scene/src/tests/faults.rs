@@ -231,7 +231,7 @@ fn single_values_out_of_range() {
             "from 3 to 1000",
         ),
         ("gear.external_sleeves=0", "from 3 to 1000"),
-        ("gear.internal_sleeves=2", "from 3 to 1000"),
+        ("gear.internal_sleeves=2", "fewer than three"),
         ("gear.internal_sleeves=1000000", "is 1000000"),
         ("gear.wheels=0", "from 1 to 64"),
         ("gear.wheels=65", "memory"),

@@ -189,8 +189,9 @@ impl Data {
         let (own, told) = self.placed(others)?;
         let found = foreign::resample(&own, &times, self.map.resample);
         let found = found.map_err(|error| fault(&self.path, error))?;
-        let mut notes = self.notes(scene, &own, &found);
-        notes.extend(told);
+        // What was changed of them comes first.
+        let mut notes: Vec<String> = told.into_iter().collect();
+        notes.extend(self.notes(scene, &own, &found));
         let cost = Cost {
             settings: format!("{}, by {}", self.path.display(), self.map_path.display()),
             notes,
