@@ -15,6 +15,9 @@ COUNTS = frozenset(
         "bearings.eccentric.rollers",
         "contact.hole_points",
         "contact.wheel_points",
+        "cranks.count",
+        "cranks.planet_teeth",
+        "cranks.sun_teeth",
         "gear.external_sleeves",
         "gear.internal_sleeves",
         "gear.wheels",
@@ -30,6 +33,7 @@ class Keys(TypedDict, total=False):
     drive: Mapping[str, Any]
     contact: Mapping[str, Any]
     bearings: Mapping[str, Any]
+    cranks: Mapping[str, Any]
     solver: Mapping[str, Any]
     output: Mapping[str, Any]
     base: str
@@ -72,8 +76,6 @@ class Keys(TypedDict, total=False):
     """how deep a wheel is behind a contact, of the law line-hertz; absent: the wall between a hole and the profile, at least half of the external sleeves' radius (m)"""
     external_spring_n_m: float
     """k of external contacts under the law linear; absent: the secant of line-hertz under the largest load (N/m)"""
-    friction_coefficient: float
-    """mu; 0: no friction; if left out 0.0: no friction"""
     friction_dynamic_coefficient: float
     """mu_d of the friction law adams; if left out 0.0: used by the friction law adams only"""
     friction_dynamic_speed_m_s: float
@@ -110,6 +112,18 @@ class Keys(TypedDict, total=False):
     """points on a wheel's profile; if left out: 100 a lobe, at least 4000; used by detection points only"""
     young_pa: float
     """E of the wheels (Pa); if left out 2.1e11: steel"""
+    bore_radius_m: float
+    """a wheel's bore for a crank's eccentric and its bearing (m)"""
+    circle_radius_m: float
+    """circle the cranks stand on (m)"""
+    count: int
+    """cranks of an RV reducer, which carry the wheels in the place of one eccentric"""
+    planet_teeth: int
+    """teeth of a planet, one on each crank"""
+    sun_teeth: int
+    """teeth of the sun on the input shaft"""
+    support_stiffness_n_m: float
+    """stiffness of what holds a crank in the output; absent: rigid (N/m)"""
     description: str
     """why this scene exists, one sentence"""
     input_speed_rad_s: float
@@ -119,13 +133,15 @@ class Keys(TypedDict, total=False):
     load_ramp_s: float
     """the load rises linearly over this time; 0: at once (s); if left out 0.0: the load acts at once"""
     output_torque_n_m: float
-    """load on the output shaft; positive opposes the motion of a positive input speed (N m)"""
+    """load on the output shaft, counter-clockwise; positive opposes the motion of a positive input speed, of an RV gear that of a negative one (N m)"""
     start: Literal["kinematic", "equilibrium"]
     """state at t = 0; if left out 'kinematic': rates of the ideal mesh, load at once"""
     backlash_m: float
     """d: external sleeves sit at R + d (m); if left out 0.0: no backlash"""
     eccentricity_m: float
     """e (m)"""
+    crank_phase_rad: Sequence[float] | npt.NDArray[np.float64]
+    """of each crank of an RV gear, how far it stands counter-clockwise of its place (rad)"""
     external_sleeve_radial_m: Sequence[float] | npt.NDArray[np.float64]
     """of each external sleeve, how far it sits outwards of its place (m)"""
     external_sleeve_radius_m: float
@@ -141,7 +157,7 @@ class Keys(TypedDict, total=False):
     internal_sleeve_radial_m: Sequence[float] | npt.NDArray[np.float64]
     """of each internal sleeve, how far it sits outwards of its place (m)"""
     internal_sleeve_radius_m: float
-    """radius of an internal sleeve (m)"""
+    """radius of an internal sleeve (m); if left out: cranks.bore_radius_m - gear.eccentricity_m: a crank's shaft just passes its bore"""
     internal_sleeve_tangential_m: Sequence[float] | npt.NDArray[np.float64]
     """of each internal sleeve, how far it sits counter-clockwise of its place (m)"""
     phase_rad: Sequence[float] | npt.NDArray[np.float64]
@@ -151,9 +167,9 @@ class Keys(TypedDict, total=False):
     face_width_m: float
     """thickness of a wheel; for masses that are left out (m)"""
     internal_circle_radius_m: float
-    """circle the internal sleeves sit on (m)"""
+    """circle the internal sleeves sit on (m); if left out: cranks.circle_radius_m"""
     internal_sleeves: int
-    """zi: sleeves on the output shaft"""
+    """zi: sleeves on the output shaft; if left out: cranks.count: cranks stand in the place of internal sleeves"""
     equidistant_m: float
     """the generating sleeve's radius is larger than q by this: above 0 the wheel's whole edge lies that much further in (m)"""
     radial_m: float
@@ -231,6 +247,12 @@ Vary = TypedDict(
         "stiffness_multiplier": Axis,
         "wheel_points": Axis,
         "young_pa": Axis,
+        "bore_radius_m": Axis,
+        "circle_radius_m": Axis,
+        "count": Axis,
+        "planet_teeth": Axis,
+        "sun_teeth": Axis,
+        "support_stiffness_n_m": Axis,
         "description": Axis,
         "input_speed_rad_s": Axis,
         "load_changes": Axis,
@@ -239,6 +261,7 @@ Vary = TypedDict(
         "start": Axis,
         "backlash_m": Axis,
         "eccentricity_m": Axis,
+        "crank_phase_rad": Axis,
         "external_sleeve_radial_m": Axis,
         "external_sleeve_radius_m": Axis,
         "external_sleeve_tangential_m": Axis,
@@ -308,6 +331,12 @@ Vary = TypedDict(
         "contact.stiffness_multiplier": Axis,
         "contact.wheel_points": Axis,
         "contact.young_pa": Axis,
+        "cranks.bore_radius_m": Axis,
+        "cranks.circle_radius_m": Axis,
+        "cranks.count": Axis,
+        "cranks.planet_teeth": Axis,
+        "cranks.sun_teeth": Axis,
+        "cranks.support_stiffness_n_m": Axis,
         "drive.input_speed_rad_s": Axis,
         "drive.load_changes": Axis,
         "drive.load_ramp_s": Axis,
@@ -315,6 +344,7 @@ Vary = TypedDict(
         "drive.start": Axis,
         "gear.backlash_m": Axis,
         "gear.eccentricity_m": Axis,
+        "gear.errors.crank_phase_rad": Axis,
         "gear.errors.eccentricity_m": Axis,
         "gear.errors.external_sleeve_radial_m": Axis,
         "gear.errors.external_sleeve_radius_m": Axis,

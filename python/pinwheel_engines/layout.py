@@ -167,7 +167,7 @@ class Kinematics:
         return moments
 
     def ideal(self, scene: Scene, time_s: float = 0.0) -> tuple[Floats, Floats]:
-        """Absolute angles and rates of the ideal mesh: output and wheels at -omega/zs, omega the eccentrics'; external sleeves rest.
+        """Absolute angles and rates of the ideal mesh: output and wheels at -omega/zs, with omega of the eccentrics.
 
         A wheel whose centre stands at e (cos f, sin f) fits at the angle (pi - f)/zs. Internal sleeves turn with the
         output, which starts at 0.

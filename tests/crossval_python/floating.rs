@@ -15,7 +15,6 @@ fn crossval_floating_wheels() {
         ("cranks.sun_teeth", "15"),
         ("cranks.planet_teeth", "35"),
         ("bearings.eccentric.clearance_m", "3e-6"),
-        ("contact.friction_coefficient", "0.03"),
     ];
     for (preset, sets) in [
         ("paper-bearings", &[][..]),

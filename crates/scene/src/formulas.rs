@@ -20,8 +20,6 @@ pub struct Given<'a> {
 const STEEL: f64 = 7850.0;
 /// Face width as a share of R, for masses that are left out together with it; usual are 0.1 to 0.2.
 const FACE: f64 = 0.15;
-/// The least length that a key may have, m.
-const LEAST_LENGTH_M: f64 = 1e-7;
 /// Share of critical damping of the fastest mode.
 const DAMPING: f64 = 0.05;
 
@@ -73,9 +71,10 @@ pub(crate) fn crank_circle(given: &Given<'_>) -> Option<f64> {
 }
 
 pub(crate) fn crank_shaft(given: &Given<'_>) -> Option<f64> {
-    let shaft = given.number("cranks.bore_radius_m")? - given.number("gear.eccentricity_m")?;
-    // A bore that leaves none is told as a fault of cranks.
-    Some(shaft.max(LEAST_LENGTH_M))
+    let eccentricity = given.number("gear.eccentricity_m")?;
+    let shaft = given.number("cranks.bore_radius_m")? - eccentricity;
+    // A bore that leaves none is told as a fault of cranks, and stands in for nothing else.
+    Some(if shaft > 0.0 { shaft } else { eccentricity })
 }
 
 pub(crate) fn hole_radius(given: &Given<'_>) -> Option<f64> {
