@@ -14,7 +14,7 @@
 //! cubic reaches over it. Entries between samples are folded into the works at once: what a run keeps of its energy
 //! grows with its samples, not with its steps. States that a method passes through with all forces at hand are entries too.
 //!
-//! What lies between entries is stated with the works ([`Scatter`]).
+//! What lies between entries is stated with the works (`scatter`).
 
 mod scatter;
 
