@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::{Errors, Gear, Scene};
 use serde_json::Value;
 
@@ -14,13 +15,14 @@ pub(crate) struct Units {
 }
 
 /// Units by the end of a key or column, the first that fits, in powers of length, time and force.
-const ENDS: [(&str, [f64; 3]); 13] = [
+const ENDS: [(&str, [f64; 3]); 14] = [
     ("_kg_m2", [1.0, 2.0, 1.0]),
     ("_kg_m3", [-4.0, 2.0, 1.0]),
     ("_kg", [-1.0, 2.0, 1.0]),
     ("_n_m15", [-1.5, 0.0, 1.0]),
     ("_n_s_m", [-1.0, 1.0, 1.0]),
     ("_spring_n_m", [-1.0, 0.0, 1.0]),
+    ("stiffness_n_m", [-1.0, 0.0, 1.0]),
     ("_n_m", [1.0, 0.0, 1.0]),
     ("_n", [0.0, 0.0, 1.0]),
     ("_pa", [-2.0, 0.0, 1.0]),
@@ -53,9 +55,21 @@ impl Units {
 
     /// The scene in the new units.
     pub(crate) fn scene(self, scene: &Scene) -> Scene {
-        let mut value = serde_json::to_value(scene).unwrap();
+        let mut plain = scene.clone();
+        // Palmgren's rollers are of steel and in millimetres: what they make is given instead, N/m^p.
+        let bearing = BearingLaw::of(scene).zip(plain.bearings.eccentric.as_mut());
+        let exponent = bearing.map_or(1.0, |(law, bearing)| {
+            (bearing.rollers, bearing.roller_length_m) = (None, None);
+            (bearing.stiffness_n_m, bearing.exponent) = (Some(law.stiffness), Some(law.exponent));
+            law.exponent
+        });
+        let mut value = serde_json::to_value(plain).unwrap();
         self.apply("", &mut value);
         let mut scaled: Scene = serde_json::from_value(value).unwrap();
+        let stiffness = scaled.bearings.eccentric.as_mut();
+        if let Some(stiffness) = stiffness.and_then(|bearing| bearing.stiffness_n_m.as_mut()) {
+            *stiffness *= self.length.powf(1.0 - exponent);
+        }
         if scene.contact.law == "line-contact" {
             // F = H K L^(8/9) delta^(10/9): K is Palmgren's steel in N/m^2, whatever the scene's E is. H makes up for it.
             scaled.contact.stiffness_multiplier *= self.force / self.length.powi(2);
