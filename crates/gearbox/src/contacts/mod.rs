@@ -10,7 +10,7 @@ mod pairs;
 mod seals;
 
 use pinwheel_contact::NormalLaw as _;
-use pinwheel_scene::scales::pin_law;
+use pinwheel_scene::scales::{law_parameters, pin_law};
 
 pub use field::{ContactEnergy, ContactField, PairContact};
 pub use floating::{BearingLoad, Bearings};
@@ -102,10 +102,16 @@ pub(crate) fn contacts(
     let (scene, geometry) = match scene.cranks {
         Some(_) => {
             let gear = scene.gear.without_internal_sleeves();
-            let scene = Scene {
+            // What holes give to the law stays.
+            let known = law_parameters(scene);
+            let mut scene = Scene {
                 gear,
                 ..scene.clone()
             };
+            let contact = &mut scene.contact;
+            contact.disc_depth_m = Some(known.disc_depth).filter(|depth| *depth > 0.0);
+            contact.external_spring_n_m = Some(known.springs[0]);
+            contact.internal_spring_n_m = Some(known.springs[1]);
             without = (scene, geometry.without_internal_sleeves());
             (&without.0, &without.1)
         }
