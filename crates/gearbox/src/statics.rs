@@ -67,6 +67,8 @@ pub struct Statics<'a> {
     slopes: Jacobian,
     /// The same with the places of wheels that float.
     floating_slopes: Jacobian,
+    /// What wheels float on, without friction, which a balance at rest has none of.
+    bearings: Option<Bearings>,
     /// Of wheels that float, the last balances and their loads.
     floated: Vec<(Equilibrium, f64)>,
     /// Bearings do not give way.
@@ -127,6 +129,7 @@ impl<'a> Statics<'a> {
             motion: Motion::none(gearbox.layout.wheels),
             slopes: newton::slopes(1 + gearbox.layout.wheels),
             floating_slopes: newton::slopes(1 + OF_A_WHEEL * gearbox.layout.wheels),
+            bearings: Bearings::of(&gearbox.scene, &gearbox.geometry).map(Bearings::frictionless),
             floated: Vec::new(),
             is_rigid: false,
             evaluations: 0,
@@ -405,8 +408,9 @@ impl<'a> Statics<'a> {
     }
 
     /// The bearings that cranks of an RV gear carry wheels by, as pairs; of other gears none.
-    pub fn on_cranks(&mut self, equilibrium: &Equilibrium) -> Vec<PairContact> {
-        let bearings = Bearings::of(&self.gearbox.scene, &self.gearbox.geometry);
+    #[must_use]
+    pub fn on_cranks(&self, equilibrium: &Equilibrium) -> Vec<PairContact> {
+        let bearings = self.bearings.as_ref();
         let found = bearings.map(|bearings| bearings.crank_pairs(&equilibrium.bodies));
         found.unwrap_or_default()
     }

@@ -70,11 +70,12 @@ impl BearingLaw {
                 * bearing.friction_coefficient.unwrap_or_default()
                 * bearing.bore_m.unwrap_or_default(),
         };
+        let force = typical_force(scene);
         law.damping_n_s_m = bearing.damping_n_s_m.unwrap_or_else(|| {
-            let slope = law.slope_under(typical_force(scene));
+            let slope = law.slope_under(force);
             2.0 * EccentricBearing::DAMPING_SHARE * (slope * scene.mass.wheel.mass_kg).sqrt()
         });
-        law.ramp_m = RAMP_SHARE * (law.offset_under(typical_force(scene)) - law.clearance_m);
+        law.ramp_m = RAMP_SHARE * (law.offset_under(force) - law.clearance_m);
         Some(law)
     }
 

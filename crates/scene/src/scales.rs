@@ -226,10 +226,19 @@ pub fn largest_hole_play(gear: &crate::Gear) -> f64 {
 /// solver add. 1.0e-9 N for the paper's gear.
 const ROUNDING: f64 = 1e-11;
 
+/// An external sleeve on a wheel at rest.
+fn outer(scene: &Scene, hertz: &HertzStiffness) -> Spring {
+    Spring::of(scene, hertz.on_flat(scene.gear.external_sleeve_radius_m))
+}
+
 /// Load torque on one wheel, N m: the largest of the run, or where there is none what makes the [`least_depth`].
 pub(crate) fn wheel_torque_n_m(scene: &Scene) -> f64 {
+    wheel_torque_of(scene, &outer(scene, &hertz(scene)))
+}
+
+/// The same of known springs.
+fn wheel_torque_of(scene: &Scene, outer: &Spring) -> f64 {
     let gear = &scene.gear;
-    let outer = Spring::of(scene, hertz(scene).on_flat(gear.external_sleeve_radius_m));
     let unloaded = outer.force(least_depth(scene));
     let load = load_course::largest(&scene.drive) / gear.wheels as f64;
     load.max(0.25 * unloaded * gear.lever_m() * gear.external_sleeves as f64)
@@ -254,7 +263,7 @@ impl Scales {
     pub fn of(scene: &Scene) -> Self {
         let gear = &scene.gear;
         let hertz = hertz(scene);
-        let outer = Spring::of(scene, hertz.on_flat(gear.external_sleeve_radius_m));
+        let outer = outer(scene, &hertz);
         // A hole that fits tightly is far stiffer; nothing moves faster than in one with the usual clearance of e.
         let sleeve = gear.internal_sleeve_radius_m;
         let hole = gear.hole_radius_m.max(sleeve + gear.eccentricity_m);
@@ -262,7 +271,7 @@ impl Scales {
         let lever = gear.lever_m();
         let least = least_depth(scene);
         let load = load_course::largest(&scene.drive) / gear.wheels as f64;
-        let torque = wheel_torque_n_m(scene);
+        let torque = wheel_torque_of(scene, &outer);
         let torsion = |spring: Spring, pin: Option<f64>, lever: f64, sleeves: usize| {
             let sleeves = sleeves as f64;
             let depth = spring.depth(4.0 * load / (lever * sleeves), least);
@@ -274,7 +283,8 @@ impl Scales {
         let penetration = outer.depth(force, least);
         let housing = torsion(outer, None, lever, gear.external_sleeves);
         let (circle, sleeves) = (gear.internal_circle_radius_m, gear.internal_sleeves);
-        let output = match BearingLaw::of(scene).filter(|_| scene.cranks.is_some()) {
+        let on_cranks = scene.cranks.and_then(|_| BearingLaw::of(scene));
+        let output = match on_cranks {
             Some(bearing) => {
                 let stiffness = bearing.slope_under(typical_force(scene));
                 sleeves as f64 * stiffness * circle * circle

@@ -9,6 +9,7 @@
 //! bodies; dampers bridge both. The planets' mesh turns the output by a force across S_j at the crank, so that what a crank
 //! carries, and hands to the output, is one force at its centre.
 
+use arrayvec::ArrayVec;
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::bearings::BearingLaw;
 
@@ -19,7 +20,9 @@ use crate::scene::Scene;
 use crate::{Layout, Sleeve};
 
 /// Wheels at most: as many as a scene may have.
-pub(super) const WHEELS: usize = 64;
+const WHEELS: usize = 64;
+/// A crank's bearings, one a wheel.
+pub(super) type OfCrank = ArrayVec<CrankBearing, WHEELS>;
 /// Steps of Newton's method for the place of a crank, halvings of one, and what may be left of the forces.
 const STEPS: usize = 40;
 const HALVINGS: usize = 8;
@@ -47,16 +50,14 @@ pub(super) struct CrankBearing {
     on_crank: [f64; 2],
     /// Bore's centre less the eccentric's, m, ground frame.
     offset_m: [f64; 2],
-    /// How fast it grows where the support is rigid, m/s.
+    /// Its velocity where the support is rigid, m/s, and how fast it grows then.
+    velocity: [f64; 2],
     rate: f64,
-    /// Energy that the bearing stores, J, and what its damping loses, W.
-    stored_j: f64,
-    damping_w: f64,
     /// Friction on the wheel, N m, and how fast wheel and crank turn against each other, rad/s.
     drag: f64,
     turning: f64,
     /// Bore's centre from the wheel's, and the eccentric's from the crank's, m, ground frame.
-    arm: [f64; 2],
+    pub(super) arm: [f64; 2],
     eccentric: [f64; 2],
 }
 
@@ -132,7 +133,7 @@ impl Cranks {
         layout: Layout,
         bodies: &[BodyState],
         crank: usize,
-        out: &mut [CrankBearing; WHEELS],
+        out: &mut OfCrank,
     ) -> [f64; 2] {
         let (input, output) = (&bodies[Layout::INPUT], &bodies[Layout::OUTPUT]);
         let place = &bodies[layout.internal_bodies().start + crank];
@@ -141,15 +142,15 @@ impl Cranks {
         let rate = (1.0 + rho) * output.rate - rho * input.rate;
         let turn = angle.sin_cos();
         let wheels = &bodies[layout.wheel_bodies()];
-        let mut rates = [[0.0; 2]; WHEELS];
-        for (i, (wheel, found)) in wheels.iter().zip(out.iter_mut()).enumerate() {
+        out.clear();
+        for (i, wheel) in wheels.iter().enumerate() {
             let eccentric = turned(self.eccentrics[i], turn);
             let arm = turned(self.bores[i][crank].0, wheel.angle.sin_cos());
-            rates[i] = [
+            let velocity = [
                 wheel.vx - wheel.rate * arm[1] - place.vx + rate * eccentric[1],
                 wheel.vy + wheel.rate * arm[0] - place.vy - rate * eccentric[0],
             ];
-            *found = CrankBearing {
+            out.push(CrankBearing {
                 offset_m: [
                     wheel.x + arm[0] - place.x - eccentric[0],
                     wheel.y + arm[1] - place.y - eccentric[1],
@@ -157,14 +158,14 @@ impl Cranks {
                 turning: wheel.rate - rate,
                 arm,
                 eccentric,
+                velocity,
                 ..CrankBearing::default()
-            };
+            });
         }
-        let given = self.support.map_or([0.0; 2], |support| {
-            let offsets = &out[..wheels.len()];
-            self.gives_way(law, crank, support, offsets)
-        });
-        for (i, found) in out[..wheels.len()].iter_mut().enumerate() {
+        let given = self
+            .support
+            .map_or([0.0; 2], |support| self.gives_way(law, crank, support, out));
+        for (i, found) in out.iter_mut().enumerate() {
             let law = self.law(law, i, crank);
             found.offset_m = [found.offset_m[0] - given[0], found.offset_m[1] - given[1]];
             let [dx, dy] = found.offset_m;
@@ -174,10 +175,8 @@ impl Cranks {
             } else {
                 [0.0; 2]
             };
-            found.rate = rates[i][0] * nx + rates[i][1] * ny;
+            found.rate = found.velocity[0] * nx + found.velocity[1] * ny;
             let force = law.force(offset, found.rate);
-            found.stored_j = law.stored(offset);
-            found.damping_w = (force - law.force(offset, 0.0)) * found.rate;
             found.on_crank = [force * nx, force * ny];
             found.drag = law.drag(force, found.turning);
         }
@@ -273,19 +272,18 @@ impl Cranks {
         bodies: &[BodyState],
         loads: &mut [Wrench],
     ) {
-        let mut found = [CrankBearing::default(); WHEELS];
+        let mut found = OfCrank::new();
         for (crank, body) in layout.internal_bodies().enumerate() {
             self.crank(law, layout, bodies, crank, &mut found);
-            let found = &found[..layout.wheels];
             let mut sum = [0.0; 2];
-            for (wheel, bearing) in layout.wheel_bodies().zip(found) {
+            for (wheel, bearing) in layout.wheel_bodies().zip(&found) {
                 let [fx, fy] = bearing.on_crank;
                 sum = [sum[0] + fx, sum[1] + fy];
                 loads[wheel].fx -= fx;
                 loads[wheel].fy -= fy;
                 loads[wheel].moment += bearing.drag - cross(bearing.arm, [fx, fy]);
             }
-            let moment = Self::moment(found);
+            let moment = Self::moment(&found);
             let [fx, fy] = self.with_mesh(sum, moment, &bodies[body]);
             loads[body].fx += fx;
             loads[body].fy += fy;
@@ -312,12 +310,11 @@ impl Cranks {
         bodies: &[BodyState],
         visit: &mut dyn FnMut(Sleeve, [f64; 2]),
     ) {
-        let mut found = [CrankBearing::default(); WHEELS];
+        let mut found = OfCrank::new();
         for (crank, body) in layout.internal_bodies().enumerate() {
             self.crank(law, layout, bodies, crank, &mut found);
-            let found = &found[..layout.wheels];
             let sum = |k: usize| found.iter().map(|bearing| bearing.on_crank[k]).sum();
-            let force = self.with_mesh([sum(0), sum(1)], Self::moment(found), &bodies[body]);
+            let force = self.with_mesh([sum(0), sum(1)], Self::moment(&found), &bodies[body]);
             visit(Sleeve::Internal(crank), force);
         }
     }
@@ -330,13 +327,16 @@ impl Cranks {
         bodies: &[BodyState],
         sum: &mut ContactEnergy,
     ) {
-        let mut found = [CrankBearing::default(); WHEELS];
+        let mut found = OfCrank::new();
         for crank in 0..self.count() {
             let [x, y] = self.crank(law, layout, bodies, crank, &mut found);
             sum.stored_j += 0.5 * self.support.unwrap_or_default() * (x * x + y * y);
-            for bearing in &found[..layout.wheels] {
-                sum.stored_j += bearing.stored_j;
-                sum.damping_w += bearing.damping_w;
+            for (wheel, bearing) in found.iter().enumerate() {
+                let law = self.law(law, wheel, crank);
+                let offset = bearing.offset_m[0].hypot(bearing.offset_m[1]);
+                let damped = law.force(offset, bearing.rate) - law.force(offset, 0.0);
+                sum.stored_j += law.stored(offset);
+                sum.damping_w += damped * bearing.rate;
                 sum.friction_w -= bearing.drag * bearing.turning;
             }
         }
@@ -349,11 +349,11 @@ impl Cranks {
         layout: Layout,
         bodies: &[BodyState],
     ) -> f64 {
-        let mut found = [CrankBearing::default(); WHEELS];
+        let mut found = OfCrank::new();
         let mut sum = 0.0;
         for crank in 0..self.count() {
             self.crank(law, layout, bodies, crank, &mut found);
-            sum += Self::moment(&found[..layout.wheels]);
+            sum += Self::moment(&found);
         }
         self.teeth_ratio * sum
     }

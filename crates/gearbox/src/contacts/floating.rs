@@ -4,7 +4,7 @@ use pinwheel_contact::PinLaw;
 use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums, Wrench, add_pair};
 use pinwheel_scene::bearings::BearingLaw;
 
-use super::cranks::{CrankBearing, Cranks, WHEELS};
+use super::cranks::{Cranks, OfCrank};
 use super::field::{ContactEnergy, ContactField, PairContact};
 use super::pairs::places;
 use crate::geometry::Geometry;
@@ -51,6 +51,12 @@ impl Bearings {
         })
     }
 
+    /// The same without friction.
+    pub(crate) fn frictionless(mut self) -> Self {
+        self.law.drag_m = 0.0;
+        self
+    }
+
     /// The same bearings and supports giving way by a share of what they do under the same forces, with one of their clearance.
     pub(crate) fn share(&self, share: f64, of_clearance: f64) -> Self {
         let law = BearingLaw {
@@ -92,17 +98,26 @@ impl Bearings {
     /// nothing.
     #[must_use]
     pub fn of_crank(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> BearingLoad {
-        let mut found = [CrankBearing::default(); WHEELS];
+        self.in_bore(bodies, wheel, crank).0
+    }
+
+    /// The same, and the bore's centre, m, ground frame.
+    fn in_bore(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> (BearingLoad, [f64; 2]) {
+        let mut found = OfCrank::new();
         let Some(cranks) = &self.cranks else {
-            return BearingLoad::default();
+            return Default::default();
         };
         cranks.crank(&self.law, self.layout, bodies, crank, &mut found);
-        found[wheel].load()
+        let (body, [x, y]) = (
+            bodies[self.layout.wheel_bodies().start + wheel],
+            found[wheel].arm,
+        );
+        (found[wheel].load(), [body.x + x, body.y + y])
     }
 
     /// The same as a pair of wheel and crank.
     fn crank_pair(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> PairContact {
-        let load = self.of_crank(bodies, wheel, crank);
+        let (load, point) = self.in_bore(bodies, wheel, crank);
         let ([dx, dy], [fx, fy]) = (load.offset_m, load.on_wheel);
         let offset = dx.hypot(dy);
         let normal = match offset > 0.0 {
@@ -113,7 +128,7 @@ impl Bearings {
         PairContact {
             wheel,
             sleeve: Sleeve::Internal(crank),
-            point: [seat.x + dx, seat.y + dy],
+            point,
             normal,
             penetration_m: offset - self.clearance_m(wheel, crank),
             normal_rate_m_s: load.rate,

@@ -62,14 +62,13 @@ struct Size {
 }
 
 impl Statics<'_> {
-    /// The bearings, which the rigid solution leaves out; `None`: wheels do not float.
+    /// The bearings, which the rigid solution leaves out.
+    ///
+    /// # Errors
+    /// No wheel floats.
     fn bearings(&self) -> Result<Bearings, GearboxError> {
-        let gearbox = self.gearbox;
-        let mut bearings = Bearings::of(&gearbox.scene, &gearbox.geometry)
-            .ok_or_else(|| GearboxError::Geometry("no wheel floats".to_owned()))?;
-        // A balance at rest has no friction.
-        bearings.law.drag_m = 0.0;
-        Ok(bearings)
+        let none = || GearboxError::Geometry("no wheel floats".to_owned());
+        self.bearings.clone().ok_or_else(none)
     }
 
     fn size(&self, load: f64, bearings: &Bearings) -> Size {
