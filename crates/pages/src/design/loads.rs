@@ -1,0 +1,152 @@
+//! Of a design's page: who carries the load, and what bearings take.
+
+use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Style};
+use pinwheel_studies::design::DesignResult;
+use pinwheel_timeseries::table::Table;
+
+use super::{Drawn, SHOWN, chart, degrees, figure, line, of_design};
+
+/// What carries wheels on the output's side.
+fn inner(found: &DesignResult) -> &'static str {
+    match found.scene.cranks {
+        Some(_) => "Crank bearings",
+        None => "Internal pins",
+    }
+}
+
+/// Force over place, of external pins, and of internal ones or crank bearings.
+pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
+    let of = |(stage, title): (usize, &str)| {
+        let series = designs.iter().enumerate().map(|(k, (_, found))| {
+            let sharing = &found.sharing[stage];
+            // Places at which no pose has a touching pin are not zeros of a curve.
+            let all = sharing.place_deg.iter().zip(&sharing.force_n);
+            let (x, y): (Vec<f64>, Vec<f64>) = all.filter(|(_, force)| **force > 0.0).unzip();
+            of_design(designs, k, (0, "largest force"), line(&x, &y))
+        });
+        let note = match designs {
+            [(_, found)] => {
+                let touching = figure(found.sharing[stage].touching.mean);
+                match (stage, found.scene.cranks) {
+                    (1, Some(_)) => format!("{touching} bearings of a wheel carry on average."),
+                    _ => format!("{touching} pins touch a wheel on average."),
+                }
+            }
+            _ => String::new(),
+        };
+        let (x, y) = ("Place of the pin from the eccentric (degrees)", "Force (N)");
+        Chart {
+            note,
+            ..chart(title, x, y, series.collect())
+        }
+    };
+    let inner = designs
+        .first()
+        .map_or("Internal pins", |(_, found)| inner(found));
+    let stages = ["External pins", inner].into_iter().enumerate();
+    stages.map(of).collect()
+}
+
+pub(super) fn sharing(found: &DesignResult) -> Section {
+    // Cranks carry no pins.
+    let kinds = if found.scene.cranks.is_some() { 1 } else { 2 };
+    let sharing = ["external", "internal"].into_iter().zip(&found.sharing);
+    let sharing = sharing.take(kinds);
+    let rows = sharing
+        .zip(&found.pressure)
+        .map(|((pins, force), pressure)| (pins, force, pressure));
+    let contacts = Table::of("Contacts under the rated load", rows)
+        .text("", "Pins", |(pins, ..)| *pins)
+        .number("", "Largest force", |(_, of, _)| of.largest_force_n.max)
+        .unit("N")
+        .shown(SHOWN)
+        .number("", "Largest pressure", |(.., of)| 1e-6 * of.largest_pa)
+        .unit("MPa")
+        .shown(SHOWN)
+        .number("", "at", |(.., of)| of.largest_at_deg)
+        .unit("degrees")
+        .shown(SHOWN)
+        .number("", "Largest sliding", |(.., of)| of.sliding_m_s)
+        .unit("m/s")
+        .shown(SHOWN)
+        .number("", "p v", |(.., of)| 1e-6 * of.pressure_sliding_w_m2)
+        .unit("MPa m/s")
+        .shown(SHOWN);
+    Section::new(
+        "contacts",
+        "Load sharing and pressure",
+        [
+            Block::text(
+                "Forces of all wheels and poses under the rated load, by where the pin stands from the wheel's eccentric. Pressure is that of a \
+                 line contact after Hertz over the face width; the edges of wheels and pins are left out, and press harder. Sliding is that of the \
+                 wheel on pins that do not turn.",
+            ),
+            Block::Charts(sharing_charts(&[("", found)])),
+            contacts.done().into(),
+        ],
+    )
+}
+
+/// Force on the bearing of wheel 0 over the period of each.
+pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
+    let mut series = Vec::new();
+    for (k, (_, found)) in designs.iter().enumerate() {
+        let Some(bearing) = found.bearings.first() else {
+            continue;
+        };
+        let turn = degrees(&found.input_angle_rad);
+        for (part, force) in [
+            ((0, "away from the input's axis"), &bearing.radial_n),
+            ((1, "around the input's axis"), &bearing.tangential_n),
+        ] {
+            series.push(of_design(designs, k, part, line(&turn, force)));
+        }
+    }
+    chart(
+        "Force on the wheel's bearing",
+        "Input angle (degrees)",
+        "Force (N)",
+        series,
+    )
+}
+
+/// Harmonics of the part that only loads the bearing.
+fn bearing_orders(found: &DesignResult) -> Chart {
+    let wheel = found.bearings.iter().take(1);
+    let harmonics = wheel.flat_map(|bearing| &bearing.radial_harmonics);
+    let (orders, sizes): (Vec<f64>, Vec<f64>) =
+        harmonics.map(|h| (h.input_order, h.amplitude_n)).unzip();
+    let points = Series::line("away from the input's axis", orders, sizes).styled(Style::Points);
+    let x = Axis::linear("Cycles per turn of the input");
+    Chart::new(
+        "Orders of the force",
+        x,
+        Axis::log("Amplitude (N)"),
+        vec![points],
+    )
+}
+
+pub(super) fn bearings(found: &DesignResult) -> Section {
+    let (title, carried) = match found.scene.cranks {
+        Some(_) => (
+            "Force on a wheel",
+            "What the contacts press on a wheel, the bearings of its cranks carry together, beside what turns the output.",
+        ),
+        None => (
+            "Bearing of the eccentric",
+            "What the contacts press on a wheel, its bearing carries on the eccentric. The part around the axis makes the driver's torque; \
+             the part away from it only loads the bearing.",
+        ),
+    };
+    Section::new(
+        "bearings",
+        title,
+        [
+            Block::Text(format!(
+                "{carried} Wheel 0 of {}; the others follow a share of a turn later.",
+                found.bearings.len()
+            )),
+            Block::Charts(vec![bearing_chart(&[("", found)]), bearing_orders(found)]),
+        ],
+    )
+}
