@@ -153,12 +153,24 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
             "give stiffness_n_m, or rollers and roller_length_m",
         ));
     }
-    if contact.internal_stiffness_multiplier.is_some() || contact.internal_spring_n_m.is_some() {
+    let bearings = &scene.bearings;
+    let of_sleeves = [
+        (
+            "contact.internal_spring_n_m",
+            contact.internal_spring_n_m.is_some(),
+        ),
+        (
+            "contact.internal_stiffness_multiplier",
+            contact.internal_stiffness_multiplier.is_some(),
+        ),
+        (
+            "bearings.internal_sleeve_stiffness_n_m",
+            bearings.internal_sleeve_stiffness_n_m.is_some(),
+        ),
+    ];
+    if let Some((key, _)) = of_sleeves.iter().find(|(_, is_given)| *is_given) {
         return Err(Fault::new(
-            &[
-                "contact.internal_spring_n_m",
-                "contact.internal_stiffness_multiplier",
-            ],
+            &[key],
             "is for internal sleeves, and an RV gear has none".to_owned(),
             "leave it out",
         ));
@@ -198,6 +210,11 @@ mod tests {
             ("cranks.count", "1", "cranks.count"),
             ("gear.errors.hole_radius_m", "[-1e-6,0,0,0]", "clearance"),
             ("contact.internal_spring_n_m", "1e8", "internal sleeves"),
+            (
+                "bearings.internal_sleeve_stiffness_n_m",
+                "1e8",
+                "internal sleeves",
+            ),
         ] {
             let said = told(key, value);
             assert!(said.contains(wanted), "{key}: {said}");

@@ -39,7 +39,7 @@ impl Seals {
         let bearings = &scene.bearings;
         let torques = [bearings.input_seal_n_m, bearings.output_seal_n_m];
         let bodies = [Layout::INPUT, Layout::OUTPUT];
-        let slow = [1.0, 1.0 / scene.gear.lobes() as f64];
+        let slow = [1.0, 1.0 / scene.ratio()];
         torques.iter().any(Option::is_some).then(|| {
             Self([0, 1].map(|k| Seal {
                 body: bodies[k],
