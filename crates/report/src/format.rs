@@ -41,8 +41,9 @@ pub fn relative_or_none(value: Option<f64>) -> String {
     value.map_or_else(|| NONE.to_owned(), relative)
 }
 
-/// A limit: the digits it was written with.
+/// A limit: the digits it was written with, at most three, as of one that is computed.
 pub fn limit(value: f64) -> String {
+    let value: f64 = format!("{value:.2e}").parse().unwrap_or(value);
     if value >= 1e-3 {
         return format!(
             "{}\u{202f}%",
@@ -248,6 +249,7 @@ mod tests {
         assert_eq!(limit(1.5e-2), "1.5\u{202f}%");
         assert_eq!(limit(2.5e-9), "2.5\u{b7}10\u{207b}\u{2079}");
         assert_eq!(limit(0.1), "10\u{202f}%");
+        assert_eq!(limit(5.459_159e-5), "5.46\u{b7}10\u{207b}\u{2075}");
     }
 
     #[test]

@@ -33,13 +33,21 @@ pub struct PinLaw {
 }
 
 impl PinLaw {
+    /// The law of sleeves that sit on nothing that bends, as external ones do.
+    #[must_use]
+    #[inline(always)]
+    pub fn on_rigid_pin(self) -> Self {
+        let pin_n_m = None;
+        Self { pin_n_m, ..self }
+    }
+
     /// As [`NormalLaw::force`], of a sleeve on such a pin; `penetration` and `rate` are those of contact and pin together.
     #[must_use]
     #[inline(always)]
     pub fn force<R: OnPin>(&self, stiffness: R, penetration: R, rate: R) -> R {
         match self.pin_n_m {
             None => self.law.force(stiffness, penetration, rate),
-            Some(pin) => R::on_pin(&self.law, pin, [stiffness, penetration, rate])[0],
+            Some(_) => self.observed(stiffness, penetration, rate)[0],
         }
     }
 
@@ -47,46 +55,49 @@ impl PinLaw {
     #[must_use]
     #[inline(always)]
     pub fn observed<R: OnPin>(&self, stiffness: R, penetration: R, rate: R) -> [R; 3] {
-        match self.pin_n_m {
-            None => self.law.observed(stiffness, penetration, rate),
-            Some(pin) => R::on_pin(&self.law, pin, [stiffness, penetration, rate]),
-        }
+        R::observed(self, [stiffness, penetration, rate])
     }
 }
 
-/// Numbers that know the force on a bending pin.
+/// Numbers that know a contact on its pin. A function of its own: it is large and called from many places.
 pub trait OnPin: Real {
     /// Force at a rate and at rest, N, and energy stored, J, at a stiffness, a penetration and a rate.
-    fn on_pin(law: &Law, pin: f64, contact: [Self; 3]) -> [Self; 3];
+    fn observed(law: &PinLaw, contact: [Self; 3]) -> [Self; 3];
 }
 
 impl OnPin for f64 {
     #[inline(never)]
-    fn on_pin(law: &Law, pin: f64, contact: [Self; 3]) -> [Self; 3] {
-        series(law, pin, contact)
+    fn observed(law: &PinLaw, contact: [Self; 3]) -> [Self; 3] {
+        observed(law, contact)
     }
 }
 
 impl<S: Simd> OnPin for Lanes<S> {
     #[inline(always)]
-    fn on_pin(law: &Law, pin: f64, contact: [Self; 3]) -> [Self; 3] {
-        contact[0].simd().vectorize(InSeries { law, pin, contact })
+    fn observed(law: &PinLaw, contact: [Self; 3]) -> [Self; 3] {
+        contact[0].simd().vectorize(Observed { law, contact })
     }
 }
 
-/// A function of its own: it is large and called from many places.
-struct InSeries<'a, S: Simd> {
-    law: &'a Law,
-    pin: f64,
+struct Observed<'a, S: Simd> {
+    law: &'a PinLaw,
     contact: [Lanes<S>; 3],
 }
 
-impl<S: Simd> WithSimd for InSeries<'_, S> {
+impl<S: Simd> WithSimd for Observed<'_, S> {
     type Output = [Lanes<S>; 3];
 
     #[inline(always)]
     fn with_simd<T: Simd>(self, _simd: T) -> Self::Output {
-        series(self.law, self.pin, self.contact)
+        observed(self.law, self.contact)
+    }
+}
+
+#[inline(always)]
+fn observed<R: Real>(law: &PinLaw, [stiffness, penetration, rate]: [R; 3]) -> [R; 3] {
+    match law.pin_n_m {
+        None => law.law.observed(stiffness, penetration, rate),
+        Some(pin) => series(&law.law, pin, [stiffness, penetration, rate]),
     }
 }
 

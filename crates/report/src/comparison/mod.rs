@@ -254,7 +254,7 @@ impl<'a> Page<'a> {
             let table = table
                 .number("", "Efficiency", |(_, figures)| percent(figures.efficiency))
                 .unit("%")
-                .text("", "if none, why", |(_, figures)| {
+                .text("", "no efficiency, because", |(_, figures)| {
                     figures.efficiency_reason.clone().unwrap_or_default()
                 });
             let table = table.done().without_empty().into();

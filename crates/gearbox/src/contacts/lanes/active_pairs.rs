@@ -21,10 +21,11 @@ impl Sink for ActivePairs<'_, '_> {
     fn group<S: Simd>(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let touching = &group.touching;
         let arm = group.arm();
-        let relative = group.relative_velocity::<true>(simd, wheel);
+        let relative = group.relative_velocity(simd, wheel, true);
         let normal_rate = relative.dot(touching.normal);
         let tangential_rate = relative.dot(touching.normal.turned());
-        let pressure = group.force(&self.law, touching.penetration, normal_rate);
+        let (stiffness, depth) = (touching.stiffness, touching.penetration);
+        let [pressure, ..] = group.law(&self.law).observed(stiffness, depth, normal_rate);
         let along = group.along(&self.law);
         let frame = WheelFrame {
             centre: wheel.centre.lane(0),

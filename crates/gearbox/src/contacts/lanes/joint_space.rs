@@ -32,7 +32,7 @@
 
 use std::mem::take;
 
-use pinwheel_contact::{Complex, ComplexLanes, Lanes, Law, Mask, NormalLaw, PinLaw, Real};
+use pinwheel_contact::{Complex, ComplexLanes, Lanes, Mask, NormalLaw, PinLaw, Real};
 use pinwheel_mbs::{self as mbs, BodyState, ContactEnergy, Wrench};
 use pulp::Simd;
 
@@ -282,7 +282,7 @@ impl JointSpace {
             stored: nothing,
             dissipated: nothing,
         };
-        self.external::<S, LOADS, FLOATS>(simd, &law.law, shapes, bodies, &mut sums);
+        self.external::<S, LOADS, FLOATS>(simd, &law.on_rigid_pin(), shapes, bodies, &mut sums);
         self.internal::<S, LOADS, FLOATS>(simd, law, shapes, bodies, output, &mut sums);
         if LOADS && let Some(loads) = &mut found.loads {
             if sums.on_sleeves {
@@ -455,7 +455,7 @@ impl JointSpace {
     fn external<S: Simd, const LOADS: bool, const FLOATS: bool>(
         &mut self,
         simd: S,
-        law: &Law,
+        law: &PinLaw,
         shapes: &Shapes,
         bodies: &[BodyState],
         sums: &mut Sums<S>,
@@ -490,12 +490,12 @@ impl JointSpace {
                 let observed = law.observed(stiffness, foot.depth, closing);
                 sums.add_energy(observed, closing, inside)
             } else {
-                law.force(stiffness, foot.depth, closing)
+                law.law.force(stiffness, foot.depth, closing)
             };
             let pressure = force.only(inside);
             let mut moment = (wheel_lever * force).only(inside);
             let mut beside = None;
-            if let Some(along) = law.along(stiffness, foot.depth) {
+            if let Some(along) = law.law.along(stiffness, foot.depth) {
                 let slopes = shapes.stiffness_slopes(&foot, stiffness);
                 // A, whose lever is -P.n = (C.T + r.T)/sqrt(g).
                 let along = -(slopes.along * along).only(inside);

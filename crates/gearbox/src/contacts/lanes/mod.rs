@@ -129,23 +129,19 @@ impl LaneField {
         });
     }
 
-    fn sum<const FRICTION: bool, const ENERGY: bool>(
-        &mut self,
-        bodies: &[BodyState],
-        sums: &mut Sums<'_>,
-    ) {
+    fn sum(&mut self, bodies: &[BodyState], sums: &mut Sums<'_>) {
         let Some(loads) = sums.loads.as_deref_mut() else {
             return;
         };
-        let mut energy = ContactEnergy::default();
-        let sink = Loads::<FRICTION, ENERGY> {
+        let mut energy = sums.wants_energy.then(ContactEnergy::default);
+        let sink = Loads {
             law: self.law,
             friction: self.friction,
             loads,
-            energy: &mut energy,
+            energy: energy.as_mut(),
         };
         self.pair_loop(bodies, sink);
-        sums.energy = ENERGY.then_some(energy);
+        sums.energy = energy;
     }
 
     /// Moments, and loads if they are asked for, of bodies whose joints hold them. Nothing rubs.
@@ -182,11 +178,7 @@ impl LaneField {
         if all != free && all != free + places || slopes.position.is_none() {
             return false;
         }
-        if has_friction {
-            if let Some(sink) = Slopes::<true>::new(law, friction, layout, bodies, slopes) {
-                self.pair_loop(bodies, sink);
-            }
-        } else if let Some(sink) = Slopes::<false>::new(law, friction, layout, bodies, slopes) {
+        if let Some(sink) = Slopes::new(law, friction, layout, bodies, slopes) {
             self.pair_loop(bodies, sink);
         }
         true
@@ -209,12 +201,7 @@ impl ContactField for LaneField {
         if !is_told || !self.add_slopes(bodies, sums) {
             return false;
         }
-        match (self.friction.coefficient > 0.0, sums.wants_energy) {
-            (false, false) => self.sum::<false, false>(bodies, sums),
-            (false, true) => self.sum::<false, true>(bodies, sums),
-            (true, false) => self.sum::<true, false>(bodies, sums),
-            (true, true) => self.sum::<true, true>(bodies, sums),
-        }
+        self.sum(bodies, sums);
         true
     }
 

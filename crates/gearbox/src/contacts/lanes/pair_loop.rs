@@ -83,14 +83,13 @@ impl<S: Simd> Group<'_, S> {
         self.touching.point - self.p
     }
 
-    /// F where the sleeves close at this rate, in lanes that touch.
+    /// The law of the group's contacts.
     #[inline(always)]
-    pub(super) fn force(&self, law: &PinLaw, depth: Lanes<S>, closing: Lanes<S>) -> Lanes<S> {
-        let stiffness = self.touching.stiffness;
+    pub(super) fn law(&self, law: &PinLaw) -> PinLaw {
         if self.external {
-            law.law.force(stiffness, depth, closing)
+            law.on_rigid_pin()
         } else {
-            law.force(stiffness, depth, closing)
+            *law
         }
     }
 
@@ -107,15 +106,16 @@ impl<S: Simd> Group<'_, S> {
     /// Velocity of the sleeves relative to the wheel at W, in the wheel's frame; see `Pairs::load`.
     /// A sleeve's spin moves W across the normal only: without friction it may be left out.
     #[inline(always)]
-    pub(super) fn relative_velocity<const SPIN: bool>(
+    pub(super) fn relative_velocity(
         &self,
         simd: S,
         wheel: &Wheel<S>,
+        spin: bool,
     ) -> ComplexLanes<S> {
         let relative = self.sleeves.velocity.load(simd, self.from) * wheel.back
             - wheel.velocity
             - self.touching.point.turned().scale(wheel.rate);
-        if SPIN {
+        if spin {
             let rate = Lanes::load(simd, &self.sleeves.rate[self.from..]);
             self.arm().turned().scale_add(rate, relative)
         } else {

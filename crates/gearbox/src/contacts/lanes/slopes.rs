@@ -20,7 +20,7 @@
 //! and the moments are differentiated by the product rule. The slopes of the normal law are differences of the law itself,
 //! right to 1e-9, so that a law needs none of its own. Where friction or law have a kink, one side's slope counts.
 
-use pinwheel_contact::{ComplexLanes, Lanes, Law, NormalLaw, PinLaw, Real, RegularisedCoulomb};
+use pinwheel_contact::{ComplexLanes, Lanes, NormalLaw, PinLaw, Real, RegularisedCoulomb};
 use pinwheel_mbs::{Arrow, BodyState, Jacobian};
 use pulp::Simd;
 
@@ -29,7 +29,7 @@ use crate::Layout;
 use crate::contacts::pairs::{CLOSING, OUTPUT, PENETRATION_SHARE, STIFFNESS_SHARE, places};
 
 /// Adds the slopes of the moments about the pins to a Jacobian.
-pub(super) struct Slopes<'a, const FRICTION: bool> {
+pub(super) struct Slopes<'a> {
     law: PinLaw,
     friction: RegularisedCoulomb,
     position: &'a mut Arrow,
@@ -49,7 +49,7 @@ const CARRIER: usize = 1;
 const INPUT: usize = 2;
 const PLACE: usize = 2;
 
-impl<'a, const FRICTION: bool> Slopes<'a, FRICTION> {
+impl<'a> Slopes<'a> {
     /// `None` for a Jacobian that is not of second order.
     pub(super) fn new(
         law: PinLaw,
@@ -59,7 +59,7 @@ impl<'a, const FRICTION: bool> Slopes<'a, FRICTION> {
         slopes: &'a mut Jacobian,
     ) -> Option<Self> {
         let places = places(layout, slopes);
-        let hubs_or_bodies = if FRICTION {
+        let hubs_or_bodies = if friction.coefficient > 0.0 {
             layout.bodies() - 1
         } else {
             1 + layout.wheels
@@ -81,101 +81,92 @@ impl<'a, const FRICTION: bool> Slopes<'a, FRICTION> {
     }
 }
 
-/// A contact's normal force and its slopes.
+/// A contact's forces and their slopes; 0 where nothing touches.
 struct Pressure<S: Simd> {
     force: Lanes<S>,
-    by_stiffness: Lanes<S>,
     by_depth: Lanes<S>,
     by_closing: Lanes<S>,
-}
-
-impl<S: Simd> Pressure<S> {
-    #[inline(always)]
-    fn new(law: &PinLaw, group: &Group<'_, S>, closing: Lanes<S>) -> Self {
-        let (touching, mask) = (&group.touching, group.touching.mask);
-        let (stiffness, depth) = (touching.stiffness, touching.penetration);
-        let c = |x: f64| depth.like(x);
-        let (more, less) = (c(1.0 + STIFFNESS_SHARE), c(1.0 - STIFFNESS_SHARE));
-        // All holes of a wheel are as stiff.
-        let by_stiffness = if group.external {
-            let law = &law.law;
-            let rise = law.force(stiffness * more, depth, closing)
-                - law.force(stiffness * less, depth, closing);
-            rise * (stiffness * c(2.0 * STIFFNESS_SHARE)).recip()
-        } else {
-            c(0.0)
-        };
-        let (more, less) = (c(1.0 + PENETRATION_SHARE), c(1.0 - PENETRATION_SHARE));
-        let by_depth = (group.force(law, depth * more, closing)
-            - group.force(law, depth * less, closing))
-            * (depth * c(2.0 * PENETRATION_SHARE)).recip();
-        let by_closing = (group.force(law, depth, closing + c(CLOSING))
-            - group.force(law, depth, closing - c(CLOSING)))
-            * c(0.5 / CLOSING);
-        Self {
-            force: group.force(law, depth, closing).only(mask),
-            by_stiffness: by_stiffness.only(mask),
-            by_depth: by_depth.only(mask),
-            by_closing: by_closing.only(mask),
-        }
-    }
-}
-
-/// How K grows along the profile, and the force that some laws have there.
-struct Profile<S: Simd> {
-    stiffening: Lanes<S>,
+    /// By the way along the profile.
+    by_path: Lanes<S>,
     centre: Option<Centre<S>>,
 }
 
-/// A force on the sleeves' centres along t and its slopes by the way along t and by the depth; 0 where nothing touches.
+/// The force that some laws have on the sleeves' centres along t, and its slopes by the way along t and by the depth.
 struct Centre<S: Simd> {
     force: Lanes<S>,
     by_path: Lanes<S>,
     by_depth: Lanes<S>,
 }
 
-impl<S: Simd> Profile<S> {
+/// The law at a stiffness, a depth and a rate. A function of its own: it is large, and one inlined for each difference would
+/// be most of the code of all kernels.
+struct At<'a, S: Simd> {
+    law: &'a PinLaw,
+    contact: [Lanes<S>; 3],
+}
+
+impl<S: Simd> pulp::WithSimd for At<'_, S> {
+    /// The force, and what stands along the profile.
+    type Output = (Lanes<S>, Option<Lanes<S>>);
+
     #[inline(always)]
-    fn new(law: &Law, group: &Group<'_, S>) -> Self {
+    fn with_simd<T: Simd>(self, _simd: T) -> Self::Output {
+        let [stiffness, depth, closing] = self.contact;
+        (
+            self.law.force(stiffness, depth, closing),
+            self.law.law.along(stiffness, depth),
+        )
+    }
+}
+
+impl<S: Simd> Pressure<S> {
+    #[inline(always)]
+    fn new(simd: S, law: &PinLaw, group: &Group<'_, S>, closing: Lanes<S>) -> Self {
         let (touching, mask) = (&group.touching, group.touching.mask);
-        let depth = touching.penetration;
-        let c = |x: f64| depth.like(x);
-        let Some(foot) = touching.foot.as_ref() else {
-            return Self {
-                stiffening: c(0.0),
-                centre: None,
-            };
+        let (stiffness, depth) = (touching.stiffness, touching.penetration);
+        let (c, law) = (|x: f64| depth.like(x), &group.law(law));
+        let at = |stiffness, depth, closing| {
+            let contact = [stiffness, depth, closing];
+            simd.vectorize(At { law, contact })
         };
-        let stiffness = touching.stiffness;
-        let slopes = group.shapes.stiffness_slopes(foot, stiffness);
+        let here = at(stiffness, depth, closing);
         let (more, less) = (c(1.0 + PENETRATION_SHARE), c(1.0 - PENETRATION_SHARE));
-        let (stiffer, softer) = (c(1.0 + STIFFNESS_SHARE), c(1.0 - STIFFNESS_SHARE));
-        let all = (
-            law.along(stiffness, depth),
-            law.along(stiffness, depth * more),
-            law.along(stiffness, depth * less),
-            law.along(stiffness * stiffer, depth),
-            law.along(stiffness * softer, depth),
-        );
-        let centre = if let (Some(along), Some(more), Some(less), Some(stiffer), Some(softer)) = all
+        let deeper = at(stiffness, depth * more, closing);
+        let flatter = at(stiffness, depth * less, closing);
+        let over_depth = (depth * c(2.0 * PENETRATION_SHARE)).recip();
+        let faster = at(stiffness, depth, closing + c(CLOSING)).0;
+        let slower = at(stiffness, depth, closing - c(CLOSING)).0;
+        let mut all = Self {
+            force: here.0.only(mask),
+            by_depth: ((deeper.0 - flatter.0) * over_depth).only(mask),
+            by_closing: ((faster - slower) * c(0.5 / CLOSING)).only(mask),
+            by_path: c(0.0),
+            centre: None,
+        };
+        // All holes of a wheel are as stiff.
+        let Some(foot) = touching.foot.as_ref() else {
+            return all;
+        };
+        let slopes = group.shapes.stiffness_slopes(foot, stiffness);
+        let stiffer = at(stiffness * c(1.0 + STIFFNESS_SHARE), depth, closing);
+        let softer = at(stiffness * c(1.0 - STIFFNESS_SHARE), depth, closing);
+        let over_stiffness = (stiffness * c(2.0 * STIFFNESS_SHARE)).recip();
+        all.by_path = (slopes.along * (stiffer.0 - softer.0) * over_stiffness).only(mask);
+        if let (Some(along), Some(deeper), Some(flatter), Some(stiffer), Some(softer)) =
+            (here.1, deeper.1, flatter.1, stiffer.1, softer.1)
         {
-            let rise = (more - less) * (depth * c(2.0 * PENETRATION_SHARE)).recip();
-            let by_stiffness = (stiffer - softer) * (stiffness * c(2.0 * STIFFNESS_SHARE)).recip();
+            let by_stiffness = (stiffer - softer) * over_stiffness;
             let bend = slopes.bend * along + slopes.along * slopes.along * by_stiffness;
             // K' itself grows with the depth, as the way of the centre shrinks against the foot's: by -b of it.
+            let rise = (deeper - flatter) * over_depth;
             let by_depth = slopes.along * (touching.turning * along - rise);
-            Some(Centre {
+            all.centre = Some(Centre {
                 force: -(slopes.along * along).only(mask),
                 by_path: -bend.only(mask),
                 by_depth: by_depth.only(mask),
-            })
-        } else {
-            None
-        };
-        Self {
-            stiffening: slopes.along.only(mask),
-            centre,
+            });
         }
+        all
     }
 }
 
@@ -185,7 +176,11 @@ type Moments<S> = [Lanes<S>; 3];
 /// Slopes of the force on a wheel that floats, along n and along t.
 type Force<S> = [Lanes<S>; 2];
 
-impl<const FRICTION: bool> Slopes<'_, FRICTION> {
+impl Slopes<'_> {
+    fn rubs(&self) -> bool {
+        self.friction.coefficient > 0.0
+    }
+
     /// Adds a column of slopes, of the angle or rate `of` a hub, or of the time.
     #[inline(always)]
     fn add<S: Simd>(
@@ -200,7 +195,7 @@ impl<const FRICTION: bool> Slopes<'_, FRICTION> {
         for (&row, moment) in rows.iter().zip(column).take(count) {
             self.put(target, row, moment.sum());
         }
-        if FRICTION {
+        if self.rubs() {
             for (k, &value) in column[2].as_slice().iter().enumerate() {
                 if value != 0.0 {
                     self.put(target, self.sleeve(group, k), value);
@@ -249,7 +244,7 @@ enum Target {
     Time,
 }
 
-impl<const FRICTION: bool> Sink for Slopes<'_, FRICTION> {
+impl Sink for Slopes<'_> {
     #[inline(always)]
     fn group<S: Simd>(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let (touching, mask) = (&group.touching, group.touching.mask);
@@ -259,7 +254,6 @@ impl<const FRICTION: bool> Sink for Slopes<'_, FRICTION> {
         let (p, centre) = (group.p, wheel.centre * wheel.back);
         let z = p + centre;
         let zero = p.re.like(0.0);
-        let profile = Profile::new(&self.law.law, &group);
         let (along, across, beside) = (p.dot(n), p.cross(n), p.dot(t));
         let (centre_along, centre_across) = (centre.dot(n), centre.cross(n));
         let rho = group.arm().dot(n).only(mask);
@@ -276,17 +270,17 @@ impl<const FRICTION: bool> Sink for Slopes<'_, FRICTION> {
             - wheel.velocity
             - p.turned().scale(wheel.rate);
         let (closing, passing) = (velocity.dot(n), velocity.dot(t));
-        let spin = if FRICTION {
+        let spin = if self.rubs() {
             Lanes::load(simd, &group.sleeves.rate[group.from..]) - wheel.rate
         } else {
             zero
         };
-        let pressure = Pressure::new(&self.law, &group, closing);
+        let pressure = Pressure::new(simd, &self.law, &group, closing);
         let force = pressure.force;
         // T = -mu F g, and its slopes by F and by v_t.
         let one = zero.like(1.0);
         let (mut drag, mut drag_by_force, mut drag_by_slip) = (zero, zero, zero);
-        if FRICTION {
+        if self.rubs() {
             let share = rho.mul_add(spin, passing) * one.like(1.0 / self.friction.ramp);
             let sticking = one.only(share.abs().less(one));
             drag_by_force = share.max(-one).min(one) * one.like(-self.friction.coefficient);
@@ -338,9 +332,8 @@ impl<const FRICTION: bool> Sink for Slopes<'_, FRICTION> {
                 faster = -closing;
             }
             faster = faster - tilt * closing - depth * spin;
-            let push = pressure.by_stiffness * profile.stiffening * path
-                + pressure.by_depth * depth
-                + pressure.by_closing * slower;
+            let push =
+                pressure.by_path * path + pressure.by_depth * depth + pressure.by_closing * slower;
             let pull = drag_by_force * push + drag_by_slip * faster;
             let mut on_wheel = -(push * normal_levers[WHEEL]) - force * (path - tilt * along)
                 + pull * wheel_lever
@@ -350,7 +343,7 @@ impl<const FRICTION: bool> Sink for Slopes<'_, FRICTION> {
                 force,
                 by_path,
                 by_depth,
-            }) = profile.centre
+            }) = pressure.centre
             {
                 (at_centre, more_at_centre) = (force, by_path * path + by_depth * depth);
                 on_wheel =
@@ -389,7 +382,7 @@ impl<const FRICTION: bool> Sink for Slopes<'_, FRICTION> {
             self.add(Target::Rate(of), &group, hub, column);
             self.add_force(Target::Rate(of), wheel, [n, t], [push, -pull]);
         }
-        if FRICTION {
+        if self.rubs() {
             let pull = drag_by_slip * rho;
             let rows = [pull * wheel_lever, pull * levers[CARRIER], pull * rho];
             for k in 0..Lanes::<S>::COUNT {
