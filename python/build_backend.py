@@ -32,7 +32,9 @@ def _program() -> None:
     asked = re.search(r"--profile[ =](\S+)", os.environ.get("MATURIN_PEP517_ARGS", ""))
     profile = asked[1] if asked else "release"
     packages = [word for name in MADE for word in ("-p", name)]
-    subprocess.run(["cargo", "build", "--locked", "--profile", profile, *packages], cwd=HERE.parent, check=True)
+    # With what the module is compiled with too, so that most is compiled once.
+    command = ["cargo", "build", "--locked", "--profile", profile, *packages, "--features", "pinwheel-cli/module"]
+    subprocess.run(command, cwd=HERE.parent, check=True)
     target = Path(os.environ.get("CARGO_TARGET_DIR", HERE.parent / "target")) / ("debug" if profile == "dev" else profile)
     place = HERE / "pinwheel/bin"
     shutil.rmtree(place, ignore_errors=True)

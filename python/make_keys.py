@@ -6,8 +6,8 @@ import json
 import re
 from pathlib import Path
 
-from pinwheel import _core
-from pinwheel._scene import TABLES, Scene
+from pinwheel import _core, gear
+from pinwheel._scene import TABLES
 
 HEAD = '''"""Types of a scene's keys; written by `python/make_keys.py` from the program's table of keys."""
 
@@ -46,9 +46,13 @@ def leaves(schema: dict, prefix: str = "") -> dict[str, dict]:
 
 
 def columns() -> list[str]:
-    """Names that a run answers to: its columns, numbered ones by the name they share; not those of single wheels."""
-    run = Scene("paper", duration_s=2e-4, channels=["*"]).run("native", check=False)
-    return [name for name in run if not re.match(r"wheel_\d", name)]
+    """Names that a run answers to, of a gear as large as most: all but those of single pins and of single pairs, which are
+    too many to read in a message; their shared names are there.
+    """
+    large = gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500, wheels=3, output_pins=16)
+    run = large.with_(duration_s=1e-5, sample_s=1e-5, channels=["*"]).run("native", check=False)
+    single = re.compile(r"wheel_\d_.*_\d+|.*_pin_force.*_\d+")
+    return list(dict.fromkeys([*run, *(name for name in run.columns.names if not single.fullmatch(name))]))
 
 
 def text() -> str:
@@ -75,7 +79,8 @@ def text() -> str:
     lines += ["Vary = TypedDict(", '    "Vary",', "    {"]
     lines += [f"        {json.dumps(name)}: Axis," for name in every]
     lines += ["    },", "    total=False,", ")", ""]
-    lines += ["# Columns of a run and channels that a scene may ask for.", "Column: TypeAlias = Literal["]
+    lines += ["# Columns of a run, and channels; of 40 external and 16 internal sleeves and 3 wheels."]
+    lines += ["Column: TypeAlias = Literal["]
     lines += [*(f"    {json.dumps(name)}," for name in columns()), "]", ""]
     return "\n".join(lines)
 

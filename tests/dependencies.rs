@@ -17,30 +17,56 @@ struct Package {
     licence: String,
 }
 
+/// What `cargo tree` says of a build, a line a crate in that format; its complaint where it fails.
+fn tree(of: &[&str], format: &str) -> Result<BTreeSet<String>, String> {
+    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
+    let mut command = Command::new(&cargo);
+    command.current_dir(repository("."));
+    command.args(["tree", "--locked", "--edges", "normal,build"]);
+    command
+        .args(["--prefix", "none", "--format", format])
+        .args(of);
+    let output = command.output().expect("cargo runs");
+    if !output.status.success() {
+        return Err(String::from_utf8_lossy(&output.stderr).into_owned());
+    }
+    let lines = String::from_utf8_lossy(&output.stdout).into_owned();
+    let lines = lines.lines().map(|line| line.trim_end_matches(" (*)"));
+    Ok(lines.map(str::to_owned).collect())
+}
+
 /// What builds of this machine's kind are made of, with all features where their crates are at hand.
 fn packages() -> Vec<Package> {
-    let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
-    let mut said = String::new();
-    for features in [&["--all-features"][..], &["--offline"]] {
-        let mut command = Command::new(&cargo);
-        let tree = ["tree", "--workspace", "--locked", "--edges", "normal,build"];
-        command
-            .current_dir(repository("."))
-            .args(tree)
-            .args(features);
-        command.args(["--prefix", "none", "--format", "{p}|{l}"]);
-        let output = command.output().expect("cargo runs");
-        if output.status.success() {
-            let lines = String::from_utf8_lossy(&output.stdout).into_owned();
-            let lines: BTreeSet<&str> = lines
-                .lines()
-                .map(|line| line.trim_end_matches(" (*)"))
-                .collect();
-            return lines.iter().filter_map(|line| package(line)).collect();
-        }
-        said = String::from_utf8_lossy(&output.stderr).into_owned();
-    }
-    panic!("cargo tree fails: {said}");
+    let of = |features| tree(&["--workspace", features], "{p}|{l}");
+    let lines = of("--all-features").or_else(|_| of("--offline"));
+    let lines = lines.unwrap_or_else(|said| panic!("cargo tree fails: {said}"));
+    lines.iter().filter_map(|line| package(line)).collect()
+}
+
+/// The wheel holds the program and the module; what is dear to compile serves both.
+#[test]
+fn program_and_module_share_what_is_below_their_engines() {
+    let features = |of: &[&str]| -> BTreeMap<String, String> {
+        let lines = tree(of, "{p}|{f}").unwrap_or_else(|said| panic!("cargo tree fails: {said}"));
+        let pairs = lines.iter().filter_map(|line| line.split_once('|'));
+        pairs
+            .map(|(package, features)| (package.to_owned(), features.to_owned()))
+            .collect()
+    };
+    let program = ["pinwheel-cli", "pinwheel-fmu", "pinwheel-law"].map(|name| ["-p", name]);
+    let program = [
+        program.as_flattened(),
+        &["--features", "pinwheel-cli/module"],
+    ]
+    .concat();
+    let module = features(&["-p", "pinwheel-python"]);
+    let differ = features(&program)
+        .into_iter()
+        .filter(|(package, own)| module.get(package).is_some_and(|theirs| theirs != own));
+    let names: Vec<String> = differ
+        .filter_map(|(package, _)| Some(package.split(' ').next()?.to_owned()))
+        .collect();
+    assert_eq!(names, ["pinwheel", "pinwheel-engines"]);
 }
 
 /// `name v1.2.3 (where from)|licence`; a folder and `proc-macro` stand in brackets too.

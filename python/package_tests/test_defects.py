@@ -125,6 +125,51 @@ def test_keys_change_together(tmp_path):
     assert list(zip(found["gear.wheels"], found["drive.output_torque_n_m"], strict=True)) == [(1, 11.0), (2, 22.0)]
 
 
+def test_a_scene_is_read_once(monkeypatch):
+    import tomllib
+
+    scene, seen, read = Scene("paper"), [], tomllib.loads
+    monkeypatch.setattr(tomllib, "loads", lambda text: seen.append(text) or read(text))
+    assert {scene["gear.wheels"] for _ in range(100)} == {2} and len(seen) == 1
+    scene["gear"]["wheels"] = 3
+    assert scene["gear.wheels"] == 2, "what is handed out is a copy"
+
+
+def test_progress_never_runs_backwards(monkeypatch):
+    import tqdm
+
+    from pinwheel._progress import telling
+
+    made, seen = [], []
+    monkeypatch.setattr(tqdm, "tqdm", lambda **_: made.append(Bar()) or made[-1])
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+
+    class Bar:
+        n = 0.0
+
+        def set_postfix_str(self, text, refresh):
+            pass
+
+        def refresh(self):
+            seen.append(self.n / self.total)
+
+        def close(self):
+            seen.append("closed")
+
+    with telling(True, "sweep") as told:
+        # Two runs beside each other, then the next begins.
+        for done, simulated in ((0, 0.5), (0, 0.2), (1, 0.9), (1, 0.0), (2, 0.0)):
+            told(done, 2, "run", simulated, 1.0)
+    assert seen == [0.25, 0.25, 0.95, 0.95, 1.0, "closed"]
+
+
+def test_keys_and_columns_complete_by_tab():
+    run = SHORT.run("native", check=False)
+    assert {"backlash_m", "gear.backlash_m"} <= set(SHORT._ipython_key_completions_())
+    assert {"external_sleeve_force_n", "external_sleeve_force_n_3"} <= set(run._ipython_key_completions_())
+    assert "lost_motion_arcmin" in pinwheel.statics("steel")._ipython_key_completions_()
+
+
 def test_numbers_of_all_kinds():
     assert Scene("paper", wheels=2.0) == Scene("paper", wheels=np.float64(2)) == Scene("paper", wheels=2)
     assert Scene("paper", backlash_m=Decimal("0.0006")) == Scene("paper", backlash_m=6e-4)

@@ -31,8 +31,10 @@ def test_shapes_and_libraries():
     assert np.array_equal(run["external_sleeve_force_n"][:, 3], run["external_sleeve_force_n_3"])
     assert run["input_torque_n_m"].shape == run.time_s.shape == (101,)
     assert run.stats["bodies"] == 28 and run.resolution is not None
-    with pytest.raises(KeyError, match="did you mean `input_torque_n_m`"):
-        run["input_torque_nm"]
+    assert np.array_equal(run.column(f"external_sleeve_force_n_{3}"), run["external_sleeve_force_n_3"])
+    for ask in (run.column, run.__getitem__):
+        with pytest.raises(KeyError, match="did you mean `input_torque_n_m`"):
+            ask("input_torque_nm")
     with pytest.raises(ValueError, match="read-only"):
         run["input_torque_n_m"][0] = 0.0
     frame, polar, cube = run.to_pandas(), run.to_polars(), run.to_xarray()

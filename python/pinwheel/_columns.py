@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -53,11 +53,12 @@ def number(name: str) -> int:
     return int(name.rpartition("_")[2])
 
 
-class Columns(Mapping[str, Floats]):
+class Columns(Mapping["Column", Floats]):
     """Time series on common sample times.
 
     A name of a column gives an array (samples,); the name that numbered columns share gives (samples, columns), the
-    columns in the order of their numbers. Arrays are read-only views of one block.
+    columns in the order of their numbers. Arrays are read-only views of one block. Type checkers know the names;
+    `column` takes one that is made as the program runs.
 
     Attributes:
         names: Columns after `time_s`, each ending in its unit, and in a number where there are several
@@ -79,7 +80,11 @@ class Columns(Mapping[str, Floats]):
             if (match := _NUMBERED.fullmatch(name)) is not None:
                 self._groups.setdefault(match[1], []).append(k)
 
-    def __getitem__(self, name: Column | str) -> Floats:
+    def __getitem__(self, name: Column) -> Floats:
+        return self.column(name)
+
+    def column(self, name: str) -> Floats:
+        """The same of any name, such as `f"external_sleeve_force_n_{k}"`."""
         if name == "time_s":
             return self.time_s
         if name in self._index:
@@ -98,7 +103,7 @@ class Columns(Mapping[str, Floats]):
     def _ipython_key_completions_(self) -> list[str]:
         return [*self, *self.names]
 
-    def __iter__(self) -> Iterator[str]:
+    def __iter__(self) -> Iterator[Column]:
         yield "time_s"
         grouped = {k for group in self._groups.values() for k in group}
         seen: set[str] = set()
@@ -106,7 +111,7 @@ class Columns(Mapping[str, Floats]):
             short = _NUMBERED.sub(r"\1", name) if k in grouped else name
             if short not in seen:
                 seen.add(short)
-                yield short
+                yield cast("Column", short)
 
     def __len__(self) -> int:
         return sum(1 for _ in self)
@@ -177,7 +182,7 @@ def unit(name: str) -> str:
     return next((symbol for ending, symbol in UNITS.items() if base.endswith(ending)), "1")
 
 
-def plot(columns: Columns, names: tuple[str, ...], title: str, ax: Any) -> Any:
+def plot(columns: Columns, names: tuple[Column, ...], title: str, ax: Any) -> Any:
     """Draws columns over the time with matplotlib, into `ax` or a new figure; the axes, one for each column."""
     pyplot = wanted("matplotlib.pyplot", "plot")
     chosen = names or tuple(name for name in columns if name.endswith(("_n_m", "_force_n")))

@@ -28,10 +28,10 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Run(Mapping[str, Floats]):
+class Run(Mapping["Column", Floats]):
     """A run: time series, cost, and what is known of their uncertainty.
 
-    `run["external_sleeve_force_n"]` is an array (samples, sleeves); see `Columns` for the shapes.
+    `run["external_sleeve_force_n"]` is an array (samples, sleeves); see `Columns` for the shapes and names.
 
     Attributes:
         scene: what was run
@@ -94,10 +94,14 @@ class Run(Mapping[str, Floats]):
         """Remarks of the engine."""
         return list(self.stats["notes"])
 
-    def __getitem__(self, name: Column | str) -> Floats:
+    def __getitem__(self, name: Column) -> Floats:
         return self.columns[name]
 
-    def __iter__(self) -> Iterator[str]:
+    def column(self, name: str) -> Floats:
+        """The same of any name, such as `f"external_sleeve_force_n_{k}"`."""
+        return self.columns.column(name)
+
+    def __iter__(self) -> Iterator[Column]:
         return iter(self.columns)
 
     def __len__(self) -> int:
@@ -133,7 +137,7 @@ class Run(Mapping[str, Floats]):
         """Writes the program's `courses.csv`."""
         self.columns.to_csv(path)
 
-    def plot(self, *names: Column | str, ax: Any = None) -> Any:
+    def plot(self, *names: Column, ax: Any = None) -> Any:
         """Draws columns (torques and forces without names) over the time with matplotlib.
 
         `ax`: axes to draw into, one for each name; without it a new figure. The axes, or an array of them for several names.

@@ -78,8 +78,7 @@ impl Target {
             let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
             path.starts_with(target)
         };
-        let home = std::env::var_os("HOME").map(PathBuf::from);
-        let home = home.filter(|home| home.is_absolute());
+        let home = std::env::home_dir().filter(|home| home.is_absolute());
         let here = std::env::current_dir().ok();
         if here.into_iter().chain(home).any(|path| within(&path)) {
             return Err(self.refuse(

@@ -96,7 +96,7 @@ pub enum Begin {
 pub struct Journal {
     folder: PathBuf,
     /// Keep other processes from writing the same runs.
-    _owners: Vec<Owner>,
+    owners: Vec<Owner>,
     /// Folders of shards that are this journal's to remove.
     shards: Vec<PathBuf>,
     /// Where each identity's record and time series stand.
@@ -122,7 +122,7 @@ impl Journal {
         Ok(Self {
             known: Self::read(folder, earlier.into_iter().chain(others))?,
             folder: folder.to_owned(),
-            _owners: owners,
+            owners,
             shards,
         })
     }
@@ -183,7 +183,7 @@ impl Journal {
         Ok(Self {
             known: Self::read(&own, [folder].into_iter().chain(others))?,
             folder: own,
-            _owners: vec![owner],
+            owners: vec![owner],
             shards: Vec::new(),
         })
     }
@@ -246,8 +246,12 @@ impl Journal {
     ///
     /// # Errors
     /// A run cannot be removed.
-    pub fn remove(self) -> Result<(), SweepError> {
+    pub fn remove(mut self) -> Result<(), SweepError> {
         self.clear()?;
+        if !cfg!(unix) {
+            // Windows reads no marker that is locked, and would leave it as somebody else's.
+            self.owners.clear();
+        }
         for folder in self.folders() {
             if unlisted(folder, &[]).is_ok_and(|others| others.is_empty()) {
                 let _ = fs::remove_file(folder.join(MARKER));
