@@ -5,7 +5,9 @@ use std::ops::Range;
 
 use pinwheel_timeseries::norms::{Statistics, View};
 use pinwheel_timeseries::sampling;
-use pinwheel_timeseries::{ABOVE_ONE, CREATED, NO_LOSS, TimeSeries, efficiency as ratio, mean_powers};
+use pinwheel_timeseries::{
+    ABOVE_ONE, CREATED, NO_LOSS, TimeSeries, efficiency as ratio, mean_powers,
+};
 
 use crate::comparison::{EngineEntry, EngineSummary, Figures, RefinementSummary};
 use crate::judge::Judge;

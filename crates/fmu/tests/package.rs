@@ -75,7 +75,14 @@ fn bad_input_a_library_that_is_not_there() {
 #[test]
 fn hard_entries_are_those_of_the_standard() {
     let long = "n".repeat(100);
-    let names = ["paper", "../../x", "a\\b/c:d*?", "\u{202e}xml.exe", "1", &long];
+    let names = [
+        "paper",
+        "../../x",
+        "a\\b/c:d*?",
+        "\u{202e}xml.exe",
+        "1",
+        &long,
+    ];
     for name in names {
         let set = format!("name={name}");
         let package = Package::new(&gearbox("paper", &[&set]), &library(), imprint());
@@ -99,15 +106,32 @@ fn hard_entries_are_those_of_the_standard() {
         let (_, rest) = description.split_once("modelIdentifier=\"").expect("named");
         let (identifier, _) = rest.split_once('"').expect("named");
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        assert!(identifier.chars().all(plain) && identifier.len() <= 64, "{identifier}");
-        assert!(!identifier.starts_with(|c: char| c.is_ascii_digit()), "{identifier}");
+        assert!(
+            identifier.chars().all(plain) && identifier.len() <= 64,
+            "{identifier}"
+        );
+        assert!(
+            !identifier.starts_with(|c: char| c.is_ascii_digit()),
+            "{identifier}"
+        );
         let file = format!("{identifier}{}", std::env::consts::DLL_SUFFIX);
-        let wanted = ["documentation/index.html", "modelDescription.xml", "resources/scene.toml"];
-        let (library, others): (Vec<&String>, Vec<&String>) =
-            entries.keys().partition(|entry| entry.starts_with("binaries/"));
+        let wanted = [
+            "documentation/index.html",
+            "modelDescription.xml",
+            "resources/scene.toml",
+        ];
+        let (library, others): (Vec<&String>, Vec<&String>) = entries
+            .keys()
+            .partition(|entry| entry.starts_with("binaries/"));
         assert_eq!(others, wanted, "{name}");
-        assert!(matches!(library[..], [one] if one.ends_with(&format!("/{file}"))), "{library:?}");
-        assert!(entries[library[0]] == fs::read(self::library()).expect("there"), "{name}");
+        assert!(
+            matches!(library[..], [one] if one.ends_with(&format!("/{file}"))),
+            "{library:?}"
+        );
+        assert!(
+            entries[library[0]] == fs::read(self::library()).expect("there"),
+            "{name}"
+        );
     }
 }
 

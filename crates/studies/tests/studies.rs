@@ -500,10 +500,17 @@ fn crossval_bands_of_contact_laws() {
     };
     let close = |found: [f64; 3], wanted: [f64; 3], share: f64| {
         let off = |(a, b): (f64, f64)| (a / b - 1.0).abs() < share;
-        assert!(found.into_iter().zip(wanted).all(off), "{found:?}: {wanted:?}");
+        assert!(
+            found.into_iter().zip(wanted).all(off),
+            "{found:?}: {wanted:?}"
+        );
     };
     let plain = of(&[]).unwrap();
-    assert!(plain.laws.len() == 6 && plain.holds_own(), "{:?}", plain.laws);
+    assert!(
+        plain.laws.len() == 6 && plain.holds_own(),
+        "{:?}",
+        plain.laws
+    );
     for (key, wanted) in [
         ("external_force_n", [320.0, 310.0, 322.0]),
         ("torsional_stiffness_n_m_per_arcmin", [362.0, 226.0, 430.0]),
@@ -512,9 +519,15 @@ fn crossval_bands_of_contact_laws() {
         close(ends(&plain, key), wanted, 0.015);
     }
     // 5 and 10 um off the profile: 493 to 537 and 594 to 645 N by law.
-    let fits = plain.fitted("external_force_n", plain.get("external_force_n").unwrap().own);
+    let fits = plain.fitted(
+        "external_force_n",
+        plain.get("external_force_n").unwrap().own,
+    );
     let fits: Vec<f64> = fits.iter().map(|(_, force)| *force).collect();
-    assert!((493.0..537.0).contains(&fits[0]) && (594.0..645.0).contains(&fits[1]), "{fits:?}");
+    assert!(
+        (493.0..537.0).contains(&fits[0]) && (594.0..645.0).contains(&fits[1]),
+        "{fits:?}"
+    );
     // Under a law of balls the band is the same, and the law lies outside of it.
     let balls = of(&[("contact.law", "paper-conservative")]).unwrap();
     assert!(!balls.holds_own());
@@ -545,7 +558,11 @@ fn regress_a_design_tells_and_stops_at_every_stage() {
         "joint, pose 5",
         "other contact laws",
     ] {
-        let (cancel, told, after) = (AtomicBool::new(false), AtomicUsize::new(0), AtomicUsize::new(0));
+        let (cancel, told, after) = (
+            AtomicBool::new(false),
+            AtomicUsize::new(0),
+            AtomicUsize::new(0),
+        );
         let watch = |p: Progress<'_>| {
             after.fetch_add(usize::from(cancel.load(Relaxed)), Relaxed);
             if p.piece.starts_with(stage) {

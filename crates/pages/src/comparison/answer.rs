@@ -359,9 +359,12 @@ impl<'a> Answer<'a> {
         match parts.as_slice() {
             [] => {
                 let mut finished = self.found.comparison.engines.iter();
-                let has_own = finished.any(|e| e.track == Track::OwnContact && e.status.is_finished());
+                let has_own =
+                    finished.any(|e| e.track == Track::OwnContact && e.status.is_finished());
                 let why = match has_own {
-                    true => "the run is all start-up, in which engines with contacts of their own damp otherwise",
+                    true => {
+                        "the run is all start-up, in which engines with contacts of their own damp otherwise"
+                    }
                     false => "no engine with contacts of its own took part",
                 };
                 fact(Mark::Warn, format!("not checked: {why}"))

@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use super::mesh::Poses;
 use super::{ARCMIN, DesignResult, FEW, Spread, twisted};
-use crate::{Control, StudyError};
 use crate::control::{compile, of_scene};
+use crate::{Control, StudyError};
 
 /// One part, and the gear with all parts up to it.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -201,8 +201,7 @@ pub fn run(
 ) -> Result<DesignResult, StudyError> {
     let mut found = figures_of(gearbox, runs, control)?;
     let poses = Poses::of(&gearbox.scene);
-    let mut statics =
-        Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
+    let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
     let rated = (found.rated_torque_n_m, &poses);
     let total = stages(runs);
     let step = &mut |pose: usize, all: usize| {
