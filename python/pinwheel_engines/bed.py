@@ -163,8 +163,8 @@ def local_stiffness(scene: Scene, count: int, bead_radius_m: float = 0.0) -> Flo
     """Factors on k' of `count` springs at equal distances, with which the bed carries K delta^1.5 at the nominal force.
 
     The formula above takes a patch for flat. In a pit, where R is ten times q, it is as wide as a third of q: springs at its
-    ends stand aslant and are pressed less, and the pit is not equally curved over it. Beads moreover press like a sleeve that
-    is larger by them. Both together took 7 % of the stiffness of a pit of 40 soft sleeves and gave 4 % to its lobes.
+    ends stand aslant and are pressed less, and the pit is not equally curved over it. Beads moreover press like a sleeve
+    that is larger by them. Both together took 7 % of the stiffness of a pit of 40 soft sleeves and gave 4 % to its lobes.
     """
     gear, curve = scene.gear, Epitrochoid.of(scene.gear)
     q, force = gear.external_sleeve_radius_m, nominal_force_n(scene)

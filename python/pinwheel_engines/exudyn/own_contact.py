@@ -2,10 +2,10 @@
 
 exudyn finds the contacts and computes their forces; no code of ours runs in the step.
 - Internal sleeves: `ObjectContactSphereSphere`, hollow, exponent 1.5, linear damping: the law itself but for its ramp S.
-- External sleeves: `ObjectContactCurveCircles`, for each wheel and sleeve one of all segments of the edge that are equally
-  stiff, to a percent: each is a linear spring of the bed (see `bed`). Only those that can reach the sleeve during the run are
-  given to it. A segment is pressed as its nearest point is, so that whole ones would be pressed deeper than the edge (by 10 %
-  of the force with 14 in a contact): they are a hundredth as long as they are apart, and as much stiffer.
+- External sleeves: `ObjectContactCurveCircles`, for each wheel and sleeve one of all segments of the edge that are
+  equally stiff, to a percent: each is a linear spring of the bed (see `bed`). Only those that can reach the sleeve during
+  the run are given to it. A segment is pressed as its nearest point is, so that whole ones would be pressed deeper than the
+  edge (by 10 % of the force with 14 in a contact): they are a hundredth as long as they are apart, and as much stiffer.
 - The curve contact's damping leaves out the curve's rotation, so it stays off. The external contacts' damping is put where
   it acts: with the edge's normal rate v_n = l_j (wheel rate - ideal rate) and C v_n at every loaded sleeve, the wheel feels
   a rotational damper of C times the mean sum of l_j^2 about the ideal speed (l_j: lever of the normal).
