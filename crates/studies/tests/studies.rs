@@ -550,14 +550,14 @@ fn crossval_bands_of_contact_laws() {
 #[test]
 fn regress_a_design_tells_and_stops_at_every_stage() {
     let gearbox = Gearbox::new(&Scene::from_toml(README, "readme", &[]).unwrap()).unwrap();
-    let mut before = 0;
-    for stage in [
+    let stages = [
         "torsion, pose 5",
         "rated load, pose 5",
         "no load, pose 5",
         "joint, pose 5",
         "other contact laws",
-    ] {
+    ];
+    for (before, stage) in stages.into_iter().enumerate() {
         let (cancel, told, after) = (
             AtomicBool::new(false),
             AtomicUsize::new(0),
@@ -575,6 +575,5 @@ fn regress_a_design_tells_and_stops_at_every_stage() {
         assert!(matches!(stopped, Err(StudyError::Cancelled)), "{stage}");
         assert_eq!(after.load(Relaxed), 0, "it went on after {stage}");
         assert_eq!(told.load(Relaxed), before + 1, "{stage}");
-        before += 1;
     }
 }
