@@ -68,6 +68,8 @@ class Keys(TypedDict, total=False):
     """bore d of the sleeves, for that moment (m)"""
     sleeve_friction_coefficient: float
     """friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; absent: 0; counts in `design` alone"""
+    band_laws: str | Sequence[str]
+    """laws that may be right for these rollers, whose spread is the band of a figure; absent: those for the materials; []: no band"""
     constant_stiffness_n_m15: float
     """K of laws with one stiffness for all contacts (N/m^1.5); if left out: after Hertz, of an external sleeve on a flat; used by laws of one stiffness only"""
     detection: Literal["exact", "points"]
@@ -225,6 +227,7 @@ Vary = TypedDict(
         "output_torsion_n_m_rad": Axis,
         "sleeve_bore_m": Axis,
         "sleeve_friction_coefficient": Axis,
+        "band_laws": Axis,
         "constant_stiffness_n_m15": Axis,
         "detection": Axis,
         "disc_depth_m": Axis,
@@ -307,6 +310,7 @@ Vary = TypedDict(
         "bearings.output_torsion_n_m_rad": Axis,
         "bearings.sleeve_bore_m": Axis,
         "bearings.sleeve_friction_coefficient": Axis,
+        "contact.band_laws": Axis,
         "contact.constant_stiffness_n_m15": Axis,
         "contact.damping_n_s_m": Axis,
         "contact.detection": Axis,

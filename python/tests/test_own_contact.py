@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 
 from pinwheel_engines import Cancelled, ContactLaw, Diverged, Unsupported, run
-from pinwheel_engines.bed import bed_damping, bed_stiffness, edge, equal_arcs, nominal_force_n, nominal_rate_rad_s
+from pinwheel_engines.bed import (
+    bed_damping,
+    bed_stiffness,
+    edge,
+    equal_arcs,
+    local_stiffness,
+    nominal_force_n,
+    nominal_rate_rad_s,
+)
 from pinwheel_engines.exudyn import own_contact as exudyn_own
 from pinwheel_engines.layout import Kinematics
 from pinwheel_engines.mujoco import own_contact as mujoco_own
@@ -41,6 +49,28 @@ def test_bed_damping_is_c_at_the_nominal_force():
     assert nominal_force_n(scene) == pytest.approx(65.476, rel=1e-4)
     # 1.2 kHz in the transient; the estimate takes the shafts as held.
     assert 1e3 < nominal_rate_rad_s(scene) / (2.0 * math.pi) < 2.5e3
+
+
+@pytest.mark.parametrize("bead", [0.0, 1e-4])
+def test_a_bed_carries_the_laws_force_wherever_it_is_pressed(bead):
+    scene = scenes.scene()
+    gear, law, force = scene.gear, ContactLaw(scene), nominal_force_n(scene)
+    q, count = gear.external_sleeve_radius_m, 4000
+    a, spacing = equal_arcs(scene, count)
+    beads, factors = edge(scene, a, bead), local_stiffness(scene, count, bead)
+    alike, local = [], []
+    # Between springs and at them, over a lobe.
+    for place in np.linspace(0.0, 2.0 * math.pi / gear.lobes, 97):
+        normal = law.curve.normal(np.array([place]))[0]
+        reduced = q * (1.0 - q * law.curve.curvature(np.array([place]))[0])
+        depth = (force / (law.stiffness_factor * math.sqrt(reduced))) ** (2 / 3)
+        span = edge(scene, np.array([place]))[0] + (q - depth) * normal - beads
+        pressed = np.maximum(q + bead - np.abs(span), 0.0) * np.real(np.conj(normal) * span) / np.abs(span)
+        for found, stiffness in ((alike, 1.0), (local, factors)):
+            found.append(bed_stiffness(scene) * spacing * np.sum(stiffness * pressed) / force - 1.0)
+    assert np.max(np.abs(local)) < 5e-3
+    # As they are without, by which pits carried too little.
+    assert np.max(np.abs(alike)) > 2e-2
 
 
 @pytest.mark.parametrize("text", [scenes.ALL[n] for n in ("paper", "eleven", "one-wheel")])

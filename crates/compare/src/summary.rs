@@ -5,7 +5,9 @@ use std::ops::Range;
 
 use pinwheel_timeseries::norms::{Statistics, View};
 use pinwheel_timeseries::sampling;
-use pinwheel_timeseries::{TimeSeries, efficiency as ratio, mean_powers};
+use pinwheel_timeseries::{
+    ABOVE_ONE, CREATED, NO_LOSS, TimeSeries, efficiency as ratio, mean_powers,
+};
 
 use crate::comparison::{EngineEntry, EngineSummary, Figures, RefinementSummary};
 use crate::judge::Judge;
@@ -195,7 +197,7 @@ fn figures(
                 100.0 * created.abs()
             )),
         ),
-        (Ok(_), _) if judge.context.friction_coefficient == 0.0 => (None, Some(SMOOTH.to_owned())),
+        (Ok(_), _) if judge.context.friction_coefficient == 0.0 => (None, Some(NO_LOSS.to_owned())),
         (Ok(works), None) if works > 1.0 => (None, Some(ABOVE_ONE.to_owned())),
         (Ok(works), _) => (accounted.or(Some(works)).map(|share| share.min(1.0)), None),
     };
@@ -207,14 +209,6 @@ fn figures(
         sampling,
     }
 }
-
-/// Share of the power from which a law that creates or destroys it leaves no efficiency to speak of.
-const CREATED: f64 = 1e-3;
-/// Why a scene without friction has none.
-const SMOOTH: &str = "no loss modelled: nothing rubs in this scene";
-/// Why an engine without an energy account has none above 1.
-const ABOVE_ONE: &str =
-    "above 1: what the contact law creates is in it, and this engine keeps no account of that";
 
 /// Power out over power in; or why there is none, where a reader would look for it.
 fn efficiency(

@@ -50,14 +50,12 @@ const RAMP: f64 = 1e-3;
 const LEAST_RAMP_M: f64 = 1e-15;
 
 impl OwnContact {
-    /// How far the largest forces of an engine of this kind may be from its twin's, as a share: springs are the law itself; a bed of
-    /// some thousand springs resolves a contact patch to a few per cent.
+    /// How far the largest forces of an engine of this kind may be from its twin's, as a share.
     #[must_use]
     pub fn tolerance(self) -> f64 {
         match self {
             Self::SceneLaw => 0.0,
-            Self::Springs => 0.02,
-            Self::Balls => 0.05,
+            Self::Springs | Self::Balls => 0.02,
         }
     }
 

@@ -274,7 +274,7 @@ pub(crate) static MUJOCO_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
 
 /// See its fields.
 pub(crate) static EXUDYN_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
-    summary: "exudyn alone: circles on a polygon of 8000 spring segments or more, spheres in hollow spheres",
+    summary: "exudyn alone: circles on 4000 spring segments or more, spheres in hollow spheres",
     short: "exudyn-own",
     colour: Some(10),
     feature: Some("crossval"),
@@ -284,7 +284,7 @@ pub(crate) static EXUDYN_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
     own_contact: OwnContact::Balls,
     model: model::BED,
     differences: "exudyn finds the contacts and computes the forces; nothing of ours runs in its step. Each wheel's \
-        edge is a polygon of 8000 spring segments or more, which conserve energy where the paper's law does not; holes are \
+        edge is a bed of 4000 spring segments or more, which conserve energy where the paper's law does not; holes are \
         hollow spheres with exponent 1.5, the law itself but for the ramp S. Damping of the external contacts acts \
         as a rotational damper on the wheels, because exudyn's own ignores how a body turns. There is no friction: \
         steady time series are comparable, the start-up transient is not.",

@@ -3,8 +3,9 @@
 //! `PINWHEEL_FMPY` names a Python that has fmpy; without one that part says that it is skipped, unless `PINWHEEL_REQUIRE_FMPY` is
 //! set.
 
+use std::collections::BTreeMap;
 use std::fs;
-use std::io::BufWriter;
+use std::io::{BufWriter, Cursor, Read as _};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::SystemTime;
@@ -12,6 +13,7 @@ use std::time::SystemTime;
 use pinwheel_fmu::{Imprint, Package};
 use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_scene::{Override, Scene};
+use zip::ZipArchive;
 
 /// `libpinwheel_fmu` of this build, beside the tests.
 fn library() -> PathBuf {
@@ -66,6 +68,71 @@ fn bad_input_a_library_that_is_not_there() {
             .to_string()
             .contains("/nowhere/lib.so")
     );
+}
+
+/// Whatever a scene is called, the entries of its unit are the four that the standard wants, once each, below the folder it is
+/// unpacked to, and named as its description says.
+#[test]
+fn hard_entries_are_those_of_the_standard() {
+    let long = "n".repeat(100);
+    let names = [
+        "paper",
+        "../../x",
+        "a\\b/c:d*?",
+        "\u{202e}xml.exe",
+        "1",
+        &long,
+    ];
+    for name in names {
+        let set = format!("name={name}");
+        let package = Package::new(&gearbox("paper", &[&set]), &library(), imprint());
+        let bytes = package.expect("package").bytes().expect("bytes");
+        let mut archive = ZipArchive::new(Cursor::new(bytes)).expect("an archive");
+        let mut entries = BTreeMap::new();
+        for k in 0..archive.len() {
+            let mut entry = archive.by_index(k).expect("an entry");
+            let (mut content, told) = (Vec::new(), entry.size());
+            // Reading to the end compares the check sum.
+            entry.read_to_end(&mut content).expect("whole");
+            assert_eq!(content.len() as u64, told, "{name}");
+            assert!(entry.enclosed_name().is_some(), "{name}: {}", entry.name());
+            let library = entry.name().starts_with("binaries/");
+            let mode = entry.unix_mode().map(|mode| mode & 0o777);
+            assert_eq!(mode, Some(if library { 0o755 } else { 0o644 }), "{name}");
+            let again = entries.insert(entry.name().to_owned(), content);
+            assert!(again.is_none(), "{name}: {} twice", entry.name());
+        }
+        let description = String::from_utf8(entries["modelDescription.xml"].clone()).expect("text");
+        let (_, rest) = description.split_once("modelIdentifier=\"").expect("named");
+        let (identifier, _) = rest.split_once('"').expect("named");
+        let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        assert!(
+            identifier.chars().all(plain) && identifier.len() <= 64,
+            "{identifier}"
+        );
+        assert!(
+            !identifier.starts_with(|c: char| c.is_ascii_digit()),
+            "{identifier}"
+        );
+        let file = format!("{identifier}{}", std::env::consts::DLL_SUFFIX);
+        let wanted = [
+            "documentation/index.html",
+            "modelDescription.xml",
+            "resources/scene.toml",
+        ];
+        let (library, others): (Vec<&String>, Vec<&String>) = entries
+            .keys()
+            .partition(|entry| entry.starts_with("binaries/"));
+        assert_eq!(others, wanted, "{name}");
+        assert!(
+            matches!(library[..], [one] if one.ends_with(&format!("/{file}"))),
+            "{library:?}"
+        );
+        assert!(
+            entries[library[0]] == fs::read(self::library()).expect("there"),
+            "{name}"
+        );
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Efficiency with and without what the contact law itself creates.
 
-use pinwheel_timeseries::efficiency;
+use pinwheel_timeseries::{CREATED, NO_LOSS, efficiency};
 use serde::{Deserialize, Serialize};
 
 use crate::energy::EnergyAudit;
@@ -29,9 +29,6 @@ pub struct Efficiency {
     /// Whether anything rubs, so that the loss is more than that of the contacts' damping.
     pub rubs: bool,
 }
-
-/// Share of the power from which a law that creates or destroys it leaves no efficiency to speak of.
-const CREATED: f64 = 1e-3;
 
 impl Efficiency {
     /// From an account; `None` where no work passes from one shaft to the other, or more is stored than passes.
@@ -77,7 +74,7 @@ impl Efficiency {
             ));
         }
         if !self.rubs {
-            return Err("no loss modelled: nothing rubs in this scene".to_owned());
+            return Err(NO_LOSS.to_owned());
         }
         Ok(self.of_losses.min(1.0))
     }

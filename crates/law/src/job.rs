@@ -45,7 +45,7 @@ pub fn job(gearbox: &Gearbox, law_library: Option<&Path>) -> Result<Value, LawEr
     // Every key that has a value for "nothing" is written, too.
     for key in KEYS {
         let nothing = match key.kind {
-            Kind::Texts | Kind::Numbers(_) | Kind::Tables(_) => json!([]),
+            Kind::Texts | Kind::Choices(..) | Kind::Numbers(_) | Kind::Tables(_) => json!([]),
             Kind::Text => json!(""),
             Kind::Number(_) | Kind::Count(..) | Kind::Choice(..) => continue,
         };

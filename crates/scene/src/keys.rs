@@ -23,6 +23,8 @@ pub enum Kind {
     Text,
     /// A list of texts.
     Texts,
+    /// A list of these names.
+    Choices(&'static str, fn() -> Vec<&'static str>),
     /// A list of numbers, each within a range.
     Numbers(Range),
     /// A list of tables whose keys are these rows.
@@ -146,7 +148,7 @@ pub fn key(name: &str) -> Option<&'static Key> {
     KEYS.iter().find(|key| key.name == name)
 }
 
-use Kind::{Choice, Count, Number, Numbers, Tables, Text, Texts};
+use Kind::{Choice, Choices, Count, Number, Numbers, Tables, Text, Texts};
 use Otherwise::{Follows, Needed, Nothing, Required, Usual};
 use Range::{Between, From};
 
@@ -226,6 +228,7 @@ pub const KEYS: &[Key] = keys! {
     "drive.load_changes" Tables(CHANGE), Nothing, "what the load becomes during the run", "write it like [{ time_s = 0.3, output_torque_n_m = -22.0 }]";
 
     "contact.law" Choice("contact law", names::laws), Usual("\"line-hertz\"", "rollers on a line, both bodies elastic; creates no energy"), "normal law", "see `pinwheel laws`";
+    "contact.band_laws" Choices("contact law", names::laws), Nothing, "laws that may be right for these rollers, whose spread is the band of a figure; absent: those for the materials; []: no band", "see `pinwheel laws`";
     "contact.young_pa" Number(From(1e5, 1e13)), Usual("2.1e11", "steel"), "E of the wheels", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
     "contact.poisson" Number(Between(-1.0, 0.5)), Usual("0.3", "steel"), "Poisson's ratio of the wheels", "steel has 0.3; outside these bounds no isotropic material is stable";
     "contact.pin_young_pa" Number(From(1e5, 1e13)), Nothing, "E of the sleeves; absent: that of the wheels", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
@@ -332,6 +335,7 @@ mod tests {
         scene.mass.density_kg_m3 = Some(7850.0);
         scene.contact.pin_young_pa = Some(2e11);
         scene.contact.pin_poisson = Some(0.3);
+        scene.contact.band_laws = Some(vec!["kunert".to_owned()]);
         scene.contact.disc_depth_m = Some(0.01);
         scene.contact.internal_stiffness_multiplier = Some(0.01);
         scene.contact.external_spring_n_m = Some(1e8);

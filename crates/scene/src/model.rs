@@ -170,6 +170,9 @@ pub enum FrictionLaw {
 pub struct Contact {
     /// Name of the normal law; `pinwheel laws` lists them.
     pub law: String,
+    /// Names of the laws whose spread is the band of a figure; `None`: those that may be right for the materials.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub band_laws: Option<Vec<String>>,
     /// E of the wheels, Pa.
     pub young_pa: f64,
     /// Poisson's ratio of the wheels.

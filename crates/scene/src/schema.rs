@@ -54,6 +54,9 @@ fn of(row: &Key) -> Value {
         Kind::Count(low, high) => json!({ "type": "integer", "minimum": low, "maximum": high }),
         Kind::Choice(_, names) => json!({ "enum": names() }),
         Kind::Text => json!({ "type": "string" }),
+        Kind::Choices(_, names) => json!({
+            "type": ["string", "array"], "items": { "enum": names() },
+        }),
         Kind::Texts => json!({ "type": ["string", "array"], "items": { "type": "string" } }),
         Kind::Numbers(range) => json!({ "type": "array", "items": number(range) }),
         Kind::Tables(rows) => {

@@ -10,6 +10,8 @@
 //! | steel on steel | `line-hertz` with a third, the whole and three times the disc's depth; `line-contact` (Palmgren), `kunert`, `lundberg` |
 //! | others | `line-hertz` with these depths |
 //!
+//! `contact.band_laws` names others.
+//!
 //! A profile that is cut all round for play moves forces more than all of these, so two such cuts are told beside them.
 
 use std::sync::atomic::AtomicBool;
@@ -29,12 +31,8 @@ const DEPTHS: [f64; 3] = [1.0 / 3.0, 1.0, 3.0];
 const CUTS: [f64; 2] = [5e-6, 10e-6];
 /// The law of rollers of any materials.
 pub const ROLLERS: &str = "line-hertz";
-/// Laws that others take for steel rollers, with their labels.
-const STEEL_ROLLERS: [(&str, &str); 3] = [
-    ("line-contact", "line-contact (Palmgren)"),
-    ("kunert", "kunert"),
-    ("lundberg", "lundberg"),
-];
+/// Laws that others take for steel rollers.
+const STEEL_ROLLERS: [&str; 3] = ["line-contact", "kunert", "lundberg"];
 /// By how much a figure may lie outside of its band and be called inside: rounding of balances.
 const ROUNDING: f64 = 1e-6;
 
@@ -112,7 +110,7 @@ fn is_steel(material: Material) -> bool {
     (1.9e11..=2.2e11).contains(&material.young) && (0.26..=0.32).contains(&material.poisson)
 }
 
-/// The laws that may be right for a scene's rollers: a label, and the scene with it.
+/// The laws that may be right for a scene's rollers, which it may name itself: a label, and the scene with each.
 fn laws(scene: &Scene) -> Vec<(String, Scene)> {
     let with = |law: &str, change: &dyn Fn(&mut Scene)| {
         let mut scene = scene.clone();
@@ -120,20 +118,29 @@ fn laws(scene: &Scene) -> Vec<(String, Scene)> {
         change(&mut scene);
         scene
     };
-    let own = with(ROLLERS, &|_| ());
-    let parameters = scales::law_parameters(&own);
-    let mut found: Vec<(String, Scene)> = DEPTHS
-        .iter()
-        .map(|share| {
+    let rollers = with(ROLLERS, &|_| ());
+    let parameters = scales::law_parameters(&rollers);
+    let named = scene.contact.band_laws.as_deref();
+    let named: Vec<&str> = named.map_or_else(
+        || match is_steel(parameters.pin) && is_steel(parameters.disc) {
+            true => [&[ROLLERS][..], &STEEL_ROLLERS].concat(),
+            false => vec![ROLLERS],
+        },
+        |named| named.iter().map(String::as_str).collect(),
+    );
+    let mut found = Vec::new();
+    for law in named {
+        if law != ROLLERS {
+            found.push((law.to_owned(), with(law, &|_| ())));
+            continue;
+        }
+        // How deep a disc is behind a contact is the law's own doubt.
+        found.extend(DEPTHS.iter().map(|share| {
             let depth = share * parameters.disc_depth;
             let label = format!("{ROLLERS}, disc {:.1} mm deep", 1e3 * depth);
             let set = |scene: &mut Scene| scene.contact.disc_depth_m = Some(depth);
             (label, with(ROLLERS, &set))
-        })
-        .collect();
-    if is_steel(parameters.pin) && is_steel(parameters.disc) {
-        let steel = STEEL_ROLLERS.iter();
-        found.extend(steel.map(|(law, label)| ((*label).to_owned(), with(law, &|_| ()))));
+        }));
     }
     found
 }
@@ -148,14 +155,26 @@ fn figures(scene: &Scene, cancel: &AtomicBool) -> Result<Option<Vec<DesignFigure
     }
 }
 
-/// The bands of a gear's figures under its largest load; `None` of a gear without load, of contacts made softer or stiffer than
-/// their material by `contact.stiffness_multiplier`, or that cannot be balanced.
+/// Why a scene asks for no band: it names no law, or its contacts were made softer or stiffer than their material and it names none.
+#[must_use]
+pub fn declined(scene: &Scene) -> Option<&'static str> {
+    match scene.contact.band_laws.as_deref() {
+        Some([]) => Some("contact.band_laws is empty"),
+        None if scene.contact.stiffness_multiplier != 1.0 => {
+            Some("contact.stiffness_multiplier is not 1")
+        }
+        _ => None,
+    }
+}
+
+/// The bands of a gear's figures under its largest load; `None` of a gear without load, of one that asks for none ([`declined`]), or
+/// that cannot be balanced.
 ///
 /// # Errors
 /// Cancelled.
 pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, StudyError> {
     let scene: &Scene = &gearbox.scene;
-    if scene.contact.stiffness_multiplier != 1.0 {
+    if declined(scene).is_some() {
         return Ok(None);
     }
     let Some(own) = figures(scene, control.cancel)? else {

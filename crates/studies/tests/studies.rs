@@ -1,6 +1,7 @@
 //! The studies on scenes short enough for every run of the tests.
 
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::Ordering::Relaxed;
+use std::sync::atomic::{AtomicBool, AtomicUsize};
 
 use pinwheel_engines::{Engine, Native};
 use pinwheel_gearbox::Gearbox;
@@ -8,7 +9,9 @@ use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::calibration::gears;
 use pinwheel_studies::design::{self, ForceHarmonic};
 use pinwheel_studies::stability::{Atlas, Failure, Options};
-use pinwheel_studies::{Control, Progress, StudyError, comparison, divergence, resolution, single};
+use pinwheel_studies::{
+    Control, Progress, StudyError, band, comparison, divergence, resolution, single,
+};
 use pinwheel_timeseries::norms::{Distance, Least};
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
@@ -459,4 +462,118 @@ fn a_bearing_at_rest_has_no_life_and_no_loss() {
     let [life, loss] = found("drive.input_speed_rad_s=50.0").map(Option::unwrap);
     assert!(life > 0.0 && loss > 0.0, "{life} {loss}");
     assert_eq!(found("drive.input_speed_rad_s=0.0"), [None, None]);
+}
+
+/// The README's gear, of which docs/design.md has the table.
+const README: &str = "name = \"readme\"
+[gear]
+pin_circle_radius_m = 0.052
+external_sleeves = 40
+external_sleeve_radius_m = 0.00265
+eccentricity_m = 0.00084
+wheels = 2
+face_width_m = 0.0078
+internal_sleeves = 8
+internal_sleeve_radius_m = 0.01
+internal_circle_radius_m = 0.03
+[drive]
+input_speed_rad_s = 157.079632679
+output_torque_n_m = 200.0
+[mass]
+density_kg_m3 = 7850.0
+";
+
+/// Bands of contact laws: the same under whatever law the scene has, and what a prototype in Python with balances of its own gave:
+/// 320 N (310 to 322), 362 N m/arcmin (226 to 430), 0.053 arcmin (0.048 to 0.073); within 1.5 %, because its discs are 10 mm deep.
+#[test]
+fn crossval_bands_of_contact_laws() {
+    let of = |sets: &[(&str, &str)]| {
+        let sets = sets.iter().map(|(key, value)| Override::new(*key, *value));
+        let scene = Scene::from_toml(README, "readme", &sets.collect::<Vec<_>>()).unwrap();
+        let gearbox = Gearbox::new(&scene).unwrap();
+        band::of(&gearbox, &Control::quiet()).unwrap()
+    };
+    let ends = |found: &band::Bands, key: &str| {
+        let band = found.get(key).unwrap();
+        let [low, high] = band.of_own_law.map(|share| share * band.own);
+        [band.own, low, high]
+    };
+    let close = |found: [f64; 3], wanted: [f64; 3], share: f64| {
+        let off = |(a, b): (f64, f64)| (a / b - 1.0).abs() < share;
+        assert!(
+            found.into_iter().zip(wanted).all(off),
+            "{found:?}: {wanted:?}"
+        );
+    };
+    let plain = of(&[]).unwrap();
+    assert!(
+        plain.laws.len() == 6 && plain.holds_own(),
+        "{:?}",
+        plain.laws
+    );
+    for (key, wanted) in [
+        ("external_force_n", [320.0, 310.0, 322.0]),
+        ("torsional_stiffness_n_m_per_arcmin", [362.0, 226.0, 430.0]),
+        ("lost_motion_arcmin", [0.053, 0.048, 0.073]),
+    ] {
+        close(ends(&plain, key), wanted, 0.015);
+    }
+    // 5 and 10 um off the profile: 493 to 537 and 594 to 645 N by law.
+    let fits = plain.fitted(
+        "external_force_n",
+        plain.get("external_force_n").unwrap().own,
+    );
+    let fits: Vec<f64> = fits.iter().map(|(_, force)| *force).collect();
+    assert!(
+        (493.0..537.0).contains(&fits[0]) && (594.0..645.0).contains(&fits[1]),
+        "{fits:?}"
+    );
+    // Under a law of balls the band is the same, and the law lies outside of it.
+    let balls = of(&[("contact.law", "paper-conservative")]).unwrap();
+    assert!(!balls.holds_own());
+    let key = "external_force_n";
+    let [own, low, high] = ends(&balls, key);
+    let [_, of_plain @ ..] = ends(&plain, key);
+    close([own, low, high], [479.4, of_plain[0], of_plain[1]], 1e-3);
+    // Laws that the scene names, and none.
+    let named = of(&[("contact.band_laws", "[\"kunert\", \"lundberg\"]")]).unwrap();
+    assert_eq!(named.laws, ["kunert", "lundberg"]);
+    assert!(!named.holds_own(), "319 N, and 310 to 316 by these");
+    assert!(of(&[("contact.band_laws", "[]")]).is_none());
+    // Contacts that were made softer have no band but one that is asked for.
+    let soft = ("contact.stiffness_multiplier", "0.5");
+    assert!(of(&[soft]).is_none());
+    assert!(of(&[soft, ("contact.band_laws", "\"line-hertz\"")]).is_some());
+}
+
+/// Every stage of a design says what it does, and ends at once when it is told to: joint and other laws did neither.
+#[test]
+fn regress_a_design_tells_and_stops_at_every_stage() {
+    let gearbox = Gearbox::new(&Scene::from_toml(README, "readme", &[]).unwrap()).unwrap();
+    let stages = [
+        "torsion, pose 5",
+        "rated load, pose 5",
+        "no load, pose 5",
+        "joint, pose 5",
+        "other contact laws",
+    ];
+    for (before, stage) in stages.into_iter().enumerate() {
+        let (cancel, told, after) = (
+            AtomicBool::new(false),
+            AtomicUsize::new(0),
+            AtomicUsize::new(0),
+        );
+        let watch = |p: Progress<'_>| {
+            after.fetch_add(usize::from(cancel.load(Relaxed)), Relaxed);
+            if p.piece.starts_with(stage) {
+                told.store(p.done + 1, Relaxed);
+                cancel.store(true, Relaxed);
+            }
+            assert!(p.done < p.total, "{}", p.piece);
+        };
+        let stopped = design::run(&gearbox, false, &Control::new(&cancel, &watch));
+        assert!(matches!(stopped, Err(StudyError::Cancelled)), "{stage}");
+        assert_eq!(after.load(Relaxed), 0, "it went on after {stage}");
+        assert_eq!(told.load(Relaxed), before + 1, "{stage}");
+    }
 }

@@ -119,30 +119,30 @@ fn figures_are_the_time_series() {
     }
 }
 
-/// The paper's law creates 0.95 % of the work: the efficiency by means is above 1, said so, and given without.
+/// The paper's law creates 0.95 % of the work, by which its efficiency was 1.004; without friction nothing is lost that a gear
+/// would lose. Neither has an efficiency, and the reason says so.
 #[test]
-fn regress_efficiencies_above_one_are_told() {
-    let text = "scene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.1\n\
-                [vary]\ncontact.law = [\"paper\", \"paper-conservative\"]\n";
+fn regress_no_efficiency_is_above_one() {
+    let text = "scene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.03\n\
+                [vary]\ncontact.law = [\"paper\", \"paper-conservative\"]\ncontact.friction_coefficient = [0.0, 0.02]\n";
     let (plan, folder) = (plan(text), tempfile::tempdir().unwrap());
     let journal = Journal::open(folder.path(), None, "a test").unwrap();
     let records = run(&plan, &journal, 2);
-    for record in &records {
-        let plain = record.efficiency.unwrap();
-        let accounted = record.efficiency_accounted.unwrap();
-        assert!(accounted <= 1.0 + 1e-9, "{accounted}");
-        assert_eq!(
-            plain > 1.0,
-            record.reason().contains("efficiency above 1"),
-            "{record:?}"
-        );
-        assert!(
-            plain <= 1.0 || (plain - accounted) > 0.0,
-            "{plain} {accounted}"
-        );
+    let mut defined = 0;
+    for (planned, record) in plan.runs.iter().zip(&records) {
+        let contact = &planned.scene.contact;
+        assert!(record.efficiency_accounted.unwrap() < 1.0, "{record:?}");
+        let why = record.reason();
+        match record.efficiency {
+            Some(share) => {
+                assert!(share < 1.0 && contact.law != "paper", "{record:?}");
+                defined += 1;
+            }
+            None if contact.law == "paper" => assert!(why.contains("creates"), "{why}"),
+            None => assert!(why.contains("nothing rubs"), "{why}"),
+        }
     }
-    // 0.5 % of the works of this window are growth of motion: by means of the contacts' torque it was 1.0066.
-    assert!(records[0].efficiency.unwrap() > 1.004, "{records:?}");
+    assert_eq!(defined, 1, "paper-conservative with friction");
 }
 
 /// Stopped at any moment, a sweep goes on with the runs that are missing, and ends as if it had not been.
@@ -439,11 +439,6 @@ fn regress_efficiency_does_not_hang_on_samples() {
     let (plan, folder) = (plan(text), tempfile::tempdir().unwrap());
     let journal = Journal::open(folder.path(), None, "a test").unwrap();
     let found = run(&plan, &journal, 2);
-    for of in [
-        |r: &RunRecord| r.efficiency,
-        |r: &RunRecord| r.efficiency_accounted,
-    ] {
-        let [coarse, fine] = [0, 1].map(|k| of(&found[k]).unwrap());
-        assert!((coarse - fine).abs() < 1e-4, "{coarse} {fine}");
-    }
+    let [coarse, fine] = [0, 1].map(|k| found[k].efficiency_accounted.unwrap());
+    assert!((coarse - fine).abs() < 1e-4, "{coarse} {fine}");
 }

@@ -305,13 +305,13 @@ pub fn estimate(
         }
         // Every level predicts the error of the finest; an accident of one difference does not hide the others.
         // With friction, and at tolerances, coarse runs fall with the method's own order; over kinks with theirs. Clearly more
-        // than the method's own order is luck: the finest difference is small for no reason, the next one is not.
+        // than that order is luck: the finest difference is small for no reason, the next one is not.
         let order = if method.allowed_order() < stated && !method.is_kinked() {
             stated
         } else {
             order
         };
-        let is_luck = observed.is_some_and(|observed| observed > stated + ORDER_MARGIN);
+        let is_luck = observed.is_some_and(|observed| observed > order + ORDER_MARGIN);
         let safety = match method.is_kinked() {
             _ if is_luck => SAFETY_UNCONFIRMED,
             true => SAFETY,

@@ -39,6 +39,9 @@ mod units;
 pub use error::TimeSeriesError;
 #[cfg(feature = "parquet")]
 pub use parquet_file::{ParquetFault, read_time_series, save_time_series};
-pub use run::{Ending, EnergyAudit, RecordedUncertainty, RunStats, Track, efficiency, mean_powers};
+pub use run::{
+    ABOVE_ONE, CREATED, Ending, EnergyAudit, NO_LOSS, RecordedUncertainty, RunStats, Track,
+    efficiency, mean_powers,
+};
 pub use store::{Channel, TimeSeries, group_of};
 pub use units::stem_and_unit;

@@ -175,6 +175,14 @@ const ROUNDING: f64 = 1e-11;
 /// what goes through.
 const MOST_EFFICIENT: f64 = 2.0;
 
+/// Share of the power from which a contact law that creates or destroys it leaves no efficiency to speak of.
+pub const CREATED: f64 = 1e-3;
+/// Why a scene without friction has no efficiency.
+pub const NO_LOSS: &str = "no loss modelled: nothing rubs in this scene";
+/// Why an engine without an energy account has none above 1.
+pub const ABOVE_ONE: &str =
+    "above 1: what the contact law creates is in it, and this engine keeps no account of that";
+
 /// Power out over power in, W.
 ///
 /// # Errors

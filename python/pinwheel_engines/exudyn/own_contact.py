@@ -2,8 +2,10 @@
 
 exudyn finds the contacts and computes their forces; no code of ours runs in the step.
 - Internal sleeves: `ObjectContactSphereSphere`, hollow, exponent 1.5, linear damping: the law itself but for its ramp S.
-- External sleeves: `ObjectContactCurveCircles`, one for each wheel and sleeve: every segment of the edge is a linear spring
-  of the bed (see `bed`). Only the segments that can reach the sleeve during the run are given to it.
+- External sleeves: `ObjectContactCurveCircles`, for each wheel and sleeve one of all segments of the edge that are
+  equally stiff, to a percent: each is a linear spring of the bed (see `bed`). Only those that can reach the sleeve during
+  the run are given to it. A segment is pressed as its nearest point is, so that whole ones would be pressed deeper than the
+  edge (by 10 % of the force with 14 in a contact): they are a hundredth as long as they are apart, and as much stiffer.
 - The curve contact's damping leaves out the curve's rotation, so it stays off. The external contacts' damping is put where
   it acts: with the edge's normal rate v_n = l_j (wheel rate - ideal rate) and C v_n at every loaded sleeve, the wheel feels
   a rotational damper of C times the mean sum of l_j^2 about the ideal speed (l_j: lever of the normal).
@@ -23,7 +25,16 @@ import exudyn.itemInterface as items
 import numpy as np
 import numpy.typing as npt
 
-from pinwheel_engines.bed import bed_stiffness, check_own_contact, edge, equal_arcs, hertz, nominal_step_s, springs
+from pinwheel_engines.bed import (
+    bed_stiffness,
+    check_own_contact,
+    edge,
+    equal_arcs,
+    hertz,
+    local_stiffness,
+    nominal_step_s,
+    springs,
+)
 from pinwheel_engines.errors import Cancelled, Diverged
 from pinwheel_engines.exudyn.session import VERSION, Kept, Load, quiet_session, solve
 from pinwheel_engines.guards import Guard
@@ -41,7 +52,11 @@ NAME = "exudyn-own-contact"
 # Rotor inertia of the driver in moments of inertia of a wheel.
 DRIVER_WHEELS = 1.0e16
 # Least springs along an edge, and within the nominal contact.
-SEGMENTS, SEGMENTS_IN_CONTACT = 8000, 14
+SEGMENTS, SEGMENTS_IN_CONTACT = 4000, 7
+# Length of a segment as a share of the distance to the next.
+LENGTH = 0.01
+# Steps in which the local stiffness is followed, as a share: each costs one more contact a wheel and sleeve.
+STIFFNESS_STEP = 0.02
 
 
 def wheel_damper(scene: Scene) -> float:
@@ -162,36 +177,41 @@ class _Machine:
             load["loadVectorUserFunction"] = lambda _system, t, _vector: [0.0, 0.0, self.load.piece.load_n_m(t)]
         self.system.AddLoad(items.LoadTorqueVector(markerNumber=self._link_marker(self.load_tree, 0, 0j), **load))
 
-    def _add_edges(self, segments: int) -> list[list[Any]]:
-        """Curve contacts, one list of wheels for every sleeve."""
+    def _add_edges(self, segments: int) -> list[list[list[Any]]]:
+        """Curve contacts, one list of wheels for every sleeve, one list of stiffnesses for every wheel."""
         scene, gear = self.scene, self.scene.gear
-        a, _ = equal_arcs(scene, segments)
-        corners = edge(scene, a)
-        following = np.roll(corners, -1)
-        polar = np.angle(0.5 * (corners + following))
-        table = np.column_stack([corners.real, corners.imag, following.real, following.imag])
-        stiffness = bed_stiffness(scene)
-        contacts: list[list[Any]] = []
+        a, spacing = equal_arcs(scene, segments)
+        middles = edge(scene, a)
+        along = np.roll(middles, -1) - np.roll(middles, 1)
+        reach = 0.5 * LENGTH * spacing * along / np.abs(along)
+        starts, ends = middles - reach, middles + reach
+        polar = np.angle(middles)
+        table = np.column_stack([starts.real, starts.imag, ends.real, ends.imag])
+        local = STIFFNESS_STEP * np.round(local_stiffness(scene, segments) / STIFFNESS_STEP)
+        stiffness = bed_stiffness(scene) / LENGTH
+        contacts: list[list[list[Any]]] = []
         for sleeve in range(gear.external_sleeves):
             seat = self._link_marker(self.housing_trees[sleeve], 0, 0j)
             contacts.append([])
             for wheel in range(gear.wheels):
-                near = table[reachable(scene, wheel, sleeve, polar)]
-                data = self._add_curve_data(near, wheel, sleeve)
-                contacts[-1].append(
-                    self.system.AddObject(
-                        items.ObjectContactCurveCircles(
-                            markerNumbers=[self._link_marker(self.drive_tree, 1 + wheel, 0j), seat],
-                            nodeNumber=data,
-                            circlesRadii=[gear.external_sleeve_radius_m],
-                            segmentsData=exu.MatrixContainer(near.tolist()),
-                            contactStiffness=stiffness,
-                            contactDamping=0.0,
-                            contactModel=0,
-                        )
-                    )
-                )
+                near = reachable(scene, wheel, sleeve, polar)
+                alike = [(table[near & (local == one)], float(one) * stiffness) for one in np.unique(local[near])]
+                contacts[-1].append([self._add_curve(wheel, sleeve, seat, *part) for part in alike])
         return contacts
+
+    def _add_curve(self, wheel: int, sleeve: int, seat: Any, segments: Floats, stiffness: float) -> Any:
+        """One curve contact: some segments of a wheel's edge against a sleeve."""
+        return self.system.AddObject(
+            items.ObjectContactCurveCircles(
+                markerNumbers=[self._link_marker(self.drive_tree, 1 + wheel, 0j), seat],
+                nodeNumber=self._add_curve_data(segments, wheel, sleeve),
+                circlesRadii=[self.scene.gear.external_sleeve_radius_m],
+                segmentsData=exu.MatrixContainer(segments.tolist()),
+                contactStiffness=stiffness,
+                contactDamping=0.0,
+                contactModel=0,
+            )
+        )
 
     def _add_curve_data(self, segments: Floats, wheel: int, sleeve: int) -> Any:
         """The state of a curve contact at the start: circle (0, or -1 for none), gap and sliding rate of every segment."""
@@ -258,10 +278,11 @@ class _Machine:
         outer = np.zeros(gear.external_sleeves, dtype=np.complex128)
         inner = np.zeros(gear.internal_sleeves, dtype=np.complex128)
         for sleeve, contacts in enumerate(self.outer):
-            for turn, contact in zip(turns, contacts, strict=True):
-                # x and y of every segment's force in the wheel's frame, with the sign of the equations' left-hand side.
-                parts = np.asarray(system.GetObjectOutput(contact, kinds.ForceLocal)).reshape(-1, 2).sum(axis=0)
-                outer[sleeve] -= complex(parts[0], parts[1]) * turn
+            for turn, alike in zip(turns, contacts, strict=True):
+                for contact in alike:
+                    # x and y of every segment's force in the wheel's frame, with the sign of the equations' left-hand side.
+                    parts = np.asarray(system.GetObjectOutput(contact, kinds.ForceLocal)).reshape(-1, 2).sum(axis=0)
+                    outer[sleeve] -= complex(parts[0], parts[1]) * turn
         for sleeve, contacts in enumerate(self.inner):
             for contact in contacts:
                 parts = np.asarray(system.GetObjectOutput(contact, kinds.Force))

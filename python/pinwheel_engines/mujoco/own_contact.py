@@ -28,6 +28,7 @@ from pinwheel_engines.bed import (
     edge,
     equal_arcs,
     hertz,
+    local_stiffness,
     nominal_force_n,
     nominal_step_s,
     nominal_torque_n_m,
@@ -94,10 +95,16 @@ def model_xml(scene: Scene, step_s: float, beads: int) -> str:
         """MuJoCo's solref for a spring and damper in N/m and N s/m (see the module's text)."""
         return f"{-stiffness * scale!r} {-damping * scale!r}"
 
+    stiffness, damping = bed_stiffness(scene) * spacing, bed_damping(scene) * spacing
+    springs_of = [soft(float(local) * stiffness, damping) for local in local_stiffness(scene, beads, radius_m)]
+
     def content(body: int) -> str:
         if layout.wheel_bodies.start <= body < layout.wheel_bodies.stop:
             wheel = body - layout.wheel_bodies.start
-            rim = "".join(f'<geom class="bead" pos="{z.real!r} {z.imag!r} 0"/>' for z in centres.tolist())
+            rim = "".join(
+                f'<geom class="bead" pos="{z.real!r} {z.imag!r} 0" solref="{bead}"/>'
+                for z, bead in zip(centres.tolist(), springs_of, strict=True)
+            )
             sites = "".join(
                 f'<site name="h{wheel}_{k}" pos="{z.real!r} {z.imag!r} 0"/>' for k, z in enumerate(holes[wheel].tolist())
             )
@@ -119,14 +126,13 @@ def model_xml(scene: Scene, step_s: float, beads: int) -> str:
                     f'solreflimit="{soft(stiffness, damping)}" solimplimit="{IMPEDANCE} {IMPEDANCE} 1 0.5 1">'
                     f'<site site="h{wheel}_{k}"/><site site="s{k}"/></spatial>'
                 )
-    bead = soft(bed_stiffness(scene) * spacing, bed_damping(scene) * spacing)
     impedance = f'solimp="{IMPEDANCE} {IMPEDANCE} 1 0.5 1"'
     return (
         f'<mujoco><option integrator="implicit" timestep="{step_s!r}" gravity="0 0 0" solver="Newton" iterations="100" '
         'tolerance="1e-12"><flag autoreset="disable"/></option>'
         "<default>"
         f'<default class="bead"><geom type="sphere" size="{radius_m!r}" contype="1" conaffinity="0" condim="1" '
-        f'priority="1" mass="0" solref="{bead}" {impedance}/></default>'
+        f'priority="1" mass="0" {impedance}/></default>'
         f'<default class="sleeve"><geom type="sphere" size="{gear.external_sleeve_radius_m!r}" contype="0" '
         f'conaffinity="1" condim="1" mass="0"/></default></default>'
         f"<worldbody>{tree_xml(scene, scene.mass.driver_kg_m2(DRIVER_WHEELS), content)}</worldbody>"

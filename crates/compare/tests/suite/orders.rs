@@ -106,7 +106,8 @@ fn hard_kinks_limit_the_order_before_it_shows() {
         (found.basis, found.order),
         (Basis::Unconfirmed, Some(CONTACTS))
     );
-    assert!(found.u > error && found.u < 4.0 * error, "{found:?}");
+    // Whether the order of 4.1 is the method's or luck cannot be told: the coarser difference counts in full.
+    assert!(found.u > error && found.u < 10.0 * error, "{found:?}");
     // Friction allows less, and confirms nothing by orders near its own.
     let rough = Method::Step {
         order: 2.0,
@@ -382,12 +383,15 @@ fn hard_kinks_show_any_order() {
     };
     let error = 1.1e-4;
     assert!(of(3.0e-4, 1.3e-2).u > error);
+    // Runge-Kutta 4 on `backlash-0.6` with rollers at 157 rad/s * 1.37, first 5 ms, driver's torque: an order of 3.87 over
+    // kinks is luck. It was a false alarm, at 3.1 times what was stated.
+    assert!(4.1e-7 < 2.0 * of(1.94e-7, 2.83e-6).u);
     // The larger of what either difference says, at the kinks' order; the coarser one's in full where the finer is luck.
     let kinks = |ratio: f64| ratio.powf(CONTACTS);
     for (fine, coarse, factor) in [
         (3.0e-4, 1.3e-2, 3.0),
-        (1e-4, 2.3e-3, 3.0),
-        (1e-4, 2.2e-3, 1.25),
+        (1e-4, 8.1e-4, 3.0),
+        (1e-4, 7.9e-4, 1.25),
         (1e-4, 1.5e-4, 1.25),
     ] {
         let found = of(fine, coarse);

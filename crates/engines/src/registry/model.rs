@@ -30,7 +30,7 @@ pub(super) const BED: &[ModelTolerance] = statements! {
     Without, STEADY, "output_torque_n_m", RelativeL2, Same, 1e-2,
     "Ripple about the same mean.";
     Without, STEADY, "external_sleeve_force_n", RelativeL2, Same, 4.5e-2,
-    "A bed of 4000 springs or 8000 segments; falls with their number.";
+    "Beds conserve energy, the paper's law does not: the load is shared otherwise.";
     Without, STEADY, "internal_sleeve_force_n", RelativeL2, Same, 1.5e-2,
     "The law itself but for the ramp S, under external forces that differ.";
 };

@@ -10,6 +10,7 @@ use pinwheel_report::comparison::{self, Headline};
 use pinwheel_report::format::significant;
 use pinwheel_report::study::{Fact, Mark, Tile, Tone, Verdict};
 use pinwheel_report::words;
+use pinwheel_studies::band::declined;
 use pinwheel_studies::comparison::{Largest, Outcome, Twin};
 use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
 
@@ -356,10 +357,18 @@ impl<'a> Answer<'a> {
             parts.push(format!("agree: {}", self.who(pair, entry)));
         }
         match parts.as_slice() {
-            [] => fact(
-                Mark::Warn,
-                "not checked: no engine with contacts of its own took part".to_owned(),
-            ),
+            [] => {
+                let mut finished = self.found.comparison.engines.iter();
+                let has_own =
+                    finished.any(|e| e.track == Track::OwnContact && e.status.is_finished());
+                let why = match has_own {
+                    true => {
+                        "the run is all start-up, in which engines with contacts of their own damp otherwise"
+                    }
+                    false => "no engine with contacts of its own took part",
+                };
+                fact(Mark::Warn, format!("not checked: {why}"))
+            }
             _ => fact(Mark::Good, parts.join("; ")),
         }
     }
@@ -387,10 +396,8 @@ impl<'a> Answer<'a> {
     fn law(&self) -> Vec<Fact> {
         let scene = &self.found.gearbox.scene;
         let Some(bands) = &self.found.bands else {
-            let why = match scene.contact.stiffness_multiplier {
-                1.0 => "the gear cannot be balanced, or has no load",
-                _ => "contact.stiffness_multiplier is not 1",
-            };
+            let why = declined(scene);
+            let why = why.unwrap_or("the gear cannot be balanced, or has no load");
             return vec![Fact::new(
                 "contact law",
                 Mark::Muted,

@@ -150,8 +150,8 @@ fn simulated_s(plan: &Plan) -> f64 {
 /// Heading and unit of a column, if it is a figure.
 fn heading(name: &str, records: &[RunRecord]) -> Option<(String, String)> {
     let share = match name {
-        "efficiency" => Some("Efficiency, by means, with what the contact law creates"),
-        "efficiency_accounted" => Some("Efficiency, what the contact law creates taken out"),
+        "efficiency" => Some("Efficiency"),
+        "efficiency_accounted" => Some("Efficiency by what contacts lose"),
         _ => None,
     };
     if let Some(words) = share {

@@ -63,12 +63,17 @@ fn one(row: &Key, key: Cow<'static, str>, value: &Value) -> Result<(), Fault> {
             let what = format!("is {whole}, but must be from {low} to {high}");
             Err(fault(what, row.hint.to_owned()))
         }
-        (Kind::Choice(what, names), Value::String(typed)) => {
+        (Kind::Choice(what, names) | Kind::Choices(what, names), value) => {
             let names = names();
-            if names.contains(&typed.as_str()) {
+            let (verb, typed) = match value {
+                Value::Array(list) => ("names", list.as_slice()),
+                one => ("is", std::slice::from_ref(one)),
+            };
+            let mut typed = typed.iter().filter_map(Value::as_str);
+            let Some(typed) = typed.find(|typed| !names.contains(typed)) else {
                 return Ok(());
-            }
-            let what = format!("is {}, which is no {what}", quoted(typed));
+            };
+            let what = format!("{verb} {}, which is no {what}", quoted(typed));
             Err(fault(what, did_you_mean(typed, &names)))
         }
         (Kind::Text, Value::String(text)) if row.name == "name" => {

@@ -34,7 +34,7 @@ pub(super) fn scalar(row: &Key, node: &Node<'_>) -> Result<Value, (String, Strin
             "write it like 16, without point or quotes",
         ),
         // One name needs no brackets.
-        Kind::Texts => (
+        Kind::Texts | Kind::Choices(..) => (
             list(&text).or_else(|| Some(Value::Array(vec![text(&value)?]))),
             "a list of texts",
             row.hint,

@@ -417,6 +417,15 @@ fn channels_that_do_not_exist() {
         .unwrap_err();
         assert!(error.to_string().contains(part), "{error}");
     }
+    let laws =
+        "base = \"paper\"\n[contact]\nband_laws = [\"lundberg\", \"palmgrem\", \"kunertt\"]\n";
+    let error = Scene::from_toml(laws, "mine.toml", &[])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("line 3: `contact.band_laws` names \"palmgrem\", which is no contact law"),
+        "{error}"
+    );
     let many = "base = \"paper\"\n[output]\nchannels = [\"*\"]\n[solver]\nsample_s = 1e-6\n";
     let error = Scene::from_toml(many, "mine.toml", &[]).unwrap_err();
     assert!(

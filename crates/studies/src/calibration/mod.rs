@@ -18,7 +18,7 @@ use pinwheel_compare::{
     Assessment, Comparison, Context, Cost, Evidence, Metric, Participant, Rules, Status, Track,
     Verdict, WindowKind, compare,
 };
-use pinwheel_engines::{EngineInfo, Knob, known};
+use pinwheel_engines::known;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::CheckedScene;
 use pinwheel_timeseries::TimeSeries;
@@ -30,7 +30,7 @@ use crate::comparison::{Effort, context, divergence, refine};
 use crate::control::{Control, Progress, of_scene};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
-use crate::reference;
+use crate::reference::{self, Setting};
 
 /// What is held against what.
 #[derive(Debug, Clone)]
@@ -55,12 +55,11 @@ pub const PRESETS: [(&str, f64); 8] = [
     ("paper-rough", 0.01),
 ];
 
-/// Engines whose uncertainty comes from refining the scene's own step or tolerance.
+/// Engines of the law whose uncertainty comes from refining a step or tolerance of the scene.
 pub fn engines() -> impl Iterator<Item = &'static str> {
-    let by_step = |info: &EngineInfo<'_>| info.refinement.is_some_and(|r| r.knob == Knob::Step);
-    let own = known().filter(move |info| match info.track {
+    let own = known().filter(|info| match info.track {
         Track::Native => true,
-        Track::SharedLaw => by_step(info),
+        Track::SharedLaw => info.refinement.is_some(),
         Track::OwnContact | Track::Measured => false,
     });
     own.map(|info| info.name)
@@ -233,6 +232,7 @@ pub fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, StudyError> 
         let gearbox = Gearbox::new(scene).map_err(|source| of_scene(scene, source))?;
         let mut context = context(scene);
         let (mut participants, mut evidences) = (Vec::new(), Vec::new());
+        let mut truths = Truths::default();
         for (n, name) in input.engines.iter().enumerate() {
             let at = Progress::new(k * input.engines.len() + n, total, &scene.name);
             control.check()?;
@@ -246,7 +246,8 @@ pub fn run(input: &Input, control: &Control<'_>) -> Result<Outcome, StudyError> 
             }
             participants.push(participant.clone());
             evidences.push(evidence.clone());
-            found.hold(&context, scene, participant, evidence, control)?;
+            let stated = (participant, evidence);
+            found.hold(&context, scene, stated, &mut truths, control)?;
         }
         if !participants.is_empty() {
             let at = Progress::new((k + 1) * input.engines.len(), total, &scene.name);
@@ -292,17 +293,15 @@ impl Outcome {
         &mut self,
         context: &Context,
         scene: &CheckedScene,
-        participant: Participant,
-        evidence: Evidence,
+        (participant, evidence): (Participant, Evidence),
+        truths: &mut Truths,
         control: &Control<'_>,
     ) -> Result<(), StudyError> {
         let engine = participant.name.clone();
         let refined = matches!(evidence.source, Source::Refinement(_));
         let is_dopri5 = refined && participant.cost.settings.contains("dopri5");
         let by = if is_dopri5 { "dopri5" } else { "" };
-        let solved = |way| reference::solve(scene, way, &Control::silent(control.cancel));
-        let references = reference::settings(scene, by).map(solved);
-        let [Ok((_, other)), Ok((_, truth))] = references else {
+        let Some([other, truth]) = truths.of(scene, by, control) else {
             control.check()?;
             self.left_out
                 .push(format!("{}: no reference gets through", scene.name));
@@ -349,6 +348,32 @@ impl Outcome {
             }
         }
         Ok(())
+    }
+}
+
+/// The second runs and references of a scene, by their settings: engines share them.
+#[derive(Default)]
+struct Truths(Vec<([Setting; 2], Option<[TimeSeries; 2]>)>);
+
+impl Truths {
+    fn of(
+        &mut self,
+        scene: &CheckedScene,
+        by: &str,
+        control: &Control<'_>,
+    ) -> Option<[TimeSeries; 2]> {
+        let settings = reference::settings(scene, by);
+        if let Some((_, known)) = self.0.iter().find(|(of, _)| *of == settings) {
+            return known.clone();
+        }
+        let solve = |way| reference::solve(scene, way, &Control::silent(control.cancel));
+        let found = settings.map(|way| solve(way).ok().map(|(_, series)| series));
+        let found = match found {
+            [Some(other), Some(truth)] => Some([other, truth]),
+            _ => None,
+        };
+        self.0.push((settings, found.clone()));
+        found
     }
 }
 

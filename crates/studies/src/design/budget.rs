@@ -10,8 +10,8 @@ use serde::Serialize;
 
 use super::mesh::Poses;
 use super::{ARCMIN, DesignResult, FEW, Spread, twisted};
-use crate::StudyError;
 use crate::control::{compile, of_scene};
+use crate::{Control, StudyError};
 
 /// One part, and the gear with all parts up to it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -70,7 +70,11 @@ pub(super) const CONTACTS: &str = "contacts";
 pub(super) const REST: &str = "carrier and flange";
 
 /// Of the gear under the `working` load; empty where contacts alone give way.
-pub(super) fn of(gearbox: &Gearbox, working: f64) -> Result<Vec<Share>, StudyError> {
+pub(super) fn of(
+    gearbox: &Gearbox,
+    working: f64,
+    control: &Control<'_>,
+) -> Result<Vec<Share>, StudyError> {
     let all = gearbox.scene.bearings;
     let support = (gearbox.scene.cranks).and_then(|cranks| cranks.support_stiffness_n_m);
     // The first is balanced on rigid bearings, which cranks cannot do without in a scene.
@@ -113,7 +117,9 @@ pub(super) fn of(gearbox: &Gearbox, working: f64) -> Result<Vec<Share>, StudyErr
         if part == CONTACTS {
             statics = statics.on_rigid_bearings();
         }
-        let found = twisted(&mut statics, &poses, &gearbox, working).map_err(of_scene)?;
+        let found = twisted(&mut statics, &poses, &gearbox, working, &mut |_| {
+            Ok(control.check()?)
+        })?;
         let stiffness = Spread::of(found.1.into_iter().flatten()).mean;
         compliance.push(1.0 / stiffness);
         shares.push(Share {

@@ -31,6 +31,8 @@ use super::figures::{
 };
 use super::mesh::Poses;
 use super::{ARCMIN, Operating, Spread};
+use crate::StudyError;
+use crate::control::of_scene;
 use crate::output::{OutputError, file_name, write_text};
 
 /// Shares of the rated torque at which the joint's springs meet the gear.
@@ -98,21 +100,27 @@ struct Pose {
 }
 
 impl Joint {
-    /// The joint of a gear under a rated load, from balances over the period of `poses`, and from runs.
+    /// The joint of a gear under a rated load, from balances over the period of `poses`, and from runs; `step` is told the number of
+    /// every pose and of how many.
     pub(super) fn identify(
         statics: &mut Statics<'_>,
         gearbox: &Gearbox,
         (rated, poses): (f64, &Poses),
         runs: &[Operating],
-    ) -> Result<Self, GearboxError> {
+        step: &mut dyn FnMut(usize, usize) -> Result<(), StudyError>,
+    ) -> Result<Self, StudyError> {
+        let of_scene = |source| of_scene(&gearbox.scene, source);
         let few = poses.few(POSES);
-        let angles = few.angles;
-        let found = angles.iter().map(|&phi| Pose::find(statics, phi, rated));
-        let poses = found.collect::<Result<Vec<Pose>, _>>()?;
+        let count = few.angles.len();
+        let mut poses = Vec::with_capacity(count);
+        for (pose, &phi) in few.angles.iter().enumerate() {
+            step(pose, count)?;
+            poses.push(Pose::find(statics, phi, rated).map_err(of_scene)?);
+        }
         let all: Vec<&Pose> = poses.iter().collect();
         let springs = springs(&mean_twists(&all), rated);
         if springs.is_empty() {
-            return Err(GearboxError::NoEquilibrium { load_n_m: rated });
+            return Err(of_scene(GearboxError::NoEquilibrium { load_n_m: rated }));
         }
         let scene = &gearbox.scene;
         let ratio = scene.ratio();

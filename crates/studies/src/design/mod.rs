@@ -201,11 +201,17 @@ pub fn run(
 ) -> Result<DesignResult, StudyError> {
     let mut found = figures_of(gearbox, runs, control)?;
     let poses = Poses::of(&gearbox.scene);
-    let joint = Statics::new(gearbox).and_then(|mut statics| {
-        let rated = (found.rated_torque_n_m, &poses);
-        Joint::identify(&mut statics, gearbox, rated, &found.efficiency)
-    });
-    found.joint = Some(joint.map_err(|source| of_scene(&gearbox.scene, source))?);
+    let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
+    let rated = (found.rated_torque_n_m, &poses);
+    let total = stages(runs);
+    let step = &mut |pose: usize, all: usize| {
+        let what = format!("joint, pose {} of {all}", pose + 1);
+        (control.progress)(Progress::new(total - 2, total, &what));
+        Ok(control.check()?)
+    };
+    let joint = Joint::identify(&mut statics, gearbox, rated, &found.efficiency, step)?;
+    found.joint = Some(joint);
+    (control.progress)(Progress::new(total - 1, total, "other contact laws"));
     found.bands = band::of(gearbox, control)?;
     for figure in &mut found.figures {
         let value = figure.value.zip(found.bands.as_ref());
@@ -227,8 +233,7 @@ pub(crate) fn figures_of(
     let working = working_load(gearbox)?;
     let rated = working.abs();
     let of_scene = |source| of_scene(scene, source);
-    let dynamic = 1 + SPEEDS.len() * TORQUES.len();
-    let total = 3 + usize::from(runs) * dynamic;
+    let total = stages(runs);
     let step = |done: usize, what: &str| -> Result<(), StudyError> {
         (control.progress)(Progress::new(done, total, what));
         Ok(control.check()?)
@@ -242,9 +247,8 @@ pub(crate) fn figures_of(
         gearbox,
         &poses,
         working,
-        &mut |stage, pose| {
+        &mut |stage, pose, all| {
             let what = ["torsion", "rated load", "no load"][stage];
-            let all = poses.angles.len();
             step(stage, &format!("{what}, pose {} of {all}", pose + 1))
         },
     )?;
@@ -313,7 +317,7 @@ pub(crate) fn figures_of(
             torque_n_m: curve.0,
             twist_arcmin: curve.1,
         },
-        budget: budget::of(gearbox, working)?,
+        budget: budget::of(gearbox, working, control)?,
         rest: None,
         sharing: summed.sharing,
         pressure: summed.pressure,
@@ -325,6 +329,11 @@ pub(crate) fn figures_of(
         joint: None,
         discs: drawing::discs(scene)?,
     })
+}
+
+/// Stages of [`run`]: three of balances, the runs if there are any, joint and other contact laws.
+fn stages(runs: bool) -> usize {
+    5 + usize::from(runs) * (1 + SPEEDS.len() * TORQUES.len())
 }
 
 /// The largest load of a scene in the direction in which the gear works, as a moment on the output, N m.
@@ -355,23 +364,24 @@ pub(crate) fn working_load(gearbox: &Gearbox) -> Result<f64, StudyError> {
 }
 
 /// All balances that figures are read off: the twist at a few of the poses, then the rated load and next to none at all of
-/// them; `step` is told which of these it is, from 0 on, and the number of every pose.
+/// them; `step` is told which of these it is, from 0 on, the number of every pose, and of how many.
 fn balances(
     statics: &mut Statics<'_>,
     gearbox: &Gearbox,
     poses: &Poses,
     working: f64,
-    step: &mut dyn FnMut(usize, usize) -> Result<(), StudyError>,
+    step: &mut dyn FnMut(usize, usize, usize) -> Result<(), StudyError>,
 ) -> Result<Balances, StudyError> {
     let of_scene = |source| of_scene(&gearbox.scene, source);
-    step(0, 0)?;
     let few = poses.few(POSES.min(poses.angles.len()));
-    let (lost, stiffness) = twisted(statics, &few, gearbox, working).map_err(of_scene)?;
+    let (lost, stiffness) = twisted(statics, &few, gearbox, working, &mut |pose| {
+        step(0, pose, few.angles.len())
+    })?;
     let mut at = |stage: usize, load: f64| -> Result<Vec<Pose>, StudyError> {
         let mut found = Vec::with_capacity(poses.angles.len());
         let mut near = None;
         for (pose, &phi) in poses.angles.iter().enumerate() {
-            step(stage, pose)?;
+            step(stage, pose, poses.angles.len())?;
             found.push(Pose::find(statics, gearbox, phi, load, &mut near).map_err(of_scene)?);
         }
         Ok(found)
@@ -398,7 +408,7 @@ pub fn few_figures(
     let poses = Poses::of(&gearbox.scene).few(FEW);
     let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
     let control = Control::silent(cancel);
-    let found = balances(&mut statics, gearbox, &poses, working, &mut |_, _| {
+    let found = balances(&mut statics, gearbox, &poses, working, &mut |_, _, _| {
         Ok(control.check()?)
     })?;
     let is_preloaded = found.preloaded().is_some();
@@ -434,13 +444,18 @@ fn twisted(
     poses: &Poses,
     gearbox: &Gearbox,
     working: f64,
-) -> Result<(Vec<f64>, Vec<[f64; 2]>), GearboxError> {
-    let mut at = |phi, share: f64| twist(statics, gearbox, phi, share * working, working);
+    step: &mut dyn FnMut(usize) -> Result<(), StudyError>,
+) -> Result<(Vec<f64>, Vec<[f64; 2]>), StudyError> {
+    let mut at = |phi, share: f64| {
+        let found = twist(statics, gearbox, phi, share * working, working);
+        found.map_err(|source| of_scene(&gearbox.scene, source))
+    };
     let (mut lost, mut stiffness) = (Vec::new(), Vec::new());
     let [low, high] = STIFF;
-    for &phi in &poses.angles {
+    for (pose, &phi) in poses.angles.iter().enumerate() {
+        step(pose)?;
         lost.push(at(phi, LOST)? - at(phi, -LOST)?);
-        let mut of = |sign: f64| -> Result<f64, GearboxError> {
+        let mut of = |sign: f64| -> Result<f64, StudyError> {
             let turned = (at(phi, sign * high)? - at(phi, sign * low)?).abs();
             Ok((high - low) * working.abs() / turned)
         };

@@ -6,7 +6,7 @@ use pinwheel_compare::quantities::derive;
 use pinwheel_engines::{Engine, Run};
 use pinwheel_gearbox::Efficiency;
 use pinwheel_timeseries::sampling::Figures;
-use pinwheel_timeseries::{Ending, EnergyAudit, efficiency, mean_powers};
+use pinwheel_timeseries::{ABOVE_ONE, Ending, EnergyAudit, NO_LOSS, efficiency, mean_powers};
 use serde::{Deserialize, Serialize};
 
 use crate::sweep::PlannedRun;
@@ -45,9 +45,9 @@ pub struct RunRecord {
     /// Figures of balances, by their columns.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub balances: BTreeMap<String, f64>,
-    /// Power out over power in, by means over the window; `None` where that is no efficiency.
+    /// Power out over power in, at most 1; `None` where that is no efficiency, as where the contact law creates power.
     pub efficiency: Option<f64>,
-    /// The same with the energy taken out that nothing accounts for, such as what the contact law creates; `None` without an
+    /// Power out over power out and lost by the contacts, whatever the law creates and whether anything rubs; `None` without an
     /// account of most of the window.
     #[serde(default)]
     pub efficiency_accounted: Option<f64>,
@@ -160,21 +160,19 @@ impl RunRecord {
                 let reason = "no efficiency: no work is done";
                 self.undefined.push(reason.to_owned());
             }
-            Ok(efficiency) => {
-                self.efficiency = Some(efficiency);
+            Ok(plain) => {
                 let losses = account.and_then(Efficiency::of);
                 self.efficiency_accounted = losses.map(|account| account.of_losses);
-                if efficiency > 1.0 {
-                    self.undefined.push(match losses {
-                        Some(account) => format!(
-                            "efficiency above 1: {:.2} % of the work comes from nowhere, as the contact law creates it; \
-                             efficiency_accounted is by what contacts lose",
-                            100.0 * account.created_share
-                        ),
-                        None => "efficiency above 1: what the contact law creates is in it, and this engine keeps no \
-                                 account of that"
-                            .to_owned(),
-                    });
+                let rubs = planned.scene.contact.friction_coefficient > 0.0;
+                let defined = match losses {
+                    Some(account) => account.defined(),
+                    None if !rubs => Err(NO_LOSS.to_owned()),
+                    None if plain > 1.0 => Err(ABOVE_ONE.to_owned()),
+                    None => Ok(plain),
+                };
+                match defined {
+                    Ok(defined) => self.efficiency = Some(defined),
+                    Err(reason) => self.undefined.push(format!("efficiency {reason}")),
                 }
             }
         }
