@@ -118,6 +118,8 @@ class Keys(TypedDict, total=False):
     """circle the cranks stand on (m)"""
     count: int
     """cranks of an RV reducer, which carry the wheels in the place of one eccentric"""
+    mesh_stiffness_n_m: float
+    """stiffness of the mesh of the sun with a planet along the line of action, without mass; absent: rigid (N/m)"""
     planet_teeth: int
     """teeth of a planet, one on each crank"""
     sun_teeth: int
@@ -250,6 +252,7 @@ Vary = TypedDict(
         "bore_radius_m": Axis,
         "circle_radius_m": Axis,
         "count": Axis,
+        "mesh_stiffness_n_m": Axis,
         "planet_teeth": Axis,
         "sun_teeth": Axis,
         "support_stiffness_n_m": Axis,
@@ -334,6 +337,7 @@ Vary = TypedDict(
         "cranks.bore_radius_m": Axis,
         "cranks.circle_radius_m": Axis,
         "cranks.count": Axis,
+        "cranks.mesh_stiffness_n_m": Axis,
         "cranks.planet_teeth": Axis,
         "cranks.sun_teeth": Axis,
         "cranks.support_stiffness_n_m": Axis,

@@ -6,18 +6,28 @@
 //! ```text
 //! gamma = (1 + rho) psi - rho phi,     at the ideal mesh psi = -gamma/zs:     phi/psi = 1 + zk/rho
 //! ```
-//! so the output turns with the input. The first stage is rigid. As long as the input turns at a constant speed the cranks'
+//! so the output turns with the input. As long as the input turns at a constant speed the cranks'
 //! inertia about their own axes then acts as (1 + rho)^2 of it on the output.
 
 use crate::error::Fault;
 use crate::model::{BodyMass, Cranks, Gear, Scene};
 use crate::number::short;
 
+/// Pressure angle of involute teeth (ISO 53).
+const PRESSURE_ANGLE_DEG: f64 = 20.0;
+
 impl Cranks {
     /// rho, teeth of the sun over those of a planet.
     #[must_use]
     pub fn teeth_ratio(&self) -> f64 {
         self.sun_teeth as f64 / self.planet_teeth as f64
+    }
+
+    /// Base radius of a planet, m: standard teeth at a distance of the circle's radius.
+    #[must_use]
+    pub fn planet_base_radius_m(&self) -> f64 {
+        let pitch_radius = self.circle_radius_m / (1.0 + self.teeth_ratio());
+        pitch_radius * PRESSURE_ANGLE_DEG.to_radians().cos()
     }
 }
 

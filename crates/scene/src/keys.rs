@@ -280,6 +280,7 @@ pub const KEYS: &[Key] = keys! {
     "cranks.sun_teeth" Count(3, 10_000), Needed, "teeth of the sun on the input shaft", "with the planets' it makes the ratio 1 + zk planet/sun";
     "cranks.planet_teeth" Count(3, 10_000), Needed, "teeth of a planet, one on each crank", "with the sun's it makes the ratio 1 + zk planet/sun";
     "cranks.support_stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "stiffness of what holds a crank in the output; absent: rigid", "a pair of tapered roller bearings has 4e8 to 1e9 N/m";
+    "cranks.mesh_stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "stiffness of the mesh of the sun with a planet along the line of action, without mass; absent: rigid", "about 1.4e10 N/m by metre of face width (ISO 6336)";
     "contact.detection" Choice("detection", || vec!["exact", "points"]), Usual("\"exact\"", "the closest point of the curve"), "how the contact point is found", "\"exact\" or \"points\"";
     "contact.wheel_points" Count(24, 1_000_000), Follows(formulas::wheel_points, "100 a lobe, at least 4000; used by detection points only"), "points on a wheel's profile", "the paper uses 600 and 4000; more than a million costs memory and gains nothing over detection = \"exact\"";
     "contact.hole_points" Count(8, 1_000_000), Usual("100", "used by detection points only"), "points on a hole", "the paper uses 20 to 100; more than a million costs memory and gains nothing over detection = \"exact\"";
@@ -346,7 +347,7 @@ mod tests {
         .unwrap();
         scene.cranks = toml::from_str(
             "count = 2\ncircle_radius_m = 0.03\nbore_radius_m = 0.01\nsun_teeth = 12\nplanet_teeth = 36\n\
-             support_stiffness_n_m = 1e8",
+             support_stiffness_n_m = 1e8\nmesh_stiffness_n_m = 1e8",
         )
         .ok();
         scene.gear.modification.radial_m = -1e-5;

@@ -303,6 +303,9 @@ pub struct Cranks {
     /// Stiffness of what holds a crank in the output, N/m; `None`: a rigid revolute.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub support_stiffness_n_m: Option<f64>,
+    /// Stiffness of the mesh of the sun with a planet along the line of action, N/m; `None`: rigid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_stiffness_n_m: Option<f64>,
 }
 
 /// Which equations are integrated.

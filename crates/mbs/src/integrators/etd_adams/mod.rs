@@ -123,9 +123,11 @@ struct Multistep {
 }
 
 impl Multistep {
-    fn new<S: OdeSystem>(system: &S, jacobian: Jacobian) -> Self {
-        let (structure, n) = (system.structure(), system.dimension());
-        let linear = Linear::new(&structure, n);
+    fn new<S: OdeSystem>(system: &S, jacobian: Jacobian, y: &[f64]) -> Self {
+        let n = y.len();
+        let mut scale = vec![0.0; n];
+        system.scale(y, &mut scale);
+        let linear = Linear::new(&system.structure(), &scale);
         let count = linear.remainders();
         let error = Columns::zero(n, count);
         let step = Step {
@@ -353,7 +355,7 @@ impl EtdAdams {
                     self.refused = true;
                     return false;
                 }
-                Box::new(Multistep::new(system, jacobian))
+                Box::new(Multistep::new(system, jacobian, &self.y))
             }
         };
         self.counts.jacobians += 1;
