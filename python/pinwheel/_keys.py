@@ -67,7 +67,7 @@ class Keys(TypedDict, total=False):
     sleeve_bore_m: float
     """bore d of the sleeves, for that moment (m)"""
     sleeve_friction_coefficient: float
-    """friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; absent: 0; counts in `design` alone"""
+    """friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; absent: 0; in runs where contacts have none"""
     constant_stiffness_n_m15: float
     """K of laws with one stiffness for all contacts (N/m^1.5); if left out: after Hertz, of an external sleeve on a flat; used by laws of one stiffness only"""
     detection: Literal["exact", "points"]

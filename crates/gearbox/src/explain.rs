@@ -66,6 +66,18 @@ fn bearings(scene: &Scene, modelled: &mut Statements, left_out: &mut Statements)
             ),
         );
     }
+    if scene.bearings.sleeve_friction_coefficient.is_some() {
+        match scene.contact.friction_coefficient > 0.0 {
+            false => modelled.add(
+                "sleeves that roll on the wheels and rub on their pins",
+                "mu F d/(2 r) against the sliding at a contact",
+            ),
+            true => left_out.add(
+                "friction of sleeves on their pins in a run",
+                "friction of contacts turns sleeves here; `design` has what they lose if they roll",
+            ),
+        }
+    }
     let Some(cranks) = &scene.cranks else {
         return;
     };
@@ -76,7 +88,9 @@ fn bearings(scene: &Scene, modelled: &mut Statements, left_out: &mut Statements)
     );
     let stage = match cranks.mesh_stiffness_n_m {
         Some(stiffness) => {
-            format!("a first stage whose mesh has {stiffness:.3e} N/m, folded into input and output")
+            format!(
+                "a first stage whose mesh has {stiffness:.3e} N/m, folded into input and output"
+            )
         }
         None => "a rigid first stage, folded into input and output".to_owned(),
     };

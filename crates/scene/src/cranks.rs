@@ -64,6 +64,20 @@ impl Scene {
         self.eccentric_per_input() * self.drive.input_speed_rad_s
     }
 
+    /// The input shaft with the inertia that the cranks' turning adds to it beside what [`output_shaft`](Self::output_shaft) has: at the
+    /// ideal mesh both together are all of it. What a torque on the sun speeds up.
+    #[must_use]
+    pub fn input_shaft(&self) -> BodyMass {
+        let mut shaft = self.mass.input_shaft;
+        if let Some(cranks) = &self.cranks {
+            let on_output = (1.0 + cranks.teeth_ratio()) * self.output_per_input();
+            let share = self.eccentric_per_input().powi(2) - on_output.powi(2);
+            let turning = cranks.count as f64 * self.mass.internal_sleeve.moment_kg_m2;
+            shaft.moment_kg_m2 += share * turning;
+        }
+        shaft
+    }
+
     /// The output shaft with the inertia that the cranks' turning adds to it.
     #[must_use]
     pub fn output_shaft(&self) -> BodyMass {
@@ -245,6 +259,22 @@ mod tests {
             rigid.contains("bearings.eccentric.stiffness_n_m"),
             "{rigid}"
         );
+    }
+
+    /// Of a gear that turns as its teeth have it both shafts together hold all of the cranks' energy.
+    #[test]
+    fn both_shafts_carry_the_cranks_turning() {
+        let scene = Scene::load("rv-40e-like", &[]).unwrap();
+        let [input, output] = [
+            (scene.input_shaft(), scene.mass.input_shaft),
+            (scene.output_shaft(), scene.mass.output_shaft),
+        ]
+        .map(|(with, without)| with.moment_kg_m2 - without.moment_kg_m2);
+        // gamma' of an input at 1 rad/s, by hand: (1 + 1/3)/121 - 1/3.
+        let turning: f64 = (4.0 / 3.0) / 121.0 - 1.0 / 3.0;
+        let cranks = 2.0 * scene.mass.internal_sleeve.moment_kg_m2 * turning * turning;
+        let found = input + output / (121.0 * 121.0);
+        assert!((found / cranks - 1.0).abs() < 1e-12, "{found} {cranks}");
     }
 
     /// 1 + 40 x 36/12, by the teeth; and of any other gear its lobes.

@@ -237,7 +237,7 @@ pub struct Bearings {
     /// Torsional stiffness of carrier and flange beyond the internal sleeves, N m/rad; `None`: rigid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub output_torsion_n_m_rad: Option<f64>,
-    /// Friction of a sleeve on its pin, with its bore: counts in `design` alone; `None`: none.
+    /// Friction of a sleeve on its pin, with its bore: in runs where contacts have none; `None`: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sleeve_friction_coefficient: Option<f64>,
     /// Bore of the sleeves, m.

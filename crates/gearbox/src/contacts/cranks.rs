@@ -143,7 +143,11 @@ impl Cranks {
             )
         };
         let of_wheel = |wheel: usize| (0..cranks.count).map(|crank| bore(wheel, crank)).collect();
-        let throw_m = geometry.eccentricities_m.iter().copied().fold(0.0, f64::max);
+        let throw_m = geometry
+            .eccentricities_m
+            .iter()
+            .copied()
+            .fold(0.0, f64::max);
         let planet = cranks.planet_base_radius_m() / throw_m;
         Some(Self {
             teeth_ratio: geometry.teeth_ratio,

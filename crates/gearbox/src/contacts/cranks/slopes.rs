@@ -233,8 +233,12 @@ impl Cranks {
                         faster: axis,
                         ..Move::default()
                     };
-                    sprung.moved(self, [0.0; 2], only(way), |row, x| position.add(row, column, x));
-                    sprung.moved(self, [0.0; 2], only(faster), |row, x| rate.add(row, column, x));
+                    sprung.moved(self, [0.0; 2], only(way), |row, x| {
+                        position.add(row, column, x)
+                    });
+                    sprung.moved(self, [0.0; 2], only(faster), |row, x| {
+                        rate.add(row, column, x)
+                    });
                 }
                 let (column, spin) = (OUTPUT + 1 + wheel, bodies[body].rate);
                 let arm = sprung.held[wheel].arm;
@@ -252,7 +256,9 @@ impl Cranks {
                 sprung.moved(self, [0.0; 2], only(turned), |row, x| {
                     position.add(row, column, x);
                 });
-                sprung.moved(self, [0.0; 2], only(spun), |row, x| rate.add(row, column, x));
+                sprung.moved(self, [0.0; 2], only(spun), |row, x| {
+                    rate.add(row, column, x)
+                });
             }
             // By the output the seats move as well as the eccentrics, by the time these alone.
             let throw = sprung.throw_m;
@@ -260,7 +266,12 @@ impl Cranks {
                 move |_: usize, held: &Held| Move {
                     way: sum(-seats, left(seat), -by * throw, held.across),
                     // The eccentric before it gave way is R-90 of that.
-                    faster: sum(seats * output, seat, -turning * by * throw, left(held.across)),
+                    faster: sum(
+                        seats * output,
+                        seat,
+                        -turning * by * throw,
+                        left(held.across),
+                    ),
                     turned: by,
                     ..Move::default()
                 }
@@ -274,7 +285,9 @@ impl Cranks {
                 position.add(row, OUTPUT, x);
             });
             sprung.moved(self, [0.0; 2], spun, |row, x| rate.add(row, OUTPUT, x));
-            sprung.moved(self, [0.0; 2], moving(0.0, per_input), |row, x| time[row] += x);
+            sprung.moved(self, [0.0; 2], moving(0.0, per_input), |row, x| {
+                time[row] += x
+            });
         }
     }
 }
