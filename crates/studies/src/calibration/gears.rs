@@ -243,6 +243,7 @@ fn cranks(rng: &mut Rng, scene: &mut Scene) {
         sun_teeth: rng.whole(10, 20),
         planet_teeth: rng.whole(20, 60),
         support_stiffness_n_m: None,
+        mesh_stiffness_n_m: None,
     });
     scene.bearings.internal_sleeve_stiffness_n_m = None;
     let (is_elastic, stiffer) = (rng.chance(0.6), rng.spread(0.5, 10.0));
