@@ -298,18 +298,17 @@ fn crossval_solvers_recordings_are_of_these_programs() {
 fn crossval_floating_wheels_by_programs() {
     let mut engines = vec![IDA];
     engines.extend(simbody().then_some(SIMBODY));
-    for preset in ["paper-bearings", "rv-320", "rv-40e-like"] {
-        let scene = scene(
-            preset,
-            &[
-                ("solver.duration_s", "0.001"),
-                ("solver.sample_s", "2e-5"),
-                ("solver.tolerance", "1e-10"),
-            ],
-        );
+    for (preset, sets) in runs::FLOATING {
+        let base = [
+            ("solver.duration_s", "0.001"),
+            ("solver.sample_s", "2e-5"),
+            ("solver.tolerance", "1e-10"),
+        ];
+        let scene = scene(preset, &[&base, *sets].concat());
         let reference = runs::native(&scene, "dopri5", 1e-6);
         for engine in &engines {
             let errors = errors(engine, &scene, (0.0, 0.001), &reference);
+            println!("{preset} {sets:?}, {engine}: {errors:?}");
             assert_within(errors, [1e-6, 1e-6]);
         }
     }

@@ -111,3 +111,54 @@ pub fn relative(
     }
     (difference / size).sqrt()
 }
+
+/// Gears with floating wheels, as presets with what is changed: on one eccentric, with pins that bend, and on cranks; of RV gears
+/// beside the presets three that nobody builds.
+pub const FLOATING: &[(&str, &[(&str, &str)])] = &[
+    ("paper-bearings", &[]),
+    (
+        "paper-bearings",
+        &[("bearings.internal_sleeve_stiffness_n_m", "5e7")],
+    ),
+    ("rv-320", &[]),
+    ("rv-40e-like", &[]),
+    // Three cranks and a clearance.
+    (
+        "rv-40e-like",
+        &[
+            ("gear.external_sleeves", "30"),
+            ("gear.eccentricity_m", "0.0012"),
+            ("cranks.count", "3"),
+            ("cranks.sun_teeth", "15"),
+            ("cranks.planet_teeth", "35"),
+            ("bearings.eccentric.clearance_m", "3e-6"),
+        ],
+    ),
+    // One disc on four cranks, each part with an error, and an elastic first stage.
+    (
+        "rv-40e-like",
+        &[
+            ("gear.wheels", "1"),
+            ("gear.backlash_m", "1e-5"),
+            ("gear.errors.crank_phase_rad", "[1e-4, 0, -2e-4, 0]"),
+            ("gear.errors.hole_radius_m", "[4e-6, 0, 0, 2e-6]"),
+            ("cranks.count", "4"),
+            ("cranks.mesh_stiffness_n_m", "5e7"),
+            ("cranks.support_stiffness_n_m", "3e8"),
+            ("drive.output_torque_n_m", "-150"),
+        ],
+    ),
+    // Three discs on three cranks, with friction of contacts and of bearings.
+    (
+        "rv-320",
+        &[
+            ("gear.external_sleeves", "44"),
+            ("gear.wheels", "3"),
+            ("bearings.eccentric.friction_coefficient", "0.002"),
+            ("bearings.eccentric.bore_m", "0.026"),
+            ("contact.friction_coefficient", "0.05"),
+            ("contact.friction_ramp_m_s", "0.05"),
+            ("drive.output_torque_n_m", "1500"),
+        ],
+    ),
+];

@@ -67,7 +67,7 @@ class Keys(TypedDict, total=False):
     sleeve_bore_m: float
     """bore d of the sleeves, for that moment (m)"""
     sleeve_friction_coefficient: float
-    """friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; absent: 0; counts in `design` alone"""
+    """friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; absent: 0; in runs where contacts have none"""
     band_laws: str | Sequence[str]
     """laws that may be right for these rollers, whose spread is the band of a figure; absent: those for the materials; []: no band"""
     constant_stiffness_n_m15: float
@@ -120,6 +120,8 @@ class Keys(TypedDict, total=False):
     """circle the cranks stand on (m)"""
     count: int
     """cranks of an RV reducer, which carry the wheels in the place of one eccentric"""
+    mesh_stiffness_n_m: float
+    """stiffness of the mesh of the sun with a planet along the line of action, without mass; absent: rigid (N/m)"""
     planet_teeth: int
     """teeth of a planet, one on each crank"""
     sun_teeth: int
@@ -253,6 +255,7 @@ Vary = TypedDict(
         "bore_radius_m": Axis,
         "circle_radius_m": Axis,
         "count": Axis,
+        "mesh_stiffness_n_m": Axis,
         "planet_teeth": Axis,
         "sun_teeth": Axis,
         "support_stiffness_n_m": Axis,
@@ -338,6 +341,7 @@ Vary = TypedDict(
         "cranks.bore_radius_m": Axis,
         "cranks.circle_radius_m": Axis,
         "cranks.count": Axis,
+        "cranks.mesh_stiffness_n_m": Axis,
         "cranks.planet_teeth": Axis,
         "cranks.sun_teeth": Axis,
         "cranks.support_stiffness_n_m": Axis,

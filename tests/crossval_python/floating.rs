@@ -8,27 +8,14 @@ const RAPIER: &str = "rapier-shared-law";
 /// exudyn's implicit steps of second order as below.
 #[test]
 fn crossval_floating_wheels() {
-    let made_up: &[(&str, &str)] = &[
-        ("gear.external_sleeves", "30"),
-        ("gear.eccentricity_m", "0.0012"),
-        ("cranks.count", "3"),
-        ("cranks.sun_teeth", "15"),
-        ("cranks.planet_teeth", "35"),
-        ("bearings.eccentric.clearance_m", "3e-6"),
-    ];
-    for (preset, sets) in [
-        ("paper-bearings", &[][..]),
-        ("rv-320", &[]),
-        ("rv-40e-like", &[]),
-        ("rv-40e-like", made_up),
-    ] {
+    for (preset, sets) in runs::FLOATING {
         let base = [
             ("solver.duration_s", "0.001"),
             ("solver.sample_s", "2e-5"),
             ("solver.step_s", "5e-7"),
             ("solver.tolerance", "1e-10"),
         ];
-        let scene = scene(preset, &[&base, sets].concat());
+        let scene = scene(preset, &[&base, *sets].concat());
         let reference = native(&scene, "dopri5", 1e-6);
         let engines = [
             (MUJOCO, 1e-5),
@@ -37,7 +24,7 @@ fn crossval_floating_wheels() {
             (RAPIER, 1e-3),
         ];
         let found = engines.map(|(engine, _)| worst(&run(engine, &scene), &reference, 0.0));
-        println!("{preset} {}: {found:?}", sets.len());
+        println!("{preset} {sets:?}: {found:?}");
         for ((engine, limit), found) in engines.into_iter().zip(found) {
             assert_within(&format!("{preset}, {engine}"), found, limit);
         }

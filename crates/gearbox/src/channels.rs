@@ -34,7 +34,7 @@ pub trait PairSource {
     fn losses(&mut self, bodies: &[BodyState]) -> Option<ContactEnergy>;
 }
 
-/// Contacts of an engine whose contact forces are those of our law at its states.
+/// Contacts of an engine whose contact forces are those of our law at its states; of an RV gear with the bearings of its cranks.
 pub struct LawPairs<'a>(pub &'a mut dyn ContactField);
 
 impl PairSource for LawPairs<'_> {
@@ -44,11 +44,14 @@ impl PairSource for LawPairs<'_> {
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) -> bool {
         self.0.touching(bodies, visit);
+        if let Some(bearings) = self.0.bearings() {
+            bearings.crank_pairs(bodies).iter().for_each(visit);
+        }
         true
     }
 
     fn loaded(&mut self, bodies: &[BodyState], least_n: f64, visit: Visit<'_>) {
-        self.0.touching(bodies, &mut |pair| {
+        self.touching(bodies, &mut |pair| {
             if pair.normal_force_n > least_n {
                 visit(pair.wheel, pair.sleeve);
             }
@@ -121,8 +124,15 @@ impl Values {
             list.iter().any(is)
         };
         let of_gaps = |chosen: &Chosen| {
-            use PairQuantity::{FrictionForce, NormalForce, Pressure, PressureSliding};
-            let forces = [NormalForce, FrictionForce, Pressure, PressureSliding];
+            use PairQuantity as P;
+            let forces = [
+                P::NormalForce,
+                P::FrictionForce,
+                P::ForceX,
+                P::ForceY,
+                P::Pressure,
+                P::PressureSliding,
+            ];
             matches!(chosen.what, What::Pair(quantity) if !forces.contains(&quantity))
         };
         Some(Self {
@@ -275,6 +285,8 @@ fn of_pair(pair: &PairContact, quantity: PairQuantity, pressure: impl Fn() -> f6
         PairQuantity::PointY => pair.point[1],
         PairQuantity::NormalForce => pair.normal_force_n,
         PairQuantity::FrictionForce => pair.friction_force_n,
+        PairQuantity::ForceX => -pair.force_on_sleeve()[0],
+        PairQuantity::ForceY => -pair.force_on_sleeve()[1],
         PairQuantity::Pressure => pressure(),
         PairQuantity::PressureSliding => pressure() * pair.tangential_rate_m_s.abs(),
     }

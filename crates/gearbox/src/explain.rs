@@ -66,6 +66,18 @@ fn bearings(scene: &Scene, modelled: &mut Statements, left_out: &mut Statements)
             ),
         );
     }
+    if scene.bearings.sleeve_friction_coefficient.is_some() {
+        match scene.contact.friction_coefficient > 0.0 {
+            false => modelled.add(
+                "sleeves that roll on the wheels and rub on their pins",
+                "mu F d/(2 r) against the sliding at a contact",
+            ),
+            true => left_out.add(
+                "friction of sleeves on their pins in a run",
+                "friction of contacts turns sleeves here; `design` has what they lose if they roll",
+            ),
+        }
+    }
     let Some(cranks) = &scene.cranks else {
         return;
     };
@@ -74,9 +86,18 @@ fn bearings(scene: &Scene, modelled: &mut Statements, left_out: &mut Statements)
         format!("an RV gear of ratio {ratio}, {count} cranks in the output"),
         "ratio 1 + zk planet/sun; the output turns with the input",
     );
+    let stage = match cranks.mesh_stiffness_n_m {
+        Some(stiffness) => {
+            format!(
+                "a first stage whose mesh has {stiffness:.3e} N/m, folded into input and output"
+            )
+        }
+        None => "a rigid first stage, folded into input and output".to_owned(),
+    };
     modelled.add(
-        "a rigid first stage, folded into input and output",
-        "cranks turn by (1 + rho) output - rho input, rho = sun/planet; their inertia acts as (1 + rho)^2 of it on the output",
+        stage,
+        "cranks turn by (1 + rho) output - rho input, rho = sun/planet, and by what the mesh gives way, a spring without mass; \
+         their inertia acts as (1 + rho)^2 of it on the output",
     );
     match cranks.support_stiffness_n_m {
         Some(stiffness) => modelled.add(
@@ -89,8 +110,9 @@ fn bearings(scene: &Scene, modelled: &mut Statements, left_out: &mut Statements)
         ),
     }
     left_out.add(
-        "the first stage's mesh and the cranks' bending",
-        "its stiffness, play and losses, and the radial part of its forces; they change the stiffness little",
+        "play and losses of the first stage's mesh, and the cranks' bending",
+        "so is the radial part of the mesh's forces; without cranks.mesh_stiffness_n_m the mesh is rigid, which changes the \
+         gear's stiffness by less than a per cent",
     );
     left_out.add(
         "the cranks' reaction on the driver",

@@ -116,6 +116,7 @@ impl Gearbox {
     pub fn frictionless_field(&self) -> Result<Box<dyn ContactField>, GearboxError> {
         let mut scene = self.scene.clone().into_scene();
         scene.contact.friction_coefficient = 0.0;
+        scene.bearings.sleeve_friction_coefficient = None;
         contacts::field(&scene, &self.geometry, self.kernel)
     }
 
@@ -245,7 +246,11 @@ impl Gearbox {
             start: starts[index],
         };
         let mut bodies = vec![
-            body("input shaft".into(), mass.input_shaft, Layout::INPUT),
+            body(
+                "input shaft".into(),
+                self.scene.input_shaft(),
+                Layout::INPUT,
+            ),
             body(
                 "output shaft".into(),
                 self.scene.output_shaft(),

@@ -127,13 +127,14 @@ pub(crate) fn reduced<F: Forces>(
 ) -> Result<Reduced<F>, GearboxError> {
     let layout = gearbox.layout;
     let sleeves: Vec<usize> = (layout.external_bodies().start..layout.bodies()).collect();
-    // Without friction nothing turns a sleeve.
-    let idle: &[usize] = if gearbox.has_friction() {
-        &[]
+    // Without friction nothing turns a sleeve; cranks turn with their planets, which are folded.
+    let turned = if gearbox.scene.cranks.is_some() {
+        layout.external_bodies().len()
     } else {
-        &sleeves
+        sleeves.len()
     };
-    Ok(Reduced::new(mechanism, forces, idle)?
+    let turned = if gearbox.has_friction() { turned } else { 0 };
+    Ok(Reduced::new(mechanism, forces, &sleeves[turned..])?
         .with_leaves(&sleeves)
         .with_scales(gearbox.error_scales()))
 }

@@ -6,18 +6,28 @@
 //! ```text
 //! gamma = (1 + rho) psi - rho phi,     at the ideal mesh psi = -gamma/zs:     phi/psi = 1 + zk/rho
 //! ```
-//! so the output turns with the input. The first stage is rigid. As long as the input turns at a constant speed the cranks'
+//! so the output turns with the input. As long as the input turns at a constant speed the cranks'
 //! inertia about their own axes then acts as (1 + rho)^2 of it on the output.
 
 use crate::error::Fault;
 use crate::model::{BodyMass, Cranks, Gear, Scene};
 use crate::number::short;
 
+/// Pressure angle of involute teeth (ISO 53).
+const PRESSURE_ANGLE_DEG: f64 = 20.0;
+
 impl Cranks {
     /// rho, teeth of the sun over those of a planet.
     #[must_use]
     pub fn teeth_ratio(&self) -> f64 {
         self.sun_teeth as f64 / self.planet_teeth as f64
+    }
+
+    /// Base radius of a planet, m: standard teeth at a distance of the circle's radius.
+    #[must_use]
+    pub fn planet_base_radius_m(&self) -> f64 {
+        let pitch_radius = self.circle_radius_m / (1.0 + self.teeth_ratio());
+        pitch_radius * PRESSURE_ANGLE_DEG.to_radians().cos()
     }
 }
 
@@ -52,6 +62,20 @@ impl Scene {
     #[must_use]
     pub fn eccentric_speed_rad_s(&self) -> f64 {
         self.eccentric_per_input() * self.drive.input_speed_rad_s
+    }
+
+    /// The input shaft with the inertia that the cranks' turning adds to it beside what [`output_shaft`](Self::output_shaft) has: at the
+    /// ideal mesh both together are all of it. What a torque on the sun speeds up.
+    #[must_use]
+    pub fn input_shaft(&self) -> BodyMass {
+        let mut shaft = self.mass.input_shaft;
+        if let Some(cranks) = &self.cranks {
+            let on_output = (1.0 + cranks.teeth_ratio()) * self.output_per_input();
+            let share = self.eccentric_per_input().powi(2) - on_output.powi(2);
+            let turning = cranks.count as f64 * self.mass.internal_sleeve.moment_kg_m2;
+            shaft.moment_kg_m2 += share * turning;
+        }
+        shaft
     }
 
     /// The output shaft with the inertia that the cranks' turning adds to it.
@@ -235,6 +259,22 @@ mod tests {
             rigid.contains("bearings.eccentric.stiffness_n_m"),
             "{rigid}"
         );
+    }
+
+    /// Of a gear that turns as its teeth have it both shafts together hold all of the cranks' energy.
+    #[test]
+    fn both_shafts_carry_the_cranks_turning() {
+        let scene = Scene::load("rv-40e-like", &[]).unwrap();
+        let [input, output] = [
+            (scene.input_shaft(), scene.mass.input_shaft),
+            (scene.output_shaft(), scene.mass.output_shaft),
+        ]
+        .map(|(with, without)| with.moment_kg_m2 - without.moment_kg_m2);
+        // gamma' of an input at 1 rad/s, by hand: (1 + 1/3)/121 - 1/3.
+        let turning: f64 = (4.0 / 3.0) / 121.0 - 1.0 / 3.0;
+        let cranks = 2.0 * scene.mass.internal_sleeve.moment_kg_m2 * turning * turning;
+        let found = input + output / (121.0 * 121.0);
+        assert!((found / cranks - 1.0).abs() < 1e-12, "{found} {cranks}");
     }
 
     /// 1 + 40 x 36/12, by the teeth; and of any other gear its lobes.

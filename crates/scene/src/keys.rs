@@ -273,7 +273,7 @@ pub const KEYS: &[Key] = keys! {
     "bearings.eccentric.dynamic_rating_n" Number(From(1.0, 1e9)), Nothing, "its basic dynamic rating C, for its life after ISO 281", "bearing catalogues give it in kN: 20 kN is 20000";
     "bearings.internal_sleeve_stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "stiffness of an output pin against bending, in series with its contacts; absent: rigid", "a pin held at one end has 3 E I/l^3 at the length l";
     "bearings.output_torsion_n_m_rad" Number(From(1e-3, 1e15)), Nothing, "torsional stiffness of carrier and flange; absent: rigid; counts in `design` alone", "1 N m/arcmin is 3437.7 N m/rad";
-    "bearings.sleeve_friction_coefficient" Number(From(0.0, 1.0)), Nothing, "friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; absent: 0; counts in `design` alone", "needles have 0.002, oiled bronze 0.05 to 0.1";
+    "bearings.sleeve_friction_coefficient" Number(From(0.0, 1.0)), Nothing, "friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; absent: 0; in runs where contacts have none", "needles have 0.002, oiled bronze 0.05 to 0.1";
     "bearings.sleeve_bore_m" LENGTH, Nothing, "bore d of the sleeves, for that moment", METRES;
     "bearings.input_seal_n_m" Number(From(0.0, 1e9)), Nothing, "torque of the input shaft's seal against its turning; absent: 0", "seal catalogues give it: some 0.1 N m on a shaft of 20 mm";
     "bearings.output_seal_n_m" Number(From(0.0, 1e9)), Nothing, "torque of the output shaft's seal against its turning; absent: 0", "seal catalogues give it: some 0.1 N m on a shaft of 20 mm";
@@ -283,6 +283,7 @@ pub const KEYS: &[Key] = keys! {
     "cranks.sun_teeth" Count(3, 10_000), Needed, "teeth of the sun on the input shaft", "with the planets' it makes the ratio 1 + zk planet/sun";
     "cranks.planet_teeth" Count(3, 10_000), Needed, "teeth of a planet, one on each crank", "with the sun's it makes the ratio 1 + zk planet/sun";
     "cranks.support_stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "stiffness of what holds a crank in the output; absent: rigid", "a pair of tapered roller bearings has 4e8 to 1e9 N/m";
+    "cranks.mesh_stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "stiffness of the mesh of the sun with a planet along the line of action, without mass; absent: rigid", "about 1.4e10 N/m by metre of face width (ISO 6336)";
     "contact.detection" Choice("detection", || vec!["exact", "points"]), Usual("\"exact\"", "the closest point of the curve"), "how the contact point is found", "\"exact\" or \"points\"";
     "contact.wheel_points" Count(24, 1_000_000), Follows(formulas::wheel_points, "100 a lobe, at least 4000; used by detection points only"), "points on a wheel's profile", "the paper uses 600 and 4000; more than a million costs memory and gains nothing over detection = \"exact\"";
     "contact.hole_points" Count(8, 1_000_000), Usual("100", "used by detection points only"), "points on a hole", "the paper uses 20 to 100; more than a million costs memory and gains nothing over detection = \"exact\"";
@@ -350,7 +351,7 @@ mod tests {
         .unwrap();
         scene.cranks = toml::from_str(
             "count = 2\ncircle_radius_m = 0.03\nbore_radius_m = 0.01\nsun_teeth = 12\nplanet_teeth = 36\n\
-             support_stiffness_n_m = 1e8",
+             support_stiffness_n_m = 1e8\nmesh_stiffness_n_m = 1e8",
         )
         .ok();
         scene.gear.modification.radial_m = -1e-5;

@@ -240,7 +240,7 @@ pub struct Bearings {
     /// Torsional stiffness of carrier and flange beyond the internal sleeves, N m/rad; `None`: rigid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub output_torsion_n_m_rad: Option<f64>,
-    /// Friction of a sleeve on its pin, with its bore: counts in `design` alone; `None`: none.
+    /// Friction of a sleeve on its pin, with its bore: in runs where contacts have none; `None`: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sleeve_friction_coefficient: Option<f64>,
     /// Bore of the sleeves, m.
@@ -306,6 +306,9 @@ pub struct Cranks {
     /// Stiffness of what holds a crank in the output, N/m; `None`: a rigid revolute.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub support_stiffness_n_m: Option<f64>,
+    /// Stiffness of the mesh of the sun with a planet along the line of action, N/m; `None`: rigid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mesh_stiffness_n_m: Option<f64>,
 }
 
 /// Which equations are integrated.

@@ -24,7 +24,7 @@ from pinwheel_engines.border import LawPointer, StageLaw, check_bearings, check_
 from pinwheel_engines.errors import Cancelled, Diverged
 from pinwheel_engines.exudyn.session import VERSION, Kept, Load, quiet_session, solve
 from pinwheel_engines.guards import Guard
-from pinwheel_engines.law import ContactLaw
+from pinwheel_engines.law import LAWS, ContactLaw
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics
 from pinwheel_engines.result import Recorder, Result, RunStats
 from pinwheel_engines.scene import Scene
@@ -216,9 +216,12 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
     if scene.contact.friction_coefficient == 0.0:
         nothing = np.zeros((size, size))
         return lambda *_arguments: nothing
-    # Any law's friction has this form; the exact paper law is near enough for a Newton matrix.
-    law = ContactLaw(scene.with_keys("contact", law="paper", friction_law="regularised", detection="exact"))
+    # Any law's friction has this form; of a law that numpy does not know the exact paper law is near enough for a Newton matrix.
     contact = scene.contact
+    known = contact.law if contact.law in LAWS else "paper"
+    law = ContactLaw(scene.with_keys("contact", law=known, friction_law="regularised", detection="exact"))
+    # Cranks roll in their bores.
+    rubbing = count if scene.gear.eccentric_per_input == 1.0 else law.layout.internal_bodies.start
 
     def friction(
         _system: Any, _time: float, _item: int, q: Floats, q_t: Floats, _f_position: float, f_velocity: float
@@ -226,7 +229,7 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
         states = np.hstack([np.asarray(q).reshape(count, 3), np.asarray(q_t).reshape(count, 3)])
         found = law.contacts(states[None])
         speed = np.maximum(np.abs(found.tangential_rate_m_s), contact.friction_ramp_m_s)
-        slope = contact.friction_coefficient * found.normal_force_n / speed
+        slope = np.where(found.sleeve < rubbing, contact.friction_coefficient * found.normal_force_n / speed, 0.0)
         tangent = 1j * found.normal
         # v_t = rows . velocities, one row a pair: the sleeve's part and the wheel's.
         rows = np.zeros((slope.size, size))

@@ -2,12 +2,17 @@
 //!
 //! ```text
 //! H_ij = r_i + bore j of wheel i          C_ij = S_j + s_j + e_i u(gamma_j + phi_i),  gamma_j = (1 + rho) psi - rho phi
-//! d = H - C,   F = [K max(0, |d| - g)^p + c |d|'] d/|d|  on the crank;   elastic support:  sum_i K max(0, |d| - g)^p d/|d| = k s_j
-//! crank   m_j = sum_i e_i u(gamma_j + phi_i) x F_ij       input   -rho m_j       output   (1 + rho) m_j + S_j x sum_i F_ij
+//! d = H - C,   F = [K max(0, |d| - g)^p + c |d|'] d/|d|  on the crank
+//! elastic support   sum_i F_ij = k s_j         elastic mesh   a_i = e_i u(gamma_j + phi_i) + t_j R90 e_i u(gamma_j + phi_i),
+//! (both at rest)                                               sum_i (R90 e_i u(gamma_j + phi_i)).F_ij = k_m r^2 t_j
+//! crank   m_j = sum_i a_i x F_ij               input   -rho m_j       output   (1 + rho) m_j + S_j x sum_i F_ij
 //! ```
-//! S_j: the crank's place on the output. Its support is a spring without mass, so that s_j follows from the places of the other
-//! bodies; dampers bridge both. The planets' mesh turns the output by a force across S_j at the crank, so that what a crank
+//! S_j: the crank's place on the output, t_j its turn in the mesh of its planet of base radius r, a_i in C_ij and in m_j the place of
+//! an eccentric on its crank. Supports and mesh are springs without mass, so that s_j and t_j follow from the places of the other
+//! bodies; dampers bridge them. The planets' mesh turns the output by a force across S_j at the crank, so that what a crank
 //! carries, and hands to the output, is one force at its centre.
+
+mod slopes;
 
 use arrayvec::ArrayVec;
 use pinwheel_mbs::{BodyState, Wrench};
@@ -35,6 +40,9 @@ pub(super) struct Cranks {
     teeth_ratio: f64,
     /// k, N/m.
     support: Option<f64>,
+    /// k_m r^2 over the square of the largest eccentricity, N/m; and that eccentricity, m.
+    mesh: Option<f64>,
+    throw_m: f64,
     /// Angles by which cranks are out of phase, rad.
     phases: Vec<f64>,
     /// Of each wheel: its eccentrics on all cranks, m, for a crank's angle of 0.
@@ -59,6 +67,45 @@ pub(super) struct CrankBearing {
     /// Bore's centre from the wheel's, and the eccentric's from the crank's, m, ground frame.
     pub(super) arm: [f64; 2],
     eccentric: [f64; 2],
+    /// How far the eccentric moves as its crank turns in an elastic mesh, by the largest eccentricity.
+    across: [f64; 2],
+}
+
+/// How far a crank gives way, m: in its support, and at the largest eccentricity by its turn in the mesh.
+type Given = [f64; 3];
+
+/// A symmetric matrix of springs, N/m: rows and columns of the support, then of the mesh.
+#[derive(Debug, Clone, Copy)]
+struct Springs {
+    support: [f64; 3],
+    both: [f64; 2],
+    mesh: f64,
+}
+
+impl Springs {
+    /// Adds a bearing's xx, xy and yy, where its eccentric moves `across`.
+    fn add(&mut self, [xx, xy, yy]: [f64; 3], [x, y]: [f64; 2]) {
+        for (sum, k) in self.support.iter_mut().zip([xx, xy, yy]) {
+            *sum += k;
+        }
+        let [along, beside] = [xx * x + xy * y, xy * x + yy * y];
+        self.both = [self.both[0] + along, self.both[1] + beside];
+        self.mesh += along * x + beside * y;
+    }
+
+    /// How far they give way under a force.
+    fn solve(&self, [x, y, turning]: Given) -> Given {
+        let ([xx, xy, yy], [a, b], c) = (self.support, self.both, self.mesh);
+        let (xx, xy, yy) = (xx - a * a / c, xy - a * b / c, yy - b * b / c);
+        let (x, y) = (x - a * turning / c, y - b * turning / c);
+        let determinant = xx * yy - xy * xy;
+        let given = [
+            (yy * x - xy * y) / determinant,
+            (xx * y - xy * x) / determinant,
+        ];
+        let rest = turning - a * given[0] - b * given[1];
+        [given[0], given[1], rest / c]
+    }
 }
 
 impl CrankBearing {
@@ -96,9 +143,17 @@ impl Cranks {
             )
         };
         let of_wheel = |wheel: usize| (0..cranks.count).map(|crank| bore(wheel, crank)).collect();
+        let throw_m = geometry
+            .eccentricities_m
+            .iter()
+            .copied()
+            .fold(0.0, f64::max);
+        let planet = cranks.planet_base_radius_m() / throw_m;
         Some(Self {
             teeth_ratio: geometry.teeth_ratio,
             support: cranks.support_stiffness_n_m,
+            mesh: cranks.mesh_stiffness_n_m.map(|mesh| mesh * planet * planet),
+            throw_m,
             phases: geometry.crank_phases.clone(),
             eccentrics: wheels
                 .map(|(phase, e)| [e * phase.cos(), e * phase.sin()])
@@ -111,6 +166,7 @@ impl Cranks {
     pub(super) fn share(&self, share: f64, of_clearance: f64) -> Self {
         let mut less = self.clone();
         less.support = self.support.map(|support| support / share);
+        less.mesh = self.mesh.map(|mesh| mesh / share);
         for (_, clearance) in less.bores.iter_mut().flatten() {
             *clearance *= of_clearance;
         }
@@ -126,7 +182,7 @@ impl Cranks {
         self.phases.len()
     }
 
-    /// The bearings of one crank, of every wheel, and how far the crank gives way in its support, m.
+    /// The bearings of one crank, of every wheel, and how far the crank gives way.
     pub(super) fn crank(
         &self,
         law: &BearingLaw,
@@ -134,7 +190,7 @@ impl Cranks {
         bodies: &[BodyState],
         crank: usize,
         out: &mut OfCrank,
-    ) -> [f64; 2] {
+    ) -> Given {
         let (input, output) = (&bodies[Layout::INPUT], &bodies[Layout::OUTPUT]);
         let place = &bodies[layout.internal_bodies().start + crank];
         let rho = self.teeth_ratio;
@@ -158,16 +214,24 @@ impl Cranks {
                 turning: wheel.rate - rate,
                 arm,
                 eccentric,
+                across: [-eccentric[1] / self.throw_m, eccentric[0] / self.throw_m],
                 velocity,
                 ..CrankBearing::default()
             });
         }
-        let given = self
-            .support
-            .map_or([0.0; 2], |support| self.gives_way(law, crank, support, out));
+        let given = match (self.support, self.mesh) {
+            (None, None) => [0.0; 3],
+            _ => self.gives_way(law, crank, out),
+        };
+        let [x, y, turned] = given;
         for (i, found) in out.iter_mut().enumerate() {
             let law = self.law(law, i, crank);
-            found.offset_m = [found.offset_m[0] - given[0], found.offset_m[1] - given[1]];
+            let moved = found.across.map(|across| turned * across);
+            found.eccentric = [found.eccentric[0] + moved[0], found.eccentric[1] + moved[1]];
+            found.offset_m = [
+                found.offset_m[0] - x - moved[0],
+                found.offset_m[1] - y - moved[1],
+            ];
             let [dx, dy] = found.offset_m;
             let offset = dx.hypot(dy);
             let [nx, ny] = if offset > 0.0 {
@@ -192,24 +256,55 @@ impl Cranks {
         }
     }
 
+    /// A matrix of springs in which what is rigid stays where it is, and the force that it leaves.
+    fn held(&self, mut springs: Springs, [x, y, turning]: Given) -> (Springs, Given) {
+        let is_held = [self.support.is_none(), self.mesh.is_none()];
+        if is_held[0] {
+            springs.support = [1.0, 0.0, 1.0];
+        }
+        if is_held[1] {
+            springs.mesh = 1.0;
+        }
+        if is_held != [false; 2] {
+            springs.both = [0.0; 2];
+        }
+        let free = |held: bool, force: f64| if held { 0.0 } else { force };
+        let left = [
+            free(is_held[0], x),
+            free(is_held[0], y),
+            free(is_held[1], turning),
+        ];
+        (springs, left)
+    }
+
+    /// Its support and mesh alone.
+    fn springs(&self) -> Springs {
+        let support = self.support.unwrap_or_default();
+        Springs {
+            support: [support, 0.0, support],
+            both: [0.0; 2],
+            mesh: self.mesh.unwrap_or_default(),
+        }
+    }
+
     /// How far a crank gives way: the one balance of a convex potential, from rest by Newton's method.
-    fn gives_way(
-        &self,
-        law: &BearingLaw,
-        crank: usize,
-        support: f64,
-        bearings: &[CrankBearing],
-    ) -> [f64; 2] {
-        // Force that is left at s, its slopes, and the sum of the forces' sizes.
-        let left = |s: [f64; 2]| {
-            let (mut force, mut slope, mut size) = (
-                [-support * s[0], -support * s[1]],
-                [support, 0.0, support],
-                support * s[0].hypot(s[1]),
+    fn gives_way(&self, law: &BearingLaw, crank: usize, bearings: &[CrankBearing]) -> Given {
+        let own = self.springs();
+        let ([support, ..], mesh) = (own.support, own.mesh);
+        // Force that is left, its slopes, and the sum of the forces' sizes.
+        let left = |[x, y, turned]: Given| {
+            let (mut force, mut springs, mut size) = (
+                [-support * x, -support * y, -mesh * turned],
+                own,
+                support * x.hypot(y) + mesh * turned.abs(),
             );
             for (i, bearing) in bearings.iter().enumerate() {
                 let law = self.law(law, i, crank);
-                let [dx, dy] = [bearing.offset_m[0] - s[0], bearing.offset_m[1] - s[1]];
+                let [ax, ay] = bearing.across;
+                let [dx, dy] = [
+                    bearing.offset_m[0] - x - turned * ax,
+                    bearing.offset_m[1] - y - turned * ay,
+                ];
                 let offset = dx.hypot(dy);
                 let beyond = offset - law.clearance_m;
                 if beyond <= 0.0 || offset == 0.0 {
@@ -218,32 +313,34 @@ impl Cranks {
                 let [nx, ny] = [dx / offset, dy / offset];
                 let pressed = law.elastic(beyond);
                 let (along, across) = (law.exponent * pressed / beyond, pressed / offset);
-                force = [force[0] + pressed * nx, force[1] + pressed * ny];
-                slope[0] += along * nx * nx + across * ny * ny;
-                slope[1] += (along - across) * nx * ny;
-                slope[2] += along * ny * ny + across * nx * nx;
+                let [fx, fy] = [pressed * nx, pressed * ny];
+                force = [force[0] + fx, force[1] + fy, force[2] + ax * fx + ay * fy];
+                let slopes = [
+                    along * nx * nx + across * ny * ny,
+                    (along - across) * nx * ny,
+                    along * ny * ny + across * nx * nx,
+                ];
+                springs.add(slopes, bearing.across);
                 size += pressed;
             }
-            (force, slope, size)
+            let (springs, force) = self.held(springs, force);
+            (force, springs, size)
         };
-        let mut s = [0.0; 2];
-        let (mut force, mut slope, mut size) = left(s);
+        let length = |[x, y, turning]: Given| x.hypot(y).hypot(turning);
+        let mut given = [0.0; 3];
+        let (mut force, mut springs, mut size) = left(given);
         for _ in 0..STEPS {
-            let most = force[0].hypot(force[1]);
+            let most = length(force);
             if most <= LEFT * size {
                 break;
             }
-            let determinant = slope[0] * slope[2] - slope[1] * slope[1];
-            let step = [
-                (slope[2] * force[0] - slope[1] * force[1]) / determinant,
-                (slope[0] * force[1] - slope[1] * force[0]) / determinant,
-            ];
+            let step = springs.solve(force);
             let mut share = 1.0;
             let mut next = None;
             for _ in 0..HALVINGS {
-                let there = [s[0] + share * step[0], s[1] + share * step[1]];
+                let there = [0, 1, 2].map(|k| given[k] + share * step[k]);
                 let found = left(there);
-                if found.0[0].hypot(found.0[1]) < most {
+                if length(found.0) < most {
                     next = Some((there, found));
                     break;
                 }
@@ -251,10 +348,10 @@ impl Cranks {
             }
             // As near as rounding lets it come.
             let Some((there, found)) = next else { break };
-            s = there;
-            (force, slope, size) = found;
+            given = there;
+            (force, springs, size) = found;
         }
-        s
+        given
     }
 
     /// Moment of a crank about its own axis, which its planet carries, N m.
@@ -329,8 +426,9 @@ impl Cranks {
     ) {
         let mut found = OfCrank::new();
         for crank in 0..self.count() {
-            let [x, y] = self.crank(law, layout, bodies, crank, &mut found);
+            let [x, y, turned] = self.crank(law, layout, bodies, crank, &mut found);
             sum.stored_j += 0.5 * self.support.unwrap_or_default() * (x * x + y * y);
+            sum.stored_j += 0.5 * self.mesh.unwrap_or_default() * turned * turned;
             for (wheel, bearing) in found.iter().enumerate() {
                 let law = self.law(law, wheel, crank);
                 let offset = bearing.offset_m[0].hypot(bearing.offset_m[1]);

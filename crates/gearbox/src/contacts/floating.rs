@@ -239,6 +239,9 @@ impl Bearings {
     /// by the time:        dd = -C' dt,  dd' = omega^2 e dt
     /// ```
     pub(crate) fn add_slopes(&self, bodies: &[BodyState], slopes: &mut Jacobian) {
+        if let Some(cranks) = &self.cranks {
+            return cranks.add_slopes(&self.law, self.layout, bodies, slopes);
+        }
         let first = places(self.layout, slopes);
         let Some(position) = &mut slopes.position else {
             return;
@@ -312,13 +315,10 @@ pub(super) struct Floating {
 
 impl ContactField for Floating {
     fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
-        // Cranks stand where their bodies do, and have neither levers nor slopes.
+        // Cranks stand where their bodies do, and have no levers.
         let pose = match &self.bearings.cranks {
-            Some(_)
-                if pose == Pose::AnglesOnly || sums.moments.is_some() || sums.slopes.is_some() =>
-            {
-                return false;
-            }
+            Some(_) if pose == Pose::AnglesOnly || sums.moments.is_some() => return false,
+            Some(_) if sums.slopes.is_some() => pose,
             Some(_) => Pose::Any,
             None => pose,
         };

@@ -8,6 +8,7 @@ mod floating;
 mod lanes;
 mod pairs;
 mod seals;
+mod sleeves;
 
 use pinwheel_contact::NormalLaw as _;
 use pinwheel_scene::scales::{law_parameters, pin_law};
@@ -22,6 +23,7 @@ use crate::scene::{Detection, FrictionLaw, Scene};
 use detection::{Exact, Points};
 use lanes::LaneField;
 use pairs::Pairs;
+use sleeves::OnPins;
 
 /// Which contact loop evaluates exact detection. All give the same forces to 1e-13 relative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -73,7 +75,7 @@ fn at_most_avx2() -> pulp::Arch {
     pulp::Arch::Scalar
 }
 
-/// The contact field of a scene, with the bearings that its wheels float on and the seals of its shafts.
+/// The contact field of a scene, with the bearings that its wheels float on, sleeves that rub on their pins, and seals of its shafts.
 pub(crate) fn field(
     scene: &Scene,
     geometry: &Geometry,
@@ -83,6 +85,10 @@ pub(crate) fn field(
     let inner = match Bearings::of(scene, geometry) {
         Some(bearings) => Box::new(floating::Floating { contacts, bearings }),
         None => contacts,
+    };
+    let inner = match OnPins::of(scene) {
+        Some(pins) => Box::new(sleeves::Rolling { inner, pins }),
+        None => inner,
     };
     Ok(match Seals::of(scene) {
         Some(seals) => Box::new(seals::Sealed { inner, seals }),

@@ -25,13 +25,13 @@ impl Forces for Contacts {
 fn reduced(gearbox: &Gearbox) -> Reduced<Contacts> {
     let layout = gearbox.layout;
     let sleeves: Vec<usize> = (layout.external_bodies().start..layout.bodies()).collect();
-    let idle = if gearbox.has_friction() {
-        &[][..]
-    } else {
-        &sleeves
+    let turned = match (gearbox.has_friction(), gearbox.scene.cranks) {
+        (false, _) => 0,
+        (true, Some(_)) => layout.external_sleeves,
+        (true, None) => sleeves.len(),
     };
     let forces = Contacts(gearbox.contact_field().unwrap());
-    let system = Reduced::new(gearbox.mechanism(), forces, idle).unwrap();
+    let system = Reduced::new(gearbox.mechanism(), forces, &sleeves[turned..]).unwrap();
     system.with_leaves(&sleeves)
 }
 
@@ -302,6 +302,61 @@ proptest! {
             compare(&gearbox, &mut system, t, &y, free.len()).map_err(TestCaseError::fail)?;
         // Where next to nothing touches there is nothing to see either.
         prop_assume!(kinks * 4 <= seen);
+    }
+}
+
+/// Cranks on rigid and elastic supports, in a rigid and an elastic mesh, with clearance, errors and friction.
+#[test]
+fn cranks_have_their_slopes() {
+    let mesh = "cranks.mesh_stiffness_n_m=1e7";
+    let soft = "cranks.support_stiffness_n_m=1e8";
+    let drag = [
+        "bearings.eccentric.clearance_m=2e-6",
+        "bearings.eccentric.damping_n_s_m=3e3",
+        "bearings.eccentric.friction_coefficient=0.002",
+        "bearings.eccentric.bore_m=0.02",
+    ];
+    let three = ["cranks.count=3", "gear.wheels=3"];
+    for sets in [
+        &["gear.backlash_m=0"][..],
+        &[soft, mesh],
+        &[&[mesh][..], &drag].concat(),
+        &[&[soft, mesh][..], &drag, &three].concat(),
+        &[&[soft, "gear.errors.crank_phase_rad=[1e-4,0]"][..], &drag].concat(),
+        &[
+            mesh,
+            "contact.friction_coefficient=0.05",
+            "contact.friction_ramp_m_s=0.05",
+        ],
+    ] {
+        let common = ["drive.start=\"equilibrium\""];
+        let sets: Vec<_> = common
+            .iter()
+            .chain(sets)
+            .map(|set| set.parse().unwrap())
+            .collect();
+        let gearbox = Gearbox::new(&Scene::load("rv-40e-like", &sets).unwrap()).unwrap();
+        let mut system = reduced(&gearbox);
+        let mut y = system.initial();
+        let n = y.len() / 2;
+        for (k, y) in y.iter_mut().enumerate() {
+            let size = if k < n { 2e-7 } else { 1e-2 };
+            *y += size * (3.7 * k as f64 + 1.0).sin();
+        }
+        let (lanes, scalar) = (
+            entries(&mut system, 0.0, &y),
+            entries(&mut one_by_one(&gearbox), 0.0, &y),
+        );
+        let most = lanes.iter().fold(1.0, |m: f64, x| m.max(x.abs()));
+        for (a, b) in lanes.iter().zip(scalar) {
+            assert!(
+                (a - b).abs() < 1e-5 * most,
+                "{sets:?}: {a:e} {b:e} of {most:e}"
+            );
+        }
+        let angles = system.free_bodies().len();
+        let (seen, kinks) = compare(&gearbox, &mut system, 0.0, &y, angles).unwrap();
+        assert!(kinks * 4 <= seen, "{sets:?}: {kinks} of {seen}");
     }
 }
 

@@ -27,6 +27,10 @@ pub enum PairQuantity {
     NormalForce,
     /// Friction on the sleeve along R90 n, N.
     FrictionForce,
+    /// All of the force on the wheel, x, N.
+    ForceX,
+    /// Its y, N.
+    ForceY,
     /// p0 of a line contact, Pa.
     Pressure,
     /// p0 times the sliding speed, W/m^2.
@@ -192,6 +196,8 @@ pub const FAMILIES: &[Family] = families! {
     "wheel_*_external_contact_y_m_*" WheelsExternal What::Pair(P::PointY), "its y";
     "wheel_*_external_normal_force_n_*" WheelsExternal What::Pair(P::NormalForce), "F_n";
     "wheel_*_external_friction_force_n_*" WheelsExternal What::Pair(P::FrictionForce), "friction on the sleeve along R90 n";
+    "wheel_*_external_force_x_n_*" WheelsExternal What::Pair(P::ForceX), "force of the sleeve on the wheel, friction with it, x, ground frame";
+    "wheel_*_external_force_y_n_*" WheelsExternal What::Pair(P::ForceY), "its y";
     "wheel_*_external_pressure_pa_*" WheelsExternal What::Pair(P::Pressure), "p0 of a line contact over the face width";
     "wheel_*_external_pressure_sliding_w_m2_*" WheelsExternal What::Pair(P::PressureSliding), "p0 times the sliding speed";
     "wheel_*_internal_penetration_m_*" WheelsInternal What::Pair(P::Penetration), "sleeve radius less the distance of its centre from the hole; negative: the gap";
@@ -202,6 +208,8 @@ pub const FAMILIES: &[Family] = families! {
     "wheel_*_internal_contact_y_m_*" WheelsInternal What::Pair(P::PointY), "its y";
     "wheel_*_internal_normal_force_n_*" WheelsInternal What::Pair(P::NormalForce), "F_n";
     "wheel_*_internal_friction_force_n_*" WheelsInternal What::Pair(P::FrictionForce), "friction on the sleeve along R90 n";
+    "wheel_*_internal_force_x_n_*" WheelsInternal What::Pair(P::ForceX), "force of the sleeve, or of the crank's bearing, on the wheel, friction with it, x, ground frame";
+    "wheel_*_internal_force_y_n_*" WheelsInternal What::Pair(P::ForceY), "its y";
     "wheel_*_internal_pressure_pa_*" WheelsInternal What::Pair(P::Pressure), "p0 of a line contact over the face width";
     "wheel_*_internal_pressure_sliding_w_m2_*" WheelsInternal What::Pair(P::PressureSliding), "p0 times the sliding speed";
 };

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 use pinwheel_gearbox::{Frequencies, Gearbox};
 use pinwheel_scene::bearings::typical_force;
 use pinwheel_scene::{
-    BodyMass, Detection, EccentricBearing, Errors, FrictionLaw, Gear, LoadChange, Masses,
+    BodyMass, Cranks, Detection, EccentricBearing, Errors, FrictionLaw, Gear, LoadChange, Masses,
     Modification, Scene, Start,
 };
 
@@ -28,7 +28,8 @@ pub fn gear(seed: u64) -> Option<Scene> {
     let mut rng = Rng::new(seed);
     // Of its own, so that gears without bearings are what they were before there were any.
     let mut bearings = Rng::new(!seed);
-    let scene = (0..1000).find_map(|_| draw(&mut rng, &mut bearings))?;
+    let mut cranks = Rng::new(seed.rotate_left(32));
+    let scene = (0..1000).find_map(|_| draw(&mut rng, &mut bearings, &mut cranks))?;
     Some(Scene {
         name: format!("random-{seed}"),
         ..scene
@@ -36,7 +37,7 @@ pub fn gear(seed: u64) -> Option<Scene> {
 }
 
 /// One draw; `None` if its parts do not fit together.
-fn draw(rng: &mut Rng, apart: &mut Rng) -> Option<Scene> {
+fn draw(rng: &mut Rng, apart: &mut Rng, of_cranks: &mut Rng) -> Option<Scene> {
     let mut scene = Scene::paper();
     scene.gear = geometry(rng);
     let wheel_density = if rng.chance(0.7) { 7850.0 } else { 1200.0 };
@@ -45,6 +46,7 @@ fn draw(rng: &mut Rng, apart: &mut Rng) -> Option<Scene> {
     drive(rng, &mut scene);
     contact(rng, &mut scene);
     bearings(apart, &mut scene);
+    cranks(of_cranks, &mut scene);
     solver(rng, &mut scene);
     let checked = scene.clone().check().ok()?;
     // A load can be more than the teeth carry from an equilibrium.
@@ -222,6 +224,35 @@ fn bearings(rng: &mut Rng, scene: &mut Scene) {
         ..EccentricBearing::default()
     });
     scene.bearings.internal_sleeve_stiffness_n_m = bends.then_some(pin);
+}
+
+/// A third of those that float are RV gears, on rigid supports or elastic ones.
+fn cranks(rng: &mut Rng, scene: &mut Scene) {
+    if scene.bearings.eccentric.is_none() || !rng.chance(0.35) {
+        return;
+    }
+    let gear = &mut scene.gear;
+    let bore = gear.internal_sleeve_radius_m + gear.eccentricity_m;
+    gear.internal_sleeves = rng.whole(2, 3);
+    gear.internal_sleeve_radius_m = bore - gear.eccentricity_m;
+    gear.hole_radius_m = gear.internal_sleeve_radius_m + gear.eccentricity_m;
+    scene.cranks = Some(Cranks {
+        count: gear.internal_sleeves,
+        circle_radius_m: gear.internal_circle_radius_m,
+        bore_radius_m: bore,
+        sun_teeth: rng.whole(10, 20),
+        planet_teeth: rng.whole(20, 60),
+        support_stiffness_n_m: None,
+        mesh_stiffness_n_m: None,
+    });
+    scene.bearings.internal_sleeve_stiffness_n_m = None;
+    let (is_elastic, stiffer) = (rng.chance(0.6), rng.spread(0.5, 10.0));
+    let support = typical_force(scene) / twist(scene).0 * stiffer;
+    if let Some(cranks) = &mut scene.cranks {
+        cranks.support_stiffness_n_m = is_elastic.then_some(support);
+    }
+    // Eccentrics turn as fast as without the first stage.
+    scene.drive.input_speed_rad_s /= scene.eccentric_per_input().abs();
 }
 
 /// Penetration of the most loaded sleeve, m, and the frequency of a wheel on its sleeves, rad/s, at the load; of a load

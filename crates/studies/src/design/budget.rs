@@ -76,13 +76,13 @@ pub(super) fn of(
     control: &Control<'_>,
 ) -> Result<Vec<Share>, StudyError> {
     let all = gearbox.scene.bearings;
-    let support = (gearbox.scene.cranks).and_then(|cranks| cranks.support_stiffness_n_m);
+    let given = gearbox.scene.cranks;
     // The first is balanced on rigid bearings, which cranks cannot do without in a scene.
     let mut scene = Scene::clone(&gearbox.scene);
     scene.bearings.output_torsion_n_m_rad = None;
     scene.bearings.internal_sleeve_stiffness_n_m = None;
     if let Some(cranks) = &mut scene.cranks {
-        cranks.support_stiffness_n_m = None;
+        (cranks.support_stiffness_n_m, cranks.mesh_stiffness_n_m) = (None, None);
     }
     let mut parts = vec![(CONTACTS, scene.clone())];
     if all.eccentric.is_some() {
@@ -92,9 +92,14 @@ pub(super) fn of(
         };
         parts.push((part, scene.clone()));
     }
+    let support = given.and_then(|cranks| cranks.support_stiffness_n_m);
     if let (Some(cranks), Some(_)) = (&mut scene.cranks, support) {
         cranks.support_stiffness_n_m = support;
         parts.push(("crank supports", scene.clone()));
+    }
+    if given.is_some_and(|cranks| cranks.mesh_stiffness_n_m.is_some()) {
+        scene.cranks = given;
+        parts.push(("first stage", scene.clone()));
     }
     if all.internal_sleeve_stiffness_n_m.is_some() {
         scene.bearings.internal_sleeve_stiffness_n_m = all.internal_sleeve_stiffness_n_m;

@@ -128,8 +128,9 @@ impl Joint {
         let wheels = gear.wheels as f64;
         let pins = gear.internal_sleeves as f64 * mass.internal_sleeve.mass_kg;
         let circling = gearbox.geometry.eccentricities_m.iter();
-        let input_inertia_kg_m2 = mass.input_shaft.moment_kg_m2
-            + circling.map(|e| mass.wheel.mass_kg * e * e).sum::<f64>();
+        let circling = circling.map(|e| mass.wheel.mass_kg * e * e).sum::<f64>();
+        let turning = scene.eccentric_per_input();
+        let input_inertia_kg_m2 = scene.input_shaft().moment_kg_m2 + circling * turning * turning;
         let output_inertia_kg_m2 = scene.output_inertia_kg_m2() + wheels * mass.wheel.moment_kg_m2;
         let found = friction(runs, rated, ratio);
         let figures = parted(few.parts, |every, of| {

@@ -67,15 +67,16 @@ impl Columns {
         &mut self.entries[row / ROWS * self.columns + column][row % ROWS]
     }
 
-    /// Every entry with that of another matrix of this size, and its column.
-    pub(super) fn pairs<'a>(
+    /// Every entry with those of two others of this size, and its column.
+    pub(super) fn beside<'a>(
         &'a self,
-        other: &'a Self,
-    ) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
-        let blocks = self.entries.iter().zip(&other.entries).enumerate();
-        blocks.flat_map(move |(k, (a, b))| {
-            let both = a.iter().zip(b);
-            both.map(move |(&a, &b)| (k % self.columns, a, b))
+        [a, b]: [&'a Self; 2],
+    ) -> impl Iterator<Item = (usize, [f64; 3])> + 'a {
+        let others = a.entries.iter().zip(&b.entries);
+        let blocks = self.entries.iter().zip(others).enumerate();
+        blocks.flat_map(move |(k, (own, (a, b)))| {
+            let all = own.iter().zip(a).zip(b);
+            all.map(move |((&own, &a), &b)| (k % self.columns, [own, a, b]))
         })
     }
 

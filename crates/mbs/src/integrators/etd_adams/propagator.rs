@@ -6,13 +6,18 @@
 //! phi_k(A) = sum_i A^i/(i + k)!,    phi_k = phi_k+1 A + I/k!
 //! ```
 //! The highest phi is a Taylor sum in Horner's form, the others follow by the recurrence [Hochbruck & Ostermann 2010, 2.1].
-//! Steps with |tau| |L| up to 3 or so lose no digits, and methods take no longer ones.
+//! Steps with |tau| |L| up to 3 or so lose no digits, and methods take no much longer ones.
 
 use serde::{Deserialize, Serialize};
 
 use super::columns::{Columns, Factors, Predict};
 use crate::jacobian::{Jacobian, Structure};
 
+/// Longest step, as |h| |L|; half as much again where a new Jacobian is stiffer.
+const TURNS: f64 = 3.0;
+/// The same where there are places and angles: the bound is then some way above the fastest oscillation. Beyond, the method is not
+/// stable: at 6 `paper-bearings` takes six times the evaluations.
+const TURNS_OF_MANY: f64 = 4.0;
 /// Taylor sums end where the next term is below this share of the first.
 const ROUNDING: f64 = 1e-17;
 /// And after so many terms at the latest.
@@ -49,21 +54,39 @@ pub(super) struct Linear {
     pub(super) first: usize,
     /// Rows from the first on.
     rows: Columns,
-    /// Bound of |L| in units in which positions and rates are alike, 1/s.
+    /// What brings their entries to units in which all components are alike.
+    alike: Columns,
+    /// Bound of |L| in these units, in which positions and rates are alike too, 1/s.
     pub(super) size: f64,
+    /// Longest step, as |h| times that.
+    pub(super) turns: f64,
 }
 
 impl Linear {
-    pub(super) fn new(structure: &Structure, dimension: usize) -> Self {
+    /// `scale`: errors of the components that weigh alike.
+    pub(super) fn new(structure: &Structure, scale: &[f64]) -> Self {
+        let dimension = scale.len();
         let first = match structure {
             Structure::FirstOrder => 0,
             Structure::SecondOrder { is_leaf } => dimension - is_leaf.len(),
         };
+        let rows = Columns::zero(dimension - first, dimension);
+        let mut alike = rows.clone();
+        for i in 0..dimension - first {
+            for j in 0..dimension {
+                // Of a position's row and column both are measured as positions, of a rate's both as rates.
+                let own = if j < first { i } else { first + i };
+                *alike.entry_mut(i, j) = scale[j] / scale[own];
+            }
+        }
+        let is_alike = scale[..first].iter().all(|own| *own == scale[0]);
         Self {
             dimension,
             first,
-            rows: Columns::zero(dimension - first, dimension),
+            rows,
+            alike,
             size: 0.0,
+            turns: if is_alike { TURNS } else { TURNS_OF_MANY },
         }
     }
 
@@ -83,7 +106,7 @@ impl Linear {
                     (None, Some(position)) => (&mut stiff, position.entry(i, j)),
                     (None, None) => (&mut stiff, 0.0),
                 };
-                *sum += value.abs();
+                *sum += value.abs() * self.alike.entry(i, j);
                 *self.rows.entry_mut(i, j) = value;
             }
             stiffest = stiffest.max(stiff);
@@ -95,10 +118,10 @@ impl Linear {
     /// Largest difference of two, as a share of the larger one's entries, positions and rates apart.
     pub(super) fn distance(&self, other: &Self) -> f64 {
         let (mut moved, mut largest) = ([0.0_f64; 2], [0.0_f64; 2]);
-        for (column, a, b) in self.rows.pairs(&other.rows) {
+        for (column, [alike, a, b]) in self.alike.beside([&self.rows, &other.rows]) {
             let kind = usize::from(column >= self.first);
-            moved[kind] = moved[kind].max((a - b).abs());
-            largest[kind] = largest[kind].max(a.abs()).max(b.abs());
+            moved[kind] = moved[kind].max((a - b).abs() * alike);
+            largest[kind] = largest[kind].max(a.abs().max(b.abs()) * alike);
         }
         // Rates count by what they do within an oscillation.
         let rates = moved[1] / self.size.max(largest[1]).max(f64::MIN_POSITIVE);
