@@ -216,7 +216,8 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
     if scene.contact.friction_coefficient == 0.0:
         nothing = np.zeros((size, size))
         return lambda *_arguments: nothing
-    # Any law's friction has this form; of a law that numpy does not know the exact paper law is near enough for a Newton matrix.
+    # Any law's friction has this form; of a law that numpy does not know the exact paper law is near enough for a Newton
+    # matrix.
     contact = scene.contact
     known = contact.law if contact.law in LAWS else "paper"
     law = ContactLaw(scene.with_keys("contact", law=known, friction_law="regularised", detection="exact"))
