@@ -58,7 +58,8 @@ def test_a_bed_carries_the_laws_force_wherever_it_is_pressed(bead):
     q, count = gear.external_sleeve_radius_m, 4000
     a, spacing = equal_arcs(scene, count)
     beads, factors = edge(scene, a, bead), local_stiffness(scene, count, bead)
-    alike, local = [], []
+    alike: list[float] = []
+    local: list[float] = []
     # Between springs and at them, over a lobe.
     for place in np.linspace(0.0, 2.0 * math.pi / gear.lobes, 97):
         normal = law.curve.normal(np.array([place]))[0]
