@@ -23,8 +23,6 @@ pub const TARGET: f64 = 1e-3;
 const SMOOTH: f64 = 5e-4;
 /// Longest step of the exponential method, in those that see every contact: it evaluates once a step, at its end.
 const EXPONENTIAL_STEP: f64 = 1.25;
-/// And the longest in radians of the fastest oscillation of all.
-const LONGEST_RADIANS: f64 = 2.0 * EXPONENTIAL_STEP;
 /// The tolerance with friction, where steps follow its rate and digits cost next to nothing: `paper-friction` takes 3 % more
 /// evaluations at 1e-7 than at 1e-5, and its torque is 500 times better.
 const RUBBING: f64 = 1e-4;
@@ -274,31 +272,20 @@ impl<'a> Planner<'a> {
     /// Measured on 60 random gears and ten presets at tolerances of 1e-4 to 1e-9: 0.2 to 0.8 of the evaluations of Dormand-Prince
     /// for the same error, however long the run.
     fn exponential(&self) -> Plan {
-        let Frequencies {
-            contact_rad_s: contact,
-            touch_rad_s: touch,
-            ..
-        } = self.frequencies;
-        let solver = &self.scene.solver;
+        let (solver, contact) = (&self.scene.solver, self.frequencies.contact_rad_s);
         let samples = solver.duration_s / solver.sample_s;
-        let (radians, touches) = (solver.duration_s * contact, solver.duration_s * touch);
+        let radians = solver.duration_s * contact;
         let reason = format!(
             "without friction wheels and output are oscillators, to {:.0} Hz, which the exact Jacobian describes: about {:.0e} \
              evaluations, one a step and sample, where dopri5 would take {:.0e}",
             contact / std::f64::consts::TAU,
-            samples.max(touches / EXPONENTIAL_STEP),
+            samples.max(radians / EXPONENTIAL_STEP),
             samples + 6.0 * radians,
         );
-        // What neither parts nor touches is in the Jacobian, and asks for no steps of its own.
-        let plan = Plan {
-            step_s: FIRST_RADIANS / self.frequencies.touch_rad_s,
-            ..self.plan(EXPONENTIAL, SMOOTH * self.twist(), &reason)
-        };
-        // Its steps end at all that is seen, so that a longer bound would be none. Nor may they pass over half a period of what the
-        // bearings' slopes, which move, leave of their oscillation: steps of up to 3.5 radians took a fifth less of `paper-bearings`,
-        // and its driver's torque was off by 1e-3 in place of 1e-4.
+        let plan = self.plan(EXPONENTIAL, SMOOTH * self.twist(), &reason);
+        // Its steps end at all that is seen, so that a longer bound would be none.
         let seen = EnergyAccount::between(0.0, solver.sample_s, plan.step_s, 1).count() + 1;
-        let longest = (EXPONENTIAL_STEP * plan.longest_step_s).min(LONGEST_RADIANS / contact);
+        let longest = EXPONENTIAL_STEP * plan.longest_step_s;
         Plan {
             longest_step_s: longest.min(solver.sample_s / seen as f64),
             ..plan

@@ -12,10 +12,8 @@ use crate::scene::{BodyMass, Scene};
 /// Frequencies and rates of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frequencies {
-    /// The fastest oscillation of wheels and output on their contacts and bearings, rad/s.
+    /// The fastest oscillation of wheels and output on their contacts, rad/s.
     pub contact_rad_s: f64,
-    /// The fastest in which something parts and touches again, rad/s: a bearing without clearance is all but linear.
-    pub touch_rad_s: f64,
     /// Sleeves passing a wheel, the faster of both kinds, rad/s.
     pub mesh_rad_s: f64,
     /// How fast friction stops a sleeve's slip under the load, 1/s; 0 without friction.
@@ -29,32 +27,19 @@ impl Frequencies {
         let gear = &scene.gear;
         let scales = Scales::of(scene);
         let [_, rigid] = scales.modes_rad_s;
-        // A floating wheel on the loaded quarter of its contacts, without its bearings and with them.
-        let bearing = BearingLaw::of(scene);
-        let sleeves = 0.25 * (gear.external_sleeves + gear.internal_sleeves) as f64;
-        let contacts = sleeves * scales.contact_stiffness_n_m;
-        let on = |stiffness: f64| (stiffness / scene.mass.wheel.mass_kg).sqrt();
-        let floating = bearing.as_ref().map_or(0.0, |bearing| {
+        // A floating wheel on its bearing and on the loaded quarter of its contacts.
+        let floating = BearingLaw::of(scene).map_or(0.0, |bearing| {
+            let sleeves = 0.25 * (gear.external_sleeves + gear.internal_sleeves) as f64;
             let bearings = scene.cranks.map_or(1, |cranks| cranks.count) as f64;
-            on(bearings * bearing.slope_under(typical_force(scene)) + contacts)
+            let stiffness = bearings * bearing.slope_under(typical_force(scene))
+                + sleeves * scales.contact_stiffness_n_m;
+            (stiffness / scene.mass.wheel.mass_kg).sqrt()
         });
         let contact_rad_s = f64::max(rigid, floating);
-        let is_tight = bearing.is_some_and(|bearing| bearing.clearance_m == 0.0)
-            && (scene.cranks.is_none() || gear.errors.hole_radius_m.is_empty());
-        // The rigid modes of an RV gear are those of its bearings too.
-        let turning = scene.cranks.map_or(rigid, |_| {
-            let ring = 0.25 * gear.external_sleeves as f64 * scales.contact_stiffness_n_m;
-            gear.lever_m() * (ring / scene.mass.wheel.moment_kg_m2).sqrt()
-        });
-        let touch_rad_s = match is_tight {
-            true => turning.max(on(contacts)),
-            false => contact_rad_s,
-        };
         let turns = scene.eccentric_speed_rad_s().abs();
         let (zk, zi) = (gear.external_sleeves as f64, gear.internal_sleeves as f64);
         Self {
             contact_rad_s,
-            touch_rad_s,
             mesh_rad_s: turns * zk * (zi / gear.lobes() as f64).max(1.0),
             friction_1_s: friction_rate(scene),
         }
@@ -75,12 +60,12 @@ impl Frequencies {
         Spring::of(scene, stiffness).depth(force, least) / plain
     }
 
-    /// Longest step that cannot pass over a contact unseen, s: a third of a touch at its frequency, and an
+    /// Longest step that cannot pass over a contact unseen, s: a third of a touch at the contacts' frequency, and an
     /// eighth of the time from sleeve to sleeve.
     #[must_use]
     pub fn longest_step_s(&self) -> f64 {
         let mesh = TAU / 8.0 / self.mesh_rad_s.max(f64::MIN_POSITIVE);
-        (1.0 / self.touch_rad_s).min(mesh)
+        (1.0 / self.contact_rad_s).min(mesh)
     }
 }
 

@@ -70,8 +70,8 @@ const MOVED: f64 = 0.1;
 /// second; until steps become shorter.
 const CALM: f64 = 0.05;
 const RAREST_LOOK: u64 = 128;
-/// Share of the longest step by which one may be longer where a new Jacobian is stiffer.
-const STIFFER: f64 = 1.5;
+/// Longest step, as |h| |L| with the size of [`Linear`]; half as much again where a new Jacobian is stiffer.
+const TURNS: f64 = 3.0;
 /// Shortest step, of those that Dormand-Prince took: a contact that begins takes few of them, which are cheaper than to begin
 /// anew.
 const LEAST: f64 = 0.02;
@@ -379,7 +379,7 @@ impl EtdAdams {
             .min(self.longest)
             .min(explicit)
             .min(span / order as f64)
-            .min(multistep.newer.turns / multistep.newer.size);
+            .min(TURNS / multistep.newer.size);
         if !(most > LEAST * explicit) {
             self.wait += self.begun;
             return false;
@@ -500,7 +500,7 @@ impl EtdAdams {
             if h < LEAST * self.explicit {
                 break false;
             }
-            if h * multistep.linear.size > STIFFER * multistep.linear.turns {
+            if h * multistep.linear.size > 1.5 * TURNS {
                 self.wanted = 0.5 * h;
                 continue;
             }
@@ -599,7 +599,7 @@ impl EtdAdams {
         self.which = usize::from(squares[1] < squares[0]);
         let error = squares[self.which];
         let gain = (4 << ORDERS[self.which]) as f64;
-        let may_grow = 2.0 * h * linear.size <= linear.turns;
+        let may_grow = 2.0 * h * linear.size <= TURNS;
         self.wanted = if error > HALVE * HALVE {
             0.5 * h
         } else if may_grow && error * gain * gain < GROW * GROW {

@@ -6,18 +6,13 @@
 //! phi_k(A) = sum_i A^i/(i + k)!,    phi_k = phi_k+1 A + I/k!
 //! ```
 //! The highest phi is a Taylor sum in Horner's form, the others follow by the recurrence [Hochbruck & Ostermann 2010, 2.1].
-//! Steps with |tau| |L| up to 3 or so lose no digits, and methods take no much longer ones.
+//! Steps with |tau| |L| up to 3 or so lose no digits, and methods take no longer ones.
 
 use serde::{Deserialize, Serialize};
 
 use super::columns::{Columns, Factors, Predict};
 use crate::jacobian::{Jacobian, Structure};
 
-/// Longest step, as |h| |L|; half as much again where a new Jacobian is stiffer.
-const TURNS: f64 = 3.0;
-/// The same where there are places and angles: the bound is then some way above the fastest oscillation. Beyond, the method is not
-/// stable: at 6 `paper-bearings` takes six times the evaluations.
-const TURNS_OF_MANY: f64 = 4.0;
 /// Taylor sums end where the next term is below this share of the first.
 const ROUNDING: f64 = 1e-17;
 /// And after so many terms at the latest.
@@ -58,8 +53,6 @@ pub(super) struct Linear {
     alike: Columns,
     /// Bound of |L| in these units, in which positions and rates are alike too, 1/s.
     pub(super) size: f64,
-    /// Longest step, as |h| times that.
-    pub(super) turns: f64,
 }
 
 impl Linear {
@@ -79,14 +72,12 @@ impl Linear {
                 *alike.entry_mut(i, j) = scale[j] / scale[own];
             }
         }
-        let is_alike = scale[..first].iter().all(|own| *own == scale[0]);
         Self {
             dimension,
             first,
             rows,
             alike,
             size: 0.0,
-            turns: if is_alike { TURNS } else { TURNS_OF_MANY },
         }
     }
 
