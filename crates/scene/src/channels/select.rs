@@ -129,7 +129,7 @@ mod tests {
         // Recorded anyway.
         assert!(names(&["input_torque_n_m"]).is_empty());
         // The whole, wheels, shafts' bearings, eccentrics', pins, pairs.
-        let all = 6 + 2 * 3 + 2 * 3 + 2 * 7 + 24 * 3 + 2 * 24 * 10;
+        let all = 6 + 2 * 3 + 2 * 3 + 2 * 7 + 24 * 3 + 2 * 24 * 12;
         assert_eq!(names(&["*"]).len(), all);
     }
 
