@@ -361,7 +361,7 @@ fn channels_agree_or_are_missing() {
         assert_eq!(notes.contains("does not know"), !pairs, "{engine}: {notes}");
         let time_series = &found.time_series;
         let missing = native.channels().len() - time_series.channels().len();
-        assert_eq!(missing, if pairs { 0 } else { 2 * 24 * 10 + 2 }, "{engine}");
+        assert_eq!(missing, if pairs { 0 } else { 2 * 24 * 12 + 2 }, "{engine}");
         assert!(time_series.channel("external_contact_ratio_1").is_some());
         if !pairs {
             continue;
