@@ -1,0 +1,163 @@
+//! The points behind a step, the linear part beside which they are taken, and the matrices of steps.
+
+use serde::{Deserialize, Serialize};
+
+use super::columns::{Columns, copy, padded};
+use super::history::{History, Line, shift};
+use super::propagator::{Linear, Propagator};
+use super::{HIGHEST, ORDERS, SAME, TERMS};
+use crate::OdeSystem;
+use crate::jacobian::Jacobian;
+
+/// Step matrices kept: steps go to and fro between few lengths.
+const KEPT: usize = 4;
+
+/// A step's matrices.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Step {
+    /// Of x and of differences.
+    pub(super) propagator: Propagator,
+    /// By order: h (Gamma_K+1 - Gamma_K), states by remainders.
+    pub(super) errors: [Columns; 2],
+}
+
+/// What exists once the system has told its Jacobian.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Multistep {
+    pub(super) jacobian: Jacobian,
+    pub(super) linear: Linear,
+    /// A newer one, to compare with.
+    pub(super) newer: Linear,
+    pub(super) line: Line,
+    pub(super) history: History,
+    pub(super) steps: Vec<Step>,
+    /// Of the steps, the one last made, and the one last used.
+    pub(super) last_built: usize,
+    pub(super) last: usize,
+    /// For times inside steps and before the present.
+    pub(super) between: Propagator,
+    /// x, then coefficients of the remainder.
+    pub(super) known: Vec<f64>,
+    /// Padded.
+    pub(super) x: Vec<f64>,
+    /// L x, padded.
+    pub(super) product: Vec<f64>,
+}
+
+impl Multistep {
+    pub(super) fn new<S: OdeSystem>(system: &S, jacobian: Jacobian, y: &[f64]) -> Self {
+        let n = y.len();
+        let mut scale = vec![0.0; n];
+        system.scale(y, &mut scale);
+        let linear = Linear::new(&system.structure(), &scale);
+        let count = linear.remainders();
+        let error = Columns::zero(n, count);
+        let step = Step {
+            propagator: Propagator::new(&linear, TERMS),
+            errors: [error.clone(), error],
+        };
+        Self {
+            jacobian,
+            newer: linear.clone(),
+            line: Line::new(n),
+            history: History::new(&linear, 2 * HIGHEST + 3, TERMS),
+            steps: vec![step; KEPT],
+            last_built: 0,
+            last: 0,
+            between: Propagator::new(&linear, TERMS),
+            known: vec![0.0; n + TERMS * count],
+            x: vec![0.0; padded(n)],
+            product: vec![0.0; padded(count)],
+            linear,
+        }
+    }
+
+    /// The remainders of all points, the newest of which is at `time`, beside the present linear part.
+    pub(super) fn set_remainders(&mut self, time: f64, h: f64) {
+        self.history.change();
+        for k in 0..self.history.count {
+            let point = &mut self.history.points[k];
+            self.line
+                .measure(time - k as f64 * h, &point.y, &mut self.x);
+            self.linear.product(&self.x, &mut self.product);
+            point.set_remainder(&self.product);
+        }
+    }
+
+    /// Takes the newest Jacobian as the linear part, with the line through `y`.
+    pub(super) fn renew(&mut self, time: f64, h: f64, y: &[f64]) {
+        std::mem::swap(&mut self.linear, &mut self.newer);
+        self.line.set(&self.linear, time, y);
+        self.set_remainders(time, h);
+        for step in &mut self.steps {
+            step.propagator.tau = f64::NAN;
+        }
+    }
+
+    /// The matrices of a step `h`, made if they are not kept.
+    pub(super) fn matrices(&mut self, h: f64) -> usize {
+        let is_of = |step: &Step| (step.propagator.tau - h).abs() <= SAME * h;
+        if is_of(&self.steps[self.last]) {
+            return self.last;
+        }
+        if let Some(k) = self.steps.iter().position(is_of) {
+            self.last = k;
+            return k;
+        }
+        self.last_built = (self.last_built + 1) % KEPT;
+        let step = &mut self.steps[self.last_built];
+        step.propagator.build(&self.linear, h, h);
+        step.propagator.take_differences(&self.linear);
+        for (&order, error) in ORDERS.iter().zip(&mut step.errors) {
+            step.propagator
+                .difference_of_terms(&self.linear, order, error);
+        }
+        self.last = self.last_built;
+        self.last_built
+    }
+
+    /// Puts `x` of `y` and the polynomial through `count` points where `advance` reads them, and gives their number.
+    pub(super) fn know(&mut self, time: f64, y: &[f64], count: usize) -> usize {
+        let n = self.linear.dimension;
+        let used = n + count * self.linear.remainders();
+        self.line.measure(time, y, &mut self.known[..n]);
+        self.history.coefficients(count, &mut self.known[n..used]);
+        used
+    }
+
+    /// The state a time `tau` from `time`, where it is `y`, by the remainder of the points that are known.
+    pub(super) fn state_at(&mut self, time: f64, y: &[f64], h: f64, tau: f64, out: &mut [f64]) {
+        let count = self.history.count.min(TERMS);
+        self.history.differ(count);
+        let used = self.know(time, y, count);
+        self.between.build(&self.linear, tau, h);
+        self.between.advance(&self.known[..used], &mut self.x);
+        out.copy_from_slice(&self.x[..self.linear.dimension]);
+        self.line.restore(time + tau, out);
+    }
+
+    /// Moves the points from the distance `h` to the shorter `to`, without evaluations: the remainder is interpolated, and
+    /// the states are those that it leads to, back from `y` at `time`.
+    pub(super) fn respace(&mut self, time: f64, y: &[f64], h: f64, to: f64) {
+        let (n, width) = (self.linear.dimension, self.linear.remainders());
+        let count = self.history.count.min(TERMS);
+        self.history.differ(count);
+        let used = self.know(time, y, count);
+        self.between.build(&self.linear, -to, h);
+        for k in 1..count.min(HIGHEST + 1) {
+            self.between.advance(&self.known[..used], &mut self.x);
+            self.known[..n].copy_from_slice(&self.x[..n]);
+            shift(&mut self.known[n..used], width, -to / h);
+            let point = &mut self.history.points[k];
+            point.g[..width].copy_from_slice(&self.known[n..n + width]);
+            self.linear.product(&self.x, &mut point.f);
+            for (f, g) in point.f.iter_mut().zip(&point.g) {
+                *f += g;
+            }
+            copy(&self.x, &mut point.y);
+            self.line.restore(time - k as f64 * to, &mut point.y);
+        }
+        self.history.change();
+        self.history.count = count.min(HIGHEST + 1);
+    }
+}
