@@ -9,8 +9,8 @@
 use crate::error::Fault;
 use crate::model::{Bearings, EccentricBearing, Scene};
 
-/// Turning slower than this a bearing's friction fades, rad/s.
-const SLOW_RAD_S: f64 = 1.0;
+/// Turning slower than this the friction of a bearing, or of a sleeve on its pin, fades, rad/s.
+pub const SLOW_RAD_S: f64 = 1.0;
 /// The ramp of the damping, as a share of the elastic offset under the largest load.
 const RAMP_SHARE: f64 = 0.1;
 /// The exponent of Palmgren's rollers.
@@ -36,6 +36,38 @@ pub struct BearingLaw {
 impl Bearings {
     pub(crate) fn is_none(&self) -> bool {
         *self == Self::default()
+    }
+
+    /// Lever of the friction of a sleeve on its pin, mu d/2, m; `None`: it has none.
+    #[must_use]
+    pub fn sleeve_lever_m(&self) -> Option<f64> {
+        Some(0.5 * self.sleeve_friction_coefficient? * self.sleeve_bore_m?)
+    }
+}
+
+impl Scene {
+    /// Whether anything rubs, so that more is lost than by the contacts' damping.
+    ///
+    /// ```
+    /// let mut scene = pinwheel_scene::Scene::paper();
+    /// assert!(!scene.rubs());
+    /// scene.bearings.output_seal_n_m = Some(0.5);
+    /// assert!(scene.rubs());
+    /// ```
+    #[must_use]
+    pub fn rubs(&self) -> bool {
+        let bearings = &self.bearings;
+        let eccentric = bearings
+            .eccentric
+            .and_then(|bearing| bearing.friction_coefficient);
+        let all = [
+            Some(self.contact.friction_coefficient),
+            eccentric,
+            bearings.sleeve_lever_m(),
+            bearings.input_seal_n_m,
+            bearings.output_seal_n_m,
+        ];
+        all.into_iter().flatten().any(|size| size > 0.0)
     }
 }
 

@@ -6,6 +6,7 @@ mod field;
 mod flanks;
 mod floating;
 mod lanes;
+mod losses;
 mod pairs;
 mod seals;
 mod sleeves;
@@ -23,7 +24,6 @@ use crate::scene::{Detection, FrictionLaw, Scene};
 use detection::{Exact, Points};
 use lanes::LaneField;
 use pairs::Pairs;
-use sleeves::OnPins;
 
 /// Which contact loop evaluates exact detection. All give the same forces to 1e-13 relative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -86,14 +86,7 @@ pub(crate) fn field(
         Some(bearings) => Box::new(floating::Floating { contacts, bearings }),
         None => contacts,
     };
-    let inner = match OnPins::of(scene) {
-        Some(pins) => Box::new(sleeves::Rolling { inner, pins }),
-        None => inner,
-    };
-    Ok(match Seals::of(scene) {
-        Some(seals) => Box::new(seals::Sealed { inner, seals }),
-        None => inner,
-    })
+    Ok(losses::with_losses(scene, inner))
 }
 
 /// The contacts alone.

@@ -5,14 +5,11 @@
 //! ```
 //! with slow = 1 rad/s at the input, and as much less at the output as that turns slower.
 
-use pinwheel_contact::PinLaw;
-use pinwheel_mbs::{BodyState, Pose, Sums};
+use pinwheel_mbs::{BodyState, Jacobian};
 
-use super::field::{ContactEnergy, ContactField, PairContact};
-use super::floating::Bearings;
 use super::pairs::OUTPUT;
+use crate::Layout;
 use crate::scene::Scene;
-use crate::{Layout, Sleeve};
 
 /// Torque that holds back a body, and the rate below which it fades.
 #[derive(Debug, Clone, Copy)]
@@ -61,66 +58,17 @@ impl Seals {
         }
     }
 
-    fn lost_w(&self, bodies: &[BodyState]) -> f64 {
-        let of = |seal: &Seal| -seal.moment(bodies) * bodies[seal.body].rate;
-        self.0.iter().map(of).sum()
-    }
-}
-
-/// Contacts, bearings and seals.
-pub(super) struct Sealed {
-    pub(super) inner: Box<dyn ContactField>,
-    pub(super) seals: Seals,
-}
-
-impl ContactField for Sealed {
-    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
-        if !self.inner.evaluate(bodies, pose, sums) {
-            return false;
-        }
-        if let Some(loads) = sums.loads.as_deref_mut() {
-            self.seals.add(bodies, loads, |load| &mut load.moment);
-        }
-        if let Some(moments) = sums.moments.as_deref_mut() {
-            self.seals.add(bodies, moments, |moment| moment);
-        }
-        if let Some(energy) = &mut sums.energy {
-            energy.friction_w += self.seals.lost_w(bodies);
-        }
-        // The input's rate is constant.
-        let Seals([_, output]) = self.seals;
-        if let Some(slopes) = sums.slopes.as_deref_mut()
-            && bodies[output.body].rate.abs() < output.slow_rad_s
-        {
+    /// Adds how the output's fades where it turns slowly; the input's rate is constant.
+    pub(super) fn add_slopes(&self, bodies: &[BodyState], slopes: &mut Jacobian) {
+        let [_, output] = self.0;
+        if bodies[output.body].rate.abs() < output.slow_rad_s {
             let slope = -output.torque_n_m / output.slow_rad_s;
             slopes.rate.add(OUTPUT, OUTPUT, slope);
         }
-        true
     }
 
-    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
-        self.inner.touching(bodies, visit);
-    }
-
-    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
-        self.inner.nearest(bodies, wheel, sleeve)
-    }
-
-    fn law(&self) -> &PinLaw {
-        self.inner.law()
-    }
-
-    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
-        let mut sum = self.inner.energy(bodies);
-        sum.friction_w += self.seals.lost_w(bodies);
-        sum
-    }
-
-    fn bearings(&self) -> Option<&Bearings> {
-        self.inner.bearings()
-    }
-
-    fn seals(&self) -> Option<&Seals> {
-        Some(&self.seals)
+    pub(super) fn lost_w(&self, bodies: &[BodyState]) -> f64 {
+        let of = |seal: &Seal| -seal.moment(bodies) * bodies[seal.body].rate;
+        self.0.iter().map(of).sum()
     }
 }

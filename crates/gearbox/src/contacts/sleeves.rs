@@ -6,16 +6,12 @@
 //! A sleeve that rolls at v_t/r on a pin of diameter d loses mu F_n d/2 times that, and T takes as much from the wheel. The couple T r on
 //! the pin is its carrier's. slow = 1 rad/s. Slopes leave T out: it is some thousandths of F_n.
 
-use pinwheel_contact::PinLaw;
-use pinwheel_mbs::{BodyState, Pose, Sums, Wrench};
+use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_scene::bearings::SLOW_RAD_S;
 
-use super::field::{ContactEnergy, ContactField, PairContact};
-use super::floating::Bearings;
+use super::field::PairContact;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
-
-/// Rolling slower than this a sleeve's friction fades, rad/s.
-const SLOW_RAD_S: f64 = 1.0;
 
 /// What sleeves lose on their pins.
 #[derive(Debug, Clone, Copy)]
@@ -26,18 +22,17 @@ pub(super) struct OnPins {
 }
 
 /// T on a sleeve.
-struct Drag {
+pub(super) struct Drag {
     force: [f64; 2],
     /// Couple on its pin, N m.
     couple: f64,
-    lost_w: f64,
+    pub(super) lost_w: f64,
 }
 
 impl OnPins {
     /// `None` where it is not given, or friction of contacts turns sleeves as it will.
     pub(super) fn of(scene: &Scene) -> Option<Self> {
-        let bearings = &scene.bearings;
-        let lever_m = 0.5 * bearings.sleeve_friction_coefficient? * bearings.sleeve_bore_m?;
+        let lever_m = scene.bearings.sleeve_lever_m()?;
         let stands = scene.contact.friction_coefficient == 0.0;
         (stands && lever_m > 0.0).then(|| Self {
             lever_m,
@@ -45,7 +40,8 @@ impl OnPins {
         })
     }
 
-    fn drag(&self, bodies: &[BodyState], pair: &PairContact) -> Drag {
+    /// T of a pair.
+    pub(super) fn drag(&self, bodies: &[BodyState], pair: &PairContact) -> Drag {
         let arm = [
             pair.point[0] - pair.centre[0],
             pair.point[1] - pair.centre[1],
@@ -69,12 +65,15 @@ impl OnPins {
         }
     }
 
-    fn add(&self, bodies: &[BodyState], pair: &PairContact, loads: &mut [Wrench]) {
-        let Drag {
-            force: [fx, fy],
-            couple,
-            ..
-        } = self.drag(bodies, pair);
+    /// Adds it to the bodies' loads.
+    pub(super) fn add(
+        &self,
+        bodies: &[BodyState],
+        pair: &PairContact,
+        drag: &Drag,
+        loads: &mut [Wrench],
+    ) {
+        let ([fx, fy], couple) = (drag.force, drag.couple);
         let wheel = self.layout.wheel_bodies().start + pair.wheel;
         let sleeve = &mut loads[self.layout.sleeve_body(pair.sleeve)];
         (sleeve.fx, sleeve.fy) = (sleeve.fx + fx, sleeve.fy + fy);
@@ -84,65 +83,5 @@ impl OnPins {
         let (load, at) = (&mut loads[wheel], bodies[wheel]);
         (load.fx, load.fy) = (load.fx - fx, load.fy - fy);
         load.moment -= (pair.point[0] - at.x) * fy - (pair.point[1] - at.y) * fx;
-    }
-}
-
-/// Contacts and bearings, and sleeves on their pins.
-pub(super) struct Rolling {
-    pub(super) inner: Box<dyn ContactField>,
-    pub(super) pins: OnPins,
-}
-
-impl Rolling {
-    fn lost_w(&mut self, bodies: &[BodyState]) -> f64 {
-        let (pins, mut lost) = (self.pins, 0.0);
-        self.inner.touching(bodies, &mut |pair| {
-            lost += pins.drag(bodies, pair).lost_w;
-        });
-        lost
-    }
-}
-
-impl ContactField for Rolling {
-    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
-        // Pairs are told of bodies in place alone.
-        let is_told = pose != Pose::AnglesOnly && sums.moments.is_none();
-        if !is_told || !self.inner.evaluate(bodies, pose, sums) {
-            return false;
-        }
-        if let Some(loads) = sums.loads.as_deref_mut() {
-            let pins = self.pins;
-            self.inner
-                .touching(bodies, &mut |pair| pins.add(bodies, pair, loads));
-        }
-        if sums.energy.is_some() {
-            let lost = self.lost_w(bodies);
-            sums.energy
-                .iter_mut()
-                .for_each(|sum| sum.friction_w += lost);
-        }
-        true
-    }
-
-    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
-        self.inner.touching(bodies, visit);
-    }
-
-    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
-        self.inner.nearest(bodies, wheel, sleeve)
-    }
-
-    fn law(&self) -> &PinLaw {
-        self.inner.law()
-    }
-
-    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
-        let mut sum = self.inner.energy(bodies);
-        sum.friction_w += self.lost_w(bodies);
-        sum
-    }
-
-    fn bearings(&self) -> Option<&Bearings> {
-        self.inner.bearings()
     }
 }

@@ -1,5 +1,6 @@
 //! Wheels on elastic bearings.
 
+use pinwheel_gearbox::energy::EnergyAudit;
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_mbs::Wrench;
@@ -351,24 +352,27 @@ fn the_energy_account_closes() {
     }
 }
 
+const DOPRI5: &str = "solver.integrator=\"dopri5\"";
+
+/// The energy account of the paper's gear over 0.02 s from its balance.
+fn audit(sets: &[&str]) -> EnergyAudit {
+    let run = ["drive.start=\"equilibrium\"", "solver.duration_s=0.02"];
+    let run = native::run(&gearbox("paper", &[sets, &run].concat()), &mut |_| false).unwrap();
+    run.energy.audit(0.0, 0.02).unwrap()
+}
+
 /// A bearing's friction takes what its moment says from the driver, in the account too.
 #[test]
 fn friction_of_bearings_is_lost_power() {
     let run = |friction: &str| {
-        let sets = [
-            &NEEDLES[..],
+        let bore = "bearings.eccentric.bore_m=0.02";
+        audit(
             &[
-                "bearings.eccentric.bore_m=0.02",
-                friction,
-                "drive.start=\"equilibrium\"",
-                "solver.integrator=\"dopri5\"",
-                "solver.tolerance=1e-9",
-                "solver.duration_s=0.02",
-            ],
-        ]
-        .concat();
-        let run = native::run(&gearbox("paper", &sets), &mut |_| false).unwrap();
-        run.energy.audit(0.0, 0.02).unwrap()
+                &NEEDLES[..],
+                &[bore, friction, DOPRI5, "solver.tolerance=1e-9"],
+            ]
+            .concat(),
+        )
     };
     let coefficient = |value: f64| format!("bearings.eccentric.friction_coefficient={value}");
     let [none, some] = [0.0, 0.002].map(|value| run(&coefficient(value)));
@@ -499,20 +503,8 @@ fn seals_are_lost_power() {
             let [input, output] = seals;
             let input_seal = format!("bearings.input_seal_n_m={input}");
             let output_seal = format!("bearings.output_seal_n_m={output}");
-            let sets = [
-                bearing,
-                &[
-                    &method,
-                    input_seal.as_str(),
-                    output_seal.as_str(),
-                    "drive.start=\"equilibrium\"",
-                    "solver.tolerance=1e-8",
-                    "solver.duration_s=0.02",
-                ],
-            ]
-            .concat();
-            let run = native::run(&gearbox("paper", &sets), &mut |_| false).unwrap();
-            run.energy.audit(0.0, 0.02).unwrap()
+            let seals = [&method, input_seal.as_str(), output_seal.as_str()];
+            audit(&[bearing, &seals, &["solver.tolerance=1e-8"]].concat())
         };
         let [none, some] = [[0.0; 2], [0.05, 0.5]].map(run);
         let gear = gearbox("paper", &[]).scene.gear.clone();
@@ -536,21 +528,12 @@ fn sleeves_on_their_pins_are_lost_power() {
         let method = format!("solver.integrator=\"{method}\"");
         let run = |friction: f64| {
             let friction = format!("bearings.sleeve_friction_coefficient={friction}");
-            let sets = [
-                bearing,
-                &[
-                    &method,
-                    friction.as_str(),
-                    "bearings.sleeve_bore_m=0.01",
-                    "contact.law=\"paper-conservative\"",
-                    "drive.start=\"equilibrium\"",
-                    "solver.tolerance=1e-8",
-                    "solver.duration_s=0.02",
-                ],
-            ]
-            .concat();
-            let run = native::run(&gearbox("paper", &sets), &mut |_| false).unwrap();
-            run.energy.audit(0.0, 0.02).unwrap()
+            let sleeves = [&method, friction.as_str(), "bearings.sleeve_bore_m=0.01"];
+            let contacts = [
+                "contact.law=\"paper-conservative\"",
+                "solver.tolerance=1e-8",
+            ];
+            audit(&[bearing, &sleeves, &contacts].concat())
         };
         let [none, some, twice] = [0.0, 0.02, 0.04].map(run);
         assert_eq!(none.friction_j, 0.0);
@@ -575,12 +558,18 @@ fn regress_what_floating_wheels_cost() {
         let run = native::run(&gearbox(preset, &sets), &mut |_| false).unwrap();
         run.counts.evaluations as f64
     };
-    let short = "solver.duration_s=0.05";
-    for preset in ["paper", "eleven-pins", "one-wheel"] {
-        let [held, floating] =
-            [&[][..], &NEEDLES].map(|more| evaluations(preset, &[more, &[short]].concat()));
-        println!("{preset}: {held} {floating}");
-        assert!(floating < 1.4 * held, "{preset}: {held} {floating}");
+    for (preset, loading, long) in [
+        ("paper", 1.4, 1.7),
+        ("eleven-pins", 1.4, 2.2),
+        ("one-wheel", 1.4, 1.6),
+    ] {
+        for (duration, most) in [("0.05", loading), ("0.2", long)] {
+            let duration = format!("solver.duration_s={duration}");
+            let [held, floating] =
+                [&[][..], &NEEDLES].map(|more| evaluations(preset, &[more, &[&duration]].concat()));
+            println!("{preset}, {duration}: {held} {floating}");
+            assert!(floating < most * held, "{preset}: {held} {floating}");
+        }
     }
     // Without a Jacobian, by Dormand-Prince, these took 17 383 and 15 037.
     for (preset, most) in [

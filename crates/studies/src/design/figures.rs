@@ -275,8 +275,7 @@ impl Balances {
 
     /// What the friction of all sleeves on their pins loses at the rated speed and load, if they roll on the wheels.
     pub(super) fn sleeve_loss(&self, scene: &Scene) -> Option<DesignFigure> {
-        let (bearings, gear) = (&scene.bearings, &scene.gear);
-        let lever = 0.5 * bearings.sleeve_friction_coefficient? * bearings.sleeve_bore_m?;
+        let (lever, gear) = (scene.bearings.sleeve_lever_m()?, &scene.gear);
         let lost = |pair: &Pair| {
             let radius = match pair.sleeve {
                 Sleeve::External(_) => gear.external_sleeve_radius_m,

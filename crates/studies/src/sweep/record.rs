@@ -163,10 +163,9 @@ impl RunRecord {
             Ok(plain) => {
                 let losses = account.and_then(Efficiency::of);
                 self.efficiency_accounted = losses.map(|account| account.of_losses);
-                let rubs = planned.scene.contact.friction_coefficient > 0.0;
                 let defined = match losses {
                     Some(account) => account.defined(),
-                    None if !rubs => Err(NO_LOSS.to_owned()),
+                    None if !planned.scene.rubs() => Err(NO_LOSS.to_owned()),
                     None if plain > 1.0 => Err(ABOVE_ONE.to_owned()),
                     None => Ok(plain),
                 };
