@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use pinwheel_compare::uncertainty::order::{KINKS, KINKS_EXPLICIT};
+use pinwheel_compare::uncertainty::order::{KINKS, KINKS_EXPLICIT, SCATTER};
 use pinwheel_compare::uncertainty::{Basis, Final, Method, Source, Unresolved};
 use pinwheel_compare::{
     Context, Evidence, Level, Participant, RESOLUTION, RefinementStudy, Rules, Status, Track,
@@ -17,7 +17,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, Plan};
 use pinwheel_gearbox::resolve::roughness;
 use pinwheel_mbs::integrators::{Family, UNSEEN, method};
-use pinwheel_scene::{CheckedScene, Override, preset};
+use pinwheel_scene::{CheckedScene, Detection, Override, preset};
 use pinwheel_timeseries::TimeSeries;
 
 use super::take_part;
@@ -229,6 +229,9 @@ impl<'a> Engines<'a> {
                 order: self.order,
                 rough: Some(roughness(&self.gearbox.scene)),
             },
+            Knob::Tolerance if self.gearbox.scene.contact.detection == Detection::Points => {
+                Method::Tolerance { order: SCATTER }
+            }
             Knob::Tolerance if self.is_runge_kutta() => Method::Tolerance {
                 order: KINKS_EXPLICIT,
             },
