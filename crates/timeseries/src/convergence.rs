@@ -115,20 +115,21 @@ impl Method {
         }
     }
 
-    /// As a scene whose forces jump is read where three runs show the method's own order all along: of its jumps none is in
-    /// sight.
-    fn as_seen(self, observed: Option<f64>, alignment: Option<f64>) -> Self {
-        let Self::Step { order, .. } = self else {
-            return self;
+    /// As a scene whose forces jump is read where three runs show the method's own order all along, so that no jump is in sight; and
+    /// the share of the finest difference in which one may hide all the same, by what the order is left open.
+    fn as_seen(self, observed: Option<f64>, steps: &[Step], alignment: Option<f64>) -> (Self, f64) {
+        let (Self::Step { order, .. }, Some(Rough::Jumps)) = (self, self.rough()) else {
+            return (self, 0.0);
         };
         let straight = alignment.is_none_or(|cosine| cosine >= SMOOTH_ALIGNMENT);
         let own = observed.is_some_and(|observed| (observed - order).abs() <= SMOOTH_MARGIN);
-        match self.rough() {
-            Some(Rough::Jumps) if straight && own => Self::Step {
-                order,
-                rough: Some(Rough::Kinks),
-            },
-            _ => self,
+        match steps.get(1) {
+            Some(coarse) if straight && own => {
+                let rough = Some(Rough::Kinks);
+                let hidden = 1.0 - coarse.ratio.powf(-SMOOTH_MARGIN);
+                (Self::Step { order, rough }, hidden)
+            }
+            _ => (self, 0.0),
         }
     }
 
@@ -340,10 +341,11 @@ pub fn estimate(
     let observed = steps
         .get(1)
         .map(|&coarse| observed_order(fine, coarse).unwrap_or(f64::NEG_INFINITY));
-    let method = method.as_seen(observed, alignment);
+    let (method, hidden) = method.as_seen(observed, steps, alignment);
     let bound = |order: f64, safety: f64| {
         let mut refinement = fine.ratio;
-        let mut largest = safety * fine.difference / (refinement.powf(order) - 1.0);
+        let mut largest =
+            safety * fine.difference * (1.0 / (refinement.powf(order) - 1.0) + hidden);
         // Every level predicts the error of the finest; an accident of one difference does not hide the others.
         let (order, safety) = match method.rough() {
             Some(Rough::Kinks) => (order, SAFETY),
