@@ -303,7 +303,9 @@ pub fn roughness(scene: &Scene) -> Rough {
         || bearing.is_some_and(|law| law.damping_n_s_m > 0.0);
     if contact.friction_coefficient > 0.0 {
         Rough::Friction
-    } else if damped || contact.detection == Detection::Points {
+    } else if contact.detection == Detection::Points {
+        Rough::Points
+    } else if damped {
         Rough::Jumps
     } else {
         Rough::Kinks
