@@ -4,7 +4,7 @@
 //! `|f2 - f1| = C (H2^p - 1)` and the finest run is off by `C = |f2 - f1| / (H2^p - 1)`; the factor of safety Fs
 //! makes a bound of it: Roache's grid convergence index (Verification and Validation in Computational Science
 //! and Engineering, 1998, ch. 5). Fs = 1.25 where three runs show the order that the method promises, else 3; and 3 where
-//! contacts open and close in a method of a higher order than they allow.
+//! contacts open and close, or forces jump, in a method of a higher order than they allow.
 //! The caps on the order are those of Oberkampf & Roy (2010), ch. 8, and Eca & Hoekstra, J. Comput. Phys. 262
 //! (2014) 104. Where runs at several tolerances show no order, because each chooses its steps
 //! anew, three times the largest difference of any two takes its place, as there. Fixed steps that show none say nothing.

@@ -27,7 +27,8 @@ def tree_xml(scene: Scene, armature_kg_m2: float, content: Callable[[int], str] 
     layout, parts = kinematics.layout, scene.mass.of_bodies(scene.gear)
     least = min(min(part.mass_kg, part.moment_kg_m2) for part in parts)
     if not least > mujoco.mjMINVAL:
-        raise Unsupported("mujoco", f"a part has {least:.1e} kg or kg m^2, and MuJoCo takes only more than {mujoco.mjMINVAL:.0e}")
+        limit = f"MuJoCo takes only more than {mujoco.mjMINVAL:.0e}"
+        raise Unsupported("mujoco", f"a part has {least:.1e} kg or kg m^2, and {limit}")
     floating = range(layout.bodies)[layout.wheel_bodies] if scene.floats else range(0)
 
     def body(index: int) -> str:
