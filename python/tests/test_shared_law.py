@@ -310,6 +310,8 @@ def test_what_cannot_be_run_is_said():
         run("gear = 3", "mujoco-shared-law")
     with pytest.raises(Unsupported, match="knows only"):
         run(scenes.scene('[contact]\nlaw = "other"'), "exudyn-shared-law-explicit")
+    with pytest.raises(Unsupported, match="takes only more than"):
+        run(scenes.scene("[mass.external_sleeve]\nmass_kg = 1e-9\nmoment_kg_m2 = 1e-16"), "mujoco-shared-law")
     # A compiled law may know it.
     scene = scenes.scene("", 1e-4)
     # Kept by name: its function must outlive the run.

@@ -42,7 +42,7 @@
 //!         Ok::<_, TimeSeriesError>(Level { refinement, run: Ok(time_series), wall_s: 0.0 })
 //!     };
 //!     let study = RefinementStudy {
-//!         method: Method::Step { order: order.into(), limit: None },
+//!         method: Method::Step { order: order.into(), rough: None },
 //!         finest: 1e-5,
 //!         coarser: vec![level(2.0)?, level(4.0)?],
 //!     };

@@ -19,11 +19,11 @@ pub use uncertainty::{Level, Uncertainty, Verdict};
 
 use std::rc::Rc;
 
+use pinwheel_contact::laws::law_info;
 use pinwheel_mbs::integrators::{Family, MethodInfo, method};
+use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_timeseries::Ending;
-use pinwheel_timeseries::convergence::{
-    self, CONTACTS, FRICTION, KINKS, Method, SAFETY_UNCONFIRMED, Step,
-};
+use pinwheel_timeseries::convergence::{self, KINKS, Method, Rough, SAFETY_UNCONFIRMED, Step};
 
 use crate::auto::{self, COARSER_ROSENBROCK, Plan};
 use crate::native::{self, NativeError, NativeRun};
@@ -291,17 +291,35 @@ fn holds(target: f64, error: Distance, moved: Distance, before: Option<Distance>
     error.worst() <= target && moved.worst() <= most * target
 }
 
-/// How errors of a native method fall on a scene: in the step, or in the tolerance. Friction and discrete points make
-/// forces jump.
+/// What bounds the order of fixed steps on a scene.
+#[must_use]
+pub fn roughness(scene: &Scene) -> Rough {
+    let contact = &scene.contact;
+    // Laws of hysteresis have another damping, which grows with the penetration.
+    let law = law_info(&contact.law);
+    let viscous = law.is_none_or(|law| law.keys.contains(&"contact.damping_n_s_m"));
+    let bearing = BearingLaw::of(scene).filter(|law| law.clearance_m > 0.0);
+    let damped = viscous && contact.damping_n_s_m > 0.0
+        || bearing.is_some_and(|law| law.damping_n_s_m > 0.0);
+    if contact.friction_coefficient > 0.0 {
+        Rough::Friction
+    } else if contact.detection == Detection::Points {
+        Rough::Points
+    } else if damped {
+        Rough::Jumps
+    } else {
+        Rough::Kinks
+    }
+}
+
+/// How errors of a native method fall on a scene: in the step, or in the tolerance.
 #[must_use]
 pub fn convergence_of(method: &MethodInfo, scene: &Scene) -> Method {
-    let contact = &scene.contact;
-    let jumps = contact.friction_coefficient > 0.0 || contact.detection == Detection::Points;
     match method.adaptive {
         true => Method::Tolerance { order: KINKS },
         false => Method::Step {
             order: f64::from(method.order),
-            limit: Some(if jumps { FRICTION } else { CONTACTS }),
+            rough: Some(roughness(scene)),
         },
     }
 }

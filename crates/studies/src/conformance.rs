@@ -13,7 +13,7 @@ use pinwheel_engines::external::Solver;
 use pinwheel_engines::{Cancelled, Ending, Engine, Knob, Native, Run, Track};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{CheckedScene, Override, Scene};
-use pinwheel_timeseries::convergence::{self, CONTACTS, KINKS, Method, ORDER_MARGIN, Step};
+use pinwheel_timeseries::convergence::{self, KINKS, Method, ORDER_MARGIN, Rough, Step};
 use pinwheel_timeseries::norms::{View, relative_l2};
 use pinwheel_timeseries::{TimeSeries, columns};
 use quick_junit::TestSuite;
@@ -398,8 +398,8 @@ impl Trials<'_> {
         let knob = refinement.knob;
         let (finest, ratio, method): (f64, f64, _) = match knob {
             Knob::Step => {
-                let (order, limit) = (refinement.order, Some(CONTACTS));
-                (5e-6, 2.0, Method::Step { order, limit })
+                let (order, rough) = (refinement.order, Some(Rough::Kinks));
+                (5e-6, 2.0, Method::Step { order, rough })
             }
             Knob::Tolerance => (1e-7, 10.0, Method::Tolerance { order: KINKS }),
         };

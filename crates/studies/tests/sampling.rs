@@ -130,6 +130,13 @@ struct Share {
 }
 
 impl Share {
+    fn add(&mut self, other: Self) {
+        self.seen += other.seen;
+        self.then += other.then;
+        self.now += other.now;
+        self.apart += other.apart;
+    }
+
     /// Over the same window of both: that of a sample of the one with fewer. The energy account's is each run's own; where they
     /// differ its figures are counted as apart.
     fn count(&mut self, label: &str, [one, other]: [&Seen; 2]) {
@@ -228,7 +235,9 @@ fn hard_figures_hang_on_nothing_else() {
         time: 0.03,
         force: 1e-3,
     };
+    let kinds = ["wheels held rigidly", "floating wheels", "RV gears"];
     let mut shares = [Share::default(); 7];
+    let mut of_kinds = [Share::default(); 3];
     for seed in first..first + gears {
         let mut scene = gears::gear(seed).unwrap();
         scene.solver.integrator = "auto".to_owned();
@@ -268,23 +277,34 @@ fn hard_figures_hang_on_nothing_else() {
             in_units(all),
             Seen::of(scene.clone(), &Native::LAGRANGE),
         ];
+        let kind = match (scene.cranks, scene.bearings.eccentric) {
+            (Some(_), _) => 2,
+            (None, Some(_)) => 1,
+            (None, None) => 0,
+        };
         for ((share, label), other) in shares.iter_mut().zip(labels).zip(&others) {
             if let Some(other) = other {
                 let label = format!("{seed}, {label}, {}", scene.contact.law);
-                share.count(&label, [&own, other]);
+                let mut found = Share::default();
+                found.count(&label, [&own, other]);
+                share.add(found);
+                of_kinds[kind].add(found);
             }
         }
     }
     let mut all = Share::default();
-    for (label, share) in labels.iter().zip(shares) {
+    let told = |label: &str, share: Share| {
         println!(
             "{label}: of {} figures {} outside, {} when they were of samples; {} of other windows",
             share.seen, share.now, share.then, share.apart
         );
-        all.seen += share.seen;
-        all.now += share.now;
-        all.then += share.then;
-        all.apart += share.apart;
+    };
+    for (label, share) in labels.iter().zip(shares) {
+        told(label, share);
+        all.add(share);
+    }
+    for (label, share) in kinds.iter().zip(of_kinds) {
+        told(label, share);
     }
     println!("all: {all:?}");
     assert!(all.seen > 200 * gears as usize / GEARS as usize);

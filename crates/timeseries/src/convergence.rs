@@ -4,7 +4,7 @@
 //! `|f2 - f1| = C (H2^p - 1)` and the finest run is off by `C = |f2 - f1| / (H2^p - 1)`; the factor of safety Fs
 //! makes a bound of it: Roache's grid convergence index (Verification and Validation in Computational Science
 //! and Engineering, 1998, ch. 5). Fs = 1.25 where three runs show the order that the method promises, else 3; and 3 where
-//! contacts open and close in a method of a higher order than they allow.
+//! contacts open and close, or forces jump, in a method of a higher order than they allow.
 //! The caps on the order are those of Oberkampf & Roy (2010), ch. 8, and Eca & Hoekstra, J. Comput. Phys. 262
 //! (2014) 104. Where runs at several tolerances show no order, because each chooses its steps
 //! anew, three times the largest difference of any two takes its place, as there. Fixed steps that show none say nothing.
@@ -24,11 +24,40 @@ pub const ORDER_MARGIN: f64 = 0.5;
 /// Two successive differences confirm an order only if they point the same way: the least cosine between them.
 pub const LEAST_ALIGNMENT: f64 = 0.5;
 
-/// The order that a scene allows any method whose contacts open and close with a force of penetration^1.5: a step over
-/// such a kink is off by h^2.5, whatever its order elsewhere.
-pub const CONTACTS: f64 = 2.5;
-/// The order that a scene with friction, impacts or jumps allows.
-pub const FRICTION: f64 = 1.0;
+/// The same in a scene whose forces [jump](Rough::Jumps), where any order between those of jumps and method comes by chance: what
+/// shows the method's own this nearly is smooth where the steps are.
+pub const SMOOTH_MARGIN: f64 = 0.25;
+/// As [`LEAST_ALIGNMENT`] there: differences made by jumps point anywhere. Heun on the paper's gear without a jump in sight has 0.84.
+pub const SMOOTH_ALIGNMENT: f64 = 0.8;
+
+/// What in a scene's forces is not smooth. It bounds the order of every fixed step, whatever the method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Rough {
+    /// Contacts open and close with a force of penetration^1.5: a step over such a kink is off by h^2.5.
+    Kinks,
+    /// A force sets in within less than a step: damping over a ramp that a wheel crosses faster. Such a step is off by h times a
+    /// factor of where in it that falls. Steps as short as the ramp see its two kinks: h^2.
+    Jumps,
+    /// Forces jump from point to point all the time.
+    Points,
+    /// Friction on a ramp of speeds that no explicit step follows.
+    Friction,
+}
+
+impl Rough {
+    /// The order that it allows.
+    #[must_use]
+    pub fn order(self) -> f64 {
+        match self {
+            Self::Kinks => 2.5,
+            Self::Jumps | Self::Points | Self::Friction => 1.0,
+        }
+    }
+}
+
+/// The order that runs which see the ramp of a [jump](Rough::Jumps) fall with.
+const RAMPS: f64 = 2.0;
 /// Of a step that does not follow its friction, what the finest run is off by at least over its distance to the next: steps that
 /// chatter part as far as they err, however much finer one is, and the order that such differences show is none. Measured by
 /// `rk4` and rapier on `one-wheel` with friction, steps 1e-5 to 8e-8 s, ratios 2 to 8: of 528 errors 516 covered without it, 527 with.
@@ -38,6 +67,8 @@ pub const KINKS: f64 = 0.5;
 /// The same of explicit Runge-Kutta methods, whose few long steps scatter more: measured with Dormand-Prince on 90 random gears
 /// without friction, where [`KINKS`] covers 93.8 % of 432 errors and this 96.
 pub const KINKS_EXPLICIT: f64 = 0.43;
+/// The order in a tolerance where forces jump from point to point, which no method follows: each run has an error of its own.
+pub const SCATTER: f64 = 0.0;
 
 /// What is refined from level to level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -47,14 +78,14 @@ pub enum Method {
     Step {
         /// Order the method states.
         order: f64,
-        /// Order that the scene allows: [`CONTACTS`], [`FRICTION`]; `None` for a smooth one. Coarse runs may show the
-        /// method's order while the error of the finest already falls with this one: never more is used.
-        limit: Option<f64>,
+        /// What in the scene bounds that; `None` for a smooth one. Coarse runs may show the method's order while the error
+        /// of the finest already falls with the scene's: never more is used.
+        rough: Option<Rough>,
     },
     /// The error tolerance of an adaptive method. Its error follows the tolerance, which is what step size control aims
     /// at, to a factor (Fs = 3); over kinks it falls with the square root only (order 2.5 of a method of order 5).
     Tolerance {
-        /// Order in the tolerance that the scene allows: 1 for a smooth one, [`KINKS`].
+        /// Order in the tolerance that the scene allows: 1 for a smooth one, [`KINKS`], [`SCATTER`].
         order: f64,
     },
 }
@@ -73,20 +104,35 @@ impl Method {
     #[must_use]
     pub fn allowed_order(self) -> f64 {
         match self {
-            Self::Step { order, limit } => limit.map_or(order, |limit| limit.min(order)),
+            Self::Step { order, rough } => rough.map_or(order, |rough| rough.order().min(order)),
             Self::Tolerance { order } => order,
         }
     }
 
-    /// Whether contacts that open and close set the error, and not the method. Each is off by h^2.5 times a factor of where in
-    /// a step it falls, so that the order which three runs show is an accident.
-    fn is_kinked(self) -> bool {
-        matches!(self, Self::Step { order, limit: Some(limit) } if FRICTION < limit && limit < order)
+    /// What sets the error instead of the method.
+    fn rough(self) -> Option<Rough> {
+        match self {
+            Self::Step { order, rough } => rough.filter(|rough| rough.order() < order),
+            Self::Tolerance { .. } => None,
+        }
     }
 
-    /// Whether friction sets the error, and not the method.
-    fn is_rubbing(self) -> bool {
-        matches!(self, Self::Step { order, limit: Some(limit) } if limit <= FRICTION && limit < order)
+    /// As a scene whose forces jump is read where three runs show the method's own order all along, so that no jump is in sight; and
+    /// the share of the finest difference in which one may hide all the same, by what the order is left open.
+    fn as_seen(self, observed: Option<f64>, steps: &[Step], alignment: Option<f64>) -> (Self, f64) {
+        let (Self::Step { order, .. }, Some(Rough::Jumps)) = (self, self.rough()) else {
+            return (self, 0.0);
+        };
+        let straight = alignment.is_none_or(|cosine| cosine >= SMOOTH_ALIGNMENT);
+        let own = observed.is_some_and(|observed| (observed - order).abs() <= SMOOTH_MARGIN);
+        match steps.get(1) {
+            Some(coarse) if straight && own => {
+                let rough = Some(Rough::Kinks);
+                let hidden = 1.0 - coarse.ratio.powf(-SMOOTH_MARGIN);
+                (Self::Step { order, rough }, hidden)
+            }
+            _ => (self, 0.0),
+        }
     }
 
     fn least_order(self) -> f64 {
@@ -109,8 +155,9 @@ impl Method {
         let Self::Step { order, .. } = self else {
             return false;
         };
-        // Kinks confirm nothing. Nor does friction: orders about 1 come and go there.
-        let sound = !self.is_kinked();
+        // Kinks and jumps confirm nothing: where in a step they fall is an accident, and so is the order that three runs show. Nor
+        // does friction: orders about 1 come and go there.
+        let sound = matches!(self.rough(), None | Some(Rough::Friction));
         sound && (order - ORDER_MARGIN..=order + ORDER_MARGIN).contains(&observed)
     }
 }
@@ -121,8 +168,8 @@ impl Method {
 pub enum Basis {
     /// Three runs showed the stated order: Fs = 1.25.
     Observed,
-    /// Three runs converge, with another order than stated: Fs = 3 with the lower of both orders. Or contacts open and close,
-    /// which a method of a higher order than theirs cannot confirm: Fs = 3 with theirs.
+    /// Three runs converge, with another order than stated: Fs = 3 with the lower of both orders. Or contacts open and close, or
+    /// forces jump, which a method of a higher order than theirs cannot confirm: Fs = 3 with theirs.
     Unconfirmed,
     /// Two runs: the order is the stated one, unseen. What both runs miss alike cannot be seen.
     TwoLevels,
@@ -293,30 +340,32 @@ pub fn estimate(
             "order them",
         ));
     }
-    let stated = method.stated_order();
     let observed = steps
         .get(1)
         .map(|&coarse| observed_order(fine, coarse).unwrap_or(f64::NEG_INFINITY));
+    let (method, hidden) = method.as_seen(observed, steps, alignment);
     let bound = |order: f64, safety: f64| {
         let mut refinement = fine.ratio;
-        let mut largest = safety * fine.difference / (refinement.powf(order) - 1.0);
-        if method.is_rubbing() {
-            largest = largest.max(CHATTER * fine.difference);
-        }
+        let mut largest =
+            safety * fine.difference * (1.0 / (refinement.powf(order) - 1.0) + hidden);
         // Every level predicts the error of the finest; an accident of one difference does not hide the others.
-        // With friction, and at tolerances, coarse runs fall with the method's own order; over kinks with theirs. Clearly more
-        // than that order is luck: the finest difference is small for no reason, the next one is not.
-        let order = if method.allowed_order() < stated && !method.is_kinked() {
-            stated
-        } else {
-            order
+        let (order, safety) = match method.rough() {
+            Some(Rough::Kinks) => (order, SAFETY),
+            Some(Rough::Jumps) => (RAMPS, safety),
+            Some(Rough::Points) => (order, safety),
+            // With friction, and at tolerances, coarse runs fall with the method's own order.
+            Some(Rough::Friction) => {
+                largest = largest.max(CHATTER * fine.difference);
+                (method.stated_order(), safety)
+            }
+            None if method.allowed_order() < method.stated_order() => {
+                (method.stated_order(), safety)
+            }
+            None => (order, safety),
         };
+        // Clearly more than that order is luck: the finest difference is small for no reason, the next one is not.
         let is_luck = observed.is_some_and(|observed| observed > order + ORDER_MARGIN);
-        let safety = match method.is_kinked() {
-            _ if is_luck => SAFETY_UNCONFIRMED,
-            true => SAFETY,
-            false => safety,
-        };
+        let safety = if is_luck { SAFETY_UNCONFIRMED } else { safety };
         for step in &steps[1..] {
             let next = refinement * step.ratio;
             let off = step.difference / (next.powf(order) - refinement.powf(order));
@@ -346,7 +395,7 @@ pub fn estimate(
     let (Some(observed), Some(&coarse)) = (observed, steps.get(1)) else {
         return known(unseen, None, method.allowed_order(), guarded);
     };
-    if !(observed >= method.least_order()) {
+    if !(observed.min(method.allowed_order()) >= method.least_order()) {
         if matches!(method, Method::Tolerance { .. }) {
             // No two runs are further apart than all their differences together.
             let apart: f64 = steps.iter().map(|step| step.difference).sum();
@@ -369,10 +418,9 @@ pub fn estimate(
         ));
     }
     let allowed = method.allowed_order();
-    let lower = if method.is_kinked() {
-        allowed
-    } else {
-        observed.min(allowed)
+    let lower = match method.rough() {
+        Some(Rough::Kinks) => allowed,
+        _ => observed.min(allowed),
     };
     let aligned = alignment.is_none_or(|cosine| cosine >= LEAST_ALIGNMENT);
     if aligned && method.confirmed_by(observed) {

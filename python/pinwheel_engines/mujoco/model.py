@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from pinwheel_engines.errors import Unsupported
 from pinwheel_engines.layout import INPUT, Kinematics
 from pinwheel_engines.scene import Scene
 
@@ -19,9 +20,15 @@ def tree_xml(scene: Scene, armature_kg_m2: float, content: Callable[[int], str] 
 
     The input's hinge carries `armature_kg_m2`, which makes it the driver. Only moments about z count in the plane; the
     other two are set alike because MuJoCo wants a possible solid.
+
+    Raises Unsupported for parts that are too light for MuJoCo.
     """
     kinematics = Kinematics(scene.gear, scene.floats)
     layout, parts = kinematics.layout, scene.mass.of_bodies(scene.gear)
+    least = min(min(part.mass_kg, part.moment_kg_m2) for part in parts)
+    if not least > mujoco.mjMINVAL:
+        limit = f"MuJoCo takes only more than {mujoco.mjMINVAL:.0e}"
+        raise Unsupported("mujoco", f"a part has {least:.1e} kg or kg m^2, and {limit}")
     floating = range(layout.bodies)[layout.wheel_bodies] if scene.floats else range(0)
 
     def body(index: int) -> str:

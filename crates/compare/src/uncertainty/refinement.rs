@@ -216,7 +216,7 @@ impl RefinementStudy {
             [one, two, three, ..] => Some(((two - one) * (three - two)).signum()),
             _ => None,
         };
-        let own = order::estimate(&steps, sign, Method::Step { order, limit: None }, floor);
+        let own = order::estimate(&steps, sign, Method::Step { order, rough: None }, floor);
         Ok(own.ok().filter(|own| own.u <= bound.u).unwrap_or(bound))
     }
 

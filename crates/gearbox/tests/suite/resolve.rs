@@ -5,9 +5,10 @@ use std::time::Duration;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, TARGET};
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
-use pinwheel_gearbox::resolve::{BUDGET, Uncertainty, Verdict, remedy, run_resolved};
+use pinwheel_gearbox::resolve::{BUDGET, Uncertainty, Verdict, remedy, roughness, run_resolved};
 use pinwheel_scene::{BodyMass, Override, Scene};
 use pinwheel_timeseries::Ending;
+use pinwheel_timeseries::convergence::Rough;
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
     let sets: Vec<Override> = sets.iter().map(|set| set.parse().unwrap()).collect();
@@ -265,4 +266,20 @@ fn stopping_is_heard() {
         auto::chain(&gearbox.scene, TARGET)[0].integrator,
         "etd-adams"
     );
+}
+
+/// Damping that sets in over a ramp jumps, in contacts and in bearings with clearance; that of hysteresis grows with the penetration.
+#[test]
+fn what_is_not_smooth_is_known() {
+    let of = |sets: &[&str]| roughness(&scene("paper", sets));
+    let undamped = "contact.damping_n_s_m=0";
+    assert_eq!(of(&[]), Rough::Jumps);
+    assert_eq!(of(&[undamped]), Rough::Kinks);
+    assert_eq!(of(&["contact.law=hunt-crossley"]), Rough::Kinks);
+    let bearing = "bearings.eccentric.stiffness_n_m=1e8";
+    assert_eq!(of(&[undamped, bearing]), Rough::Kinks);
+    let clearance = "bearings.eccentric.clearance_m=1e-6";
+    assert_eq!(of(&[undamped, bearing, clearance]), Rough::Jumps);
+    assert_eq!(of(&["contact.detection=points"]), Rough::Points);
+    assert_eq!(of(&["contact.friction_coefficient=0.1"]), Rough::Friction);
 }

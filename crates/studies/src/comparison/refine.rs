@@ -6,7 +6,7 @@
 
 use std::time::Duration;
 
-use pinwheel_compare::uncertainty::order::{CONTACTS, FRICTION, KINKS, KINKS_EXPLICIT};
+use pinwheel_compare::uncertainty::order::{KINKS, KINKS_EXPLICIT, SCATTER};
 use pinwheel_compare::uncertainty::{Basis, Final, Method, Source, Unresolved};
 use pinwheel_compare::{
     Context, Evidence, Level, Participant, RESOLUTION, RefinementStudy, Rules, Status, Track,
@@ -15,6 +15,7 @@ use pinwheel_compare::{
 use pinwheel_engines::{Engine, Form, Knob, Native, Refinement};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, Plan};
+use pinwheel_gearbox::resolve::roughness;
 use pinwheel_mbs::integrators::{Family, UNSEEN, method};
 use pinwheel_scene::{CheckedScene, Detection, Override, preset};
 use pinwheel_timeseries::TimeSeries;
@@ -223,15 +224,14 @@ impl<'a> Engines<'a> {
     }
 
     fn method(&self) -> Method {
-        let points = self.gearbox.scene.contact.detection == Detection::Points;
         match self.knob {
             Knob::Step => Method::Step {
                 order: self.order,
-                limit: Some(match self.has_friction() || points {
-                    true => FRICTION,
-                    false => CONTACTS,
-                }),
+                rough: Some(roughness(&self.gearbox.scene)),
             },
+            Knob::Tolerance if self.gearbox.scene.contact.detection == Detection::Points => {
+                Method::Tolerance { order: SCATTER }
+            }
             Knob::Tolerance if self.is_runge_kutta() => Method::Tolerance {
                 order: KINKS_EXPLICIT,
             },

@@ -2,7 +2,8 @@
 
 use super::common::{context, participant, time_series};
 use super::{entry, native, other};
-use pinwheel_compare::uncertainty::{Basis, Method, order};
+use pinwheel_compare::uncertainty::order::{self, Rough};
+use pinwheel_compare::uncertainty::{Basis, Method};
 use pinwheel_compare::{
     Context, Divergence, Evidence, Level, RefinementStudy, Rules, Track, WindowKind, compare,
 };
@@ -28,7 +29,7 @@ pub(crate) fn levels(name: &str, coarser: [TimeSeries; 2]) -> Evidence {
     let study = RefinementStudy {
         method: Method::Step {
             order: 2.0,
-            limit: None,
+            rough: None,
         },
         finest: 1e-5,
         coarser: vec![level(2.0, two), level(4.0, three)],
@@ -121,7 +122,7 @@ fn beyond_the_horizon_u_is_three_times_the_spread() {
 /// Kinks confirm no method that is better than they are; with friction nothing but the method's own order does.
 #[test]
 fn neither_kinks_nor_friction_confirm() {
-    let at = |observed: f64, limit: f64| {
+    let at = |observed: f64, rough: Rough| {
         let step = |difference: f64| order::Step {
             ratio: 2.0,
             difference,
@@ -129,18 +130,18 @@ fn neither_kinks_nor_friction_confirm() {
         let steps = [step(1.0), step(2_f64.powf(observed))];
         let method = Method::Step {
             order: 4.0,
-            limit: Some(limit),
+            rough: Some(rough),
         };
         order::estimate(&steps, Some(1.0), method, 0.0)
             .unwrap()
             .basis
     };
     for observed in [2.5, 4.0] {
-        assert_eq!(at(observed, order::CONTACTS), Basis::Unconfirmed);
+        assert_eq!(at(observed, Rough::Kinks), Basis::Unconfirmed);
     }
-    assert_eq!(at(1.0, order::FRICTION), Basis::Unconfirmed);
-    assert_eq!(at(2.5, order::FRICTION), Basis::Unconfirmed);
-    assert_eq!(at(4.0, order::FRICTION), Basis::Observed);
+    assert_eq!(at(1.0, Rough::Friction), Basis::Unconfirmed);
+    assert_eq!(at(2.5, Rough::Friction), Basis::Unconfirmed);
+    assert_eq!(at(4.0, Rough::Friction), Basis::Observed);
 }
 
 /// Differences and ratios that are no such thing are told, not computed with.
@@ -154,7 +155,7 @@ fn a_study_that_makes_no_sense_says_so() {
         let steps = [fine, order::Step { ratio, difference }];
         let method = Method::Step {
             order: 2.0,
-            limit: None,
+            rough: None,
         };
         order::estimate(&steps, Some(1.0), method, 0.0)
     };

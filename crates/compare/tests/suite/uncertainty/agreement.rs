@@ -2,6 +2,7 @@
 
 use super::common::{Random, participant, time_series};
 use super::{FORCE, anywhere, compared, engine, entry, native, off};
+use pinwheel_compare::uncertainty::order::Rough;
 use pinwheel_compare::uncertainty::{Basis, Method, Source};
 use pinwheel_compare::{
     Context, Evidence, Level, Metric, RefinementStudy, Rules, Scales, Track, Verdict, compare,
@@ -140,7 +141,7 @@ fn regress_coarse_runs_far_apart_are_never_within() {
             let study = RefinementStudy {
                 method: Method::Step {
                     order: 2.0,
-                    limit: Some(1.0),
+                    rough: Some(Rough::Friction),
                 },
                 finest: 4e-5,
                 coarser: (1..=levels).map(level).collect(),

@@ -57,7 +57,7 @@ fn engine(
         wall_s: 1.0,
     };
     let study = RefinementStudy {
-        method: Method::Step { order, limit: None },
+        method: Method::Step { order, rough: None },
         finest: 1e-5,
         coarser: refinements.iter().map(level).collect(),
     };

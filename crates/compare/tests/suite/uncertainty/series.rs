@@ -49,7 +49,7 @@ fn crossval_series_and_figures_are_covered() {
             wall_s: 1.0,
         });
         let study = RefinementStudy {
-            method: Method::Step { order, limit: None },
+            method: Method::Step { order, rough: None },
             finest: 1e-5,
             coarser: levels.to_vec(),
         };

@@ -129,7 +129,8 @@ fn an_environment_without_its_packages_is_not_whole() {
     .unwrap();
     assert!(whole(&made.folder, more, &GO).is_some());
     // As pip records its files: what a full disk or a crash cut off is no package any more, and the environment is made again.
-    fs::write(info.join("RECORD"), "no_such/core.so,sha256=x,5\n").unwrap();
+    let record = "no_such/core.so,sha256=WZRHGrsBESr8wYFZ9sx0tPURuZgG2lmzyvWpwXPKz8U,5\n";
+    fs::write(info.join("RECORD"), record).unwrap();
     assert!(
         whole(&made.folder, more, &GO).is_none(),
         "a file is missing"
@@ -143,6 +144,13 @@ fn an_environment_without_its_packages_is_not_whole() {
         whole(&made.folder, more, &GO).is_none(),
         "a file is cut off"
     );
+    fs::write(&file, "12346").unwrap();
+    assert!(
+        whole(&made.folder, more, &GO).is_none(),
+        "a file has another byte"
+    );
+    fs::write(&file, "12345").unwrap();
+    assert!(whole(&made.folder, more, &GO).is_some());
 }
 
 #[test]
