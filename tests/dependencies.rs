@@ -66,7 +66,7 @@ fn program_and_module_share_what_is_below_their_engines() {
     let names: Vec<String> = differ
         .filter_map(|(package, _)| Some(package.split(' ').next()?.to_owned()))
         .collect();
-    assert_eq!(names, ["pinwheel", "pinwheel-engines"]);
+    assert_eq!(names, ["pinwheel-dynamics", "pinwheel-engines"]);
 }
 
 /// `name v1.2.3 (where from)|licence`; a folder and `proc-macro` stand in brackets too.

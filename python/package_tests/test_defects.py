@@ -98,7 +98,7 @@ def test_a_missing_package_is_named_as_pip_knows_it():
 
 
 def test_the_function_sweep_stays_one():
-    code = "import pinwheel\ntry:\n    import pinwheel.sweep\nexcept ImportError:\n    assert callable(pinwheel.sweep)"
+    code = "import pinwheel\ntry:\n    import pinwheel.sweep\nexcept ImportError:\n    pass\nassert callable(pinwheel.sweep)"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 

@@ -32,7 +32,7 @@ def explain(scene: Scene | str) -> Explanation:
     """What is modelled and left out, what follows from the dimensions, and which values are assumptions.
 
     >>> explain("paper").data["derived"]["ratio"]
-    15
+    15.0
     """
     made = scene if isinstance(scene, Scene) else Scene(scene)
     data, text = _core.explain(made._inner)

@@ -1,4 +1,4 @@
-//! Compares engines on one scene and keeps the page: `cargo run --release -p pinwheel --example compare_engines`.
+//! Compares engines on one scene and keeps the page: `cargo run --release -p pinwheel-dynamics --example compare_engines`.
 #![allow(clippy::print_stdout, reason = "a program that prints its figures")]
 
 use std::error::Error;

@@ -1,5 +1,5 @@
 //! A contact law of one's own beside the paper's, dropped onto a sleeve's flank at rising speeds:
-//! `cargo run --release -p pinwheel --example own_law`.
+//! `cargo run --release -p pinwheel-dynamics --example own_law`.
 //!
 //! A law that scenes can name stands in the crate `contact`; this is the way to try one before.
 #![allow(clippy::print_stdout, reason = "a program that prints its figures")]

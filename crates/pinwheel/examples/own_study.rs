@@ -1,5 +1,5 @@
 //! A study of one's own: how friction and backlash share the loss, on all cores:
-//! `cargo run --release -p pinwheel --example own_study`.
+//! `cargo run --release -p pinwheel-dynamics --example own_study`.
 #![allow(clippy::print_stdout, reason = "a program that prints its figures")]
 
 use std::error::Error;

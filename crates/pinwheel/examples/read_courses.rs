@@ -1,5 +1,5 @@
 //! Writes and reads time series, and finds the strongest orders of the driver's torque:
-//! `cargo run --release -p pinwheel --example read_courses`.
+//! `cargo run --release -p pinwheel-dynamics --example read_courses`.
 #![allow(clippy::print_stdout, reason = "a program that prints its figures")]
 
 use std::error::Error;

@@ -1,4 +1,4 @@
-//! Runs a gear and reads its figures: `cargo run --release -p pinwheel --example run_a_gear`.
+//! Runs a gear and reads its figures: `cargo run --release -p pinwheel-dynamics --example run_a_gear`.
 #![allow(clippy::print_stdout, reason = "a program that prints its figures")]
 
 use std::error::Error;
