@@ -29,11 +29,12 @@ pub(crate) fn rounded(value: f64, [low, high]: [f64; 2]) -> String {
         return significant(value, 4);
     }
     let digit = (0.2 * width).log10().floor();
+    if digit < -6.0 {
+        let digits = value.abs().max(width).log10().floor() - digit + 1.0;
+        return significant(value, digits.clamp(1.0, 4.0) as usize);
+    }
     let unit = 10.0_f64.powf(digit);
     let decimals = (-digit).max(0.0) as usize;
-    if digit < -6.0 {
-        return significant(value, 4);
-    }
     format!("{:.decimals$}", (value / unit).round() * unit)
 }
 
@@ -41,6 +42,11 @@ pub(crate) fn rounded(value: f64, [low, high]: [f64; 2]) -> String {
 pub(crate) fn interval(band: [f64; 2]) -> String {
     let [low, high] = band.map(|end| rounded(end, band));
     format!("{low} to {high}")
+}
+
+/// `310 to 322 by contact law`.
+pub(crate) fn by_law(band: [f64; 2]) -> String {
+    format!("{} by contact law", interval(band))
 }
 
 fn ends(band: &Band) -> [f64; 2] {
@@ -74,25 +80,14 @@ pub(crate) fn fit(bands: &Bands) -> Option<String> {
     let told: Vec<String> = bands
         .fitted(key, own)
         .into_iter()
-        .map(|(cut, value)| {
-            format!(
-                "{} \u{b5}m: {} {unit}",
-                significant(1e6 * cut, 2),
-                significant(value, 3)
-            )
-        })
+        .map(|(cut, value)| format!("{:.0} \u{b5}m: {} {unit}", 1e6 * cut, significant(value, 3)))
         .collect();
     (!told.is_empty()).then(|| format!("{name}; profile cut by {}", told.join(", by ")))
 }
 
 /// Rows of a terminal.
 pub(crate) fn rows(bands: &Bands) -> Vec<(&'static str, String)> {
-    let force = |(key, name, unit): &(&str, &str, &str)| {
-        let band = ends(bands.get(key)?);
-        Some(format!("{name} {} {unit}", interval(band)))
-    };
-    let forces: Vec<String> = TOLD[..2].iter().filter_map(force).collect();
-    let mut rows = vec![("by contact law", format!("{}; statics", forces.join(", ")))];
+    let mut rows = vec![("by contact law", about(bands))];
     rows.extend(outside(bands).map(|said| ("law", said)));
     rows.extend(fit(bands).map(|said| ("fit", said)));
     rows
@@ -113,7 +108,7 @@ pub(crate) fn blocks(bands: &Bands) -> Vec<Block> {
         .text("", &bands.own, |(_, band)| rounded(band.own, ends(band)))
         .text("", "Band", |(_, band)| interval(ends(band)));
     for (place, fit) in bands.fits.iter().enumerate() {
-        let cut = format!("cut by {} um", significant(1e6 * fit.cut_m, 2));
+        let cut = format!("cut by {:.0} \u{b5}m", 1e6 * fit.cut_m);
         table = table.text("", &cut, move |((key, ..), band)| {
             fitted(key, band.own, place)
         });
@@ -133,5 +128,9 @@ mod tests {
         assert_eq!(rounded(358.3, [226.0, 430.0]), "360");
         assert_eq!(rounded(0.05312, [0.048, 0.073]), "0.053");
         assert_eq!(rounded(5.0, [5.0, 5.0]), "5.000");
+        assert_eq!(
+            interval([2.19e-7, 5.72e-7]),
+            "2.2\u{b7}10\u{207b}\u{2077} to 5.7\u{b7}10\u{207b}\u{2077}"
+        );
     }
 }

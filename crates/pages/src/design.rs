@@ -145,9 +145,7 @@ pub fn text(found: &DesignResult) -> String {
     }
     rows.extend(found.rest.as_ref().map(|rest| ("fit", fitted(rest))));
     if let Some(bands) = &found.bands {
-        rows.push(("by contact law", band::about(bands)));
-        rows.extend(band::outside(bands).map(|said| ("law", said)));
-        rows.extend(band::fit(bands).map(|said| ("fit", said)));
+        rows.extend(band::rows(bands));
     }
     format!(
         "{}\n{}\n{}",
@@ -199,13 +197,36 @@ fn sentence(text: &str) -> String {
 
 /// A figure and how far it may be off.
 pub(crate) fn with_uncertainty(value: Option<f64>, uncertainty: Option<f64>) -> String {
-    match (value, uncertainty) {
-        (None, _) => NONE.to_owned(),
-        (Some(value), Some(u)) if u > 0.0 => {
-            format!("{} \u{b1} {}", figure(value), significant(u, 1))
-        }
-        (Some(value), _) => figure(value),
-    }
+    let Some(value) = value else {
+        return NONE.to_owned();
+    };
+    let (value, bound) = known(value, uncertainty);
+    format!("{value} {bound}").trim_end().to_owned()
+}
+
+/// A figure with as many digits as a data sheet gives and its uncertainty leaves, and that, which may be empty.
+fn known(value: f64, uncertainty: Option<f64>) -> (String, String) {
+    let (shown, bound) = format::bounded(value, uncertainty, 0.0);
+    let least = 10_f64.powi(-i32::from(DIGITS)) * value.abs();
+    let shown = match uncertainty {
+        Some(u) if u > least => shown,
+        _ => figure(value),
+    };
+    (shown, bound.replace('\u{202f}', " "))
+}
+
+/// A figure where there is little room, and what bounds it: its band, and how far it may be off numerically.
+pub(crate) fn headline(one: &DesignFigure) -> (String, String) {
+    let Some(value) = one.value else {
+        return (NONE.to_owned(), String::new());
+    };
+    let (shown, bound) = known(value, one.uncertainty);
+    let laws = wide(one);
+    let shown = laws.map_or(shown, |laws| band::rounded(value, laws));
+    let bound = Some(bound).filter(|bound| !bound.is_empty());
+    let bound = bound.map(|bound| format!("{bound} numerical"));
+    let parts: Vec<String> = laws.map(band::by_law).into_iter().chain(bound).collect();
+    (shown, parts.join("; "))
 }
 
 /// Its band, where that is wider than the figure is off numerically.
@@ -261,17 +282,9 @@ fn how(found: &DesignResult, one: &DesignFigure) -> String {
 fn tiles(found: &DesignResult) -> Vec<Tile> {
     let wanted = |one: &&DesignFigure| HEADLINES.contains(&one.key);
     let tile = |one: &DesignFigure| {
-        let value = match (one.value, wide(one)) {
-            (Some(value), Some(laws)) => band::rounded(value, laws),
-            (value, _) => value.map_or_else(|| NONE.to_owned(), figure),
-        };
         // How it is counted stands in the table.
-        let laws = wide(one).map(|laws| format!("{} by contact law", band::interval(laws)));
-        let bound = one
-            .uncertainty
-            .map(|u| format!("\u{b1} {} numerical", significant(u, 1)));
-        let parts: Vec<String> = laws.into_iter().chain(bound).collect();
-        Tile::new(one.what, value, parts.join("; ")).unit(one.unit)
+        let (value, bounds) = headline(one);
+        Tile::new(one.what, value, bounds).unit(one.unit)
     };
     found.figures.iter().filter(wanted).map(tile).collect()
 }
@@ -302,9 +315,19 @@ fn counted(one: &DesignFigure) -> String {
     let Some(spread) = one.over_the_mesh else {
         return one.how.to_owned();
     };
-    let [least, largest] = spread.map(figure);
     let mean = one.mean_over_the_mesh;
     let mean = mean.filter(|mean| one.value != Some(*mean));
+    let [least, largest] = spread;
+    // How it changes is known to more digits than how much it is.
+    if let Some(value) = one.value.filter(|_| wide(one).is_some()) {
+        let percent = |share: f64| format!("{} %", significant(100.0 * share.abs(), 2));
+        let varies = percent((largest - least) / value);
+        let mean = mean.map_or_else(String::new, |mean| {
+            format!(", {} less on average", percent(1.0 - mean / value))
+        });
+        return format!("{}; varies by {varies} over the mesh{mean}", one.how);
+    }
+    let [least, largest] = spread.map(figure);
     let mean = mean.map_or_else(String::new, |mean| format!(", {} on average", figure(mean)));
     format!("{}; {least} to {largest} over the mesh{mean}", one.how)
 }

@@ -2,28 +2,53 @@
 
 use pinwheel_report::format::{self, NONE};
 use pinwheel_report::terminal::{TITLE, pairs, styled};
+use pinwheel_studies::band::{Band, Bands};
 use pinwheel_studies::results::{Figure, Results};
 use pinwheel_studies::single::Outcome;
 use pinwheel_timeseries::columns;
 
 use crate::band;
 
-/// A figure, `factor` times, with what it may be off by.
-fn known(figure: &Figure, factor: f64) -> String {
+/// A figure, `factor` times, and what it may be off by, which may be empty.
+fn parts(figure: &Figure, factor: f64) -> (String, String) {
     let value = factor * figure.value;
     let uncertainty = figure.uncertainty.map(|u| factor * u);
     let (value, bound) = format::bounded(value, uncertainty, 0.0);
-    match bound.as_str() {
-        "" => value,
-        bound if figure.is_off_by_sampling() => {
-            format!("{value} {} (sampling)", bound.replace('\u{202f}', " "))
+    let sampling = match figure.is_off_by_sampling() && !bound.is_empty() {
+        true => " (sampling)",
+        false => "",
+    };
+    (value, bound.replace('\u{202f}', " ") + sampling)
+}
+
+fn known(figure: &Figure, factor: f64) -> String {
+    let (value, bound) = parts(figure, factor);
+    format!("{value} {bound}").trim_end().to_owned()
+}
+
+/// Peak and mean of forces, with the digits that contact laws leave them.
+fn forces(peak: &Figure, mean: Option<&Figure>, laws: Option<&Band>) -> String {
+    let of = |figure: &Figure| laws.map(|band| band.of_own_law.map(|share| share * figure.value));
+    let mean = mean.map_or_else(
+        || NONE.to_owned(),
+        |mean| of(mean).map_or_else(|| known(mean, 1.0), |laws| band::rounded(mean.value, laws)),
+    );
+    let peak = match of(peak) {
+        None => format!("{} N", known(peak, 1.0)),
+        Some(laws) => {
+            let off = match parts(peak, 1.0).1 {
+                off if off.is_empty() => off,
+                off => format!("; {off} numerical"),
+            };
+            let value = band::rounded(peak.value, laws);
+            format!("{value} N ({}{off})", band::by_law(laws))
         }
-        bound => format!("{value} {}", bound.replace('\u{202f}', " ")),
-    }
+    };
+    format!("peak {peak}, mean {mean} N")
 }
 
 /// What one runs it for, in words.
-fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
+fn results(found: &Results, bands: Option<&Bands>, looked: bool) -> Vec<(&'static str, String)> {
     let plain = |name: &str| {
         let value = found.get(name).map(|figure| format::figure(figure.value));
         value.unwrap_or_else(|| NONE.to_owned())
@@ -36,15 +61,22 @@ fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
         let said = format!("mean {mean} N m; {least} to {most}, from {from_s} s on");
         rows.push(("driver torque", said));
     }
-    for (label, group) in [
-        ("external forces", columns::EXTERNAL_FORCE),
-        ("internal forces", columns::INTERNAL_FORCE),
+    for (label, group, key) in [
+        (
+            "external forces",
+            columns::EXTERNAL_FORCE,
+            "external_force_n",
+        ),
+        (
+            "internal forces",
+            columns::INTERNAL_FORCE,
+            "internal_force_n",
+        ),
     ] {
         if let Some(peak) = found.get(&format!("peak_{group}")) {
             let mean = found.get(&format!("mean_{group}"));
-            let mean = mean.map_or_else(|| NONE.to_owned(), |mean| known(mean, 1.0));
-            let peak = known(peak, 1.0);
-            rows.push((label, format!("peak {peak} N, mean {mean} N")));
+            let laws = bands.and_then(|bands| bands.get(key));
+            rows.push((label, forces(peak, mean, laws)));
         }
     }
     match (&found.efficiency_reason, found.get("efficiency")) {
@@ -78,10 +110,9 @@ fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
 pub fn text(found: &Outcome, time_series: &str) -> String {
     let stats = &found.run.stats;
     // What one runs it for comes first.
-    let mut rows = results(&found.results(), found.resolution.is_some());
-    if let Some(bands) = &found.bands {
-        rows.extend(band::rows(bands));
-    }
+    let bands = found.bands.as_ref();
+    let mut rows = results(&found.results(), bands, found.resolution.is_some());
+    rows.extend(bands.into_iter().flat_map(band::rows));
     let track = found.track.as_str();
     let (samples, end_s) = (found.run.time_series.len(), found.scene.solver.duration_s);
     let time = format!("{:.3} s wall, {:.3} s CPU", stats.wall_s, stats.cpu_s);

@@ -13,8 +13,9 @@ document.addEventListener('DOMContentLoaded', () => {
   const begun = () => ({ ...Object.fromEntries(sliders.map((s) => [s.key, s.value])), [LAW]: law.value });
   const own = begun();
   const states = { a: begun(), b: begun() };
-  /** What is shown of each, and the values asked for it; `figures` is null while they are computed. */
-  const found = { a: { ...first, asked: [], figures: null }, b: { ...first, asked: [], figures: null } };
+  /** What is shown of each, and the values asked for it; `figures` is null while they are computed, `banded` false while bands are. */
+  const fresh = (asked) => ({ asked, figures: null, banded: false });
+  const found = { a: { ...first, ...fresh([]) }, b: { ...first, ...fresh([]) } };
   const blocked = { a: '', b: '' };
   const moved = { a: sliders[0].key, b: sliders[0].key };
   let now = 'b';
@@ -103,8 +104,11 @@ document.addEventListener('DOMContentLoaded', () => {
     if (busy) return;
     const name = [now, ...NAMES].find((one) => due[one] !== null);
     if (name === undefined) {
-      const rest = NAMES.find((one) => found[one].figures === null);
-      if (rest !== undefined && balancing === null) balance(found[rest]);
+      const open = (of) => Object.values(found).find((state) => !state[of]);
+      const [rest, bands] = [open('figures'), open('banded')];
+      if (balancing !== null) return;
+      if (rest) balance(rest);
+      else if (bands) balance(bands, 'bands');
       return;
     }
     busy = true;
@@ -114,7 +118,7 @@ document.addEventListener('DOMContentLoaded', () => {
     let failed = false;
     try {
       const asked = values(states[name]);
-      const state = { asked, figures: null };
+      const state = fresh(asked);
       const balanced = balance(state);
       const answer = await ask('run', asked);
       blocked[name] = answer.reason || '';
@@ -138,15 +142,19 @@ document.addEventListener('DOMContentLoaded', () => {
     if (!failed) pump();
   }
   let balancing = null;
-  /** Asks the figures of what is shown; newer questions end it, and what was ended is asked again when a hand rests. */
-  async function balance(state) {
+  /** Asks the figures of what is shown, or them with their bands; newer questions end it, and what was ended is asked again when a
+   * hand rests. */
+  async function balance(state, what = 'balances') {
     balancing?.abort();
     const own = new AbortController();
     balancing = own;
     let more = true;
     try {
-      const told = await ask(`balances?tab=${TAB}`, state.asked, own.signal);
-      if (!told.late) [state.figures, state.why] = [told.figures || [], told.reason];
+      const told = await ask(`${what}?tab=${TAB}`, state.asked, own.signal);
+      if (!told.late) {
+        [state.figures, state.why] = [told.figures || [], told.reason || told.why];
+        state.banded = what === 'bands' || Boolean(state.why);
+      }
     } catch (error) {
       more = own.signal.aborted;
       if (!more) gone(error);
@@ -163,17 +171,23 @@ document.addEventListener('DOMContentLoaded', () => {
   }
   function figures() {
     const all = NAMES.map((name) => found[name].figures);
-    const number = (of, what) => (of === null ? 'computing' : (of.find((one) => one[0] === what)?.[3] ?? '–'));
+    const number = (of, what) => {
+      if (of === null) return ['computing'];
+      const [, , , shown, bounds] = of.find((one) => one[0] === what) || [0, 0, 0, '–'];
+      return [shown, bounds ? make('small', {}, bounds) : ''];
+    };
     const rows = new Map(all.flatMap((one) => one || []).map(([what, , unit]) => [what, unit]));
     $('figures').replaceChildren(...[...rows].map(([what, unit]) => {
       const [a, b] = all.map((one) => one?.find((row) => row[0] === what)?.[1]);
       const change = a && typeof b === 'number' ? difference(a, b) : '';
-      const cells = [...all.map((one) => number(one, what)), change].map((text) => make('td', { class: 'num' }, text));
+      const cells = [...all.map((one) => number(one, what)), [change]].map((parts) => make('td', { class: 'num' }, ...parts));
       return make('tr', {}, make('th', { scope: 'row' }, `${what} (${unit})`), ...cells);
     }));
     const whys = NAMES.filter((name) => found[name].why).map((name) => `${name.toUpperCase()}: ${found[name].why}`);
-    $('why').textContent = all.includes(null) ? 'Balances are computed.' : whys.join(' ');
-    document.body.toggleAttribute('data-computing', all.includes(null));
+    const open = NAMES.some((name) => !found[name].banded);
+    const under = open ? 'Bands by contact law are computed.' : whys.join(' ');
+    $('why').textContent = all.includes(null) ? 'Balances are computed.' : under;
+    document.body.toggleAttribute('data-computing', open);
   }
   // A share where it is one, a multiple where it is many.
   function difference(a, b) {

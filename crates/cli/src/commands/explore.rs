@@ -229,7 +229,8 @@ impl Explorer {
                     "/run" => self.run(&values),
                     "/save" => self.save(&values),
                     "/compare" => Ok(self.compare(&values)),
-                    path if path.starts_with("/balances") => self.balances(path, &values),
+                    path if path.starts_with("/balances") => self.balances(path, false, &values),
+                    path if path.starts_with("/bands") => self.balances(path, true, &values),
                     _ => Ok(plain(404, "there is nothing here")),
                 }
             }
@@ -265,7 +266,8 @@ impl Explorer {
     }
 
     /// Of the newest state that was asked for: those under way are given up.
-    fn balances(&self, tab: &str, values: &live::Values) -> Result<Answer, Failure> {
+    fn balances(&self, path: &str, laws: bool, values: &live::Values) -> Result<Answer, Failure> {
+        let (_, tab) = path.split_once('?').unwrap_or_default();
         let stop = Arc::new(AtomicBool::new(false));
         let own = (tab.to_owned(), Arc::clone(&stop));
         let (before, running) = std::mem::replace(&mut *lock(&self.balancing), own);
@@ -274,8 +276,8 @@ impl Explorer {
             Ok(scene) => scene,
             Err(error) => return Ok(told(&json!({"reason": error}))),
         };
-        Ok(told(&match live::balances(&scene, &stop) {
-            Ok(figures) => json!({"figures": figures}),
+        Ok(told(&match live::balances(&scene, laws, &stop) {
+            Ok(found) => found,
             Err(StudyError::Cancelled) => json!({"late": true}),
             Err(why) => json!({"reason": why.to_string()}),
         }))

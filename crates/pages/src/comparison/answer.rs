@@ -97,9 +97,7 @@ impl<'a> Answer<'a> {
             value: band.map_or(value, |band| band::rounded(one.value, band)),
             unit: one.quantity.unit.clone(),
             numerical,
-            band: band.map_or_else(String::new, |band| {
-                format!("{} by contact law", band::interval(band))
-            }),
+            band: band.map_or_else(String::new, band::by_law),
         }
     }
 

@@ -93,14 +93,14 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
 /// What the first figure does over the runs: from where to where, and beyond what it may be off by.
 fn answer(grid: &Grid, plan: &Plan) -> Option<Verdict> {
     let figure = grid.figures.first()?;
-    let (name, unit) = match figure
-        .label
-        .strip_suffix(')')
-        .and_then(|l| l.rsplit_once(" ("))
-    {
-        Some((name, unit)) => (name, format!(" {unit}")),
-        None => (figure.label.as_str(), String::new()),
+    let parts = |label: &str| -> (String, String) {
+        let unit = label.strip_suffix(')').and_then(|l| l.rsplit_once(" ("));
+        match unit {
+            Some((name, unit)) => (name.to_owned(), format!(" {unit}")),
+            None => (label.to_owned(), String::new()),
+        }
     };
+    let (name, unit) = parts(&figure.label);
     let known = figure.values.iter().enumerate();
     let known = known.filter_map(|(run, value)| Some((run, (*value)?)));
     let (least, low) = known.clone().min_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -112,7 +112,10 @@ fn answer(grid: &Grid, plan: &Plan) -> Option<Verdict> {
     let at = |run: usize| {
         let places = grid.axes.iter().zip(&grid.runs[run]);
         let named = places.filter(|(axis, _)| axis.values.len() > 1);
-        let words = named.map(|(axis, place)| format!("{} {}", axis.label, axis.values[*place]));
+        let words = named.map(|(axis, place)| {
+            let (name, unit) = parts(&axis.label);
+            format!("{} {}{unit}", name.to_lowercase(), axis.values[*place])
+        });
         words.collect::<Vec<_>>().join(", ")
     };
     let off = figure.uncertainty.iter().flatten().copied();

@@ -412,7 +412,7 @@ pub fn few_figures(
         Ok(control.check()?)
     })?;
     let is_preloaded = found.preloaded().is_some();
-    Ok(told(found.summed(1, 0).figures(), is_preloaded))
+    Ok(told(found.figures(), is_preloaded))
 }
 
 /// Figures as they are shown: what is preloaded has no lost motion.
