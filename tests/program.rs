@@ -390,7 +390,16 @@ fn program_own_gears_need_no_settings() {
         let blunt = bluntest(&summary);
         assert!(blunt > 0.0 && blunt <= 0.01, "{gear}: {blunt:e}\n{text}");
         let dir = tempfile::tempdir().unwrap();
-        done(run_in(dir.path(), ["run", file, "--set", &duration]));
+        let run = done(run_in(dir.path(), ["run", file, "--set", &duration]));
+        // What contact laws leave open stands beside a force, and what numbers leave open once.
+        let told = run.split_whitespace().collect::<Vec<_>>().join(" ");
+        for group in ["external forces", "internal forces"] {
+            let (_, said) = told.split_once(group).unwrap();
+            let (peak, _) = said.split_once("), mean").unwrap();
+            assert!(peak.contains(" by contact law; \u{b1} "), "{gear}: {told}");
+            let causes = peak.matches("numerical").count() + peak.matches("sampling").count();
+            assert_eq!(causes, 1, "{gear}: {told}");
+        }
     }
 }
 

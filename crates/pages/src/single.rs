@@ -14,16 +14,15 @@ fn parts(figure: &Figure, factor: f64) -> (String, String) {
     let value = factor * figure.value;
     let uncertainty = figure.uncertainty.map(|u| factor * u);
     let (value, bound) = format::bounded(value, uncertainty, 0.0);
-    let sampling = match figure.is_off_by_sampling() && !bound.is_empty() {
-        true => " (sampling)",
-        false => "",
-    };
-    (value, bound.replace('\u{202f}', " ") + sampling)
+    (value, bound.replace('\u{202f}', " "))
 }
 
 fn known(figure: &Figure, factor: f64) -> String {
-    let (value, bound) = parts(figure, factor);
-    format!("{value} {bound}").trim_end().to_owned()
+    match parts(figure, factor) {
+        (value, bound) if bound.is_empty() => value,
+        (value, bound) if figure.is_off_by_sampling() => format!("{value} {bound} (sampling)"),
+        (value, bound) => format!("{value} {bound}"),
+    }
 }
 
 /// Peak and mean of forces, with the digits that contact laws leave them.
@@ -38,6 +37,7 @@ fn forces(peak: &Figure, mean: Option<&Figure>, laws: Option<&Band>) -> String {
         Some(laws) => {
             let off = match parts(peak, 1.0).1 {
                 off if off.is_empty() => off,
+                off if peak.is_off_by_sampling() => format!("; {off} by sampling"),
                 off => format!("; {off} numerical"),
             };
             let value = band::rounded(peak.value, laws);
