@@ -106,6 +106,9 @@ fn browser_explores_under_a_hand() {
     browser.go(&served.1, DESK);
     browser.evaluate(SETTLED);
 
+    let changes = "[...document.querySelectorAll('#figures td:last-child')].map((c) => c.textContent).join()";
+    assert_eq!(text(browser, changes), "equal,equal,equal,equal,equal");
+
     // Every slider, a little to the right of where it stands.
     let count = browser.evaluate("document.querySelectorAll('.slider input').length");
     let count = count.as_u64().unwrap();

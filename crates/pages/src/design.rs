@@ -255,16 +255,20 @@ fn with_band(one: &DesignFigure) -> String {
 /// How a figure is counted, its spread over the mesh, and what only this gear's outcome knows.
 fn how(found: &DesignResult, one: &DesignFigure) -> String {
     let mut parts = vec![counted(one)];
-    match one.key {
-        "lost_motion_run_arcmin" => {
-            let statics = found.torsion.lost_motion_at_0_arcmin;
-            parts.extend(statics.map(|lost| format!("{} by statics at that pose", figure(lost))));
-        }
-        "efficiency_rated_percent" => {
-            let rated = found.efficiency.last().and_then(|run| run.efficiency);
-            parts.extend(rated.and_then(|efficiency| efficiency.defined().err()));
-        }
-        _ => {}
+    if one.key == "lost_motion_run_arcmin" {
+        let statics = found.torsion.lost_motion_at_0_arcmin;
+        parts.extend(statics.map(|lost| format!("{} by statics at that pose", figure(lost))));
+    }
+    parts.extend(withheld(found, one));
+    parts.join("; ")
+}
+
+/// Why a figure is not there.
+fn withheld(found: &DesignResult, one: &DesignFigure) -> Vec<String> {
+    let mut parts = Vec::new();
+    if one.key == "efficiency_rated_percent" {
+        let rated = found.efficiency.last().and_then(|run| run.efficiency);
+        parts.extend(rated.and_then(|efficiency| efficiency.defined().err()));
     }
     if one.is_lost_motion() {
         parts.extend(found.preloaded.clone());
@@ -276,12 +280,15 @@ fn how(found: &DesignResult, one: &DesignFigure) -> String {
             parts.push(format!("the run {status}"));
         }
     }
-    parts.join("; ")
+    parts
 }
 
 fn tiles(found: &DesignResult) -> Vec<Tile> {
     let wanted = |one: &&DesignFigure| HEADLINES.contains(&one.key);
     let tile = |one: &DesignFigure| {
+        if one.value.is_none() {
+            return Tile::new(one.what, NONE, withheld(found, one).join("; "));
+        }
         // How it is counted stands in the table.
         let (value, bounds) = headline(one);
         Tile::new(one.what, value, bounds).unit(one.unit)

@@ -236,8 +236,8 @@ fn moved(
     Ok(Ok((view, told)))
 }
 
-/// Figures of a state's balances: what each is, its value, its unit, the value as it is shown, and what bounds it. With `laws`
-/// they have their bands, which take longer; otherwise, or where there are none, why.
+/// Figures of a state's balances: what each is, its value, its unit, the value as it is shown, what bounds it, and its
+/// numerical uncertainty. With `laws` they have their bands, which take longer; otherwise, or where there are none, why.
 ///
 /// # Errors
 /// The gear carries nothing or cannot be balanced; `cancel` was set.
@@ -257,7 +257,14 @@ pub fn balances(
     }
     let told = figures.iter().map(|one| {
         let (shown, bounds) = headline(one);
-        json!([one.what, one.value, one.unit, shown, bounds])
+        json!([
+            one.what,
+            one.value,
+            one.unit,
+            shown,
+            bounds,
+            one.uncertainty
+        ])
     });
     let told: Vec<Value> = told.collect();
     let why = band::declined(scene).map(|why| format!("No band by contact law: {why}."));

@@ -178,8 +178,8 @@ document.addEventListener('DOMContentLoaded', () => {
     };
     const rows = new Map(all.flatMap((one) => one || []).map(([what, , unit]) => [what, unit]));
     $('figures').replaceChildren(...[...rows].map(([what, unit]) => {
-      const [a, b] = all.map((one) => one?.find((row) => row[0] === what)?.[1]);
-      const change = a && typeof b === 'number' ? difference(a, b) : '';
+      const [a, b] = all.map((one) => one?.find((row) => row[0] === what));
+      const change = a?.[1] && typeof b?.[1] === 'number' ? difference([a[1], a[5]], [b[1], b[5]]) : '';
       const cells = [...all.map((one) => number(one, what)), [change]].map((parts) => make('td', { class: 'num' }, ...parts));
       return make('tr', {}, make('th', { scope: 'row' }, `${what} (${unit})`), ...cells);
     }));
@@ -189,12 +189,21 @@ document.addEventListener('DOMContentLoaded', () => {
     $('why').textContent = all.includes(null) ? 'Balances are computed.' : under;
     document.body.toggleAttribute('data-computing', open);
   }
-  // A share where it is one, a multiple where it is many.
-  function difference(a, b) {
+  // A share where it is one, a multiple where it is many, with no digit beyond what numbers leave open.
+  function difference([a, aOff], [b, bOff]) {
     const ratio = b / a;
     if (!(ratio > 0) || !Number.isFinite(ratio)) return '';
-    if (ratio > 2.5) return `${PinwheelCharts.number(ratio, 3)} times`;
-    return `${ratio >= 1 ? '+' : '−'}${PinwheelCharts.number(Math.abs(100 * (ratio - 1)), 3)} %`;
+    if (ratio === 1) return 'equal';
+    const off = ratio * (aOff / Math.abs(a) + bOff / Math.abs(b));
+    const place = (value) => Math.floor(Math.log10(value));
+    const said = (value, open) => {
+      const digits = Math.min(3, Math.max(1, place(value) - place(open) + 1));
+      return PinwheelCharts.number(Number(value.toPrecision(digits)), Math.max(digits, place(value) + 1));
+    };
+    if (ratio > 2.5) return `${said(ratio, off)} times`;
+    const share = Math.abs(ratio - 1);
+    if (share <= off) return `less than ${said(100 * off, 100 * off)} %`;
+    return `${ratio > 1 ? '+' : '−'}${said(100 * share, 100 * off)} %`;
   }
   const charts = new Map();
   function series() {
