@@ -383,6 +383,11 @@ pub fn estimate(
             safety: Some(safety),
         })
     };
+    // No two runs are further apart than all their differences together.
+    let spread = || Estimate::spread(steps.iter().map(|step| step.difference).sum(), floor);
+    if method.allowed_order() < method.least_order() {
+        return Ok(spread());
+    }
     let guarded = method.unconfirmed_safety();
     let (unseen, lowest) = match method {
         Method::Step { .. } => (Basis::TwoLevels, Basis::Rounding),
@@ -395,11 +400,9 @@ pub fn estimate(
     let (Some(observed), Some(&coarse)) = (observed, steps.get(1)) else {
         return known(unseen, None, method.allowed_order(), guarded);
     };
-    if !(observed.min(method.allowed_order()) >= method.least_order()) {
+    if !(observed >= method.least_order()) {
         if matches!(method, Method::Tolerance { .. }) {
-            // No two runs are further apart than all their differences together.
-            let apart: f64 = steps.iter().map(|step| step.difference).sum();
-            return Ok(Estimate::spread(apart, floor));
+            return Ok(spread());
         }
         return Err(Unresolved::new(
             format!(

@@ -5,7 +5,7 @@
 use super::common;
 
 use common::Random;
-use pinwheel_compare::uncertainty::order::{Rough, Step, estimate, observed_order};
+use pinwheel_compare::uncertainty::order::{Rough, SCATTER, Step, estimate, observed_order};
 use pinwheel_compare::uncertainty::{Basis, Method, rounding_floor};
 use proptest::prelude::*;
 
@@ -375,6 +375,21 @@ fn regress_points_show_no_order() {
     };
     assert!(8.1e-5 < 2.0 * of(Rough::Points), "within twice u");
     assert!(8.1e-5 > 2.0 * of(Rough::Jumps) && 8.1e-5 > 2.0 * of(Rough::Friction));
+}
+
+/// It happened: two runs over points by a tolerance, or runs nearer than rounding, had an infinite uncertainty.
+#[test]
+fn regress_scatter_is_a_bound_of_two_runs() {
+    let of = |difference, floor| {
+        let step = Step {
+            ratio: 10.0,
+            difference,
+        };
+        let method = Method::Tolerance { order: SCATTER };
+        estimate(&[step], None, method, floor).unwrap().u
+    };
+    assert!((of(1e-3, 0.0) - 3e-3).abs() < 1e-15);
+    assert!((of(1e-9, 1e-8) - 1e-8).abs() < 1e-20);
 }
 
 /// Where in a step a contact opens is luck: one difference may be small for no reason, and the order shown is any. Measured:
