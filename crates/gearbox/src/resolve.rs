@@ -23,7 +23,9 @@ use pinwheel_contact::laws::law_info;
 use pinwheel_mbs::integrators::{Family, MethodInfo, method};
 use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_timeseries::Ending;
-use pinwheel_timeseries::convergence::{self, KINKS, Method, Rough, SAFETY_UNCONFIRMED, Step};
+use pinwheel_timeseries::convergence::{
+    self, KINKS, KINKS_EXPLICIT, Method, Rough, SAFETY_UNCONFIRMED, SCATTER, Step,
+};
 
 use crate::auto::{self, COARSER_ROSENBROCK, Plan};
 use crate::native::{self, NativeError, NativeRun};
@@ -316,12 +318,32 @@ pub fn roughness(scene: &Scene) -> Rough {
 #[must_use]
 pub fn convergence_of(method: &MethodInfo, scene: &Scene) -> Method {
     match method.adaptive {
-        true => Method::Tolerance { order: KINKS },
-        false => Method::Step {
-            order: f64::from(method.order),
-            rough: Some(roughness(scene)),
-        },
+        true => by_tolerance(scene, method.family == Family::Explicit),
+        false => by_step(f64::from(method.order), scene),
     }
+}
+
+/// How errors of fixed steps of a method of this order fall on a scene.
+#[must_use]
+pub fn by_step(order: f64, scene: &Scene) -> Method {
+    let rough = Some(roughness(scene));
+    Method::Step { order, rough }
+}
+
+/// How errors fall with the tolerance on a scene; `explicit`: with the steps of an explicit Runge-Kutta method.
+#[must_use]
+pub fn by_tolerance(scene: &Scene, explicit: bool) -> Method {
+    let contact = &scene.contact;
+    // Where friction sets the explicit steps, tolerances change them little, and the error no more: measured on
+    // `paper-friction` between 1e-7 and 1e-9, 5 times the distance in the driver's torque.
+    let scatters =
+        contact.detection == Detection::Points || explicit && contact.friction_coefficient > 0.0;
+    let order = match explicit {
+        _ if scatters => SCATTER,
+        true => KINKS_EXPLICIT,
+        false => KINKS,
+    };
+    Method::Tolerance { order }
 }
 
 /// How a method is refined and what that gains.
@@ -357,12 +379,7 @@ impl Refinement {
             },
             (true, Family::Rosenbrock) => by_tolerance(COARSER_ROSENBROCK, 0.9, 0.2),
             (true, Family::Exponential) => by_tolerance(10.0, 0.9, 0.3),
-            // Where friction sets the steps, tolerances change them little, and the error no more: measured on
-            // `paper-friction` between 1e-7 and 1e-9, 5 in the driver's torque.
-            (true, _) if has_friction => Self {
-                method: Method::Tolerance { order: 0.5 * KINKS },
-                ..by_tolerance(10.0, 0.45, 0.2)
-            },
+            (true, _) if has_friction => by_tolerance(10.0, 0.45, 0.2),
             (true, _) => by_tolerance(10.0, 0.9, 0.2),
             // Kinks leave two orders, friction's switches one and a half, points one.
             (false, _) => Self {

@@ -377,6 +377,58 @@ fn published_a_swinging_shaft_is_in_balance() {
     }
 }
 
+/// Contacts that close anywhere between samples are no imbalance, whether their forces set in with a slope or with a jump, and where all
+/// samples and every other one happen to miss them alike. An imbalance beyond what they leave open is told.
+#[test]
+fn regress_kinks_between_samples_are_no_imbalance() {
+    let inertia = 0.4;
+    let context = Context {
+        output_inertia_kg_m2: Some(inertia),
+        ..context()
+    };
+    let spacing = 0.01;
+    let time: Vec<f64> = (0..=60).map(|k| f64::from(k) * spacing).collect();
+    // Kinks: their times and sizes.
+    let judged = |order: i32, kinks: &[(f64, f64)], off_n_m: f64| {
+        let sum = |part: &dyn Fn(f64) -> f64, t: f64| -> f64 {
+            let since = kinks.iter().filter(|(at, _)| t > *at);
+            since.map(|(at, size)| size * part(t - at)).sum()
+        };
+        let unit = spacing.powi(order);
+        let n = f64::from(order);
+        let (force, turn) = (
+            |d: f64| d.powi(order) / unit,
+            |d: f64| d.powi(order + 2) / (unit * inertia * (n + 1.0) * (n + 2.0)),
+        );
+        let torque = |&t: &f64| off_n_m - 22.0 + sum(&force, t);
+        let angle = |&t: &f64| -3.0 * t + sum(&turn, t);
+        let mut series = TimeSeries::new(time.clone()).unwrap();
+        let values = time.iter().map(torque).collect();
+        series.push("output_torque_n_m", values).unwrap();
+        let values = time.iter().map(angle).collect();
+        series.push("output_angle_rad", values).unwrap();
+        let one = [participant("native", Track::Native, series)];
+        let found = compare(&context, &one, &Rules::default()).unwrap();
+        let judged = found.engines[0].judged.iter();
+        judged.map(|j| j.result.verdict).collect::<Vec<_>>()
+    };
+    for order in [0, 1] {
+        let (mut all, mut told) = (0.0, 0.0);
+        for k in 0..500 {
+            // Even, and in no step with the samples.
+            let drawn = |by: f64| (f64::from(k) * by.sqrt()).fract();
+            let kink = |by: f64| (0.02 + 0.56 * drawn(by), 0.2 * (drawn(by + 1.0) - 0.5));
+            let kinks = [kink(2.0), kink(5.0), kink(10.0)];
+            for verdict in judged(order, &kinks[..1 + k as usize % 3], 0.0) {
+                all += 1.0;
+                told += f64::from(verdict == Verdict::Differ);
+            }
+            assert!(!judged(order, &kinks, 2.0).contains(&Verdict::Agree));
+        }
+        assert!(told <= 0.01 * all, "{order}: {told} of {all}");
+    }
+}
+
 /// Torques of the wrong sign do not balance the load, whatever their size.
 #[test]
 fn regress_the_load_balance_has_a_sign() {

@@ -6,7 +6,6 @@
 
 use std::time::Duration;
 
-use pinwheel_compare::uncertainty::order::{KINKS, KINKS_EXPLICIT, SCATTER};
 use pinwheel_compare::uncertainty::{Basis, Final, Method, Source, Unresolved};
 use pinwheel_compare::{
     Context, Evidence, Level, Participant, RESOLUTION, RefinementStudy, Rules, Status, Track,
@@ -15,9 +14,9 @@ use pinwheel_compare::{
 use pinwheel_engines::{Engine, Form, Knob, Native, Refinement};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, Plan};
-use pinwheel_gearbox::resolve::roughness;
+use pinwheel_gearbox::resolve::{by_step, by_tolerance};
 use pinwheel_mbs::integrators::{Family, UNSEEN, method};
-use pinwheel_scene::{CheckedScene, Detection, Override, preset};
+use pinwheel_scene::{CheckedScene, Override, preset};
 use pinwheel_timeseries::TimeSeries;
 
 use super::take_part;
@@ -224,18 +223,10 @@ impl<'a> Engines<'a> {
     }
 
     fn method(&self) -> Method {
+        let scene = &self.gearbox.scene;
         match self.knob {
-            Knob::Step => Method::Step {
-                order: self.order,
-                rough: Some(roughness(&self.gearbox.scene)),
-            },
-            Knob::Tolerance if self.gearbox.scene.contact.detection == Detection::Points => {
-                Method::Tolerance { order: SCATTER }
-            }
-            Knob::Tolerance if self.is_runge_kutta() => Method::Tolerance {
-                order: KINKS_EXPLICIT,
-            },
-            Knob::Tolerance => Method::Tolerance { order: KINKS },
+            Knob::Step => by_step(self.order, scene),
+            Knob::Tolerance => by_tolerance(scene, self.is_runge_kutta()),
         }
     }
 
