@@ -67,8 +67,8 @@ pub fn engines() -> impl Iterator<Item = &'static str> {
 
 /// Least share of the errors that are to be within what was stated.
 pub const COVERAGE: f64 = 0.95;
-/// What was stated is to be below so many times the error, in the median.
-pub const SHARPNESS: f64 = 5.0;
+/// What was stated is to be below so many times the error, in the median: an uncertainty is good to its power of ten.
+pub const SHARPNESS: f64 = 10.0;
 
 /// A reference is one where it is itself known this much better than what is held against it.
 const TRUTH: f64 = 0.1;
