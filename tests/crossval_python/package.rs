@@ -42,12 +42,25 @@ fn assert_fine(what: &str, output: &Output) {
     );
 }
 
-#[test]
-fn crossval_python_package_passes_its_own_tests() {
+/// The tests of the engines, which run by themselves as long as all others.
+const ENGINES: [&str; 2] = ["tests/test_shared_law.py", "tests/test_own_contact.py"];
+
+fn assert_tests_pass(of: impl IntoIterator<Item = String>) {
     let tests = python(&["-m", "pytest", "-q", "-p", "no:cacheprovider"])
+        .args(of)
         .output()
         .unwrap();
     assert_fine("pytest", &tests);
+}
+
+#[test]
+fn crossval_python_package_passes_its_own_tests() {
+    assert_tests_pass(ENGINES.map(|file| format!("--ignore={file}")));
+}
+
+#[test]
+fn crossval_python_engines_pass_their_own_tests() {
+    assert_tests_pass(ENGINES.map(str::to_owned));
 }
 
 #[test]
