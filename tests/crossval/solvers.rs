@@ -2,8 +2,6 @@
 //!
 //! Limits are measured figures times a margin; each stands beside its measurement.
 
-#![allow(clippy::print_stdout)] // measured figures, for whoever resets a limit
-
 use std::fs;
 
 use pinwheel_engines::{Ending, by_name};

@@ -1,6 +1,6 @@
 //! The benchmark that is handed to others is what the repository gives, and its uncertainties hold.
 
-#[path = "../examples/benchmark.rs"]
+#[path = "../../examples/benchmark.rs"]
 #[allow(unreachable_pub, reason = "an example's main file")]
 mod benchmark;
 

@@ -1,4 +1,4 @@
-//! exudyn and MuJoCo against the native solver, live and as recorded.
+//! exudyn, MuJoCo, Simbody and IDA against the native solver, live and as recorded.
 //!
 //! Limits are measured figures times a margin; each stands beside its measurement.
 
@@ -14,6 +14,7 @@ mod own_gear;
 mod package;
 mod program;
 mod recordings;
+mod solvers;
 
 use pinwheel_engines::{Cancelled, Control, Ending, Halt, Progress, by_name};
 use pinwheel_scene::Scene;

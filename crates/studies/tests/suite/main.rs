@@ -1,0 +1,13 @@
+//! Tests of the studies, in one program: they share its build and the machine.
+
+mod bench;
+mod benchmark;
+mod calibration;
+mod load_changes;
+mod patience;
+mod printed_drive;
+mod published_paper;
+mod regress;
+mod sampling;
+mod studies;
+mod sweep;

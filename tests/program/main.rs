@@ -1,0 +1,14 @@
+//! Tests of the program as users run it, in one program: they share its build and the machine.
+
+mod bad_input;
+mod baseline;
+mod bench;
+mod commands;
+mod crashes;
+mod fmu;
+mod foreign;
+mod safety;
+mod solvers;
+mod stability;
+#[cfg(feature = "parquet")]
+mod sweep;
