@@ -491,14 +491,15 @@ fn published_rv_lost_motion() {
 }
 
 /// One pin 10 um too far in on the cranks' ring: the same program's largest forces, N, floating on needles and on stiff bearings.
-/// A third program (numpy, linear geometry) found 3119 and 3475.
+/// On needles it jumps by a fifth where the pin passes the eccentric, so that the poses that are looked at decide: a third program
+/// (numpy, linear geometry) found 3112 to 3141 in 24 poses, as the cranks stand, and 3242 in 96; 3475 on stiff bearings.
 #[test]
 fn published_a_pin_too_far_in_on_cranks() {
     let errors = format!(
         "gear.errors.external_sleeve_radial_m=[-1e-5{}]",
         ", 0.0".repeat(39)
     );
-    for (is_stiff, theirs) in [(false, 3136.0), (true, 3471.0)] {
+    for (is_stiff, theirs, most) in [(false, 3136.0, 0.05), (true, 3471.0, 0.005)] {
         let sets = [&THEIRS[..], &[&errors, RIGID_SUPPORTS]].concat();
         let mut scene = gearbox("rv-40e-like", &sets).scene.clone().into_scene();
         if is_stiff {
@@ -510,7 +511,7 @@ fn published_a_pin_too_far_in_on_cranks() {
         // Cranks turn by a third of the sun's angle.
         let found = largest_over_a_turn(&gearbox, -412.0, 3.0);
         println!("stiff: {is_stiff}: {found}");
-        assert!((found / theirs - 1.0).abs() < 0.01, "{found} {theirs}");
+        assert!((found / theirs - 1.0).abs() < most, "{found} {theirs}");
     }
 }
 
