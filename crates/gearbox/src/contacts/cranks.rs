@@ -20,9 +20,9 @@ use pinwheel_scene::bearings::BearingLaw;
 
 use super::field::ContactEnergy;
 use super::floating::BearingLoad;
+use crate::Layout;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
-use crate::{Layout, Sleeve};
 
 /// Wheels at most: as many as a scene may have.
 const WHEELS: usize = 64;
@@ -382,23 +382,6 @@ impl Cranks {
         [force[0] - across * y, force[1] + across * x]
     }
 
-    /// See [`Bearings::on_output`](super::Bearings::on_output).
-    pub(super) fn on_output(
-        &self,
-        law: &BearingLaw,
-        layout: Layout,
-        bodies: &[BodyState],
-        visit: &mut dyn FnMut(Sleeve, [f64; 2]),
-    ) {
-        let mut found = OfCrank::new();
-        for (crank, body) in layout.internal_bodies().enumerate() {
-            self.crank(law, layout, bodies, crank, &mut found);
-            let sum = |k: usize| found.iter().map(|bearing| bearing.on_crank()[k]).sum();
-            let force = self.with_mesh([sum(0), sum(1)], Self::moment(&found), &bodies[body]);
-            visit(Sleeve::Internal(crank), force);
-        }
-    }
-
     /// Adds what they and the supports store, and what they lose.
     pub(super) fn add_energy(
         &self,
@@ -416,21 +399,5 @@ impl Cranks {
                 bearing.load.add_energy(&self.law(law, wheel, crank), sum);
             }
         }
-    }
-
-    /// Torque that holds the input against them, N m.
-    pub(super) fn driver_torque(
-        &self,
-        law: &BearingLaw,
-        layout: Layout,
-        bodies: &[BodyState],
-    ) -> f64 {
-        let mut found = OfCrank::new();
-        let mut sum = 0.0;
-        for crank in 0..self.count() {
-            self.crank(law, layout, bodies, crank, &mut found);
-            sum += Self::moment(&found);
-        }
-        self.teeth_ratio * sum
     }
 }

@@ -191,13 +191,6 @@ impl Bearings {
         pairs.filter(|pair| pair.normal_force_n > 0.0).collect()
     }
 
-    /// Visits every crank of an RV gear with the force that it hands to the output, N, ground frame.
-    pub fn on_output(&self, bodies: &[BodyState], visit: &mut dyn FnMut(Sleeve, [f64; 2])) {
-        if let Some(cranks) = &self.cranks {
-            cranks.on_output(&self.law, self.layout, bodies, visit);
-        }
-    }
-
     /// Clearance of that bearing, m.
     pub(crate) fn clearance_m(&self, wheel: usize, crank: usize) -> f64 {
         let own = self
@@ -238,21 +231,6 @@ impl Bearings {
             loads[body].moment += load.drag_n_m;
             loads[Layout::INPUT].moment -= load.drag_n_m;
         }
-    }
-
-    /// Torque that holds the input against them, N m.
-    #[must_use]
-    pub fn driver_torque(&self, bodies: &[BodyState]) -> f64 {
-        if let Some(cranks) = &self.cranks {
-            return cranks.driver_torque(&self.law, self.layout, bodies);
-        }
-        let input = bodies[Layout::INPUT];
-        let of = |(wheel, body): (usize, usize)| {
-            let load = self.load(bodies, wheel);
-            let [fx, fy] = load.on_wheel;
-            (bodies[body].x - input.x) * fy - (bodies[body].y - input.y) * fx + load.drag_n_m
-        };
-        self.layout.wheel_bodies().enumerate().map(of).sum()
     }
 
     /// Adds how they change with all that is free, and with the time as the input turns. With d the offset, n along it and t = R90
