@@ -224,7 +224,6 @@ impl Cranks {
                 eccentric,
                 across: [-eccentric[1] / self.throw_m, eccentric[0] / self.throw_m],
                 velocity,
-                ..CrankBearing::default()
             });
         }
         let given = match (self.support, self.mesh) {
