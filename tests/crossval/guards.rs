@@ -118,6 +118,8 @@ fn crossval_python_refuses_what_it_cannot_honour() {
     for engine in [MUJOCO_OWN, EXUDYN_OWN] {
         assert!(reason(engine, &scene("paper-friction", &[])).contains("friction_coefficient"));
         assert!(reason(engine, &scene("steel", &[])).contains("ramp"));
+        let sealed = scene("paper", &[("bearings.input_seal_n_m", "0.1")]);
+        assert!(reason(engine, &sealed).contains("bearings.input_seal_n_m"));
         // Of another law they get balls as stiff.
         let law = scene("paper", &[("contact.law", "\"constant\"")]);
         let soft = [("contact.stiffness_multiplier", "0.01")];

@@ -290,32 +290,3 @@ fn crossval_solvers_recordings_are_of_these_programs() {
         }
     }
 }
-
-/// Wheels that float on the bearing of an eccentric and on the cranks of RV gears. Measured at most 4.4e-8 and 8.2e-8.
-fn floating_wheels(engine: &str) {
-    for (preset, sets) in runs::FLOATING {
-        let base = [
-            ("solver.duration_s", "0.001"),
-            ("solver.sample_s", "2e-5"),
-            ("solver.tolerance", "1e-8"),
-        ];
-        let mut scene = scene(preset, &[&base, *sets].concat());
-        let tolerance = std::mem::replace(&mut scene.solver.tolerance, 1e-10);
-        let reference = runs::native(&scene, "dopri5", 1e-6);
-        scene.solver.tolerance = tolerance;
-        let errors = errors(engine, &scene, (0.0, 0.001), &reference);
-        assert_within(errors, [2e-7, 3e-7]);
-    }
-}
-
-#[test]
-fn crossval_ida_floating_wheels() {
-    floating_wheels(IDA);
-}
-
-#[test]
-fn crossval_simbody_floating_wheels() {
-    if simbody() {
-        floating_wheels(SIMBODY);
-    }
-}

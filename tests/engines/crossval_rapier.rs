@@ -313,6 +313,16 @@ fn crossval_rapier_refuses_what_it_cannot_honour() {
         friction.contact.friction_law = FrictionLaw::Adams;
         friction.solver.integrator = "auto".to_owned();
         assert!(reason(engine, &friction).contains("contact.friction_law"));
+        // Losses that are no contact's.
+        let friction = ("bearings.sleeve_friction_coefficient", "0.05");
+        for sets in [
+            &[("bearings.input_seal_n_m", "0.1")][..],
+            &[("bearings.output_seal_n_m", "0.1")],
+            &[friction, ("bearings.sleeve_bore_m", "0.01")],
+        ] {
+            let (lossy, key) = (scene("paper", sets), sets[0].0);
+            assert!(reason(engine, &lossy).contains(key));
+        }
     }
     for engine in [SHARED, HOOK] {
         let uneven = scene("paper", &[("solver.step_s", "3e-5")]);

@@ -12,11 +12,24 @@ use pinwheel_timeseries::Ending;
 #[cfg(any(feature = "rapier", feature = "python"))]
 /// What an engine cannot honour that holds its wheels by revolutes.
 pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
-    if scene.bearings.eccentric.is_none() {
-        return Ok(());
+    let bearings = &scene.bearings;
+    if bearings.eccentric.is_some() {
+        let reason = "it holds wheels by revolutes, and bearings.eccentric lets them float";
+        return Err(Ending::unsupported(reason));
     }
-    let reason = "it holds wheels by revolutes, and bearings.eccentric lets them float";
-    Err(Ending::unsupported(reason))
+    let losses = [
+        ("input_seal_n_m", bearings.input_seal_n_m),
+        ("output_seal_n_m", bearings.output_seal_n_m),
+        ("sleeve_friction_coefficient", bearings.sleeve_lever_m()),
+    ];
+    let mut some = losses
+        .into_iter()
+        .filter(|(_, size)| size.is_some_and(|size| size > 0.0));
+    some.next().map_or(Ok(()), |(key, _)| {
+        let reason =
+            format!("only its contacts and joints load its bodies, and bearings.{key} does too");
+        Err(Ending::unsupported(reason))
+    })
 }
 
 #[cfg(any(feature = "rapier", feature = "python"))]

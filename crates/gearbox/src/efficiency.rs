@@ -55,7 +55,7 @@ impl Efficiency {
         })
     }
 
-    /// The efficiency by what contacts lose, at most 1.
+    /// The efficiency by what is lost, at most 1.
     ///
     /// # Errors
     /// Why there is none, in words: the law creates or destroys power, or nothing is lost because nothing rubs.

@@ -5,9 +5,9 @@ use pinwheel_timeseries::sampling::{self, Between, Point, QUANTITIES};
 use pinwheel_timeseries::{TimeSeries, columns};
 
 use crate::Gearbox;
+use crate::Layout;
 use crate::channels::{Seen, Values};
 use crate::contacts::ContactField;
-use crate::{Layout, Sleeve};
 
 /// One sample's values, in column order after the time.
 #[derive(Debug, Clone)]
@@ -19,8 +19,8 @@ pub struct Recorder {
     rows: Vec<f64>,
     /// How many they are.
     pending: usize,
-    /// Force on each sleeve, external then internal, summed over the wheels.
-    forces: Vec<Wrench>,
+    /// Loads of all bodies.
+    loads: Vec<Wrench>,
     /// What the scene asks for beyond the contract's columns.
     channels: Option<Values>,
     /// What is known between samples, where a solver tells it, and its columns at one time.
@@ -59,7 +59,7 @@ impl Recorder {
             columns: (0..columns::HEAD.len() + sleeves)
                 .map(|_| Vec::with_capacity(samples))
                 .collect(),
-            forces: vec![Wrench::default(); sleeves],
+            loads: vec![Wrench::default(); layout.bodies()],
             channels: Values::new(gearbox, samples),
             between: None,
             row: Vec::new(),
@@ -86,27 +86,11 @@ impl Recorder {
         bodies: &[BodyState],
         field: &mut dyn ContactField,
     ) {
-        let externals = self.layout.external_sleeves;
-        let mut forces = std::mem::take(&mut self.forces);
-        forces.fill(Wrench::default());
-        field.touching(bodies, &mut |pair| {
-            let [fx, fy] = pair.force_on_sleeve();
-            let sum = match pair.sleeve {
-                Sleeve::External(j) => &mut forces[j],
-                Sleeve::Internal(k) => &mut forces[externals + k],
-            };
-            (sum.fx, sum.fy) = (sum.fx + fx, sum.fy + fy);
-        });
-        if let Some(bearings) = field.bearings() {
-            bearings.on_output(bodies, &mut |sleeve, [fx, fy]| {
-                if let Sleeve::Internal(k) = sleeve {
-                    let sum = &mut forces[externals + k];
-                    (sum.fx, sum.fy) = (sum.fx + fx, sum.fy + fy);
-                }
-            });
-        }
-        self.record_loads(t, driver_torque, bodies, &forces);
-        self.forces = forces;
+        let mut loads = std::mem::take(&mut self.loads);
+        loads.fill(Wrench::default());
+        field.add_loads(bodies, &mut loads);
+        self.record_loads(t, driver_torque, bodies, &loads);
+        self.loads = loads;
     }
 
     /// Records a sample that a formulation tells, where a sleeve's only load is its contacts'. `driver_torque`: N m.
@@ -152,21 +136,17 @@ impl Recorder {
         bodies: &[BodyState],
         forces: &[[f64; 2]],
     ) {
-        let mut loads = std::mem::take(&mut self.forces);
-        for (load, &[fx, fy]) in loads.iter_mut().zip(forces) {
+        let mut loads = std::mem::take(&mut self.loads);
+        let sleeves = &mut loads[self.layout.external_bodies().start..];
+        for (load, &[fx, fy]) in sleeves.iter_mut().zip(forces) {
             (load.fx, load.fy) = (fx, fy);
         }
         self.record_loads(t, driver_torque, bodies, &loads);
-        self.forces = loads;
+        self.loads = loads;
     }
 
-    fn record_loads(
-        &mut self,
-        t: f64,
-        driver_torque: f64,
-        bodies: &[BodyState],
-        forces: &[Wrench],
-    ) {
+    fn record_loads(&mut self, t: f64, driver_torque: f64, bodies: &[BodyState], loads: &[Wrench]) {
+        let forces = &loads[self.layout.external_bodies().start..];
         let torque = self.output_torque(bodies, forces);
         let angle = bodies[Layout::OUTPUT].angle;
         self.record_known(t, [driver_torque, torque, angle], forces);

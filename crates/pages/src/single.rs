@@ -82,7 +82,7 @@ fn results(found: &Results, bands: Option<&Bands>, looked: bool) -> Vec<(&'stati
     match (&found.efficiency_reason, found.get("efficiency")) {
         (Some(reason), _) => rows.push(("efficiency", reason.clone())),
         (None, Some(share)) => {
-            let said = format!("{} % by what contacts lose", known(share, 100.0));
+            let said = format!("{} % by what is lost", known(share, 100.0));
             rows.push(("efficiency", said));
         }
         (None, None) => {}

@@ -136,6 +136,14 @@ const FACE: f64 = 0.15;
 const RV_PINS: [usize; 3] = [40, 20, 80];
 const SUN: RangeInclusive<usize> = 12..=30;
 const TEETH: RangeInclusive<usize> = 1..=6;
+/// What is always suggested of an RV gear's cranks.
+const OF_CRANKS: [&str; 5] = [
+    "cranks.bore_radius_m",
+    "cranks.sun_teeth",
+    "cranks.planet_teeth",
+    "bearings.eccentric.rollers",
+    "bearings.eccentric.roller_length_m",
+];
 /// Largest bore for a crank as a share of the cranks' circle; the needles' radius as a share of the bore's, how much of the way
 /// around they take, and how much of the disc's thickness.
 const BORE: f64 = 0.3;
@@ -416,6 +424,12 @@ impl Catalogue {
         gear.internal_circle_radius_m = circle;
         gear.internal_sleeve_radius_m = sleeve;
         gear.hole_radius_m = sleeve + e;
+        if self.cranks.is_some() {
+            let circle = self.output_circle_diameter_m.is_none();
+            suggested.extend(circle.then_some("cranks.circle_radius_m"));
+            suggested.extend(OF_CRANKS);
+            return Ok(());
+        }
         let given = [
             ("gear.internal_sleeves", self.output_pins.is_some()),
             (
@@ -442,12 +456,12 @@ impl Catalogue {
             short(self.speed_rad_s * 30.0 / PI)
         );
         let _ = writeln!(text, "name = {:?}\n\n[gear]", self.name);
+        let mark = |key: &str| match suggested.contains(&key) {
+            true => "suggested: ",
+            false => "",
+        };
         let mut line = |key: &'static str, value: String, about: &str| {
-            let mark = if suggested.contains(&key) {
-                "suggested: "
-            } else {
-                ""
-            };
+            let mark = mark(key);
             let assignment = format!("{} = {value}", key.rsplit('.').next().unwrap_or(key));
             let _ = writeln!(text, "{assignment:<44} # {mark}{about}");
         };
@@ -489,7 +503,7 @@ impl Catalogue {
                 text,
                 "\n[cranks]\n\
                  count = {:<36} # cranks, each with a planet\n\
-                 circle_radius_m = {circle:<26} # suggested: circle they stand on\n\
+                 circle_radius_m = {circle:<26} # {}circle they stand on\n\
                  bore_radius_m = {:<28} # suggested: a disc's bore for a crank\n\
                  sun_teeth = {sun:<32} # suggested: 1 + {pins} planet/sun is the ratio\n\
                  planet_teeth = {planet:<29} # suggested\n\
@@ -499,6 +513,7 @@ impl Catalogue {
                  roller_length_m = {:<26} # suggested\n\
                  # clearance_m = 5e-6                         # radial; it makes most of the lost motion\n",
                 gear.internal_sleeves,
+                mark("cranks.circle_radius_m"),
                 m(bore),
                 m(rounded_down(length)),
             );
@@ -664,6 +679,13 @@ pub(crate) mod tests {
             assert!(again.output_per_input() > 0.0 && again.drive.output_torque_n_m < 0.0);
             assert_eq!(again.gear.internal_sleeves, cranks);
             assert!(again.gear.external_sleeves.is_multiple_of(2));
+            // What is said to be suggested stands in the file, marked.
+            for key in &draft.suggested {
+                let name = format!("{} = ", key.rsplit('.').next().unwrap());
+                let mut lines = draft.text.lines();
+                let line = lines.find(|line| line.starts_with(&name)).unwrap();
+                assert!(line.contains("suggested"), "{key}: {line}");
+            }
         }
         let prime = Catalogue {
             cranks: Some(2),

@@ -17,7 +17,10 @@ const SWEEPS: usize = 10;
 pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
     let grid = Grid::new(&gearbox.scene, gearbox.scene.solver.step_s)?;
     Ok(prepared(gearbox.clone(), move |gearbox, control| {
-        let mut law = Law(gearbox.contact_field().map_err(Ending::unsupported)?);
+        let mut law = Law {
+            field: gearbox.contact_field().map_err(Ending::unsupported)?,
+            loads: vec![Wrench::default(); gearbox.layout.bodies()],
+        };
         let world = World::new(gearbox, grid.step_s, SWEEPS);
         let settings = format!(
             "impulse revolutes, leapfrog, 1 substep, {SWEEPS} constraint sweeps, warm start"
@@ -27,7 +30,11 @@ pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
 }
 
 /// Pinwheel's contact law as a load.
-struct Law(Box<dyn ContactField>);
+struct Law {
+    field: Box<dyn ContactField>,
+    /// Of a sample.
+    loads: Vec<Wrench>,
+}
 
 impl Contacts for Law {
     fn step(
@@ -36,26 +43,18 @@ impl Contacts for Law {
         now: &[BodyState],
         loads: &mut [Wrench],
     ) -> Result<(), String> {
-        self.0.add_loads(now, loads);
+        self.field.add_loads(now, loads);
         world.load(loads);
         world.advance(&())
     }
 
     fn forces(&mut self, _world: &World, now: &[BodyState], _share: f64, sums: &mut Sums) {
-        self.0.touching(now, &mut |pair| {
-            sums.add(pair.wheel, pair.sleeve, pair.force_on_sleeve());
-        });
-        if let Some(bearings) = self.0.bearings() {
-            bearings.on_output(now, &mut |sleeve, force| sums.add_to_sleeve(sleeve, force));
-        }
-    }
-
-    fn driver_torque(&self, now: &[BodyState]) -> Option<f64> {
-        let bearings = self.0.bearings()?;
-        Some(bearings.driver_torque(now))
+        self.loads.fill(Wrench::default());
+        self.field.add_loads(now, &mut self.loads);
+        sums.take(&self.loads);
     }
 
     fn seen<'a>(&'a mut self, _world: &'a World, _share: f64) -> Box<dyn PairSource + 'a> {
-        Box::new(LawPairs(self.0.as_mut()))
+        Box::new(LawPairs(self.field.as_mut()))
     }
 }

@@ -1,6 +1,6 @@
 //! Contact forces added up body by body.
 
-use pinwheel_mbs::BodyState;
+use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::{Layout, Sleeve};
 
 /// Contact forces in the ground frame, N, summed over the pairs.
@@ -10,6 +10,8 @@ pub(super) struct Sums {
     pub(super) sleeves: Vec<[f64; 2]>,
     /// On each wheel.
     wheels: Vec<[f64; 2]>,
+    /// Moment on the input shaft of what does not come through wheels that it holds, N m.
+    input_n_m: f64,
 }
 
 impl Sums {
@@ -18,6 +20,7 @@ impl Sums {
             layout,
             sleeves: vec![[0.0; 2]; layout.external_sleeves + layout.internal_sleeves],
             wheels: vec![[0.0; 2]; layout.wheels],
+            input_n_m: 0.0,
         }
     }
 
@@ -31,10 +34,19 @@ impl Sums {
         self.wheels[wheel][1] -= fy;
     }
 
-    /// Adds a force on a sleeve that no wheel's contact makes.
-    pub(super) fn add_to_sleeve(&mut self, sleeve: Sleeve, [fx, fy]: [f64; 2]) {
-        let sum = &mut self.sleeves[sleeve_slot(self.layout, sleeve)];
-        *sum = [sum[0] + fx, sum[1] + fy];
+    /// Takes the loads of all bodies for the sums.
+    pub(super) fn take(&mut self, loads: &[Wrench]) {
+        let wheels = self.layout.wheel_bodies();
+        let sleeves = &loads[self.layout.external_bodies().start..];
+        for (sums, loads) in [
+            (&mut self.wheels, &loads[wheels]),
+            (&mut self.sleeves, sleeves),
+        ] {
+            for (sum, load) in sums.iter_mut().zip(loads) {
+                *sum = [load.fx, load.fy];
+            }
+        }
+        self.input_n_m = loads[Layout::INPUT].moment;
     }
 
     /// Force on a body, N; 0 for the shafts, which touch nothing.
@@ -55,21 +67,20 @@ impl Sums {
     pub(super) fn clear(&mut self) {
         self.sleeves.fill([0.0; 2]);
         self.wheels.fill([0.0; 2]);
+        self.input_n_m = 0.0;
     }
 
     /// Torque the driver exerts on the input shaft, N m, by virtual work: each eccentric hands its
     /// wheel's contact force F on to the shaft, T = -sum E x F. The wheel's own inertia force
-    /// points along E and does no work at constant speed.
-    pub(super) fn driver_torque(&self, bodies: &[BodyState]) -> f64 {
+    /// points along E and does no work at constant speed. Of wheels that `float` bearings load the shaft.
+    pub(super) fn driver_torque(&self, bodies: &[BodyState], float: bool) -> f64 {
         let shaft = &bodies[Layout::INPUT];
-        -self
-            .layout
-            .wheel_bodies()
-            .zip(&self.wheels)
-            .map(|(wheel, [fx, fy])| {
-                (bodies[wheel].x - shaft.x) * fy - (bodies[wheel].y - shaft.y) * fx
-            })
-            .sum::<f64>()
+        let wheels = self.layout.wheel_bodies().zip(&self.wheels);
+        let by_wheels = wheels.map(|(wheel, [fx, fy])| {
+            (bodies[wheel].x - shaft.x) * fy - (bodies[wheel].y - shaft.y) * fx
+        });
+        let held = if float { 0.0 } else { by_wheels.sum() };
+        -held - self.input_n_m
     }
 }
 
@@ -97,12 +108,19 @@ mod tests {
         // 10 N upwards on the sleeves: the wheels are pushed down, 5 N m each way, then one of them less.
         sums.add(0, Sleeve::External(1), [0.0, 10.0]);
         sums.add(1, Sleeve::Internal(1), [0.0, 10.0]);
-        assert_eq!(sums.driver_torque(&bodies), 0.0);
+        assert_eq!(sums.driver_torque(&bodies, false), 0.0);
         sums.add(1, Sleeve::Internal(1), [3.0, -4.0]);
-        assert_eq!(sums.driver_torque(&bodies), 0.5 * 4.0);
+        assert_eq!(sums.driver_torque(&bodies, false), 0.5 * 4.0);
         assert_eq!(
             sums.sleeves,
             [[0.0; 2], [0.0, 10.0], [0.0; 2], [0.0; 2], [3.0, 6.0]]
         );
+        // A seal on the input shaft, and what a bearing hands to it.
+        let mut loads = vec![Wrench::default(); bodies.len()];
+        (loads[Layout::INPUT].moment, loads[2].fy, loads[5].fx) = (-0.25, 4.0, 7.0);
+        sums.take(&loads);
+        assert_eq!(sums.driver_torque(&bodies, false), 0.25 - 0.5 * 4.0);
+        assert_eq!(sums.driver_torque(&bodies, true), 0.25);
+        assert_eq!(sums.sleeves[1], [7.0, 0.0]);
     }
 }

@@ -20,9 +20,9 @@ use pinwheel_scene::bearings::BearingLaw;
 
 use super::field::ContactEnergy;
 use super::floating::BearingLoad;
+use crate::Layout;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
-use crate::{Layout, Sleeve};
 
 /// Wheels at most: as many as a scene may have.
 const WHEELS: usize = 64;
@@ -54,16 +54,10 @@ pub(super) struct Cranks {
 /// A crank's bearing in one wheel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct CrankBearing {
-    /// On the crank, N, ground frame; at the bore's centre.
-    on_crank: [f64; 2],
-    /// Bore's centre less the eccentric's, m, ground frame.
-    offset_m: [f64; 2],
-    /// Its velocity where the support is rigid, m/s, and how fast it grows then.
+    /// Its force at the bore's centre; the offset is that centre less the eccentric's.
+    pub(super) load: BearingLoad,
+    /// The offset's velocity where the support is rigid, m/s.
     velocity: [f64; 2],
-    rate: f64,
-    /// Friction on the wheel, N m, and how fast wheel and crank turn against each other, rad/s.
-    drag: f64,
-    turning: f64,
     /// Bore's centre from the wheel's, and the eccentric's from the crank's, m, ground frame.
     pub(super) arm: [f64; 2],
     eccentric: [f64; 2],
@@ -109,16 +103,27 @@ impl Springs {
 }
 
 impl CrankBearing {
-    /// The same as the wheel takes it.
-    pub(super) fn load(&self) -> BearingLoad {
-        BearingLoad {
-            on_wheel: self.on_crank.map(|f| -f),
-            offset_m: self.offset_m,
-            drag_n_m: self.drag,
-            drag_w: -self.drag * self.turning,
-            rate: self.rate,
-        }
+    fn on_crank(&self) -> [f64; 2] {
+        self.load.on_wheel.map(|f| -f)
     }
+}
+
+/// Force at rest of a bearing at an offset, N, and its slopes xx, xy, yy, N/m.
+fn pressed(law: &BearingLaw, [dx, dy]: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+    let offset = dx.hypot(dy);
+    let beyond = offset - law.clearance_m;
+    if beyond <= 0.0 || offset == 0.0 {
+        return Default::default();
+    }
+    let [nx, ny] = [dx / offset, dy / offset];
+    let force = law.elastic(beyond);
+    let (along, across) = (law.exponent * force / beyond, force / offset);
+    let slopes = [
+        along * nx * nx + across * ny * ny,
+        (along - across) * nx * ny,
+        along * ny * ny + across * nx * nx,
+    ];
+    ([force * nx, force * ny], slopes)
 }
 
 fn turned([x, y]: [f64; 2], (s, c): (f64, f64)) -> [f64; 2] {
@@ -207,16 +212,18 @@ impl Cranks {
                 wheel.vy + wheel.rate * arm[0] - place.vy - rate * eccentric[0],
             ];
             out.push(CrankBearing {
-                offset_m: [
-                    wheel.x + arm[0] - place.x - eccentric[0],
-                    wheel.y + arm[1] - place.y - eccentric[1],
-                ],
-                turning: wheel.rate - rate,
+                load: BearingLoad {
+                    offset_m: [
+                        wheel.x + arm[0] - place.x - eccentric[0],
+                        wheel.y + arm[1] - place.y - eccentric[1],
+                    ],
+                    turning: wheel.rate - rate,
+                    ..BearingLoad::default()
+                },
                 arm,
                 eccentric,
                 across: [-eccentric[1] / self.throw_m, eccentric[0] / self.throw_m],
                 velocity,
-                ..CrankBearing::default()
             });
         }
         let given = match (self.support, self.mesh) {
@@ -228,21 +235,9 @@ impl Cranks {
             let law = self.law(law, i, crank);
             let moved = found.across.map(|across| turned * across);
             found.eccentric = [found.eccentric[0] + moved[0], found.eccentric[1] + moved[1]];
-            found.offset_m = [
-                found.offset_m[0] - x - moved[0],
-                found.offset_m[1] - y - moved[1],
-            ];
-            let [dx, dy] = found.offset_m;
-            let offset = dx.hypot(dy);
-            let [nx, ny] = if offset > 0.0 {
-                [dx / offset, dy / offset]
-            } else {
-                [0.0; 2]
-            };
-            found.rate = found.velocity[0] * nx + found.velocity[1] * ny;
-            let force = law.force(offset, found.rate);
-            found.on_crank = [force * nx, force * ny];
-            found.drag = law.drag(force, found.turning);
+            let [dx, dy] = found.load.offset_m;
+            let offset = [dx - x - moved[0], dy - y - moved[1]];
+            found.load = BearingLoad::of(&law, offset, found.velocity, found.load.turning);
         }
         given
     }
@@ -301,27 +296,12 @@ impl Cranks {
             for (i, bearing) in bearings.iter().enumerate() {
                 let law = self.law(law, i, crank);
                 let [ax, ay] = bearing.across;
-                let [dx, dy] = [
-                    bearing.offset_m[0] - x - turned * ax,
-                    bearing.offset_m[1] - y - turned * ay,
-                ];
-                let offset = dx.hypot(dy);
-                let beyond = offset - law.clearance_m;
-                if beyond <= 0.0 || offset == 0.0 {
-                    continue;
-                }
-                let [nx, ny] = [dx / offset, dy / offset];
-                let pressed = law.elastic(beyond);
-                let (along, across) = (law.exponent * pressed / beyond, pressed / offset);
-                let [fx, fy] = [pressed * nx, pressed * ny];
+                let [dx, dy] = bearing.load.offset_m;
+                let offset = [dx - x - turned * ax, dy - y - turned * ay];
+                let ([fx, fy], slopes) = pressed(&law, offset);
                 force = [force[0] + fx, force[1] + fy, force[2] + ax * fx + ay * fy];
-                let slopes = [
-                    along * nx * nx + across * ny * ny,
-                    (along - across) * nx * ny,
-                    along * ny * ny + across * nx * nx,
-                ];
                 springs.add(slopes, bearing.across);
-                size += pressed;
+                size += fx.hypot(fy);
             }
             let (springs, force) = self.held(springs, force);
             (force, springs, size)
@@ -357,7 +337,9 @@ impl Cranks {
     /// Moment of a crank about its own axis, which its planet carries, N m.
     fn moment(bearings: &[CrankBearing]) -> f64 {
         // The force points along the offset: at the bore's centre its lever is the eccentric's.
-        let of = |bearing: &CrankBearing| cross(bearing.eccentric, bearing.on_crank) - bearing.drag;
+        let of = |bearing: &CrankBearing| {
+            cross(bearing.eccentric, bearing.on_crank()) - bearing.load.drag_n_m
+        };
         bearings.iter().map(of).sum()
     }
 
@@ -374,11 +356,11 @@ impl Cranks {
             self.crank(law, layout, bodies, crank, &mut found);
             let mut sum = [0.0; 2];
             for (wheel, bearing) in layout.wheel_bodies().zip(&found) {
-                let [fx, fy] = bearing.on_crank;
+                let [fx, fy] = bearing.on_crank();
                 sum = [sum[0] + fx, sum[1] + fy];
                 loads[wheel].fx -= fx;
                 loads[wheel].fy -= fy;
-                loads[wheel].moment += bearing.drag - cross(bearing.arm, [fx, fy]);
+                loads[wheel].moment += bearing.load.drag_n_m - cross(bearing.arm, [fx, fy]);
             }
             let moment = Self::moment(&found);
             let [fx, fy] = self.with_mesh(sum, moment, &bodies[body]);
@@ -399,23 +381,6 @@ impl Cranks {
         [force[0] - across * y, force[1] + across * x]
     }
 
-    /// See [`Bearings::on_output`](super::Bearings::on_output).
-    pub(super) fn on_output(
-        &self,
-        law: &BearingLaw,
-        layout: Layout,
-        bodies: &[BodyState],
-        visit: &mut dyn FnMut(Sleeve, [f64; 2]),
-    ) {
-        let mut found = OfCrank::new();
-        for (crank, body) in layout.internal_bodies().enumerate() {
-            self.crank(law, layout, bodies, crank, &mut found);
-            let sum = |k: usize| found.iter().map(|bearing| bearing.on_crank[k]).sum();
-            let force = self.with_mesh([sum(0), sum(1)], Self::moment(&found), &bodies[body]);
-            visit(Sleeve::Internal(crank), force);
-        }
-    }
-
     /// Adds what they and the supports store, and what they lose.
     pub(super) fn add_energy(
         &self,
@@ -430,29 +395,8 @@ impl Cranks {
             sum.stored_j += 0.5 * self.support.unwrap_or_default() * (x * x + y * y);
             sum.stored_j += 0.5 * self.mesh.unwrap_or_default() * turned * turned;
             for (wheel, bearing) in found.iter().enumerate() {
-                let law = self.law(law, wheel, crank);
-                let offset = bearing.offset_m[0].hypot(bearing.offset_m[1]);
-                let damped = law.force(offset, bearing.rate) - law.force(offset, 0.0);
-                sum.stored_j += law.stored(offset);
-                sum.damping_w += damped * bearing.rate;
-                sum.friction_w -= bearing.drag * bearing.turning;
+                bearing.load.add_energy(&self.law(law, wheel, crank), sum);
             }
         }
-    }
-
-    /// Torque that holds the input against them, N m.
-    pub(super) fn driver_torque(
-        &self,
-        law: &BearingLaw,
-        layout: Layout,
-        bodies: &[BodyState],
-    ) -> f64 {
-        let mut found = OfCrank::new();
-        let mut sum = 0.0;
-        for crank in 0..self.count() {
-            self.crank(law, layout, bodies, crank, &mut found);
-            sum += Self::moment(&found);
-        }
-        self.teeth_ratio * sum
     }
 }

@@ -29,11 +29,49 @@ pub struct BearingLoad {
     pub on_wheel: [f64; 2],
     /// Wheel's centre less the eccentric's, m, ground frame.
     pub offset_m: [f64; 2],
-    /// Friction on the wheel, N m, and what it loses, W.
+    /// Friction on the wheel, N m.
     pub drag_n_m: f64,
-    pub(super) drag_w: f64,
+    /// How fast the wheel turns against the eccentric, rad/s.
+    pub(super) turning: f64,
     /// How fast the offset grows, m/s.
     pub(super) rate: f64,
+}
+
+impl BearingLoad {
+    /// At an offset that moves with a velocity, m/s.
+    #[inline]
+    pub(super) fn of(
+        law: &BearingLaw,
+        offset_m: [f64; 2],
+        [ux, uy]: [f64; 2],
+        turning: f64,
+    ) -> Self {
+        let [dx, dy] = offset_m;
+        let offset = (dx * dx + dy * dy).sqrt();
+        let [nx, ny] = match offset > 0.0 {
+            true => [dx / offset, dy / offset],
+            false => [0.0; 2],
+        };
+        let rate = ux * nx + uy * ny;
+        let force = law.force(offset, rate);
+        Self {
+            on_wheel: [-force * nx, -force * ny],
+            offset_m,
+            drag_n_m: law.drag(force, turning),
+            turning,
+            rate,
+        }
+    }
+
+    /// Adds what it stores and loses.
+    pub(super) fn add_energy(&self, law: &BearingLaw, sum: &mut ContactEnergy) {
+        let [dx, dy] = self.offset_m;
+        let offset = dx.hypot(dy);
+        sum.stored_j += law.stored(offset);
+        let damped = law.force(offset, self.rate) - law.force(offset, 0.0);
+        sum.damping_w += damped * self.rate;
+        sum.friction_w -= self.drag_n_m * self.turning;
+    }
 }
 
 impl Bearings {
@@ -112,7 +150,7 @@ impl Bearings {
             bodies[self.layout.wheel_bodies().start + wheel],
             found[wheel].arm,
         );
-        (found[wheel].load(), [body.x + x, body.y + y])
+        (found[wheel].load, [body.x + x, body.y + y])
     }
 
     /// The same as a pair of wheel and crank.
@@ -153,13 +191,6 @@ impl Bearings {
         pairs.filter(|pair| pair.normal_force_n > 0.0).collect()
     }
 
-    /// Visits every crank of an RV gear with the force that it hands to the output, N, ground frame.
-    pub fn on_output(&self, bodies: &[BodyState], visit: &mut dyn FnMut(Sleeve, [f64; 2])) {
-        if let Some(cranks) = &self.cranks {
-            cranks.on_output(&self.law, self.layout, bodies, visit);
-        }
-    }
-
     /// Clearance of that bearing, m.
     pub(crate) fn clearance_m(&self, wheel: usize, crank: usize) -> f64 {
         let own = self
@@ -183,22 +214,8 @@ impl Bearings {
         let (ex, ey) = (c * sx - s * sy, s * sx + c * sy);
         let (dx, dy) = (body.x - input.x - ex, body.y - input.y - ey);
         let (ux, uy) = (body.vx + input.rate * ey, body.vy - input.rate * ex);
-        let offset = (dx * dx + dy * dy).sqrt();
-        let [nx, ny] = match offset > 0.0 {
-            true => [dx / offset, dy / offset],
-            false => [0.0; 2],
-        };
-        let rate = ux * nx + uy * ny;
-        let force = self.law.force(offset, rate);
         let turning = body.rate - input.rate;
-        let drag_n_m = self.law.drag(force, turning);
-        BearingLoad {
-            on_wheel: [-force * nx, -force * ny],
-            offset_m: [dx, dy],
-            drag_n_m,
-            drag_w: -drag_n_m * turning,
-            rate,
-        }
+        BearingLoad::of(&self.law, [dx, dy], [ux, uy], turning)
     }
 
     /// Adds all of them.
@@ -214,21 +231,6 @@ impl Bearings {
             loads[body].moment += load.drag_n_m;
             loads[Layout::INPUT].moment -= load.drag_n_m;
         }
-    }
-
-    /// Torque that holds the input against them, N m.
-    #[must_use]
-    pub fn driver_torque(&self, bodies: &[BodyState]) -> f64 {
-        if let Some(cranks) = &self.cranks {
-            return cranks.driver_torque(&self.law, self.layout, bodies);
-        }
-        let input = bodies[Layout::INPUT];
-        let of = |(wheel, body): (usize, usize)| {
-            let load = self.load(bodies, wheel);
-            let [fx, fy] = load.on_wheel;
-            (bodies[body].x - input.x) * fy - (bodies[body].y - input.y) * fx + load.drag_n_m
-        };
-        self.layout.wheel_bodies().enumerate().map(of).sum()
     }
 
     /// Adds how they change with all that is free, and with the time as the input turns. With d the offset, n along it and t = R90
@@ -296,13 +298,7 @@ impl Bearings {
             return cranks.add_energy(&self.law, self.layout, bodies, sum);
         }
         for wheel in 0..self.layout.wheels {
-            let load = self.load(bodies, wheel);
-            let [dx, dy] = load.offset_m;
-            let offset = dx.hypot(dy);
-            sum.stored_j += self.law.stored(offset);
-            let damped = self.law.force(offset, load.rate) - self.law.force(offset, 0.0);
-            sum.damping_w += damped * load.rate;
-            sum.friction_w += load.drag_w;
+            self.load(bodies, wheel).add_energy(&self.law, sum);
         }
     }
 }

@@ -156,9 +156,7 @@ impl Statics<'_> {
         self.place_floating(phi, u, None);
         self.floating_slopes.clear();
         let mut sums = Sums::of_slopes(&mut self.floating_slopes);
-        // Cranks' bearings have no slopes.
-        let is_known = self.gearbox.scene.cranks.is_none();
-        if !is_known || !self.field.evaluate(&self.bodies, Pose::Any, &mut sums) {
+        if !self.field.evaluate(&self.bodies, Pose::Any, &mut sums) {
             return self.differences(phi, load, bearings, (u, here), size);
         }
         bearings.add_slopes(&self.bodies, &mut self.floating_slopes);

@@ -154,7 +154,7 @@ fn simulated_s(plan: &Plan) -> f64 {
 fn heading(name: &str, records: &[RunRecord]) -> Option<(String, String)> {
     let share = match name {
         "efficiency" => Some("Efficiency"),
-        "efficiency_accounted" => Some("Efficiency by what contacts lose"),
+        "efficiency_accounted" => Some("Efficiency by what is lost"),
         _ => None,
     };
     if let Some(words) = share {

@@ -222,7 +222,7 @@ pub fn efficiency_of(best: &EngineSummary, window: WindowKind) -> Option<Tile> {
         (Some(value), _) => {
             let percent = 100.0 * value;
             let (value, off) = format::bounded(percent, off.map(|off| off * percent), 0.0);
-            Some(Tile::new("Efficiency", value, "by what contacts lose").unit(format!("{off} %")))
+            Some(Tile::new("Efficiency", value, "by what is lost").unit(format!("{off} %")))
         }
         (None, Some(reason)) => Some(Tile::new("Efficiency", format::NONE, reason.as_str())),
         (None, None) => None,

@@ -66,7 +66,7 @@ definitions! {
         "mu F d/2 against their turning, of the rated output power";
 
     SLEEVE_LOSS = "sleeve_loss_percent", "sleeves on their pins, friction loss", "%",
-        "mu F d/2 against their turning as they roll, of the rated output power; in no run";
+        "mu F d/2 against their turning as they roll, of the rated output power";
     SEAL_LOSS = "seal_loss_percent", "seals, friction loss", "%",
         "their torques at rated speed, of the rated output power";
 
@@ -75,7 +75,7 @@ definitions! {
     LOOP_WIDTH = "hysteresis_width_arcmin", "width of the loop at no load", "arcmin",
         "what friction holds back, and what swings";
     EFFICIENCY = "efficiency_rated_percent", "efficiency, rated", "%",
-        "by what contacts lose";
+        "by what a run loses";
 
     JOINT_BACKLASH = "joint_backlash_arcmin", "free play", "arcmin",
         "between both directions at a ten-thousandth of the rated torque, mean; without play what the first contacts give way";

@@ -9,9 +9,13 @@ use pinwheel_studies::bench::{Measure, Options, Stopped, WorkPrecision, run};
 use pinwheel_studies::{Control, Progress, StudyError};
 
 fn scene(sets: &[&str]) -> Scene {
+    preset("paper", sets)
+}
+
+fn preset(name: &str, sets: &[&str]) -> Scene {
     let mut all = vec!["solver.duration_s=0.005".parse().unwrap()];
     all.extend(sets.iter().map(|set| set.parse().unwrap()));
-    Scene::load("paper", &all).unwrap().into_scene()
+    Scene::load(name, &all).unwrap().into_scene()
 }
 
 fn options(methods: &[&str]) -> Options {
@@ -159,6 +163,27 @@ fn what_was_measured_survives_a_stop() {
         run(&scene, &engines, &options(&["rk4"]), &control),
         Err(StudyError::Cancelled)
     ));
+}
+
+/// What an RV gear costs, in right-hand sides, at a force error of 1e-4 over 5 ms: 683, 1551 and 3368.
+#[test]
+fn regress_an_rv_gear_on_the_bench() {
+    let engines: Vec<Box<dyn Engine>> = vec![Box::new(Native::REDUCED)];
+    let methods = ["etd-adams", "dopri5", "rk4"];
+    let scene = preset("rv-40e-like", &[]);
+    let study = run(&scene, &engines, &options(&methods), &Control::quiet()).unwrap();
+    let entries = study.ranking(0, 1e-4).entries;
+    let costs = methods.map(|method| {
+        let entry = entries.iter().find(|entry| entry.label.ends_with(method));
+        let cost = entry.unwrap().rhs_calls.unwrap();
+        assert!(cost.reached(), "{method}: {cost:?}");
+        cost.value()
+    });
+    println!("{costs:?}");
+    assert!(
+        costs[0] < 0.7 * costs[1] && costs[1] < 0.7 * costs[2],
+        "{costs:?}"
+    );
 }
 
 #[test]

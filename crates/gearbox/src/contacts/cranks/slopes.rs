@@ -11,7 +11,7 @@ use arrayvec::ArrayVec;
 use pinwheel_mbs::{BodyState, Jacobian};
 use pinwheel_scene::bearings::BearingLaw;
 
-use super::{Cranks, Given, OfCrank, Springs, WHEELS, cross};
+use super::{Cranks, Given, OfCrank, Springs, WHEELS, cross, pressed};
 use crate::Layout;
 use crate::contacts::pairs::places;
 
@@ -142,29 +142,17 @@ impl Cranks {
         let mut springs = self.springs();
         let held = bearings.iter().enumerate().map(|(i, bearing)| {
             let law = self.law(law, i, crank);
-            let [dx, dy] = bearing.offset_m;
+            let [dx, dy] = bearing.load.offset_m;
             let offset = dx.hypot(dy);
             let (n, by) = match offset > 0.0 {
                 true => ([dx / offset, dy / offset], offset),
                 false => ([1.0, 0.0], 1.0),
             };
             let t = left(n);
-            let [force, by_offset, by_rate] = law.slopes(offset, bearing.rate);
-            let beyond = offset - law.clearance_m;
-            let (pressed, [along, across]) = match beyond > 0.0 && offset > 0.0 {
-                true => {
-                    let pressed = law.elastic(beyond);
-                    (pressed, [law.exponent * pressed / beyond, pressed / offset])
-                }
-                false => (0.0, [0.0; 2]),
-            };
-            let elastic = [
-                along * n[0] * n[0] + across * t[0] * t[0],
-                along * n[0] * n[1] + across * t[0] * t[1],
-                along * n[1] * n[1] + across * t[1] * t[1],
-            ];
+            let [force, by_offset, by_rate] = law.slopes(offset, bearing.load.rate);
+            let (pressed, elastic) = pressed(&law, bearing.load.offset_m);
             springs.add(elastic, bearing.across);
-            let [drag_by_force, drag_by_rate] = law.drag_slopes(force, bearing.turning);
+            let [drag_by_force, drag_by_rate] = law.drag_slopes(force, bearing.load.turning);
             Held {
                 n,
                 t,
@@ -178,7 +166,7 @@ impl Cranks {
                 arm: bearing.arm,
                 eccentric: bearing.eccentric,
                 across: bearing.across,
-                pressed: n.map(|n| pressed * n),
+                pressed,
                 elastic,
             }
         });
