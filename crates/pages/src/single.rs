@@ -105,9 +105,9 @@ fn results(found: &Results, bands: Option<&Bands>, looked: bool) -> Vec<(&'stati
     rows
 }
 
-/// Results, settings and cost of a run that finished; `time_series`: where its samples are.
+/// Results, settings and cost of a run that finished; `time_series`: where its samples are, if in a file.
 #[must_use]
-pub fn text(found: &Outcome, time_series: &str) -> String {
+pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
     let stats = &found.run.stats;
     // What one runs it for comes first.
     let bands = found.bands.as_ref();
@@ -133,6 +133,6 @@ pub fn text(found: &Outcome, time_series: &str) -> String {
         rows.push(("resolution", resolution.sentence()));
     }
     rows.extend(stats.notes.iter().map(|note| ("note", note.clone())));
-    rows.push(("courses", time_series.to_owned()));
+    rows.extend(time_series.map(|place| ("courses", place.to_owned())));
     format!("{}\n{}", styled(TITLE, &found.scene.name), pairs(rows))
 }
