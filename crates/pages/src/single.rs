@@ -49,14 +49,13 @@ fn forces(peak: &Figure, mean: Option<&Figure>, laws: Option<&Band>) -> String {
 
 /// What one runs it for, in words.
 fn results(found: &Results, bands: Option<&Bands>, looked: bool) -> Vec<(&'static str, String)> {
-    let plain = |name: &str| {
-        let value = found.get(name).map(|figure| format::figure(figure.value));
-        value.unwrap_or_else(|| NONE.to_owned())
-    };
     let mut rows = Vec::new();
     let torque = columns::INPUT_TORQUE;
     if let Some(mean) = found.get(&format!("mean_{torque}")) {
-        let [least, most] = ["min", "max"].map(|end| plain(&format!("{end}_{torque}")));
+        let [least, most] = ["min", "max"].map(|end| {
+            let figure = found.get(&format!("{end}_{torque}"));
+            figure.map_or_else(|| NONE.to_owned(), |figure| known(figure, 1.0))
+        });
         let (mean, from_s) = (known(mean, 1.0), format::plain(found.from_s));
         let said = format!("mean {mean} N m; {least} to {most}, from {from_s} s on");
         rows.push(("driver torque", said));
