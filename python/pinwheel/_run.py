@@ -70,8 +70,8 @@ class Run(Mapping["Column", Floats]):
     @classmethod
     def _of(cls, scene: Scene, core: _core.Ran) -> Run:
         texts = (core.stats, core.resolution, core.uncertainty, core.results, core.by_contact_law)
-        stats, *known = [None if text is None else json.loads(text) for text in texts]
-        return cls(scene, core.engine, core.version, core.track, Columns(core.columns), stats, *known, core.text)
+        found: list[Any] = [*(None if text is None else json.loads(text) for text in texts), core.text]
+        return cls(scene, core.engine, core.version, core.track, Columns(core.columns), *found)
 
     @classmethod
     def load(cls, folder: str | os.PathLike[str]) -> Run:
