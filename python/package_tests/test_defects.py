@@ -87,7 +87,7 @@ def test_a_plot_is_axes_and_is_drawn_once():
 
 def test_figures_come_with_what_is_known_of_them(tmp_path):
     run = SHORT.run("native")
-    assert re.search(r"peak \d+ ± \d+ \(sampling\) N", str(run)) and str(run) in html.unescape(run._repr_html_())
+    assert re.search(r"peak \d+ ± \d+ N", str(run)) and str(run) in html.unescape(run._repr_html_())
     assert "samples" in repr(run) and not re.search(r"\d\.\d", repr(run)), "a mean without its uncertainty"
     assert all(figure["numerical_uncertainty"] > 0.0 for figure in run.results["figures"])
     run.save(tmp_path)
