@@ -133,5 +133,6 @@ pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
     }
     rows.extend(stats.notes.iter().map(|note| ("note", note.clone())));
     rows.extend(time_series.map(|place| ("courses", place.to_owned())));
+    rows.retain(|(_, said)| !said.is_empty());
     format!("{}\n{}", styled(TITLE, &found.scene.name), pairs(rows))
 }
