@@ -161,7 +161,8 @@ class Run(Mapping["Column", Floats]):
 
     def _repr_html_(self) -> str:
         names = ", ".join(f"{name} {self[name].shape[1:] or ''}".strip() for name in self)
-        return f"<pre style='font-family:monospace'>{html.escape(str(self))}</pre><details><summary>columns</summary>{html.escape(names)}</details>"
+        text = f"<pre style='font-family:monospace'>{html.escape(str(self))}</pre>"
+        return f"{text}<details><summary>columns</summary>{html.escape(names)}</details>"
 
 
 def _written(table: Mapping[str, Any]) -> dict[str, Any]:
