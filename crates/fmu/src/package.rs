@@ -103,7 +103,9 @@ const fn shown(unit: Unit, name: &'static str, factor: f64) -> Unit {
 }
 
 /// Longer endings first.
-const UNITS: [Unit; 16] = [
+const UNITS: [Unit; 18] = [
+    unit("stiffness_n_m", "N/m", [1, 0, -2, 0]),
+    unit("spring_n_m", "N/m", [1, 0, -2, 0]),
     unit("_kg_m3", "kg/m3", [1, -3, 0, 0]),
     unit("_n_m15", "N/m1.5", [0; 4]),
     Unit {
@@ -436,6 +438,8 @@ mod tests {
             ("wheel_0_external_stiffness_n_m15_3", Some("N/m1.5")),
             ("transmission_error_arcmin", Some("arcmin")),
             ("contact.damping_n_s_m", Some("N.s/m")),
+            ("contact.external_spring_n_m", Some("N/m")),
+            ("mass.density_kg_m3", Some("kg/m3")),
             ("contact.friction_ramp_m_s", Some("m/s")),
             ("wheel_0_external_pressure_sliding_w_m2_3", Some("W/m2")),
             ("efficiency", None),
