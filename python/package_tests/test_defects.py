@@ -1,5 +1,6 @@
 """What once was wrong or misled, a test each."""
 
+import html
 import os
 import re
 import signal
@@ -82,6 +83,21 @@ def test_a_plot_is_axes_and_is_drawn_once():
     both = run.plot("input_torque_n_m", "external_sleeve_force_n")
     assert [type(one) for one in both] == [type(mine)] * 2
     pyplot.close("all")
+
+
+def test_figures_come_with_what_is_known_of_them(tmp_path):
+    run = SHORT.run("native")
+    assert re.search(r"peak \d+ ± \d+ N", str(run)) and str(run) in html.unescape(run._repr_html_())
+    assert "samples" in repr(run) and not re.search(r"\d\.\d", repr(run)), "a mean without its uncertainty"
+    assert all(figure["numerical_uncertainty"] > 0.0 for figure in run.results["figures"])
+    run.save(tmp_path)
+    assert pinwheel.Run.load(tmp_path).results == run.results
+    gear = pinwheel.gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500)
+    run, found = gear.with_(duration_s=0.004).run(), pinwheel.statics(gear)
+    assert "by contact law" in str(run) and run.by_contact_law["figures"]
+    assert str(found["lost_motion_arcmin"]).startswith("lost motion: 0.053 arcmin (0.048 to 0.073 by contact law")
+    for figure in found.values():
+        assert figure.shown in str(found) and f"<td>{figure.shown}</td>" in found._repr_html_()
 
 
 def test_no_number_has_no_force():

@@ -42,7 +42,7 @@ def test_shapes_and_libraries():
     assert polar.columns[:2] == ["time_s", "input_torque_n_m"]
     assert cube["external_sleeve_force_n"].dims == ("time_s", "external_sleeve")
     assert cube["external_sleeve_force_n"].attrs["units"] == "N"
-    assert "driver torque" in repr(run) and "<table>" in run._repr_html_()
+    assert "driver torque" in str(run) and "<pre" in run._repr_html_()
     again = pickle.loads(pickle.dumps(run))
     assert again.scene == run.scene and again.stats == run.stats and again.to_pandas().equals(frame)
 

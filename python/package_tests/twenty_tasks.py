@@ -76,7 +76,7 @@ def main(place: Path) -> None:
     assert grid.to_xarray()["peak_external_sleeve_force_n"].sizes == {
         "engine": 1, "gear.backlash_m": 2, "contact.damping_n_s_m": 2,
     }  # fmt: skip
-    assert grid.plot("peak_external_sleeve_force_n").get_ylabel()
+    assert grid.plot("peak_external_sleeve_force_n").get_xlabel() == "contact.damping_n_s_m [N s/m]"
     # 16 An earlier sweep read again
     assert pinwheel.Sweep.load(place / "grid").to_pandas().equals(grid.to_pandas())
     # 17 Tolerances: quantiles of lost motion, and the yield

@@ -133,4 +133,5 @@ def keys() -> dict[str, str]:
     """
     from pinwheel import _core
 
-    return dict(_core.keys())
+    known = _core.keys()
+    return {name: about for name, about, _ in known}

@@ -86,6 +86,8 @@ class Figure:
         by_contact_law: least and largest by the contact laws that may be right for these materials
         over_the_mesh: least and largest over the mesh
         how: how it is counted
+        shown: the value with the digits that it is known to
+        bounds: in words, how far it is known
 
     """
 
@@ -97,16 +99,15 @@ class Figure:
     by_contact_law: tuple[float, float] | None
     over_the_mesh: tuple[float, float] | None
     how: str
+    shown: str
+    bounds: str
 
     def __float__(self) -> float:
         return float("nan") if self.value is None else self.value
 
     def __str__(self) -> str:
-        if self.value is None:
-            return f"{self.what}: none"
-        off = "" if self.uncertainty is None else f" ± {self.uncertainty:.1g}"
-        band = "" if self.by_contact_law is None else " ({:.4g} to {:.4g} by contact law)".format(*self.by_contact_law)
-        return f"{self.what}: {self.value:.5g}{off} {self.unit}".rstrip() + band
+        bounds = f"({self.bounds})" if self.bounds else ""
+        return " ".join(filter(None, (f"{self.what}:", self.shown, self.unit, bounds)))
 
 
 class Design(Paged, Mapping[str, Figure]):
@@ -122,8 +123,8 @@ class Design(Paged, Mapping[str, Figure]):
         self.scene = scene
         self.data: dict[str, Any] = json.loads(core.json())
         self._page, self._text, self._dxf = core.page, plain(core.text()), core.dxf()
-        words = dict(core.words())
-        self._figures = {found["key"]: _figure(found, words[found["key"]]) for found in self.data["figures"]}
+        words = {key: told for key, *told in core.words()}
+        self._figures = {found["key"]: _figure(found, *words[found["key"]]) for found in self.data["figures"]}
 
     _called = "design"
 
@@ -169,17 +170,14 @@ class Design(Paged, Mapping[str, Figure]):
     def _repr_html_(self) -> str:
         rows = []
         for figure in self.values():
-            off = "" if figure.uncertainty is None else f"{figure.uncertainty:.1g}"
-            band = "" if figure.by_contact_law is None else "{:.4g} to {:.4g}".format(*figure.by_contact_law)
-            value = "none" if figure.value is None else f"{figure.value:.5g}"
-            cells = (figure.what, value, off, figure.unit, band)
+            cells = (figure.what, figure.shown, figure.unit, figure.bounds)
             text = "".join(f"<td>{html.escape(cell)}</td>" for cell in cells)
             rows.append(f'<tr title="{html.escape(figure.how)}">{text}</tr>')
-        head = "".join(f"<th>{word}</th>" for word in ("", "value", "± numerical", "unit", "by contact law"))
+        head = "".join(f"<th>{word}</th>" for word in ("", "value", "unit", "known to"))
         return f"<p>{html.escape(repr(self)[1:-1])}</p><table><tr>{head}</tr>{''.join(rows)}</table>"
 
 
-def _figure(found: dict[str, Any], what: str) -> Figure:
+def _figure(found: dict[str, Any], what: str, shown: str, bounds: str) -> Figure:
     band, mesh = found.get("by_contact_law"), found.get("over_the_mesh")
     return Figure(
         key=found["key"],
@@ -190,6 +188,8 @@ def _figure(found: dict[str, Any], what: str) -> Figure:
         by_contact_law=None if band is None else (band[0], band[1]),
         over_the_mesh=None if mesh is None else (mesh[0], mesh[1]),
         how=found["how"],
+        shown=shown,
+        bounds=bounds,
     )
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from pinwheel import _core
 from pinwheel._columns import Columns, Floats, plot
 from pinwheel._engine import EngineLike
+from pinwheel._page import plain
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene
 from pinwheel.errors import Diverged
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
     import xarray
 
     from pinwheel._keys import Column
+
+# What is known beside the time series, by its names in `run.json`.
+KNOWN = ("resolution", "numerical_uncertainty", "results", "by_contact_law")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -42,6 +46,8 @@ class Run(Mapping["Column", Floats]):
         stats: what the run cost, its settings and notes; keys end in their unit
         resolution: what the same run at twice its step shows: whether the step resolves the scene
         uncertainty: what the engine itself verified of its numerical uncertainty
+        results: what it was run for, each figure with how far it may be off: the program's `results` of `run.json`
+        by_contact_law: what other contact laws would give
 
     """
 
@@ -57,13 +63,15 @@ class Run(Mapping["Column", Floats]):
     stats: dict[str, Any]
     resolution: dict[str, Any] | None = None
     uncertainty: dict[str, Any] | None = None
+    results: dict[str, Any] | None = None
+    by_contact_law: dict[str, Any] | None = None
+    _text: str = ""
 
     @classmethod
     def _of(cls, scene: Scene, core: _core.Ran) -> Run:
-        stats, *known = [
-            None if text is None else json.loads(text) for text in (core.stats, core.resolution, core.uncertainty)
-        ]
-        return cls(scene, core.engine, core.version, core.track, Columns(core.columns), stats or {}, *known)
+        texts = (core.stats, core.resolution, core.uncertainty, core.results, core.by_contact_law)
+        found: list[Any] = [*(None if text is None else json.loads(text) for text in texts), core.text]
+        return cls(scene, core.engine, core.version, core.track, Columns(core.columns), *found)
 
     @classmethod
     def load(cls, folder: str | os.PathLike[str]) -> Run:
@@ -72,15 +80,16 @@ class Run(Mapping["Column", Floats]):
         columns = Columns.read_csv(Path(folder) / "courses.csv")
         scene = Scene(_written(data.pop("scene")))
         engine, version, track = (data.pop(key) for key in ("engine", "version", "track"))
-        resolution, uncertainty = (data.pop(key, None) for key in ("resolution", "numerical_uncertainty"))
-        return cls(scene, engine, version, track, columns, data, resolution, uncertainty)
+        known = [data.pop(key, None) for key in KNOWN]
+        return cls(scene, engine, version, track, columns, data, *known)
 
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Writes `run.json` and `courses.csv`, which `load` reads."""
         place = Path(folder)
         place.mkdir(parents=True, exist_ok=True)
         data = {"engine": self.engine, "version": self.version, "track": self.track, **self.stats}
-        data |= {"resolution": self.resolution, "numerical_uncertainty": self.uncertainty, "scene": self.scene.to_dict()}
+        known = (self.resolution, self.uncertainty, self.results, self.by_contact_law)
+        data |= {**dict(zip(KNOWN, known, strict=True)), "scene": self.scene.to_dict()}
         (place / "run.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
         self.to_csv(place / "courses.csv")
 
@@ -145,19 +154,15 @@ class Run(Mapping["Column", Floats]):
         return plot(self.columns, names, f"{self.scene.name}, {self.engine}", ax)
 
     def __repr__(self) -> str:
-        mean = np.mean(self["input_torque_n_m"]) if "input_torque_n_m" in self.columns and self.time_s.size else np.nan
-        what = f"{self.scene.name} on {self.engine}: {self.time_s.size} samples"
-        return f"<Run of {what}, driver torque {mean:.4g} N m in the mean>"
+        return f"<Run of {self.scene.name} on {self.engine}: {self.time_s.size} samples>"
+
+    def __str__(self) -> str:
+        return plain(self._text) or repr(self)
 
     def _repr_html_(self) -> str:
-        rows = []
-        for name in list(self)[1:]:
-            values = self[name]
-            count = f" ({values.shape[1]})" if values.ndim == 2 else ""
-            cells = (np.mean(values), np.min(values), np.max(values)) if values.size else (np.nan,) * 3
-            rows.append(f"<tr><td>{html.escape(name)}{count}</td>" + "".join(f"<td>{x:.5g}</td>" for x in cells) + "</tr>")
-        head = "<tr><th></th><th>mean</th><th>min</th><th>max</th></tr>"
-        return f"<p>{html.escape(repr(self)[1:-1])}</p><table>{head}{''.join(rows)}</table>"
+        names = ", ".join(f"{name} {self[name].shape[1:] or ''}".strip() for name in self)
+        text = f"<pre style='font-family:monospace'>{html.escape(str(self))}</pre>"
+        return f"{text}<details><summary>columns</summary>{html.escape(names)}</details>"
 
 
 def _written(table: Mapping[str, Any]) -> dict[str, Any]:
@@ -172,8 +177,8 @@ def run(
 ) -> Run:
     """Runs a scene on an engine: a name of `pinwheel.engines()` or a function made with `@pinwheel.engine`.
 
-    `check`: a native run is made once more at twice its step, which says whether the step resolves the scene. The
-    interpreter's lock is free meanwhile; Ctrl-C stops the run.
+    `check`: a native run is made once more at twice its step, which says whether the step resolves the scene, and balances
+    say what other contact laws would give. The interpreter's lock is free meanwhile; Ctrl-C stops the run.
 
     Raises `Diverged` with what was computed until then in `partial`, `Unsupported`, `EngineFailed`, `NoEngine`.
 

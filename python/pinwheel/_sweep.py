@@ -9,7 +9,6 @@ import html
 import inspect
 import json
 import os
-import re
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
@@ -108,8 +107,11 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
         axes = [name for name in ("engine", *self.keys_varied) if name == "engine" or frame[name].nunique() > 1]
         full = not frame.duplicated(axes).any() and len(frame) == np.prod([frame[name].nunique() for name in axes])
         found = xarray.Dataset.from_dataframe(frame.set_index(axes if full else "run"))
+        known = _core.keys()
+        units = {name: text or "1" for name, _, text in known}
         for name in (*found.data_vars, *found.coords):
-            found[name].attrs["units"] = unit(re.sub(r".*\.", "", str(name)))
+            if found[name].dtype.kind in "if":
+                found[name].attrs["units"] = units.get(name) or unit(str(name))
         return found.assign_attrs(sweep=self.name, pinwheel_version=_core.__version__)
 
     def tolerances_to_pandas(self) -> pandas.DataFrame:

@@ -7,6 +7,7 @@ use pinwheel_gearbox::cosimulation::{CoSimulation, Prescribed, Setup};
 use pinwheel_gearbox::{Gearbox, Recorder};
 use pinwheel_scene::channels::FAMILIES;
 use pinwheel_scene::keys::{Key, Kind, Range, key};
+use pinwheel_scene::scales::{Scales, internal_force};
 use pinwheel_scene::{CheckedScene, KEYS, Override, Scene};
 
 /// The scene's file among the resources.
@@ -145,8 +146,35 @@ impl Variable {
         };
         match key.map(|key| key.kind) {
             Some(Kind::Number(Range::From(low, high) | Range::Between(low, high))) => [low, high],
+            _ if self.name.contains("sleeve_force_n") => [0.0, f64::INFINITY],
             _ => [f64::NEG_INFINITY, f64::INFINITY],
         }
+    }
+
+    /// The size that it has in the scene: of parameters and speeds their own, else what the load makes; `None` where
+    /// nothing tells.
+    #[must_use]
+    pub fn nominal(&self, gearbox: &Gearbox) -> Option<f64> {
+        let (scene, scales) = (&*gearbox.scene, Scales::of(&gearbox.scene));
+        let torque = scales.wheel_torque_n_m * scene.gear.wheels as f64;
+        let speed = scene.drive.input_speed_rad_s;
+        let slower = gearbox.geometry.ideal_output_angle(1.0).abs();
+        let outward = ["output_", "load_", "total_load_"];
+        let outward = outward.iter().any(|part| self.name.starts_with(part));
+        let name = self.name.split('[').next().unwrap_or_default();
+        let size = match self.what {
+            What::Flag(_) | What::Tolerance => return None,
+            What::Key => self.start,
+            _ if name.ends_with("_rad_s") => speed * if outward { slower } else { 1.0 },
+            _ if name.ends_with("_n_m") => torque * if outward { 1.0 } else { slower },
+            _ if name.ends_with("internal_sleeve_force_n") => {
+                internal_force(&scene.gear, scales.wheel_torque_n_m)
+            }
+            _ if name.ends_with("_force_n") => scales.external_force_n,
+            _ if name.ends_with("_w") => torque * slower * speed,
+            _ => return None,
+        };
+        Some(size.abs()).filter(|size| *size > 0.0)
     }
 
     /// Whether it is computed.
@@ -196,6 +224,12 @@ impl Model {
             variables,
             guid,
         })
+    }
+
+    /// The compiled scene.
+    #[must_use]
+    pub fn gearbox(&self) -> &Gearbox {
+        &self.gearbox
     }
 
     /// The scene.

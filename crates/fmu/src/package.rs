@@ -103,7 +103,10 @@ const fn shown(unit: Unit, name: &'static str, factor: f64) -> Unit {
 }
 
 /// Longer endings first.
-const UNITS: [Unit; 15] = [
+const UNITS: [Unit; 18] = [
+    unit("stiffness_n_m", "N/m", [1, 0, -2, 0]),
+    unit("spring_n_m", "N/m", [1, 0, -2, 0]),
+    unit("_kg_m3", "kg/m3", [1, -3, 0, 0]),
     unit("_n_m15", "N/m1.5", [0; 4]),
     Unit {
         factor: PI / 10_800.0,
@@ -164,11 +167,12 @@ struct Row<'a> {
     causality: &'static str,
     variability: &'static str,
     unit: Option<&'static Unit>,
+    nominal: Option<String>,
     start: Option<String>,
 }
 
 impl<'a> Row<'a> {
-    fn new(reference: usize, of: &'a Variable) -> Self {
+    fn new(reference: usize, of: &'a Variable, gearbox: &Gearbox) -> Self {
         let (causality, variability) = match of.what {
             What::Input(_) => ("input", "continuous"),
             What::Shaft(_) | What::Column(_) => ("output", "continuous"),
@@ -185,6 +189,7 @@ impl<'a> Row<'a> {
             causality,
             variability,
             unit: Unit::of(&of.name),
+            nominal: of.nominal(gearbox).map(|size| format!("{size:e}")),
             start,
         }
     }
@@ -197,17 +202,13 @@ impl<'a> Row<'a> {
         };
         let number = |value: f64| value.is_finite().then(|| format!("{value:e}"));
         let [low, high] = self.of.limits().map(number);
-        let nominal = match self.of.what {
-            What::Key | What::Input(_) if self.of.start != 0.0 => number(self.of.start.abs()),
-            _ => None,
-        };
         let shown = self.unit.and_then(|unit| unit.shown);
         let attributes = [
             ("unit", self.unit.map(|unit| unit.name)),
             ("displayUnit", shown.map(|(name, _)| name)),
             ("min", low.as_deref()),
             ("max", high.as_deref()),
-            ("nominal", nominal.as_deref()),
+            ("nominal", self.nominal.as_deref()),
             ("start", self.start.as_deref()),
         ];
         let attributes = attributes.map(|(name, value)| match value {
@@ -327,7 +328,8 @@ impl Package {
     fn archive(&self) -> ZipResult<Vec<u8>> {
         let scene = self.model.scene();
         let all = self.model.variables().iter().enumerate();
-        let rows: Vec<Row<'_>> = all.map(|(k, variable)| Row::new(k, variable)).collect();
+        let rows = all.map(|(k, variable)| Row::new(k, variable, self.model.gearbox()));
+        let rows: Vec<Row<'_>> = rows.collect();
         let used = |unit: &&Unit| {
             let names = rows.iter().filter_map(|row| row.unit);
             names.into_iter().any(|other| other.name == unit.name)
@@ -436,6 +438,8 @@ mod tests {
             ("wheel_0_external_stiffness_n_m15_3", Some("N/m1.5")),
             ("transmission_error_arcmin", Some("arcmin")),
             ("contact.damping_n_s_m", Some("N.s/m")),
+            ("contact.external_spring_n_m", Some("N/m")),
+            ("mass.density_kg_m3", Some("kg/m3")),
             ("contact.friction_ramp_m_s", Some("m/s")),
             ("wheel_0_external_pressure_sliding_w_m2_3", Some("W/m2")),
             ("efficiency", None),

@@ -377,6 +377,19 @@ fn parameters_and_loads_are_those_of_a_scene_that_has_them() {
     }
 }
 
+/// Of the paper's gear: 52.34 rad/s, 22 N m, ratio 15, two wheels, e = 2.8 mm, 16 external sleeves, 8 internal at 38 mm.
+const NOMINAL: [(&str, f64); 6] = [
+    ("gear.eccentricity_m", 0.0028),
+    ("load_torque_n_m", 22.0),
+    ("input_torque_n_m", 22.0 / 15.0),
+    ("output_speed_rad_s", 52.34 / 15.0),
+    (
+        "external_sleeve_force_n[4]",
+        4.0 * 11.0 / (0.0028 * 15.0 * 16.0),
+    ),
+    ("internal_sleeve_force_n[1]", 4.0 * 11.0 / (8.0 * 0.038)),
+];
+
 /// One that does nothing is not offered, and elements of arrays say which sleeve they are of.
 #[test]
 fn variables_do_something_and_say_what() {
@@ -396,17 +409,17 @@ fn variables_do_something_and_say_what() {
         "{}",
         element.about
     );
-    let speed = model
-        .variables()
-        .iter()
-        .find(|v| v.name == "drive_speed_rad_s");
-    assert!(
-        speed
-            .expect("speed")
-            .limits()
-            .iter()
-            .all(|limit| limit.is_finite())
-    );
+    let of = |name: &str| {
+        let found = model.variables().iter().find(|v| v.name == name);
+        found.expect(name).clone()
+    };
+    let speed = of("drive_speed_rad_s");
+    assert!(speed.limits().iter().all(|limit| limit.is_finite()));
+    for (name, size) in NOMINAL {
+        let nominal = of(name).nominal(model.gearbox());
+        let nominal = nominal.unwrap_or(f64::NAN);
+        assert!((nominal / size - 1.0).abs() < 1e-9, "{name}: {nominal}");
+    }
 }
 
 #[test]

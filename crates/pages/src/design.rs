@@ -216,7 +216,8 @@ fn known(value: f64, uncertainty: Option<f64>) -> (String, String) {
 }
 
 /// A figure where there is little room, and what bounds it: its band, and how far it may be off numerically.
-pub(crate) fn headline(one: &DesignFigure) -> (String, String) {
+#[must_use]
+pub fn headline(one: &DesignFigure) -> (String, String) {
     let Some(value) = one.value else {
         return (NONE.to_owned(), String::new());
     };

@@ -49,14 +49,13 @@ fn forces(peak: &Figure, mean: Option<&Figure>, laws: Option<&Band>) -> String {
 
 /// What one runs it for, in words.
 fn results(found: &Results, bands: Option<&Bands>, looked: bool) -> Vec<(&'static str, String)> {
-    let plain = |name: &str| {
-        let value = found.get(name).map(|figure| format::figure(figure.value));
-        value.unwrap_or_else(|| NONE.to_owned())
-    };
     let mut rows = Vec::new();
     let torque = columns::INPUT_TORQUE;
     if let Some(mean) = found.get(&format!("mean_{torque}")) {
-        let [least, most] = ["min", "max"].map(|end| plain(&format!("{end}_{torque}")));
+        let [least, most] = ["min", "max"].map(|end| {
+            let figure = found.get(&format!("{end}_{torque}"));
+            figure.map_or_else(|| NONE.to_owned(), |figure| known(figure, 1.0))
+        });
         let (mean, from_s) = (known(mean, 1.0), format::plain(found.from_s));
         let said = format!("mean {mean} N m; {least} to {most}, from {from_s} s on");
         rows.push(("driver torque", said));
@@ -105,9 +104,9 @@ fn results(found: &Results, bands: Option<&Bands>, looked: bool) -> Vec<(&'stati
     rows
 }
 
-/// Results, settings and cost of a run that finished; `time_series`: where its samples are.
+/// Results, settings and cost of a run that finished; `time_series`: where its samples are, if in a file.
 #[must_use]
-pub fn text(found: &Outcome, time_series: &str) -> String {
+pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
     let stats = &found.run.stats;
     // What one runs it for comes first.
     let bands = found.bands.as_ref();
@@ -133,6 +132,7 @@ pub fn text(found: &Outcome, time_series: &str) -> String {
         rows.push(("resolution", resolution.sentence()));
     }
     rows.extend(stats.notes.iter().map(|note| ("note", note.clone())));
-    rows.push(("courses", time_series.to_owned()));
+    rows.extend(time_series.map(|place| ("courses", place.to_owned())));
+    rows.retain(|(_, said)| !said.is_empty());
     format!("{}\n{}", styled(TITLE, &found.scene.name), pairs(rows))
 }

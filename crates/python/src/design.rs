@@ -97,10 +97,14 @@ impl Designed {
         Ok(serde_json::to_string(&self.found)?)
     }
 
-    /// What every figure is, in words: (name for programs, words).
-    fn words(&self) -> Vec<(&'static str, &'static str)> {
+    /// Every figure in words: its name for programs, what it is, its value, what bounds that.
+    fn words(&self) -> Vec<(&'static str, &'static str, String, String)> {
         let figures = self.found.figures.iter();
-        figures.map(|figure| (figure.key, figure.what)).collect()
+        let told = figures.map(|figure| {
+            let (value, bounds) = pages::design::headline(figure);
+            (figure.key, figure.what, value, bounds)
+        });
+        told.collect()
     }
 
     /// The page that opens offline.

@@ -1,6 +1,7 @@
 //! One scene on one engine.
 
 use pinwheel::engines::Engine;
+use pinwheel::pages;
 use pinwheel::studies::{StudyError, choice, single};
 use pinwheel::time_series::Ending;
 use pyo3::prelude::*;
@@ -30,6 +31,15 @@ pub(crate) struct Ran {
     /// What the engine itself knows of its numerical uncertainty, JSON.
     #[pyo3(get)]
     uncertainty: Option<String>,
+    /// What it was run for, with how far that may be off, JSON.
+    #[pyo3(get)]
+    results: String,
+    /// What other contact laws and fits would give, JSON; `None` where that was not looked at.
+    #[pyo3(get)]
+    by_contact_law: Option<String>,
+    /// What a terminal shows.
+    #[pyo3(get)]
+    text: String,
     #[pyo3(get)]
     columns: Py<Columns>,
 }
@@ -37,6 +47,9 @@ pub(crate) struct Ran {
 impl Ran {
     fn of(py: Python<'_>, found: single::Outcome) -> Raises<Self> {
         Ok(Self {
+            results: to_string(&found.results())?,
+            by_contact_law: found.bands.as_ref().map(to_string).transpose()?,
+            text: pages::single::text(&found, None),
             engine: found.engine,
             version: found.version,
             track: found.track.as_str(),
@@ -48,7 +61,7 @@ impl Ran {
     }
 }
 
-/// Runs a scene; `check`: a native run is repeated at twice its step.
+/// Runs a scene; `check`: a native run is repeated at twice its step, and what other contact laws would give is looked at.
 #[pyfunction]
 pub(crate) fn run(
     py: Python<'_>,
@@ -69,7 +82,12 @@ pub(crate) fn run(
         Asked::Own(guest) => (guest, Some(guest)),
     };
     let found = supervised(py, &desk, progress.as_ref(), |control| {
-        single::run(&pinwheel::compile(checked)?, engine, check, control)
+        let gearbox = pinwheel::compile(checked)?;
+        let found = single::run(&gearbox, engine, check, control)?;
+        match check {
+            true => found.with_bands(&gearbox, control),
+            false => Ok(found),
+        }
     })?;
     let found = found.map_err(|error| {
         let failed = |ending: &Ending| matches!(ending, Ending::Failed { .. });

@@ -125,10 +125,11 @@ pub(crate) fn key(name: &str) -> Raises<String> {
     }
 }
 
-/// All keys: (name, what it means, remedy that says its range or unit).
+/// All keys: (name, what it means, unit).
 #[pyfunction]
-pub(crate) fn keys() -> Vec<(&'static str, &'static str)> {
-    KEYS.iter().map(|key| (key.name, key.about)).collect()
+pub(crate) fn keys() -> Vec<(&'static str, &'static str, &'static str)> {
+    let all = KEYS.iter();
+    all.map(|key| (key.name, key.about, key.unit())).collect()
 }
 
 /// What every key may hold: the JSON schema of scene files.

@@ -35,7 +35,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
         ));
         return Ok(ENGINE);
     }
-    let text = pages::single::text(&found, &time_series.to_string());
+    let text = pages::single::text(&found, Some(&time_series.to_string()));
     screen::show_found(&text, &place, "run.json")?;
     if screen::manner().quiet {
         screen::show(&format!("courses: {time_series}"))?;

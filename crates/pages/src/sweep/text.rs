@@ -5,7 +5,7 @@ use pinwheel_studies::sweep::{self, Plan, RunRecord};
 use pinwheel_timeseries::table::{Shown, Table};
 use pinwheel_timeseries::{Ending, columns};
 
-use super::{simulated_s, tolerances};
+use super::{simulated_s, tolerances, uncertainty};
 
 /// Figures of a sample at most; the page and summary.json have more.
 const MOST_FIGURES: usize = 8;
@@ -13,10 +13,10 @@ const MOST_FIGURES: usize = 8;
 /// Runs that a terminal lists.
 const MOST_RUNS: usize = 12;
 /// What it lists of each.
-const SHOWN: [(&str, &str); 3] = [
-    (columns::EXTERNAL_FORCE, "ext N"),
-    (columns::INTERNAL_FORCE, "int N"),
-    (columns::INPUT_TORQUE, "torque N m"),
+const SHOWN: [(&str, &str, &str); 3] = [
+    ("peak", columns::EXTERNAL_FORCE, "ext N"),
+    ("peak", columns::INTERNAL_FORCE, "int N"),
+    ("mean", columns::INPUT_TORQUE, "torque N m"),
 ];
 
 /// The runs that a sweep asks for.
@@ -55,6 +55,11 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
             format!("{cpu:.1} s CPU for {:.3} s simulated", simulated_s(plan)),
         ),
     ];
+    let moving = || records.iter().filter(|r| !r.figures.is_empty());
+    if moving().next().is_some() && moving().all(|record| record.uncertainty.is_none()) {
+        let remedy = "not known; solver.integrator = \"auto\" verifies every run";
+        rows.push(row("numerical error", remedy.to_owned()));
+    }
     let sampled = sweep::tolerances(plan, &sweep::results(plan, records));
     for found in &sampled {
         if sampled.len() > 1 {
@@ -92,16 +97,19 @@ fn result(plan: &Plan, records: &[RunRecord]) -> String {
         let label = key.rsplit('.').next().unwrap_or(key);
         table = table.text("", label, |(run, _)| run.values[place].1.to_string());
     }
-    for (quantity, label) in SHOWN {
-        table = table
-            .number("", label, |(_, record)| {
-                let statistics = record.figures.get(quantity)?.statistics;
-                Some(match quantity {
-                    columns::INPUT_TORQUE => statistics.mean,
-                    _ => statistics.peak,
-                })
+    for (word, quantity, label) in SHOWN {
+        let value = |record: &RunRecord| {
+            let statistics = record.figures.get(quantity)?.statistics;
+            Some(match word {
+                "mean" => statistics.mean,
+                _ => statistics.peak,
             })
-            .shown(Shown::Digits(5));
+        };
+        let column = format!("{word}_{quantity}");
+        table = table
+            .number("", label, |(_, record)| value(record))
+            .shown(Shown::Digits(5))
+            .uncertain(|(_, record)| uncertainty(record, &column, value(record)?));
     }
     let more = records.len().saturating_sub(MOST_RUNS);
     let more = match more {
