@@ -109,6 +109,7 @@ impl Gearbox {
     pub(crate) fn bare_field(&self) -> Result<Box<dyn ContactField>, GearboxError> {
         let mut scene = self.scene.clone().into_scene();
         scene.contact.friction_coefficient = 0.0;
+        scene.bearings.sleeve_friction_coefficient = None;
         contacts::contacts(&scene, &self.geometry, self.kernel)
     }
 
