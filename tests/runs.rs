@@ -120,6 +120,8 @@ pub const FLOATING: &[(&str, &[(&str, &str)])] = &[
         "paper-bearings",
         &[("bearings.internal_sleeve_stiffness_n_m", "5e7")],
     ),
+    // Sleeves that rub on their pins, and seals.
+    ("needle-bearings", &[]),
     ("rv-320", &[]),
     ("rv-40e-like", &[]),
     // Three cranks and a clearance.

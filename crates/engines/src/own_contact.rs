@@ -10,12 +10,20 @@ use pinwheel_scene::{Scene, load_course};
 use pinwheel_timeseries::Ending;
 
 #[cfg(any(feature = "rapier", feature = "python"))]
-/// What an engine cannot honour that holds its wheels by revolutes.
+/// What an engine cannot honour that holds its wheels by revolutes and knows no load but the output's.
 pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
-    if scene.bearings.eccentric.is_none() {
+    let bearings = &scene.bearings;
+    let seals = [bearings.input_seal_n_m, bearings.output_seal_n_m];
+    let stands = scene.contact.friction_coefficient == 0.0;
+    let reason = if bearings.eccentric.is_some() {
+        "it holds wheels by revolutes, and bearings.eccentric lets them float"
+    } else if stands && bearings.sleeve_lever_m().is_some_and(|lever| lever > 0.0) {
+        "its sleeves turn on their pins as they will, and bearings.sleeve_friction_coefficient holds them back"
+    } else if seals.iter().flatten().any(|torque| *torque > 0.0) {
+        "it knows no seals, and bearings.input_seal_n_m and bearings.output_seal_n_m give the shafts some"
+    } else {
         return Ok(());
-    }
-    let reason = "it holds wheels by revolutes, and bearings.eccentric lets them float";
+    };
     Err(Ending::unsupported(reason))
 }
 

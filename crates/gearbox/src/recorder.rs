@@ -89,9 +89,8 @@ impl Recorder {
         let externals = self.layout.external_sleeves;
         let mut forces = std::mem::take(&mut self.forces);
         forces.fill(Wrench::default());
-        field.touching(bodies, &mut |pair| {
-            let [fx, fy] = pair.force_on_sleeve();
-            let sum = match pair.sleeve {
+        field.on_sleeves(bodies, &mut |_, sleeve, [fx, fy]| {
+            let sum = match sleeve {
                 Sleeve::External(j) => &mut forces[j],
                 Sleeve::Internal(k) => &mut forces[externals + k],
             };

@@ -36,9 +36,9 @@ pub(super) trait Contacts {
     /// at t_n, velocities centred. `share`: of the step, see [`World::share`].
     fn forces(&mut self, world: &World, now: &[BodyState], share: f64, sums: &mut Sums);
 
-    /// Torque of the driver, N m, where it does not follow from the contacts' forces on wheels that eccentrics hold.
-    fn driver_torque(&self, _now: &[BodyState]) -> Option<f64> {
-        None
+    /// Torque of the driver, N m: that of the contacts' forces on wheels that eccentrics hold, if nothing else turns the input.
+    fn driver_torque(&self, now: &[BodyState], sums: &Sums) -> f64 {
+        sums.driver_torque(now)
     }
 
     /// What is known of single contacts at t_n, for channels; asked where [`forces`](Self::forces) is.
@@ -143,8 +143,7 @@ pub(super) fn march(
             world.centre(&mut now);
             sums.clear();
             contacts.forces(&world, &now, share, &mut sums);
-            let floating = contacts.driver_torque(&now);
-            let driver_torque_n_m = floating.unwrap_or_else(|| sums.driver_torque(&now));
+            let driver_torque_n_m = contacts.driver_torque(&now, &sums);
             recorder.record_forces(sample_s, driver_torque_n_m, &now, &sums.sleeves);
             if recorder.wants_channels() {
                 reactions(gearbox, &world, &sums, &mut joints);

@@ -42,17 +42,20 @@ impl Contacts for Law {
     }
 
     fn forces(&mut self, _world: &World, now: &[BodyState], _share: f64, sums: &mut Sums) {
-        self.0.touching(now, &mut |pair| {
-            sums.add(pair.wheel, pair.sleeve, pair.force_on_sleeve());
-        });
+        let add = &mut |wheel, sleeve, force| sums.add(wheel, sleeve, force);
+        self.0.on_sleeves(now, add);
         if let Some(bearings) = self.0.bearings() {
             bearings.on_output(now, &mut |sleeve, force| sums.add_to_sleeve(sleeve, force));
         }
     }
 
-    fn driver_torque(&self, now: &[BodyState]) -> Option<f64> {
-        let bearings = self.0.bearings()?;
-        Some(bearings.driver_torque(now))
+    fn driver_torque(&self, now: &[BodyState], sums: &Sums) -> f64 {
+        let wheels = match self.0.bearings() {
+            Some(bearings) => bearings.driver_torque(now),
+            None => sums.driver_torque(now),
+        };
+        let seals = self.0.seals();
+        wheels + seals.map_or(0.0, |seals| seals.driver_torque(now))
     }
 
     fn seen<'a>(&'a mut self, _world: &'a World, _share: f64) -> Box<dyn PairSource + 'a> {

@@ -114,6 +114,16 @@ pub trait ContactField: Send {
         None
     }
 
+    /// Visits the force on the sleeve of every touching pair, N, ground frame, with what its pin holds back; the wheel takes the opposite.
+    fn on_sleeves(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(usize, Sleeve, [f64; 2])) {
+        let pins = self.on_pins();
+        self.touching(bodies, &mut |pair| {
+            let [x, y] = pins.map_or([0.0; 2], |pins| pins.drag(bodies, pair).force);
+            let [fx, fy] = pair.force_on_sleeve();
+            visit(pair.wheel, pair.sleeve, [fx + x, fy + y]);
+        });
+    }
+
     /// Adds every body's contact load to `loads`.
     fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
         self.evaluate(bodies, Pose::Any, &mut Sums::of_loads(loads));

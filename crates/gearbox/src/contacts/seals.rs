@@ -11,6 +11,7 @@ use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums};
 use super::field::{ContactEnergy, ContactField, PairContact};
 use super::floating::Bearings;
 use super::pairs::OUTPUT;
+use super::sleeves::OnPins;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
 
@@ -68,6 +69,13 @@ impl Seals {
             let slope = -output.torque_n_m / output.slow_rad_s;
             slopes.rate.add(OUTPUT, OUTPUT, slope);
         }
+    }
+
+    /// Torque that turns the input against its seal, N m.
+    #[must_use]
+    pub fn driver_torque(&self, bodies: &[BodyState]) -> f64 {
+        let [input, _] = &self.0;
+        -input.moment(bodies)
     }
 
     pub(super) fn lost_w(&self, bodies: &[BodyState]) -> f64 {
@@ -131,6 +139,10 @@ impl ContactField for Sealed {
 
     fn bearings(&self) -> Option<&Bearings> {
         self.inner.bearings()
+    }
+
+    fn on_pins(&self) -> Option<OnPins> {
+        self.inner.on_pins()
     }
 
     fn seals(&self) -> Option<&Seals> {

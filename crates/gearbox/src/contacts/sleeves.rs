@@ -24,7 +24,7 @@ pub struct OnPins {
 
 /// T on a sleeve.
 pub(super) struct Drag {
-    force: [f64; 2],
+    pub(super) force: [f64; 2],
     /// Couple on its pin, N m.
     couple: f64,
     pub(super) lost_w: f64,
