@@ -257,7 +257,8 @@ pub(crate) fn headline(one: &DesignFigure) -> (String, String) {
     let laws = wide(one);
     let shown = laws.map_or(shown, |laws| band::rounded(value, laws));
     let bound = Some(bound).filter(|bound| !bound.is_empty());
-    let bound = bound.map(|bound| format!("{bound} numerical"));
+    // The sign stays with its number.
+    let bound = bound.map(|bound| format!("{} numerical", bound.replace(' ', "\u{a0}")));
     let parts: Vec<String> = laws.map(band::by_law).into_iter().chain(bound).collect();
     (shown, parts.join("; "))
 }
