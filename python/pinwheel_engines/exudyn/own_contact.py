@@ -67,9 +67,9 @@ STIFFNESS_STEP = 0.02
 PIECES = 16
 # How far a wheel may be from the ideal mesh: at least this share of half a lobe, its free play so many times and its nominal
 # contact's twist so many times.
-SHARE_OF_LOBE, PLAYS, TWISTS = 0.1, 2.0, 50.0
+SHARE_OF_LOBE, PLAYS, TWISTS = 0.03, 2.0, 50.0
 # Widths of the nominal contact and arcs of that turn that a sleeve may touch beside its foot at the ideal mesh.
-WIDTHS, AHEAD = 3.0, 2.0
+WIDTHS, AHEAD = 2.0, 2.0
 
 
 def wheel_damper(scene: Scene) -> float:
