@@ -111,14 +111,33 @@ def test_wheel_damper_is_the_mesh_average():
     assert exudyn_own.wheel_damper(scene) == pytest.approx(8.0 * np.mean(sums), rel=2e-2)
 
 
-def test_reachable_segments_cover_the_contact():
-    scene = scenes.scene(duration_s=0.3)
-    a, _ = equal_arcs(scene, 2000)
-    polar = np.angle(edge(scene, a))
-    parts = [exudyn_own.reachable(scene, 0, sleeve, polar) for sleeve in range(16)]
-    # A wheel turns by a sixth of a turn in this time.
-    assert all(0.15 < np.mean(part) < 0.35 for part in parts)
-    assert np.all(np.any(parts, axis=0))
+@pytest.mark.parametrize("turn", [-1.0, 0.0, 1.0])
+def test_reachable_segments_cover_the_contact(turn):
+    # A piece of a run keeps few segments; whatever touches meanwhile, with a wheel as far off as it may be, is among them.
+    scene = scenes.scene()
+    segments, gear = exudyn_own._Edge.of(scene, 4000), scene.gear
+    middles = 0.5 * (segments.starts + segments.ends)
+    law, kinematics = ContactLaw(scene), Kinematics(gear)
+    layout, touched = kinematics.layout, 0
+    for begin in np.linspace(0.0, 0.12, 7):
+        span = (begin, begin + 0.0075)
+        for time_s in np.linspace(*span, 5):
+            angles, rates = kinematics.ideal(scene, time_s)
+            # A tenth of what ends a run presses sleeves in as deep as their radius.
+            angles[layout.wheel_bodies] += 0.1 * turn * exudyn_own.leeway_rad(scene)
+            states = kinematics.states(angles, rates)
+            found = law.contacts(states[None])
+            outside = found.sleeve < layout.external_bodies.stop
+            for wheel, sleeve, point in zip(
+                found.wheel[outside], found.sleeve[outside], found.point_m[outside], strict=True
+            ):
+                x, y, angle = states[wheel, :3]
+                number = wheel - layout.wheel_bodies.start
+                near = segments.reachable(scene, number, sleeve - layout.external_bodies.start, span)
+                assert np.mean(near) < 0.1
+                assert near[np.argmin(np.abs(middles - (point - complex(x, y)) * np.exp(-1j * angle)))]
+                touched += 1
+    assert turn == 0.0 or touched > 300
 
 
 @pytest.mark.parametrize("engine", OWN)

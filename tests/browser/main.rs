@@ -279,7 +279,10 @@ fn browser_shows_the_comparison() {
 
 /// What a reader asks, and how the first screen answers.
 const ASKED: [(&str, &str); 11] = [
-    ("which force may I use", r"largest pin force \d+ N external"),
+    (
+        "which force may I use",
+        r"largest pin force [\d.]+ N external",
+    ),
     ("how exact is it numerically", r"\u00b1.* numerical"),
     (
         "what would another contact law give",
@@ -324,30 +327,114 @@ fn browser_answers_on_the_first_screen() {
     browser.open(&page, look(1280));
     let kept = Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("screenshots");
     browser.top(&kept.join("first-1280.png"), 800);
-    let seen = "[...document.querySelectorAll('.answer *')].filter((e) => e.getBoundingClientRect().bottom < 800).filter((e) => ![...e.children].some((c) => c.matches('p, dt, dd, div, dl'))).map((e) => e.textContent).join(' ')";
-    let screen = text(&mut browser, seen);
-    let terminal = done.stdout.split_whitespace().collect::<Vec<_>>().join(" ");
-    for (place, text) in [("page", screen), ("terminal", terminal)] {
-        let text = Value::String(text);
-        let mut asked = ASKED.iter();
-        let missing = asked.find(|(question, answer)| {
-            let is_first = place == "terminal" && *question == ASKED[0].0;
-            let answer = if is_first {
-                "External force, largest \\d+ N"
-            } else {
-                answer
-            };
-            browser.evaluate(&format!("/{answer}/.test({text})")) != Value::Bool(true)
-        });
-        assert_eq!(missing, None, "{place}: {text}");
-    }
+    let screen = first_screen(&mut browser, 800);
+    answered(&mut browser, "page", &screen, &ASKED);
+    answered(&mut browser, "terminal", &done.stdout, &on_terminal());
     // On a phone the verdict, the force and its bounds.
     browser.open(&page, look(390));
     browser.top(&kept.join("first-390.png"), 844);
-    let phone = seen.replace("800", "844");
-    for (question, answer) in &ASKED[..4] {
-        let found = browser.evaluate(&format!("/{answer}/.test({phone})"));
-        assert_eq!(found, Value::Bool(true), "{question}");
+    let phone = first_screen(&mut browser, 844);
+    answered(&mut browser, "phone", &phone, &ASKED[..4]);
+}
+
+/// Text of a page's answer above that height.
+fn first_screen(browser: &mut Chromium, height: u32) -> String {
+    text(
+        browser,
+        &format!(
+            "[...document.querySelectorAll('.answer *')].filter((e) => e.getBoundingClientRect().bottom < {height}).filter((e) => ![...e.children].some((c) => c.matches('p, dt, dd, div, dl'))).map((e) => e.textContent).join(' ')"
+        ),
+    )
+}
+
+/// The same questions of the terminal.
+fn on_terminal() -> [(&'static str, &'static str); 11] {
+    let mut asked = ASKED;
+    asked[0].1 = r"External force, largest [\d.]+ N";
+    asked
+}
+
+/// Every question finds its answer, a regular expression of the browser.
+fn answered(browser: &mut Chromium, place: &str, text: &str, asked: &[(&str, &str)]) {
+    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let text = Value::String(text);
+    let missing = asked.iter().find(|(_, answer)| {
+        browser.evaluate(&format!("/{answer}/.test({text})")) != Value::Bool(true)
+    });
+    assert_eq!(missing, None, "{place}: {text}");
+}
+
+/// The same of an RV gear and of a gear with errors.
+#[test]
+fn browser_answers_of_other_gears() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    for preset in ["rv-40e-like", "toleranced"] {
+        let compare = format!(
+            "compare {preset} --engines native-reduced,native-lagrange,rapier-shared-law --set solver.duration_s=0.004 --out {preset}"
+        );
+        let done = run_in(dir.path(), words(&compare));
+        assert_eq!(done.code, Some(0), "{done:?}");
+        assert!(done.stdout.lines().count() <= 30, "{}", done.stdout);
+        browser.open(&dir.path().join(preset).join("index.html"), interact::DESK);
+        let screen = first_screen(&mut browser, 900);
+        answered(&mut browser, preset, &screen, &ASKED);
+        answered(&mut browser, preset, &done.stdout, &on_terminal());
+    }
+}
+
+/// What is asked of a run, and of a design.
+const ASKED_OF_A_RUN: [(&str, &str); 10] = [
+    ("which force may I use", r"external forces peak [\d.]+"),
+    ("which force inside", r"internal forces peak [\d.]+"),
+    ("which torque drives it", r"driver torque mean [\d.]+"),
+    ("what would another law give", r"\d+ to \d+ by contact law"),
+    ("how exact is it", r"\u00b1 .*numerical"),
+    ("is the law validated", "not validated by measurement"),
+    ("what does the fit do", "profile cut by 5"),
+    ("how efficient, or why not", "no loss modelled"),
+    ("which engine, and how", "engine native.* settings "),
+    ("where are the data", r"courses \S+courses\.csv"),
+];
+const ASKED_OF_A_DESIGN: [(&str, &str); 11] = [
+    ("how stiff", r"torsional stiffness [\d.]+"),
+    ("how much is lost", r"lost motion [\d.]+"),
+    ("how uneven", r"transmission error, rated load [\d.]+"),
+    ("which force", r"largest pin force, external [\d.]+"),
+    ("which pressure", r"largest pressure(, external)? [\d.]+"),
+    ("what would another law give", r"310 to 322"),
+    ("is the law validated", "not validated by measurement"),
+    ("what is rigid", "pins, discs and housing are rigid here"),
+    ("what does the fit do", "profile cut by 5"),
+    ("how efficient, or why not", "no loss modelled"),
+    ("what next", "pinwheel compare"),
+];
+
+#[test]
+fn browser_answers_of_run_and_design() {
+    let Some(mut browser) = Chromium::start() else {
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let init =
+        "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500";
+    assert_eq!(run_in(dir.path(), words(init)).code, Some(0));
+    let run = run_in(
+        dir.path(),
+        words("run gear.toml --set solver.duration_s=0.004"),
+    );
+    answered(&mut browser, "run", &run.stdout, &ASKED_OF_A_RUN);
+    let design = run_in(dir.path(), words("design gear.toml --out d"));
+    let lines = design.stdout.lines().count();
+    assert!(lines <= 50, "{lines} lines: {}", design.stdout);
+    browser.open(&dir.path().join("d/index.html"), interact::DESK);
+    let screen = first_screen(&mut browser, 900);
+    answered(&mut browser, "page of design", &screen, &ASKED_OF_A_DESIGN);
+    // A table says a figure's name over several lines; there they are found by what they are of.
+    for (_, answer) in ASKED_OF_A_DESIGN.iter().skip(5) {
+        answered(&mut browser, "design", &design.stdout, &[("", answer)]);
     }
 }
 

@@ -123,6 +123,34 @@ fn crossval_rapier_shared_law_other_gears() {
     }
 }
 
+/// Sleeves that rub on their pins and seals of the shafts, with wheels that are held and that float: the driver pays for both.
+#[test]
+fn crossval_rapier_losses_beside_contacts() {
+    let rubs = [
+        ("bearings.sleeve_friction_coefficient", "0.05"),
+        ("bearings.sleeve_bore_m", "0.008"),
+        ("bearings.input_seal_n_m", "0.1"),
+        ("bearings.output_seal_n_m", "0.3"),
+    ];
+    for (preset, sets, step, limit) in [
+        ("paper", &rubs[..], "2e-6", 2e-4),
+        ("needle-bearings", &[], "2e-7", 1e-3),
+    ] {
+        println!("{preset}");
+        let base = [
+            ("drive.start", "\"equilibrium\""),
+            ("solver.integrator", "\"dopri5\""),
+            ("solver.duration_s", "0.001"),
+            ("solver.sample_s", "2e-5"),
+            ("solver.step_s", step),
+        ];
+        let scene = scene(preset, &[sets, &base].concat());
+        let time_series = run(SHARED, &scene);
+        let reference = native(&scene, "dopri5", 2e-6);
+        assert_close(&time_series, &reference, &BOTH, (0.0, 0.001), limit);
+    }
+}
+
 /// From static equilibrium there is no start-up transient, so 1e-5 s does from the first
 /// sample on: measured 2.4e-5.
 #[test]
@@ -327,6 +355,23 @@ fn crossval_rapier_refuses_what_it_cannot_honour() {
     for engine in [SHARED, HOOK] {
         let uneven = scene("paper", &[("solver.step_s", "3e-5")]);
         assert!(reason(engine, &uneven).contains("solver.step_s"));
+    }
+    for engine in [HOOK, COLLIDERS] {
+        for (keys, named) in [
+            (
+                &[
+                    ("bearings.sleeve_friction_coefficient", "0.05"),
+                    ("bearings.sleeve_bore_m", "0.008"),
+                ][..],
+                "bearings.sleeve_friction_coefficient",
+            ),
+            (
+                &[("bearings.input_seal_n_m", "0.1")],
+                "bearings.input_seal_n_m",
+            ),
+        ] {
+            assert!(reason(engine, &scene("paper", keys)).contains(named));
+        }
     }
     assert!(reason(COLLIDERS, &scene("paper-rough", &[])).contains("contact.detection"));
     let equilibrium = scene("paper", &[("drive.start", "\"equilibrium\"")]);

@@ -29,6 +29,8 @@ pub struct Gearbox {
     pub kernel: Kernel,
     /// Initial states other than the ideal mesh's.
     pub(crate) start: Option<Vec<BodyState>>,
+    /// K of an external sleeve on a straight edge, N/m^1.5: finding the wall behind the holes takes longer than a balance.
+    flat_stiffness: f64,
 }
 
 impl Gearbox {
@@ -55,6 +57,7 @@ impl Gearbox {
             channels: Channels::of(scene).map_err(GearboxError::Geometry)?,
             kernel: Kernel::default(),
             start: None,
+            flat_stiffness: hertz(scene).on_flat(scene.gear.external_sleeve_radius_m),
         };
         gearbox.contact_field()?;
         if scene.drive.start == Start::Equilibrium {
@@ -106,6 +109,7 @@ impl Gearbox {
     pub(crate) fn bare_field(&self) -> Result<Box<dyn ContactField>, GearboxError> {
         let mut scene = self.scene.clone().into_scene();
         scene.contact.friction_coefficient = 0.0;
+        scene.bearings.sleeve_friction_coefficient = None;
         contacts::contacts(&scene, &self.geometry, self.kernel)
     }
 
@@ -158,8 +162,7 @@ impl Gearbox {
         let torque = (load_course::largest(&self.scene.drive) / gear.wheels as f64)
             .max(self.least_force_n() * per_force);
         let force = 4.0 * torque / (lever * gear.external_sleeves as f64);
-        let stiffness = hertz(&self.scene).on_flat(gear.external_sleeve_radius_m);
-        let penetration = (force / stiffness).powf(2.0 / 3.0);
+        let penetration = (force / self.flat_stiffness).powf(2.0 / 3.0);
         let angle = penetration / lever;
         // Torsional stiffness of the loaded half of the sleeves against the wheel's inertia.
         let torsion = 1.5 * torque / angle;
@@ -174,8 +177,7 @@ impl Gearbox {
     /// stands in for the load of a gear without any; it grows and shrinks with the gear.
     #[must_use]
     pub fn least_force_n(&self) -> f64 {
-        let radius = self.scene.gear.external_sleeve_radius_m;
-        hertz(&self.scene).on_flat(radius) * least_depth(&self.scene).powf(1.5)
+        self.flat_stiffness * least_depth(&self.scene).powf(1.5)
     }
 
     /// The least force, and as torque that force on the eccentric.

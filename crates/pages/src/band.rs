@@ -85,10 +85,13 @@ pub(crate) fn fit(bands: &Bands) -> Option<String> {
     (!told.is_empty()).then(|| format!("{name}; profile cut by {}", told.join(", by ")))
 }
 
+/// What says that the scene's own law lies outside.
+pub(crate) const OUTSIDE: &str = "law";
+
 /// Rows of a terminal.
 pub(crate) fn rows(bands: &Bands) -> Vec<(&'static str, String)> {
     let mut rows = vec![("by contact law", about(bands))];
-    rows.extend(outside(bands).map(|said| ("law", said)));
+    rows.extend(outside(bands).map(|said| (OUTSIDE, said)));
     rows.extend(fit(bands).map(|said| ("fit", said)));
     rows
 }

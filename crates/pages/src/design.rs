@@ -9,7 +9,7 @@ use pinwheel_report::animation::markup;
 use pinwheel_report::colours;
 use pinwheel_report::format::{self, NONE, significant};
 use pinwheel_report::stack::stack;
-use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Study, Style, Tile};
+use pinwheel_report::study::{Axis, Block, Chart, Fact, Mark, Section, Series, Study, Style, Tile};
 use pinwheel_report::terminal::{self, TITLE, list, styled};
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
@@ -40,7 +40,7 @@ pub(crate) const HEADLINES: [&str; 6] = [
 /// What lost motion and stiffness are of: a short name, and a sentence.
 fn given_way(found: &DesignResult) -> (&'static str, String) {
     match found.budget.split_last() {
-        None => ("contacts only", CONTACTS_ONLY.to_owned()),
+        None => (CONTACTS, CONTACTS_ONLY.to_owned()),
         Some((last, before)) => {
             let names: Vec<&str> = before.iter().map(|share| share.part).collect();
             let names = [names.join(", "), last.part.to_owned()].join(" and ");
@@ -54,6 +54,7 @@ fn given_way(found: &DesignResult) -> (&'static str, String) {
     }
 }
 
+const CONTACTS: &str = "contacts only";
 /// The same of a scene without bearings.
 const CONTACTS_ONLY: &str = "Lost motion and stiffness are those of the contacts: bearings, pins, discs and housing are rigid here. Real \
                              gears are softer by factors.";
@@ -77,8 +78,7 @@ pub fn page(
     let caption = "For a data sheet; after \u{b1} how far a figure may be off numerically: by the poses that were looked at, or by the run's own \
                    verification";
     let all = figures(caption, &found.figures, |one| how(found, one));
-    let (_, about) = given_way(found);
-    let mut blocks = vec![Block::Text(about), all.into()];
+    let mut blocks = vec![all.into()];
     if !found.shares().is_empty() {
         let caption = "Compliance: what gives way under the rated load";
         blocks.push(Block::Html(stack(caption, &found.shares())));
@@ -86,7 +86,6 @@ pub fn page(
     if !found.budget.is_empty() {
         blocks.push(budget(found).into());
     }
-    blocks.extend(found.rest.as_ref().map(fitted).map(Block::Text));
     if let Some(bands) = &found.bands {
         blocks.extend(band::blocks(bands));
     }
@@ -115,7 +114,11 @@ pub fn page(
         ),
         tiles_title: format!("At {} N m", figure(found.rated_torque_n_m)),
         tiles: tiles(found),
-        below: vec![Block::Html(files(found))],
+        below: vec![
+            Block::Heading("May I use them, and what next?".to_owned()),
+            Block::Facts(notes(found).into_iter().map(fact).collect()),
+            Block::Html(files(found)),
+        ],
         aside: motion.into_iter().flatten().collect(),
         sections,
         ..Study::default()
@@ -135,17 +138,47 @@ fn files(found: &DesignResult) -> String {
     )
 }
 
-/// What a terminal shows.
+/// What to know of the figures before they are used, and what next.
+fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
+    let mut notes = vec![given_way(found)];
+    notes.extend(found.rest.as_ref().map(|rest| ("fit", fitted(rest))));
+    if let Some(bands) = &found.bands {
+        notes.extend(band::rows(bands));
+    }
+    let next = "`pinwheel compare` of this scene: whether other engines confirm the forces";
+    notes.push(("next", next.to_owned()));
+    notes
+}
+
+fn fact((label, text): (&str, String)) -> Fact {
+    let is_warning = [CONTACTS, band::OUTSIDE].contains(&label);
+    let mark = if is_warning { Mark::Warn } else { Mark::None };
+    Fact::new(label, mark, text)
+}
+
+/// What a terminal shows; `whole`: with how each figure is counted.
 #[must_use]
-pub fn text(found: &DesignResult) -> String {
-    let table = figures("", &found.figures, |one| how(found, one));
-    let mut rows = vec![given_way(found)];
+pub fn text(found: &DesignResult, whole: bool) -> String {
+    let mut table = figures("", &found.figures, |one| how(found, one));
+    let mut rows = Vec::new();
+    if !whole {
+        table.columns.pop();
+        // What a figure is not told for is no detail.
+        let without = found.figures.iter();
+        rows.extend(without.filter_map(|one| {
+            let why = withheld(found, one).join("; ");
+            (!why.is_empty()).then_some((one.what, why))
+        }));
+    }
     for share in &found.budget {
         rows.push(("budget", budgeted(share)));
     }
-    rows.extend(found.rest.as_ref().map(|rest| ("fit", fitted(rest))));
-    if let Some(bands) = &found.bands {
-        rows.extend(band::rows(bands));
+    rows.extend(notes(found));
+    if !whole {
+        rows.push((
+            "counted",
+            "how each figure is: --verbose, or the page".to_owned(),
+        ));
     }
     format!(
         "{}\n{}\n{}",
@@ -225,7 +258,8 @@ pub fn headline(one: &DesignFigure) -> (String, String) {
     let laws = wide(one);
     let shown = laws.map_or(shown, |laws| band::rounded(value, laws));
     let bound = Some(bound).filter(|bound| !bound.is_empty());
-    let bound = bound.map(|bound| format!("{bound} numerical"));
+    // The sign stays with its number.
+    let bound = bound.map(|bound| format!("{} numerical", bound.replace(' ', "\u{a0}")));
     let parts: Vec<String> = laws.map(band::by_law).into_iter().chain(bound).collect();
     (shown, parts.join("; "))
 }

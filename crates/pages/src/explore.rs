@@ -172,9 +172,8 @@ pub fn span_s(scene: &Scene) -> f64 {
 /// The same scene with the depth of its discs stated: the wall that it follows from is measured at every question otherwise.
 /// Its method is one whose errors a chart hides, and takes long steps: from the loaded balance on little swings.
 fn quick(scene: &CheckedScene) -> CheckedScene {
-    let depth = scales::law_parameters(scene).disc_depth;
     let mut stated = Scene::clone(scene);
-    stated.contact.disc_depth_m = Some(depth).filter(|depth| *depth > 0.0);
+    scales::state_depth(&mut stated);
     stated.solver.formulation = Formulation::Reduced;
     let plan = auto::plan(&stated, SEEN);
     plan.integrator.clone_into(&mut stated.solver.integrator);

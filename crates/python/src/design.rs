@@ -116,7 +116,7 @@ impl Designed {
 
     /// What a terminal shows.
     fn text(&self) -> String {
-        pages::design::text(&self.found)
+        pages::design::text(&self.found, true)
     }
 
     /// Every disc as a drawing in DXF.

@@ -206,9 +206,12 @@ document.addEventListener('DOMContentLoaded', () => {
     return `${ratio > 1 ? '+' : '−'}${said(100 * share, 100 * off)} %`;
   }
   const charts = new Map();
+  // Of the curves of either state, beside its name.
+  const STYLES = [0, 6];
+  NAMES.forEach((name, k) => $(`of-${name}`).prepend(PinwheelCharts.swatch(STYLES[k]), ' '));
   function series() {
     for (const label of Object.keys(first.series)) {
-      const lines = NAMES.map((name, k) => ({ label: name.toUpperCase(), style: k === 0 ? 0 : 6, values: found[name].series[label] || [], visible: true }));
+      const lines = NAMES.map((name, k) => ({ label: name.toUpperCase(), style: STYLES[k], values: found[name].series[label] || [], visible: true }));
       const spec = { x: { values: first.time, label: 'Time (s)', name: (k) => `t = ${PinwheelCharts.number(first.time[k], 4)} s` }, y: { label: label.match(/\(([^)]*)\)/)?.[1] || label }, series: lines, describe: `${label} of both states over a turn` };
       if (charts.has(label)) charts.get(label).update(spec);
       else {

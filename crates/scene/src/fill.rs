@@ -9,6 +9,7 @@ use crate::error::Fault;
 use crate::formulas::Given;
 use crate::keys::{self, Key, Kind, Otherwise};
 use crate::model::Scene;
+use crate::scales;
 use crate::table::{insert, lookup, usual};
 
 /// Why a scene cannot be completed.
@@ -59,6 +60,7 @@ pub(crate) fn fill(table: &mut Table) -> Result<Vec<Origin>, Gap> {
                     if part != "gear" && missing.is_empty() && !sound {
                         check::gear(&scene.gear).map_err(Gap::Fault)?;
                         sound = true;
+                        scales::state_depth(&mut scene);
                     }
                 }
                 let given = Given {

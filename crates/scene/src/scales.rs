@@ -78,6 +78,19 @@ fn springs(scene: &Scene) -> [f64; 2] {
     ]
 }
 
+/// Whether a scene's law reads a key.
+fn reads(scene: &Scene, key: &str) -> bool {
+    law_info(&scene.contact.law).is_some_and(|law| law.keys.contains(&key))
+}
+
+/// States the depth of the discs that the law would measure in the gear each time it is asked for.
+pub fn state_depth(scene: &mut Scene) {
+    if reads(scene, DEPTH) {
+        let depth = law_parameters(scene).disc_depth;
+        scene.contact.disc_depth_m = Some(depth);
+    }
+}
+
 /// What a scene's law reads of it.
 #[must_use]
 pub fn law_parameters(scene: &Scene) -> LawParameters {
@@ -86,13 +99,12 @@ pub fn law_parameters(scene: &Scene) -> LawParameters {
         young: contact.pin_young_pa.unwrap_or(contact.young_pa),
         poisson: contact.pin_poisson.unwrap_or(contact.poisson),
     };
-    let reads = |key: &str| law_info(&contact.law).is_some_and(|law| law.keys.contains(&key));
-    let springs = match reads(SPRING) {
+    let springs = match reads(scene, SPRING) {
         true => springs(scene),
         false => [1.0; 2],
     };
     let least = 0.5 * scene.gear.external_sleeve_radius_m;
-    let wall = || reads(DEPTH).then(|| hole_to_profile_m(&scene.gear).max(least));
+    let wall = || reads(scene, DEPTH).then(|| hole_to_profile_m(&scene.gear).max(least));
     LawParameters {
         damping: contact.damping_n_s_m,
         ramp: contact.ramp_m,

@@ -6,6 +6,7 @@ exudyn finds the contacts and computes their forces; no code of ours runs in the
   equally stiff, to a percent: each is a linear spring of the bed (see `bed`). Only those that can reach the sleeve during
   the run are given to it. A segment is pressed as its nearest point is, so that whole ones would be pressed deeper than the
   edge (by 10 % of the force with 14 in a contact): they are a hundredth as long as they are apart, and as much stiffer.
+  exudyn looks at each in every stage, so that a run is made of pieces, each of a system that knows the near segments alone.
 - The curve contact's damping leaves out the curve's rotation, so it stays off. The external contacts' damping is put where
   it acts: with the edge's normal rate v_n = l_j (wheel rate - ideal rate) and C v_n at every loaded sleeve, the wheel feels
   a rotational damper of C times the mean sum of l_j^2 about the ideal speed (l_j: lever of the normal).
@@ -15,9 +16,11 @@ markers, and a curve contact fails on a ground marker), Runge-Kutta 4; the drive
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import exudyn as exu
@@ -32,7 +35,9 @@ from pinwheel_engines.bed import (
     equal_arcs,
     hertz,
     local_stiffness,
+    nominal_penetration_m,
     nominal_step_s,
+    nominal_width_m,
     springs,
 )
 from pinwheel_engines.errors import Cancelled, Diverged
@@ -40,12 +45,13 @@ from pinwheel_engines.exudyn.session import VERSION, Kept, Load, quiet_session, 
 from pinwheel_engines.guards import Guard
 from pinwheel_engines.layout import INPUT, OUTPUT, Kinematics, hole_centres, wheel_phases
 from pinwheel_engines.result import Recorder, Result, RunStats
-from pinwheel_engines.scene import Gear, Scene
+from pinwheel_engines.scene import Scene
 from pinwheel_engines.start import initial_angles
-from pinwheel_engines.stepping import actual_step_s, stretches
+from pinwheel_engines.stepping import Stretch, actual_step_s, stretches
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
+Span = tuple[float, float]
 
 NAME = "exudyn-own-contact"
 
@@ -57,6 +63,13 @@ SEGMENTS, SEGMENTS_IN_CONTACT = 4000, 7
 LENGTH = 0.01
 # Steps in which the local stiffness is followed, as a share: each costs one more contact a wheel and sleeve.
 STIFFNESS_STEP = 0.02
+# Pieces of a run a turn of the input.
+PIECES = 16
+# How far a wheel may be from the ideal mesh: at least this share of half a lobe, its free play so many times and its nominal
+# contact's twist so many times.
+SHARE_OF_LOBE, PLAYS, TWISTS = 0.03, 2.0, 50.0
+# Widths of the nominal contact and arcs of that turn that a sleeve may touch beside its foot at the ideal mesh.
+WIDTHS, AHEAD = 2.0, 2.0
 
 
 def wheel_damper(scene: Scene) -> float:
@@ -71,40 +84,75 @@ def wheel_damper(scene: Scene) -> float:
     return float(scene.contact.damping_n_s_m * 0.5 * gear.external_sleeves * np.mean(lever**2))
 
 
-def margin_rad(gear: Gear) -> float:
-    """How far beyond the ideal mesh segments are kept: half a lobe and the wheel's free play."""
-    return math.pi / gear.lobes + float(gear.backlash_m / (gear.eccentricity_m * gear.lobes))
+def leeway_rad(scene: Scene) -> float:
+    """How far a wheel may turn from the ideal mesh, at most half of half a lobe and its free play."""
+    gear = scene.gear
+    half, lever = math.pi / gear.lobes, gear.eccentricity_m * gear.lobes
+    play = (gear.backlash_m + gear.extra_play_m) / lever
+    twist = nominal_penetration_m(scene) / lever
+    return float(min(max(SHARE_OF_LOBE * half, PLAYS * play + TWISTS * twist), 0.5 * (half + play)))
 
 
-def reachable(scene: Scene, wheel: int, sleeve: int, edge_polar: Floats) -> npt.NDArray[np.bool_]:
-    """Which edge points, by polar angle in the wheel's frame, can come under a sleeve during the run.
+@dataclass(frozen=True)
+class _Edge:
+    """The springs of an edge: ends of the segments, m, the parameters of their middles, and factors on their stiffness."""
 
-    The sleeve's polar angle in the wheel's frame is followed at the ideal mesh; a margin on both sides covers the
-    contact's width, backlash and the wheel's free play.
-    """
-    gear, drive = scene.gear, scene.drive
-    f = wheel_phases(gear)[wheel] + drive.input_speed_rad_s * np.linspace(0.0, scene.solver.duration_s, 2000)
-    centre = gear.eccentricity_m * np.exp(1j * f)
-    seat = (gear.pitch_radius_m + gear.backlash_m) * np.exp(2j * math.pi * sleeve / gear.external_sleeves)
-    track = np.unwrap(np.angle(seat - centre)) - (math.pi - f) / gear.lobes
-    margin = margin_rad(gear)
-    low, high = float(track.min()) - margin, float(track.max()) + margin
-    return np.mod(edge_polar - low, 2.0 * math.pi) <= high - low
+    starts: Complexes
+    ends: Complexes
+    parameters: Floats
+    local: Floats
+    # Segments that a sleeve may touch on either side of its foot at the ideal mesh.
+    margin: float
+
+    @staticmethod
+    def of(scene: Scene, segments: int) -> _Edge:
+        """So many segments at equal distances."""
+        a, spacing = equal_arcs(scene, segments)
+        middles = edge(scene, a)
+        along = np.roll(middles, -1) - np.roll(middles, 1)
+        reach = 0.5 * LENGTH * spacing * along / np.abs(along)
+        local = STIFFNESS_STEP * np.round(local_stiffness(scene, segments) / STIFFNESS_STEP)
+        # Contacts in pits are wider than on straight edges, and feet run ahead of a wheel's turn.
+        margin = WIDTHS * nominal_width_m(scene) + AHEAD * leeway_rad(scene) * scene.gear.pitch_radius_m
+        return _Edge(middles - reach, middles + reach, a, local, margin / spacing)
+
+    def reachable(self, scene: Scene, wheel: int, sleeve: int, span_s: Span) -> npt.NDArray[np.bool_]:
+        """Which segments can come under a sleeve meanwhile: its foot at the ideal mesh is followed along the edge."""
+        gear, count = scene.gear, self.parameters.size
+        f = wheel_phases(gear)[wheel] + scene.drive.input_speed_rad_s * np.linspace(*span_s, 200)
+        foot = 2.0 * math.pi * sleeve / gear.external_sleeves - (math.pi - f) / gear.lobes
+        turns, within = np.divmod(foot, 2.0 * math.pi)
+        at = np.interp(within, np.append(self.parameters, 2.0 * math.pi), np.arange(count + 1)) + turns * count
+        low, high = float(at.min()) - self.margin, float(at.max()) + self.margin
+        return np.asarray(np.mod(np.arange(count) - low, count) <= high - low)
+
+
+def pieces(parts: list[Stretch], longest_s: float) -> list[Stretch]:
+    """The same stretches cut between samples, so that none is longer, if a sample is not."""
+    cut = []
+    for part in parts:
+        step = (part.end_s - part.start_s) / part.samples
+        most = max(1, math.floor(min(longest_s / step, part.samples)))
+        ends = [min(k + most, part.samples) for k in range(0, part.samples, most)]
+        for first, last in zip([0, *ends], ends, strict=False):
+            end_s = part.end_s if last == part.samples else part.start_s + last * step
+            cut.append(dataclasses.replace(part, start_s=part.start_s + first * step, end_s=end_s, samples=last - first))
+    return cut
 
 
 class _Machine:
-    """The exudyn system of one run, and how to read its forces."""
+    """The exudyn system of one piece of a run, and how to read its forces."""
 
-    def __init__(self, scene: Scene, segments: int, initial: Floats | None) -> None:
+    def __init__(self, scene: Scene, edge_of: _Edge, state: tuple[Floats, Floats], span_s: Span) -> None:
         gear = scene.gear
-        self.scene = scene
+        self.scene, self.edge, self.span_s = scene, edge_of, span_s
         self.load, self.driver_kg_m2 = Load(scene.drive), scene.mass.driver_kg_m2(DRIVER_WHEELS)
         self.kinematics = Kinematics(gear)
         self.layout = self.kinematics.layout
         self.container = exu.SystemContainer()
         self.system = self.container.AddSystem()
         self.ground = self.system.AddObject(items.ObjectGround())
-        angles, rates = initial_angles(scene, initial)
+        angles, rates = state
         self.initial_states = self.kinematics.states(angles, rates)
         layout = self.layout
         self.drive_side = [INPUT, *range(layout.wheel_bodies.start, layout.wheel_bodies.stop)]
@@ -114,7 +162,7 @@ class _Machine:
         self.housing_side = list(range(layout.external_bodies.start, layout.external_bodies.stop))
         self.housing_trees = [self._add_tree([body], angles, rates, 0.0) for body in self.housing_side]
         self._add_dampers()
-        self.outer = self._add_edges(segments)
+        self.outer = self._add_edges()
         self.inner = self._add_holes()
         self.system.Assemble()
 
@@ -177,25 +225,18 @@ class _Machine:
             load["loadVectorUserFunction"] = lambda _system, t, _vector: [0.0, 0.0, self.load.piece.load_n_m(t)]
         self.system.AddLoad(items.LoadTorqueVector(markerNumber=self._link_marker(self.load_tree, 0, 0j), **load))
 
-    def _add_edges(self, segments: int) -> list[list[list[Any]]]:
+    def _add_edges(self) -> list[list[list[Any]]]:
         """Curve contacts, one list of wheels for every sleeve, one list of stiffnesses for every wheel."""
-        scene, gear = self.scene, self.scene.gear
-        a, spacing = equal_arcs(scene, segments)
-        middles = edge(scene, a)
-        along = np.roll(middles, -1) - np.roll(middles, 1)
-        reach = 0.5 * LENGTH * spacing * along / np.abs(along)
-        starts, ends = middles - reach, middles + reach
-        polar = np.angle(middles)
-        table = np.column_stack([starts.real, starts.imag, ends.real, ends.imag])
-        local = STIFFNESS_STEP * np.round(local_stiffness(scene, segments) / STIFFNESS_STEP)
+        scene, gear, of = self.scene, self.scene.gear, self.edge
+        table = np.column_stack([of.starts.real, of.starts.imag, of.ends.real, of.ends.imag])
         stiffness = bed_stiffness(scene) / LENGTH
         contacts: list[list[list[Any]]] = []
         for sleeve in range(gear.external_sleeves):
             seat = self._link_marker(self.housing_trees[sleeve], 0, 0j)
             contacts.append([])
             for wheel in range(gear.wheels):
-                near = reachable(scene, wheel, sleeve, polar)
-                alike = [(table[near & (local == one)], float(one) * stiffness) for one in np.unique(local[near])]
+                near = of.reachable(scene, wheel, sleeve, self.span_s)
+                alike = [(table[near & (of.local == one)], float(one) * stiffness) for one in np.unique(of.local[near])]
                 contacts[-1].append([self._add_curve(wheel, sleeve, seat, *part) for part in alike])
         return contacts
 
@@ -309,16 +350,21 @@ def run(
     check_own_contact(NAME, scene)
     segments = segments or springs(scene, SEGMENTS, SEGMENTS_IN_CONTACT)
     guard = Guard(NAME, scene)
-    # Beyond half of the margin a wheel would run out of the segments that were kept for it.
-    guard.wheel_limit_rad = min(guard.wheel_limit_rad, 0.5 * margin_rad(scene.gear))
+    # Beyond it a wheel would run out of the segments that were kept for it.
+    guard.wheel_limit_rad = min(guard.wheel_limit_rad, leeway_rad(scene))
     wanted = nominal_step_s(scene) if step_s is None else step_s
     kept = Kept()
     wall, cpu = time.perf_counter(), time.thread_time()
     progress = {"steps": 0}
     with quiet_session():
-        machine = _Machine(scene, segments, initial)
-        kinematics, layout = machine.kinematics, machine.layout
-        recorder = Recorder(scene, kinematics)
+        springs_of = _Edge.of(scene, segments)
+        kinematics = Kinematics(scene.gear)
+        layout, recorder = kinematics.layout, Recorder(scene, kinematics)
+        speed = abs(scene.drive.input_speed_rad_s)
+        longest_s = 2.0 * math.pi / (PIECES * speed) if speed > 0.0 else math.inf
+        parts = pieces(stretches(recorder.times_s, wanted, scene.drive.load_breaks_s), longest_s)
+        spans = [(part.start_s, part.end_s) for part in parts] or [(0.0, 0.0)]
+        machine = _Machine(scene, springs_of, initial_angles(scene, initial), spans[0])
 
         def sample(time_s: float) -> None:
             angles, rates = machine.absolute()
@@ -358,9 +404,11 @@ def run(
 
         try:
             sample(0.0)
-            parts = stretches(recorder.times_s, wanted, scene.drive.load_breaks_s)
-            solver, begin = exu.DynamicSolverType.RK44, machine.load.begin
-            progress["steps"] = solve(NAME, machine.system, parts, kept, solver, sample, adjust, begin)
+            for part, span_s in zip(parts, spans, strict=False):
+                if span_s != spans[0]:
+                    machine = _Machine(scene, springs_of, machine.absolute(), span_s)
+                solver, begin = exu.DynamicSolverType.RK44, machine.load.begin
+                progress["steps"] += solve(NAME, machine.system, [part], kept, solver, sample, adjust, begin)
         except Diverged as error:
             error.partial = finish()
             raise

@@ -63,5 +63,8 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
     let page = pages::design::page(&found, &gearbox, &made, interrupt::flag())?;
-    folder.show(&page, &pages::design::text(&found))
+    folder.show(
+        &page,
+        &pages::design::text(&found, screen::manner().verbose),
+    )
 }

@@ -111,6 +111,78 @@ fn published_rollers_know_their_length() {
     assert_eq!(Some(balls), Law::named("paper", &longer));
 }
 
+/// What a prototype in Python found for contacts of a 39:1 gear of steel, 7.8 mm wide, discs 10 mm deep: approach in um, local exponent,
+/// and tangent in N/um, printed to as many digits. R is that of its balls' approach.
+#[test]
+fn crossval_approaches_of_a_prototype() {
+    let parameters = LawParameters {
+        pin: STEEL,
+        disc: STEEL,
+        disc_depth: 0.01,
+        line_length: 0.0078,
+        stiffness_multiplier: 1.0,
+        ..LawParameters::default()
+    };
+    let laws = ["paper", "line-contact", "kunert", "line-hertz"];
+    for (what, pin, radius, force, found) in [
+        (
+            "flank",
+            2.65e-3,
+            12.25e-3,
+            300.0,
+            [
+                [6.77, 1.5, 66.0],
+                [1.26, 1.11, 265.0],
+                [1.38, 1.08, 235.0],
+                [1.05, 1.11, 318.0],
+            ],
+        ),
+        (
+            "lobe",
+            2.65e-3,
+            1.3e-3,
+            300.0,
+            [
+                [14.3, 1.5, 32.0],
+                [1.26, 1.11, 265.0],
+                [1.38, 1.08, 235.0],
+                [1.29, 1.09, 254.0],
+            ],
+        ),
+        (
+            "hole",
+            0.01,
+            0.129,
+            1700.0,
+            [
+                [9.82, 1.5, 260.0],
+                [6.0, 1.11, 315.0],
+                [6.88, 1.08, 267.0],
+                [4.29, 1.16, 461.0],
+            ],
+        ),
+    ] {
+        for (name, [approach, exponent, tangent]) in laws.into_iter().zip(found) {
+            let law = Law::named(name, &parameters).unwrap();
+            let k = parameters.hertz(name).of(pin, radius);
+            let depth = law.depth(k, force);
+            let slope = law.tangent(k, depth);
+            // To half of the last printed digit, and what that does to R.
+            let close = |of: f64, to: f64, digit: f64| {
+                let most = 0.5 * digit + 2e-3 * to;
+                assert!((of - to).abs() < most, "{what}, {name}: {of} {to}");
+            };
+            close(
+                1e6 * depth,
+                approach,
+                if approach < 10.0 { 0.01 } else { 0.1 },
+            );
+            close(depth * slope / force, exponent, 0.01);
+            close(1e-6 * slope, tangent, 1.0);
+        }
+    }
+}
+
 /// Lundberg's formula as it is printed, for two rollers and several materials. Measured: 1e-14.
 #[test]
 fn published_lundberg() {

@@ -6,6 +6,7 @@ use pinwheel_mbs::{BodyState, Pose, Sums, Wrench};
 
 use super::floating::Bearings;
 use super::seals::Seals;
+use super::sleeves::OnPins;
 use crate::Sleeve;
 
 /// One pair of wheel and sleeve at its closest points.
@@ -108,6 +109,11 @@ pub trait ContactField: Send {
         None
     }
 
+    /// The sleeves that rub on their pins.
+    fn on_pins(&self) -> Option<OnPins> {
+        None
+    }
+
     /// Adds every body's contact load to `loads`.
     fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
         self.evaluate(bodies, Pose::Any, &mut Sums::of_loads(loads));
@@ -115,8 +121,12 @@ pub trait ContactField: Send {
 
     /// What the contacts store and dissipate at these states.
     fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
-        let (law, mut sum) = (*self.law(), ContactEnergy::default());
-        self.touching(bodies, &mut |pair| pair.add_energy(&law, &mut sum));
+        let (law, pins) = (*self.law(), self.on_pins());
+        let mut sum = ContactEnergy::default();
+        self.touching(bodies, &mut |pair| {
+            pair.add_energy(&law, &mut sum);
+            sum.friction_w += pins.map_or(0.0, |pins| pins.drag(bodies, pair).lost_w);
+        });
         sum
     }
 }

@@ -7,6 +7,7 @@ use pinwheel_scene::bearings::BearingLaw;
 use super::cranks::{Cranks, OfCrank};
 use super::field::{ContactEnergy, ContactField, PairContact};
 use super::pairs::places;
+use super::sleeves::OnPins;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
@@ -366,5 +367,9 @@ impl ContactField for Floating {
 
     fn bearings(&self) -> Option<&Bearings> {
         Some(&self.bearings)
+    }
+
+    fn on_pins(&self) -> Option<OnPins> {
+        self.contacts.on_pins()
     }
 }

@@ -6,7 +6,6 @@ mod field;
 mod flanks;
 mod floating;
 mod lanes;
-mod losses;
 mod pairs;
 mod seals;
 mod sleeves;
@@ -17,6 +16,7 @@ use pinwheel_scene::scales::{law_parameters, pin_law};
 pub use field::{ContactEnergy, ContactField, PairContact};
 pub use floating::{BearingLoad, Bearings};
 pub use seals::Seals;
+pub use sleeves::OnPins;
 
 use crate::GearboxError;
 use crate::geometry::Geometry;
@@ -86,7 +86,7 @@ pub(crate) fn field(
         Some(bearings) => Box::new(floating::Floating { contacts, bearings }),
         None => contacts,
     };
-    Ok(losses::with_losses(scene, inner))
+    Ok(seals::with_seals(scene, inner))
 }
 
 /// The contacts alone.

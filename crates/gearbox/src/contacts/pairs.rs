@@ -11,6 +11,7 @@ use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums, Wrench};
 use super::detection::{Detection, Slopes, Touch};
 use super::field::{ContactEnergy, ContactField, PairContact};
 use super::flanks::{Flanks, Seat};
+use super::sleeves::OnPins;
 use crate::geometry::Geometry;
 use crate::scene::{self, FrictionLaw, Scene};
 use crate::{Layout, Sleeve};
@@ -21,6 +22,7 @@ pub(super) struct Pairs<D> {
     law: PinLaw,
     detection: D,
     friction: Friction,
+    pins: Option<OnPins>,
     external_directions: Vec<Complex>,
     external_sleeves: u32,
     flanks: Option<Flanks>,
@@ -131,6 +133,7 @@ impl<D: Detection> Pairs<D> {
             law,
             detection,
             friction: friction(&scene.contact),
+            pins: OnPins::of(scene),
             external_directions: geometry.external_directions.clone(),
             external_sleeves: scene.gear.external_sleeves as u32,
             flanks: Flanks::of(geometry),
@@ -551,6 +554,9 @@ impl<D: Detection> ContactField for Pairs<D> {
             return false;
         };
         let mut energy = ContactEnergy::default();
+        let pins = self
+            .pins
+            .filter(|_| sums.loads.is_some() || sums.wants_energy);
         for (wheel, hub) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&bodies[hub]);
             let mut reaction = Reaction::default();
@@ -562,9 +568,17 @@ impl<D: Detection> ContactField for Pairs<D> {
                     let at = (wheel, sleeve, body, seat);
                     self.add_slopes_of(at, bodies, &frame, pair, friction, slopes);
                 }
-                if sums.wants_energy {
-                    let pair = pair.contact(&self.law, wheel, sleeve, &frame);
-                    pair.add_energy(&self.law, &mut energy);
+                if !sums.wants_energy && pins.is_none() {
+                    return;
+                }
+                let pair = pair.contact(&self.law, wheel, sleeve, &frame);
+                pair.add_energy(&self.law, &mut energy);
+                if let Some(pins) = pins {
+                    let drag = pins.drag(bodies, &pair);
+                    energy.friction_w += drag.lost_w;
+                    if let Some(loads) = &mut sums.loads {
+                        pins.add(bodies, &pair, &drag, loads);
+                    }
                 }
             });
             if let Some(loads) = &mut sums.loads {
@@ -577,6 +591,10 @@ impl<D: Detection> ContactField for Pairs<D> {
 
     fn law(&self) -> &PinLaw {
         &self.law
+    }
+
+    fn on_pins(&self) -> Option<OnPins> {
+        self.pins
     }
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {

@@ -5,11 +5,15 @@
 //! ```
 //! with slow = 1 rad/s at the input, and as much less at the output as that turns slower.
 
-use pinwheel_mbs::{BodyState, Jacobian};
+use pinwheel_contact::PinLaw;
+use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums};
 
+use super::field::{ContactEnergy, ContactField, PairContact};
+use super::floating::Bearings;
 use super::pairs::OUTPUT;
-use crate::Layout;
+use super::sleeves::OnPins;
 use crate::scene::Scene;
+use crate::{Layout, Sleeve};
 
 /// Torque that holds back a body, and the rate below which it fades.
 #[derive(Debug, Clone, Copy)]
@@ -70,5 +74,71 @@ impl Seals {
     pub(super) fn lost_w(&self, bodies: &[BodyState]) -> f64 {
         let of = |seal: &Seal| -seal.moment(bodies) * bodies[seal.body].rate;
         self.0.iter().map(of).sum()
+    }
+}
+
+/// A field with seals.
+struct Sealed {
+    inner: Box<dyn ContactField>,
+    seals: Seals,
+}
+
+/// A field with a scene's seals; the field itself where there are none.
+pub(super) fn with_seals(scene: &Scene, inner: Box<dyn ContactField>) -> Box<dyn ContactField> {
+    match Seals::of(scene) {
+        Some(seals) => Box::new(Sealed { inner, seals }),
+        None => inner,
+    }
+}
+
+impl ContactField for Sealed {
+    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
+        if !self.inner.evaluate(bodies, pose, sums) {
+            return false;
+        }
+        let seals = &self.seals;
+        if let Some(loads) = sums.loads.as_deref_mut() {
+            seals.add(bodies, loads, |load| &mut load.moment);
+        }
+        if let Some(moments) = sums.moments.as_deref_mut() {
+            seals.add(bodies, moments, |moment| moment);
+        }
+        if let Some(energy) = &mut sums.energy {
+            energy.friction_w += seals.lost_w(bodies);
+        }
+        if let Some(slopes) = sums.slopes.as_deref_mut() {
+            seals.add_slopes(bodies, slopes);
+        }
+        true
+    }
+
+    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
+        self.inner.touching(bodies, visit);
+    }
+
+    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
+        self.inner.nearest(bodies, wheel, sleeve)
+    }
+
+    fn law(&self) -> &PinLaw {
+        self.inner.law()
+    }
+
+    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
+        let mut sum = self.inner.energy(bodies);
+        sum.friction_w += self.seals.lost_w(bodies);
+        sum
+    }
+
+    fn bearings(&self) -> Option<&Bearings> {
+        self.inner.bearings()
+    }
+
+    fn on_pins(&self) -> Option<OnPins> {
+        self.inner.on_pins()
+    }
+
+    fn seals(&self) -> Option<&Seals> {
+        Some(&self.seals)
     }
 }

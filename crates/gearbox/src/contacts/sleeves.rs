@@ -6,6 +6,7 @@
 //! A sleeve that rolls at v_t/r on a pin of diameter d loses mu F_n d/2 times that, and T takes as much from the wheel. The couple T r on
 //! the pin is its carrier's. slow = 1 rad/s. Slopes leave T out: it is some thousandths of F_n.
 
+use pinwheel_contact::Real;
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::bearings::SLOW_RAD_S;
 
@@ -15,7 +16,7 @@ use crate::{Layout, Sleeve};
 
 /// What sleeves lose on their pins.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct OnPins {
+pub struct OnPins {
     /// mu d/2, m.
     lever_m: f64,
     layout: Layout,
@@ -23,7 +24,7 @@ pub(super) struct OnPins {
 
 /// T on a sleeve.
 pub(super) struct Drag {
-    force: [f64; 2],
+    pub(super) force: [f64; 2],
     /// Couple on its pin, N m.
     couple: f64,
     pub(super) lost_w: f64,
@@ -40,6 +41,15 @@ impl OnPins {
         })
     }
 
+    /// T along t on a sleeve that `force` presses, whose centre is `radius` from the contact, where the wheel passes a sleeve that does not
+    /// turn on its pin.
+    #[inline(always)]
+    pub(super) fn along<R: Real>(&self, force: R, radius: R, passing: R) -> R {
+        let one = force.like(1.0);
+        let rolling = passing * force.like(1.0 / SLOW_RAD_S) / radius;
+        -(force * force.like(self.lever_m) / radius) * rolling.max(-one).min(one)
+    }
+
     /// T of a pair.
     pub(super) fn drag(&self, bodies: &[BodyState], pair: &PairContact) -> Drag {
         let arm = [
@@ -53,9 +63,7 @@ impl OnPins {
         };
         let own = bodies[self.layout.sleeve_body(pair.sleeve)].rate;
         let passing = pair.tangential_rate_m_s + (carrier - own) * radius;
-        let rolling = passing / radius;
-        let size = self.lever_m * pair.normal_force_n / radius;
-        let along = -size * (rolling / SLOW_RAD_S).clamp(-1.0, 1.0);
+        let along = self.along(pair.normal_force_n, radius, passing);
         let [nx, ny] = pair.normal;
         let force = [-along * ny, along * nx];
         Drag {

@@ -250,9 +250,10 @@ proptest! {
     fn lanes_equal_the_scalar_loop(
         zk in 5_usize..121, m in 0.3..0.9_f64, zi in 3_usize..20, wheels in 1_usize..4, friction: bool,
         law in 0..4_usize, kernel in prop::sample::select(&LANES), backlash in prop_oneof![Just(0.0), 0.0..1.4e-3], input in 0.0..40.0_f64, twist in 0.0..2e-3_f64,
-        rates in prop::array::uniform16(-1.0..1.0_f64), pin in prop::option::of(4.0..9.0_f64),
+        rates in prop::array::uniform16(-1.0..1.0_f64), pin in prop::option::of(4.0..9.0_f64), rubs in prop::option::of(0.01..0.2_f64),
     ) {
         let mut scene = Scene::paper();
+        (scene.bearings.sleeve_friction_coefficient, scene.bearings.sleeve_bore_m) = (rubs, Some(0.005));
         scene.bearings.internal_sleeve_stiffness_n_m = pin.map(|digits| 10f64.powf(digits));
         scene.gear.external_sleeves = zk;
         scene.gear.shortening = m;
@@ -322,6 +323,9 @@ proptest! {
             }
             prop_assert!((energy.stored_j - b.stored_j).abs() <= stored, "{energy:?} {b:?}");
             prop_assert!((energy.damping_w - b.damping_w).abs() <= 1e-9 * b.damping_w + force, "{energy:?} {b:?}");
+            prop_assert!((energy.friction_w - b.friction_w).abs() <= 1e-9 * b.friction_w + force, "{energy:?} {b:?}");
+            let is_lost = rubs.is_some() && !listed.0.is_empty();
+            prop_assert_eq!(b.friction_w > 0.0, is_lost, "{:?}", b);
         }
         for (a, b) in fast.iter().zip(&slow) {
             prop_assert!((a.fx - b.fx).abs() <= force, "{a:?} {b:?} {force}");
@@ -369,13 +373,18 @@ fn levers_know_wheels_that_float() {
         ("bearings.eccentric.friction_coefficient", "0.01"),
     ];
     let pin = ("bearings.internal_sleeve_stiffness_n_m", "1e7");
+    let rubs = [
+        bearings[0],
+        ("bearings.sleeve_friction_coefficient", "0.05"),
+        ("bearings.sleeve_bore_m", "0.004"),
+    ];
     for (preset, law) in [
         ("paper", "paper"),
         ("backlash-0.6", "paper-conservative"),
         ("eleven-pins", "line-hertz"),
         ("one-wheel", "linear"),
     ] {
-        for sets in [&bearings[..], &[bearings[0], pin]] {
+        for sets in [&bearings[..], &[bearings[0], pin], &rubs] {
             let sets = [sets, &[("contact.law", law)]].concat();
             let gearbox = gearbox(preset, &sets);
             let play = gearbox.scene.gear.backlash_m / gearbox.scene.gear.lever_m();
@@ -407,6 +416,7 @@ fn levers_know_wheels_that_float() {
                     let energy = energy.unwrap();
                     near(energy.stored_j / stored.stored_j * largest, largest);
                     near(energy.damping_w, stored.damping_w);
+                    near(energy.friction_w, stored.friction_w);
                     assert_eq!(energy.friction_w > 0.0, sets.len() > 3);
                     for (body, (a, b)) in fast.iter().zip(&slow).enumerate() {
                         near(a.fx, b.fx);
@@ -419,7 +429,10 @@ fn levers_know_wheels_that_float() {
                     let output: f64 = (gearbox.layout.internal_bodies())
                         .map(|k| bodies[k].x * slow[k].fy - bodies[k].y * slow[k].fx)
                         .sum();
-                    near(moments[Layout::OUTPUT], output);
+                    near(
+                        moments[Layout::OUTPUT],
+                        output + slow[Layout::OUTPUT].moment,
+                    );
                 }
             }
         }

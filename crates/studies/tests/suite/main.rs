@@ -1,8 +1,8 @@
 //! Tests of the studies, in one program: they share its build and the machine.
 
 mod bench;
-mod benchmark;
 mod calibration;
+mod data_set;
 mod load_changes;
 mod patience;
 mod printed_drive;

@@ -39,6 +39,7 @@ use pulp::Simd;
 use super::columns::{Column, PADDING};
 use super::shapes::Shapes;
 use crate::Layout;
+use crate::contacts::sleeves::OnPins;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 
@@ -63,6 +64,9 @@ pub(super) struct JointSpace {
     shortening: f64,
     /// H.
     repulsion: f64,
+    pins: Option<OnPins>,
+    /// Of external and internal sleeves, m.
+    sleeve_radii: [f64; 2],
     /// 1/beta of the external sleeves, the first ones again after the last.
     directions: Column,
     /// Internal sleeves on the output, m.
@@ -116,9 +120,12 @@ struct Sums<S: Simd> {
     /// Moments on input, with `LOADS`, and output.
     on_input: Lanes<S>,
     on_output: Lanes<S>,
+    /// Couple of the internal sleeves on their pins.
+    on_pins: Lanes<S>,
     /// Where energy is asked for.
     stored: Lanes<S>,
     dissipated: Lanes<S>,
+    rubbed: Lanes<S>,
 }
 
 /// Numbers of a register's lanes.
@@ -249,6 +256,8 @@ impl JointSpace {
             lobes: f64::from(geometry.curve.lobes()),
             shortening: gear.generating_shortening(),
             repulsion: geometry.curve.repulsion(),
+            pins: OnPins::of(scene),
+            sleeve_radii: [gear.external_sleeve_radius_m, gear.internal_sleeve_radius_m],
             points: Column::padded(geometry.internal_points.iter().map(|&p| p.into())),
             units: nothing(angles.len()),
             angles,
@@ -279,8 +288,10 @@ impl JointSpace {
             on_sleeves: !FLOATS || !found.floating_alone,
             on_input: nothing,
             on_output: nothing,
+            on_pins: nothing,
             stored: nothing,
             dissipated: nothing,
+            rubbed: nothing,
         };
         self.external::<S, LOADS, FLOATS>(simd, &law.on_rigid_pin(), shapes, bodies, &mut sums);
         self.internal::<S, LOADS, FLOATS>(simd, law, shapes, bodies, output, &mut sums);
@@ -289,12 +300,15 @@ impl JointSpace {
                 self.scatter(loads);
             }
             self.scatter_wheels(loads);
+            if self.pins.is_some() {
+                loads[Layout::OUTPUT].moment += sums.on_pins.sum();
+            }
         }
         if sums.asked {
             found.energy = Some(ContactEnergy {
                 stored_j: sums.stored.sum(),
                 damping_w: sums.dissipated.sum(),
-                friction_w: 0.0,
+                friction_w: sums.rubbed.sum(),
             });
         }
         if let Some(moments) = &mut found.moments {
@@ -480,8 +494,9 @@ impl JointSpace {
             let wheel_lever = foot.sin * foot.inverse * c(-r * self.lobes / zk);
             let input_lever = foot.outward.im * foot.inverse * c(-(r + b)) - wheel_lever;
             let wheel_rate = Lanes::splat_pair(simd, [one.rate, two.rate]);
+            // -n.
+            let away = foot.outward.scale(foot.inverse).times_conj(direction);
             let closing = if FLOATS {
-                let away = foot.outward.scale(foot.inverse).times_conj(direction);
                 self.velocities(simd, bodies, pair).dot(away) - wheel_lever * wheel_rate
             } else {
                 -(wheel_lever * wheel_rate) - input_lever * c(bodies[Layout::INPUT].rate)
@@ -495,20 +510,40 @@ impl JointSpace {
             let pressure = force.only(inside);
             let mut moment = (wheel_lever * force).only(inside);
             let mut beside = None;
-            if let Some(along) = law.law.along(stiffness, foot.depth) {
-                let slopes = shapes.stiffness_slopes(&foot, stiffness);
-                // A, whose lever is -P.n = (C.T + r.T)/sqrt(g).
-                let along = -(slopes.along * along).only(inside);
+            let along = law.law.along(stiffness, foot.depth);
+            if along.is_some() || self.pins.is_some() {
+                // -P.n = (C.T + r.T)/sqrt(g), and -c.n = (R + b) Re T/sqrt(g) less that.
                 let m2 = c(self.shortening * self.shortening);
                 let reach = (foot.cos + m2).mul_add(c(r / zk), (foot.cos + c(1.0)) * c(r));
-                moment = moment + along * (reach * foot.inverse - foot.depth).only(inside);
-                if LOADS && !FLOATS {
-                    // A, whose lever is -c.n = (R + b) Re T/sqrt(g) less that.
-                    let centre = foot.outward.re * foot.inverse * c(r + b);
-                    let lever = centre - (reach * foot.inverse - foot.depth);
-                    sums.on_input = sums.on_input + along * lever.only(inside);
+                let level = reach * foot.inverse - foot.depth;
+                let centre = foot.outward.re * foot.inverse * c(r + b) - level;
+                let mut tangential = c(0.0);
+                if let Some(along) = along {
+                    let slopes = shapes.stiffness_slopes(&foot, stiffness);
+                    tangential = -(slopes.along * along).only(inside);
+                    moment = moment + tangential * level.only(inside);
                 }
-                beside = Some(along);
+                if let Some(pins) = &self.pins {
+                    let radius = c(self.sleeve_radii[0]) - foot.depth;
+                    // (W - c).n.
+                    let lever = radius - level;
+                    let carried = if FLOATS {
+                        -self.velocities(simd, bodies, pair).dot(away.turned())
+                    } else {
+                        -(centre * c(bodies[Layout::INPUT].rate))
+                    };
+                    let passing = -(lever * wheel_rate) - carried;
+                    let drag = pins.along(force, radius, passing).only(inside);
+                    moment = moment - drag * lever.only(inside);
+                    if sums.asked {
+                        sums.rubbed = sums.rubbed - drag * passing.only(inside);
+                    }
+                    tangential = tangential + drag;
+                }
+                if LOADS && !FLOATS {
+                    sums.on_input = sums.on_input + tangential * centre.only(inside);
+                }
+                beside = Some(tangential);
             }
             if LOADS && !FLOATS {
                 sums.on_input = sums.on_input + (input_lever * force).only(inside);
@@ -585,7 +620,33 @@ impl JointSpace {
                 law.force(stiffness, depth, closing)
             };
             sums.on_output = sums.on_output - (output_lever * force).only(inside);
-            let moment = (wheel_lever * force).only(inside).sums();
+            let mut moment = (wheel_lever * force).only(inside);
+            let mut push = normal.scale(-force).only(inside);
+            if let Some(pins) = &self.pins {
+                let radius = c(self.sleeve_radii[1]) - depth;
+                // (W - c).n, W.n and the velocity of c along t.
+                let on_wheel = hole.dot(normal) + c(self.sleeve_radii[1] + shapes.clearance);
+                let on_output = sleeve.dot(normal) + radius;
+                let carried = if FLOATS {
+                    self.velocities(simd, bodies, pair).dot(normal.turned())
+                } else {
+                    (on_output - on_wheel) * input_rate
+                };
+                let passing = on_output * output_rate - on_wheel * wheel_rate - carried;
+                let drag = pins.along(force, radius, passing).only(inside);
+                sums.on_output = sums.on_output + drag * on_output.only(inside);
+                moment = moment - drag * on_wheel.only(inside);
+                push = push + normal.turned().only(inside).scale(drag);
+                if LOADS && !FLOATS {
+                    let lever = (on_output - on_wheel).only(inside);
+                    sums.on_input = sums.on_input - drag * lever;
+                }
+                sums.on_pins = sums.on_pins + drag * radius.only(inside);
+                if sums.asked {
+                    sums.rubbed = sums.rubbed - drag * passing.only(inside);
+                }
+            }
+            let moment = moment.sums();
             self.wheels[pair[0].wheel].moment += moment[0];
             self.wheels[pair[1].wheel].moment += moment[1];
             if LOADS {
@@ -593,7 +654,6 @@ impl JointSpace {
                     let lever = output_lever - wheel_lever;
                     sums.on_input = sums.on_input + (lever * force).only(inside);
                 }
-                let push = normal.scale(-force).only(inside);
                 if sums.on_sleeves {
                     self.forces[1].add_pair(pair, push);
                 }

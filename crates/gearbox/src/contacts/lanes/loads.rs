@@ -6,11 +6,15 @@ use pulp::Simd;
 
 use super::columns::Sleeves;
 use super::pair_loop::{Group, Sink, Wheel};
+use crate::Layout;
+use crate::contacts::sleeves::OnPins;
 
 /// Adds forces (Eq. 20, 21) to the sleeves' columns and to the wheels' loads, and what they store and dissipate to `energy`.
 pub(super) struct Loads<'a> {
     pub(super) law: PinLaw,
     pub(super) friction: RegularisedCoulomb,
+    pub(super) pins: Option<OnPins>,
+    pub(super) output_rate: f64,
     pub(super) loads: &'a mut [Wrench],
     pub(super) energy: Option<&'a mut ContactEnergy>,
 }
@@ -23,7 +27,7 @@ impl Sink for Loads<'_> {
         let rubs = self.friction.coefficient > 0.0;
         let relative = group.relative_velocity(simd, wheel, rubs);
         let (stiffness, depth) = (touching.stiffness, touching.penetration);
-        let (closing, sliding) = (relative.dot(n), relative.dot(n.turned()));
+        let (closing, mut sliding) = (relative.dot(n), relative.dot(n.turned()));
         let law = group.law(&self.law);
         let mut drag = depth.like(0.0);
         let pressure = law.force(stiffness, depth, closing);
@@ -33,6 +37,19 @@ impl Sink for Loads<'_> {
             let share = sliding * depth.like(1.0 / self.friction.ramp);
             drag = pressure * depth.like(-self.friction.coefficient) * share.max(-one).min(one);
             on_sleeve = n.turned().scale_add(drag, on_sleeve);
+        }
+        if let Some(pins) = self.pins {
+            let radius = arm.dot(n);
+            if !group.external {
+                // As a sleeve would that does not turn on its pin.
+                sliding = radius.mul_add(depth.like(self.output_rate), sliding);
+            }
+            drag = pins.along(pressure, radius, sliding);
+            on_sleeve = n.turned().scale_add(drag, on_sleeve);
+            if !group.external {
+                let couple = (radius * drag).only(touching.mask);
+                self.loads[Layout::OUTPUT].moment += couple.sum();
+            }
         }
         if let Some(energy) = &mut self.energy {
             let mask = touching.mask;

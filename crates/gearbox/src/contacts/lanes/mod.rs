@@ -21,6 +21,7 @@ use pulp::Simd;
 use super::detection::Exact;
 use super::field::{ContactEnergy, ContactField, PairContact};
 use super::pairs::Pairs;
+use super::sleeves::OnPins;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
@@ -37,6 +38,7 @@ pub(super) struct LaneField {
     arch: pulp::Arch,
     law: PinLaw,
     friction: RegularisedCoulomb,
+    pins: Option<OnPins>,
     pairs: LanePairs,
     /// Without friction.
     joint_space: Option<JointSpace>,
@@ -108,6 +110,7 @@ impl LaneField {
                 coefficient,
                 ramp: contact.friction_ramp_m_s * factor(Fault::FrictionSign, -1.0),
             },
+            pins: OnPins::of(scene),
             floats: scene.bearings.eccentric.is_some(),
             joint_space: (coefficient == 0.0).then(|| JointSpace::new(scene, geometry)),
             pairs: LanePairs {
@@ -137,6 +140,8 @@ impl LaneField {
         let sink = Loads {
             law: self.law,
             friction: self.friction,
+            pins: self.pins,
+            output_rate: bodies[Layout::OUTPUT].rate,
             loads,
             energy: energy.as_mut(),
         };
@@ -220,5 +225,9 @@ impl ContactField for LaneField {
 
     fn law(&self) -> &PinLaw {
         &self.law
+    }
+
+    fn on_pins(&self) -> Option<OnPins> {
+        self.pins
     }
 }
