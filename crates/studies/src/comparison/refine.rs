@@ -12,9 +12,9 @@ use pinwheel_compare::{
     Uncertainty, compare,
 };
 use pinwheel_engines::{Engine, Form, Knob, Native, Refinement};
-use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::{self, Plan};
 use pinwheel_gearbox::resolve::{by_step, by_tolerance};
+use pinwheel_gearbox::{Gearbox, friction_rate};
 use pinwheel_mbs::integrators::{Family, UNSEEN, method};
 use pinwheel_scene::{CheckedScene, Override, preset};
 use pinwheel_timeseries::TimeSeries;
@@ -118,6 +118,10 @@ struct Engines<'a> {
 /// Tolerance of RODAS5P where a comparison begins: ten times looser is as loose as it may be.
 const ROSENBROCK: f64 = 1e-6;
 
+/// Longest step that follows a relaxation explicitly, in its time: where Runge-Kutta 4 is stable on the real axis (Hairer and Wanner,
+/// Solving Ordinary Differential Equations II, 1996, ch. IV.2), the farthest of the methods here.
+const FOLLOWED: f64 = 2.785;
+
 const EXPLICIT: &str = "its friction is not ours or explicit, and takes steps of about 2e-7 s";
 
 impl<'a> Engines<'a> {
@@ -205,6 +209,18 @@ impl<'a> Engines<'a> {
             Some(way)
         };
         plans.iter().filter_map(way).collect()
+    }
+
+    /// How many times shorter than `value` its steps must be to follow explicit friction; `None` where they do. Longer ones chatter from
+    /// side to side of its ramp: two steps may do that alike, and then agree on a wrong force.
+    fn chatters(&self, value: f64) -> Option<f64> {
+        let explicit = match self.own.info().form {
+            Some(_) => method(&self.gearbox.scene.solver.integrator)
+                .is_some_and(|method| method.family == Family::Explicit),
+            None => self.own.info().explicit_friction,
+        };
+        let shorter = value * friction_rate(&self.gearbox.scene) / FOLLOWED;
+        (explicit && self.knob == Knob::Step && shorter > 1.0).then_some(shorter)
     }
 
     fn has_friction(&self) -> bool {
@@ -449,7 +465,11 @@ pub(crate) fn refine(
     });
     loop {
         let evidence = evidence(&engines, value, &levels);
-        let found = refinement(context, &finest, &evidence, TARGET * effort.resolution)?;
+        let mut found = refinement(context, &finest, &evidence, TARGET * effort.resolution)?;
+        if let Some(shorter) = engines.chatters(value) {
+            found.factor = Some(found.factor.map_or(shorter, |factor| factor.max(shorter)));
+            found.stuck = Some(blunt());
+        }
         let Some(needed) = found.factor.filter(|_| free) else {
             return Ok((finest, settled(evidence, &engines, is_final, found)));
         };
@@ -529,6 +549,13 @@ fn evidence(engines: &Engines<'_>, value: f64, levels: &[At]) -> Evidence {
     Evidence::refinement(engines.own.name(), study).with_floor(engines.left(value))
 }
 
+fn blunt() -> Unresolved {
+    Unresolved::new(
+        "its steps do not follow the friction: they do not resolve every quantity",
+        "give it more time (--longest) or a smaller solver.step_s",
+    )
+}
+
 /// The evidence, and why it is final. An engine with friction, or at its best, that does not converge in one quantity is outside
 /// of the range in which refinement shows errors: then it shows none. So is an engine at its best whose friction is
 /// still above the resolution anywhere: what it cannot follow shows in every quantity sooner or later.
@@ -539,11 +566,6 @@ fn settled(
     found: Needed,
 ) -> Evidence {
     let has_friction = engines.has_friction();
-    let blunt = || Unresolved {
-        reason: "its steps do not follow the friction: they do not resolve every quantity"
-            .to_owned(),
-        remedy: "give it more time (--longest) or a smaller solver.step_s".to_owned(),
-    };
     let stuck = found
         .stuck
         .filter(|_| has_friction || is_final.is_some())

@@ -156,3 +156,37 @@ fn hard_a_run_without_end_is_given_up() {
     assert!(reason.contains("--longest"), "{reason}");
     assert_eq!(found.counts.exit_status(), 0);
 }
+
+/// Friction on a ramp that explicit steps jump over from side to side is not resolved by them, however well two such steps agree; by
+/// steps that follow it it is. One Runge-Kutta is taken at its word either side of where it is stable, another knows the ramp implicitly.
+#[test]
+fn hard_steps_that_chatter_resolve_nothing() {
+    let refused = |method: &str, step_s: &str| {
+        let sets = [
+            ("contact.friction_coefficient", "0.1"),
+            ("solver.integrator", method),
+            ("solver.step_s", step_s),
+            ("solver.sample_s", "1e-4"),
+            ("solver.duration_s", "0.002"),
+        ];
+        let sets = sets.map(|(key, value)| Override::new(key, value));
+        let gearbox = Gearbox::new(&Scene::load("paper", &sets).unwrap()).unwrap();
+        let engines = [by_name("native-reduced", &gearbox.scene).unwrap()];
+        let input = Input {
+            gearbox: &gearbox,
+            engines: &engines,
+            data: &[],
+        };
+        let effort = Effort {
+            obey: true,
+            ..Effort::of(&gearbox.scene)
+        };
+        let found = comparison::run_with(&input, effort, &Control::quiet()).unwrap();
+        let told = serde_json::to_string(&found.comparison.engines[0].uncertainty).unwrap();
+        told.contains("do not follow the friction")
+    };
+    // The ramp relaxes at 4.3e5 1/s: Runge-Kutta 4 follows up to 6.5e-6 s.
+    assert!(refused("rk4", "1e-5"));
+    assert!(!refused("rk4", "2.5e-6"));
+    assert!(!refused("imex2", "1e-5"));
+}
