@@ -380,6 +380,9 @@ impl<'a> Answer<'a> {
                 format!(": {}, a difference of models", twin.contacts)
             }
             Some(_) => ": its own contacts do not explain it".to_owned(),
+            None if most.verdict == Some(Judged::Inconclusive) => {
+                ": not resolved, so that it may be numerical".to_owned()
+            }
             None => ": nothing explains it".to_owned(),
         };
         let mark = match most.is_explained() || most.share() < SEEN {
