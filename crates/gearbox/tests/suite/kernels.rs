@@ -284,11 +284,9 @@ proptest! {
         let moment = force * gearbox.geometry.curve.pitch_radius();
         let (mut listed, mut oracle) = (pairs(&gearbox, kernel, &bodies), pairs(&gearbox, Kernel::Scalar, &bodies));
         check_depths(&gearbox, &bodies, &oracle.0);
-        // Rounding decides whether sleeves touch that only just do; rollers press there already.
-        if law > 1 {
-            for list in [&mut listed.0, &mut oracle.0] {
-                list.retain(|pair| pair.penetration_m > 100.0 * ulps);
-            }
+        // Rounding decides whether sleeves touch that only just do.
+        for list in [&mut listed.0, &mut oracle.0] {
+            list.retain(|pair| pair.penetration_m > 100.0 * ulps);
         }
         prop_assert_eq!(listed.0.len(), oracle.0.len());
         for (a, b) in listed.0.iter().zip(&oracle.0) {
@@ -324,8 +322,8 @@ proptest! {
             prop_assert!((energy.stored_j - b.stored_j).abs() <= stored, "{energy:?} {b:?}");
             prop_assert!((energy.damping_w - b.damping_w).abs() <= 1e-9 * b.damping_w + force, "{energy:?} {b:?}");
             prop_assert!((energy.friction_w - b.friction_w).abs() <= 1e-9 * b.friction_w + force, "{energy:?} {b:?}");
-            let is_lost = rubs.is_some() && !listed.0.is_empty();
-            prop_assert_eq!(b.friction_w > 0.0, is_lost, "{:?}", b);
+            prop_assert!(b.friction_w > 0.0 || rubs.is_none() || listed.0.is_empty(), "{b:?}");
+            prop_assert!(b.friction_w == 0.0 || rubs.is_some(), "{b:?}");
         }
         for (a, b) in fast.iter().zip(&slow) {
             prop_assert!((a.fx - b.fx).abs() <= force, "{a:?} {b:?} {force}");
