@@ -91,8 +91,8 @@ const ENGINES: &[(&str, f64, f64)] = &[
     ("ida-shared-law", 2.5e-5, 3e-4),
 ];
 
-/// As the load comes on, over 0.5 ms or what the gear says: D and U of every engine from native, `without` some.
-fn agree(k: usize, without: &[&str]) {
+/// As the load comes on, over 0.5 ms or what the gear says: D and U of every engine from native.
+fn agree(k: usize) {
     let (preset, sets) = GEARS[k];
     let base = [
         ("solver.duration_s", "0.0005"),
@@ -102,8 +102,7 @@ fn agree(k: usize, without: &[&str]) {
         ("solver.integrator", "dopri5"),
     ];
     let scene = scene(preset, &[&base, sets].concat()).check().unwrap();
-    let rows = ENGINES.iter().filter(|(name, ..)| !without.contains(name));
-    let names: Vec<&str> = rows.clone().map(|(name, ..)| *name).collect();
+    let names: Vec<&str> = ENGINES.iter().map(|(name, ..)| *name).collect();
     let input = Input {
         gearbox: &Gearbox::new(&scene).unwrap(),
         engines: &choice::engines(&names, &scene).unwrap(),
@@ -116,7 +115,7 @@ fn agree(k: usize, without: &[&str]) {
     };
     let found = comparison::run_with(&input, effort, &Control::quiet()).unwrap();
     let mut wrong = Vec::new();
-    for (one, (name, most_d, most_u)) in found.participants.iter().zip(rows) {
+    for (one, (name, most_d, most_u)) in found.participants.iter().zip(ENGINES) {
         if let Status::Absent { reason } = &one.status {
             let required = std::env::var_os("PINWHEEL_REQUIRE_SIMBODY").is_some();
             assert!(!required, "{reason}");
@@ -148,46 +147,45 @@ fn agree(k: usize, without: &[&str]) {
 
 #[test]
 fn crossval_floating_needles() {
-    agree(0, &[]);
+    agree(0);
 }
 
 #[test]
 fn crossval_floating_pins() {
-    agree(1, &[]);
+    agree(1);
 }
 
-/// exudyn's Newton method gives up where sleeves rub on their pins.
 #[test]
 fn crossval_floating_needle_bearings() {
-    agree(2, &[CONSTRAINED]);
+    agree(2);
 }
 
 #[test]
 fn crossval_floating_power_and_clearance() {
-    agree(3, &[]);
+    agree(3);
 }
 
 #[test]
 fn crossval_floating_rv_320() {
-    agree(4, &[]);
+    agree(4);
 }
 
 #[test]
 fn crossval_floating_rv_40e_like() {
-    agree(5, &[]);
+    agree(5);
 }
 
 #[test]
 fn crossval_floating_rv_three_cranks() {
-    agree(6, &[]);
+    agree(6);
 }
 
 #[test]
 fn crossval_floating_rv_four_cranks_with_errors() {
-    agree(7, &[]);
+    agree(7);
 }
 
 #[test]
 fn crossval_floating_rv_with_friction() {
-    agree(8, &[]);
+    agree(8);
 }

@@ -86,14 +86,9 @@ mod tests {
             to_s,
             driver_j: 1.0,
             load_j: -1.0,
-            kinetic_j: 0.0,
-            stored_j: 0.0,
-            damping_j: 0.0,
-            friction_j: 0.0,
             remainder_j: share.unwrap_or(0.0),
             remainder_share: share,
-            remainder_off_j: 0.0,
-            lost_off_j: 0.0,
+            ..Energy::default()
         });
         Participant::that_cost(Cost {
             energy: energy.collect(),

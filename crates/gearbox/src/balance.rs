@@ -76,14 +76,9 @@ mod tests {
             to_s: 1.0,
             driver_j,
             load_j: -driver_j,
-            kinetic_j: 0.0,
-            stored_j: 0.0,
-            damping_j: 0.0,
-            friction_j: 0.0,
             remainder_j,
             remainder_share: Some(remainder_j / driver_j),
-            remainder_off_j: 0.0,
-            lost_off_j: 0.0,
+            ..EnergyAudit::default()
         }
     }
 

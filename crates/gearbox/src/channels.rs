@@ -208,7 +208,7 @@ impl Values {
                     Whole::InputPower => Some(powers[0]),
                     Whole::OutputPower => Some(powers[1]),
                     Whole::DampingLoss => losses.map(|l| l.damping_w),
-                    Whole::FrictionLoss => losses.map(|l| l.friction_w),
+                    Whole::FrictionLoss => losses.map(|l| l.friction_w()),
                     Whole::TransmissionError => {
                         let ideal = self.geometry.ideal_output_angle(input.angle);
                         Some((output.angle - ideal) * ARCMIN)

@@ -26,6 +26,9 @@ pub struct Efficiency {
     pub created_off: f64,
     /// The same of `lost_share` and `of_losses`.
     pub lost_off: f64,
+    /// What contacts, bearings, sleeves on their pins and seals lose by friction, each as such a share; `None` where it does not rub.
+    #[serde(skip)]
+    by_cause: [Option<f64>; 4],
     /// Whether anything rubs, so that the loss is more than that of the contacts' damping.
     pub rubs: bool,
 }
@@ -51,6 +54,13 @@ impl Efficiency {
             lost_share: lost / (delivered + lost),
             created_off: audit.remainder_off_j / taken,
             lost_off: audit.lost_off_j / (delivered + lost),
+            by_cause: [
+                audit.contact_friction_j,
+                audit.bearing_friction_j,
+                audit.sleeve_friction_j,
+                audit.seal_friction_j,
+            ]
+            .map(|lost_j| Some(lost_j? / (delivered + lost))),
             rubs: audit.friction_j != 0.0,
         })
     }
@@ -79,6 +89,20 @@ impl Efficiency {
         Ok(self.of_losses.min(1.0))
     }
 
+    /// Shares that friction loses, each with its name: those of what rubs.
+    pub fn by_cause(&self) -> impl Iterator<Item = (&'static str, f64)> {
+        let shares = Self::CAUSES.into_iter().zip(self.by_cause);
+        shares.filter_map(|(name, share)| Some((name, share?)))
+    }
+
+    /// The names of those shares.
+    pub const CAUSES: [&'static str; 4] = [
+        "contact_friction_share",
+        "bearing_friction_share",
+        "sleeve_friction_share",
+        "seal_friction_share",
+    ];
+
     /// Below and above: what to show where one figure would mislead.
     #[must_use]
     pub fn interval(&self) -> [f64; 2] {
@@ -100,14 +124,11 @@ mod tests {
             to_s: 1.0,
             driver_j,
             load_j,
-            kinetic_j: 0.0,
-            stored_j: 0.0,
             damping_j: 0.25 * lost_j,
             friction_j: 0.75 * lost_j,
             remainder_j,
             remainder_share: EnergyAudit::share(remainder_j, driver_j, load_j, 0.0),
-            remainder_off_j: 0.0,
-            lost_off_j: 0.0,
+            ..EnergyAudit::default()
         }
     }
 

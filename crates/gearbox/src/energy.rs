@@ -24,6 +24,7 @@ use scatter::{Scatter, Two};
 
 use crate::Layout;
 use crate::contacts::ContactEnergy;
+use crate::scene::Scene;
 
 /// Steps between two entries at most: 1e-4 s at the paper's step is 8 entries a period of its fastest
 /// oscillation (1.2 kHz), and costs a few per cent of the run.
@@ -38,17 +39,19 @@ const EQUAL: f64 = 1e-9;
 /// An entry in passing that is nearer to one neighbour than this share of the distance to the other says nothing new.
 const NEAR: f64 = 0.1;
 
-/// driver, load, damping, sliding: powers, W, or works, J.
-type Four = [f64; 4];
+/// driver, load, damping, and friction of contacts, bearings, sleeves and seals: powers, W, or works, J.
+type Flows = [f64; 7];
 
 /// Works and energies at the samples of a run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EnergyAccount {
+    /// Which of contacts, bearings, sleeves and seals rub.
+    rubbing: [bool; 4],
     /// Works up to the segment under way, J.
-    before_segment: Four,
+    before_segment: Flows,
     segment: Segment,
     /// An entry in passing, until the next one tells whether it is far enough from it.
-    passed: Option<(f64, Four)>,
+    passed: Option<(f64, Flows)>,
     scatter: Scatter,
     marks: Vec<Mark>,
 }
@@ -58,7 +61,7 @@ pub struct EnergyAccount {
 struct Mark {
     time: f64,
     /// Since the start, J.
-    works: Four,
+    works: Flows,
     /// kinetic, stored, J.
     energies: [f64; 2],
     /// Squares of what works since the start may be off by, J^2.
@@ -68,9 +71,10 @@ struct Mark {
 pub use pinwheel_timeseries::EnergyAudit;
 
 impl EnergyAccount {
-    /// An empty account with room for so many samples.
-    pub(crate) fn with_room(samples: usize) -> Self {
+    /// An empty account of a run of `scene` with room for so many samples.
+    pub(crate) fn new(scene: &Scene, samples: usize) -> Self {
         Self {
+            rubbing: scene.rubbing(),
             marks: Vec::with_capacity(samples),
             ..Self::default()
         }
@@ -143,16 +147,16 @@ impl EnergyAccount {
     }
 
     #[inline]
-    fn enter(&mut self, time: f64, powers: Four) {
+    fn enter(&mut self, time: f64, powers: Flows) {
         self.settle_passed(time);
         self.settle(time, powers);
     }
 
     /// Adds an entry, and settles the works up to the last samples, whose last intervals it makes more accurate.
     #[inline]
-    fn settle(&mut self, time: f64, powers: Four) {
-        let [driver, load, damping, sliding] = powers;
-        let lost = damping + sliding;
+    fn settle(&mut self, time: f64, powers: Flows) {
+        let [driver, load, lost @ ..] = powers;
+        let lost = lost.iter().sum::<f64>();
         self.scatter.add(time, [driver + load - lost, lost]);
         for entry in self.segment.add(time, powers) {
             if let Some(mark) = entry.mark {
@@ -177,15 +181,49 @@ impl EnergyAccount {
         if from >= to {
             return None;
         }
-        Some(between(&marks[from], &marks[to]))
+        Some(self.between_marks(&marks[from], &marks[to]))
     }
 
     /// The account between the last two samples.
     #[inline]
     pub(crate) fn latest(&self) -> Option<EnergyAudit> {
         match self.marks.as_slice() {
-            [.., before, last] if before.time < last.time => Some(between(before, last)),
+            [.., before, last] if before.time < last.time => Some(self.between_marks(before, last)),
             _ => None,
+        }
+    }
+
+    /// The account from one sample to another.
+    #[inline]
+    fn between_marks(&self, a: &Mark, b: &Mark) -> EnergyAudit {
+        let [driver_j, load_j, damping_j, rubbed @ ..] =
+            std::array::from_fn::<_, 7, _>(|k| b.works[k] - a.works[k]);
+        let friction_j: f64 = rubbed.iter().sum();
+        let cause = |k: usize| self.rubbing[k].then_some(rubbed[k]);
+        let energy = |k: usize| b.energies[k] - a.energies[k];
+        let (kinetic_j, stored_j) = (energy(0), energy(1));
+        let remainder_j = kinetic_j + stored_j + damping_j + friction_j - driver_j - load_j;
+        let energies = [a.energies, b.energies];
+        let each = energies.as_flattened().iter();
+        let held_j = each.fold(0.0, |most: f64, e| most.max(e.abs()));
+        let off = |k: usize| SAFETY * (b.off[k] - a.off[k]).max(0.0).sqrt();
+        EnergyAudit {
+            from_s: a.time,
+            to_s: b.time,
+            driver_j,
+            load_j,
+            kinetic_j,
+            stored_j,
+            damping_j,
+            friction_j,
+            contact_friction_j: cause(0),
+            bearing_friction_j: cause(1),
+            sleeve_friction_j: cause(2),
+            seal_friction_j: cause(3),
+            remainder_j,
+            remainder_share: EnergyAudit::share(remainder_j, driver_j, load_j, held_j),
+            remainder_off_j: off(0),
+            lost_off_j: off(1),
         }
     }
 
@@ -197,51 +235,27 @@ impl EnergyAccount {
 }
 
 #[inline]
-fn powers(load: f64, seen: &Observation<'_>, contacts: &ContactEnergy) -> Four {
+fn powers(load: f64, seen: &Observation<'_>, contacts: &ContactEnergy) -> Flows {
     let driver = seen.driver_torques.first().copied().unwrap_or(0.0);
+    let [in_contacts, in_bearings, by_sleeves, by_seals] = contacts.by_cause_w();
     [
         driver * seen.bodies[Layout::INPUT].rate,
         load * seen.bodies[Layout::OUTPUT].rate,
         contacts.damping_w,
-        contacts.friction_w,
+        in_contacts,
+        in_bearings,
+        by_sleeves,
+        by_seals,
     ]
-}
-
-/// The account from one sample to another.
-#[inline]
-fn between(a: &Mark, b: &Mark) -> EnergyAudit {
-    let work = |k: usize| b.works[k] - a.works[k];
-    let (driver_j, load_j, damping_j, friction_j) = (work(0), work(1), work(2), work(3));
-    let energy = |k: usize| b.energies[k] - a.energies[k];
-    let (kinetic_j, stored_j) = (energy(0), energy(1));
-    let remainder_j = kinetic_j + stored_j + damping_j + friction_j - driver_j - load_j;
-    let energies = [a.energies, b.energies];
-    let each = energies.as_flattened().iter();
-    let held_j = each.fold(0.0, |most: f64, e| most.max(e.abs()));
-    let off = |k: usize| SAFETY * (b.off[k] - a.off[k]).max(0.0).sqrt();
-    EnergyAudit {
-        from_s: a.time,
-        to_s: b.time,
-        driver_j,
-        load_j,
-        kinetic_j,
-        stored_j,
-        damping_j,
-        friction_j,
-        remainder_j,
-        remainder_share: EnergyAudit::share(remainder_j, driver_j, load_j, held_j),
-        remainder_off_j: off(0),
-        lost_off_j: off(1),
-    }
 }
 
 /// One time of a segment.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Entry {
     time: f64,
-    powers: Four,
+    powers: Flows,
     /// From the segment's start, J; of the last entry as far as its power is known.
-    work: Four,
+    work: Flows,
     /// The sample it is.
     mark: Option<usize>,
 }
@@ -259,7 +273,7 @@ struct Segment {
 impl Segment {
     /// Returns the entries up to which the work has become another.
     #[inline]
-    fn add(&mut self, time: f64, powers: Four) -> &[Entry] {
+    fn add(&mut self, time: f64, powers: Flows) -> &[Entry] {
         let new = Entry {
             time,
             powers,
@@ -290,9 +304,9 @@ impl Segment {
     }
 
     /// Works so far, J.
-    fn work(&self) -> Four {
+    fn work(&self) -> Flows {
         let last = self.len.checked_sub(1);
-        last.map_or([0.0; 4], |k| self.entries[k].work)
+        last.map_or([0.0; 7], |k| self.entries[k].work)
     }
 
     /// The last entry is sample `mark`.
@@ -303,8 +317,8 @@ impl Segment {
     }
 }
 
-fn add(a: Four, b: Four) -> Four {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
+fn add(a: Flows, b: Flows) -> Flows {
+    std::array::from_fn(|k| a[k] + b[k])
 }
 
 /// True for four entries of equal intervals, which nearly all are.
@@ -320,7 +334,7 @@ fn is_even(entries: &[Entry]) -> bool {
 
 /// Integrals over [t_k, t_k+1] of the polynomial through these two to four entries, which are `even` or not.
 #[inline]
-fn interval(entries: &[Entry], k: usize, even: bool) -> Four {
+fn interval(entries: &[Entry], k: usize, even: bool) -> Flows {
     let (low, h) = (entries[k].time, entries[k + 1].time - entries[k].time);
     if even {
         // The same integral for equal intervals.
@@ -350,11 +364,10 @@ fn interval(entries: &[Entry], k: usize, even: bool) -> Four {
     weighted(entries, weights)
 }
 
-fn weighted(entries: &[Entry], weights: [f64; 4]) -> Four {
-    let mut sum = [0.0; 4];
-    for (k, entry) in entries.iter().enumerate() {
-        let (w, [a, b, c, d]) = (weights[k], entry.powers);
-        sum = add(sum, [w * a, w * b, w * c, w * d]);
+fn weighted(entries: &[Entry], weights: [f64; 4]) -> Flows {
+    let mut sum = [0.0; 7];
+    for (entry, w) in entries.iter().zip(weights) {
+        sum = add(sum, entry.powers.map(|power| w * power));
     }
     sum
 }
@@ -375,7 +388,7 @@ mod tests {
                 account.restart_at();
             }
             for &t in *times {
-                account.enter(t, [power(t); 4]);
+                account.enter(t, [power(t); 7]);
                 if sampled(entry) {
                     account.mark(t, [0.0; 2]);
                 }

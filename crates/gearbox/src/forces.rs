@@ -183,7 +183,7 @@ mod tests {
             assert_eq!(whole, seen);
             let known = forces.field.energy(&bodies);
             assert!((energy.stored_j / known.stored_j - 1.0).abs() < 1e-12);
-            assert!((energy.friction_w / known.friction_w - 1.0).abs() < 1e-9);
+            assert!((energy.friction_w() / known.friction_w() - 1.0).abs() < 1e-9);
             forces.apply_without_friction(0.1, &bodies, &mut rest, &mut contacts);
             assert!(contacts.len() > 10 && contacts.len() == forces.pairs.len());
             for (k, pair) in forces.pairs.iter().enumerate() {

@@ -173,7 +173,7 @@ fn integrate<F: Formulation>(
     let times = solver.sample_times_s();
     let mut recorder = Recorder::with_between(gearbox, times.len());
     let mut joint_drift_m: f64 = 0.0;
-    let mut energy = EnergyAccount::with_room(times.len());
+    let mut energy = EnergyAccount::new(&gearbox.scene, times.len());
     let mut balance = Balance::new(gearbox);
     let mut pace = Pace::new(&gearbox.scene, gearbox.has_friction());
     let mut before = 0.0;

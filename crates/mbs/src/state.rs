@@ -54,8 +54,34 @@ pub struct ContactEnergy {
     pub stored_j: f64,
     /// Lost in the normal direction, W: the part of the normal force that is not there at rate 0, times the rate.
     pub damping_w: f64,
-    /// Lost by sliding, W.
-    pub friction_w: f64,
+    /// Lost by sliding in contacts, W.
+    pub contact_friction_w: f64,
+    /// Lost by the friction of bearings, W.
+    pub bearing_friction_w: f64,
+    /// Lost by sleeves on their pins, W.
+    pub sleeve_friction_w: f64,
+    /// Lost by seals, W.
+    pub seal_friction_w: f64,
+}
+
+impl ContactEnergy {
+    /// Lost by friction of all causes, W.
+    #[must_use]
+    pub fn friction_w(&self) -> f64 {
+        self.by_cause_w().iter().sum()
+    }
+
+    /// By contacts, bearings, sleeves and seals, W.
+    #[inline]
+    #[must_use]
+    pub fn by_cause_w(&self) -> [f64; 4] {
+        [
+            self.contact_friction_w,
+            self.bearing_friction_w,
+            self.sleeve_friction_w,
+            self.seal_friction_w,
+        ]
+    }
 }
 
 /// Adds the force (N, ground frame) at `point` (m) to the load of the first body of a pair, and its opposite to the other's.

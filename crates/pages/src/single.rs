@@ -1,5 +1,6 @@
 //! One run on a terminal.
 
+use pinwheel_gearbox::Efficiency;
 use pinwheel_report::format::{self, NONE};
 use pinwheel_report::terminal::{TITLE, pairs, styled};
 use pinwheel_studies::band::{Band, Bands};
@@ -86,6 +87,13 @@ fn results(found: &Results, bands: Option<&Bands>, looked: bool) -> Vec<(&'stati
         }
         (None, None) => {}
     }
+    let causes = ["contacts", "bearings", "sleeves on pins", "seals"];
+    let lost = causes.into_iter().zip(Efficiency::CAUSES);
+    let lost = lost.filter_map(|(cause, name)| {
+        let share = known(found.get(name)?, 100.0);
+        Some(format!("{cause} {share} %"))
+    });
+    rows.push(("friction", lost.collect::<Vec<_>>().join(", ")));
     if !rows.is_empty() {
         let how = match found.uncertainty {
             "verified" => "\u{b1}: by the run's own verification, see its note",

@@ -56,18 +56,25 @@ impl Scene {
     /// ```
     #[must_use]
     pub fn rubs(&self) -> bool {
+        self.rubbing().contains(&true)
+    }
+
+    /// Whether contacts, bearings, sleeves on their pins and seals rub in a run. Contacts that do turn sleeves as they will.
+    #[must_use]
+    pub fn rubbing(&self) -> [bool; 4] {
         let bearings = &self.bearings;
+        let contacts = self.contact.friction_coefficient;
         let eccentric = bearings
             .eccentric
             .and_then(|bearing| bearing.friction_coefficient);
-        let all = [
-            Some(self.contact.friction_coefficient),
-            eccentric,
-            bearings.sleeve_lever_m(),
-            bearings.input_seal_n_m,
-            bearings.output_seal_n_m,
-        ];
-        all.into_iter().flatten().any(|size| size > 0.0)
+        let sleeves = bearings.sleeve_lever_m().filter(|_| contacts == 0.0);
+        [
+            [Some(contacts), None],
+            [eccentric, None],
+            [sleeves, None],
+            [bearings.input_seal_n_m, bearings.output_seal_n_m],
+        ]
+        .map(|sizes| sizes.into_iter().flatten().any(|size| size > 0.0))
     }
 }
 

@@ -127,6 +127,9 @@ impl Results {
                 Err(reason) => efficiency_reason = Some(reason),
             }
             push("lost_share", found.lost_share, 1.0, torque, found.lost_off);
+            for (name, share) in found.by_cause() {
+                push(name, share, 1.0, torque, found.lost_off);
+            }
             let (created, off) = (found.created_share, found.created_off);
             push("created_share", created, 1.0, torque, off);
         }

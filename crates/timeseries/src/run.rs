@@ -109,7 +109,7 @@ pub struct RecordedUncertainty {
 }
 
 /// Energy account between two times, J: growth of kinetic and stored energy = works - losses + remainder.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct EnergyAudit {
     /// Start, s.
     pub from_s: f64,
@@ -125,8 +125,20 @@ pub struct EnergyAudit {
     pub stored_j: f64,
     /// Lost by contact damping, J.
     pub damping_j: f64,
-    /// Lost by sliding, J.
+    /// Lost by friction, J.
     pub friction_j: f64,
+    /// Of that in contacts, J; this and the next three are `None` where nothing rubs so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contact_friction_j: Option<f64>,
+    /// In the bearings of eccentrics or cranks, J.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bearing_friction_j: Option<f64>,
+    /// By sleeves on their pins, J.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sleeve_friction_j: Option<f64>,
+    /// By seals, J.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub seal_friction_j: Option<f64>,
     /// What is left over, J: positive when energy appeared that nothing accounts for.
     pub remainder_j: f64,
     /// The remainder as a share of the larger of the two works; `None` where those are only the account's rounding.

@@ -5,7 +5,8 @@ The closest relative of the published formulation: three coordinates a body, rev
 The Newton matrix needs the contact forces only where they are stiff over a step. Normal forces converge without
 (contraction about h^2 omega^2/4, 1e-3 at 1e-5 s). Friction needs its velocities, and its true derivative sends Newton in
 circles between sticking and sliding: the slope mu F_n/max(v_s, |v_t|) of the secant through the origin is given instead,
-which turns the iteration into reweighted least squares; that descends on the convex problem a friction step is.
+which turns the iteration into reweighted least squares; that descends on the convex problem a friction step is. Sleeves
+that rub on their pins are given likewise.
 The driver's multiplier is minus the torque it exerts on the input shaft.
 """
 
@@ -34,6 +35,9 @@ from pinwheel_engines.stepping import actual_step_s, stretches
 Floats = npt.NDArray[np.float64]
 
 NAME = "exudyn-shared-law-constrained"
+
+# A sleeve that rolls slower rubs less on its pin.
+SLOW_RAD_S = 1.0
 
 # How the scene's users may call the integrators.
 INTEGRATORS = ("trapezoidal-index2", "generalized-alpha")
@@ -213,7 +217,8 @@ def _held(scene: Scene, kinematics: Kinematics) -> list[int]:
 def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
     """The contact object's user Jacobian: minus the derivative of its force, friction's velocities only."""
     size = 3 * count
-    if scene.contact.friction_coefficient == 0.0:
+    on_pins = scene.contact.friction_coefficient == 0.0
+    if on_pins and scene.sleeve_lever_m == 0.0:
         nothing = np.zeros((size, size))
         return lambda *_arguments: nothing
     # Any law's friction has this form; of a law that numpy does not know the exact paper law is near enough for a Newton
@@ -223,23 +228,35 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
     law = ContactLaw(scene.with_keys("contact", law=known, friction_law="regularised", detection="exact"))
     # Cranks roll in their bores.
     rubbing = count if scene.gear.eccentric_per_input == 1.0 else law.layout.internal_bodies.start
+    carriers = np.array(law.layout.carriers)
+    # What turns the side of a sleeve that rubs: itself, or what holds the pin that it would stand still on.
+    turned_by = carriers if on_pins else np.arange(count)
 
     def friction(
         _system: Any, _time: float, _item: int, q: Floats, q_t: Floats, _f_position: float, f_velocity: float
     ) -> Floats:
         states = np.hstack([np.asarray(q).reshape(count, 3), np.asarray(q_t).reshape(count, 3)])
+        if on_pins:
+            sleeves = slice(law.layout.external_bodies.start, count)
+            held_by = carriers[sleeves]
+            states[sleeves, 5] = np.where(held_by < 0, 0.0, states[held_by, 5])
         found = law.contacts(states[None])
-        speed = np.maximum(np.abs(found.tangential_rate_m_s), contact.friction_ramp_m_s)
-        slope = np.where(found.sleeve < rubbing, contact.friction_coefficient * found.normal_force_n / speed, 0.0)
+        coefficient, ramp = contact.friction_coefficient, contact.friction_ramp_m_s
+        if on_pins:
+            radius = np.abs(found.point_m - (states[found.sleeve, 0] + 1j * states[found.sleeve, 1]))
+            coefficient, ramp = scene.sleeve_lever_m / radius, radius * SLOW_RAD_S
+        speed = np.maximum(np.abs(found.tangential_rate_m_s), ramp)
+        slope = np.where(found.sleeve < rubbing, coefficient * found.normal_force_n / speed, 0.0)
         tangent = 1j * found.normal
         # v_t = rows . velocities, one row a pair: the sleeve's part and the wheel's.
         rows = np.zeros((slope.size, size))
         pair = np.arange(slope.size)
-        for body, sign in ((found.sleeve, 1.0), (found.wheel, -1.0)):
+        for body, turned, sign in ((found.sleeve, turned_by[found.sleeve], 1.0), (found.wheel, found.wheel, -1.0)):
             arm = found.point_m - (states[body, 0] + 1j * states[body, 1])
             rows[pair, 3 * body] = sign * tangent.real
             rows[pair, 3 * body + 1] = sign * tangent.imag
-            rows[pair, 3 * body + 2] = sign * np.imag(np.conj(arm) * tangent)
+            moves = turned >= 0
+            rows[pair[moves], 3 * turned[moves] + 2] = sign * np.imag(np.conj(arm) * tangent)[moves]
         return np.asarray(f_velocity * (rows.T * slope) @ rows)
 
     return friction

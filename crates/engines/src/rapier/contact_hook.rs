@@ -190,7 +190,7 @@ impl PairSource for Transmitted<'_> {
             .transmitted(self.world, self.share, &mut |pair| {
                 let elastic = pair.normal_force_at(self.hooked.field.law(), 0.0);
                 sum.damping_w += (pair.normal_force_n - elastic) * pair.normal_rate_m_s;
-                sum.friction_w -= pair.friction_force_n * pair.tangential_rate_m_s;
+                sum.contact_friction_w -= pair.friction_force_n * pair.tangential_rate_m_s;
             });
         Some(sum)
     }

@@ -72,7 +72,7 @@ impl PairContact {
         let [_, elastic, stored] = self.observed(law, 0.0);
         sum.stored_j += stored;
         sum.damping_w += (self.normal_force_n - elastic) * self.normal_rate_m_s;
-        sum.friction_w -= self.friction_force_n * self.tangential_rate_m_s;
+        sum.contact_friction_w -= self.friction_force_n * self.tangential_rate_m_s;
     }
 }
 
@@ -125,7 +125,7 @@ pub trait ContactField: Send {
         let mut sum = ContactEnergy::default();
         self.touching(bodies, &mut |pair| {
             pair.add_energy(&law, &mut sum);
-            sum.friction_w += pins.map_or(0.0, |pins| pins.drag(bodies, pair).lost_w);
+            sum.sleeve_friction_w += pins.map_or(0.0, |pins| pins.drag(bodies, pair).lost_w);
         });
         sum
     }

@@ -71,7 +71,7 @@ impl BearingLoad {
         sum.stored_j += law.stored(offset);
         let damped = law.force(offset, self.rate) - law.force(offset, 0.0);
         sum.damping_w += damped * self.rate;
-        sum.friction_w -= self.drag_n_m * self.turning;
+        sum.bearing_friction_w -= self.drag_n_m * self.turning;
     }
 }
 

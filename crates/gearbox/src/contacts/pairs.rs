@@ -575,7 +575,7 @@ impl<D: Detection> ContactField for Pairs<D> {
                 pair.add_energy(&self.law, &mut energy);
                 if let Some(pins) = pins {
                     let drag = pins.drag(bodies, &pair);
-                    energy.friction_w += drag.lost_w;
+                    energy.sleeve_friction_w += drag.lost_w;
                     if let Some(loads) = &mut sums.loads {
                         pins.add(bodies, &pair, &drag, loads);
                     }

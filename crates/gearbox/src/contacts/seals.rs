@@ -104,7 +104,7 @@ impl ContactField for Sealed {
             seals.add(bodies, moments, |moment| moment);
         }
         if let Some(energy) = &mut sums.energy {
-            energy.friction_w += seals.lost_w(bodies);
+            energy.seal_friction_w += seals.lost_w(bodies);
         }
         if let Some(slopes) = sums.slopes.as_deref_mut() {
             seals.add_slopes(bodies, slopes);
@@ -126,7 +126,7 @@ impl ContactField for Sealed {
 
     fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
         let mut sum = self.inner.energy(bodies);
-        sum.friction_w += self.seals.lost_w(bodies);
+        sum.seal_friction_w += self.seals.lost_w(bodies);
         sum
     }
 

@@ -278,14 +278,19 @@ impl<'a> Page<'a> {
             .of_engines("Energy of each engine", rows, |(engine, _)| engine)
             .text("", "Window", |(_, e)| span(e.from_s, e.to_s));
         // Tenths of a millijoule of tens of joules: below that a remainder is rounding.
-        let joules: [(&str, fn(&pinwheel_timeseries::EnergyAudit) -> f64); 7] = [
-            ("Driver", |e| e.driver_j),
-            ("Load", |e| e.load_j),
-            ("Kinetic", |e| e.kinetic_j),
-            ("Stored", |e| e.stored_j),
-            ("Damping", |e| e.damping_j),
-            ("Friction", |e| e.friction_j),
-            ("Remainder", |e| e.remainder_j),
+        type Joules = fn(&pinwheel_timeseries::EnergyAudit) -> Option<f64>;
+        let joules: [(&str, Joules); 11] = [
+            ("Driver", |e| Some(e.driver_j)),
+            ("Load", |e| Some(e.load_j)),
+            ("Kinetic", |e| Some(e.kinetic_j)),
+            ("Stored", |e| Some(e.stored_j)),
+            ("Damping", |e| Some(e.damping_j)),
+            ("Friction", |e| Some(e.friction_j)),
+            ("of contacts", |e| e.contact_friction_j),
+            ("of bearings", |e| e.bearing_friction_j),
+            ("of sleeves on pins", |e| e.sleeve_friction_j),
+            ("of seals", |e| e.seal_friction_j),
+            ("Remainder", |e| Some(e.remainder_j)),
         ];
         for (label, of) in joules {
             table = table
@@ -297,7 +302,8 @@ impl<'a> Page<'a> {
             .number("", "Share of work", |(_, e)| e.remainder_share)
             .unit("%")
             .shown(Shown::Percent)
-            .done();
+            .done()
+            .without_empty();
         let about = Block::text(
             "Growth of kinetic and stored energy = work of driver and load \u{2212} losses + remainder. The remainder is what \
              nothing accounts for: an integrator's error, or a contact law that creates energy because it has no potential.",

@@ -4,6 +4,7 @@ mod bench;
 mod calibration;
 mod data_set;
 mod load_changes;
+mod losses;
 mod patience;
 mod printed_drive;
 mod published_paper;

@@ -15,14 +15,9 @@ fn account(remainder_share: f64) -> Energy {
         to_s: 0.6,
         driver_j: 20.0,
         load_j: -20.19,
-        kinetic_j: 0.0,
-        stored_j: 0.0,
-        damping_j: 0.0,
-        friction_j: 0.0,
         remainder_j: 20.0 * remainder_share,
         remainder_share: Some(remainder_share),
-        remainder_off_j: 0.0,
-        lost_off_j: 0.0,
+        ..Energy::default()
     }
 }
 

@@ -308,7 +308,8 @@ impl JointSpace {
             found.energy = Some(ContactEnergy {
                 stored_j: sums.stored.sum(),
                 damping_w: sums.dissipated.sum(),
-                friction_w: sums.rubbed.sum(),
+                sleeve_friction_w: sums.rubbed.sum(),
+                ..ContactEnergy::default()
             });
         }
         if let Some(moments) = &mut found.moments {

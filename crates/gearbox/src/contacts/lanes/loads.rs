@@ -56,7 +56,11 @@ impl Sink for Loads<'_> {
             let [_, elastic, stored] = law.observed(stiffness, depth, depth.like(0.0));
             energy.stored_j += stored.only(mask).sum();
             energy.damping_w += ((pressure - elastic) * closing).only(mask).sum();
-            energy.friction_w -= (drag * sliding).only(mask).sum();
+            let lost = match self.pins {
+                Some(_) => &mut energy.sleeve_friction_w,
+                None => &mut energy.contact_friction_w,
+            };
+            *lost -= (drag * sliding).only(mask).sum();
         }
         // Masked lanes may hold anything, NaN included.
         let on_sleeve = on_sleeve.only(touching.mask);
