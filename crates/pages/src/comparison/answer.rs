@@ -381,7 +381,7 @@ impl<'a> Answer<'a> {
             }
             Some(_) => ": its own contacts do not explain it".to_owned(),
             None if most.verdict == Some(Judged::Inconclusive) => {
-                ": not resolved, so that it may be numerical".to_owned()
+                ": nothing explains it, and it is not resolved".to_owned()
             }
             None => ": nothing explains it".to_owned(),
         };
