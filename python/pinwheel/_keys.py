@@ -65,7 +65,7 @@ class Keys(TypedDict, total=False):
     output_torsion_n_m_rad: float
     """torsional stiffness of carrier and flange; absent: rigid; counts in `design` alone (N m/rad)"""
     sleeve_bore_m: float
-    """bore d of the sleeves, for that moment (m)"""
+    """bore d of the sleeves, for that moment; thinner rollers turn in grooves, on their own diameter (m)"""
     sleeve_friction_coefficient: float
     """friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; absent: 0; in runs where contacts have none"""
     band_laws: str | Sequence[str]

@@ -271,8 +271,9 @@ class Scene:
     floats: bool = False
     # Stiffness of an output pin against bending, in series with its contacts, N/m; None: rigid.
     pin_n_m: float | None = None
-    # Lever of the friction of a sleeve on its pin, mu d/2, m, which the compiled law has.
-    sleeve_lever_m: float = 0.0
+    # Friction mu of a sleeve on its pin of diameter d, m, which the compiled law has; thinner rollers rub on their own diameter.
+    sleeve_friction_coefficient: float = 0.0
+    sleeve_bore_m: float = 0.0
 
     @staticmethod
     def of(scene: str | Scene) -> Scene:
@@ -304,9 +305,8 @@ class Scene:
             Solver(*keys("solver")),
             "eccentric" in keys("bearings")[0],
             keys("bearings")[0].get("internal_sleeve_stiffness_n_m"),
-            0.5
-            * keys("bearings")[0].get("sleeve_friction_coefficient", 0.0)
-            * keys("bearings")[0].get("sleeve_bore_m", 0.0),
+            keys("bearings")[0].get("sleeve_friction_coefficient", 0.0),
+            keys("bearings")[0].get("sleeve_bore_m", 0.0),
         )
 
     @staticmethod

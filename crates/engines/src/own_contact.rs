@@ -20,7 +20,10 @@ pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
     let losses = [
         ("input_seal_n_m", bearings.input_seal_n_m),
         ("output_seal_n_m", bearings.output_seal_n_m),
-        ("sleeve_friction_coefficient", bearings.sleeve_lever_m()),
+        (
+            "sleeve_friction_coefficient",
+            bearings.sleeve_friction_coefficient,
+        ),
     ];
     let mut some = losses
         .into_iter()

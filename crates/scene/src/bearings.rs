@@ -38,10 +38,12 @@ impl Bearings {
         *self == Self::default()
     }
 
-    /// Lever of the friction of a sleeve on its pin, mu d/2, m; `None`: it has none.
+    /// What the force on a sleeve of this radius loses as it rolls, as a share of the force: mu d/(2 r); `None`: it has no friction. A
+    /// roller thinner than the bore d turns in a groove and rubs on its own diameter, so that this is mu at most.
     #[must_use]
-    pub fn sleeve_lever_m(&self) -> Option<f64> {
-        Some(0.5 * self.sleeve_friction_coefficient? * self.sleeve_bore_m?)
+    pub fn sleeve_drag(&self, radius_m: f64) -> Option<f64> {
+        let on_bore = 0.5 * self.sleeve_bore_m? / radius_m;
+        Some(self.sleeve_friction_coefficient? * on_bore.min(1.0))
     }
 }
 
@@ -67,7 +69,8 @@ impl Scene {
         let eccentric = bearings
             .eccentric
             .and_then(|bearing| bearing.friction_coefficient);
-        let sleeves = bearings.sleeve_lever_m().filter(|_| contacts == 0.0);
+        let sleeves = bearings.sleeve_friction_coefficient;
+        let sleeves = sleeves.filter(|_| contacts == 0.0);
         [
             [Some(contacts), None],
             [eccentric, None],
@@ -300,6 +303,18 @@ mod tests {
         assert_eq!(law.force(6e-6, 0.0), 1e8 * (6e-6 - 5e-6));
         assert_eq!(law.force(6e-6, -2.0), 0.0);
         assert!((law.stored(7e-6) / (0.5e8 * 4e-12) - 1.0).abs() < 1e-9);
+    }
+
+    /// By hand: a pin of 12 mm in a sleeve of 20 mm, and in the groove of a roller of 5.3 mm.
+    #[test]
+    fn regress_a_roller_rubs_on_no_more_than_itself() {
+        let mut scene = Scene::paper();
+        assert_eq!(scene.bearings.sleeve_drag(0.01), None);
+        scene.bearings.sleeve_friction_coefficient = Some(0.05);
+        scene.bearings.sleeve_bore_m = Some(0.012);
+        let drag = |radius| scene.bearings.sleeve_drag(radius).unwrap();
+        assert!((drag(0.01) - 0.03).abs() < 1e-15);
+        assert_eq!(drag(0.00265), 0.05);
     }
 
     #[test]

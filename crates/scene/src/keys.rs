@@ -274,7 +274,7 @@ pub const KEYS: &[Key] = keys! {
     "bearings.internal_sleeve_stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "stiffness of an output pin against bending, in series with its contacts; absent: rigid", "a pin held at one end has 3 E I/l^3 at the length l";
     "bearings.output_torsion_n_m_rad" Number(From(1e-3, 1e15)), Nothing, "torsional stiffness of carrier and flange; absent: rigid; counts in `design` alone", "1 N m/arcmin is 3437.7 N m/rad";
     "bearings.sleeve_friction_coefficient" Number(From(0.0, 1.0)), Nothing, "friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; absent: 0; in runs where contacts have none", "needles have 0.002, oiled bronze 0.05 to 0.1";
-    "bearings.sleeve_bore_m" LENGTH, Nothing, "bore d of the sleeves, for that moment", METRES;
+    "bearings.sleeve_bore_m" LENGTH, Nothing, "bore d of the sleeves, for that moment; thinner rollers turn in grooves, on their own diameter", METRES;
     "bearings.input_seal_n_m" Number(From(0.0, 1e9)), Nothing, "torque of the input shaft's seal against its turning; absent: 0", "seal catalogues give it: some 0.1 N m on a shaft of 20 mm";
     "bearings.output_seal_n_m" Number(From(0.0, 1e9)), Nothing, "torque of the output shaft's seal against its turning; absent: 0", "seal catalogues give it: some 0.1 N m on a shaft of 20 mm";
     "cranks.count" Count(2, 12), Needed, "cranks of an RV reducer, which carry the wheels in the place of one eccentric", "RV reducers have two or three";

@@ -218,7 +218,7 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
     """The contact object's user Jacobian: minus the derivative of its force, friction's velocities only."""
     size = 3 * count
     on_pins = scene.contact.friction_coefficient == 0.0
-    if on_pins and scene.sleeve_lever_m == 0.0:
+    if on_pins and scene.sleeve_friction_coefficient == 0.0:
         nothing = np.zeros((size, size))
         return lambda *_arguments: nothing
     # Any law's friction has this form; of a law that numpy does not know the exact paper law is near enough for a Newton
@@ -244,7 +244,8 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
         coefficient, ramp = contact.friction_coefficient, contact.friction_ramp_m_s
         if on_pins:
             radius = np.abs(found.point_m - (states[found.sleeve, 0] + 1j * states[found.sleeve, 1]))
-            coefficient, ramp = scene.sleeve_lever_m / radius, radius * SLOW_RAD_S
+            coefficient = scene.sleeve_friction_coefficient * np.minimum(0.5 * scene.sleeve_bore_m / radius, 1.0)
+            ramp = radius * SLOW_RAD_S
         speed = np.maximum(np.abs(found.tangential_rate_m_s), ramp)
         slope = np.where(found.sleeve < rubbing, coefficient * found.normal_force_n / speed, 0.0)
         tangent = 1j * found.normal

@@ -1,10 +1,10 @@
 //! Sleeves that roll on the wheels and rub on their pins, where no friction of contacts turns them.
 //!
 //! ```text
-//! T = mu F_n d/(2 r) clamp(v_t/(r slow), -1, 1)      against the sliding of a sleeve that does not turn on its pin, at the contact
+//! T = mu F_n min(d/(2 r), 1) clamp(v_t/(r slow), -1, 1)      against the sliding of a sleeve that does not turn on its pin, at the contact
 //! ```
 //! A sleeve that rolls at v_t/r on a pin of diameter d loses mu F_n d/2 times that, and T takes as much from the wheel. The couple T r on
-//! the pin is its carrier's. slow = 1 rad/s. Slopes leave T out: it is some thousandths of F_n.
+//! the pin is its carrier's. A roller thinner than d turns in a groove, on its own diameter. slow = 1 rad/s. Slopes leave T out: it is some thousandths of F_n.
 
 use pinwheel_contact::Real;
 use pinwheel_mbs::{BodyState, Wrench};
@@ -17,6 +17,7 @@ use crate::{Layout, Sleeve};
 /// What sleeves lose on their pins.
 #[derive(Debug, Clone, Copy)]
 pub struct OnPins {
+    friction_coefficient: f64,
     /// mu d/2, m.
     lever_m: f64,
     layout: Layout,
@@ -33,9 +34,12 @@ pub(super) struct Drag {
 impl OnPins {
     /// `None` where it is not given, or friction of contacts turns sleeves as it will.
     pub(super) fn of(scene: &Scene) -> Option<Self> {
-        let lever_m = scene.bearings.sleeve_lever_m()?;
+        let bearings = &scene.bearings;
+        let friction_coefficient = bearings.sleeve_friction_coefficient?;
+        let lever_m = 0.5 * friction_coefficient * bearings.sleeve_bore_m?;
         let stands = scene.contact.friction_coefficient == 0.0;
         (stands && lever_m > 0.0).then(|| Self {
+            friction_coefficient,
             lever_m,
             layout: Layout::of(&scene.gear),
         })
@@ -47,7 +51,8 @@ impl OnPins {
     pub(super) fn along<R: Real>(&self, force: R, radius: R, passing: R) -> R {
         let one = force.like(1.0);
         let rolling = passing * force.like(1.0 / SLOW_RAD_S) / radius;
-        -(force * force.like(self.lever_m) / radius) * rolling.max(-one).min(one)
+        let share = (force.like(self.lever_m) / radius).min(force.like(self.friction_coefficient));
+        -(force * share) * rolling.max(-one).min(one)
     }
 
     /// T of a pair.

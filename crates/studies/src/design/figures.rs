@@ -275,13 +275,15 @@ impl Balances {
 
     /// What the friction of all sleeves on their pins loses at the rated speed and load, if they roll on the wheels.
     pub(super) fn sleeve_loss(&self, scene: &Scene) -> Option<DesignFigure> {
-        let (lever, gear) = (scene.bearings.sleeve_lever_m()?, &scene.gear);
+        let (bearings, gear) = (&scene.bearings, &scene.gear);
+        let external = bearings.sleeve_drag(gear.external_sleeve_radius_m)?;
+        let internal = bearings.sleeve_drag(gear.internal_sleeve_radius_m)?;
         let lost = |pair: &Pair| {
-            let radius = match pair.sleeve {
-                Sleeve::External(_) => gear.external_sleeve_radius_m,
-                Sleeve::Internal(_) => gear.internal_sleeve_radius_m,
+            let drag = match pair.sleeve {
+                Sleeve::External(_) => external,
+                Sleeve::Internal(_) => internal,
             };
-            lever * pair.force_n * pair.sliding_m_s / radius
+            drag * pair.force_n * pair.sliding_m_s
         };
         let of = |every: usize, of: usize| {
             let poses = self.loaded.iter().skip(of).step_by(every);

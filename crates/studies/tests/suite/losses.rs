@@ -67,7 +67,7 @@ fn the_lines_of_the_account_are_those_of_design() {
             let wanted = match key {
                 "seal_loss_percent" => -1e-3..1e-3,
                 _ if share < 1.0 => -0.01..0.01,
-                _ => 0.1..0.6,
+                _ => 0.02..0.3,
             };
             assert!(wanted.contains(&more), "{share}: {key} {more}");
         }
