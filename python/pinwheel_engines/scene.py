@@ -271,7 +271,7 @@ class Scene:
     floats: bool = False
     # Stiffness of an output pin against bending, in series with its contacts, N/m; None: rigid.
     pin_n_m: float | None = None
-    # Friction mu of a sleeve on its pin of diameter d, m, which the compiled law has; thinner rollers rub on their own diameter.
+    # Friction mu of a sleeve on its pin, which the compiled law has, and the pin's diameter, m; no roller rubs on more than its own.
     sleeve_friction_coefficient: float = 0.0
     sleeve_bore_m: float = 0.0
 
