@@ -271,7 +271,7 @@ class Scene:
     floats: bool = False
     # Stiffness of an output pin against bending, in series with its contacts, N/m; None: rigid.
     pin_n_m: float | None = None
-    # Friction mu of a sleeve on its pin, which the compiled law has, and the pin's diameter, m; no roller rubs on more than its own.
+    # Friction mu of a sleeve on its pin, which the compiled law has, and the pin's diameter, m.
     sleeve_friction_coefficient: float = 0.0
     sleeve_bore_m: float = 0.0
 
