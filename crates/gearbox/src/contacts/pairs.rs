@@ -572,7 +572,9 @@ impl<D: Detection> ContactField for Pairs<D> {
                     return;
                 }
                 let pair = pair.contact(&self.law, wheel, sleeve, &frame);
-                pair.add_energy(&self.law, &mut energy);
+                if sums.wants_energy {
+                    pair.add_energy(&self.law, &mut energy);
+                }
                 if let Some(pins) = pins {
                     let drag = pins.drag(bodies, &pair);
                     energy.sleeve_friction_w += drag.lost_w;
