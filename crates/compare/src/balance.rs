@@ -52,10 +52,10 @@ pub(crate) fn of(
         .take_while(|t| (t[1] - t[0] - spacing).abs() <= EQUAL * spacing);
     let len = equal.count() + 1;
     // Of one triangle; the same of the window, from sample `first` on, `stride` apart.
-    let one = |k: [usize; 3], span: f64| {
-        let mean = (torque[k[0]] + 10.0 * torque[k[1]] + torque[k[2]]) / 12.0;
-        let gained = (angle[k[2]] - angle[k[1]]) - (angle[k[1]] - angle[k[0]]);
-        mean + load - inertia * gained / (span * span)
+    let one = |k: usize| {
+        let mean = (torque[k] + 10.0 * torque[k + 1] + torque[k + 2]) / 12.0;
+        let gained = (angle[k + 2] - angle[k + 1]) - (angle[k + 1] - angle[k]);
+        mean + load - inertia * gained / (spacing * spacing)
     };
     let left_over = |first: usize, stride: usize| {
         let at: Vec<usize> = (first..len).step_by(stride).collect();
@@ -71,7 +71,7 @@ pub(crate) fn of(
     };
     let all = left_over(0, 1)?;
     let halves = [left_over(0, 2)?, left_over(1, 2)?];
-    let off = |k: usize| (one([k, k + 1, k + 2], spacing) - all).abs();
+    let off = |k: usize| (one(k) - all).abs();
     let kink = (0..len - 2).map(off).fold(0.0, f64::max) / (len - 2) as f64;
     let turned = angle[..len]
         .iter()

@@ -93,7 +93,10 @@ fn results(found: &Results, bands: Option<&Bands>, looked: bool) -> Vec<(&'stati
         let share = known(found.get(name)?, 100.0);
         Some(format!("{cause} {share} %"))
     });
-    rows.push(("friction", lost.collect::<Vec<_>>().join(", ")));
+    let lost: Vec<String> = lost.collect();
+    if !lost.is_empty() {
+        rows.push(("friction", lost.join(", ")));
+    }
     if !rows.is_empty() {
         let how = match found.uncertainty {
             "verified" => "\u{b1}: by the run's own verification, see its note",

@@ -274,7 +274,7 @@ pub(crate) struct OpenArgs {
     pub(crate) print: bool,
 }
 
-/// How the program ends, in the words of every `--help`, README, docs/ci.md and docs/verdicts.md.
+/// How the program ends, in the words of every `--help` and of docs/verdicts.md.
 pub(crate) const STATUS: &str = "\
 Exit status: 0 nothing to act on, 1 engines differ, 2 wrong input, 3 an engine
 is missing, diverged or failed, 4 something is inconclusive that a setting of

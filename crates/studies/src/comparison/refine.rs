@@ -214,11 +214,7 @@ impl<'a> Engines<'a> {
     /// How many times shorter than `value` its steps must be to follow explicit friction; `None` where they do. Longer ones chatter from
     /// side to side of its ramp: two steps may do that alike, and then agree on a wrong force.
     fn chatters(&self, value: f64) -> Option<f64> {
-        let explicit = match self.own.info().form {
-            Some(_) => method(&self.gearbox.scene.solver.integrator)
-                .is_some_and(|method| method.family == Family::Explicit),
-            None => self.own.info().explicit_friction,
-        };
+        let explicit = self.is_runge_kutta() || self.own.info().explicit_friction;
         let shorter = value * friction_rate(&self.gearbox.scene) / FOLLOWED;
         (explicit && self.knob == Knob::Step && shorter > 1.0).then_some(shorter)
     }
