@@ -96,9 +96,9 @@ class StageLaw:
 
 
 def check_bearings(engine: str, scene: Scene, law: LawPointer | None) -> None:
-    """Raises Unsupported where wheels float and the law is the numpy one, which has no bearings."""
-    if scene.floats and law is None:
-        raise Unsupported(engine, "bearings.eccentric: the numpy law has no bearings; run it by the Pinwheel program")
+    """Raises Unsupported where a bearing, sleeve or seal acts and the law is the numpy one, which has none of them."""
+    if scene.compiled_only and law is None:
+        raise Unsupported(engine, f"{scene.compiled_only}: the numpy law has contacts alone; run it by the Pinwheel program")
 
 
 def check_not_frozen(engine: str, steps: int, stages: int, calls: int, changes: int) -> None:

@@ -257,6 +257,9 @@ def _fold_cranks(data: dict[str, Any]) -> None:
     mass["output_shaft"]["moment_kg_m2"] += (1.0 + rho) ** 2 * turning
 
 
+_COMPILED_ONLY = ("eccentric", "sleeve_friction_coefficient", "input_seal_n_m", "output_seal_n_m")
+
+
 @dataclass(frozen=True)
 class Scene:
     """A complete scene. SI units; angles counter-clockwise."""
@@ -274,6 +277,8 @@ class Scene:
     # Friction mu of a sleeve on its pin, which the compiled law has, and the pin's diameter, m.
     sleeve_friction_coefficient: float = 0.0
     sleeve_bore_m: float = 0.0
+    # The first key of what the compiled law alone has; empty: none.
+    compiled_only: str = ""
 
     @staticmethod
     def of(scene: str | Scene) -> Scene:
@@ -307,6 +312,7 @@ class Scene:
             keys("bearings")[0].get("internal_sleeve_stiffness_n_m"),
             keys("bearings")[0].get("sleeve_friction_coefficient", 0.0),
             keys("bearings")[0].get("sleeve_bore_m", 0.0),
+            next((f"bearings.{key}" for key in _COMPILED_ONLY if keys("bearings")[0].get(key)), ""),
         )
 
     @staticmethod

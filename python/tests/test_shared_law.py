@@ -47,6 +47,13 @@ def test_same_method_gives_the_same_courses(engine, name, references):
     assert result.stats.step_s == pytest.approx(1e-5)
 
 
+@pytest.mark.parametrize("engine", SHARED)
+@pytest.mark.parametrize("loss", ["sleeve_friction_coefficient = 0.1\nsleeve_bore_m = 0.005", "output_seal_n_m = 0.5"])
+def test_numpy_law_refuses_the_losses_it_leaves_out(engine, loss):
+    with pytest.raises(Unsupported, match=f"bearings.{loss.split()[0]}: the numpy law has contacts alone"):
+        run(f"{scenes.paper_text()}[bearings]\n{loss}\n", engine)
+
+
 def test_constrained_form_is_of_second_order():
     scene = scenes.scene("", 1e-3)
     wanted = scenes.runge_kutta(scene, 5e-6)

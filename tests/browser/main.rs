@@ -371,9 +371,16 @@ fn browser_answers_of_other_gears() {
         return;
     };
     let dir = tempfile::tempdir().unwrap();
-    for preset in ["rv-40e-like", "toleranced"] {
+    // Engines that have two reasons not to run make the terminal's answer longest.
+    let left_out = match cfg!(feature = "crossval") {
+        true => {
+            ",rapier-own-contact-hook,rapier-own-contact-colliders,mujoco-own-contact,exudyn-own-contact"
+        }
+        false => "",
+    };
+    for (preset, more) in [("rv-40e-like", ""), ("toleranced", left_out)] {
         let compare = format!(
-            "compare {preset} --engines native-reduced,native-lagrange,rapier-shared-law --set solver.duration_s=0.004 --out {preset}"
+            "compare {preset} --engines native-reduced,native-lagrange,rapier-shared-law{more} --set solver.duration_s=0.004 --out {preset}"
         );
         let done = run_in(dir.path(), words(&compare));
         assert_eq!(done.code, Some(0), "{done:?}");

@@ -35,6 +35,7 @@ pub(crate) fn fill(table: &mut Table) -> Result<Vec<Origin>, Gap> {
     // Placeholders must not pass for the scene's own.
     scene.solver.duration_s = f64::MAX;
     let (mut part, mut sound) = ("", false);
+    let gives_circle = lookup(table, PITCH).is_some();
     // Rows that follow may rest on what the law reads.
     let mut stale = false;
     let gaps: Vec<&Key> = keys::values(table)
@@ -58,7 +59,7 @@ pub(crate) fn fill(table: &mut Table) -> Result<Vec<Origin>, Gap> {
                     (part, stale) = (new_part, false);
                     refresh(&mut scene, table);
                     if part != "gear" && missing.is_empty() && !sound {
-                        check::gear(&scene.gear).map_err(Gap::Fault)?;
+                        check::gear(&scene.gear, gives_circle).map_err(Gap::Fault)?;
                         sound = true;
                         scales::state_depth(&mut scene);
                     }

@@ -49,7 +49,8 @@ impl Slip {
 const MOST_STEPS: usize = 1000;
 /// Line searches end when the slope along the step fell to this share.
 const SLOPE_SHARE: f64 = 0.1;
-/// Newton ends when no sliding speed moves by more than this share of its ramp.
+/// Newton ends when no sliding speed moves by more than this share of its ramp, and when rounding of the
+/// last step is no more than that.
 const RATE_SHARE: f64 = 1e-10;
 /// And when no velocity moves by more than its rounding: a narrow ramp asks for more digits than there are.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -108,15 +109,17 @@ impl SlidingProblem {
                 rate[1] = slip.rate.dot(&self.step);
             }
             let share = self.line_search(a, slips, target, v)?;
+            for (v, d) in v.iter_mut().zip(&self.step) {
+                *v += share * d;
+            }
             let mut settled = share == 1.0;
             for (rate, slip) in self.rates.iter_mut().zip(slips) {
                 let before = rate[0];
-                rate[0] += share * rate[1];
-                let same = slip.state(before) == slip.state(rate[0]);
-                settled &= same || (rate[0] - before).abs() <= RATE_SHARE * slip.ramp;
-            }
-            for (v, d) in v.iter_mut().zip(&self.step) {
-                *v += share * d;
+                rate[0] = slip.rate.value(v);
+                let (moved, digits) = ((rate[0] - before).abs(), RATE_SHARE * slip.ramp);
+                let same =
+                    slip.state(before) == slip.state(rate[0]) && f64::EPSILON * moved <= digits;
+                settled &= same || moved <= digits;
             }
             if settled {
                 return Some(step);

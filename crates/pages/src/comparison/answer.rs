@@ -454,8 +454,8 @@ impl<'a> Answer<'a> {
         ))
     }
 
-    /// What was not checked, with what would check it.
-    pub(super) fn unchecked(&self) -> Vec<Fact> {
+    /// What was not checked, with what would check it; so many reasons of engines without figures are told one by one.
+    pub(super) fn unchecked(&self, told: usize) -> Vec<Fact> {
         let comparison = &self.found.comparison;
         let here = |name: &str| comparison.engines.iter().any(|engine| engine.name == name);
         let lacks: Vec<&str> = lacking().map(|info| info.name).collect();
@@ -482,34 +482,13 @@ impl<'a> Answer<'a> {
             "not in this build; rebuild with `--features crossval`",
         );
         tell(unasked, "not asked for; run it without `--engines`");
-        let mut reasons: Vec<(Vec<&str>, String)> = Vec::new();
-        let is_late = |engine: &&EngineSummary| matches!(engine.status, Status::TimedOut { .. });
-        let late = comparison.engines.iter().filter(is_late).count();
-        for engine in &comparison.engines {
-            let reason = match engine.status.reason() {
-                // Each needs another time; which, its own row of the page says.
-                Some(_) if late > 1 && is_late(&engine) => {
-                    "timed out; Engines on the page says what each needs (`--longest SECONDS`)"
-                        .to_owned()
-                }
-                Some(reason) => reason,
-                None => continue,
-            };
-            let name = words::short(&engine.name);
-            match reasons.iter_mut().find(|(_, known)| *known == reason) {
-                Some((names, _)) => names.push(name),
-                None => reasons.push((vec![name], reason)),
-            }
-        }
-        let more = reasons.len().saturating_sub(MOST);
-        for (names, reason) in reasons.iter().take(MOST) {
-            // The label says so already.
-            let reason = reason.strip_prefix("left out: ").unwrap_or(reason);
-            let text = format!("{}: {reason}", names.join(", "));
-            facts.push(Fact::new("left out", Mark::None, text));
-        }
+        let reasons = left_out(comparison);
+        let more = reasons.len().saturating_sub(told);
+        facts.extend(reasons.into_iter().take(told));
         if more > 0 {
-            let text = format!("and {more} more: `--verbose`, or Engines on the page");
+            let and = if told > 0 { "and " } else { "" };
+            let kind = format!("{more} {}", if told > 0 { "more" } else { "reasons" });
+            let text = format!("{and}{kind}: `--verbose`, or Engines on the page");
             facts.push(Fact::new("left out", Mark::None, text));
         }
         let recorded = comparison.engines.iter();
@@ -578,14 +557,47 @@ fn brief(label: &str) -> String {
     label.to_lowercase().replace(" sleeve", "")
 }
 
+/// Why engines have no figures, those of one reason together.
+pub(super) fn left_out(comparison: &Comparison) -> Vec<Fact> {
+    let mut reasons: Vec<(Vec<&str>, String)> = Vec::new();
+    let is_late = |engine: &&EngineSummary| matches!(engine.status, Status::TimedOut { .. });
+    let late = comparison.engines.iter().filter(is_late).count();
+    for engine in &comparison.engines {
+        let reason = match engine.status.reason() {
+            // Each needs another time; which, its own row of the page says.
+            Some(_) if late > 1 && is_late(&engine) => {
+                "timed out; Engines on the page says what each needs (`--longest SECONDS`)"
+                    .to_owned()
+            }
+            Some(reason) => reason,
+            None => continue,
+        };
+        let name = words::short(&engine.name);
+        match reasons.iter_mut().find(|(_, known)| *known == reason) {
+            Some((names, _)) => names.push(name),
+            None => reasons.push((vec![name], reason)),
+        }
+    }
+    let told = reasons.into_iter().map(|(names, reason)| {
+        // The label says so already.
+        let reason = reason.strip_prefix("left out: ").unwrap_or(&reason);
+        Fact::new(
+            "left out",
+            Mark::None,
+            format!("{}: {reason}", names.join(", ")),
+        )
+    });
+    told.collect()
+}
+
 /// What was done to measured data.
 pub(super) const DATA: &str = "data";
 /// Pairs that solve the scene's own law.
 const SHARES: fn(Track) -> bool = |track| matches!(track, Track::Native | Track::SharedLaw);
 /// What is neither agreed nor differs, with nothing to act on.
 pub(super) const UNRESOLVED: &str = "not resolved";
-/// Reasons that are told one by one.
-const MOST: usize = 2;
+/// Reasons that are told one by one, where there is room.
+pub(super) const MOST: usize = 2;
 /// Difference of models from which on it is told.
 const SEEN: f64 = 0.03;
 

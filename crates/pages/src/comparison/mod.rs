@@ -59,7 +59,7 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
         let facts = (!facts.is_empty()).then_some([heading, Block::Facts(facts)]);
         facts.into_iter().flatten()
     };
-    let mut unchecked = answer.unchecked();
+    let mut unchecked = answer.unchecked(answer::MOST);
     // Bookkeeping last: it may be cut off.
     unchecked.sort_by_key(|fact| fact.label == answer::UNRESOLVED);
     unchecked.splice(0..0, answer.next());

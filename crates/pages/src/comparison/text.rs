@@ -17,7 +17,7 @@ use super::answer::{self, Answer};
 use crate::band;
 
 /// The answer, without the place of the page: at most a screen. What was done to measured data is told as far as there is room,
-/// and whole by [`details`].
+/// then why engines were left out, and both whole by [`details`].
 #[must_use]
 pub fn text(scene: &Scene, found: &Outcome) -> String {
     let answer = Answer::new(found, share);
@@ -26,9 +26,11 @@ pub fn text(scene: &Scene, found: &Outcome) -> String {
         .iter()
         .filter(|fact| fact.label == answer::DATA)
         .count();
-    let mut texts = (0..=notes)
-        .rev()
-        .map(|kept| with_notes(scene, &answer, &trust, kept));
+    let fewer = (0..answer::MOST).rev().map(|told| (0, told));
+    let room = (0..=notes).rev().map(|kept| (kept, answer::MOST));
+    let mut texts = room
+        .chain(fewer)
+        .map(|room| with_notes(scene, &answer, &trust, room));
     let shortest = texts.next_back().unwrap_or_default();
     // One more with the page's place.
     texts
@@ -36,8 +38,13 @@ pub fn text(scene: &Scene, found: &Outcome) -> String {
         .unwrap_or(shortest)
 }
 
-/// The answer with so many notes on measured data.
-fn with_notes(scene: &Scene, answer: &Answer<'_>, trust: &[Fact], kept: usize) -> String {
+/// The answer with so many notes on measured data, and so many reasons why engines were left out.
+fn with_notes(
+    scene: &Scene,
+    answer: &Answer<'_>,
+    trust: &[Fact],
+    (kept, reasons): (usize, usize),
+) -> String {
     let mut text = format!("{}\n\n", styled(TITLE, &paragraph(&crate::title(scene))));
     let figures = answer.figures();
     text += &terminal::pairs(figures.iter().map(|one| {
@@ -66,7 +73,7 @@ fn with_notes(scene: &Scene, answer: &Answer<'_>, trust: &[Fact], kept: usize) -
         told.push(Fact::new(answer::DATA, Mark::None, text));
     }
     text += &facts("can I trust it", &told);
-    let mut unchecked = answer.unchecked();
+    let mut unchecked = answer.unchecked(reasons);
     // The last line counts these.
     unchecked.retain(|fact| fact.label != answer::UNRESOLVED);
     text += &facts("not checked", &unchecked);
@@ -86,6 +93,7 @@ const SCREEN: usize = 30;
 pub fn details(found: &Outcome) -> String {
     let comparison = &found.comparison;
     let mut text = format!("\n{}", terminal::table(&engines(comparison)));
+    text += &terminal::facts(&answer::left_out(comparison));
     for table in [measured(comparison), pairs(comparison)] {
         if !table.is_empty() {
             text.push('\n');

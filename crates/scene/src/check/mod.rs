@@ -29,24 +29,24 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
         )
     })?;
     ranges::check(&table)?;
-    together(scene)
+    together(scene, false)
 }
 
-/// The same where every single value is known to be in range.
-pub(crate) fn together(scene: &Scene) -> Result<(), Fault> {
+/// The same where every single value is known to be in range; `gives_circle`: R is written and not m.
+pub(crate) fn together(scene: &Scene, gives_circle: bool) -> Result<(), Fault> {
     combinations::check(scene)?;
     crate::bearings::check(scene)?;
     crate::cranks::check(scene)?;
     load::check(scene)?;
-    gear(&scene.gear)?;
+    gear(&scene.gear, gives_circle)?;
     crate::uncertain::check(scene)?;
     budget::check(scene)
 }
 
 /// Whether a gear whose single values are in range can be built.
-pub(crate) fn gear(gear: &Gear) -> Result<(), Fault> {
-    geometry::whole(gear)
-        .map_err(|fault| units::guess(gear).unwrap_or_else(|| remedy::tried(gear, fault)))
+pub(crate) fn gear(gear: &Gear, gives_circle: bool) -> Result<(), Fault> {
+    let tried = |fault| remedy::tried(gear, gives_circle, fault);
+    geometry::whole(gear).map_err(|fault| units::guess(gear).unwrap_or_else(|| tried(fault)))
 }
 
 pub(crate) use geometry::hole_to_profile_m;

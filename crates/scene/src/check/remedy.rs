@@ -1,8 +1,8 @@
 //! What puts a gear right that cannot be built: values that were tried, and not a rule that another check refuses.
 //!
 //! Each value of a gear is moved away from where it is, to both sides, until the whole gear can be built, and then back as far as
-//! it goes. Whether a scene gives R or m, and whether its holes follow from sleeve and eccentricity, is not known here: what is
-//! offered holds either way.
+//! it goes. Whether holes follow from sleeve and eccentricity is not known here: what is offered holds either way. Of R and m the
+//! one that the scene gives is named.
 
 use super::geometry;
 use crate::error::Fault;
@@ -49,7 +49,7 @@ const ECCENTRICITY: &str = "gear.eccentricity_m";
 type Builds = fn(&Gear) -> bool;
 
 /// The fault with ways to put it right, nearest first; as it was where none was found.
-pub(super) fn tried(gear: &Gear, fault: Fault) -> Fault {
+pub(super) fn tried(gear: &Gear, gives_circle: bool, fault: Fault) -> Fault {
     if gear.wheels * gear.internal_sleeves > MOST_HOLES {
         return fault;
     }
@@ -57,15 +57,16 @@ pub(super) fn tried(gear: &Gear, fault: Fault) -> Fault {
     let outside: Builds = |gear| geometry::outside(gear).is_ok();
     // What is named comes first.
     let place = |key: &str| fault.keys.iter().position(|known| known == key);
-    let mut ways = single(gear, whole);
+    let single = |builds| single(gear, gives_circle, builds);
+    let mut ways = single(whole);
     if ways.is_empty() {
-        ways.extend(output_stage(gear));
+        ways.extend(output_stage(gear, gives_circle));
     }
     // Two faults at once: first that of the profile, then the other.
     if ways.is_empty() && !outside(gear) {
-        ways = single(gear, outside);
+        ways = single(outside);
         if ways.is_empty() {
-            ways.extend(external_stage(gear));
+            ways.extend(external_stage(gear, gives_circle));
         }
     }
     if ways.is_empty() {
@@ -96,7 +97,7 @@ struct Way {
 }
 
 /// Ways that move one value.
-fn single(gear: &Gear, builds: Builds) -> Vec<Way> {
+fn single(gear: &Gear, gives_circle: bool, builds: Builds) -> Vec<Way> {
     let mut ways = Vec::new();
     for (key, of) in VALUES {
         let from = *of(&mut gear.clone());
@@ -127,7 +128,7 @@ fn single(gear: &Gear, builds: Builds) -> Vec<Way> {
         ways.extend(found.first().map(|value| Way {
             key,
             far: far(*value),
-            words: said(gear, key, *value),
+            words: said(gear, gives_circle, key, *value),
         }));
     }
     ways
@@ -179,20 +180,17 @@ fn in_range(key: &str, value: f64) -> bool {
     crate::keys::key(key).is_some_and(|row| row.refuses(value).is_none())
 }
 
-/// `gear.hole_radius_m = 0.0088`; of m also the R that is the same.
-fn said(gear: &Gear, key: &str, value: f64) -> String {
-    if key != SHORTENING {
+/// `gear.hole_radius_m = 0.0088`; where R is given, of m the R that is the same.
+fn said(gear: &Gear, gives_circle: bool, key: &str, value: f64) -> String {
+    if key != SHORTENING || !gives_circle {
         return format!("{key} = {value}");
     }
     let radius = gear.eccentricity_m * gear.external_sleeves as f64 / value;
-    format!(
-        "{key} = {value} (where R is given: gear.pin_circle_radius_m = {})",
-        nearest(radius, 6)
-    )
+    format!("gear.pin_circle_radius_m = {}", nearest(radius, 6))
 }
 
 /// The profile anew: no modification, an m that is usual, and sleeves and a play that fit.
-fn external_stage(gear: &Gear) -> Option<Way> {
+fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
     const USUAL: f64 = 0.7;
     let mut fitting = gear.clone();
     fitting.modification = crate::model::Modification::default();
@@ -209,7 +207,7 @@ fn external_stage(gear: &Gear) -> Option<Way> {
     geometry::outside(&fitting).ok()?;
     let changed = VALUES.into_iter().filter_map(|(key, of)| {
         let [before, after] = [gear, &fitting].map(|gear| *of(&mut gear.clone()));
-        (before != after).then(|| said(gear, key, after))
+        (before != after).then(|| said(gear, gives_circle, key, after))
     });
     Some(Way {
         key: "",
@@ -219,7 +217,7 @@ fn external_stage(gear: &Gear) -> Option<Way> {
 }
 
 /// Sleeves and holes anew on the circle there is or on another one, and where they have no room an eccentricity that leaves it.
-fn output_stage(gear: &Gear) -> Option<Way> {
+fn output_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
     let smaller = (0..30).map(|k| {
         if k == 0 {
             return gear.clone();
@@ -235,11 +233,13 @@ fn output_stage(gear: &Gear) -> Option<Way> {
     smaller.into_iter().find_map(|smaller| {
         let fitting = with_output_stage(&smaller)?;
         let e = fitting.eccentricity_m;
-        let eccentricity = if e == gear.eccentricity_m {
-            String::new()
-        } else {
-            let m = fitting.shortening;
-            format!("{ECCENTRICITY} = {e} and {SHORTENING} = {m} (only where R is not given) and ")
+        let eccentricity = match (e == gear.eccentricity_m, gives_circle) {
+            (true, _) => String::new(),
+            (false, true) => format!("{ECCENTRICITY} = {e} and "),
+            (false, false) => format!(
+                "{ECCENTRICITY} = {e} and {SHORTENING} = {} and ",
+                fitting.shortening
+            ),
         };
         let Gear {
             internal_circle_radius_m: circle,

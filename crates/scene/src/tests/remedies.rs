@@ -84,7 +84,7 @@ fn load(text: &str, sets: &[(String, f64)]) -> Result<(), SceneError> {
 }
 
 /// What a message of geometry offers: ways, each of which sets keys. `None`: a single value out of its range.
-fn offered(error: &SceneError, gives_circle: bool) -> Option<Vec<Vec<(String, f64)>>> {
+fn offered(error: &SceneError) -> Option<Vec<Vec<(String, f64)>>> {
     let SceneError::Key {
         key, what, remedy, ..
     } = error
@@ -102,20 +102,9 @@ fn offered(error: &SceneError, gives_circle: bool) -> Option<Vec<Vec<(String, f6
         return Some(Vec::new());
     };
     let ways = ways.split(", or ").map(|way| {
-        let sets = way.split(" and ").filter_map(|set| {
-            // R where R is given.
-            let (m, circle) = set.split_once(" (where R is given: ").unwrap_or((set, ""));
-            let set = if gives_circle && !circle.is_empty() {
-                circle.trim_end_matches(')')
-            } else {
-                m
-            };
+        let sets = way.split(" and ").map(|set| {
             let (key, value) = set.split_once(" = ").unwrap();
-            let only = value.strip_suffix(" (only where R is not given)");
-            if only.is_some() && gives_circle {
-                return None;
-            }
-            Some((key.to_owned(), only.unwrap_or(value).parse().unwrap()))
+            (key.to_owned(), value.parse().unwrap())
         });
         sets.collect()
     });
@@ -139,7 +128,7 @@ fn every_remedy_of_every_geometry_error_works() {
         let Err(error) = load(&text, &sets) else {
             continue;
         };
-        let Some(ways) = offered(&error, gives_circle) else {
+        let Some(ways) = offered(&error) else {
             continue;
         };
         wrong += 1;
@@ -154,7 +143,7 @@ fn every_remedy_of_every_geometry_error_works() {
                 continue;
             };
             second += 1;
-            let again = offered(&other, gives_circle).unwrap_or_default();
+            let again = offered(&other).unwrap_or_default();
             assert!(!again.is_empty(), "{sets:?}: {error}\nthen {other}");
             for way in again {
                 let mut twice = once.clone();
