@@ -36,10 +36,11 @@ def root_between(value_and_slope: Callable[[Floats, Ints], tuple[Floats, Floats]
     """Roots of increasing-through-zero functions, one a bracket: Newton, bisection where Newton leaves the bracket.
 
     `value_and_slope(x, which)` gives f and f' of the functions `which` at x. f(low) <= 0 <= f(high) is assumed. Stops
-    at a step below two units in the last place of max(|x|, 1).
+    at a step below two units in the last place of max(|x|, 1), or where steps shrink so fast that the next would be: where
+    f is flat its rounding moves x by more than that, for ever.
     """
     low, high = low.copy(), high.copy()
-    x = 0.5 * (low + high)
+    x, before = 0.5 * (low + high), high - low
     active = np.arange(x.size)
     for _ in range(80):
         f, slope = value_and_slope(x[active], active)
@@ -53,9 +54,10 @@ def root_between(value_and_slope: Callable[[Floats, Ints], tuple[Floats, Floats]
         slack = 4.0e-16 * np.maximum(1.0, np.abs(x[active]))
         good = (newton >= lo - slack) & (newton <= hi + slack)
         following = np.where(good, newton, 0.5 * (lo + hi))
-        moved = np.abs(following - x[active]) > slack
-        x[active] = following
-        active = active[moved]
+        step = np.abs(following - x[active])
+        quadratic = good & (step < 1e-9) & (step < 1e-2 * before[active])
+        x[active], before[active] = following, step
+        active = active[(step > slack) & ~quadratic]
         if active.size == 0:
             break
     return x

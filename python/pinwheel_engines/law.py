@@ -121,6 +121,7 @@ class ContactLaw:
         # A wheel with turned flanks is what two wheels turned by these have in common.
         turn = gear.rotational_rad
         self._flanks = [np.exp(1j * turn), np.exp(-1j * turn)] if turn else [complex(1.0)]
+        self._corner_parameters = np.array(self._corners()) if turn else np.zeros(2)
         layout = self.layout
         wheels = np.arange(layout.wheel_bodies.start, layout.wheel_bodies.stop)
         outer = np.arange(layout.external_bodies.start, layout.external_bodies.stop)
@@ -333,7 +334,7 @@ class ContactLaw:
         on_edge = [sign * np.sin(zs * np.angle(side[0])) >= 0.0 for side, sign in zip(sides, (-1.0, 1.0), strict=True)]
         second = on_edge[1] & (~on_edge[0] | (sides[1][2] > sides[0][2]))
         number = np.rint(np.angle(local) * zs / math.pi)
-        a = np.array(self._corners())[np.mod(number, 2.0).astype(np.intp)]
+        a = self._corner_parameters[np.mod(number, 2.0).astype(np.intp)]
         q = self.scene.gear.edge_offset_m
         corner = np.abs(self.curve.point(a) - q * self.curve.normal(a)) * np.exp(1j * number * math.pi / zs)
         apart = np.abs(corner - local)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import functools
 import math
 import re
 import tomllib
@@ -163,6 +164,12 @@ class PlainLaw:
 def array(address: int, count: int) -> Floats:
     """Doubles at an address."""
     return np.ctypeslib.as_array(ctypes.cast(address, ctypes.POINTER(ctypes.c_double)), (count,))
+
+
+@functools.cache
+def wanted(text: str, duration_s: float, step_s: float) -> dict[str, Floats]:
+    """The courses of `scene(text, duration_s)` by `runge_kutta`, once for all engines."""
+    return runge_kutta(scene(text, duration_s), step_s)
 
 
 def runge_kutta(scene: Scene, step_s: float) -> dict[str, Floats]:

@@ -144,10 +144,10 @@ def test_reachable_segments_cover_the_contact(turn):
 @pytest.mark.parametrize("name", ["paper", "eleven"])
 def test_loaded_start_agrees_with_the_law(engine, name):
     # From the law's own equilibrium the engine's contact must carry the load with nearly the same forces.
-    scene = scenes.scene(scenes.ALL[name] + '[drive]\nstart = "equilibrium"\n', 4e-3)
-    result = run(scene, engine)
+    text = scenes.ALL[name] + '[drive]\nstart = "equilibrium"\n'
+    result = run(scenes.scene(text, 4e-3), engine)
     columns = result.columns
-    wanted = scenes.runge_kutta(scene, 5e-5)
+    wanted = scenes.wanted(text, 4e-3, 5e-5)
     settled = slice(20, None)
     for group, limit in (("external", 0.1), ("internal", 0.06), ("output_torque", 0.05), ("input_torque", 0.06)):
         cut = [{n: c[settled] for n, c in source.items()} for source in (columns, wanted)]
@@ -198,9 +198,9 @@ def test_cancel_and_repeat(engine):
 
 @pytest.mark.parametrize("engine", OWN)
 def test_load_ramp(engine):
-    scene = scenes.scene("[drive]\nload_ramp_s = 0.004\n", 3e-3)
-    columns = run(scene, engine).columns
-    wanted = scenes.runge_kutta(scene, 5e-5)
+    text = "[drive]\nload_ramp_s = 0.004\n"
+    columns = run(scenes.scene(text, 3e-3), engine).columns
+    wanted = scenes.wanted(text, 3e-3, 5e-5)
     assert columns["output_angle_rad"][-1] == pytest.approx(wanted["output_angle_rad"][-1], rel=3e-2)
     assert np.abs(columns["output_torque_n_m"]).max() < 22.0
 

@@ -78,9 +78,9 @@ def test_constrained_form_solves_friction():
 
 @pytest.mark.parametrize("engine", SHARED)
 def test_ramped_load_and_uneven_end(engine):
-    scene = scenes.scene("[drive]\nload_ramp_s = 0.0006\n", 9.5e-4)
-    result = run(scene, engine, step_s=2e-5)
-    wanted = scenes.runge_kutta(scene, 2e-5)
+    text = "[drive]\nload_ramp_s = 0.0006\n"
+    result = run(scenes.scene(text, 9.5e-4), engine, step_s=2e-5)
+    wanted = scenes.wanted(text, 9.5e-4, 2e-5)
     assert result.columns["time_s"].tolist() == wanted["time_s"].tolist()
     assert result.columns["time_s"][-1] == 9.5e-4
     limit = 1e-8 if engine in EXPLICIT else 5e-2
@@ -100,9 +100,8 @@ load_changes = [
 
 @pytest.mark.parametrize("engine", SHARED)
 def test_load_that_changes(engine):
-    scene = scenes.scene(CHANGES, 1e-3)
-    result = run(scene, engine, step_s=1e-5)
-    wanted = scenes.runge_kutta(scene, 1e-5)
+    result = run(scenes.scene(CHANGES, 1e-3), engine, step_s=1e-5)
+    wanted = scenes.wanted(CHANGES, 1e-3, 1e-5)
     # Measured 8e-14 for Runge-Kutta 4, whose steps are the same, and 7.0e-4 for the trapezoidal rule; steps that pass
     # over the breaks are off by 6.8e-2 at least.
     limit = 1e-10 if engine in EXPLICIT else 2e-3
