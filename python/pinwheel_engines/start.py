@@ -64,7 +64,7 @@ def _load(scene: Scene, kinematics: Kinematics, angles: Floats, rates: Floats) -
     sense = 1.0 if load > 0.0 else -1.0
 
     def torques(turn: float, wheel_turns: Floats) -> Floats:
-        """Restoring torques (points, bodies) at wheel turns (points, wheels): the law takes hardly longer for all than for one."""
+        """Restoring torques (points, bodies) at wheel turns (points, wheels): all together, as the law costs hardly more."""
         points = np.empty((len(wheel_turns), angles.size))
         for point, turns in zip(points, wheel_turns, strict=True):
             angles[OUTPUT] = ideal[OUTPUT] + sense * turn
