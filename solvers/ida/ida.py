@@ -230,7 +230,9 @@ class Courses:
     def row(self, time_s: float, input_torque: float, states: np.ndarray, loads: np.ndarray) -> None:
         """One sample, from states and contact loads of all bodies."""
         arm, force = states[self.internal, :2] - states[OUTPUT, :2], loads[self.internal, :2]
-        output_torque = float(np.sum(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]))
+        # Couples of sleeves on their pins, and the seal.
+        own = loads[OUTPUT, 2]
+        output_torque = own + float(np.sum(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]))
         sleeves = np.hypot(loads[self.sleeves, 0], loads[self.sleeves, 1])
         values = [time_s, input_torque, output_torque, states[OUTPUT, 2], *sleeves]
         print(*(repr(float(value)) for value in values), sep=",", file=self.file)

@@ -174,7 +174,8 @@ public:
     }
 
     void row(double time, double input_torque, const std::vector<double>& states, const std::vector<double>& loads) {
-        double output_torque = 0.0;
+        // Couples of sleeves on their pins, and the seal.
+        double output_torque = loads[3 * OUTPUT + 2];
         for (size_t body : sleeves)
             if (law.bodies[body].carrier == OUTPUT)
                 output_torque += (states[6 * body] - states[6 * OUTPUT]) * loads[3 * body + 1]

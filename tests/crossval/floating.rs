@@ -141,6 +141,16 @@ fn agree(k: usize) {
             wrong.push(format!("{name}: D {d:e}, U {u:e}"));
         }
     }
+    // Each alone: its output torque and the load give the output its acceleration.
+    for engine in &found.comparison.engines {
+        let judged = engine.judged.iter();
+        for entry in judged.filter(|entry| entry.result.verdict == Verdict::Differ) {
+            wrong.push(format!(
+                "{}, {}: {:?}",
+                engine.name, entry.quantity, entry.result
+            ));
+        }
+    }
     assert!(wrong.is_empty(), "{preset} {sets:?}: {wrong:#?}");
 }
 

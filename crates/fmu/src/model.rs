@@ -110,7 +110,7 @@ const FLAGS: &[(&str, What, &str)] = rows! {
 /// The columns of every run; they are variables by their place.
 const COLUMNS: &[(&str, (), &str)] = rows! {
     "input_torque_n_m" (), "torque of the drive on the input shaft, counter-clockwise";
-    "output_torque_n_m" (), "moment of the contact forces on the output shaft, counter-clockwise";
+    "output_torque_n_m" (), "all that turns the output shaft but its load, counter-clockwise";
     "output_angle_rad" (), "angle of the output shaft, counter-clockwise";
     "external_sleeve_force_n_*" (), "force of all wheels on the external sleeve";
     "internal_sleeve_force_n_*" (), "force of all wheels on the internal sleeve";

@@ -153,7 +153,7 @@ impl Values {
         })
     }
 
-    /// Adds a sample. `output_torque`: moment of the contact forces on the output shaft, N m.
+    /// Adds a sample. `output_torque`: all that turns the output shaft but its load, N m.
     pub(crate) fn record(&mut self, seen: &mut Seen<'_>, output_torque: f64) {
         let bodies = seen.bodies;
         let apart = self.find(seen);

@@ -335,6 +335,7 @@ impl CoSimulation {
     /// Writes the values of a run's columns ([`Recorder::contract`], then the scene's channels) at the time reached to `row`.
     pub fn observe(&mut self, row: &mut Vec<f64>) -> Shafts {
         let t = self.time;
+        let load = self.system.forces_mut().load_n_m(t);
         let seen = self.system.observe(t, &self.y);
         let mut torques = seen.driver_torques.iter().copied();
         let mut driver = || torques.next().unwrap_or(f64::NAN);
@@ -347,7 +348,7 @@ impl CoSimulation {
             Prescribed::BySpeed => driver(),
             Prescribed::ByTorque => 0.0,
         };
-        self.recorder.record_observed(&seen, input);
+        self.recorder.record_observed(&seen, [input, load]);
         if self.recorder.wants_channels() {
             self.recorder.record_channels(&mut Seen {
                 bodies: seen.bodies,
@@ -363,7 +364,7 @@ impl CoSimulation {
                 seen.bodies[Layout::INPUT].rate,
             ],
             output_speed_rad_s: seen.bodies[Layout::OUTPUT].rate,
-            load_torque_n_m: output + seen.loads[Layout::OUTPUT].moment,
+            load_torque_n_m: output + load,
             largest_force_n: sleeves.iter().map(|f| f.fx.hypot(f.fy)).fold(0.0, f64::max),
         };
         self.recorder.take_last(row);

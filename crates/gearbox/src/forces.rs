@@ -48,6 +48,11 @@ impl GearForces {
         }
     }
 
+    /// The load on the output with what is held there, N m.
+    pub(crate) fn load_n_m(&self, time: f64) -> f64 {
+        self.load.torque(time) + self.held[1].at(time)
+    }
+
     /// Where the present segment begins, s: what [`restart_at`](Forces::restart_at) was told, or an earlier time of the same segment.
     pub(crate) fn segment_s(&self) -> f64 {
         self.load.from_s

@@ -191,7 +191,7 @@ fn integrate<F: Formulation>(
                     if let Some(seen) = seen.and_then(|y| system.observe_at_hand(at, y))
                         && at < until
                     {
-                        recorder.record_between(&seen, seen.driver_torques[0]);
+                        recorder.record_between(&seen, [seen.driver_torques[0], load.torque(at)]);
                         if let Some(contacts) = &seen.energy {
                             energy.pass(load.torque(at), &seen, contacts);
                         }
@@ -203,7 +203,7 @@ fn integrate<F: Formulation>(
                     let seen = system.observe_reduced(time, &y);
                     let contacts = contact_energy(&seen, field.as_mut());
                     energy.add(load.torque(time), &seen, &contacts);
-                    recorder.record_between(&seen, seen.driver_torques[0]);
+                    recorder.record_between(&seen, [seen.driver_torques[0], load.torque(time)]);
                 }
                 if let Event::Break(_, from) = due {
                     stepper.enter(&mut system);
@@ -223,7 +223,7 @@ fn integrate<F: Formulation>(
             if let Some(audit) = energy.latest() {
                 balance.add(&audit).map_err(diverged(t))?;
             }
-            recorder.record_observed(&seen, seen.driver_torques[0]);
+            recorder.record_observed(&seen, [seen.driver_torques[0], load.torque(t)]);
             if recorder.wants_channels() {
                 recorder.record_channels(&mut Seen {
                     bodies: seen.bodies,

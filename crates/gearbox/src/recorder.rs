@@ -93,9 +93,10 @@ impl Recorder {
         self.loads = loads;
     }
 
-    /// Records a sample that a formulation tells, where a sleeve's only load is its contacts'. `driver_torque`: N m.
-    pub fn record_observed(&mut self, seen: &Observation<'_>, driver_torque: f64) {
-        let (head, sleeves) = self.head(seen, driver_torque);
+    /// Records a sample that a formulation tells, where a sleeve's only load is its contacts'. `shafts`: torque of the driver, and the
+    /// load on the output, N m.
+    pub fn record_observed(&mut self, seen: &Observation<'_>, shafts: [f64; 2]) {
+        let (head, sleeves) = self.head(seen, shafts);
         self.record_known(seen.time, head, sleeves);
         if let Some(between) = &mut self.between {
             let row = &self.rows[(self.pending - 1) * self.columns.len()..];
@@ -104,8 +105,8 @@ impl Recorder {
     }
 
     /// Records what lies between samples.
-    pub(crate) fn record_between(&mut self, seen: &Observation<'_>, driver_torque: f64) {
-        let (head, sleeves) = self.head(seen, driver_torque);
+    pub(crate) fn record_between(&mut self, seen: &Observation<'_>, shafts: [f64; 2]) {
+        let (head, sleeves) = self.head(seen, shafts);
         if let Some(between) = &mut self.between {
             fill(&mut self.row, head, sleeves);
             between.push(seen.time, false, &points(self.layout, &self.row));
@@ -116,27 +117,30 @@ impl Recorder {
     fn head<'a>(
         &self,
         seen: &Observation<'a>,
-        driver_torque: f64,
+        [driver_torque, load]: [f64; 2],
     ) -> ([f64; columns::HEAD.len()], &'a [Wrench]) {
         let sleeves = &seen.loads[self.layout.external_bodies().start..];
         let output = Layout::OUTPUT;
         // All that turns the output but the load on itself.
         let torque = match seen.moments {
-            Some(moments) => moments[output] - seen.loads[output].moment,
-            None => self.output_torque(seen.bodies, sleeves),
+            Some(moments) => moments[output] - load,
+            None => self.output_torque(seen.bodies, sleeves) + (seen.loads[output].moment - load),
         };
         ([driver_torque, torque, seen.bodies[output].angle], sleeves)
     }
 
-    /// Records a sample whose sleeve forces (ground frame, N, external then internal) are known.
+    /// Records a sample whose sleeve forces (ground frame, N, external then internal) are known, and what turns the output beside
+    /// them and its load, N m.
     pub fn record_forces(
         &mut self,
         t: f64,
         driver_torque: f64,
         bodies: &[BodyState],
         forces: &[[f64; 2]],
+        own_n_m: f64,
     ) {
         let mut loads = std::mem::take(&mut self.loads);
+        loads[Layout::OUTPUT].moment = own_n_m;
         let sleeves = &mut loads[self.layout.external_bodies().start..];
         for (load, &[fx, fy]) in sleeves.iter_mut().zip(forces) {
             (load.fx, load.fy) = (fx, fy);
@@ -147,7 +151,7 @@ impl Recorder {
 
     fn record_loads(&mut self, t: f64, driver_torque: f64, bodies: &[BodyState], loads: &[Wrench]) {
         let forces = &loads[self.layout.external_bodies().start..];
-        let torque = self.output_torque(bodies, forces);
+        let torque = self.output_torque(bodies, forces) + loads[Layout::OUTPUT].moment;
         let angle = bodies[Layout::OUTPUT].angle;
         self.record_known(t, [driver_torque, torque, angle], forces);
     }
@@ -297,7 +301,7 @@ mod tests {
             energy: None,
             reactions: None,
         };
-        recorder.record_observed(&seen, 2.0);
+        recorder.record_observed(&seen, [2.0, 0.0]);
         assert_eq!((recorder.len(), recorder.is_empty()), (2, false));
         let mut row = Vec::new();
         let time_series = recorder.clone().finish().unwrap();

@@ -13,7 +13,8 @@
 pub const TIME: &str = "time_s";
 /// Torque the driver exerts on the input shaft, N m, counter-clockwise positive.
 pub const INPUT_TORQUE: &str = "input_torque_n_m";
-/// Moment of the internal sleeves' contact forces on the output shaft, N m, counter-clockwise positive.
+/// All that turns the output shaft but its load, N m, counter-clockwise positive: forces of the internal sleeves, and where given
+/// couples of sleeves on their pins and a seal.
 pub const OUTPUT_TORQUE: &str = "output_torque_n_m";
 /// Angle of the output shaft, rad, 0 at the start, counter-clockwise positive.
 pub const OUTPUT_ANGLE: &str = "output_angle_rad";

@@ -54,7 +54,7 @@ static void evaluate(double t, const double *y, double *slope)
 static void record(FILE *file, double t)
 {
     int k;
-    double driver = -loads[2], output = 0.0;
+    double driver = -loads[2], output = loads[5];
     for (k = 2; k < bodies; k++) {
         double turning = states[6 * k] * loads[3 * k + 1] - states[6 * k + 1] * loads[3 * k];
         if (carrier[k] == 0)

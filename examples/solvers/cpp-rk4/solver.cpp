@@ -142,7 +142,7 @@ int main(int argc, char **argv)
     long all = 0;
     for (std::size_t sample = 0; sample < times.size(); sample++) {
         gear.slope(times[sample], y);
-        double driver = -gear.loads[2], output = 0.0;
+        double driver = -gear.loads[2], output = gear.loads[5];
         for (std::size_t k = 2; k < n; k++) {
             driver -= gear.bodies[k].carrier == 0 ? gear.turning(k) : 0.0;
             output += gear.bodies[k].carrier == 1 ? gear.turning(k) : 0.0;

@@ -136,7 +136,7 @@ program solver
   all = 0
   do sample = 1, samples
     call evaluate(times(sample), y, first)
-    driver = -loads(3, 1); output = 0
+    driver = -loads(3, 1); output = loads(3, 2)
     do k = 3, n
       if (carrier(k) == 0) driver = driver - turning(k)
       if (carrier(k) == 1) output = output + turning(k)

@@ -69,7 +69,7 @@ function main()
         for (sample, time) in enumerate(times)
             slope(time, y)
             driver = -loads[3, 1] - sum(turning, wheels)
-            output = sum(turning, internal)
+            output = loads[3, 2] + sum(turning, internal)
             forces = [hypot(loads[1, k], loads[2, k]) for k in sleeves]
             println(courses, join([time; driver; output; y[2, 1]; forces], ","))
             sample % 100 == 1 && @printf(stderr, "@t %g\n", time)

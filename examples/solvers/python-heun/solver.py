@@ -82,7 +82,7 @@ with open(job / "courses.csv", "w", encoding="utf-8") as courses:
     for sample, time in enumerate(times):
         slopes(time, angles, rates)
         driver = -loads[2] - sum(map(turning, wheels))
-        output = sum(map(turning, internal))
+        output = loads[5] + sum(map(turning, internal))
         forces = [math.hypot(loads[3 * k], loads[3 * k + 1]) for k in sleeves]
         print(time, driver, output, angles[1], *forces, sep=",", file=courses)
         if sample % 100 == 0:

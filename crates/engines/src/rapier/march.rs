@@ -139,7 +139,13 @@ pub(super) fn march(
             sums.clear();
             contacts.forces(&world, &now, share, &mut sums);
             let driver_torque_n_m = sums.driver_torque(&now, gearbox.floats());
-            recorder.record_forces(sample_s, driver_torque_n_m, &now, &sums.sleeves);
+            recorder.record_forces(
+                sample_s,
+                driver_torque_n_m,
+                &now,
+                &sums.sleeves,
+                sums.output_n_m,
+            );
             if recorder.wants_channels() {
                 reactions(gearbox, &world, &sums, &mut joints);
                 recorder.record_channels(&mut Seen {

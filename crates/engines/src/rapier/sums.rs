@@ -12,6 +12,8 @@ pub(super) struct Sums {
     wheels: Vec<[f64; 2]>,
     /// Moment on the input shaft of what does not come through wheels that it holds, N m.
     input_n_m: f64,
+    /// Moment on the output shaft of what does not come through its sleeves, N m.
+    pub(super) output_n_m: f64,
 }
 
 impl Sums {
@@ -21,6 +23,7 @@ impl Sums {
             sleeves: vec![[0.0; 2]; layout.external_sleeves + layout.internal_sleeves],
             wheels: vec![[0.0; 2]; layout.wheels],
             input_n_m: 0.0,
+            output_n_m: 0.0,
         }
     }
 
@@ -47,6 +50,7 @@ impl Sums {
             }
         }
         self.input_n_m = loads[Layout::INPUT].moment;
+        self.output_n_m = loads[Layout::OUTPUT].moment;
     }
 
     /// Force on a body, N; 0 for the shafts, which touch nothing.
@@ -67,7 +71,7 @@ impl Sums {
     pub(super) fn clear(&mut self) {
         self.sleeves.fill([0.0; 2]);
         self.wheels.fill([0.0; 2]);
-        self.input_n_m = 0.0;
+        (self.input_n_m, self.output_n_m) = (0.0, 0.0);
     }
 
     /// Torque the driver exerts on the input shaft, N m, by virtual work: each eccentric hands its

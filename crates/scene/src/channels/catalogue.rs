@@ -162,7 +162,7 @@ use {Joint as J, PairQuantity as P, Part as X, Whole as W};
 pub const FAMILIES: &[Family] = families! {
     "efficiency" One What::Whole(W::Efficiency), "output power over input power at the instant; 0 where the driver's power is not positive";
     "input_power_w" One What::Whole(W::InputPower), "driver torque times the input's speed";
-    "output_power_w" One What::Whole(W::OutputPower), "moment of the contact forces on the output times its speed";
+    "output_power_w" One What::Whole(W::OutputPower), "output_torque_n_m times the output's speed";
     "damping_loss_w" One What::Whole(W::DampingLoss), "power lost by the damping of the normal forces";
     "friction_loss_w" One What::Whole(W::FrictionLoss), "power lost by sliding";
     "transmission_error_arcmin" One What::Whole(W::TransmissionError), "output angle less the ideal mesh's, counter-clockwise";
