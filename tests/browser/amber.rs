@@ -104,6 +104,13 @@ fn browser_is_amber_where_nothing_confirms() {
     assert_eq!(made.code, Some(0), "{made:?}");
     let place = dir.join("mine/solver.py");
     let sound = std::fs::read_to_string(&place).unwrap();
+    // First one that forgets a part of the output torque, and is looked at alone.
+    let unbalanced = sound.replace("output = loads[5]", "output = 0.6 + loads[5]");
+    assert_ne!(sound, unbalanced);
+    std::fs::write(&place, unbalanced).unwrap();
+    let of = format!("paper --engines mine --solver mine/solver.toml {short}");
+    let said = "mine: output torque and load do not give the output its acceleration";
+    Said::of(browser, dir, &of, 1).says("fail", "Differs", &[said]);
     let faulty = sound.replace("[math.hypot(", "[1.2 * math.hypot(");
     assert_ne!(sound, faulty);
     std::fs::write(&place, faulty).unwrap();

@@ -149,7 +149,7 @@ impl<'a> Answer<'a> {
         }
         let said = match self.worst(Judged::Differ, |_| true) {
             Some((pair, entry)) => self.who(pair, entry),
-            None => self.first_figure(),
+            None => self.unbalanced().unwrap_or_else(|| self.first_figure()),
         };
         (plain.tone, plain.headline, said)
     }
@@ -207,6 +207,8 @@ impl<'a> Answer<'a> {
     /// Can I trust it: equations, integration, contacts, law, fit, measurement and what was done to its data.
     pub(super) fn trust(&self) -> Vec<Fact> {
         let mut facts = vec![self.equations()];
+        let unbalanced = self.unbalanced();
+        facts.extend(unbalanced.map(|said| Fact::new("balance", Mark::Bad, said)));
         facts.extend(self.integration());
         facts.push(self.contacts());
         facts.extend(self.difference());
@@ -277,6 +279,25 @@ impl<'a> Answer<'a> {
                 ),
             ),
         }
+    }
+
+    /// Engines whose own output torque and load do not give the output its acceleration.
+    fn unbalanced(&self) -> Option<String> {
+        let engines = self.found.comparison.engines.iter();
+        let alone = engines.flat_map(|e| e.judged.iter().map(move |entry| (e, &entry.result)));
+        let off: Vec<_> = alone
+            .filter(|(_, result)| result.verdict == Judged::Differ)
+            .collect();
+        let worst = off.iter().map(|(_, result)| *result);
+        let worst = worst.max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        let names: BTreeSet<&str> = off.iter().map(|(e, _)| words::short(&e.name)).collect();
+        let names: Vec<&str> = names.into_iter().collect();
+        Some(format!(
+            "{}: output torque and load do not give the output its acceleration, by {} (limit {})",
+            names.join(", "),
+            (self.number)(size(worst)),
+            (self.number)(worst.bound.unwrap_or_default())
+        ))
     }
 
     fn integration(&self) -> Option<Fact> {
@@ -482,13 +503,16 @@ impl<'a> Answer<'a> {
             "not in this build; rebuild with `--features crossval`",
         );
         tell(unasked, "not asked for; run it without `--engines`");
-        let reasons = left_out(comparison);
-        let more = reasons.len().saturating_sub(told);
-        facts.extend(reasons.into_iter().take(told));
-        if more > 0 {
-            let and = if told > 0 { "and " } else { "" };
-            let kind = format!("{more} {}", if told > 0 { "more" } else { "reasons" });
-            let text = format!("{and}{kind}: `--verbose`, or Engines on the page");
+        let mut reasons = left_out(comparison);
+        let more = reasons.split_off(told.min(reasons.len()));
+        facts.extend(reasons);
+        if !more.is_empty() {
+            let names = more.iter().filter_map(|fact| fact.text.split_once(": "));
+            let names: Vec<&str> = names.map(|(names, _)| names).collect();
+            let text = format!(
+                "{}: `--verbose` says why, or Engines on the page",
+                names.join(", ")
+            );
             facts.push(Fact::new("left out", Mark::None, text));
         }
         let recorded = comparison.engines.iter();
