@@ -291,7 +291,10 @@ const ASKED: [(&str, &str); 11] = [
     ("who agrees", r"\d engines of \d programs agree"),
     ("by how much", r"D = .*U = "),
     ("is the step short enough", r"of the exact solution"),
-    ("were the contacts checked", r"contacts\s*(✓|!|not checked|agree)"),
+    (
+        "were the contacts checked",
+        r"contacts\s*(✓|!|not checked|agree)",
+    ),
     ("who differs most", r"differs most\s.* here, .* by rapier"),
     ("what does the fit do", r"profile cut by 5"),
     ("what was not checked", r"--features crossval|--engines"),
