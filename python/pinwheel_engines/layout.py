@@ -185,8 +185,8 @@ class Kinematics:
     def output_torque(self, states: Floats, loads: Floats) -> float:
         """What turns the output shaft but its load, N m.
 
-        The internal sleeves' contact forces, which reach it through the pins, and its own moment: of sleeves that rub on their
-        pins, and of a seal.
+        The internal sleeves' contact forces, which reach it through the pins, and its own moment: of sleeves that rub on
+        their pins, and of a seal.
         """
         inner = self.layout.internal_bodies
         x, y = states[inner, 0] - states[OUTPUT, 0], states[inner, 1] - states[OUTPUT, 1]
