@@ -503,18 +503,14 @@ impl<'a> Answer<'a> {
             "not in this build; rebuild with `--features crossval`",
         );
         tell(unasked, "not asked for; run it without `--engines`");
-        let mut reasons = left_out(comparison);
-        let more = reasons.split_off(told.min(reasons.len()));
-        facts.extend(reasons);
+        let mut left_out = left_out(comparison);
+        let more = left_out.split_off(told.min(left_out.len()));
         if !more.is_empty() {
-            let names = more.iter().filter_map(|fact| fact.text.split_once(": "));
-            let names: Vec<&str> = names.map(|(names, _)| names).collect();
-            let text = format!(
-                "{}: `--verbose` says why, or Engines on the page",
-                names.join(", ")
-            );
-            facts.push(Fact::new("left out", Mark::None, text));
+            let names = more.into_iter().flat_map(|(names, _)| names).collect();
+            let why = "`--verbose` says why, or Engines on the page";
+            left_out.push((names, why.to_owned()));
         }
+        facts.extend(told_as_facts(&left_out));
         let recorded = comparison.engines.iter();
         let recorded = recorded.filter(|engine| engine.cost.recorded.is_some());
         let recorded: Vec<&str> = recorded.map(|engine| words::short(&engine.name)).collect();
@@ -582,7 +578,7 @@ fn brief(label: &str) -> String {
 }
 
 /// Why engines have no figures, those of one reason together.
-pub(super) fn left_out(comparison: &Comparison) -> Vec<Fact> {
+pub(super) fn left_out(comparison: &Comparison) -> Vec<(Vec<&str>, String)> {
     let mut reasons: Vec<(Vec<&str>, String)> = Vec::new();
     let is_late = |engine: &&EngineSummary| matches!(engine.status, Status::TimedOut { .. });
     let late = comparison.engines.iter().filter(is_late).count();
@@ -602,14 +598,16 @@ pub(super) fn left_out(comparison: &Comparison) -> Vec<Fact> {
             None => reasons.push((vec![name], reason)),
         }
     }
-    let told = reasons.into_iter().map(|(names, reason)| {
+    reasons
+}
+
+/// Those as facts.
+pub(super) fn told_as_facts(left_out: &[(Vec<&str>, String)]) -> Vec<Fact> {
+    let told = left_out.iter().map(|(names, reason)| {
         // The label says so already.
-        let reason = reason.strip_prefix("left out: ").unwrap_or(&reason);
-        Fact::new(
-            "left out",
-            Mark::None,
-            format!("{}: {reason}", names.join(", ")),
-        )
+        let reason = reason.strip_prefix("left out: ").unwrap_or(reason);
+        let text = format!("{}: {reason}", names.join(", "));
+        Fact::new("left out", Mark::None, text)
     });
     told.collect()
 }

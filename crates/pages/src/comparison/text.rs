@@ -93,7 +93,7 @@ const SCREEN: usize = 30;
 pub fn details(found: &Outcome) -> String {
     let comparison = &found.comparison;
     let mut text = format!("\n{}", terminal::table(&engines(comparison)));
-    text += &terminal::facts(&answer::left_out(comparison));
+    text += &terminal::facts(&answer::told_as_facts(&answer::left_out(comparison)));
     for table in [measured(comparison), pairs(comparison)] {
         if !table.is_empty() {
             text.push('\n');
