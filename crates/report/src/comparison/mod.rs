@@ -246,23 +246,22 @@ impl<'a> Page<'a> {
                         .unit(&quantity.unit)
                         .uncertain(|(engine, figures)| {
                             let sampling = figures.sampling.get(&quantity.name).map_or(0.0, of);
-                            Some(engine.u(&quantity.name, window.kind, (*norm)?)? + sampling)
+                            Some(engine.u(&quantity.name, window.kind, *norm)? + sampling)
                         });
                 }
             }
             let percent = |share: Option<f64>| share.map(|share| 100.0 * share);
             let table = table
                 .number("", "Efficiency", |(_, figures)| percent(figures.efficiency))
-                .unit("%")
-                .text("", "no efficiency, because", |(_, figures)| {
-                    figures.efficiency_reason.clone().unwrap_or_default()
-                });
-            let table = table.done().without_empty().into();
-            blocks.push(if blocks.is_empty() {
-                table
+                .unit("%");
+            let mut shown = vec![table.done().without_empty().into()];
+            shown.extend(without_efficiency(&rows));
+            if blocks.is_empty() {
+                blocks.extend(shown);
             } else {
-                Block::folded(format!("Figures of each engine: {label}"), [table])
-            });
+                let title = format!("Figures of each engine: {label}");
+                blocks.push(Block::folded(title, shown));
+            }
         }
         if !blocks.is_empty() {
             blocks.insert(0, Block::Heading("Figures of each engine".to_owned()));
@@ -413,24 +412,46 @@ fn shade(share: f64) -> f64 {
 }
 
 /// What is shown of a quantity: a name, how it is taken, and the norm of its uncertainty.
-type Shows = (&'static str, fn(&Statistics) -> f64, Option<Norm>);
+type Shows = (&'static str, fn(&Statistics) -> f64, Norm);
 
 fn statistics(quantity: &Quantity) -> &'static [Shows] {
     if quantity.name == quantities::OUTPUT_TORQUE {
-        &[("mean", |s| s.mean, Some(Norm::Mean))]
+        &[("mean", |s| s.mean, Norm::Mean)]
     } else if quantity.is_torque() {
         &[
-            ("mean", |s| s.mean, Some(Norm::Mean)),
-            ("min", |s| s.min, None),
-            ("max", |s| s.max, None),
+            ("mean", |s| s.mean, Norm::Mean),
+            ("min", |s| s.min, Norm::Linf),
+            ("max", |s| s.max, Norm::Linf),
         ]
     } else {
         &[
-            ("max", |s| s.max, Some(Norm::Peak)),
-            ("mean", |s| s.mean, Some(Norm::Mean)),
-            ("rms", |s| s.rms, Some(Norm::Rms)),
+            ("max", |s| s.max, Norm::Peak),
+            ("mean", |s| s.mean, Norm::Mean),
+            ("rms", |s| s.rms, Norm::Rms),
         ]
     }
+}
+
+/// Why engines have no efficiency, each reason once.
+fn without_efficiency(rows: &[(&EngineSummary, &Figures)]) -> Vec<Block> {
+    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
+    for (engine, figures) in rows {
+        let Some(reason) = figures.efficiency_reason.as_deref() else {
+            continue;
+        };
+        match reasons.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, names)) => names.push(words::short(&engine.name)),
+            None => reasons.push((reason, vec![words::short(&engine.name)])),
+        }
+    }
+    let said = reasons.into_iter().map(|(reason, names)| {
+        let of = match names.len() == rows.len() {
+            true => String::new(),
+            false => format!(" of {}", names.join(", ")),
+        };
+        Block::text(format!("No efficiency{of}: {reason}."))
+    });
+    said.collect()
 }
 
 fn span(from_s: f64, to_s: f64) -> String {
