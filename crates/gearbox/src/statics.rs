@@ -308,11 +308,12 @@ impl<'a> Statics<'a> {
         phi: f64,
         load: f64,
     ) -> Result<Equilibrium, GearboxError> {
-        if load == 0.0 {
+        let on_cranks = self.gearbox.scene.cranks.is_some();
+        if load == 0.0 || (self.is_rigid && on_cranks) {
             // Where it may rest there is no slope to follow.
             return self.solve(phi, load);
         }
-        if self.gearbox.floats() {
+        if self.gearbox.floats() && !self.is_rigid {
             return match self.float_near(near, phi, load) {
                 Some(found) => Ok(found),
                 None => self.solve(phi, load),
@@ -330,6 +331,24 @@ impl<'a> Statics<'a> {
             Some(psi) => Ok(self.equilibrium(phi, wheels, psi, load)),
             None => self.solve(phi, load),
         }
+    }
+
+    /// The balance at the next of some input angles under one load: from the one before, `last`, if there is one; this one
+    /// afterwards.
+    ///
+    /// # Errors
+    /// As [`Statics::solve`].
+    pub fn follow<'e>(
+        &mut self,
+        last: &'e mut Option<Equilibrium>,
+        phi: f64,
+        load: f64,
+    ) -> Result<&'e Equilibrium, GearboxError> {
+        let found = match last.as_ref() {
+            Some(near) => self.solve_near(near, phi, load)?,
+            None => self.solve(phi, load)?,
+        };
+        Ok(last.insert(found))
     }
 
     fn ideal_wheels(&self, phi: f64) -> Vec<f64> {

@@ -101,7 +101,7 @@ document.addEventListener('DOMContentLoaded', () => {
     const shown = host.querySelector('.at');
     const line = host.querySelector('.gearbox-time canvas');
     let strip = timeline(line, boxes);
-    const clock = { at: data.begin, playing: false, frame: 0, stamp: null, told: -Infinity, interval: 0, coarse: false };
+    const clock = { at: data.begin, playing: false, frame: 0, stamp: null, told: -Infinity, interval: 0, coarse: false, held: false };
     slider.max = String(last);
 
     // ---- Drawing
@@ -142,29 +142,34 @@ document.addEventListener('DOMContentLoaded', () => {
     const resize = (view) => { if (view.width > 0) view.resize(view.width, ratio()); };
 
     // ---- The clock
-    const wanted = () => clock.playing && !document.hidden && views.some((view) => view.seen);
+    const wanted = () => clock.playing && !clock.held && !document.hidden && views.some((view) => view.seen);
     /** Asks for a frame if one is wanted, and for no second one. */
     function schedule() {
       if (!wanted()) {
         cancelAnimationFrame(clock.frame);
         clock.frame = 0;
-        clock.stamp = null;
+        if (!clock.held) clock.stamp = null;
       } else if (clock.frame === 0) clock.frame = requestAnimationFrame(frame);
+    }
+    function advance(passed) {
+      // After a pause of the page the gearbox goes on, and does not jump.
+      clock.at += (Math.min(100, passed) * Number(speed.value)) / 1000 / first.view.step;
+      if (clock.at >= last) clock.at = data.begin + ((clock.at - last) % Math.max(1, last - data.begin));
     }
     function frame(stamp) {
       clock.frame = 0;
       if (clock.stamp !== null) {
-        const passed = stamp - clock.stamp;
+        const passed = Math.max(0, stamp - clock.stamp);
         sharpen(passed);
-        // After a pause of the page the gearbox goes on, and does not jump.
-        clock.at += (Math.min(100, passed) * Number(speed.value)) / 1000 / first.view.step;
-        if (clock.at >= last) clock.at = data.begin + ((clock.at - last) % Math.max(1, last - data.begin));
+        advance(passed);
         if (stamp - clock.told >= TEXT) { clock.told = stamp; tell(); }
         paint(false);
       }
       clock.stamp = stamp;
       schedule();
     }
+    /** While held it is drawn with every new gearbox, and not between them: what computes those needs the processor. */
+    host.hold = (on) => { clock.held = on; schedule(); };
     function sharpen(passed) {
       clock.interval += 0.04 * (Math.min(100, passed) - clock.interval);
       if (clock.interval <= LATE || clock.coarse) return;
@@ -243,6 +248,11 @@ document.addEventListener('DOMContentLoaded', () => {
       views[n].repaint();
       strip = timeline(line, boxes);
       strip.draw(colours, line.clientWidth, line.clientHeight);
+      if (clock.held && clock.stamp !== null) {
+        const now = performance.now();
+        advance(Math.max(0, now - clock.stamp));
+        clock.stamp = now;
+      }
       show();
     };
     host.dataset.ready = '';

@@ -22,6 +22,8 @@ document.addEventListener('DOMContentLoaded', () => {
   const STORE = `pinwheel explore ${document.title}`;
   /** How long balances are waited for before the run is drawn without them, ms. */
   const PATIENCE = 100;
+  /** How long a hand rests before the states are written down, ms. */
+  const REST = 200;
   const TAB = Math.random().toString(36).slice(2);
   /** Times from a hand's move to the drawn answer, ms. */
   const latencies = (window.pinwheelLatencies = []);
@@ -76,7 +78,16 @@ document.addEventListener('DOMContentLoaded', () => {
     remember();
     pump();
   }
+  // A hand that moves is not written down at every step of it: the browser takes longer for that than for all figures.
+  let resting = 0;
   function remember() {
+    clearTimeout(resting);
+    resting = setTimeout(keep, REST);
+  }
+  window.addEventListener('pagehide', () => { if (resting) keep(); });
+  function keep() {
+    clearTimeout(resting);
+    resting = 0;
     const kept = JSON.stringify({ now, moved, a: values(states.a), b: values(states.b) });
     history.replaceState(null, '', `#${encodeURIComponent(kept)}`);
     try { localStorage.setItem(STORE, kept); } catch { /* a browser that stores nothing */ }
@@ -112,6 +123,7 @@ document.addEventListener('DOMContentLoaded', () => {
       return;
     }
     busy = true;
+    host.hold(true);
     document.body.dataset.busy = '';
     const since = due[name];
     due[name] = null;
@@ -137,6 +149,7 @@ document.addEventListener('DOMContentLoaded', () => {
       failed = true;
     }
     busy = false;
+    host.hold(false);
     delete document.body.dataset.busy;
     document.body.dataset.answered = String(Number(document.body.dataset.answered || 0) + 1);
     if (!failed) pump();

@@ -169,11 +169,8 @@ impl Pose {
         load: f64,
         near: &mut Option<Equilibrium>,
     ) -> Result<Self, GearboxError> {
-        let found = match near.as_ref() {
-            Some(near) => statics.solve_near(near, phi, load)?,
-            None => statics.solve(phi, load)?,
-        };
-        let touching = statics.touching(&found);
+        let found = statics.follow(near, phi, load)?;
+        let touching = statics.touching(found);
         let wheels = gearbox.layout.wheels;
         let phases = &gearbox.geometry.wheel_phases;
         let turned = gearbox.geometry.eccentric_angle(phi, found.output);
@@ -194,7 +191,7 @@ impl Pose {
                 contact,
             )
         };
-        let cranks = statics.on_cranks(&found);
+        let cranks = statics.on_cranks(found);
         let on_crank = |contact: &PairContact| {
             let [x, y] = contact.centre;
             Pair {
@@ -208,14 +205,12 @@ impl Pose {
             }
         };
         let cranks = cranks.iter().map(on_crank);
-        let pose = Self {
+        Ok(Self {
             error_rad: found.output + gearbox.flange_twist_rad(load)
                 - gearbox.geometry.ideal_output_angle(phi),
             pairs: touching.iter().map(pair).chain(cranks).collect(),
             bearings,
-        };
-        *near = Some(found);
-        Ok(pose)
+        })
     }
 
     pub(super) fn of(&self, stage: Stage) -> impl Iterator<Item = &Pair> {

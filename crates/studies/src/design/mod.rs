@@ -31,7 +31,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::Native;
-use pinwheel_gearbox::statics::Statics;
+use pinwheel_gearbox::statics::{Equilibrium, Statics};
 use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError};
 use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::{CheckedScene, Derived, Scales, Scene, derived, load_course};
@@ -424,15 +424,17 @@ fn told(figures: Vec<DesignFigure>, is_preloaded: bool) -> Vec<DesignFigure> {
     figures.into_iter().map(withhold).collect()
 }
 
-/// Twist of the output from the ideal mesh under a share of the working load, in the direction of that load, arcmin.
+/// Twist of the output from the ideal mesh under a share of the working load, in the direction of that load, arcmin. `last`: the
+/// balance under the same load before this one, as [`Statics::follow`] has it.
 fn twist(
     statics: &mut Statics<'_>,
     gearbox: &Gearbox,
+    last: &mut Option<Equilibrium>,
     phi: f64,
     load: f64,
     working: f64,
 ) -> Result<f64, GearboxError> {
-    let found = statics.solve(phi, load)?;
+    let found = statics.follow(last, phi, load)?;
     let ideal = gearbox.geometry.ideal_output_angle(phi);
     let output = found.output + gearbox.flange_twist_rad(load);
     Ok(ARCMIN * (output - ideal) * working.signum())
@@ -446,20 +448,20 @@ fn twisted(
     working: f64,
     step: &mut dyn FnMut(usize) -> Result<(), StudyError>,
 ) -> Result<(Vec<f64>, Vec<[f64; 2]>), StudyError> {
-    let mut at = |phi, share: f64| {
-        let found = twist(statics, gearbox, phi, share * working, working);
-        found.map_err(|source| of_scene(&gearbox.scene, source))
-    };
-    let (mut lost, mut stiffness) = (Vec::new(), Vec::new());
     let [low, high] = STIFF;
+    let mut at = [LOST, -LOST, low, high, -low, -high].map(|share| (share * working, None));
+    let (mut lost, mut stiffness) = (Vec::new(), Vec::new());
     for (pose, &phi) in poses.angles.iter().enumerate() {
         step(pose)?;
-        lost.push(at(phi, LOST)? - at(phi, -LOST)?);
-        let mut of = |sign: f64| -> Result<f64, StudyError> {
-            let turned = (at(phi, sign * high)? - at(phi, sign * low)?).abs();
-            Ok((high - low) * working.abs() / turned)
-        };
-        stiffness.push([of(1.0)?, of(-1.0)?]);
+        let mut twists = [0.0; 6];
+        for (twisted, (load, last)) in twists.iter_mut().zip(&mut at) {
+            *twisted = twist(statics, gearbox, last, phi, *load, working)
+                .map_err(|source| of_scene(&gearbox.scene, source))?;
+        }
+        let [ahead, back, a, b, c, d] = twists;
+        lost.push(ahead - back);
+        let between = |turned: f64| (high - low) * working.abs() / turned.abs();
+        stiffness.push([between(b - a), between(d - c)]);
     }
     Ok((lost, stiffness))
 }
@@ -474,7 +476,7 @@ fn curve(
     let up = (1..=CURVE).map(|k| k as f64 / CURVE as f64);
     let down = up.clone().rev().map(|share| -share);
     let shares: Vec<f64> = down.chain([-LOST, LOST]).chain(up).collect();
-    let at = |share: &f64| twist(statics, gearbox, 0.0, share * working, working);
+    let at = |share: &f64| twist(statics, gearbox, &mut None, 0.0, share * working, working);
     let twists = shares.iter().map(at).collect::<Result<_, _>>()?;
     let torques = shares.iter().map(|share| share * working.abs());
     Ok((torques.collect(), twists))
