@@ -29,7 +29,7 @@ const GEARS: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
     ("rv-320", &[("solver.duration_s", "0.0002")]),
-    ("rv-40e-like", &[]),
+    ("rv-40e-like", &[("solver.duration_s", "0.0002")]),
     // Three cranks and a clearance.
     (
         "rv-40e-like",
@@ -69,7 +69,7 @@ const GEARS: &[(&str, &[(&str, &str)])] = &[
             ("contact.friction_coefficient", "0.05"),
             ("contact.friction_ramp_m_s", "0.05"),
             ("drive.output_torque_n_m", "1500"),
-            ("solver.duration_s", "0.0003"),
+            ("solver.duration_s", "0.0002"),
         ],
     ),
 ];
