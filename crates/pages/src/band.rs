@@ -67,6 +67,9 @@ pub(crate) fn outside(bands: &Bands) -> Option<String> {
 
 /// What bands are of.
 pub(crate) fn about(bands: &Bands) -> String {
+    if bands.laws.is_empty() {
+        return format!("no band: {ROLLERS} carries this load in no position of the gear");
+    }
     format!(
         "least and largest by {}; a spread of models, not validated by measurement",
         bands.laws.join("; ")
@@ -123,6 +126,17 @@ pub(crate) fn blocks(bands: &Bands) -> Vec<Block> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_law_is_no_band() {
+        let none = Bands {
+            laws: Vec::new(),
+            own: "paper".to_owned(),
+            figures: Vec::new(),
+            fits: Vec::new(),
+        };
+        assert!(about(&none).starts_with("no band: line-hertz "));
+    }
 
     #[test]
     fn digits_are_those_that_the_band_leaves() {

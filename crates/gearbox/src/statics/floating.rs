@@ -42,6 +42,10 @@ const LEAST_LOOSER: f64 = 1e-4;
 const BISECTIONS: usize = 200;
 /// What may be left of forces and moments, as a share of the load's.
 const LEFT: f64 = 1e-9;
+/// Where rounding of stiff contacts leaves more, up to this, a balance is one that a Newton step moves by no more than such a share
+/// of the contacts' depths and twists.
+const ROUNDED: f64 = 1e-7;
+const STILL: f64 = 1e-8;
 /// Roundings of a wheel's place that may be left as a force of its bearing.
 const ROUNDINGS: f64 = 4.0;
 /// Newton goes on as long as it gains, down to this.
@@ -261,7 +265,15 @@ impl Statics<'_> {
                 slopes = None;
                 let stuck = most >= before || most > 0.9 * before && most <= LEFT;
                 if is_fresh && stuck {
-                    break;
+                    let moved = step.iter().enumerate().map(|(k, x)| {
+                        x.abs()
+                            / match is_length(k) {
+                                true => size.length,
+                                false => size.angle,
+                            }
+                    });
+                    let is_still = moved.fold(0.0, f64::max) <= STILL && most <= ROUNDED;
+                    return (most < LEFT || is_still).then_some(most);
                 }
             }
         }

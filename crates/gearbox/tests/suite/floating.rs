@@ -287,6 +287,45 @@ fn hard_clearance_without_load_rests() {
     }
 }
 
+/// A gear of a watch: its rollers are so stiff beside its bearings that rounding of places leaves more than a share of 1e-9 of a
+/// light load.
+#[test]
+fn hard_stiff_rollers_of_a_watch_balance() {
+    let sets = [
+        "gear.eccentricity_m=0.000189",
+        "gear.external_sleeves=23",
+        "gear.shortening=0.7588",
+        "gear.external_sleeve_radius_m=0.000389",
+        "gear.internal_sleeves=13",
+        "gear.internal_sleeve_radius_m=0.000507",
+        "gear.internal_circle_radius_m=0.003395",
+        "gear.hole_radius_m=0.000696",
+        "gear.wheels=1",
+        "contact.law=\"line-hertz\"",
+        "contact.stiffness_multiplier=1",
+        "contact.young_pa=2.185e9",
+        "contact.line_length_m=0.000861",
+        "bearings.internal_sleeve_stiffness_n_m=21600",
+        "bearings.eccentric.stiffness_n_m=30900",
+        "drive.output_torque_n_m=2.17e-5",
+    ];
+    let gearbox = gearbox("paper", &sets);
+    let mut statics = Statics::new(&gearbox).unwrap();
+    let turned = |load: f64, statics: &mut Statics<'_>| -> f64 {
+        (0..20)
+            .map(|k| {
+                let phi = 0.3 * f64::from(k);
+                let found = statics.solve(phi, load).unwrap();
+                found.output - gearbox.geometry.ideal_output_angle(phi)
+            })
+            .sum::<f64>()
+            / 20.0
+    };
+    // Bearings and pins are linear, contacts nearly.
+    let [whole, part] = [2.17e-5, 6.5e-7].map(|load| turned(load, &mut statics) / load);
+    assert!((whole / part - 1.0).abs() < 0.2, "{whole} {part}");
+}
+
 /// Stiffness about a balance is the slope of the load over the twist.
 #[test]
 fn compliance_is_the_slope_of_the_twist() {
