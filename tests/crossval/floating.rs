@@ -69,7 +69,7 @@ const GEARS: &[(&str, &[(&str, &str)])] = &[
             ("contact.friction_coefficient", "0.05"),
             ("contact.friction_ramp_m_s", "0.05"),
             ("drive.output_torque_n_m", "1500"),
-            ("solver.duration_s", "0.0002"),
+            ("solver.duration_s", "0.0003"),
         ],
     ),
 ];

@@ -308,12 +308,12 @@ impl<'a> Statics<'a> {
         phi: f64,
         load: f64,
     ) -> Result<Equilibrium, GearboxError> {
-        let on_cranks = self.gearbox.scene.cranks.is_some();
-        if load == 0.0 || (self.is_rigid && on_cranks) {
-            // Where it may rest there is no slope to follow.
+        let floats = self.gearbox.floats() && !self.is_rigid;
+        // Where it may rest there is no slope to follow; on rigid cranks wheels have no angles of their own.
+        if load == 0.0 || (!floats && self.gearbox.scene.cranks.is_some()) {
             return self.solve(phi, load);
         }
-        if self.gearbox.floats() && !self.is_rigid {
+        if floats {
             return match self.float_near(near, phi, load) {
                 Some(found) => Ok(found),
                 None => self.solve(phi, load),

@@ -248,7 +248,7 @@ document.addEventListener('DOMContentLoaded', () => {
       views[n].repaint();
       strip = timeline(line, boxes);
       strip.draw(colours, line.clientWidth, line.clientHeight);
-      if (clock.held && clock.stamp !== null) {
+      if (clock.held && clock.playing && clock.stamp !== null) {
         const now = performance.now();
         advance(Math.max(0, now - clock.stamp));
         clock.stamp = now;

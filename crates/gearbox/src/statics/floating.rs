@@ -65,6 +65,30 @@ struct Size {
     moment: f64,
 }
 
+impl Size {
+    /// Of an unknown.
+    fn of_place(self, unknown: usize) -> f64 {
+        match is_length(unknown) {
+            true => self.length,
+            false => self.angle,
+        }
+    }
+
+    /// Of what is left at an unknown.
+    fn of_load(self, unknown: usize) -> f64 {
+        match is_length(unknown) {
+            true => self.force,
+            false => self.moment,
+        }
+    }
+
+    /// The largest share of their sizes that values of all unknowns have.
+    fn largest(values: &DVector<f64>, size: impl Fn(usize) -> f64) -> f64 {
+        let shares = values.iter().enumerate().map(|(k, x)| x.abs() / size(k));
+        shares.fold(0.0, f64::max)
+    }
+}
+
 impl Statics<'_> {
     /// The bearings, which the rigid solution leaves out.
     ///
@@ -194,12 +218,7 @@ impl Statics<'_> {
         let mut matrix = DMatrix::zeros(n, n);
         let mut moved = u.to_vec();
         for k in 0..n {
-            let h = DIFFERENCE
-                * if is_length(k) {
-                    size.length
-                } else {
-                    size.angle
-                };
+            let h = DIFFERENCE * size.of_place(k);
             moved[k] = u[k] + h;
             let there = self.left(phi, load, bearings, &moved, None);
             moved[k] = u[k];
@@ -217,17 +236,7 @@ impl Statics<'_> {
         u: &mut Vec<f64>,
     ) -> Option<f64> {
         let size = self.size(load, bearings);
-        let norm = |left: &DVector<f64>| {
-            let share = |(k, x): (usize, &f64)| {
-                x.abs()
-                    / if is_length(k) {
-                        size.force
-                    } else {
-                        size.moment
-                    }
-            };
-            left.iter().enumerate().map(share).fold(0.0, f64::max)
-        };
+        let norm = |left: &DVector<f64>| Size::largest(left, |k| size.of_load(k));
         let mut here = self.left(phi, load, bearings, u, None);
         let mut most = norm(&here);
         // Slopes cost more than forces, so they serve as long as steps with them gain.
@@ -240,11 +249,7 @@ impl Statics<'_> {
             if is_fresh {
                 let mut matrix = self.matrix(phi, load, bearings, (u, &here), size);
                 for k in 0..u.len() {
-                    let weak = match is_length(k) {
-                        true => size.force / size.length,
-                        false => size.moment / size.angle,
-                    };
-                    matrix[(k, k)] -= WEAK * weak;
+                    matrix[(k, k)] -= WEAK * (size.of_load(k) / size.of_place(k));
                 }
                 slopes = Some(matrix.lu());
             }
@@ -265,14 +270,8 @@ impl Statics<'_> {
                 slopes = None;
                 let stuck = most >= before || most > 0.9 * before && most <= LEFT;
                 if is_fresh && stuck {
-                    let moved = step.iter().enumerate().map(|(k, x)| {
-                        x.abs()
-                            / match is_length(k) {
-                                true => size.length,
-                                false => size.angle,
-                            }
-                    });
-                    let is_still = moved.fold(0.0, f64::max) <= STILL && most <= ROUNDED;
+                    let moved = Size::largest(&step, |k| size.of_place(k));
+                    let is_still = moved <= STILL && most <= ROUNDED;
                     return (most < LEFT || is_still).then_some(most);
                 }
             }

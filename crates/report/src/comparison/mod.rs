@@ -434,22 +434,18 @@ fn statistics(quantity: &Quantity) -> &'static [Shows] {
 
 /// Why engines have no efficiency, each reason once.
 fn without_efficiency(rows: &[(&EngineSummary, &Figures)]) -> Vec<Block> {
-    let mut reasons: Vec<(&str, Vec<&str>)> = Vec::new();
-    for (engine, figures) in rows {
-        let Some(reason) = figures.efficiency_reason.as_deref() else {
-            continue;
-        };
-        match reasons.iter_mut().find(|(known, _)| *known == reason) {
-            Some((_, names)) => names.push(words::short(&engine.name)),
-            None => reasons.push((reason, vec![words::short(&engine.name)])),
-        }
-    }
-    let said = reasons.into_iter().map(|(reason, names)| {
-        let of = match names.len() == rows.len() {
+    let of = |(_, figures): &(_, &Figures)| figures.efficiency_reason.clone();
+    let reasons = words::distinct(rows.iter().filter_map(of));
+    let said = reasons.into_iter().map(|reason| {
+        let without = rows.iter().filter(|row| of(row).as_ref() == Some(&reason));
+        let names: Vec<&str> = without
+            .map(|(engine, _)| words::short(&engine.name))
+            .collect();
+        let whose = match names.len() == rows.len() {
             true => String::new(),
             false => format!(" of {}", names.join(", ")),
         };
-        Block::text(format!("No efficiency{of}: {reason}."))
+        Block::text(format!("No efficiency{whose}: {reason}."))
     });
     said.collect()
 }
