@@ -17,7 +17,7 @@ use pinwheel_mbs::{BodyState, Pose, Sums, Wrench};
 
 use super::{ANGLE, Equilibrium, Statics, next_root};
 use crate::contacts::Bearings;
-use crate::{GearboxError, Layout, load_course};
+use crate::{GearboxError, Layout, load_course, scene::Detection};
 
 /// Difference steps, and the first share s, in the depths and twists of contacts under the load.
 const DIFFERENCE: f64 = 1e-4;
@@ -36,6 +36,11 @@ const REMEMBERED: usize = 8;
 const STEPS: usize = 60;
 const HALVINGS: usize = 12;
 const SERVES: f64 = 0.2;
+/// What a step of fresh slopes must leave at most to be one that leads anywhere.
+const SLOW: f64 = 0.9;
+/// Steps at most of a search for where forces do no work along a step, and what may be left of it.
+const WORKS: usize = 40;
+const WORK: f64 = 0.1;
 /// Least step of the clearance, as a share of it.
 const LEAST_LOOSER: f64 = 1e-4;
 /// Steps at most of a root in a bracket.
@@ -52,6 +57,8 @@ const ROUNDINGS: f64 = 4.0;
 const BALANCED: f64 = 1e-13;
 /// A weak spring to the last iterate, as a share of a contact's stiffness: for directions that nothing holds.
 const WEAK: f64 = 1e-9;
+const POINTS: &str = "contact.detection = \"points\": forces jump from point to point, so that wheels on elastic bearings come to rest \
+                      nowhere; use detection = \"exact\"";
 
 /// Unknowns of a wheel, from its body.
 pub(super) const OF_A_WHEEL: usize = 3;
@@ -256,7 +263,9 @@ impl Statics<'_> {
             let step = -slopes.as_ref()?.solve(&here)?;
             let mut share = 1.0;
             let before = most;
-            for _ in 0..if is_fresh { HALVINGS } else { 1 } {
+            // What is left at a balance is rounding, which no shorter step betters.
+            let tries = if is_fresh && most > LEFT { HALVINGS } else { 1 };
+            for _ in 0..tries {
                 let there: Vec<f64> = u.iter().zip(&step).map(|(u, s)| u + share * s).collect();
                 let left = self.left(phi, load, bearings, &there, None);
                 let now = norm(&left);
@@ -268,15 +277,58 @@ impl Statics<'_> {
             }
             if most > SERVES * before {
                 slopes = None;
-                let stuck = most >= before || most > 0.9 * before && most <= LEFT;
+                let stuck = most > SLOW * before;
                 if is_fresh && stuck {
                     let moved = Size::largest(&step, |k| size.of_place(k));
                     let is_still = moved <= STILL && most <= ROUNDED;
-                    return (most < LEFT || is_still).then_some(most);
+                    if most < LEFT || is_still {
+                        return Some(most);
+                    }
+                    *u = self.downhill(phi, load, bearings, (u, &here), &step)?;
+                    here = self.left(phi, load, bearings, u, None);
+                    most = norm(&here);
                 }
             }
         }
         (most < LEFT).then_some(most)
+    }
+
+    /// From `u` along `step` to where forces do next to no more work: contacts that open and close on the way leave more than
+    /// before, by which Newton's method alone would never get past them. `None`: the step is against the forces.
+    fn downhill(
+        &mut self,
+        phi: f64,
+        load: f64,
+        bearings: &Bearings,
+        (u, here): (&[f64], &DVector<f64>),
+        step: &DVector<f64>,
+    ) -> Option<Vec<f64>> {
+        if here.dot(step) <= 0.0 {
+            return None;
+        }
+        let size = self.size(load, bearings);
+        let moved = Size::largest(step, |k| size.of_place(k));
+        let at =
+            |share: f64| -> Vec<f64> { u.iter().zip(step).map(|(u, s)| u + share * s).collect() };
+        // Through free play as far as something holds, and not beyond it.
+        let (mut low, mut high, mut share) = (0.0, 1.0, f64::min(1.0, 1.0 / moved));
+        let mut caught = false;
+        for _ in 0..WORKS {
+            let work = self.left(phi, load, bearings, &at(share), None).dot(step);
+            caught |= work <= 0.0;
+            match work > 0.0 {
+                true => low = share,
+                false => high = share,
+            }
+            if work.abs() <= WORK * here.dot(step) || low == 1.0 {
+                break;
+            }
+            share = match caught {
+                true => 0.5 * (low + high),
+                false => f64::min(2.0 * share, 1.0),
+            };
+        }
+        Some(at(share))
     }
 
     /// Unknowns of bodies in place.
@@ -321,13 +373,25 @@ impl Statics<'_> {
         let found = known.and_then(|(near, from)| self.float_towards(near, from, (phi, load)).ok());
         let found = match found {
             Some(found) => found,
-            None => self.float_afresh(phi, load)?,
+            None => self
+                .float_afresh(phi, load)
+                .map_err(|error| self.why(error))?,
         };
         if self.floated.len() == REMEMBERED {
             self.floated.remove(0);
         }
         self.floated.push((found.clone(), load));
         Ok(found)
+    }
+
+    /// Points have their own reason to leave a wheel without a balance.
+    fn why(&self, error: GearboxError) -> GearboxError {
+        match (self.gearbox.scene.contact.detection, error) {
+            (Detection::Points, GearboxError::NoEquilibrium { .. }) => {
+                GearboxError::Geometry(POINTS.to_owned())
+            }
+            (_, error) => error,
+        }
     }
 
     /// The same without a balance near by.
@@ -355,7 +419,7 @@ impl Statics<'_> {
             };
             match self.float_near(&here, phi, next) {
                 Some(found) => (here, at) = (found, next),
-                None => part = part.sqrt(),
+                None => part = f64::min(next / at, at / next).sqrt(),
             }
             if part * LEAST_GROWTH > 1.0 {
                 return Err(GearboxError::NoEquilibrium { load_n_m: load });
