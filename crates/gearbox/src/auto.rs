@@ -274,15 +274,20 @@ impl<'a> Planner<'a> {
     fn exponential(&self) -> Plan {
         let (solver, contact) = (&self.scene.solver, self.frequencies.contact_rad_s);
         let samples = solver.duration_s / solver.sample_s;
-        let radians = solver.duration_s * contact;
+        let [radians, touches] =
+            [contact, self.frequencies.touch_rad_s].map(|rate| solver.duration_s * rate);
         let reason = format!(
             "without friction wheels and output are oscillators, to {:.0} Hz, which the exact Jacobian describes: about {:.0e} \
              evaluations, one a step and sample, where dopri5 would take {:.0e}",
             contact / std::f64::consts::TAU,
-            samples.max(radians / EXPONENTIAL_STEP),
+            samples.max(touches / EXPONENTIAL_STEP),
             samples + 6.0 * radians,
         );
-        let plan = self.plan(EXPONENTIAL, SMOOTH * self.twist(), &reason);
+        let plan = Plan {
+            // Bearings, which stay closed, are a part of what it is exact for.
+            step_s: FIRST_RADIANS / self.frequencies.touch_rad_s,
+            ..self.plan(EXPONENTIAL, SMOOTH * self.twist(), &reason)
+        };
         // Its steps end at all that is seen, so that a longer bound would be none.
         let seen = EnergyAccount::between(0.0, solver.sample_s, plan.step_s, 1).count() + 1;
         let longest = EXPONENTIAL_STEP * plan.longest_step_s;

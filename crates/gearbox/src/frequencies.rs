@@ -12,8 +12,10 @@ use crate::scene::{BodyMass, Scene};
 /// Frequencies and rates of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frequencies {
-    /// The fastest oscillation of wheels and output on their contacts, rad/s.
+    /// The fastest oscillation of wheels and output on their contacts, and on bearings where wheels float, rad/s.
     pub contact_rad_s: f64,
+    /// The same on contacts alone, which come and go with it.
+    pub touch_rad_s: f64,
     /// Sleeves passing a wheel, the faster of both kinds, rad/s.
     pub mesh_rad_s: f64,
     /// How fast friction stops a sleeve's slip under the load, 1/s; 0 without friction.
@@ -27,19 +29,20 @@ impl Frequencies {
         let gear = &scene.gear;
         let scales = Scales::of(scene);
         let [_, rigid] = scales.modes_rad_s;
-        // A floating wheel on its bearing and on the loaded quarter of its contacts.
-        let floating = BearingLaw::of(scene).map_or(0.0, |bearing| {
+        // A floating wheel on the loaded quarter of its contacts, and on its bearing as well.
+        let floating = BearingLaw::of(scene).map_or([0.0; 2], |bearing| {
             let sleeves = 0.25 * (gear.external_sleeves + gear.internal_sleeves) as f64;
             let bearings = scene.cranks.map_or(1, |cranks| cranks.count) as f64;
-            let stiffness = bearings * bearing.slope_under(typical_force(scene))
-                + sleeves * scales.contact_stiffness_n_m;
-            (stiffness / scene.mass.wheel.mass_kg).sqrt()
+            let contacts = sleeves * scales.contact_stiffness_n_m;
+            let all = contacts + bearings * bearing.slope_under(typical_force(scene));
+            [contacts, all].map(|stiffness| (stiffness / scene.mass.wheel.mass_kg).sqrt())
         });
-        let contact_rad_s = f64::max(rigid, floating);
+        let [touch_rad_s, contact_rad_s] = floating.map(|of| f64::max(rigid, of));
         let turns = scene.eccentric_speed_rad_s().abs();
         let (zk, zi) = (gear.external_sleeves as f64, gear.internal_sleeves as f64);
         Self {
             contact_rad_s,
+            touch_rad_s,
             mesh_rad_s: turns * zk * (zi / gear.lobes() as f64).max(1.0),
             friction_1_s: friction_rate(scene),
         }
@@ -65,7 +68,7 @@ impl Frequencies {
     #[must_use]
     pub fn longest_step_s(&self) -> f64 {
         let mesh = TAU / 8.0 / self.mesh_rad_s.max(f64::MIN_POSITIVE);
-        (1.0 / self.contact_rad_s).min(mesh)
+        (1.0 / self.touch_rad_s).min(mesh)
     }
 }
 

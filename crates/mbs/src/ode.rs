@@ -48,6 +48,12 @@ pub trait OdeSystem {
         false
     }
 
+    /// Whether springs that stay closed turn with the mechanism and are the stiffest there are: what a linear part leaves out then
+    /// swings as fast as it does.
+    fn has_turning_springs(&self) -> bool {
+        false
+    }
+
     /// Size of an error in each component that counts as 1, for methods that choose their steps:
     /// by default the component itself, but at least 1.
     fn scale(&self, y: &[f64], scale: &mut [f64]) {

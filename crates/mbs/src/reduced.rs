@@ -458,6 +458,10 @@ impl<F: Forces> OdeSystem for Reduced<F> {
         2 * self.coordinates()
     }
 
+    fn has_turning_springs(&self) -> bool {
+        !self.floating.is_empty()
+    }
+
     fn scale(&self, y: &[f64], scale: &mut [f64]) {
         let Some(ErrorScales {
             angle,

@@ -41,6 +41,8 @@ const SLOW: f64 = 0.9;
 /// Steps at most of a search for where forces do no work along a step, and what may be left of it.
 const WORKS: usize = 40;
 const WORK: f64 = 0.1;
+/// Most of the way over which the mesh holds that such a step may take.
+const FARTHEST: f64 = 0.1;
 /// Least step of the clearance, as a share of it.
 const LEAST_LOOSER: f64 = 1e-4;
 /// Steps at most of a root in a bracket.
@@ -51,14 +53,18 @@ const LEFT: f64 = 1e-9;
 /// of the contacts' depths and twists.
 const ROUNDED: f64 = 1e-7;
 const STILL: f64 = 1e-8;
+/// How much more of bearings' offsets a balance turns the output by at most than they would if all were across the eccentric.
+const GIVEN_WAY: f64 = 4.0;
 /// Roundings of a wheel's place that may be left as a force of its bearing.
 const ROUNDINGS: f64 = 4.0;
 /// Newton goes on as long as it gains, down to this.
 const BALANCED: f64 = 1e-13;
 /// A weak spring to the last iterate, as a share of a contact's stiffness: for directions that nothing holds.
 const WEAK: f64 = 1e-9;
-const POINTS: &str = "contact.detection = \"points\": forces jump from point to point, so that wheels on elastic bearings come to rest \
-                      nowhere; use detection = \"exact\"";
+/// The same where a gear snaps through, the weakest that does.
+const HOLDS: [f64; 6] = [WEAK, 1e-2, 0.1, 1.0, 10.0, 100.0];
+const POINTS: &str = "contact.detection = \"points\": forces jump from point to point, and between two of them a wheel on an \
+                      elastic bearing has no balance; use detection = \"exact\"";
 
 /// Unknowns of a wheel, from its body.
 pub(super) const OF_A_WHEEL: usize = 3;
@@ -87,6 +93,14 @@ impl Size {
             true => self.force,
             false => self.moment,
         }
+    }
+
+    /// The slopes with springs to the last iterate, as a share of a contact's stiffness.
+    fn held(self, mut slopes: DMatrix<f64>, share: f64) -> DMatrix<f64> {
+        for k in 0..slopes.nrows() {
+            slopes[(k, k)] -= share * (self.of_load(k) / self.of_place(k));
+        }
+        slopes
     }
 
     /// The largest share of their sizes that values of all unknowns have.
@@ -234,8 +248,24 @@ impl Statics<'_> {
         matrix
     }
 
-    /// Newton's method from `u`, with halved steps; what is left as a share of the load, or `None` where it got stuck.
+    /// A balance near `u`; what is left as a share of the load, or `None` where there is none before teeth jump.
     fn balance(
+        &mut self,
+        phi: f64,
+        load: f64,
+        bearings: &Bearings,
+        u: &mut Vec<f64>,
+    ) -> Option<f64> {
+        let most = self.settle(phi, load, bearings, u)?;
+        let gear = &self.gearbox.scene.gear;
+        let force = load.abs() / (gear.lever_m() * gear.wheels as f64);
+        let given_way = bearings.law.offset_under(force) / gear.lever_m();
+        let turned = u[0] - self.gearbox.geometry.ideal_output_angle(phi);
+        (turned.abs() <= self.brackets().1 + GIVEN_WAY * given_way).then_some(most)
+    }
+
+    /// Newton's method from `u`, with halved steps; what is left as a share of the load, or `None` where it got stuck.
+    fn settle(
         &mut self,
         phi: f64,
         load: f64,
@@ -254,11 +284,8 @@ impl Statics<'_> {
             }
             let is_fresh = slopes.is_none();
             if is_fresh {
-                let mut matrix = self.matrix(phi, load, bearings, (u, &here), size);
-                for k in 0..u.len() {
-                    matrix[(k, k)] -= WEAK * (size.of_load(k) / size.of_place(k));
-                }
-                slopes = Some(matrix.lu());
+                let matrix = self.matrix(phi, load, bearings, (u, &here), size);
+                slopes = Some(size.held(matrix, WEAK).lu());
             }
             let step = -slopes.as_ref()?.solve(&here)?;
             let mut share = 1.0;
@@ -284,7 +311,7 @@ impl Statics<'_> {
                     if most < LEFT || is_still {
                         return Some(most);
                     }
-                    *u = self.downhill(phi, load, bearings, (u, &here), &step)?;
+                    *u = self.downhill(phi, load, bearings, (u, &here))?;
                     here = self.left(phi, load, bearings, u, None);
                     most = norm(&here);
                 }
@@ -293,39 +320,49 @@ impl Statics<'_> {
         (most < LEFT).then_some(most)
     }
 
-    /// From `u` along `step` to where forces do next to no more work: contacts that open and close on the way leave more than
-    /// before, by which Newton's method alone would never get past them. `None`: the step is against the forces.
+    /// From `u` to where forces do next to no more work along a Newton step: contacts that open and close on the way leave more than
+    /// before, by which Newton's method alone would never get past them. Where the gear snaps through, and a step would be against
+    /// the forces, springs to `u` hold it.
     fn downhill(
         &mut self,
         phi: f64,
         load: f64,
         bearings: &Bearings,
         (u, here): (&[f64], &DVector<f64>),
-        step: &DVector<f64>,
     ) -> Option<Vec<f64>> {
-        if here.dot(step) <= 0.0 {
-            return None;
-        }
         let size = self.size(load, bearings);
-        let moved = Size::largest(step, |k| size.of_place(k));
+        let matrix = self.matrix(phi, load, bearings, (u, here), size);
+        let step = HOLDS.iter().find_map(|&hold| {
+            let step = -size.held(matrix.clone(), hold).lu().solve(here)?;
+            (here.dot(&step) > 0.0).then_some(step)
+        })?;
+        let moved = Size::largest(&step, |k| size.of_place(k));
         let at =
-            |share: f64| -> Vec<f64> { u.iter().zip(step).map(|(u, s)| u + share * s).collect() };
-        // Through free play as far as something holds, and not beyond it.
-        let (mut low, mut high, mut share) = (0.0, 1.0, f64::min(1.0, 1.0 / moved));
+            |share: f64| -> Vec<f64> { u.iter().zip(&step).map(|(u, s)| u + share * s).collect() };
+        // Through free play as far as something holds, and not beyond it, nor over a tooth.
+        let angle = FARTHEST * self.brackets().1;
+        let far = Size {
+            length: angle * self.gearbox.scene.gear.lever_m(),
+            angle,
+            ..size
+        };
+        let farthest = f64::min(1.0, 1.0 / Size::largest(&step, |k| far.of_place(k)));
+        let (mut low, mut high) = (0.0, farthest);
+        let mut share = f64::min(farthest, 1.0 / moved);
         let mut caught = false;
         for _ in 0..WORKS {
-            let work = self.left(phi, load, bearings, &at(share), None).dot(step);
+            let work = self.left(phi, load, bearings, &at(share), None).dot(&step);
             caught |= work <= 0.0;
             match work > 0.0 {
                 true => low = share,
                 false => high = share,
             }
-            if work.abs() <= WORK * here.dot(step) || low == 1.0 {
+            if work.abs() <= WORK * here.dot(&step) || low == farthest {
                 break;
             }
             share = match caught {
                 true => 0.5 * (low + high),
-                false => f64::min(2.0 * share, 1.0),
+                false => f64::min(2.0 * share, farthest),
             };
         }
         Some(at(share))

@@ -326,6 +326,36 @@ fn hard_stiff_rollers_of_a_watch_balance() {
     assert!((whole / part - 1.0).abs() < 0.2, "{whole} {part}");
 }
 
+/// Forces that jump from point to point may hold a wheel nowhere between two of them; it says so.
+#[test]
+fn points_are_named_where_wheels_float() {
+    let points = [
+        "contact.detection=\"points\"",
+        "contact.wheel_points=1800",
+        "contact.hole_points=200",
+        "gear.eccentricity_m=1.7106e-3",
+        "gear.external_sleeves=10",
+        "gear.shortening=0.612313",
+        "gear.external_sleeve_radius_m=3.93587e-3",
+        "gear.internal_sleeves=5",
+        "gear.internal_sleeve_radius_m=2.77052e-3",
+        "gear.internal_circle_radius_m=1.0243479e-2",
+        "gear.hole_radius_m=4.49412e-3",
+        "gear.wheels=3",
+        "bearings.eccentric.rollers=26",
+        "bearings.eccentric.roller_length_m=4.19e-3",
+    ];
+    let gearbox = gearbox("paper", &points);
+    let mut statics = Statics::new(&gearbox).unwrap();
+    let found = (100..200).filter_map(|k| statics.solve(0.0101 * f64::from(k), 0.379).err());
+    let found: Vec<String> = found.map(|error| error.to_string()).collect();
+    println!("{} of 100", found.len());
+    assert!(!found.is_empty(), "balances everywhere");
+    for error in found {
+        assert!(error.contains("detection = \"exact\""), "{error}");
+    }
+}
+
 /// Stiffness about a balance is the slope of the load over the twist.
 #[test]
 fn compliance_is_the_slope_of_the_twist() {
@@ -636,10 +666,9 @@ fn sleeves_on_their_pins_are_lost_power() {
     }
 }
 
-/// What a run by `auto` costs with floating wheels over held ones, in evaluations. It follows how much faster a wheel swings on its
-/// bearing than on its contacts, times: the ring 1.0, `paper` 2.6, `eleven-pins` 8.8 on needles and 3.1 on 5e7 N/m. Held wheels cost
-/// `paper` and its like one evaluation a sample, and no less; on needles their driver's torque, which the bearing's force is, asks
-/// for three: with two it is 1.6e-3 off on `paper` where three leave 1.3e-4, and `eleven-pins` needs 1.86 times however loose.
+/// What a run by `auto` costs with floating wheels over held ones, in evaluations. A wheel swings faster on its bearing than on its
+/// contacts, times: the ring 1.0, `paper` 2.6, `eleven-pins` 8.8 on needles and 3.1 on 5e7 N/m. Bearings are linear enough that steps
+/// follow contacts alone, as long as the linear part is kept new: `paper`'s driver torque is then 3.4e-4 off, and would be 1.6e-3.
 #[test]
 fn regress_what_floating_wheels_cost() {
     let evaluations = |preset: &str, sets: &[&str]| {
@@ -649,17 +678,17 @@ fn regress_what_floating_wheels_cost() {
     };
     let soft = ["bearings.eccentric.stiffness_n_m=5e7"];
     for (preset, sets, bearing, duration, most) in [
-        // 2048 to 2211, 2311 to 3060, 1979 to 2236 as the load comes on.
+        // 2048 to 2105, 2311 to 3008, 1979 to 2141 as the load comes on.
         ("paper", &[][..], &NEEDLES[..], "0.05", 1.2),
         ("eleven-pins", &[], &NEEDLES, "0.05", 1.4),
         ("one-wheel", &[], &NEEDLES, "0.05", 1.2),
-        // 4203 to 6776, 4518 to 9224, 4654 to 6831.
-        ("paper", &[], &NEEDLES, "0.2", 1.7),
-        ("eleven-pins", &[], &NEEDLES, "0.2", 2.2),
-        ("one-wheel", &[], &NEEDLES, "0.2", 1.6),
-        // To 3835, 6322, 3933.
+        // 4203 to 4335, 4518 to 6142, 4654 to 4858.
+        ("paper", &[], &NEEDLES, "0.2", 1.1),
+        ("eleven-pins", &[], &NEEDLES, "0.2", 1.4),
+        ("one-wheel", &[], &NEEDLES, "0.2", 1.1),
+        // To 3824, 6084, 3893.
         ("paper", &[], &soft, "0.2", 1.0),
-        ("eleven-pins", &[], &soft, "0.2", 1.5),
+        ("eleven-pins", &[], &soft, "0.2", 1.4),
         ("one-wheel", &[], &soft, "0.2", 1.0),
         // 0.93 over 0.2 s.
         ("paper", &RING, &NEEDLES, "0.02", 1.2),

@@ -396,6 +396,26 @@ fn hard_loads_that_are_rounding_are_none() {
     }
 }
 
+/// Random gears with floating wheels on which damped Newton steps led nowhere: loads so light that contacts come and go (9340, and
+/// 9356 under Hertz' line contact), and a wheel that snaps through as its mesh goes on (9345).
+#[test]
+fn hard_floating_wheels_balance_where_contacts_come_and_go() {
+    for (seed, law, lost_arcmin) in [
+        (9340, None, 10.11),
+        (9345, None, 61.76),
+        (9356, Some("line-hertz"), 7.608),
+    ] {
+        let mut scene = gears::gear(seed).unwrap();
+        if let Some(law) = law {
+            law.clone_into(&mut scene.contact.law);
+        }
+        let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+        let found = design::run(&gearbox, false, &Control::quiet()).unwrap();
+        let lost = found.torsion.lost_motion_arcmin.unwrap().max;
+        assert!((lost / lost_arcmin - 1.0).abs() < 0.01, "{seed}: {lost}");
+    }
+}
+
 /// Eccentricities that contradict each other, and profiles that do not fit between the pins, jam a gear. Its twist was called a lost
 /// motion of 0.1307 +- 1e-10 arcmin, at 12 and 50 kN on a pin; gears that are merely rough or tight have one as ever.
 #[test]
