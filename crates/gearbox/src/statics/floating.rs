@@ -63,6 +63,7 @@ const BALANCED: f64 = 1e-13;
 const WEAK: f64 = 1e-9;
 /// The same where a gear snaps through, the weakest that does.
 const HOLDS: [f64; 6] = [WEAK, 1e-2, 0.1, 1.0, 10.0, 100.0];
+/// Why points may leave a wheel without a balance.
 const POINTS: &str = "contact.detection = \"points\": forces jump from point to point, and between two of them a wheel on an \
                       elastic bearing has no balance; use detection = \"exact\"";
 
@@ -421,7 +422,7 @@ impl Statics<'_> {
         Ok(found)
     }
 
-    /// Points have their own reason to leave a wheel without a balance.
+    /// The error with its cause, where that is not the load.
     fn why(&self, error: GearboxError) -> GearboxError {
         match (self.gearbox.scene.contact.detection, error) {
             (Detection::Points, GearboxError::NoEquilibrium { .. }) => {

@@ -71,7 +71,8 @@ const MOVED: f64 = 0.1;
 const CALM: f64 = 0.5;
 const RAREST_LOOK: u64 = 128;
 /// Where springs turn with the mechanism, steps bear less the more of their turns they take: this share over (|h| |L|)^2. On needles
-/// `paper` takes two thirds of the steps for the same error, with as many Jacobians.
+/// `paper` takes 4335 evaluations with as many Jacobians, and its driver's torque is 3e-4 off; with the share above it took 5105 for
+/// 1.3e-3.
 const TURNING: f64 = 0.05;
 /// Longest step, as |h| |L| with the size of [`Linear`]; half as much again where a new Jacobian is stiffer; and the same of springs
 /// that turn, which are kept new.
