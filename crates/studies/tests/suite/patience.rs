@@ -185,8 +185,9 @@ fn hard_steps_that_chatter_resolve_nothing() {
         let told = serde_json::to_string(&found.comparison.engines[0].uncertainty).unwrap();
         told.contains("do not follow the friction")
     };
-    // The ramp relaxes at 4.3e5 1/s: Runge-Kutta 4 follows up to 6.5e-6 s.
-    assert!(refused("rk4", "1e-5"));
-    assert!(!refused("rk4", "2.5e-6"));
+    // The ramp relaxes at 4.3e5 1/s under the static force, of which the largest may be twice as much: Runge-Kutta 4 follows up to
+    // 2.3e-6 s.
+    assert!(refused("rk4", "5e-6"));
+    assert!(!refused("rk4", "2e-6"));
     assert!(!refused("imex2", "1e-5"));
 }
