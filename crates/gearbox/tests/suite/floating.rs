@@ -326,36 +326,6 @@ fn hard_stiff_rollers_of_a_watch_balance() {
     assert!((whole / part - 1.0).abs() < 0.2, "{whole} {part}");
 }
 
-/// Forces that jump from point to point may hold a wheel nowhere between two of them; it says so.
-#[test]
-fn points_are_named_where_wheels_float() {
-    let points = [
-        "contact.detection=\"points\"",
-        "contact.wheel_points=1800",
-        "contact.hole_points=200",
-        "gear.eccentricity_m=1.7106e-3",
-        "gear.external_sleeves=10",
-        "gear.shortening=0.612313",
-        "gear.external_sleeve_radius_m=3.93587e-3",
-        "gear.internal_sleeves=5",
-        "gear.internal_sleeve_radius_m=2.77052e-3",
-        "gear.internal_circle_radius_m=1.0243479e-2",
-        "gear.hole_radius_m=4.49412e-3",
-        "gear.wheels=3",
-        "bearings.eccentric.rollers=26",
-        "bearings.eccentric.roller_length_m=4.19e-3",
-    ];
-    let gearbox = gearbox("paper", &points);
-    let mut statics = Statics::new(&gearbox).unwrap();
-    let found = (100..200).filter_map(|k| statics.solve(0.0101 * f64::from(k), 0.379).err());
-    let found: Vec<String> = found.map(|error| error.to_string()).collect();
-    println!("{} of 100", found.len());
-    assert!(!found.is_empty(), "balances everywhere");
-    for error in found {
-        assert!(error.contains("detection = \"exact\""), "{error}");
-    }
-}
-
 /// Stiffness about a balance is the slope of the load over the twist.
 #[test]
 fn compliance_is_the_slope_of_the_twist() {

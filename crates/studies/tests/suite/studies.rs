@@ -414,6 +414,13 @@ fn hard_floating_wheels_balance_where_contacts_come_and_go() {
         let lost = found.torsion.lost_motion_arcmin.unwrap().max;
         assert!((lost / lost_arcmin - 1.0).abs() < 0.01, "{seed}: {lost}");
     }
+    // Forces that jump from point to point may hold a wheel nowhere between two of them; it says so.
+    let points = Gearbox::new(&gears::gear(9253).unwrap().check().unwrap()).unwrap();
+    let error = design::run(&points, false, &Control::quiet()).unwrap_err();
+    assert!(
+        error.to_string().contains("detection = \"exact\""),
+        "{error}"
+    );
 }
 
 /// Eccentricities that contradict each other, and profiles that do not fit between the pins, jam a gear. Its twist was called a lost

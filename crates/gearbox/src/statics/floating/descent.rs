@@ -1,0 +1,135 @@
+//! The way to a balance: Newton's method, and down the work of forces where it leads nowhere.
+
+use nalgebra::DVector;
+
+use super::super::Statics;
+use super::{LEFT, Size};
+use crate::contacts::Bearings;
+
+/// Newton steps at most, halvings of one, and what a step must leave at most for its slopes to serve the next.
+const STEPS: usize = 60;
+const HALVINGS: usize = 12;
+const SERVES: f64 = 0.2;
+/// What a step of fresh slopes must leave at most to be one that leads anywhere.
+const SLOW: f64 = 0.9;
+/// Steps at most of a search for where forces do no work along a step, and what may be left of it.
+const WORKS: usize = 40;
+const WORK: f64 = 0.1;
+/// Most of the way over which the mesh holds that such a step may take.
+const FARTHEST: f64 = 0.1;
+/// Where rounding of stiff contacts leaves more, up to this, a balance is one that a Newton step moves by no more than such a share
+/// of the contacts' depths and twists.
+const ROUNDED: f64 = 1e-7;
+const STILL: f64 = 1e-8;
+/// Newton goes on as long as it gains, down to this.
+const BALANCED: f64 = 1e-13;
+/// A weak spring to the last iterate, as a share of a contact's stiffness: for directions that nothing holds.
+const WEAK: f64 = 1e-9;
+/// The same where a gear snaps through, the weakest that does.
+const HOLDS: [f64; 6] = [WEAK, 1e-2, 0.1, 1.0, 10.0, 100.0];
+
+impl Statics<'_> {
+    /// Newton's method from `u`, with halved steps; what is left as a share of the load, or `None` where it got stuck.
+    pub(super) fn settle(
+        &mut self,
+        phi: f64,
+        load: f64,
+        bearings: &Bearings,
+        u: &mut Vec<f64>,
+    ) -> Option<f64> {
+        let size = self.size(load, bearings);
+        let norm = |left: &DVector<f64>| Size::largest(left, |k| size.of_load(k));
+        let mut here = self.left(phi, load, bearings, u, None);
+        let mut most = norm(&here);
+        // Slopes cost more than forces, so they serve as long as steps with them gain.
+        let mut slopes = None;
+        for _ in 0..STEPS {
+            if most < BALANCED {
+                break;
+            }
+            let is_fresh = slopes.is_none();
+            if is_fresh {
+                let matrix = self.matrix(phi, load, bearings, (u, &here), size);
+                slopes = Some(size.held(matrix, WEAK).lu());
+            }
+            let step = -slopes.as_ref()?.solve(&here)?;
+            let mut share = 1.0;
+            let before = most;
+            // What is left at a balance is rounding, which no shorter step betters.
+            let tries = if is_fresh && most > LEFT { HALVINGS } else { 1 };
+            for _ in 0..tries {
+                let there: Vec<f64> = u.iter().zip(&step).map(|(u, s)| u + share * s).collect();
+                let left = self.left(phi, load, bearings, &there, None);
+                let now = norm(&left);
+                if now < most {
+                    (*u, here, most) = (there, left, now);
+                    break;
+                }
+                share *= 0.5;
+            }
+            if most > SERVES * before {
+                slopes = None;
+                let stuck = most > SLOW * before;
+                if is_fresh && stuck {
+                    let moved = Size::largest(&step, |k| size.of_place(k));
+                    let is_still = moved <= STILL && most <= ROUNDED;
+                    if most < LEFT || is_still {
+                        return Some(most);
+                    }
+                    *u = self.downhill(phi, load, bearings, (u, &here))?;
+                    here = self.left(phi, load, bearings, u, None);
+                    most = norm(&here);
+                }
+            }
+        }
+        (most < LEFT).then_some(most)
+    }
+
+    /// From `u` to where forces do next to no more work along a Newton step: contacts that open and close on the way leave more than
+    /// before, by which Newton's method alone would never get past them. Where the gear snaps through, and a step would be against
+    /// the forces, springs to `u` hold it.
+    fn downhill(
+        &mut self,
+        phi: f64,
+        load: f64,
+        bearings: &Bearings,
+        (u, here): (&[f64], &DVector<f64>),
+    ) -> Option<Vec<f64>> {
+        let size = self.size(load, bearings);
+        let matrix = self.matrix(phi, load, bearings, (u, here), size);
+        let step = HOLDS.iter().find_map(|&hold| {
+            let step = -size.held(matrix.clone(), hold).lu().solve(here)?;
+            (here.dot(&step) > 0.0).then_some(step)
+        })?;
+        let moved = Size::largest(&step, |k| size.of_place(k));
+        let at =
+            |share: f64| -> Vec<f64> { u.iter().zip(&step).map(|(u, s)| u + share * s).collect() };
+        // Through free play as far as something holds, and not beyond it, nor over a tooth.
+        let angle = FARTHEST * self.brackets().1;
+        let far = Size {
+            length: angle * self.gearbox.scene.gear.lever_m(),
+            angle,
+            ..size
+        };
+        let farthest = f64::min(1.0, 1.0 / Size::largest(&step, |k| far.of_place(k)));
+        let (mut low, mut high) = (0.0, farthest);
+        let mut share = f64::min(farthest, 1.0 / moved);
+        let mut caught = false;
+        for _ in 0..WORKS {
+            let work = self.left(phi, load, bearings, &at(share), None).dot(&step);
+            caught |= work <= 0.0;
+            match work > 0.0 {
+                true => low = share,
+                false => high = share,
+            }
+            if work.abs() <= WORK * here.dot(&step) || low == farthest {
+                break;
+            }
+            share = match caught {
+                true => 0.5 * (low + high),
+                false => f64::min(2.0 * share, farthest),
+            };
+        }
+        Some(at(share))
+    }
+}
