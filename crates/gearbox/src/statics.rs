@@ -71,6 +71,8 @@ pub struct Statics<'a> {
     bearings: Option<Bearings>,
     /// Of wheels that float, the last balances and their loads.
     floated: Vec<(Equilibrium, f64)>,
+    /// Room for moments that contacts tell without loads, by body.
+    told: Vec<f64>,
     /// Bearings do not give way.
     is_rigid: bool,
     /// Evaluations of all contacts so far.
@@ -131,6 +133,7 @@ impl<'a> Statics<'a> {
             floating_slopes: newton::slopes(1 + OF_A_WHEEL * gearbox.layout.wheels),
             bearings: Bearings::of(&gearbox.scene, &gearbox.geometry).map(Bearings::frictionless),
             floated: Vec::new(),
+            told: vec![0.0; gearbox.layout.bodies()],
             is_rigid: false,
             evaluations: 0,
         })
@@ -149,6 +152,11 @@ impl<'a> Statics<'a> {
     fn place(&mut self, phi: f64, wheels: &[f64], psi: f64) {
         self.evaluations += 1;
         self.loads.fill(Wrench::default());
+        self.put(phi, wheels, psi);
+    }
+
+    /// Puts all bodies there.
+    fn put(&mut self, phi: f64, wheels: &[f64], psi: f64) {
         let (layout, geometry) = (self.gearbox.layout, &self.gearbox.geometry);
         let motion = &self.motion;
         let (input, output) = ([phi, motion.speed], [psi, motion.output[0]]);
@@ -169,8 +177,29 @@ impl<'a> Statics<'a> {
     /// Moments on the wheels into `out`, and the moment of the contacts on the output.
     fn moments(&mut self, phi: f64, wheels: &[f64], psi: f64, out: &mut [f64]) -> f64 {
         self.place(phi, wheels, psi);
+        if let Some(on_output) = self.told(out) {
+            return on_output;
+        }
         self.field.add_loads(&self.bodies, &mut self.loads);
         self.summed(out)
+    }
+
+    /// The same of bodies that were put there, by contacts that need no loads for it; else `None`.
+    fn told(&mut self, out: &mut [f64]) -> Option<f64> {
+        self.told.fill(0.0);
+        let mut sums = Sums::of_moments(&mut self.told);
+        let knows = self
+            .field
+            .evaluate(&self.bodies, Pose::Prescribed, &mut sums);
+        let (layout, scene) = (self.gearbox.layout, &self.gearbox.scene);
+        let told = self.told[layout.wheel_bodies()]
+            .iter()
+            .zip(&self.motion.wheels);
+        for (out, (moment, [_, bend])) in out.iter_mut().zip(told) {
+            *out = moment - scene.mass.wheel.moment_kg_m2 * bend;
+        }
+        let inertia = scene.output_inertia_kg_m2() * self.motion.output[1];
+        knows.then(|| self.told[Layout::OUTPUT] - inertia)
     }
 
     /// The same, with their slopes; `None`: the contacts have none.

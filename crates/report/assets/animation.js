@@ -101,15 +101,16 @@ document.addEventListener('DOMContentLoaded', () => {
     const shown = host.querySelector('.at');
     const line = host.querySelector('.gearbox-time canvas');
     let strip = timeline(line, boxes);
+    let lined = [0, 0];
     const clock = { at: data.begin, playing: false, frame: 0, stamp: null, told: -Infinity, interval: 0, coarse: false, held: false };
     slider.max = String(last);
 
     // ---- Drawing
-    function paint(all = true) {
-      for (const view of views) {
-        if (view.width === 0 || !(all || view.seen)) continue;
+    function paint(which = views) {
+      for (const view of which) {
+        if (view.width === 0) continue;
         view.box.move(clock.at);
-        view.draw(colours, view.pointer ? view.under(view.pointer) : null);
+        view.draw(colours, view.pointer ? view.under(view.pointer) : null, clock.held);
       }
       strip.mark(clock.at);
     }
@@ -139,7 +140,7 @@ document.addEventListener('DOMContentLoaded', () => {
     }
     const show = () => { tell(); paint(); };
     const ratio = () => (clock.coarse && clock.playing ? 1 : Math.min(window.devicePixelRatio || 1, 2));
-    const resize = (view) => { if (view.width > 0) view.resize(view.width, ratio()); };
+    const resize = (view) => { if (view.width > 0) view.resize(view.width, ratio(), clock.held); };
 
     // ---- The clock
     const wanted = () => clock.playing && !clock.held && !document.hidden && views.some((view) => view.seen);
@@ -148,7 +149,7 @@ document.addEventListener('DOMContentLoaded', () => {
       if (!wanted()) {
         cancelAnimationFrame(clock.frame);
         clock.frame = 0;
-        if (!clock.held) clock.stamp = null;
+        clock.stamp = null;
       } else if (clock.frame === 0) clock.frame = requestAnimationFrame(frame);
     }
     function advance(passed) {
@@ -163,13 +164,21 @@ document.addEventListener('DOMContentLoaded', () => {
         sharpen(passed);
         advance(passed);
         if (stamp - clock.told >= TEXT) { clock.told = stamp; tell(); }
-        paint(false);
+        paint(views.filter((view) => view.seen));
       }
       clock.stamp = stamp;
       schedule();
     }
-    /** While held it is drawn with every new gearbox, and not between them: what computes those needs the processor. */
-    host.hold = (on) => { clock.held = on; schedule(); };
+    /** Held it stands still, but for new gearboxes: what computes those needs the processor. */
+    host.hold = (on) => {
+      const rests = clock.held && !on;
+      clock.held = on;
+      if (rests) {
+        views.forEach(resize);
+        show();
+      }
+      schedule();
+    };
     function sharpen(passed) {
       clock.interval += 0.04 * (Math.min(100, passed) - clock.interval);
       if (clock.interval <= LATE || clock.coarse) return;
@@ -214,7 +223,7 @@ document.addEventListener('DOMContentLoaded', () => {
     onRedraw(() => {
       colours = palette(host);
       views.forEach((view) => view.repaint());
-      strip.draw(colours, line.clientWidth, line.clientHeight);
+      strip.draw(colours, ...lined);
       paint();
     });
     // Sizes come from here, so that no frame has to ask for them.
@@ -224,7 +233,10 @@ document.addEventListener('DOMContentLoaded', () => {
         if (view) {
           view.width = contentRect.width;
           resize(view);
-        } else strip.draw(colours, contentRect.width, contentRect.height);
+        } else {
+          lined = [contentRect.width, contentRect.height];
+          strip.draw(colours, ...lined);
+        }
       }
       paint();
     });
@@ -247,13 +259,9 @@ document.addEventListener('DOMContentLoaded', () => {
       resize(views[n]);
       views[n].repaint();
       strip = timeline(line, boxes);
-      strip.draw(colours, line.clientWidth, line.clientHeight);
-      if (clock.held && clock.playing && clock.stamp !== null) {
-        const now = performance.now();
-        advance(Math.max(0, now - clock.stamp));
-        clock.stamp = now;
-      }
-      show();
+      strip.draw(colours, ...lined);
+      if (!clock.held) tell();
+      paint([views[n]]);
     };
     host.dataset.ready = '';
   }

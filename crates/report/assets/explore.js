@@ -1,7 +1,8 @@
 // A scene under a hand: sliders of two states, each asked of the program that serves this page.
 //
 // One run is under way at a time, and the newest values are asked next: what a hand passed over is never computed. Balances
-// are asked beside it and may take longer; until they are there their figures are said to be computed, and none is shown.
+// come with it, or are asked for when the hand rests; until they are there their figures are said to be computed, and none is
+// shown.
 // The states stand in the address and in the browser's store, so that nothing is lost by loading again or by the program's end.
 'use strict';
 document.addEventListener('DOMContentLoaded', () => {
@@ -20,8 +21,6 @@ document.addEventListener('DOMContentLoaded', () => {
   const moved = { a: sliders[0].key, b: sliders[0].key };
   let now = 'b';
   const STORE = `pinwheel explore ${document.title}`;
-  /** How long balances are waited for before the run is drawn without them, ms. */
-  const PATIENCE = 100;
   /** How long a hand rests before the states are written down, ms. */
   const REST = 200;
   const TAB = Math.random().toString(36).slice(2);
@@ -110,63 +109,84 @@ document.addEventListener('DOMContentLoaded', () => {
 
   // ---- Answers
   const due = { a: null, b: null };
-  let busy = false;
+  let asking = false;
+  let drawing = Promise.resolve();
+  /** Asks for the newest state; the next one is asked while this one is drawn. */
   async function pump() {
-    if (busy) return;
+    if (asking) return;
     const name = [now, ...NAMES].find((one) => due[one] !== null);
     if (name === undefined) {
       const open = (of) => Object.values(found).find((state) => !state[of]);
       const [rest, bands] = [open('figures'), open('banded')];
-      if (balancing !== null) return;
+      if (balancing !== null || moving) return;
       if (rest) balance(rest);
       else if (bands) balance(bands, 'bands');
       return;
     }
-    busy = true;
-    host.hold(true);
+    asking = true;
+    hold();
     document.body.dataset.busy = '';
     const since = due[name];
     due[name] = null;
+    balancing?.abort();
+    const state = fresh(values(states[name]));
     let failed = false;
     try {
-      const asked = values(states[name]);
-      const state = fresh(asked);
-      const balanced = balance(state);
-      const answer = await ask('run', asked);
-      blocked[name] = answer.reason || '';
-      if (!answer.reason) {
-        Object.assign(state, answer);
-        await Promise.race([balanced, new Promise((late) => { setTimeout(late, PATIENCE); })]);
-        found[name] = state;
-        await host.replace(NAMES.indexOf(name), answer.view);
-        figures();
-        series();
-      }
-      reasons();
-      latencies.push(performance.now() - since);
+      const answer = await ask(`run?tab=${TAB}`, state.asked);
+      await drawing;
+      drawing = draw(name, state, answer).then(() => {
+        latencies.push(performance.now() - since);
+        if (!asking) delete document.body.dataset.busy;
+        document.body.dataset.answered = String(Number(document.body.dataset.answered || 0) + 1);
+      });
     } catch (error) {
       gone(error);
+      delete document.body.dataset.busy;
       failed = true;
     }
-    busy = false;
-    host.hold(false);
-    delete document.body.dataset.busy;
-    document.body.dataset.answered = String(Number(document.body.dataset.answered || 0) + 1);
+    asking = false;
     if (!failed) pump();
+  }
+  async function draw(name, state, answer) {
+    blocked[name] = answer.reason || '';
+    reasons();
+    if (answer.reason) return;
+    const { balanced, ...run } = answer;
+    Object.assign(found[name] = state, run);
+    if (balanced) tell(state, balanced);
+    await host.replace(NAMES.indexOf(name), run.view);
+    figures();
+    series();
+  }
+  /** Figures of a state that the program found, or why there are none. */
+  function tell(state, told) {
+    [state.figures, state.why] = [told.figures || [], told.reason || told.why];
+    state.banded = Boolean(state.why);
+  }
+  let moving = 0;
+  /** While a hand moves the gear stands still between two states, and no bands are asked for: what answers it and draws the
+   * answer needs the processor. */
+  function hold() {
+    host.hold(true);
+    clearTimeout(moving);
+    moving = setTimeout(() => {
+      moving = 0;
+      host.hold(false);
+      pump();
+    }, REST);
   }
   let balancing = null;
   /** Asks the figures of what is shown, or them with their bands; newer questions end it, and what was ended is asked again when a
    * hand rests. */
   async function balance(state, what = 'balances') {
-    balancing?.abort();
     const own = new AbortController();
     balancing = own;
     let more = true;
     try {
       const told = await ask(`${what}?tab=${TAB}`, state.asked, own.signal);
-      if (!told.late) {
-        [state.figures, state.why] = [told.figures || [], told.reason || told.why];
-        state.banded = what === 'bands' || Boolean(state.why);
+      if (told) {
+        tell(state, told);
+        state.banded ||= what === 'bands';
       }
     } catch (error) {
       more = own.signal.aborted;
@@ -225,12 +245,14 @@ document.addEventListener('DOMContentLoaded', () => {
   function series() {
     for (const label of Object.keys(first.series)) {
       const lines = NAMES.map((name, k) => ({ label: name.toUpperCase(), style: STYLES[k], values: found[name].series[label] || [], visible: true }));
-      const spec = { x: { values: first.time, label: 'Time (s)', name: (k) => `t = ${PinwheelCharts.number(first.time[k], 4)} s` }, y: { label: label.match(/\(([^)]*)\)/)?.[1] || label }, series: lines, describe: `${label} of both states over a turn` };
-      if (charts.has(label)) charts.get(label).update(spec);
+      // Axes stay: with others a chart is made anew, which takes many times as long.
+      if (charts.has(label)) charts.get(label).update({ series: lines });
       else {
         const plot = make('div', { class: 'plot' });
         $('series').append(make('article', { class: 'panel' }, make('h3', {}, label), plot));
-        charts.set(label, PinwheelCharts.chart(plot, { ...spec, height: 180, group: 'explore' }));
+        const x = { values: first.time, label: 'Time (s)', name: (k) => `t = ${PinwheelCharts.number(first.time[k], 4)} s` };
+        const y = { label: label.match(/\(([^)]*)\)/)?.[1] || label };
+        charts.set(label, PinwheelCharts.chart(plot, { x, y, series: lines, describe: `${label} of both states over a turn`, height: 180, group: 'explore' }));
       }
     }
   }

@@ -3,8 +3,8 @@
 'use strict';
 const PinwheelPicture = (() => {
   const { TAU } = PinwheelGearbox;
-  /** Pixels by which a chord may miss the profile. */
-  const MISS = 0.1;
+  /** Pixels by which a chord may miss the profile, of a gear that is looked at and of one that is drawn once. */
+  const MISS = [0.1, 0.35];
   /** Colours of force from none to a full arrow. */
   const SHADES = 40;
   const NAMES = ['ink', 'ink-soft', 'rule', 'sheet', 'sunk', 'accent', 'steel', 'steel-edge', 'housing', 'force-high', 'force-middle'];
@@ -70,14 +70,14 @@ const PinwheelPicture = (() => {
       fill(pen, colours['steel-edge']);
     }
 
-    /** To be drawn `wide` CSS pixels wide with `ratio` of the screen's pixels for each. */
-    function resize(wide, ratio) {
+    /** To be drawn `wide` CSS pixels wide with `ratio` of the screen's pixels for each; `once`: coarser, see `ground`. */
+    function resize(wide, ratio, once) {
       width = wide;
       size = Math.max(1, Math.round(wide * ratio));
       scale = size / (2 * half);
       still = null;
       if (canvas.width !== size) { canvas.width = size; canvas.height = size; }
-      const profile = box.profile(MISS / scale);
+      const profile = box.profile(MISS[Number(once)] / scale);
       paths = state.bodies.map((body) => {
         const path = new Path2D();
         profile.forEach(([x, y], k) => (k === 0 ? path.moveTo(x, y) : path.lineTo(x, y)));
@@ -87,9 +87,7 @@ const PinwheelPicture = (() => {
         return path;
       });
     }
-    function backdrop(colours) {
-      const canvas2 = new OffscreenCanvas(size, size);
-      const pen = canvas2.getContext('2d', { alpha: false });
+    function backdrop(pen, colours) {
       fillAll(pen, colours.sheet);
       upright(pen);
       pen.beginPath();
@@ -100,7 +98,17 @@ const PinwheelPicture = (() => {
       circle(pen, 0, 0, rim);
       stroke(pen, colours.rule, 0.5);
       plain(pen, state.external, colours);
-      return canvas2.transferToImageBitmap();
+    }
+    /** What stands still, kept for the next frame; `once`: there is none of this gear. */
+    function ground(colours, once) {
+      context.setTransform(1, 0, 0, 1, 0, 0);
+      if (still === null && once) { backdrop(context, colours); return; }
+      if (still === null) {
+        const canvas2 = new OffscreenCanvas(size, size);
+        backdrop(canvas2.getContext('2d', { alpha: false }), colours);
+        still = canvas2.transferToImageBitmap();
+      }
+      context.drawImage(still, 0, 0);
     }
     function fillAll(pen, colour) {
       pen.fillStyle = colour;
@@ -227,11 +235,9 @@ const PinwheelPicture = (() => {
       });
     }
 
-    /** The state as it is now, with a label at the sleeve `hovered`. */
-    function draw(colours, hovered) {
-      if (still === null) still = backdrop(colours);
-      context.setTransform(1, 0, 0, 1, 0, 0);
-      context.drawImage(still, 0, 0);
+    /** The state as it is now, with a label at the sleeve `hovered`; see `ground`. */
+    function draw(colours, hovered, once) {
+      ground(colours, once);
       // The last wheel behind.
       for (let i = gear.wheels - 1; i >= 0; i -= 1) if (options.wheels[i]) wheel(i, colours);
       upright(context);

@@ -91,11 +91,16 @@ const PinwheelPacked = (() => {
 
   /** The bytes behind a packed text. */
   async function unpack(text) {
-    const packed = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    const raw = atob(text);
+    const packed = new Uint8Array(raw.length);
+    for (let k = 0; k < raw.length; k += 1) packed[k] = raw.charCodeAt(k);
     let stream = null;
     try { stream = new DecompressionStream('deflate-raw'); } catch { return inflate(packed); }
-    const read = new Response(new Blob([packed]).stream().pipeThrough(stream));
-    return new Uint8Array(await read.arrayBuffer());
+    // Written by hand: a blob would travel through another process.
+    const writer = stream.writable.getWriter();
+    writer.write(packed);
+    writer.close();
+    return new Uint8Array(await new Response(stream.readable).arrayBuffer());
   }
 
   /** Values that share a quantum; as in packed.rs. */

@@ -6,9 +6,9 @@
 
 use std::net::TcpListener;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
 use std::thread::JoinHandle;
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use pinwheel::gearbox::Gearbox;
 use pinwheel::pages::{self, explore as live};
@@ -28,6 +28,10 @@ use crate::{interrupt, screen};
 const PORT: u16 = 7347;
 /// How often an interrupt is looked for.
 const TICK: Duration = Duration::from_millis(200);
+/// How long a run waits for its balances.
+const PATIENCE: Duration = Duration::from_millis(100);
+/// Balances that were not waited for.
+const LATE: Value = Value::Null;
 
 /// How a comparison stands: told while it runs, then its page.
 #[derive(Default)]
@@ -201,6 +205,15 @@ fn plain(status: u16, why: impl Into<String>) -> Answer {
     Answer::new(status, "text/plain", why)
 }
 
+/// Balances as the page's script reads them; null: they were given up.
+fn balanced(found: Result<Value, StudyError>) -> Value {
+    match found {
+        Ok(found) => found,
+        Err(StudyError::Cancelled) => LATE,
+        Err(why) => json!({"reason": why.to_string()}),
+    }
+}
+
 fn refused(why: &str) -> Answer {
     plain(403, why)
 }
@@ -226,7 +239,7 @@ impl Explorer {
                 let values: Vec<(String, String)> = serde_json::from_slice(&question.body)
                     .map_err(|_| plain(400, "not a list of keys and values"))?;
                 match path {
-                    "/run" => self.run(&values),
+                    path if path.starts_with("/run") => self.run(path, &values),
                     "/save" => self.save(&values),
                     "/compare" => Ok(self.compare(&values)),
                     path if path.starts_with("/balances") => self.balances(path, false, &values),
@@ -255,32 +268,48 @@ impl Explorer {
         })
     }
 
-    fn run(&self, values: &live::Values) -> Result<Answer, Failure> {
+    /// A run of a state, and its balances beside it where they take no longer than a hand would wait.
+    fn run(&self, path: &str, values: &live::Values) -> Result<Answer, Failure> {
+        let begun = Instant::now();
+        let stop = self.newest(path);
         let scene = match live::scene(&self.spec, &self.settled, values) {
             Ok(scene) => scene,
             Err(error) => return Ok(told(&json!({"reason": error}))),
         };
         let span_s = *lock(&self.span_s);
-        let found = live::motion(&scene, span_s, interrupt::flag())?;
+        let (tells, hears) = mpsc::channel();
+        let found = std::thread::scope(|scope| {
+            // Who asks may be gone.
+            scope.spawn(|| tells.send(live::balances(&scene, false, &stop)).ok());
+            let found = live::motion(&scene, span_s, interrupt::flag())?;
+            let figures = hears.recv_timeout(PATIENCE.saturating_sub(begun.elapsed()));
+            stop.store(true, Ordering::Relaxed);
+            Ok::<_, Failure>(found.map(|mut run| {
+                run["balanced"] = figures.map_or(LATE, balanced);
+                run
+            }))
+        })?;
         Ok(told(&found.unwrap_or_else(|why| json!({"reason": why}))))
     }
 
-    /// Of the newest state that was asked for: those under way are given up.
+    /// Of the newest state that was asked for.
     fn balances(&self, path: &str, laws: bool, values: &live::Values) -> Result<Answer, Failure> {
+        let stop = self.newest(path);
+        let scene = match live::scene(&self.spec, &self.settled, values) {
+            Ok(scene) => scene,
+            Err(error) => return Ok(told(&json!({"reason": error}))),
+        };
+        Ok(told(&balanced(live::balances(&scene, laws, &stop))))
+    }
+
+    /// What stops the balances that a page asks for now: those of it that are under way are given up.
+    fn newest(&self, path: &str) -> Arc<AtomicBool> {
         let (_, tab) = path.split_once('?').unwrap_or_default();
         let stop = Arc::new(AtomicBool::new(false));
         let own = (tab.to_owned(), Arc::clone(&stop));
         let (before, running) = std::mem::replace(&mut *lock(&self.balancing), own);
         running.store(before == tab, Ordering::Relaxed);
-        let scene = match live::scene(&self.spec, &self.settled, values) {
-            Ok(scene) => scene,
-            Err(error) => return Ok(told(&json!({"reason": error}))),
-        };
-        Ok(told(&match live::balances(&scene, laws, &stop) {
-            Ok(found) => found,
-            Err(StudyError::Cancelled) => json!({"late": true}),
-            Err(why) => json!({"reason": why.to_string()}),
-        }))
+        stop
     }
 
     /// Writes the scene beside where the program was started; never over another one.

@@ -2,7 +2,7 @@
 
 use pinwheel_files::fits;
 
-use super::catalogue::{Chosen, FAMILIES, always_there};
+use super::catalogue::{Chosen, FAMILIES, Family, always_there};
 use crate::error::Fault;
 use crate::layout::Layout;
 use crate::nearest;
@@ -35,7 +35,15 @@ pub(crate) fn select(patterns: &[String], layout: Layout) -> Result<Vec<Chosen>,
     }
     let mut used = vec![false; patterns.len()];
     let mut chosen = Vec::new();
-    for member in FAMILIES.iter().flat_map(|family| family.members(layout)) {
+    // Whatever numbers are asked for: most families end here, before they have members.
+    let digit = |c: char| c.is_ascii_digit();
+    let general: Vec<String> = (patterns.iter().map(|p| p.trim().replace(digit, "*"))).collect();
+    let may = |family: &&Family| {
+        let some = family.pattern.replace('*', "0");
+        general.iter().any(|pattern| fits(pattern, &some))
+    };
+    let families = FAMILIES.iter().filter(may);
+    for member in families.flat_map(|family| family.members(layout)) {
         let mut wanted = false;
         for (pattern, used) in patterns.iter().zip(&mut used) {
             if fits(pattern.trim(), &member.name) {

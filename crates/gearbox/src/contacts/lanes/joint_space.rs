@@ -76,9 +76,9 @@ pub(super) struct JointSpace {
     angles: Vec<f64>,
     units: Column,
     wheels: Vec<Wheel>,
-    /// Of external and of internal sleeves. The former stay while no other sleeve comes near: nothing need wait for the test
-    /// that they hold.
-    segments: [Vec<Segment>; 2],
+    /// Of external and of internal sleeves, two side by side. The former stay while no other sleeve comes near: nothing need
+    /// wait for the test that they hold.
+    segments: [Vec<[Segment; 2]>; 2],
     /// Directions of the sleeves at the [`ENDS`] of the windows, a register a wheel, and whether every wheel has ends.
     ends: Column,
     is_bounded: bool,
@@ -110,7 +110,8 @@ struct Wheel {
 struct Segment {
     wheel: usize,
     from: usize,
-    count: usize,
+    /// As a mask takes it.
+    count: f64,
 }
 
 /// Sums over all contacts, lane by lane.
@@ -135,18 +136,10 @@ const NUMBERS: [f64; PADDING] = [
     0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0,
 ];
 
-/// The two segments of a group.
-#[inline(always)]
-fn pair(group: &[Segment]) -> [Segment; 2] {
-    let first = group[0];
-    let none = Segment { count: 0, ..first };
-    [first, group.get(1).copied().unwrap_or(none)]
-}
-
 #[inline(always)]
 fn present<S: Simd>(simd: S, [a, b]: [Segment; 2]) -> Mask<S> {
     let numbers = Lanes::load_pair(simd, [&NUMBERS, &NUMBERS]);
-    numbers.less(Lanes::splat_pair(simd, [a.count as f64, b.count as f64]))
+    numbers.less(Lanes::splat_pair(simd, [a.count, b.count]))
 }
 
 /// `x + Re(swing E)`: above 0 what is outside for certain.
@@ -156,10 +149,10 @@ fn gap<S: Simd>(direction: ComplexLanes<S>, swing: ComplexLanes<S>, x: Lanes<S>)
     direction.re.mul_add(swing.re, imaginary)
 }
 
-/// Pushes what a run of `count` sleeves from `from` on takes, in registers.
+/// Pushes what a run of `count` sleeves from `from` on takes, in registers, beside a last one that has none beside it.
 #[inline(always)]
 fn split<S: Simd>(
-    segments: &mut Vec<Segment>,
+    segments: &mut Vec<[Segment; 2]>,
     wheel: usize,
     from: usize,
     count: usize,
@@ -167,11 +160,19 @@ fn split<S: Simd>(
 ) {
     for done in (0..count).step_by(S::F64_LANES) {
         let from = from + done;
-        segments.push(Segment {
+        let segment = Segment {
             wheel,
             from: if from < around { from } else { from - around },
-            count: (count - done).min(S::F64_LANES),
-        });
+            count: (count - done).min(S::F64_LANES) as f64,
+        };
+        let none = Segment {
+            count: 0.0,
+            ..segment
+        };
+        match segments.last_mut() {
+            Some([_, beside]) if beside.count == 0.0 => *beside = segment,
+            _ => segments.push([segment, none]),
+        }
     }
 }
 
@@ -481,8 +482,7 @@ impl JointSpace {
         let c = |x: f64| Lanes::splat(simd, x);
         let (b, r) = (self.backlash, self.radius);
         let zk = self.lobes + 1.0;
-        for group in self.segments[0].chunks(2) {
-            let pair = pair(group);
+        for &pair in &self.segments[0] {
             let (one, two) = (&self.wheels[pair[0].wheel], &self.wheels[pair[1].wheel]);
             let direction = self.directions.load_pair(simd, pair);
             let phase = ComplexLanes::splat_pair(simd, [one.phase, two.phase]) * direction;

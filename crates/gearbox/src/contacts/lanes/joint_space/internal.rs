@@ -4,7 +4,7 @@ use pinwheel_contact::{Complex, ComplexLanes, Lanes, PinLaw, Real};
 use pinwheel_mbs::BodyState;
 use pulp::Simd;
 
-use super::{JointSpace, Sums, pair, present, react, split};
+use super::{JointSpace, Sums, present, react, split};
 use crate::Layout;
 use crate::contacts::lanes::shapes::Shapes;
 
@@ -31,8 +31,7 @@ impl JointSpace {
         let output_rate = c(bodies[Layout::OUTPUT].rate);
         let output = ComplexLanes::splat(simd, output);
         let stiffness = c(shapes.hole_stiffness);
-        for group in self.segments[1].chunks(2) {
-            let pair = pair(group);
+        for &pair in &self.segments[1] {
             let (one, two) = (&self.wheels[pair[0].wheel], &self.wheels[pair[1].wheel]);
             let first = &shapes.holes[pair[0].wheel];
             let second = &shapes.holes[pair[1].wheel];
