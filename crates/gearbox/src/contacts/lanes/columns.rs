@@ -69,13 +69,17 @@ impl Sleeves {
 
     #[inline(always)]
     pub(super) fn gather(&mut self, bodies: &[BodyState]) {
-        for (k, b) in bodies[self.first..self.first + self.count]
-            .iter()
-            .enumerate()
-        {
-            (self.position.x[k], self.position.y[k]) = (b.x, b.y);
-            (self.velocity.x[k], self.velocity.y[k]) = (b.vx, b.vy);
-            self.rate[k] = b.rate;
+        let n = self.count;
+        // Of one length that is known: no bound is looked at for each.
+        let bodies = &bodies[self.first..][..n];
+        let (x, y) = (&mut self.position.x[..n], &mut self.position.y[..n]);
+        let (vx, vy) = (&mut self.velocity.x[..n], &mut self.velocity.y[..n]);
+        let rate = &mut self.rate[..n];
+        for k in 0..n {
+            let b = &bodies[k];
+            (x[k], y[k]) = (b.x, b.y);
+            (vx[k], vy[k]) = (b.vx, b.vy);
+            rate[k] = b.rate;
         }
         self.force.x.fill(0.0);
         self.force.y.fill(0.0);
@@ -84,13 +88,14 @@ impl Sleeves {
 
     #[inline(always)]
     pub(super) fn scatter(&self, loads: &mut [Wrench]) {
-        for (k, load) in loads[self.first..self.first + self.count]
-            .iter_mut()
-            .enumerate()
-        {
-            load.fx += self.force.x[k];
-            load.fy += self.force.y[k];
-            load.moment += self.moment[k];
+        let n = self.count;
+        let loads = &mut loads[self.first..][..n];
+        let (fx, fy, moment) = (&self.force.x[..n], &self.force.y[..n], &self.moment[..n]);
+        for k in 0..n {
+            let load = &mut loads[k];
+            load.fx += fx[k];
+            load.fy += fy[k];
+            load.moment += moment[k];
         }
     }
 
