@@ -66,6 +66,7 @@ fn curvature(geometry: &Geometry, contact: &PairContact, centre: [f64; 2], angle
     let back = Complex::unit(angle).conj();
     let p = (of(contact.centre) - of(centre)) * back;
     let n = of(contact.normal) * back;
+    // Farther than the radius of any sleeve that touches.
     let (curve, limit) = (&geometry.curve, 0.5 * geometry.curve.pitch_radius());
     let foot = |turn: Complex| {
         let p = p * turn.conj();

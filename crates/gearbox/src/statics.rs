@@ -188,18 +188,14 @@ impl<'a> Statics<'a> {
     fn told(&mut self, out: &mut [f64]) -> Option<f64> {
         self.told.fill(0.0);
         let mut sums = Sums::of_moments(&mut self.told);
-        let knows = self
+        if !self
             .field
-            .evaluate(&self.bodies, Pose::Prescribed, &mut sums);
-        let (layout, scene) = (self.gearbox.layout, &self.gearbox.scene);
-        let told = self.told[layout.wheel_bodies()]
-            .iter()
-            .zip(&self.motion.wheels);
-        for (out, (moment, [_, bend])) in out.iter_mut().zip(told) {
-            *out = moment - scene.mass.wheel.moment_kg_m2 * bend;
+            .evaluate(&self.bodies, Pose::Prescribed, &mut sums)
+        {
+            return None;
         }
-        let inertia = scene.output_inertia_kg_m2() * self.motion.output[1];
-        knows.then(|| self.told[Layout::OUTPUT] - inertia)
+        out.copy_from_slice(&self.told[self.gearbox.layout.wheel_bodies()]);
+        Some(self.less_inertia(out, self.told[Layout::OUTPUT]))
     }
 
     /// The same, with their slopes; `None`: the contacts have none.
@@ -223,19 +219,23 @@ impl<'a> Statics<'a> {
     /// Of the loads: moments on the wheels into `out`, and the moment on the output.
     fn summed(&self, out: &mut [f64]) -> f64 {
         let layout = self.gearbox.layout;
-        let mass = &self.gearbox.scene.mass;
-        for (i, body) in layout.wheel_bodies().enumerate() {
-            let inertia = mass.wheel.moment_kg_m2 * self.motion.wheels[i][1];
-            out[i] = self.loads[body].moment - inertia;
+        for (out, body) in out.iter_mut().zip(layout.wheel_bodies()) {
+            *out = self.loads[body].moment;
         }
-        let sleeves: f64 = layout
-            .internal_bodies()
-            .map(|body| {
-                let (b, l) = (&self.bodies[body], &self.loads[body]);
-                b.x * l.fy - b.y * l.fx
-            })
-            .sum();
-        sleeves - self.gearbox.scene.output_inertia_kg_m2() * self.motion.output[1]
+        let sleeves = layout.internal_bodies().map(|body| {
+            let (b, l) = (&self.bodies[body], &self.loads[body]);
+            b.x * l.fy - b.y * l.fx
+        });
+        self.less_inertia(out, sleeves.sum())
+    }
+
+    /// Takes what wheels and output need for the motion off the moments on them; returns the output's.
+    fn less_inertia(&self, out: &mut [f64], on_output: f64) -> f64 {
+        let scene = &self.gearbox.scene;
+        for (out, [_, bend]) in out.iter_mut().zip(&self.motion.wheels) {
+            *out -= scene.mass.wheel.moment_kg_m2 * bend;
+        }
+        on_output - scene.output_inertia_kg_m2() * self.motion.output[1]
     }
 
     /// Half widths of the brackets: of a wheel about its ideal mesh, of the output about its own.

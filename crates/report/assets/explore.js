@@ -134,7 +134,8 @@ document.addEventListener('DOMContentLoaded', () => {
     try {
       const answer = await ask(`run?tab=${TAB}`, state.asked);
       await drawing;
-      drawing = draw(name, state, answer).then(() => {
+      // One that fails holds up no later one.
+      drawing = draw(name, state, answer).catch(gone).then(() => {
         latencies.push(performance.now() - since);
         if (!asking) delete document.body.dataset.busy;
         document.body.dataset.answered = String(Number(document.body.dataset.answered || 0) + 1);

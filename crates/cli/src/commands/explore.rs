@@ -225,6 +225,8 @@ impl Explorer {
             return Err(refused("another host was asked for"));
         }
         let path = self.entry.admit(question)?;
+        // What asks for balances says which page it is.
+        let (path, tab) = path.split_once('?').unwrap_or((path, ""));
         let found = match question.method.as_str() {
             "GET" => match path {
                 "/" => self.page(),
@@ -239,11 +241,11 @@ impl Explorer {
                 let values: Vec<(String, String)> = serde_json::from_slice(&question.body)
                     .map_err(|_| plain(400, "not a list of keys and values"))?;
                 match path {
-                    path if path.starts_with("/run") => self.run(path, &values),
+                    "/run" => self.run(tab, &values),
                     "/save" => self.save(&values),
                     "/compare" => Ok(self.compare(&values)),
-                    path if path.starts_with("/balances") => self.balances(path, false, &values),
-                    path if path.starts_with("/bands") => self.balances(path, true, &values),
+                    "/balances" => self.balances(tab, false, &values),
+                    "/bands" => self.balances(tab, true, &values),
                     _ => Ok(plain(404, "there is nothing here")),
                 }
             }
@@ -269,9 +271,9 @@ impl Explorer {
     }
 
     /// A run of a state, and its balances beside it where they take no longer than a hand would wait.
-    fn run(&self, path: &str, values: &live::Values) -> Result<Answer, Failure> {
+    fn run(&self, tab: &str, values: &live::Values) -> Result<Answer, Failure> {
         let begun = Instant::now();
-        let stop = self.newest(path);
+        let stop = self.newest(tab);
         let scene = match live::scene(&self.spec, &self.settled, values) {
             Ok(scene) => scene,
             Err(error) => return Ok(told(&json!({"reason": error}))),
@@ -281,10 +283,14 @@ impl Explorer {
         let found = std::thread::scope(|scope| {
             // Who asks may be gone.
             scope.spawn(|| tells.send(live::balances(&scene, false, &stop)).ok());
-            let found = live::motion(&scene, span_s, interrupt::flag())?;
-            let figures = hears.recv_timeout(PATIENCE.saturating_sub(begun.elapsed()));
+            let found = live::motion(&scene, span_s, interrupt::flag());
+            let patience = match found {
+                Ok(Ok(_)) => PATIENCE.saturating_sub(begun.elapsed()),
+                _ => Duration::ZERO,
+            };
+            let figures = hears.recv_timeout(patience);
             stop.store(true, Ordering::Relaxed);
-            Ok::<_, Failure>(found.map(|mut run| {
+            Ok::<_, Failure>(found?.map(|mut run| {
                 run["balanced"] = figures.map_or(LATE, balanced);
                 run
             }))
@@ -293,8 +299,8 @@ impl Explorer {
     }
 
     /// Of the newest state that was asked for.
-    fn balances(&self, path: &str, laws: bool, values: &live::Values) -> Result<Answer, Failure> {
-        let stop = self.newest(path);
+    fn balances(&self, tab: &str, laws: bool, values: &live::Values) -> Result<Answer, Failure> {
+        let stop = self.newest(tab);
         let scene = match live::scene(&self.spec, &self.settled, values) {
             Ok(scene) => scene,
             Err(error) => return Ok(told(&json!({"reason": error}))),
@@ -303,8 +309,7 @@ impl Explorer {
     }
 
     /// What stops the balances that a page asks for now: those of it that are under way are given up.
-    fn newest(&self, path: &str) -> Arc<AtomicBool> {
-        let (_, tab) = path.split_once('?').unwrap_or_default();
+    fn newest(&self, tab: &str) -> Arc<AtomicBool> {
         let stop = Arc::new(AtomicBool::new(false));
         let own = (tab.to_owned(), Arc::clone(&stop));
         let (before, running) = std::mem::replace(&mut *lock(&self.balancing), own);

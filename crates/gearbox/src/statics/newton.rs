@@ -194,6 +194,43 @@ mod tests {
     use crate::Gearbox;
     use crate::scene::Scene;
 
+    /// Differences of moments against the contacts' own slopes, each over what turns the output.
+    #[test]
+    fn stiffness_by_differences_is_that_of_the_slopes() {
+        for (preset, share) in [
+            ("paper", 1.0),
+            ("steel", 1.0),
+            ("steel", 1e-4),
+            ("backlash-0.6", 1.0),
+        ] {
+            let gearbox = Gearbox::new(&Scene::load(preset, &[]).unwrap()).unwrap();
+            let mut statics = Statics::new(&gearbox).unwrap();
+            let at = statics
+                .solve(0.3, share * gearbox.load_torque(0.1))
+                .unwrap();
+            let mut left = vec![0.0; at.wheels.len()];
+            let mut all = |by_differences: bool| {
+                let (phi, wheels, psi) = (at.input, &at.wheels, at.output);
+                match by_differences {
+                    true => statics.moments_with_stiffness(phi, wheels, psi, &mut left),
+                    false => statics.moments_with_slopes(phi, wheels, psi, &mut left),
+                }
+                .unwrap();
+                statics.slopes.position.clone().unwrap()
+            };
+            let (found, wanted) = (all(true), all(false));
+            let mut worst: f64 = 0.0;
+            for row in OUTPUT..=OUTPUT + at.wheels.len() {
+                for column in OUTPUT..=OUTPUT + at.wheels.len() {
+                    let off = found.entry(row, column) - wanted.entry(row, column);
+                    worst = worst.max((off / wanted.entry(OUTPUT, OUTPUT)).abs());
+                }
+            }
+            println!("{preset}, {share} of the load: {worst:.1e}");
+            assert!(worst < 1e-4, "{preset}: {worst:e}");
+        }
+    }
+
     /// By differences: what the wheels leave of K + s D at small s.
     #[test]
     fn damping_is_the_slope_of_what_the_wheels_leave() {
