@@ -128,7 +128,7 @@ impl Forces for GearForces {
             pairs.push(*pair);
         });
         if let Some(bearings) = self.field.bearings() {
-            bearings.add_loads(bodies, loads);
+            bearings.add_loads(bodies, loads, None);
         }
         if let Some(seals) = self.field.seals() {
             seals.add(bodies, loads, |load| &mut load.moment);

@@ -252,11 +252,13 @@ impl<F: Forces> Reduced<F> {
     fn turn(&mut self, t: f64, y: &[f64]) {
         self.evaluated.valid = false;
         let n = self.coordinates();
-        for (k, &body) in self.floating.iter().enumerate() {
-            let at = self.free.len() + 2 * k;
+        let [(places, _), (velocities, _)] =
+            [&y[..n], &y[n..]].map(|part| part[self.free.len()..].as_chunks::<2>());
+        let moved = places.iter().zip(velocities);
+        for (&body, (&place, &velocity)) in self.floating.iter().zip(moved) {
             let body = &mut self.bodies[body];
-            (body.x, body.y) = (y[at], y[at + 1]);
-            (body.vx, body.vy) = (y[n + at], y[n + at + 1]);
+            [body.x, body.y] = place;
+            [body.vx, body.vy] = velocity;
         }
         for (k, &body) in self.free.iter().enumerate() {
             self.bodies[body].angle = y[k];
@@ -382,10 +384,13 @@ impl<F: Forces> Reduced<F> {
     /// Adds the accelerations of floating bodies under the loads of the moment to those of all coordinates, which hold 0 there.
     fn accelerate_floating(&self, accelerations: &mut [f64]) {
         let first = self.free.len();
-        for (k, &body) in self.floating.iter().enumerate() {
-            let (at, load) = (first + 2 * k, self.loads[body]);
-            accelerations[at] += load.fx * self.free_inverse[at];
-            accelerations[at + 1] += load.fy * self.free_inverse[at + 1];
+        let (to, _) = accelerations[first..].as_chunks_mut::<2>();
+        let (inverse, _) = self.free_inverse[first..].as_chunks::<2>();
+        for (&body, ([x, y], [of_x, of_y])) in self.floating.iter().zip(to.iter_mut().zip(inverse))
+        {
+            let load = &self.loads[body];
+            *x += load.fx * of_x;
+            *y += load.fy * of_y;
         }
     }
 

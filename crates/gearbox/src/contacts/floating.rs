@@ -1,7 +1,7 @@
 //! Contacts of wheels that float on elastic bearings: those of the law, and the bearings' forces on wheels and input.
 
 use pinwheel_contact::PinLaw;
-use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums, Wrench, add_pair};
+use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums, Wrench};
 use pinwheel_scene::bearings::BearingLaw;
 
 use super::cranks::{Cranks, OfCrank};
@@ -203,34 +203,64 @@ impl Bearings {
 
     /// The bearing of a wheel on its one eccentric.
     fn load(&self, bodies: &[BodyState], wheel: usize) -> BearingLoad {
-        self.load_at(bodies, wheel, bodies[Layout::INPUT].angle.sin_cos())
+        let (input, hub) = (
+            &bodies[Layout::INPUT],
+            &bodies[self.layout.wheel_bodies()][wheel],
+        );
+        self.load_at(input, hub, self.seats[wheel], input.angle.sin_cos())
     }
 
-    /// The same with sine and cosine of the input's angle.
-    #[inline]
-    fn load_at(&self, bodies: &[BodyState], wheel: usize, (s, c): (f64, f64)) -> BearingLoad {
-        let input = bodies[Layout::INPUT];
-        let body = bodies[self.layout.wheel_bodies().start + wheel];
-        let [sx, sy] = self.seats[wheel];
+    /// The same of input, wheel and seat, with sine and cosine of the input's angle.
+    #[inline(always)]
+    fn load_at(
+        &self,
+        input: &BodyState,
+        wheel: &BodyState,
+        [sx, sy]: [f64; 2],
+        (s, c): (f64, f64),
+    ) -> BearingLoad {
         let (ex, ey) = (c * sx - s * sy, s * sx + c * sy);
-        let (dx, dy) = (body.x - input.x - ex, body.y - input.y - ey);
-        let (ux, uy) = (body.vx + input.rate * ey, body.vy - input.rate * ex);
-        let turning = body.rate - input.rate;
+        let (dx, dy) = (wheel.x - input.x - ex, wheel.y - input.y - ey);
+        let (ux, uy) = (wheel.vx + input.rate * ey, wheel.vy - input.rate * ex);
+        let turning = wheel.rate - input.rate;
         BearingLoad::of(&self.law, [dx, dy], [ux, uy], turning)
     }
 
-    /// Adds all of them.
-    pub(crate) fn add_loads(&self, bodies: &[BodyState], loads: &mut [Wrench]) {
+    /// Adds all of them, and their moments to `moments`: input and wheels turn about their centres of mass. Cranks tell no moments.
+    #[inline]
+    pub(crate) fn add_loads(
+        &self,
+        bodies: &[BodyState],
+        loads: &mut [Wrench],
+        mut moments: Option<&mut [f64]>,
+    ) {
         if let Some(cranks) = &self.cranks {
             return cranks.add_loads(&self.law, self.layout, bodies, loads);
         }
-        let turn = bodies[Layout::INPUT].angle.sin_cos();
-        for (wheel, body) in self.layout.wheel_bodies().enumerate() {
-            let load = self.load_at(bodies, wheel, turn);
-            let (pair, at) = ([body, Layout::INPUT], [bodies[body].x, bodies[body].y]);
-            add_pair(loads, bodies, pair, at, load.on_wheel);
-            loads[body].moment += load.drag_n_m;
-            loads[Layout::INPUT].moment -= load.drag_n_m;
+        let input = &bodies[Layout::INPUT];
+        let turn = input.angle.sin_cos();
+        let first = self.layout.wheel_bodies().start;
+        let mut on_input = Wrench::default();
+        let hubs = bodies[first..].iter().zip(&mut loads[first..]);
+        for (k, (&seat, (hub, load))) in self.seats.iter().zip(hubs).enumerate() {
+            let bearing = self.load_at(input, hub, seat, turn);
+            let ([fx, fy], drag) = (bearing.on_wheel, bearing.drag_n_m);
+            load.fx += fx;
+            load.fy += fy;
+            load.moment += drag;
+            if let Some(moments) = &mut moments {
+                moments[first + k] += drag;
+            }
+            on_input.fx -= fx;
+            on_input.fy -= fy;
+            on_input.moment -= (hub.x - input.x) * fy - (hub.y - input.y) * fx + drag;
+        }
+        let load = &mut loads[Layout::INPUT];
+        load.fx += on_input.fx;
+        load.fy += on_input.fy;
+        load.moment += on_input.moment;
+        if let Some(moments) = moments {
+            moments[Layout::INPUT] += on_input.moment;
         }
     }
 
@@ -326,16 +356,8 @@ impl ContactField for Floating {
             self.bearings.add_slopes(bodies, slopes);
         }
         if let Some(loads) = sums.loads.as_deref_mut() {
-            let hubs = Layout::INPUT..self.bearings.layout.wheel_bodies().end;
-            if let Some(moments) = sums.moments.as_deref_mut() {
-                // Input and wheels turn about their centres of mass.
-                hubs.clone()
-                    .for_each(|hub| moments[hub] -= loads[hub].moment);
-            }
-            self.bearings.add_loads(bodies, loads);
-            if let Some(moments) = sums.moments.as_deref_mut() {
-                hubs.for_each(|hub| moments[hub] += loads[hub].moment);
-            }
+            let moments = sums.moments.as_deref_mut();
+            self.bearings.add_loads(bodies, loads, moments);
         }
         if let Some(energy) = &mut sums.energy {
             self.bearings.add_energy(bodies, energy);

@@ -160,7 +160,7 @@ impl Statics<'_> {
     ) -> DVector<f64> {
         self.place_floating(phi, u, velocities);
         self.field.add_loads(&self.bodies, &mut self.loads);
-        bearings.add_loads(&self.bodies, &mut self.loads);
+        bearings.add_loads(&self.bodies, &mut self.loads, None);
         let layout = self.gearbox.layout;
         let mut moments = vec![0.0; layout.wheels];
         let mut left = DVector::zeros(u.len());
