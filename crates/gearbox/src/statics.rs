@@ -155,19 +155,32 @@ impl<'a> Statics<'a> {
         self.put(phi, wheels, psi);
     }
 
+    /// Turns input, output and wheels there.
+    fn turn(&mut self, phi: f64, wheels: &[f64], psi: f64) {
+        let motion = &self.motion;
+        let mut turn = |body: usize, angle: f64, rate: f64| {
+            (self.bodies[body].angle, self.bodies[body].rate) = (angle, rate);
+        };
+        turn(Layout::INPUT, phi, motion.speed);
+        turn(Layout::OUTPUT, psi, motion.output[0]);
+        let wheels = wheels.iter().zip(&motion.wheels);
+        for (body, (&angle, &[rate, _])) in self.gearbox.layout.wheel_bodies().zip(wheels) {
+            turn(body, angle, rate);
+        }
+    }
+
     /// Puts all bodies there.
     fn put(&mut self, phi: f64, wheels: &[f64], psi: f64) {
+        self.turn(phi, wheels, psi);
         let (layout, geometry) = (self.gearbox.layout, &self.gearbox.geometry);
-        let motion = &self.motion;
-        let (input, output) = ([phi, motion.speed], [psi, motion.output[0]]);
+        let [input, output] = [Layout::INPUT, Layout::OUTPUT].map(|body| {
+            let BodyState { angle, rate, .. } = self.bodies[body];
+            [angle, rate]
+        });
         let eccentric = [0, 1].map(|k| geometry.eccentric_angle(input[k], output[k]));
-        for (body, [angle, rate]) in [(Layout::INPUT, input), (Layout::OUTPUT, output)] {
-            self.bodies[body].angle = angle;
-            self.bodies[body].rate = rate;
-        }
         for (i, body) in layout.wheel_bodies().enumerate() {
-            self.bodies[body] =
-                geometry.wheel_state(i, eccentric, [wheels[i], motion.wheels[i][0]]);
+            let BodyState { angle, rate, .. } = self.bodies[body];
+            self.bodies[body] = geometry.wheel_state(i, eccentric, [angle, rate]);
         }
         for (k, body) in layout.internal_bodies().enumerate() {
             self.bodies[body] = geometry.internal_state(k, output);
@@ -176,24 +189,26 @@ impl<'a> Statics<'a> {
 
     /// Moments on the wheels into `out`, and the moment of the contacts on the output.
     fn moments(&mut self, phi: f64, wheels: &[f64], psi: f64, out: &mut [f64]) -> f64 {
-        self.place(phi, wheels, psi);
-        if let Some(on_output) = self.told(out) {
+        if let Some(on_output) = self.told(phi, wheels, psi, out) {
             return on_output;
         }
+        self.place(phi, wheels, psi);
         self.field.add_loads(&self.bodies, &mut self.loads);
         self.summed(out)
     }
 
-    /// The same of bodies that were put there, by contacts that need no loads for it; else `None`.
-    fn told(&mut self, out: &mut [f64]) -> Option<f64> {
+    /// The same by contacts that need neither loads nor places for it; else `None`.
+    fn told(&mut self, phi: f64, wheels: &[f64], psi: f64, out: &mut [f64]) -> Option<f64> {
+        self.turn(phi, wheels, psi);
         self.told.fill(0.0);
         let mut sums = Sums::of_moments(&mut self.told);
         if !self
             .field
-            .evaluate(&self.bodies, Pose::Prescribed, &mut sums)
+            .evaluate(&self.bodies, Pose::AnglesOnly, &mut sums)
         {
             return None;
         }
+        self.evaluations += 1;
         out.copy_from_slice(&self.told[self.gearbox.layout.wheel_bodies()]);
         Some(self.less_inertia(out, self.told[Layout::OUTPUT]))
     }
@@ -426,6 +441,7 @@ impl<'a> Statics<'a> {
         let mut left = vec![0.0; wheels.len()];
         let moment = self.moments(input, &wheels, output, &mut left) + load;
         let residual = left.iter().map(|m| m.abs()).fold(moment.abs(), f64::max);
+        self.put(input, &wheels, output);
         Equilibrium {
             input,
             wheels,

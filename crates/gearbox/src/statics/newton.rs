@@ -28,6 +28,8 @@ const ROUNDING: f64 = 1e-12;
 const IDLE: std::ops::Range<f64> = 0.05..0.75;
 /// The output then moves less than this of what the wheel does.
 const ALONE: f64 = 1e-3;
+/// Share of the last step up to which slopes are kept: so they err by less than this, and take a step more at most.
+const KEPT: f64 = 0.1;
 /// Such a wheel is turned to where its steps lead together, and by this more, so that it touches nothing.
 const BEYOND: f64 = 1.001;
 
@@ -71,21 +73,16 @@ impl Statics<'_> {
         Some([-stiffness, -damping])
     }
 
-    /// Moments on the wheels into `out` and on the output, with their slopes by the angles, to four digits at least: differences
-    /// where contacts tell moments without loads, which take a quarter of the time. They count as one evaluation. `None`: the
-    /// contacts have neither.
-    fn moments_with_stiffness(
+    /// Slopes by the angles of the moments that contacts tell, `out` and `on_output` there, to four digits at least: by
+    /// differences, in a quarter of the time that their own take. `None`: contacts tell none.
+    fn differ(
         &mut self,
         phi: f64,
         wheels: &[f64],
         psi: f64,
-        out: &mut [f64],
-    ) -> Option<f64> {
-        self.put(phi, wheels, psi);
-        let Some(here) = self.told(out) else {
-            return self.moments_with_slopes(phi, wheels, psi, out);
-        };
-        self.evaluations += 1;
+        out: &[f64],
+        on_output: f64,
+    ) -> Option<()> {
         self.slopes.clear();
         // Rounding of the angles weighs as much as the bend over the twist that the load makes.
         let step = (ANGLE * self.gearbox.error_scales().angle).sqrt();
@@ -94,20 +91,48 @@ impl Statics<'_> {
         for turned in 0..angles.len() {
             let angle = angles[turned];
             angles[turned] += step;
-            self.put(phi, &angles[1..], angles[0]);
-            let on_output = self.told(&mut beside)?;
+            let there = self.told(phi, &angles[1..], angles[0], &mut beside)?;
             let over = (angles[turned] - angle).recip();
             angles[turned] = angle;
             let (slopes, of) = (self.slopes.position.as_mut()?, OUTPUT + turned);
-            slopes.add(OUTPUT, of, (on_output - here) * over);
-            for (i, (beside, here)) in beside.iter().zip(&*out).enumerate() {
+            slopes.add(OUTPUT, of, (there - on_output) * over);
+            for (i, (beside, here)) in beside.iter().zip(out).enumerate() {
                 // Wheels do not feel each other.
                 if turned == 0 || turned == i + 1 {
                     slopes.add(OUTPUT + 1 + i, of, (beside - here) * over);
                 }
             }
         }
-        Some(here)
+        Some(())
+    }
+
+    /// Newton's step of the output where `output` and `moments` are left, the wheels' into `steps`. `None`: slopes do not lead to
+    /// a balance.
+    fn step(&self, output: f64, moments: &[f64], steps: &mut [f64]) -> Option<f64> {
+        let slopes = self.slopes.position.as_ref()?;
+        let (mut slope, mut moment) = (slopes.entry(OUTPUT, OUTPUT), output);
+        let hubs = OUTPUT + 1..;
+        for (hub, own) in hubs.clone().zip(moments) {
+            let own_slope = slopes.entry(hub, hub);
+            // A wheel that touches nothing carries nothing, wherever in its play it is.
+            if own_slope == 0.0 && *own == 0.0 {
+                continue;
+            }
+            let share = slopes.entry(OUTPUT, hub) / own_slope;
+            slope -= share * slopes.entry(hub, OUTPUT);
+            moment -= share * own;
+        }
+        let turned = -moment / slope;
+        let mut falls = slope < 0.0;
+        for ((hub, own), step) in hubs.zip(moments).zip(steps) {
+            let own_slope = slopes.entry(hub, hub);
+            *step = 0.0;
+            if own_slope != 0.0 {
+                *step = -(own + slopes.entry(hub, OUTPUT) * turned) / own_slope;
+                falls &= own_slope < 0.0;
+            }
+        }
+        falls.then_some(turned)
     }
 
     /// The output's angle in balance, the wheels' in `wheels`, which holds the ideal mesh on entry. `None`: the contacts have no
@@ -136,56 +161,59 @@ impl Statics<'_> {
         let middle = self.gearbox.geometry.ideal_output_angle(phi);
         let ideal = self.ideal_wheels(phi);
         let (half_wheel, half) = self.brackets();
-        let mut moments = vec![0.0; wheels.len()];
-        let mut last_steps = vec![0.0; wheels.len()];
-        let mut last = f64::INFINITY;
+        let n = wheels.len();
+        let (mut moments, mut turns, mut last_turns) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        let mut last: Option<f64> = None;
         for _ in 0..steps {
-            let output = self.moments_with_stiffness(phi, wheels, psi, &mut moments)? + load;
-            let slopes = self.slopes.position.as_ref()?;
-            let (mut slope, mut moment) = (slopes.entry(OUTPUT, OUTPUT), output);
-            for (i, own) in moments.iter().enumerate() {
-                let hub = OUTPUT + 1 + i;
-                // A wheel that touches nothing carries nothing, wherever in its play it is.
-                let own_slope = slopes.entry(hub, hub);
-                if own_slope == 0.0 {
-                    continue;
-                }
-                let share = slopes.entry(OUTPUT, hub) / own_slope;
-                slope -= share * slopes.entry(hub, OUTPUT);
-                moment -= share * own;
+            let told = self.told(phi, wheels, psi, &mut moments);
+            let output = match told {
+                Some(told) => told,
+                None => self.moments_with_slopes(phi, wheels, psi, &mut moments)?,
+            };
+            // Slopes of a step before serve while steps shrink fast.
+            let kept = self.step(output + load, &moments, &mut turns);
+            let is_short =
+                |step: &f64| last.is_some_and(|last| largest(*step, &turns) < KEPT * last);
+            let is_kept = told.is_some() && kept.as_ref().is_some_and(is_short);
+            let mut step = kept;
+            if told.is_some() && !is_kept {
+                self.differ(phi, wheels, psi, &moments, output)?;
+                step = self.step(output + load, &moments, &mut turns);
             }
-            let step = -moment / slope;
-            let mut moved = step.abs();
-            let mut inside = slope < 0.0 && (psi + step - middle).abs() < half;
-            psi += step;
-            for (i, (angle, ideal)) in wheels.iter_mut().zip(&ideal).enumerate() {
-                let hub = OUTPUT + 1 + i;
-                let own = slopes.entry(hub, hub);
-                if own == 0.0 {
-                    continue;
+            let step = step?;
+            for (turn, last) in turns.iter_mut().zip(&mut last_turns) {
+                let left = *turn / *last;
+                *last = *turn;
+                if !is_kept && IDLE.contains(&left) && step.abs() < ALONE * turn.abs() {
+                    *turn *= BEYOND / (1.0 - left);
                 }
-                let turned = step;
-                let step = -(moments[i] + slopes.entry(hub, OUTPUT) * step) / own;
-                let left = step / last_steps[i];
-                last_steps[i] = step;
-                let step = match IDLE.contains(&left) && turned.abs() < ALONE * step.abs() {
-                    true => BEYOND * step / (1.0 - left),
-                    false => step,
-                };
-                *angle += step;
-                moved = moved.max(step.abs());
-                inside &= own < 0.0 && (*angle - ideal).abs() < half_wheel;
+            }
+            psi += step;
+            let mut inside = (psi - middle).abs() < half;
+            for ((angle, turn), ideal) in wheels.iter_mut().zip(&turns).zip(&ideal) {
+                *angle += turn;
+                inside &= *turn == 0.0 || (*angle - ideal).abs() < half_wheel;
             }
             if !inside {
                 return None;
             }
-            if moved < ANGLE || (moved < ROUNDING && moved >= 0.5 * last) {
+            let moved = largest(step, &turns);
+            let ends = |last: f64| moved < ROUNDING && moved >= 0.5 * last;
+            if moved < ANGLE || last.is_some_and(ends) {
                 return Some(psi);
             }
-            last = moved;
+            last = Some(moved);
         }
         None
     }
+}
+
+/// Of the steps of all angles.
+fn largest(output: f64, wheels: &[f64]) -> f64 {
+    wheels
+        .iter()
+        .map(|step| step.abs())
+        .fold(output.abs(), f64::max)
 }
 
 #[cfg(test)]
@@ -211,11 +239,14 @@ mod tests {
             let mut left = vec![0.0; at.wheels.len()];
             let mut all = |by_differences: bool| {
                 let (phi, wheels, psi) = (at.input, &at.wheels, at.output);
-                match by_differences {
-                    true => statics.moments_with_stiffness(phi, wheels, psi, &mut left),
-                    false => statics.moments_with_slopes(phi, wheels, psi, &mut left),
+                if by_differences {
+                    let here = statics.told(phi, wheels, psi, &mut left).unwrap();
+                    statics.differ(phi, wheels, psi, &left, here).unwrap();
+                } else {
+                    statics
+                        .moments_with_slopes(phi, wheels, psi, &mut left)
+                        .unwrap();
                 }
-                .unwrap();
                 statics.slopes.position.clone().unwrap()
             };
             let (found, wanted) = (all(true), all(false));
