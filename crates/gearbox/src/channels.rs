@@ -85,6 +85,8 @@ pub(crate) struct Values {
     /// The pairs asked for, each once, and where each channel's stands.
     pairs: Vec<(usize, Sleeve)>,
     places: Vec<usize>,
+    /// Where each pair of the gear stands among them, by its [`number`].
+    known: Vec<Option<usize>>,
     found: Vec<Option<PairContact>>,
     /// Whether a channel asks for what pairs are without contact.
     needs_gaps: bool,
@@ -107,13 +109,15 @@ impl Values {
         if list.is_empty() {
             return None;
         }
+        let layout = gearbox.layout;
+        let all = layout.wheels * (layout.external_sleeves + layout.internal_sleeves);
         let mut pairs: Vec<(usize, Sleeve)> = Vec::new();
+        let mut known = vec![None; all];
         let places = list
             .iter()
             .map(|chosen| {
                 let Some(pair) = chosen.pair else { return 0 };
-                let known = pairs.iter().position(|known| *known == pair);
-                known.unwrap_or_else(|| {
+                *known[number(layout, pair)].get_or_insert_with(|| {
                     pairs.push(pair);
                     pairs.len() - 1
                 })
@@ -150,6 +154,7 @@ impl Values {
             list: list.clone(),
             pairs,
             places,
+            known,
         })
     }
 
@@ -240,14 +245,12 @@ impl Values {
     /// Looks at the pairs asked for; what those have that are not found: forces of none where only forces are asked for.
     fn find(&mut self, seen: &mut Seen<'_>) -> Option<f64> {
         self.found.fill(None);
-        let (found, pairs) = (&mut self.found, &self.pairs);
+        let (found, pairs, layout) = (&mut self.found, &self.pairs, self.layout);
+        let places = &self.known;
         let known = !self.needs_gaps
             && !pairs.is_empty()
             && seen.contacts.touching(seen.bodies, &mut |pair| {
-                let place = pairs
-                    .iter()
-                    .position(|known| *known == (pair.wheel, pair.sleeve));
-                if let Some(place) = place {
+                if let Some(place) = places[number(layout, (pair.wheel, pair.sleeve))] {
                     found[place] = Some(*pair);
                 }
             });
@@ -273,6 +276,16 @@ impl Values {
             .filter_map(|(chosen, column)| column.map(|column| (chosen.name, column)))
             .filter(move |(_, column)| column.len() == samples)
     }
+}
+
+/// Of a pair among all of the gear.
+fn number(layout: Layout, (wheel, sleeve): (usize, Sleeve)) -> usize {
+    let external = layout.external_sleeves;
+    let sleeve = match sleeve {
+        Sleeve::External(number) => number,
+        Sleeve::Internal(number) => external + number,
+    };
+    wheel * (external + layout.internal_sleeves) + sleeve
 }
 
 fn of_pair(pair: &PairContact, quantity: PairQuantity, pressure: impl Fn() -> f64) -> f64 {

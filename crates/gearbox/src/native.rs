@@ -1,6 +1,6 @@
 //! The native run: a scene's equations, integrated and recorded.
 
-use pinwheel_mbs::integrators::{Segments, StepCounts, StepError, StepSettings, Stepper};
+use pinwheel_mbs::integrators::{Segments, StepCounts, StepError, StepSettings, Stepper, method};
 use pinwheel_mbs::{
     Forces, Formulation, Lagrange, Mechanism, Observation, OdeSystem, Reduced, Stabilisation,
 };
@@ -81,11 +81,39 @@ pub fn run(
     gearbox: &Gearbox,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
-    if gearbox.scene.solver.integrator == auto::AUTO {
-        let plan = auto::plan(&gearbox.scene, auto::TARGET);
-        return run_within(&plan.applied(gearbox)?, plan.limits(), watch);
-    }
-    run_within(gearbox, Limits::NONE, watch)
+    run_looked_at(gearbox, false, watch)
+}
+
+/// The same as samples alone show it: without extremes between them and without an account of the energy. Where steps are not from a
+/// tolerance, nothing but that account tells a method that cannot follow, and the run is whole.
+///
+/// # Errors
+/// See [`NativeError`].
+pub fn run_at_samples(
+    gearbox: &Gearbox,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<NativeRun, NativeError> {
+    run_looked_at(gearbox, true, watch)
+}
+
+fn run_looked_at(
+    gearbox: &Gearbox,
+    samples_alone: bool,
+    watch: &mut dyn FnMut(f64) -> bool,
+) -> Result<NativeRun, NativeError> {
+    let planned = gearbox.scene.solver.integrator == auto::AUTO;
+    let plan = planned.then(|| auto::plan(&gearbox.scene, auto::TARGET));
+    let (limits, applied) = match &plan {
+        Some(plan) => (plan.limits(), Some(plan.applied(gearbox)?)),
+        None => (Limits::NONE, None),
+    };
+    let gearbox = applied.as_ref().unwrap_or(gearbox);
+    let method = method(&gearbox.scene.solver.integrator);
+    let limits = Limits {
+        samples_alone: samples_alone && method.is_some_and(|method| method.adaptive),
+        ..limits
+    };
+    run_within(gearbox, limits, watch)
 }
 
 /// Runs the scene with its named integrator within limits.
@@ -171,7 +199,18 @@ fn integrate<F: Formulation>(
     let mut load = load_course::piece_at(&gearbox.scene.drive, 0.0);
     let mut field = gearbox.contact_field()?;
     let times = solver.sample_times_s();
-    let mut recorder = Recorder::with_between(gearbox, times.len());
+    let whole = !limits.samples_alone;
+    let mut recorder = match whole {
+        true => Recorder::with_between(gearbox, times.len()),
+        false => Recorder::new(gearbox),
+    };
+    if !whole {
+        system.pass_until(f64::INFINITY);
+    }
+    let account_step = match whole {
+        true => solver.step_s,
+        false => solver.step_s.max(solver.sample_s),
+    };
     let mut joint_drift_m: f64 = 0.0;
     let mut energy = EnergyAccount::new(&gearbox.scene, times.len());
     let mut balance = Balance::new(gearbox);
@@ -180,7 +219,7 @@ fn integrate<F: Formulation>(
     let mut list = Vec::new();
     let samples = || -> Result<(), NativeError> {
         for t in times {
-            Event::list(&mut list, before, t, &breaks, solver.step_s);
+            Event::list(&mut list, before, t, &breaks, account_step);
             for &due in &list {
                 let time = due.time();
                 stepper.set_stop_time(time);
@@ -199,7 +238,9 @@ fn integrate<F: Formulation>(
                     }
                 }
                 stepper.interpolate(&mut system, time, &mut y);
-                if let Event::Entry(time) | Event::Break(time, _) = due {
+                if let Event::Entry(time) | Event::Break(time, _) = due
+                    && whole
+                {
                     let seen = system.observe_reduced(time, &y);
                     let contacts = contact_energy(&seen, field.as_mut());
                     energy.add(load.torque(time), &seen, &contacts);
@@ -218,10 +259,12 @@ fn integrate<F: Formulation>(
                 system.observe_reduced(t, &y)
             };
             guard::check(gearbox, seen.bodies).map_err(diverged(t))?;
-            let contacts = contact_energy(&seen, field.as_mut());
-            energy.add_sample(load.torque(t), &seen, &contacts);
-            if let Some(audit) = energy.latest() {
-                balance.add(&audit).map_err(diverged(t))?;
+            if whole {
+                let contacts = contact_energy(&seen, field.as_mut());
+                energy.add_sample(load.torque(t), &seen, &contacts);
+                if let Some(audit) = energy.latest() {
+                    balance.add(&audit).map_err(diverged(t))?;
+                }
             }
             recorder.record_observed(&seen, [seen.driver_torques[0], load.torque(t)]);
             if recorder.wants_channels() {

@@ -19,6 +19,8 @@ pub(crate) struct Limits {
     pub(crate) longest_step_s: f64,
     /// The run ends as diverged after this many evaluations.
     pub(crate) evaluations: u64,
+    /// Nothing is looked at between samples: steps need not end there.
+    pub(crate) samples_alone: bool,
 }
 
 impl Limits {
@@ -26,6 +28,7 @@ impl Limits {
     pub(crate) const NONE: Self = Self {
         longest_step_s: f64::INFINITY,
         evaluations: u64::MAX,
+        samples_alone: false,
     };
 }
 

@@ -57,7 +57,7 @@ pub(crate) fn window(
         return Ok(None);
     };
     let watch = &mut |_| cancel.load(Ordering::Relaxed);
-    let mut run = match native::run(&gearbox, watch) {
+    let mut run = match native::run_at_samples(&gearbox, watch) {
         Ok(run) => run,
         Err(NativeError::Stopped) => return Err(Cancelled),
         Err(_) => return Ok(None),

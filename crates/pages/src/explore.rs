@@ -169,9 +169,17 @@ pub fn span_s(scene: &Scene) -> f64 {
     (TAU / scene.drive.input_speed_rad_s.abs().max(1e-9)).min(scene.solver.duration_s)
 }
 
-/// The same scene with the depth of its discs stated: the wall that it follows from is measured at every question otherwise.
+/// The gear of a state, as it is looked at.
+///
+/// # Errors
+/// Why there is none: it names keys.
+pub fn gearbox(spec: &str, sets: &[Override], values: &Values) -> Result<Gearbox, String> {
+    quick(&scene(spec, sets, values)?)
+}
+
+/// The gear of a scene with the depth of its discs stated: the wall that it follows from is measured at every question otherwise.
 /// Its method is one whose errors a chart hides, and takes long steps: from the loaded balance on little swings.
-fn quick(scene: &CheckedScene) -> CheckedScene {
+fn quick(scene: &CheckedScene) -> Result<Gearbox, String> {
     let mut stated = Scene::clone(scene);
     scales::state_depth(&mut stated);
     stated.solver.formulation = Formulation::Reduced;
@@ -179,7 +187,8 @@ fn quick(scene: &CheckedScene) -> CheckedScene {
     plan.integrator.clone_into(&mut stated.solver.integrator);
     stated.solver.tolerance = plan.tolerance;
     stated.solver.step_s = (STRIDE * plan.step_s).min(stated.solver.duration_s);
-    stated.check().unwrap_or_else(|_| scene.clone())
+    let stated = stated.check().unwrap_or_else(|_| scene.clone());
+    Gearbox::new(&stated).map_err(|error| error.to_string())
 }
 
 /// What a run of a state gives, as the page's script reads it, or in words why it gives nothing.
@@ -187,27 +196,23 @@ fn quick(scene: &CheckedScene) -> CheckedScene {
 /// # Errors
 /// `cancel` was set.
 pub fn motion(
-    scene: &CheckedScene,
+    gearbox: &Gearbox,
     span_s: f64,
     cancel: &AtomicBool,
 ) -> Result<Result<Value, String>, Cancelled> {
-    Ok(moved(scene, span_s, cancel)?.map(|(view, mut series)| {
+    Ok(moved(gearbox, span_s, cancel)?.map(|(view, mut series)| {
         series["view"] = view.json();
         series
     }))
 }
 
 fn moved(
-    scene: &CheckedScene,
+    gearbox: &Gearbox,
     span_s: f64,
     cancel: &AtomicBool,
 ) -> Result<Result<(Animation, Value), String>, Cancelled> {
-    let gearbox = match Gearbox::new(&quick(scene)) {
-        Ok(gearbox) => gearbox,
-        Err(error) => return Ok(Err(error.to_string())),
-    };
     let step = span_s / SAMPLES;
-    let found = animation::window(&gearbox, "", (0.0, span_s), step, cancel)?;
+    let found = animation::window(gearbox, "", (0.0, span_s), step, cancel)?;
     let Some((view, series)) = found else {
         return Ok(Err(
             "the run diverges at once; take a smaller solver.step_s".to_owned(),
@@ -240,16 +245,10 @@ fn moved(
 ///
 /// # Errors
 /// The gear carries nothing or cannot be balanced; `cancel` was set.
-pub fn balances(
-    scene: &CheckedScene,
-    laws: bool,
-    cancel: &AtomicBool,
-) -> Result<Value, StudyError> {
-    let gearbox =
-        Gearbox::new(&quick(scene)).map_err(|error| StudyError::Input(error.to_string()))?;
-    let mut figures = design::few_figures(&gearbox, cancel)?;
+pub fn balances(gearbox: &Gearbox, laws: bool, cancel: &AtomicBool) -> Result<Value, StudyError> {
+    let mut figures = design::few_figures(gearbox, cancel)?;
     figures.retain(|one| HEADLINES.contains(&one.key));
-    if laws && let Some(bands) = band::of(&gearbox, &Control::silent(cancel))? {
+    if laws && let Some(bands) = band::of(gearbox, &Control::silent(cancel))? {
         for one in &mut figures {
             one.by_contact_law = one.value.and_then(|value| bands.of(one.key, value));
         }
@@ -266,7 +265,7 @@ pub fn balances(
         ])
     });
     let told: Vec<Value> = told.collect();
-    let why = band::declined(scene).map(|why| format!("No band by contact law: {why}."));
+    let why = band::declined(&gearbox.scene).map(|why| format!("No band by contact law: {why}."));
     Ok(json!({"figures": told, "why": why}))
 }
 
@@ -280,7 +279,11 @@ pub fn page(
     cancel: &AtomicBool,
 ) -> Result<Result<String, String>, Cancelled> {
     let span = span_s(scene);
-    let (view, rest) = match moved(scene, span, cancel)? {
+    let found = match quick(scene) {
+        Ok(gearbox) => moved(&gearbox, span, cancel)?,
+        Err(why) => Err(why),
+    };
+    let (view, rest) = match found {
         Ok(found) => found,
         Err(why) => return Ok(Err(why)),
     };

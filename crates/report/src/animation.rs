@@ -263,8 +263,11 @@ impl Animation {
         let later = time.len() / 2;
         let loads = columns[forces].iter().flat_map(|c| &c[later..]);
         let mut loads: Vec<f64> = loads.copied().filter(|f| *f > 0.0).collect();
-        loads.sort_by(f64::total_cmp);
-        let full = loads.get(loads.len() * 99 / 100).copied().unwrap_or(1.0);
+        let most = loads.len() * 99 / 100;
+        let full = match loads.is_empty() {
+            true => 1.0,
+            false => *loads.select_nth_unstable_by(most, f64::total_cmp).1,
+        };
         Some(Self {
             title: title.into(),
             deviates: !gear.errors.is_none(),

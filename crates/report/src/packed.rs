@@ -143,18 +143,21 @@ fn exponents(values: &[f64], rounding: Rounding) -> Vec<i32> {
 /// What each value is beyond its prediction, in quanta.
 fn residuals(values: &[f64], exponents: &[i32], order: usize) -> Vec<i64> {
     let (mut one, mut two) = (0.0, 0.0);
-    let step = |(k, value): (usize, &f64)| {
-        let quantum = 2f64.powi(exponents[k / BLOCK]);
-        let predicted = match order {
-            0 => 0.0,
-            1 => one,
-            _ => 2.0 * one - two,
-        };
-        let residual = ((value - predicted) / quantum).round();
-        (two, one) = (one, predicted + residual * quantum);
-        residual as i64
-    };
-    values.iter().enumerate().map(step).collect()
+    let mut list = Vec::with_capacity(values.len());
+    for (block, &exponent) in values.chunks(BLOCK).zip(exponents) {
+        let quantum = 2f64.powi(exponent);
+        list.extend(block.iter().map(|value| {
+            let predicted = match order {
+                0 => 0.0,
+                1 => one,
+                _ => 2.0 * one - two,
+            };
+            let residual = ((value - predicted) / quantum).round();
+            (two, one) = (one, predicted + residual * quantum);
+            residual as i64
+        }));
+    }
+    list
 }
 
 #[cfg(test)]

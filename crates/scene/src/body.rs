@@ -43,11 +43,12 @@ impl Shape {
     }
 
     /// Inside the profile P(a) = C - q n: 1/2 and 1/4 of the integrals of (x dy - y dx) and of r^2 times it. The
-    /// integrand is smooth and periodic, so equal steps converge faster than any power of their number.
+    /// integrand is smooth, and has the period of a lobe, so equal steps over one converge faster than any power of their number.
     fn profile(gear: &Gear) -> Self {
         let curve = Profile::of(gear);
-        let points = 64 * gear.lobes().max(8);
-        let step = 2.0 * PI / points as f64;
+        let lobes = gear.lobes() as f64;
+        let points = 64 * 8_usize.div_ceil(gear.lobes().max(1));
+        let step = 2.0 * PI / (lobes * points as f64);
         let mut shape = Self {
             area_m2: 0.0,
             polar_m4: 0.0,
@@ -56,7 +57,7 @@ impl Shape {
             let a = step * k as f64;
             let [x, y] = curve.offset_point(a);
             let [dx, dy] = curve.offset_slope(a);
-            let turn = step * (x * dy - y * dx);
+            let turn = lobes * step * (x * dy - y * dx);
             shape.area_m2 += 0.5 * turn;
             shape.polar_m4 += 0.25 * (x * x + y * y) * turn;
         }

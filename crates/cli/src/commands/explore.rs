@@ -87,6 +87,26 @@ impl Entry {
     }
 }
 
+/// A gear whose balances are asked for, what stops them, and who waits.
+type Beside = (
+    Arc<Gearbox>,
+    Arc<AtomicBool>,
+    mpsc::Sender<Result<Value, StudyError>>,
+);
+
+/// Finds balances one after the other in a thread that waits for them: a new one begins on the processor of who starts it, and
+/// takes turns there with the run for as long as that takes.
+fn balances_beside() -> mpsc::Sender<Beside> {
+    let (asks, asked) = mpsc::channel::<Beside>();
+    std::thread::spawn(move || {
+        for (gearbox, stop, tells) in asked {
+            // Who asked may be gone.
+            let _ = tells.send(live::balances(&gearbox, false, &stop));
+        }
+    });
+    asks
+}
+
 struct Explorer {
     spec: String,
     /// Of the user, for what is saved and compared.
@@ -100,6 +120,8 @@ struct Explorer {
     entry: Entry,
     /// Which page's balances are computed, and what stops them once it asks for newer ones.
     balancing: Mutex<(String, Arc<AtomicBool>)>,
+    /// Takes the balances that go with a run.
+    beside: mpsc::Sender<Beside>,
     /// Names of files are chosen one at a time.
     saving: Mutex<()>,
     compared: Mutex<Compared>,
@@ -130,6 +152,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
         sets,
         entry,
         balancing: Mutex::default(),
+        beside: balances_beside(),
         saving: Mutex::default(),
         compared: Mutex::default(),
         host,
@@ -274,38 +297,39 @@ impl Explorer {
     fn run(&self, tab: &str, values: &live::Values) -> Result<Answer, Failure> {
         let begun = Instant::now();
         let stop = self.newest(tab);
-        let scene = match live::scene(&self.spec, &self.settled, values) {
-            Ok(scene) => scene,
+        let gearbox = match live::gearbox(&self.spec, &self.settled, values) {
+            Ok(gearbox) => Arc::new(gearbox),
             Err(error) => return Ok(told(&json!({"reason": error}))),
         };
-        let span_s = *lock(&self.span_s);
         let (tells, hears) = mpsc::channel();
-        let found = std::thread::scope(|scope| {
-            // Who asks may be gone.
-            scope.spawn(|| tells.send(live::balances(&scene, false, &stop)).ok());
-            let found = live::motion(&scene, span_s, interrupt::flag());
-            let patience = match found {
-                Ok(Ok(_)) => PATIENCE.saturating_sub(begun.elapsed()),
-                _ => Duration::ZERO,
-            };
-            let figures = hears.recv_timeout(patience);
-            stop.store(true, Ordering::Relaxed);
-            Ok::<_, Failure>(found?.map(|mut run| {
+        // Where it has ended they are late, and asked for by themselves.
+        let _ = self
+            .beside
+            .send((Arc::clone(&gearbox), Arc::clone(&stop), tells));
+        let found = live::motion(&gearbox, *lock(&self.span_s), interrupt::flag())?;
+        let patience = match found {
+            Ok(_) => PATIENCE.saturating_sub(begun.elapsed()),
+            Err(_) => Duration::ZERO,
+        };
+        let figures = hears.recv_timeout(patience);
+        stop.store(true, Ordering::Relaxed);
+        Ok(told(&match found {
+            Ok(mut run) => {
                 run["balanced"] = figures.map_or(LATE, balanced);
                 run
-            }))
-        })?;
-        Ok(told(&found.unwrap_or_else(|why| json!({"reason": why}))))
+            }
+            Err(why) => json!({"reason": why}),
+        }))
     }
 
     /// Of the newest state that was asked for.
     fn balances(&self, tab: &str, laws: bool, values: &live::Values) -> Result<Answer, Failure> {
         let stop = self.newest(tab);
-        let scene = match live::scene(&self.spec, &self.settled, values) {
-            Ok(scene) => scene,
+        let gearbox = match live::gearbox(&self.spec, &self.settled, values) {
+            Ok(gearbox) => gearbox,
             Err(error) => return Ok(told(&json!({"reason": error}))),
         };
-        Ok(told(&balanced(live::balances(&scene, laws, &stop))))
+        Ok(told(&balanced(live::balances(&gearbox, laws, &stop))))
     }
 
     /// What stops the balances that a page asks for now: those of it that are under way are given up.
