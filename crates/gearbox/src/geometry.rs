@@ -140,13 +140,14 @@ impl Geometry {
         }
     }
 
-    /// Whether all sleeves are the generating one and all holes alike: what the lanes take for granted.
+    /// Whether all sleeves and all holes are alike, and no sleeve is larger than what cut the profile: what the lanes take for granted.
     #[must_use]
     pub(crate) fn is_uniform(&self, gear: &Gear) -> bool {
         let alike = |all: &[f64], nominal: f64| all.iter().all(|&one| one == nominal);
         let mut holes = self.hole_radii_m.iter();
         gear.is_plain()
-            && alike(&self.external_radii_m, self.edge_offset_m)
+            && gear.external_sleeve_radius_m <= self.edge_offset_m
+            && alike(&self.external_radii_m, gear.external_sleeve_radius_m)
             && alike(&self.internal_radii_m, gear.internal_sleeve_radius_m)
             && holes.all(|wheel| alike(wheel, gear.hole_radius_m))
     }

@@ -142,12 +142,10 @@ impl Gear {
         self.external_sleeve_radius_m + self.modification.equidistant_m
     }
 
-    /// Whether the ring's sleeves are the generating one and all parts are alike: without errors, and with a radial
-    /// modification at most.
+    /// Whether all parts are alike: without errors, and with flanks that are not turned.
     #[must_use]
     pub fn is_plain(&self) -> bool {
-        let change = &self.modification;
-        self.errors.is_none() && change.equidistant_m == 0.0 && change.rotational_rad == 0.0
+        self.errors.is_none() && self.modification.rotational_rad == 0.0
     }
 
     /// Where external sleeve `j` sits, ground frame, m.

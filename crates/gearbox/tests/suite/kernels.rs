@@ -251,8 +251,10 @@ proptest! {
         zk in 5_usize..121, m in 0.3..0.9_f64, zi in 3_usize..20, wheels in 1_usize..4, friction: bool,
         law in 0..4_usize, kernel in prop::sample::select(&LANES), backlash in prop_oneof![Just(0.0), 0.0..1.4e-3], input in 0.0..40.0_f64, twist in 0.0..2e-3_f64,
         rates in prop::array::uniform16(-1.0..1.0_f64), pin in prop::option::of(4.0..9.0_f64), rubs in prop::option::of(0.01..0.2_f64),
+        cut in prop_oneof![Just(0.0), 1e-7..3e-4_f64],
     ) {
         let mut scene = Scene::paper();
+        scene.gear.modification.equidistant_m = cut;
         (scene.bearings.sleeve_friction_coefficient, scene.bearings.sleeve_bore_m) = (rubs, Some(0.005));
         scene.bearings.internal_sleeve_stiffness_n_m = pin.map(|digits| 10f64.powf(digits));
         scene.gear.external_sleeves = zk;

@@ -489,7 +489,7 @@ impl JointSpace {
             let mut offset = ComplexLanes::splat_pair(simd, [one.mesh, two.mesh]) * phase;
             offset.re = offset.re + c(b / r);
             let foot = shapes.curve.local_feet(offset, phase, present(simd, pair));
-            let inside = foot.inside;
+            let (inside, depth) = shapes.pressed(&foot);
             if !inside.any() {
                 continue;
             }
@@ -505,15 +505,15 @@ impl JointSpace {
                 -(wheel_lever * wheel_rate) - input_lever * c(bodies[Layout::INPUT].rate)
             };
             let force = if sums.asked {
-                let observed = law.observed(stiffness, foot.depth, closing);
+                let observed = law.observed(stiffness, depth, closing);
                 sums.add_energy(observed, closing, inside)
             } else {
-                law.law.force(stiffness, foot.depth, closing)
+                law.law.force(stiffness, depth, closing)
             };
             let pressure = force.only(inside);
             let mut moment = (wheel_lever * force).only(inside);
             let mut beside = None;
-            let along = law.law.along(stiffness, foot.depth);
+            let along = law.law.along(stiffness, depth);
             if along.is_some() || self.pins.is_some() {
                 // -P.n = (C.T + r.T)/sqrt(g), and -c.n = (R + b) Re T/sqrt(g) less that.
                 let m2 = c(self.shortening * self.shortening);
@@ -527,7 +527,7 @@ impl JointSpace {
                     moment = moment + tangential * level.only(inside);
                 }
                 if let Some(pins) = &self.pins {
-                    let radius = c(self.sleeve_radii[0]) - foot.depth;
+                    let radius = c(self.sleeve_radii[0]) - depth;
                     // (W - c).n.
                     let lever = radius - level;
                     let carried = if FLOATS {

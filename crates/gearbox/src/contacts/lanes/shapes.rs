@@ -36,10 +36,13 @@ pub(super) struct Shapes {
     /// m.
     shortening: f64,
     pub(super) zk: u32,
-    external_radius: f64,
-    /// The same, or 0 where K does not change with the curvature.
-    bending_radius: f64,
-    /// K where C is straight: K = this * sqrt(1 - q kappa).
+    /// q', by which the edge lies inside of C, m.
+    edge: f64,
+    /// q - q', by which sleeves are larger than what cut the edge, m: never above 0.
+    larger: f64,
+    /// q, q' and q - q', or 0 where K does not change with the curvature.
+    bending: [f64; 3],
+    /// K where C is straight: K = this * sqrt((1 - q' kappa)/(1 + (q - q') kappa)).
     profile_stiffness: f64,
     pub(super) hole_stiffness: f64,
     hole_radius: f64,
@@ -53,14 +56,19 @@ impl Shapes {
     pub(super) fn new(scene: &Scene, geometry: &Geometry) -> Self {
         let gear = &scene.gear;
         let hertz = hertz(scene);
-        let q = gear.external_sleeve_radius_m;
+        let (q, edge) = (gear.external_sleeve_radius_m, geometry.edge_offset_m);
+        let larger = q - edge;
         let holes = geometry.hole_centres.iter();
         Self {
             curve: geometry.curve.clone(),
             shortening: gear.generating_shortening(),
             zk: gear.external_sleeves as u32,
-            external_radius: q,
-            bending_radius: if hertz.is_curved() { q } else { 0.0 },
+            edge,
+            larger,
+            bending: match hertz.is_curved() {
+                true => [q, edge, larger],
+                false => [0.0; 3],
+            },
             profile_stiffness: hertz.on_flat(q),
             hole_stiffness: hertz.of_hole(gear.internal_sleeve_radius_m, gear.hole_radius_m),
             hole_radius: gear.hole_radius_m,
@@ -81,18 +89,30 @@ impl Shapes {
     ) -> Touching<S> {
         let feet = self.curve.penetrating_feet(p, unit, multiple, present);
         let foot = feet.foot;
-        let q = p.re.like(self.external_radius);
+        let edge = p.re.like(self.edge);
+        let (mask, penetration) = self.pressed(&foot);
         // P moves along t by 1 - delta kappa times what the foot moves, and t points towards smaller parameters.
         let closer = (p.re.like(1.0) - foot.curvature * foot.depth).recip();
         Touching {
-            mask: foot.inside,
-            point: feet.normal.scale_add(-q, feet.position),
+            mask,
+            point: feet.normal.scale_add(-edge, feet.position),
             normal: feet.normal.scale(p.re.like(-1.0)),
-            penetration: foot.depth,
+            penetration,
             stiffness: self.profile_stiffness(foot.curvature),
             turning: -(foot.curvature * closer),
             foot: Some(foot),
         }
+    }
+
+    /// Which external sleeves are pressed in, and how deep.
+    #[inline(always)]
+    pub(super) fn pressed<S: Simd>(&self, foot: &LocalFeet<S>) -> (Mask<S>, Lanes<S>) {
+        if self.larger == 0.0 {
+            return (foot.inside, foot.depth);
+        }
+        let penetration = foot.depth + foot.depth.like(self.larger);
+        let pressed = penetration.like(0.0).less(penetration);
+        (foot.inside.and(pressed), penetration)
     }
 
     /// How K changes, where external sleeves touch: with c and s the cosine and sine of zs a at the foot,
@@ -101,7 +121,8 @@ impl Shapes {
     /// ```text
     /// kappa'  = -zs N m s/(R^2 g^3),    N = (1 + zk) g - 3 (1 + m^2 zk + m (1 + zk) c)
     /// kappa'' = -zs^2 (((1 + zk) g + 6 N) m^2 s^2 + N g m c)/(R^3 g^(9/2))
-    /// K' = -K q kappa'/(2 r),    K'' = -K q (kappa'' + q kappa'^2/(2 r))/(2 r),    r = 1 - q kappa
+    /// K' = -K q kappa'/(2 r),    K'' = -K q (kappa'' + (q' - 3 l + 4 q' l kappa) kappa'^2/(2 r))/(2 r)
+    /// r = (1 - q' kappa)(1 + l kappa),    l = q - q'
     /// ```
     /// The sleeve's centre moves along t by -(1 - delta kappa) times the foot's way.
     #[inline(always)]
@@ -127,12 +148,19 @@ impl Shapes {
             * over_root
             * c((zk - 1.0) * (zk - 1.0) / radius));
 
-        let q = c(self.bending_radius);
-        let half = (c(2.0) - (q + q) * foot.curvature).recip();
+        let [q, edge, larger] = self.bending.map(c);
+        let mut twice = c(2.0) - (edge + edge) * foot.curvature;
+        let mut bent = edge;
+        if self.larger != 0.0 {
+            twice = twice * foot.curvature.mul_add(larger, c(1.0));
+            let both = edge * larger * c(4.0);
+            bent = foot.curvature.mul_add(both, edge - larger * c(3.0));
+        }
+        let half = twice.recip();
         let share = stiffness * q * half;
         let closer = (c(1.0) - foot.curvature * foot.depth).recip();
         let along = share * first * closer;
-        let curving = -(share * (second + q * first * first * half));
+        let curving = -(share * (second + bent * first * first * half));
         StiffnessSlopes {
             along,
             bend: (curving - along * foot.depth * first) * closer * closer,
@@ -142,7 +170,12 @@ impl Shapes {
     /// K where the curvature of C is this, N/m^1.5.
     #[inline(always)]
     pub(super) fn profile_stiffness<S: Simd>(&self, curvature: Lanes<S>) -> Lanes<S> {
-        let radicand = curvature.mul_add(curvature.like(-self.bending_radius), curvature.like(1.0));
+        let [_, edge, larger] = self.bending;
+        let mut radicand = curvature.mul_add(curvature.like(-edge), curvature.like(1.0));
+        if larger != 0.0 {
+            let wider = curvature.mul_add(curvature.like(larger), curvature.like(1.0));
+            radicand = radicand * wider.recip();
+        }
         curvature.like(self.profile_stiffness) * radicand.sqrt()
     }
 
