@@ -21,16 +21,16 @@ document.addEventListener('DOMContentLoaded', () => {
     const pen = line.getContext('2d');
     const last = boxes[0].view.count - 1;
     const most = (values) => values.reduce((a, b) => Math.max(a, b), 0);
-    const top = 1.04 * Math.max(...boxes.flatMap((box) => [most(box.external), most(box.internal)]), 1e-9);
     let [w, h, ratio] = [0, 0, 1];
-    let curves = null;
+    const curves = new OffscreenCanvas(1, 1);
     let [ink, knob, marked] = ['', '', null];
     function draw(colours, wide, high) {
       ratio = Math.min(window.devicePixelRatio || 1, 2);
       [w, h] = [Math.max(1, Math.round(wide * ratio)), Math.max(1, Math.round(high * ratio))];
       [ink, knob] = [colours.ink, colours.accent];
-      line.width = w;
-      line.height = h;
+      for (const canvas of [line, curves]) if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
+      pen.clearRect(0, 0, w, h);
+      const top = 1.04 * Math.max(...boxes.flatMap((box) => [most(box.external), most(box.internal)]), 1e-9);
       const y = (value) => h - 8 * ratio - (value / top) * (h - 12 * ratio);
       boxes.forEach((box, n) => {
         for (const [values, colour] of [[box.internal, colours['force-middle']], [box.external, colours.accent]]) {
@@ -52,13 +52,14 @@ document.addEventListener('DOMContentLoaded', () => {
         }
       });
       pen.globalAlpha = 1;
-      curves = new OffscreenCanvas(w, h);
-      curves.getContext('2d').drawImage(line, 0, 0);
+      const kept = curves.getContext('2d');
+      kept.clearRect(0, 0, w, h);
+      kept.drawImage(line, 0, 0);
       marked = null;
     }
     /** Moves the mark: what it covered comes back, and nothing else is drawn. */
     function mark(at) {
-      if (curves === null) return;
+      if (w === 0) return;
       const r = 6 * ratio;
       const x = Math.min(w - r, Math.max(r, (at / last) * w));
       if (marked !== null && Math.abs(x - marked) < 0.25) return;
@@ -100,7 +101,7 @@ document.addEventListener('DOMContentLoaded', () => {
     const speed = host.querySelector('select');
     const shown = host.querySelector('.at');
     const line = host.querySelector('.gearbox-time canvas');
-    let strip = timeline(line, boxes);
+    const strip = timeline(line, boxes);
     let lined = [0, 0];
     const clock = { at: data.begin, playing: false, frame: 0, stamp: null, told: -Infinity, interval: 0, coarse: false, held: false };
     slider.max = String(last);
@@ -258,7 +259,6 @@ document.addEventListener('DOMContentLoaded', () => {
       Object.assign(views[n], { box, ...picture(views[n].canvas, box, options) });
       resize(views[n]);
       views[n].repaint();
-      strip = timeline(line, boxes);
       strip.draw(colours, ...lined);
       if (!clock.held) tell();
       paint([views[n]]);

@@ -28,8 +28,9 @@ use crate::{interrupt, screen};
 const PORT: u16 = 7347;
 /// How often an interrupt is looked for.
 const TICK: Duration = Duration::from_millis(200);
-/// How long a run waits for its balances.
-const PATIENCE: Duration = Duration::from_millis(100);
+/// How long a run waits for its balances. Where they were late they are left until they are asked for by themselves: a hand feels
+/// what they cost.
+const PATIENCE: Duration = Duration::from_millis(25);
 /// Balances that were not waited for.
 const LATE: Value = Value::Null;
 
@@ -122,6 +123,8 @@ struct Explorer {
     balancing: Mutex<(String, Arc<AtomicBool>)>,
     /// Takes the balances that go with a run.
     beside: mpsc::Sender<Beside>,
+    /// Whether the last ones came too late.
+    late: AtomicBool,
     /// Names of files are chosen one at a time.
     saving: Mutex<()>,
     compared: Mutex<Compared>,
@@ -153,6 +156,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
         entry,
         balancing: Mutex::default(),
         beside: balances_beside(),
+        late: AtomicBool::new(false),
         saving: Mutex::default(),
         compared: Mutex::default(),
         host,
@@ -302,16 +306,20 @@ impl Explorer {
             Err(error) => return Ok(told(&json!({"reason": error}))),
         };
         let (tells, hears) = mpsc::channel();
-        // Where it has ended they are late, and asked for by themselves.
-        let _ = self
-            .beside
-            .send((Arc::clone(&gearbox), Arc::clone(&stop), tells));
+        let beside = (Arc::clone(&gearbox), Arc::clone(&stop), tells);
+        if !self.late.load(Ordering::Relaxed) {
+            // Where the thread has ended they are late.
+            let _ = self.beside.send(beside);
+        } else {
+            drop(beside);
+        }
         let found = live::motion(&gearbox, *lock(&self.span_s), interrupt::flag())?;
         let patience = match found {
             Ok(_) => PATIENCE.saturating_sub(begun.elapsed()),
             Err(_) => Duration::ZERO,
         };
         let figures = hears.recv_timeout(patience);
+        self.late.store(figures.is_err(), Ordering::Relaxed);
         stop.store(true, Ordering::Relaxed);
         Ok(told(&match found {
             Ok(mut run) => {
@@ -329,7 +337,13 @@ impl Explorer {
             Ok(gearbox) => gearbox,
             Err(error) => return Ok(told(&json!({"reason": error}))),
         };
-        Ok(told(&balanced(live::balances(&gearbox, laws, &stop))))
+        let begun = Instant::now();
+        let found = live::balances(&gearbox, laws, &stop);
+        if !laws && found.is_ok() {
+            let late = begun.elapsed() > PATIENCE;
+            self.late.store(late, Ordering::Relaxed);
+        }
+        Ok(told(&balanced(found)))
     }
 
     /// What stops the balances that a page asks for now: those of it that are under way are given up.

@@ -159,12 +159,12 @@ impl Statics<'_> {
         velocities: Option<&[f64]>,
     ) -> DVector<f64> {
         self.place_floating(phi, u, velocities);
-        self.field.add_loads(&self.bodies, &mut self.loads);
+        let on_output = self.add_contacts();
         bearings.add_loads(&self.bodies, &mut self.loads, None);
         let layout = self.gearbox.layout;
         let mut moments = vec![0.0; layout.wheels];
         let mut left = DVector::zeros(u.len());
-        left[0] = self.summed(&mut moments) + load;
+        left[0] = self.summed(&mut moments) + on_output + load;
         let mass = self.gearbox.scene.mass.wheel.mass_kg;
         for (i, body) in layout.wheel_bodies().enumerate() {
             let (at, Wrench { fx, fy, .. }) = (1 + OF_A_WHEEL * i, self.loads[body]);
@@ -173,6 +173,24 @@ impl Statics<'_> {
             left[at + 2] = moments[i];
         }
         left
+    }
+
+    /// Adds the contacts' loads on the wheels; those on the output's sleeves too, unless they tell their moment, which is returned.
+    fn add_contacts(&mut self) -> f64 {
+        self.told.fill(0.0);
+        let mut sums = Sums {
+            floating_alone: true,
+            moments: Some(&mut self.told),
+            ..Sums::of_loads(&mut self.loads)
+        };
+        if self
+            .field
+            .evaluate(&self.bodies, Pose::AnglesOnly, &mut sums)
+        {
+            return self.told[Layout::OUTPUT];
+        }
+        self.field.add_loads(&self.bodies, &mut self.loads);
+        0.0
     }
 
     /// How what is left changes with the unknowns, from `here`.

@@ -21,8 +21,9 @@ const FARTHEST: f64 = 0.1;
 /// of the contacts' depths and twists.
 const ROUNDED: f64 = 1e-7;
 const STILL: f64 = 1e-8;
-/// Newton goes on as long as it gains, down to this.
+/// Newton goes on as long as it gains, down to this; or to the other, where slopes that served gain nothing more.
 const BALANCED: f64 = 1e-13;
+const SETTLED: f64 = 1e-11;
 /// A weak spring to the last iterate, as a share of a contact's stiffness: for directions that nothing holds.
 const WEAK: f64 = 1e-9;
 /// The same where a gear snaps through, the weakest that does.
@@ -70,6 +71,9 @@ impl Statics<'_> {
             if most > SERVES * before {
                 slopes = None;
                 let stuck = most > SLOW * before;
+                if stuck && !is_fresh && most < SETTLED {
+                    return Some(most);
+                }
                 if is_fresh && stuck {
                     let moved = Size::largest(&step, |k| size.of_place(k));
                     let is_still = moved <= STILL && most <= ROUNDED;
