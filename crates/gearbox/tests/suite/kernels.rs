@@ -161,11 +161,13 @@ fn states(gearbox: &Gearbox, input: f64, twist: f64, rates: &[f64]) -> Vec<BodyS
 /// Depth of every external sleeve in every wheel by brute force, 0 where they do not touch, against the pairs of a loop.
 fn check_depths(gearbox: &Gearbox, bodies: &[BodyState], pairs: &[PairContact]) {
     let (layout, curve) = (gearbox.layout, &gearbox.geometry.curve);
+    let larger = gearbox.scene.gear.external_sleeve_radius_m - gearbox.geometry.edge_offset_m;
     for (wheel, body) in layout.wheel_bodies().enumerate() {
         let frame = &bodies[body];
         for (j, body) in layout.external_bodies().enumerate() {
             let offset = Complex::new(bodies[body].x - frame.x, bodies[body].y - frame.y);
-            let depth = brute::depth(curve, offset * Complex::unit(-frame.angle)).max(0.0);
+            let depth = brute::depth(curve, offset * Complex::unit(-frame.angle));
+            let depth = (depth + larger).max(0.0);
             let pair = pairs
                 .iter()
                 .find(|pair| pair.wheel == wheel && pair.sleeve == Sleeve::External(j));

@@ -275,8 +275,10 @@ proptest! {
         backlash in prop_oneof![Just(0.0), 0.0..3e-4], t in 0.0..0.5_f64, twist in 1e-3..6e-3_f64,
         noise in prop::array::uniform16(prop_oneof![-1.0..-0.1_f64, 0.1..1.0]), deviates: bool,
         pin in prop::option::of(4.0..9.0_f64), bearing in 0..BEARINGS.len(),
+        cut in prop_oneof![Just(0.0), 1e-7..1e-4_f64],
     ) {
         let mut scene = gear(shape, backlash);
+        scene.gear.modification.equidistant_m = cut;
         scene.bearings.eccentric = BEARINGS[bearing].map(|bearing| toml::from_str(bearing).unwrap());
         scene.bearings.internal_sleeve_stiffness_n_m = pin.map(|digits| 10f64.powf(digits));
         scene.contact.law = LAWS[law].to_owned();
@@ -415,8 +417,10 @@ proptest! {
         shape in (9_usize..121, 0.3..0.9_f64, 3_usize..9, 1_usize..5), friction: bool,
         backlash in prop_oneof![Just(0.0), 0.0..3e-4], t in 0.0..0.5_f64, twist in 1e-3..6e-3_f64,
         noise in prop::array::uniform16(prop_oneof![-1.0..-0.1_f64, 0.1..1.0]), deviates: bool,
+        cut in prop_oneof![Just(0.0), 1e-7..1e-4_f64],
     ) {
         let mut scene = gear(shape, backlash);
+        scene.gear.modification.equidistant_m = cut;
         scene.contact.friction_coefficient = if friction { 0.1 } else { 0.0 };
         if deviates {
             deviate(&mut scene, &noise);
