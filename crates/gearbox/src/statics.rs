@@ -7,7 +7,7 @@
 //! ```text
 //! M_i(theta_i, psi) = 0 for every wheel i,    sum over wheels of M_out,i(theta_i, psi) + M_load = 0
 //! ```
-//! Newton's method finds them in some eight evaluations with slopes (`newton`). Where it does not, or the
+//! Newton's method finds them in some ten evaluations (`newton`). Where it does not, or the
 //! contacts have no slopes (discrete points), brackets do: contacts restore, so M_i falls with theta_i, and with the wheels in
 //! balance M_out falls with psi: two nested roots of falling functions, each bracketed. That needs no good start and copes with
 //! backlash, where everything is 0 over the free play. Wheels that float have unknown places too (`floating`).

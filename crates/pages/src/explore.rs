@@ -112,8 +112,8 @@ const RIGID: &str = "rigid";
 const STIFFNESSES: [f64; 2] = [1e7, 1e10];
 /// The key that is chosen, not moved.
 const LAW: &str = "contact.law";
-/// Error of the forces that a method is planned for, and how many of its steps one is. Measured on gears with and without play:
-/// largest forces are 2e-4 off.
+/// Error of the forces that a method is planned for, and how many of its steps one is. Measured on five gears, with and without play:
+/// forces are off by up to 4e-4 of the largest, the driver's torque by 4e-3 on bearings and 4e-4 without.
 const SEEN: f64 = 0.1;
 const STRIDE: f64 = 2.0;
 /// Samples of a state's turn.
