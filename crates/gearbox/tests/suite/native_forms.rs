@@ -1,6 +1,6 @@
 //! The native solver against itself: two formulations, halved steps, repeated runs.
 
-use pinwheel_gearbox::native::{NativeError, NativeRun, run};
+use pinwheel_gearbox::native::{NativeError, NativeRun, run, run_at_samples};
 use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, explain};
 use pinwheel_scene::{Formulation, Scene, Stabilisation, Start};
 use pinwheel_timeseries::Ending;
@@ -372,5 +372,38 @@ fn rounding_at_rest_is_no_fault() {
         let run = run(&gearbox, &mut |_| false);
         let ending = run.unwrap().ending;
         assert!(ending.is_finished(), "{load} N m: {ending:?}");
+    }
+}
+
+/// A run that looks at samples alone shows what the whole run shows there, over a jump of the load too; it has no account of the energy,
+/// which fixed steps keep.
+#[test]
+fn samples_alone_are_those_of_the_whole_run() {
+    for (preset, method, adaptive) in [
+        ("paper", "etd-adams", true),
+        ("paper", "dopri5", true),
+        ("paper-bearings", "etd-adams", true),
+        ("hard-load-doubled", "etd-adams", true),
+        ("hard-load-doubled", "rk4", false),
+        ("paper", "auto", true),
+    ] {
+        let mut scene = Scene::load(preset, &[]).unwrap().into_scene();
+        scene.solver.formulation = Formulation::Reduced;
+        scene.solver.integrator = method.to_owned();
+        scene.solver.tolerance = 1e-6;
+        scene.solver.step_s = 2e-6;
+        scene.solver.duration_s = 0.01;
+        let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+        let whole = run(&gearbox, &mut |_| false).unwrap().whole().unwrap();
+        let seen = run_at_samples(&gearbox, &mut |_| false);
+        let seen = seen.unwrap().whole().unwrap();
+        let off = relative_l2(&forces(&seen), &forces(&whole));
+        println!("{preset} by {method}: {off:.1e}");
+        assert!(
+            off < if adaptive { 1e-4 } else { 1e-15 },
+            "{preset}: {off:e}"
+        );
+        assert_eq!(seen.energy.total().is_none(), adaptive, "{preset} {method}");
+        assert!(whole.energy.total().is_some());
     }
 }
