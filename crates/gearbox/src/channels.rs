@@ -110,9 +110,8 @@ impl Values {
             return None;
         }
         let layout = gearbox.layout;
-        let all = layout.wheels * (layout.external_sleeves + layout.internal_sleeves);
         let mut pairs: Vec<(usize, Sleeve)> = Vec::new();
-        let mut known = vec![None; all];
+        let mut known = vec![None; layout.wheels * layout.bodies()];
         let places = list
             .iter()
             .map(|chosen| {
@@ -278,14 +277,9 @@ impl Values {
     }
 }
 
-/// Of a pair among all of the gear.
+/// Of a pair among those of all wheels and bodies.
 fn number(layout: Layout, (wheel, sleeve): (usize, Sleeve)) -> usize {
-    let external = layout.external_sleeves;
-    let sleeve = match sleeve {
-        Sleeve::External(number) => number,
-        Sleeve::Internal(number) => external + number,
-    };
-    wheel * (external + layout.internal_sleeves) + sleeve
+    wheel * layout.bodies() + layout.sleeve_body(sleeve)
 }
 
 fn of_pair(pair: &PairContact, quantity: PairQuantity, pressure: impl Fn() -> f64) -> f64 {

@@ -305,21 +305,21 @@ impl Explorer {
             Ok(gearbox) => Arc::new(gearbox),
             Err(error) => return Ok(told(&json!({"reason": error}))),
         };
-        let (tells, hears) = mpsc::channel();
-        let beside = (Arc::clone(&gearbox), Arc::clone(&stop), tells);
-        if !self.late.load(Ordering::Relaxed) {
+        let hears = (!self.late.load(Ordering::Relaxed)).then(|| {
+            let (tells, hears) = mpsc::channel();
             // Where the thread has ended they are late.
-            let _ = self.beside.send(beside);
-        } else {
-            drop(beside);
-        }
+            let _ = self
+                .beside
+                .send((Arc::clone(&gearbox), Arc::clone(&stop), tells));
+            hears
+        });
         let found = live::motion(&gearbox, *lock(&self.span_s), interrupt::flag())?;
         let patience = match found {
             Ok(_) => PATIENCE.saturating_sub(begun.elapsed()),
             Err(_) => Duration::ZERO,
         };
-        let figures = hears.recv_timeout(patience);
-        self.late.store(figures.is_err(), Ordering::Relaxed);
+        let figures = hears.and_then(|hears| hears.recv_timeout(patience).ok());
+        self.late.store(figures.is_none(), Ordering::Relaxed);
         stop.store(true, Ordering::Relaxed);
         Ok(told(&match found {
             Ok(mut run) => {

@@ -170,12 +170,11 @@ impl Statics<'_> {
                 Some(told) => told,
                 None => self.moments_with_slopes(phi, wheels, psi, &mut moments)?,
             };
+            let mut step = self.step(output + load, &moments, &mut turns);
             // Slopes of a step before serve while steps shrink fast.
-            let kept = self.step(output + load, &moments, &mut turns);
             let is_short =
                 |step: &f64| last.is_some_and(|last| largest(*step, &turns) < KEPT * last);
-            let is_kept = told.is_some() && kept.as_ref().is_some_and(is_short);
-            let mut step = kept;
+            let is_kept = told.is_some() && step.as_ref().is_some_and(is_short);
             if told.is_some() && !is_kept {
                 self.differ(phi, wheels, psi, &moments, output)?;
                 step = self.step(output + load, &moments, &mut turns);
