@@ -308,7 +308,7 @@ pub fn page(
         title: scene.name.clone(),
         eyebrow: "Pinwheel explore".to_owned(),
         lead: "Move a slider: the native solver runs one turn from the loaded balance, without start-up, and the balances \
-               at a few poses of the mesh follow. The run is quick and not verified: its curves are good to three digits. \
+               at a few poses of the mesh follow. The run is quick and not verified: its curves are good to half a per cent. \
                Contacts, and eccentric bearings that have a stiffness, are all that gives way."
             .to_owned(),
         below: vec![Block::Explorer(explorer)],

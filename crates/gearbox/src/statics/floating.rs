@@ -248,20 +248,20 @@ impl Statics<'_> {
         matrix
     }
 
-    /// A balance near `u`; what is left as a share of the load, or `None` where there is none before teeth jump.
+    /// A balance near `u`; what is left there, or `None` where there is none before teeth jump.
     fn balance(
         &mut self,
         phi: f64,
         load: f64,
         bearings: &Bearings,
         u: &mut Vec<f64>,
-    ) -> Option<f64> {
-        let most = self.settle(phi, load, bearings, u)?;
+    ) -> Option<DVector<f64>> {
+        let left = self.settle(phi, load, bearings, u)?;
         let gear = &self.gearbox.scene.gear;
         let force = load.abs() / (gear.lever_m() * gear.wheels as f64);
         let given_way = bearings.law.offset_under(force) / gear.lever_m();
         let turned = u[0] - self.gearbox.geometry.ideal_output_angle(phi);
-        (turned.abs() <= self.brackets().1 + GIVEN_WAY * given_way).then_some(most)
+        (turned.abs() <= self.brackets().1 + GIVEN_WAY * given_way).then_some(left)
     }
 
     /// Unknowns of bodies in place.
@@ -271,14 +271,9 @@ impl Statics<'_> {
         std::iter::once(output).chain(wheels).collect()
     }
 
-    fn floating_equilibrium(
-        &mut self,
-        phi: f64,
-        load: f64,
-        bearings: &Bearings,
-        u: &[f64],
-    ) -> Equilibrium {
-        let left = self.left(phi, load, bearings, u, None);
+    /// The balance at `u`, where so much is left.
+    fn floating_equilibrium(&mut self, phi: f64, u: &[f64], left: &DVector<f64>) -> Equilibrium {
+        self.place_floating(phi, u, None);
         let moments = left.iter().enumerate().filter(|(k, _)| !is_length(*k));
         Equilibrium {
             input: phi,
@@ -371,7 +366,7 @@ impl Statics<'_> {
         let most = forces.iter().flatten().map(|[x, y]| x.hypot(*y));
         let most = most.fold(0.0, f64::max);
         if most <= LEFT * self.size(load, &bearings).force {
-            return Ok(self.floating_equilibrium(phi, load, &bearings, &u));
+            return Ok(self.floating_equilibrium(phi, &u, &contacts));
         }
         let whole = bearings.law.offset_under(most);
         let mut share = (FIRST * self.size(load, &bearings).length / whole).min(1.0);
@@ -403,18 +398,16 @@ impl Statics<'_> {
                 Some((last, at)) => self.stretched(phi, at, share / last),
                 None => u.clone(),
             };
-            if self
-                .balance(phi, load, &bearings.share(share, tight * share), &mut there)
-                .is_some()
-            {
+            let shared = bearings.share(share, tight * share);
+            if let Some(left) = self.balance(phi, load, &shared, &mut there) {
                 if share >= 1.0 {
-                    let whole = match self.gearbox.scene.cranks {
+                    let (whole, left) = match self.gearbox.scene.cranks {
                         Some(_) => self
                             .loosened(phi, load, &bearings, there)
                             .ok_or_else(none)?,
-                        None => there,
+                        None => (there, left),
                     };
-                    return Ok(self.floating_equilibrium(phi, load, &bearings, &whole));
+                    return Ok(self.floating_equilibrium(phi, &whole, &left));
                 }
                 before = Some((share, there));
             } else {
@@ -441,8 +434,8 @@ impl Statics<'_> {
         load: f64,
         bearings: &Bearings,
         mut u: Vec<f64>,
-    ) -> Option<Vec<f64>> {
-        let (mut share, mut step) = (0.0, 1.0);
+    ) -> Option<(Vec<f64>, DVector<f64>)> {
+        let (mut share, mut step, mut left) = (0.0, 1.0, None);
         let layout = self.gearbox.layout;
         while share < 1.0 && step > LEAST_LOOSER {
             let next = f64::min(share + step, 1.0);
@@ -462,11 +455,11 @@ impl Statics<'_> {
                 }
             }
             match self.balance(phi, load, &looser, &mut there) {
-                Some(_) => (share, u, step) = (next, there, 2.0 * step),
+                found @ Some(_) => (share, u, step, left) = (next, there, 2.0 * step, found),
                 None => step *= 0.5,
             }
         }
-        (share >= 1.0).then_some(u)
+        (share >= 1.0).then_some((u, left?))
     }
 
     /// Where bearings sit from a wheel's centre, m, and what each will have to carry of `contacts`, N: of cranks the least that
@@ -579,8 +572,8 @@ impl Statics<'_> {
             wheel[2] +=
                 geometry.ideal_wheel_angle(i, phi) - geometry.ideal_wheel_angle(i, near.input);
         }
-        self.balance(phi, load, &bearings, &mut u)?;
-        Some(self.floating_equilibrium(phi, load, &bearings, &u))
+        let left = self.balance(phi, load, &bearings, &mut u)?;
+        Some(self.floating_equilibrium(phi, &u, &left))
     }
 
     /// As [`Statics::compliance`], of wheels that float. To first order in the rates the shape of the deflection is that at rest.

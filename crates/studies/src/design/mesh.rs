@@ -76,6 +76,21 @@ impl Poses {
         }
     }
 
+    /// Numbers of all poses, in an order in which sleeves of both kinds stand nearly as at the one before: a balance begins at
+    /// the last.
+    pub(super) fn walk(&self) -> impl Iterator<Item = usize> + use<> {
+        let count = self.angles.len();
+        let moved = |stride: usize| {
+            let of = |mesh: usize| stride * mesh % count;
+            self.meshes.map(|mesh| of(mesh).min(count - of(mesh)))
+        };
+        let stride = (1..count)
+            .filter(|stride| gcd(*stride, count) == 1)
+            .min_by_key(|stride| moved(*stride).into_iter().max())
+            .unwrap_or(1);
+        (0..count).map(move |k| k * stride % count)
+    }
+
     /// Of both kinds of sleeves at all wheels.
     fn passages(&self) -> [usize; 2] {
         self.meshes.map(|mesh| mesh * self.wheels)

@@ -378,13 +378,11 @@ fn balances(
         step(0, pose, few.angles.len())
     })?;
     let mut at = |stage: usize, load: f64| -> Result<Vec<Pose>, StudyError> {
-        let mut found = Vec::with_capacity(poses.angles.len());
         let mut near = None;
-        for (pose, &phi) in poses.angles.iter().enumerate() {
-            step(stage, pose, poses.angles.len())?;
-            found.push(Pose::find(statics, gearbox, phi, load, &mut near).map_err(of_scene)?);
-        }
-        Ok(found)
+        along(poses, |done, phi| {
+            step(stage, done, poses.angles.len())?;
+            Pose::find(statics, gearbox, phi, load, &mut near).map_err(of_scene)
+        })
     };
     Ok(Balances {
         parts: poses.parts,
@@ -440,6 +438,19 @@ fn twist(
     Ok(ARCMIN * (output - ideal) * working.signum())
 }
 
+/// What is found at every pose, by its number so far on the way and its input angle.
+fn along<T>(
+    poses: &Poses,
+    mut find: impl FnMut(usize, f64) -> Result<T, StudyError>,
+) -> Result<Vec<T>, StudyError> {
+    let mut found: Vec<(usize, T)> = Vec::with_capacity(poses.angles.len());
+    for (done, pose) in poses.walk().enumerate() {
+        found.push((pose, find(done, poses.angles[pose])?));
+    }
+    found.sort_unstable_by_key(|(pose, _)| *pose);
+    Ok(found.into_iter().map(|(_, one)| one).collect())
+}
+
 /// Lost motion, arcmin, and stiffness in either direction, N m/arcmin, at these poses.
 fn twisted(
     statics: &mut Statics<'_>,
@@ -450,20 +461,18 @@ fn twisted(
 ) -> Result<(Vec<f64>, Vec<[f64; 2]>), StudyError> {
     let [low, high] = STIFF;
     let mut at = [LOST, -LOST, low, high, -low, -high].map(|share| (share * working, None));
-    let (mut lost, mut stiffness) = (Vec::new(), Vec::new());
-    for (pose, &phi) in poses.angles.iter().enumerate() {
-        step(pose)?;
+    let found = along(poses, |done, phi| {
+        step(done)?;
         let mut twists = [0.0; 6];
         for (twisted, (load, last)) in twists.iter_mut().zip(&mut at) {
             *twisted = twist(statics, gearbox, last, phi, *load, working)
                 .map_err(|source| of_scene(&gearbox.scene, source))?;
         }
         let [ahead, back, a, b, c, d] = twists;
-        lost.push(ahead - back);
         let between = |turned: f64| (high - low) * working.abs() / turned.abs();
-        stiffness.push([between(b - a), between(d - c)]);
-    }
-    Ok((lost, stiffness))
+        Ok((ahead - back, [between(b - a), between(d - c)]))
+    })?;
+    Ok(found.into_iter().unzip())
 }
 
 /// Torque, N m, and twist, arcmin, at the input angle 0.

@@ -22,7 +22,7 @@ const FARTHEST: f64 = 0.1;
 const ROUNDED: f64 = 1e-7;
 const STILL: f64 = 1e-8;
 /// Newton goes on as long as it gains, down to this; or to the other, where slopes that served gain nothing more.
-const BALANCED: f64 = 1e-13;
+const BALANCED: f64 = 1e-10;
 const SETTLED: f64 = 1e-11;
 /// A weak spring to the last iterate, as a share of a contact's stiffness: for directions that nothing holds.
 const WEAK: f64 = 1e-9;
@@ -30,14 +30,14 @@ const WEAK: f64 = 1e-9;
 const HOLDS: [f64; 6] = [WEAK, 1e-2, 0.1, 1.0, 10.0, 100.0];
 
 impl Statics<'_> {
-    /// Newton's method from `u`, with halved steps; what is left as a share of the load, or `None` where it got stuck.
+    /// Newton's method from `u`, with halved steps; what is left, or `None` where it got stuck.
     pub(super) fn settle(
         &mut self,
         phi: f64,
         load: f64,
         bearings: &Bearings,
         u: &mut Vec<f64>,
-    ) -> Option<f64> {
+    ) -> Option<DVector<f64>> {
         let size = self.size(load, bearings);
         let norm = |left: &DVector<f64>| Size::largest(left, |k| size.of_load(k));
         let mut here = self.left(phi, load, bearings, u, None);
@@ -54,7 +54,7 @@ impl Statics<'_> {
                 slopes = Some(size.held(matrix, WEAK).lu());
             }
             let step = -slopes.as_ref()?.solve(&here)?;
-            let mut share = 1.0;
+            let mut share = self.farthest(&step, size);
             let before = most;
             // What is left at a balance is rounding, which no shorter step betters.
             let tries = if is_fresh && most > LEFT { HALVINGS } else { 1 };
@@ -72,13 +72,13 @@ impl Statics<'_> {
                 slopes = None;
                 let stuck = most > SLOW * before;
                 if stuck && !is_fresh && most < SETTLED {
-                    return Some(most);
+                    return Some(here);
                 }
                 if is_fresh && stuck {
                     let moved = Size::largest(&step, |k| size.of_place(k));
                     let is_still = moved <= STILL && most <= ROUNDED;
                     if most < LEFT || is_still {
-                        return Some(most);
+                        return Some(here);
                     }
                     *u = self.downhill(phi, load, bearings, (u, &here))?;
                     here = self.left(phi, load, bearings, u, None);
@@ -86,7 +86,18 @@ impl Statics<'_> {
                 }
             }
         }
-        (most < LEFT).then_some(most)
+        (most < LEFT).then_some(here)
+    }
+
+    /// The share of a step that leads nowhere near another tooth: where nothing holds, steps have no bounds of their own.
+    fn farthest(&self, step: &DVector<f64>, size: Size) -> f64 {
+        let angle = FARTHEST * self.brackets().1;
+        let far = Size {
+            length: angle * self.gearbox.scene.gear.lever_m(),
+            angle,
+            ..size
+        };
+        f64::min(1.0, 1.0 / Size::largest(step, |k| far.of_place(k)))
     }
 
     /// From `u` to where forces do next to no more work along a Newton step: contacts that open and close on the way leave more than
@@ -109,13 +120,7 @@ impl Statics<'_> {
         let at =
             |share: f64| -> Vec<f64> { u.iter().zip(&step).map(|(u, s)| u + share * s).collect() };
         // Through free play as far as something holds, and not beyond it, nor over a tooth.
-        let angle = FARTHEST * self.brackets().1;
-        let far = Size {
-            length: angle * self.gearbox.scene.gear.lever_m(),
-            angle,
-            ..size
-        };
-        let farthest = f64::min(1.0, 1.0 / Size::largest(&step, |k| far.of_place(k)));
+        let farthest = self.farthest(&step, size);
         let (mut low, mut high) = (0.0, farthest);
         let mut share = f64::min(farthest, 1.0 / moved);
         let mut caught = false;

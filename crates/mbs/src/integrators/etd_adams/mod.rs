@@ -78,6 +78,9 @@ const TURNING: f64 = 0.05;
 /// that turn, which are kept new.
 const TURNS: f64 = 3.0;
 const TURNING_TURNS: f64 = 6.0;
+/// The same of any springs where the tolerance is this or looser: the exponential's series loses 1e-11 to rounding there.
+const COARSE_TURNS: f64 = 12.0;
+const COARSE: f64 = 1e-6;
 /// Shortest step, of those that Dormand-Prince took: a contact that begins takes few of them, which are cheaper than to begin
 /// anew.
 const LEAST: f64 = 0.02;
@@ -142,14 +145,6 @@ pub struct EtdAdams {
     weights: Vec<f64>,
 }
 
-/// Longest step, as |h| |L|.
-fn most_turns<S: OdeSystem>(system: &S) -> f64 {
-    match system.has_turning_springs() {
-        true => TURNING_TURNS,
-        false => TURNS,
-    }
-}
-
 impl EtdAdams {
     /// Starts at (t, y) with a first step `h` (s) and a relative `tolerance` a step.
     #[must_use]
@@ -184,6 +179,15 @@ impl EtdAdams {
             f: zeros.clone(),
             scales: vec![f64::NAN; zeros.len()],
             weights: zeros,
+        }
+    }
+
+    /// Longest step, as |h| |L|.
+    fn most_turns<S: OdeSystem>(&self, system: &S) -> f64 {
+        match system.has_turning_springs() {
+            _ if self.tolerance >= COARSE => COARSE_TURNS,
+            true => TURNING_TURNS,
+            false => TURNS,
         }
     }
 
@@ -241,7 +245,7 @@ impl EtdAdams {
             .min(self.longest)
             .min(explicit)
             .min(span / order as f64)
-            .min(most_turns(system) / multistep.newer.size);
+            .min(self.most_turns(system) / multistep.newer.size);
         if !(most > LEAST * explicit) {
             self.wait += self.begun;
             return false;
@@ -366,7 +370,7 @@ impl EtdAdams {
             if h < LEAST * self.explicit {
                 break false;
             }
-            if h * multistep.linear.size > 1.5 * most_turns(system) {
+            if h * multistep.linear.size > 1.5 * self.most_turns(system) {
                 self.wanted = 0.5 * h;
                 continue;
             }
@@ -465,7 +469,7 @@ impl EtdAdams {
         self.which = usize::from(squares[1] < squares[0]);
         let error = squares[self.which];
         let gain = (4 << ORDERS[self.which]) as f64;
-        let may_grow = 2.0 * h * linear.size <= most_turns(system);
+        let may_grow = 2.0 * h * linear.size <= self.most_turns(system);
         self.wanted = if error > HALVE * HALVE {
             0.5 * h
         } else if may_grow && error * gain * gain < GROW * GROW {

@@ -6,7 +6,7 @@
 //! phi_k(A) = sum_i A^i/(i + k)!,    phi_k = phi_k+1 A + I/k!
 //! ```
 //! The highest phi is a Taylor sum in Horner's form, the others follow by the recurrence [Hochbruck & Ostermann 2010, 2.1].
-//! Steps with |tau| |L| up to 3 or so lose no digits, and methods take no longer ones.
+//! Steps with |tau| |L| up to 3 or so lose no digits, and those up to 12 five.
 
 use serde::{Deserialize, Serialize};
 
