@@ -148,10 +148,15 @@ impl<'a> Statics<'a> {
         }
     }
 
-    /// Puts all bodies at the input angle `phi` and the given angles, for an evaluation of their loads.
-    fn place(&mut self, phi: f64, wheels: &[f64], psi: f64) {
+    /// An evaluation of the bodies' loads begins.
+    fn begin(&mut self) {
         self.evaluations += 1;
         self.loads.fill(Wrench::default());
+    }
+
+    /// Puts all bodies at the input angle `phi` and the given angles, for an evaluation of their loads.
+    fn place(&mut self, phi: f64, wheels: &[f64], psi: f64) {
+        self.begin();
         self.put(phi, wheels, psi);
     }
 

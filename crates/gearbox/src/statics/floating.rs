@@ -131,7 +131,7 @@ impl Statics<'_> {
     /// Puts all bodies in place, with the velocities of the motion about which forces are taken.
     fn place_floating(&mut self, phi: f64, u: &[f64], velocities: Option<&[f64]>) {
         let wheels: Vec<f64> = u[1..].chunks(OF_A_WHEEL).map(|wheel| wheel[2]).collect();
-        self.place(phi, &wheels, u[0]);
+        self.put(phi, &wheels, u[0]);
         for (i, body) in self.gearbox.layout.wheel_bodies().enumerate() {
             let at = 1 + OF_A_WHEEL * i;
             let (body, centre) = (&mut self.bodies[body], self.motion.centres[i][0]);
@@ -158,6 +158,7 @@ impl Statics<'_> {
         u: &[f64],
         velocities: Option<&[f64]>,
     ) -> DVector<f64> {
+        self.begin();
         self.place_floating(phi, u, velocities);
         let on_output = self.add_contacts();
         bearings.add_loads(&self.bodies, &mut self.loads, None);
@@ -202,6 +203,7 @@ impl Statics<'_> {
         (u, here): (&[f64], &DVector<f64>),
         size: Size,
     ) -> DMatrix<f64> {
+        self.begin();
         self.place_floating(phi, u, None);
         self.floating_slopes.clear();
         let mut sums = Sums::of_slopes(&mut self.floating_slopes);
