@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Rows summed side by side. Each row's sum takes its columns in order, so that all processors round alike.
-const ROWS: usize = 8;
+pub(super) const ROWS: usize = 8;
 
 /// Length of a vector that is padded with 0 to whole blocks.
 pub(super) fn padded(length: usize) -> usize {
@@ -57,12 +57,12 @@ impl Columns {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn entry(&self, row: usize, column: usize) -> f64 {
         self.entries[row / ROWS * self.columns + column][row % ROWS]
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn entry_mut(&mut self, row: usize, column: usize) -> &mut f64 {
         &mut self.entries[row / ROWS * self.columns + column][row % ROWS]
     }
@@ -97,8 +97,39 @@ impl Columns {
         }
     }
 
-    /// Column `to` = what one of the columns of another matrix of as many rows gives by its factor, if any, and the sum of
-    /// the columns from `first` on by their weights.
+    /// The first columns of `out` = those of this matrix from `first` on, in whole blocks, times the matrix whose columns are in `right`,
+    /// and where `first` is not 0 the first ones by a factor, added to the columns from there on.
+    #[inline(always)]
+    pub(super) fn multiply_wide(
+        &self,
+        first: usize,
+        right: &[[f64; ROWS]],
+        factor: f64,
+        out: &mut Self,
+    ) {
+        let blocks = (self.columns - first) / ROWS;
+        for b in 0..self.entries.len() / self.columns {
+            let own = &self.entries[b * self.columns..][..self.columns];
+            let out = &mut out.entries[b * self.columns..][..right.len() / blocks];
+            let last = own[first..].as_chunks::<ROWS>().0;
+            for j in 0..out.len() {
+                let mut sums = [0.0; ROWS];
+                if first > 0 && j >= first {
+                    add(&mut sums, factor, &own[j - first]);
+                }
+                for c in 0..blocks {
+                    for k in 0..ROWS {
+                        add(&mut sums, right[j * blocks + c][k], &last[c][k]);
+                    }
+                }
+                out[j] = sums;
+            }
+        }
+    }
+
+    /// Column `to` = what one of the columns of another matrix gives by its factor, if any, and the sum of the columns from `first`
+    /// on by their weights: the rows that the other has.
+    #[inline(always)]
     pub(super) fn set_sum(
         &mut self,
         to: usize,
@@ -107,25 +138,46 @@ impl Columns {
         first: usize,
         weights: &[f64],
     ) {
-        let blocks = self.entries.chunks_exact_mut(self.columns);
-        for (block, other) in blocks.zip(other.entries.chunks_exact(other.columns)) {
+        for b in 0..other.entries.len() / other.columns {
+            let block = &other.entries[b * other.columns..][..other.columns];
+            let columns = &block[first..][..weights.len()];
             let mut sums = [0.0; ROWS];
             if let Some((column, factor)) = one {
-                add(&mut sums, factor, &other[column]);
+                add(&mut sums, factor, &block[column]);
             }
-            for (column, weight) in other[first..].iter().zip(weights) {
-                add(&mut sums, *weight, column);
+            for k in 0..weights.len() {
+                add(&mut sums, weights[k], &columns[k]);
             }
-            block[to] = sums;
+            self.entries[b * self.columns + to] = sums;
+        }
+    }
+
+    /// Rows of column `to` from `row` on, as many as there are positions = a factor times the first ones of a column of another matrix.
+    #[inline(always)]
+    pub(super) fn write_below(
+        &mut self,
+        to: usize,
+        row: usize,
+        other: &Self,
+        column: usize,
+        factor: f64,
+    ) {
+        for b in 0..row.div_ceil(ROWS) {
+            let block = other.entries[b * other.columns + column];
+            for (i, entry) in block.iter().take(row - b * ROWS).enumerate() {
+                *self.entry_mut(row + b * ROWS + i, to) = factor * entry;
+            }
         }
     }
 
     /// Column `to` = sum of weights[k] times the columns from `from` on at a distance of `step`.
+    #[inline(always)]
     pub(super) fn combine(&mut self, to: usize, weights: &[f64], from: usize, step: usize) {
-        for block in self.entries.chunks_exact_mut(self.columns) {
+        for b in 0..self.entries.len() / self.columns {
+            let block = &mut self.entries[b * self.columns..][..self.columns];
             let mut sums = [0.0; ROWS];
-            for (column, weight) in block[from..].iter().step_by(step).zip(weights) {
-                add(&mut sums, *weight, column);
+            for k in 0..weights.len() {
+                add(&mut sums, weights[k], &block[from + k * step]);
             }
             block[to] = sums;
         }
@@ -133,10 +185,10 @@ impl Columns {
 }
 
 /// sums += x column.
-#[inline]
+#[inline(always)]
 fn add(sums: &mut [f64; ROWS], x: f64, column: &[f64; ROWS]) {
-    for (sum, entry) in sums.iter_mut().zip(column) {
-        *sum += x * entry;
+    for i in 0..ROWS {
+        sums[i] += x * column[i];
     }
 }
 

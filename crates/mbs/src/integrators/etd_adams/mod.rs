@@ -374,7 +374,9 @@ impl EtdAdams {
                 self.wanted = 0.5 * h;
                 continue;
             }
-            self.space(&mut multistep, h);
+            if !self.space(&mut multistep, h) {
+                break false;
+            }
             if let Some(done) = self.attempt(&mut multistep, system) {
                 break done;
             }
@@ -383,18 +385,21 @@ impl EtdAdams {
         done
     }
 
-    /// Brings the points to the distance `h`.
-    fn space(&mut self, multistep: &mut Multistep, h: f64) {
+    /// Brings the points to the distance `h`; false: it cannot.
+    fn space(&mut self, multistep: &mut Multistep, h: f64) -> bool {
         if h > self.h {
             multistep.history.thin();
         } else if h < self.h {
-            multistep.respace(self.time, &self.y, self.h, h);
+            if !multistep.respace(self.time, &self.y, self.h, h) {
+                return false;
+            }
             self.look_after = LOOK;
         }
         if multistep.history.count <= ORDERS[self.which] {
             self.which = 0;
         }
         self.h = h;
+        true
     }
 
     /// Tries a step of the points' distance: true if it was taken, false if the method should give up, `None` if a shorter one

@@ -2,12 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::columns::{Columns, copy, padded};
-use super::history::{History, Line, shift};
+use super::columns::{Columns, padded};
+use super::history::{History, Line, step_back, to_differences};
 use super::propagator::{Linear, Propagator};
 use super::{HIGHEST, ORDERS, SAME, TERMS};
 use crate::OdeSystem;
 use crate::jacobian::Jacobian;
+use crate::lu::Lu;
 
 /// Step matrices kept: steps go to and fro between few lengths.
 const KEPT: usize = 4;
@@ -34,8 +35,10 @@ pub(super) struct Multistep {
     /// Of the steps, the one last made, and the one last used.
     pub(super) last_built: usize,
     pub(super) last: usize,
-    /// For times inside steps and before the present.
+    /// For times inside steps.
     pub(super) between: Propagator,
+    /// Factors of what a step makes of a state.
+    back: Lu,
     /// x, then coefficients of the remainder.
     pub(super) known: Vec<f64>,
     /// Padded.
@@ -65,6 +68,7 @@ impl Multistep {
             last_built: 0,
             last: 0,
             between: Propagator::new(&linear, TERMS),
+            back: Lu::new(n),
             known: vec![0.0; n + TERMS * count],
             x: vec![0.0; padded(n)],
             product: vec![0.0; padded(count)],
@@ -107,7 +111,6 @@ impl Multistep {
         self.last_built = (self.last_built + 1) % KEPT;
         let step = &mut self.steps[self.last_built];
         step.propagator.build(&self.linear, h, h);
-        step.propagator.take_differences(&self.linear);
         for (&order, error) in ORDERS.iter().zip(&mut step.errors) {
             step.propagator
                 .difference_of_terms(&self.linear, order, error);
@@ -116,48 +119,47 @@ impl Multistep {
         self.last_built
     }
 
-    /// Puts `x` of `y` and the polynomial through `count` points where `advance` reads them, and gives their number.
-    pub(super) fn know(&mut self, time: f64, y: &[f64], count: usize) -> usize {
-        let n = self.linear.dimension;
-        let used = n + count * self.linear.remainders();
-        self.line.measure(time, y, &mut self.known[..n]);
-        self.history.coefficients(count, &mut self.known[n..used]);
-        used
-    }
-
     /// The state a time `tau` from `time`, where it is `y`, by the remainder of the points that are known.
     pub(super) fn state_at(&mut self, time: f64, y: &[f64], h: f64, tau: f64, out: &mut [f64]) {
         let count = self.history.count.min(TERMS);
         self.history.differ(count);
-        let used = self.know(time, y, count);
+        self.line.measure(time, y, self.history.x_mut());
         self.between.build(&self.linear, tau, h);
-        self.between.advance(&self.known[..used], &mut self.x);
+        self.between.advance(self.history.known(count), &mut self.x);
         out.copy_from_slice(&self.x[..self.linear.dimension]);
         self.line.restore(time + tau, out);
     }
 
     /// Moves the points from the distance `h` to the shorter `to`, without evaluations: the remainder is interpolated, and
-    /// the states are those that it leads to, back from `y` at `time`.
-    pub(super) fn respace(&mut self, time: f64, y: &[f64], h: f64, to: f64) {
+    /// the states are those from which steps lead to `y` at `time`. False: there are none.
+    pub(super) fn respace(&mut self, time: f64, y: &[f64], h: f64, to: f64) -> bool {
         let (n, width) = (self.linear.dimension, self.linear.remainders());
         let count = self.history.count.min(TERMS);
         self.history.differ(count);
-        let used = self.know(time, y, count);
-        self.between.build(&self.linear, -to, h);
+        let (x, differences) = self.known[..n + count * width].split_at_mut(n);
+        self.line.measure(time, y, x);
+        self.history.coefficients(count, differences);
+        to_differences(differences, width, to / h);
+        let matrices = self.matrices(to);
+        let propagator = &self.steps[matrices].propagator;
+        if !propagator.factor(&self.linear, &mut self.back) {
+            return false;
+        }
+        let (x, differences) = self.known[..n + count * width].split_at_mut(n);
         for k in 1..count.min(HIGHEST + 1) {
-            self.between.advance(&self.known[..used], &mut self.x);
-            self.known[..n].copy_from_slice(&self.x[..n]);
-            shift(&mut self.known[n..used], width, -to / h);
+            step_back(differences, width);
+            propagator.retreat(&self.back, differences, x, &mut self.x);
             let point = &mut self.history.points[k];
-            point.g[..width].copy_from_slice(&self.known[n..n + width]);
-            self.linear.product(&self.x, &mut point.f);
+            point.g[..width].copy_from_slice(&differences[..width]);
+            self.linear.product(x, &mut point.f);
             for (f, g) in point.f.iter_mut().zip(&point.g) {
                 *f += g;
             }
-            copy(&self.x, &mut point.y);
+            point.y[..n].copy_from_slice(x);
             self.line.restore(time - k as f64 * to, &mut point.y);
         }
         self.history.change();
         self.history.count = count.min(HIGHEST + 1);
+        true
     }
 }

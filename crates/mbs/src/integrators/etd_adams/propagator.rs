@@ -6,12 +6,15 @@
 //! phi_k(A) = sum_i A^i/(i + k)!,    phi_k = phi_k+1 A + I/k!
 //! ```
 //! The highest phi is a Taylor sum in Horner's form, the others follow by the recurrence [Hochbruck & Ostermann 2010, 2.1].
+//! Where positions q' = v lie above their rates only their rows are summed: L phi = phi L, and the upper rows of L phi are the
+//! lower ones of phi.
 //! Steps with |tau| |L| up to 3 or so lose no digits, and those up to 12 five.
 
 use serde::{Deserialize, Serialize};
 
-use super::columns::{Columns, Factors, Predict};
+use super::columns::{Columns, Factors, Predict, ROWS};
 use crate::jacobian::{Jacobian, Structure};
+use crate::lu::Lu;
 
 /// Taylor sums end where the next term is below this share of the first.
 const ROUNDING: f64 = 1e-17;
@@ -36,8 +39,30 @@ const fn powers() -> [[f64; MOST]; MOST] {
     out
 }
 
+/// Powers become backward differences: D^j of s^k/k! at 0, as D of it is - sum_i (-1)^i/i! s^(k - i)/(k - i)! with i from 1 on.
+const fn differences() -> [[f64; MOST]; MOST] {
+    let mut out = [[0.0; MOST]; MOST];
+    out[0][0] = 1.0;
+    let mut j = 1;
+    while j < MOST {
+        let mut k = j;
+        while k < MOST {
+            let (mut i, mut weight) = (1, 1.0);
+            while i <= k {
+                out[j][k] += weight * out[j - 1][k - i];
+                i += 1;
+                weight /= -(i as f64);
+            }
+            k += 1;
+        }
+        j += 1;
+    }
+    out
+}
+
 /// Differences at most.
 pub(super) const MOST: usize = 9;
+pub(super) const DIFFERENCES: [[f64; MOST]; MOST] = differences();
 pub(super) const POWERS: [[f64; MOST]; MOST] = powers();
 
 /// L, of systems of second order with the unit matrix in the first rows, which have no remainder g.
@@ -125,23 +150,38 @@ impl Linear {
         self.rows.multiply(0, &x[..self.dimension], out);
     }
 
-    /// Its columns by a factor, rows with a remainder, one after the other.
-    fn write_scaled(&self, factor: f64, out: &mut [f64]) {
-        for (j, column) in out.chunks_exact_mut(self.remainders()).enumerate() {
-            for (i, out) in column.iter_mut().enumerate() {
+    /// Its columns by a factor, rows with a remainder, one after the other and padded.
+    fn write_scaled(&self, factor: f64, out: &mut [[f64; ROWS]]) {
+        let blocks = self.remainders().div_ceil(ROWS);
+        for (j, column) in out.chunks_exact_mut(blocks).enumerate() {
+            let column = column.as_flattened_mut();
+            for (i, out) in column.iter_mut().take(self.remainders()).enumerate() {
                 *out = factor * self.rows.entry(i, j);
             }
         }
     }
 
-    /// out = factor x L + diagonal, of square matrices; `scaled` is L by the factor.
-    fn multiply(&self, factor: f64, scaled: &[f64], x: &Columns, diagonal: f64, out: &mut Columns) {
-        for (j, weights) in scaled.chunks_exact(self.remainders()).enumerate() {
-            // q' = v.
-            let rate = j.checked_sub(self.first).filter(|_| self.first > 0);
-            let one = rate.map(|k| (k, factor));
-            out.set_sum(j, x, one, self.first, weights);
-            *out.entry_mut(j, j) += diagonal;
+    /// Rows of a function of L from which the others follow.
+    fn upper(&self) -> usize {
+        match self.first {
+            0 => self.dimension,
+            positions => positions,
+        }
+    }
+
+    /// out = factor x L, where `scaled` is L by the factor, + the unit matrix times `diagonal`.
+    #[inline(always)]
+    fn multiply(
+        &self,
+        factor: f64,
+        scaled: &[[f64; ROWS]],
+        x: &Columns,
+        diagonal: f64,
+        out: &mut Columns,
+    ) {
+        x.multiply_wide(self.first, scaled, factor, out);
+        for i in 0..self.upper() {
+            *out.entry_mut(i, i) += diagonal;
         }
     }
 }
@@ -153,84 +193,78 @@ pub(super) struct Propagator {
     pub(super) tau: f64,
     /// Coefficients of the remainder, b_0 and so on.
     terms: usize,
-    /// What multiplies x, then what multiplies b_0, b_1 and so on.
+    /// What multiplies x, then what multiplies the differences of the remainder, from the 0th on.
     matrix: Columns,
-    /// phi_k+1 and phi_k: scratch.
+    /// Upper rows of phi_k+1 and of phi_k, with columns for whole blocks of rates: scratch.
     above: Columns,
     here: Columns,
     /// tau L: scratch.
-    scaled: Vec<f64>,
+    scaled: Vec<[f64; ROWS]>,
 }
 
 impl Propagator {
     pub(super) fn new(linear: &Linear, terms: usize) -> Self {
         let n = linear.dimension;
-        let square = Columns::zero(n, n);
+        let blocks = linear.remainders().div_ceil(ROWS);
+        let upper = Columns::zero(linear.upper(), linear.first + blocks * ROWS);
         Self {
             tau: f64::NAN,
             terms,
             matrix: Columns::zero(n, n + terms * linear.remainders()),
-            above: square.clone(),
-            here: square,
-            scaled: vec![0.0; n * linear.remainders()],
+            above: upper.clone(),
+            here: upper,
+            scaled: vec![[0.0; ROWS]; n * blocks],
         }
     }
 
-    /// Becomes that of `tau`, for polynomials in the time over `unit`.
+    /// Becomes that of `tau`, for a remainder by its backward differences at a distance of `unit`: what multiplies the j-th of them
+    /// is h Gamma_j where both are h.
     pub(super) fn build(&mut self, linear: &Linear, tau: f64, unit: f64) {
-        let (n, first, count) = (linear.dimension, linear.first, linear.remainders());
-        // 1/(i + terms)!, until |tau L|^i of them is nothing beside the first.
-        let mut inverse = [0.0; MOST_TERMS];
-        inverse[0] = (1..=self.terms).fold(1.0, |f, k| f / k as f64);
-        let (mut size, mut used) = (1.0, 1);
-        while used < MOST_TERMS && size > ROUNDING {
-            inverse[used] = inverse[used - 1] / (used + self.terms) as f64;
-            size *= linear.size * tau.abs() / (used + self.terms) as f64;
-            used += 1;
-        }
-        linear.write_scaled(tau, &mut self.scaled);
-        self.above.fill(0.0);
-        for i in 0..n {
-            *self.above.entry_mut(i, i) = inverse[used - 1];
-        }
-        for &diagonal in inverse[..used - 1].iter().rev() {
-            linear.multiply(tau, &self.scaled, &self.above, diagonal, &mut self.here);
-            std::mem::swap(&mut self.above, &mut self.here);
-        }
-        let mut factorial = (1..self.terms).fold(1.0, |f, k| f / k as f64);
-        for k in (0..self.terms).rev() {
-            // `above` is phi_k+1.
-            let weight = tau * (tau / unit).powi(k as i32);
-            for c in 0..count {
-                let to = n + k * count + c;
-                let one = Some((first + c, weight));
-                self.matrix.set_sum(to, &self.above, one, 0, &[]);
-            }
-            linear.multiply(tau, &self.scaled, &self.above, factorial, &mut self.here);
-            std::mem::swap(&mut self.above, &mut self.here);
-            factorial *= k as f64;
-        }
-        for i in 0..n {
-            self.matrix.set_sum(i, &self.above, Some((i, 1.0)), 0, &[]);
-        }
-        self.tau = tau;
+        pulp::Arch::new().dispatch(Build {
+            to: self,
+            linear,
+            tau,
+            unit,
+        });
     }
 
-    /// From now on it is not the coefficients b_k that are known but backward differences at the distance of the unit:
-    /// what multiplies the j-th of them is h Gamma_j.
-    pub(super) fn take_differences(&mut self, linear: &Linear) {
-        let (n, count) = (linear.dimension, linear.remainders());
-        for j in (1..self.terms).rev() {
-            for c in 0..count {
-                let to = n + j * count + c;
-                self.matrix.combine(to, &POWERS[j][..=j], n + c, count);
-            }
+    /// Columns `to` of what it is: `weight` times those of phi_k+1 from `from` on, whose upper rows are `above`, and phi_k+1 tau L
+    /// `here`.
+    #[inline(always)]
+    fn write(&mut self, linear: &Linear, to: std::ops::Range<usize>, from: usize, weight: f64) {
+        let lower = weight / self.tau;
+        for (c, to) in to.enumerate() {
+            let column = from + c;
+            self.matrix
+                .set_sum(to, &self.above, Some((column, weight)), 0, &[]);
+            self.matrix
+                .write_below(to, linear.first, &self.here, column, lower);
         }
     }
 
-    /// The state `tau` later: `known` holds x and then as many of what is known of the remainder as there are.
+    /// The state `tau` later: `known` holds x and then as many differences as there are.
     pub(super) fn advance(&self, known: &[f64], x: &mut [f64]) {
         self.matrix.multiply(0, known, x);
+    }
+
+    /// Factors of what it makes of a state; false: it cannot be undone.
+    pub(super) fn factor(&self, linear: &Linear, back: &mut Lu) -> bool {
+        let n = linear.dimension;
+        for (i, row) in back.entries_mut().chunks_exact_mut(n).enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry = self.matrix.entry(i, j);
+            }
+        }
+        back.factor()
+    }
+
+    /// The state `tau` earlier, where the remainder had these differences.
+    pub(super) fn retreat(&self, back: &Lu, differences: &[f64], x: &mut [f64], out: &mut [f64]) {
+        self.matrix.multiply(x.len(), differences, out);
+        for (x, gained) in x.iter_mut().zip(out) {
+            *x -= *gained;
+        }
+        back.solve(x);
     }
 
     /// What makes of the k-th difference `d` what its term alone does.
@@ -261,6 +295,130 @@ impl Propagator {
         for c in 0..count {
             let at = n + k * count + c;
             out.set_sum(c, &self.matrix, Some((at + count, 1.0)), at, &[-1.0]);
+        }
+    }
+}
+
+/// [`Propagator::build`], in the registers that the processor has.
+struct Build<'a> {
+    to: &'a mut Propagator,
+    linear: &'a Linear,
+    tau: f64,
+    unit: f64,
+}
+
+impl pulp::WithSimd for Build<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let Self {
+            to,
+            linear,
+            tau,
+            unit,
+        } = self;
+        let (n, first, count, terms) = (
+            linear.dimension,
+            linear.first,
+            linear.remainders(),
+            to.terms,
+        );
+        // 1/(i + terms)!, until |tau L|^i of them is nothing beside the first.
+        let mut inverse = [0.0; MOST_TERMS];
+        inverse[0] = (1..=terms).fold(1.0, |f, k| f / k as f64);
+        let (mut size, mut used) = (1.0, 1);
+        while used < MOST_TERMS && size > ROUNDING {
+            inverse[used] = inverse[used - 1] / (used + terms) as f64;
+            size *= linear.size * tau.abs() / (used + terms) as f64;
+            used += 1;
+        }
+        linear.write_scaled(tau, &mut to.scaled);
+        to.tau = tau;
+        to.above.fill(0.0);
+        for i in 0..linear.upper() {
+            *to.above.entry_mut(i, i) = inverse[used - 1];
+        }
+        for &diagonal in inverse[..used - 1].iter().rev() {
+            linear.multiply(tau, &to.scaled, &to.above, diagonal, &mut to.here);
+            std::mem::swap(&mut to.above, &mut to.here);
+        }
+        let mut factorial = (1..terms).fold(1.0, |f, k| f / k as f64);
+        for k in (0..terms).rev() {
+            // `above` is phi_k+1.
+            linear.multiply(tau, &to.scaled, &to.above, 0.0, &mut to.here);
+            let from = n + k * count;
+            let weight = tau * (tau / unit).powi(k as i32);
+            to.write(linear, from..from + count, first, weight);
+            for i in 0..linear.upper() {
+                *to.here.entry_mut(i, i) += factorial;
+            }
+            std::mem::swap(&mut to.above, &mut to.here);
+            factorial *= k as f64;
+        }
+        linear.multiply(tau, &to.scaled, &to.above, 0.0, &mut to.here);
+        to.write(linear, 0..n, 0, 1.0);
+        // Of powers by now.
+        for j in (1..terms).rev() {
+            for c in 0..count {
+                let column = n + j * count + c;
+                to.matrix.combine(column, &POWERS[j][..=j], n + c, count);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrators::etd_adams::columns::padded;
+
+    /// More freedoms than a block has rows: told as a system of first order it has the same propagator, and what it does can be
+    /// undone.
+    #[test]
+    fn upper_rows_give_the_lower_ones() {
+        let (freedoms, terms, tau) = (ROWS + 1, 5, -0.7);
+        let n = 2 * freedoms;
+        let second = Structure::SecondOrder {
+            is_leaf: vec![false; freedoms],
+        };
+        let number = |k: usize| (1.7 * k as f64).sin();
+        let [whole, halves] = [Structure::FirstOrder, second].map(|structure| {
+            let mut linear = Linear::new(&structure, &vec![1.0; n]);
+            let below = freedoms - linear.first;
+            for i in 0..freedoms {
+                if below > 0 {
+                    *linear.rows.entry_mut(i, freedoms + i) = 1.0;
+                }
+                for j in 0..n {
+                    *linear.rows.entry_mut(below + i, j) = number(n * i + j);
+                }
+            }
+            linear.size = 20.0;
+            let mut propagator = Propagator::new(&linear, terms);
+            propagator.build(&linear, tau, 0.4);
+            (linear, propagator)
+        });
+        for i in 0..n {
+            for j in 0..n + terms * freedoms {
+                let (k, c) = (
+                    j.saturating_sub(n) / freedoms,
+                    j.saturating_sub(n) % freedoms,
+                );
+                let other = if j < n { j } else { n + k * n + freedoms + c };
+                let (a, b) = (halves.1.matrix.entry(i, j), whole.1.matrix.entry(i, other));
+                assert!((a - b).abs() < 1e-11, "{i}, {j}: {a} {b}");
+            }
+        }
+        let known: Vec<f64> = (0..n + terms * freedoms).map(number).collect();
+        let (mut x, mut out) = (vec![0.0; padded(n)], vec![0.0; padded(n)]);
+        halves.1.advance(&known, &mut x);
+        let mut back = Lu::new(n);
+        assert!(halves.1.factor(&halves.0, &mut back));
+        x.truncate(n);
+        halves.1.retreat(&back, &known[n..], &mut x, &mut out);
+        for (x, known) in x.iter().zip(&known) {
+            assert!((x - known).abs() < 1e-9, "{x} {known}");
         }
     }
 }
