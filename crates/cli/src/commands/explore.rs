@@ -28,9 +28,35 @@ use crate::{interrupt, screen};
 const PORT: u16 = 7347;
 /// How often an interrupt is looked for.
 const TICK: Duration = Duration::from_millis(200);
-/// How long a run waits for its balances. Where they were late they are left until they are asked for by themselves: a hand feels
-/// what they cost.
-const PATIENCE: Duration = Duration::from_millis(25);
+/// How long a run waits for its balances. Where they were late some runs go without: a hand feels what they cost.
+const PATIENCE: Duration = Duration::from_millis(32);
+/// Runs that go without balances: so many from now on, and so many after these are late once more.
+#[derive(Clone, Copy)]
+struct Without {
+    left: u32,
+    next: u32,
+}
+
+impl Without {
+    const NONE: Self = Self { left: 0, next: 1 };
+    const MOST: Self = Self { left: 16, next: 16 };
+
+    fn after(self, figures: Option<&Result<Value, StudyError>>) -> Self {
+        let Self { left, next } = self;
+        match (left, figures) {
+            (0, Some(_)) => Self::NONE,
+            (0, None) => Self {
+                left: next,
+                next: Self::MOST.next.min(2 * next),
+            },
+            _ => Self {
+                left: left - 1,
+                next,
+            },
+        }
+    }
+}
+
 /// Balances that were not waited for.
 const LATE: Value = Value::Null;
 
@@ -123,8 +149,7 @@ struct Explorer {
     balancing: Mutex<(String, Arc<AtomicBool>)>,
     /// Takes the balances that go with a run.
     beside: mpsc::Sender<Beside>,
-    /// Whether the last ones came too late.
-    late: AtomicBool,
+    without: Mutex<Without>,
     /// Names of files are chosen one at a time.
     saving: Mutex<()>,
     compared: Mutex<Compared>,
@@ -156,7 +181,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
         entry,
         balancing: Mutex::default(),
         beside: balances_beside(),
-        late: AtomicBool::new(false),
+        without: Mutex::new(Without::NONE),
         saving: Mutex::default(),
         compared: Mutex::default(),
         host,
@@ -305,7 +330,8 @@ impl Explorer {
             Ok(gearbox) => Arc::new(gearbox),
             Err(error) => return Ok(told(&json!({"reason": error}))),
         };
-        let hears = (!self.late.load(Ordering::Relaxed)).then(|| {
+        let without = *lock(&self.without);
+        let hears = (without.left == 0).then(|| {
             let (tells, hears) = mpsc::channel();
             // Where the thread has ended they are late.
             let _ = self
@@ -319,7 +345,7 @@ impl Explorer {
             Err(_) => Duration::ZERO,
         };
         let figures = hears.and_then(|hears| hears.recv_timeout(patience).ok());
-        self.late.store(figures.is_none(), Ordering::Relaxed);
+        *lock(&self.without) = without.after(figures.as_ref());
         stop.store(true, Ordering::Relaxed);
         Ok(told(&match found {
             Ok(mut run) => {
@@ -341,7 +367,7 @@ impl Explorer {
         let found = live::balances(&gearbox, laws, &stop);
         if !laws && found.is_ok() {
             let late = begun.elapsed() > PATIENCE;
-            self.late.store(late, Ordering::Relaxed);
+            *lock(&self.without) = if late { Without::MOST } else { Without::NONE };
         }
         Ok(told(&balanced(found)))
     }
