@@ -9,6 +9,7 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -116,6 +117,38 @@ double number(const std::string& json, const std::string& key) {
     return std::strtod(json.c_str() + colon + 1, nullptr);
 }
 
+// A time at which the load jumps or bends: a step across it errs by luck. The sample that is the same moment but for rounding stands
+// for it.
+struct Cut {
+    double of_load, time;
+};
+
+std::vector<Cut> cuts(const std::string& json, const std::vector<double>& samples) {
+    std::vector<double> found{number(json, "load_ramp_s")};
+    const size_t changes = json.find("\"load_changes\"");
+    const size_t end = changes == std::string::npos ? changes : json.find(']', changes);
+    if (end != std::string::npos) {
+        const std::string list = json.substr(changes, end - changes);
+        for (size_t at = list.find('{'); at != std::string::npos; at = list.find('{', at + 1)) {
+            const std::string one = list.substr(at, list.find('}', at) - at);
+            const double time = number(one, "time_s");
+            const double ramp = one.find("\"ramp_s\"") == std::string::npos ? 0.0 : number(one, "ramp_s");
+            found.push_back(time);
+            found.push_back(time + ramp);
+        }
+    }
+    std::sort(found.begin(), found.end());
+    std::vector<Cut> cuts;
+    for (double time : found) {
+        double at = time;
+        for (double sample : samples)
+            if (std::abs(sample - time) <= 1e-9 * samples.back()) at = sample;
+        const double before = cuts.empty() ? 0.0 : cuts.back().time;
+        if (at > before && at < samples.back()) cuts.push_back({time, at});
+    }
+    return cuts;
+}
+
 // Contacts and the output's load as forces on the bodies.
 class Contacts : public Force::Custom::Implementation {
 public:
@@ -129,10 +162,21 @@ public:
             // Mobilized body 0 is the ground.
             forces[static_cast<int>(i) + 1] += SpatialVec(Vec3(0, 0, load[2]), Vec3(load[0], load[1], 0));
         }
-        forces[OUTPUT + 1][0][2] += law.load_torque(state.getTime());
+        forces[OUTPUT + 1][0][2] += law.load_torque(std::clamp(state.getTime(), load_from, load_until));
     }
 
     Real calcPotentialEnergy(const State&) const override { return 0; }
+
+    // The load from the first cut on, until the next: no step sees both sides of one.
+    void begin_leg(std::vector<Cut>& cuts) {
+        load_from = cuts.front().of_load;
+        cuts.erase(cuts.begin());
+        end_leg_before(cuts);
+    }
+
+    void end_leg_before(const std::vector<Cut>& cuts) {
+        load_until = cuts.empty() ? Infinity : std::nextafter(cuts.front().of_load, 0.0);
+    }
 
     // States and contact loads of the bodies at `state`.
     void evaluate(const State& state) const {
@@ -154,6 +198,9 @@ public:
     const SimbodyMatterSubsystem& matter;
     // One thread a run.
     mutable std::vector<double> states, found;
+
+private:
+    double load_from = 0, load_until = Infinity;
 };
 
 // The contract's courses, one row a sample.
@@ -191,11 +238,16 @@ private:
     std::vector<size_t> sleeves;
 };
 
-// Integrates to `time`.
-void advance(Integrator& integrator, double time) {
+// Integrates to `time`, a cut at the latest; at a cut the load from there on begins.
+void advance(Integrator& integrator, double time, Contacts& contacts, std::vector<Cut>& cuts) {
     try {
         while (integrator.getTime() < time) {
-            const auto status = integrator.stepTo(time);
+            const double limit = cuts.empty() ? Infinity : cuts.front().time;
+            const auto status = integrator.stepTo(time, limit);
+            if (!cuts.empty() && integrator.getTime() >= limit) {
+                contacts.begin_leg(cuts);
+                integrator.reinitialize(Stage::Time, false);
+            }
             if (status == Integrator::ReachedReportTime || status == Integrator::EndOfSimulation) return;
         }
     } catch (const Exception::Base& error) {
@@ -224,7 +276,10 @@ void run(const std::string& job, const char* library, const std::string& method)
     }
     MobilizedBody& input = matter.updMobilizedBody(MobilizedBodyIndex(INPUT + 1));
     Motion::Steady(input, law.rate);
+    const std::string json = description.str();
+    std::vector<Cut> cut = cuts(json, law.times);
     Contacts* contacts = new Contacts(law, matter);
+    contacts->end_leg_before(cut);
     Force::Custom(forces, contacts);  // the system owns it
 
     State state = system.realizeTopology();
@@ -242,7 +297,6 @@ void run(const std::string& job, const char* library, const std::string& method)
     }
 
     // What Simbody takes for an error of 1 is a radian and a radian a second; what counts is the elastic twist.
-    const std::string json = description.str();
     const bool explicit_method = method == "merson";
     const double accuracy = std::max(number(json, "tolerance") * number(json, "elastic_twist_rad"), 1e-13);
     std::unique_ptr<Integrator> integrator;
@@ -259,7 +313,7 @@ void run(const std::string& job, const char* library, const std::string& method)
     Courses courses(law, job + "/courses.csv");
     Vector motion;
     for (double time : law.times) {
-        advance(*integrator, time);
+        advance(*integrator, time, *contacts, cut);
         const State& now = integrator->getState();
         system.realize(now, Stage::Acceleration);
         matter.findMotionForces(now, motion);

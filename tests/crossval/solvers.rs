@@ -120,7 +120,8 @@ fn crossval_ida_friction() {
 
 /// Loads that jump, a start in equilibrium with friction, other gears, backlash and full stiffness. Measured 1.8e-7 to 7.3e-7
 /// for Simbody, 1.0e-6 to 4.9e-6 for IDA, and 8.1e-5 for steel, whose ringing BDF damps. Times 4 to 5; with friction more,
-/// because of what native-resolved states of itself.
+/// because of what native-resolved states of itself. After the reversal contacts open and close, and Simbody's error is luck: 2.5e-7
+/// to 2.0e-6 with tolerances within a tenth of this one.
 #[test]
 fn crossval_solvers_other_scenes() {
     let simbody = simbody();
@@ -132,7 +133,7 @@ fn crossval_solvers_other_scenes() {
     let short = [("solver.duration_s", "0.012")];
     for (preset, settings, limits) in [
         ("hard-load-doubled", &short[..], [2e-6, 1.2e-5]),
-        ("hard-load-reversal", &short, [1.5e-6, 1.6e-5]),
+        ("hard-load-reversal", &short, [6e-6, 1.6e-5]),
         ("paper", &equilibrium, [4e-6, 1e-5]),
         ("eleven-pins", &short, [1.5e-6, 8e-6]),
         ("forty-pins", &short, [1e-6, 5e-6]),

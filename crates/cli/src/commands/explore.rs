@@ -483,3 +483,25 @@ impl Explorer {
 fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Late ones are left out for 1, 2, 4 ... runs, and after one that was in time for none.
+    #[test]
+    fn late_balances_are_asked_for_again() {
+        let mut without = Without::NONE;
+        let mut asked = Vec::new();
+        for run in 0..40 {
+            if without.left == 0 {
+                asked.push(run);
+            }
+            without = without.after(None);
+        }
+        assert_eq!(asked, [0, 2, 5, 10, 19, 36]);
+        without.left = 0;
+        let again = without.after(Some(&Ok(LATE)));
+        assert_eq!((again.left, again.next), (0, 1));
+    }
+}

@@ -191,7 +191,7 @@ impl Linear {
 pub(super) struct Propagator {
     /// s; NaN: none.
     pub(super) tau: f64,
-    /// Coefficients of the remainder, b_0 and so on.
+    /// Differences of the remainder.
     terms: usize,
     /// What multiplies x, then what multiplies the differences of the remainder, from the 0th on.
     matrix: Columns,
@@ -358,7 +358,7 @@ impl pulp::WithSimd for Build<'_> {
         }
         linear.multiply(tau, &to.scaled, &to.above, 0.0, &mut to.here);
         to.write(linear, 0..n, 0, 1.0);
-        // Of powers by now.
+        // What multiplies the coefficients b_k becomes what multiplies differences.
         for j in (1..terms).rev() {
             for c in 0..count {
                 let column = n + j * count + c;
