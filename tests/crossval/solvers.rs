@@ -121,7 +121,7 @@ fn crossval_ida_friction() {
 /// Loads that jump, a start in equilibrium with friction, other gears, backlash and full stiffness. Measured 1.8e-7 to 7.3e-7
 /// for Simbody, 1.0e-6 to 4.9e-6 for IDA, and 8.1e-5 for steel, whose ringing BDF damps. Times 4 to 5; with friction more,
 /// because of what native-resolved states of itself. After the reversal contacts open and close, and Simbody's error is luck: 2.5e-7
-/// to 2.0e-6 with tolerances within a tenth of this one.
+/// to 2.0e-6 with tolerances within a fifth of this one.
 #[test]
 fn crossval_solvers_other_scenes() {
     let simbody = simbody();

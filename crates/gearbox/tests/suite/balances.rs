@@ -212,7 +212,7 @@ fn newton_finds_what_brackets_find() {
             }
         }
         println!("{preset} under {load} N m: {worst:.1e} rad, {few} evaluations after {many}");
-        // Measured: 2e-15 rad; 3e-13 where the forces of a load that light are next to nothing. 19 to 85 times fewer evaluations:
+        // Measured: 2e-15 rad; 3e-13 where the forces of a load that light are next to nothing. 19 to 69 times fewer evaluations:
         // counts change with the rounding of a machine.
         let (limit, most) = if light { (1e-12, 40) } else { (1e-13, 20) };
         assert!(worst < limit, "{preset}: {worst:e} rad");

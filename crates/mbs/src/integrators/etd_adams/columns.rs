@@ -127,28 +127,32 @@ impl Columns {
         }
     }
 
-    /// Column `to` = what one of the columns of another matrix gives by its factor, if any, and the sum of the columns from `first`
-    /// on by their weights: the rows that the other has.
+    /// Column `to` = sum of columns of another matrix by their factors: the rows that the other has.
     #[inline(always)]
-    pub(super) fn set_sum(
+    pub(super) fn set_sum<const N: usize>(
         &mut self,
         to: usize,
         other: &Self,
-        one: Option<(usize, f64)>,
-        first: usize,
-        weights: &[f64],
+        columns: [(usize, f64); N],
     ) {
         for b in 0..other.entries.len() / other.columns {
-            let block = &other.entries[b * other.columns..][..other.columns];
-            let columns = &block[first..][..weights.len()];
             let mut sums = [0.0; ROWS];
-            if let Some((column, factor)) = one {
-                add(&mut sums, factor, &block[column]);
-            }
-            for k in 0..weights.len() {
-                add(&mut sums, weights[k], &columns[k]);
+            for (column, factor) in columns {
+                add(
+                    &mut sums,
+                    factor,
+                    &other.entries[b * other.columns + column],
+                );
             }
             self.entries[b * self.columns + to] = sums;
+        }
+    }
+
+    /// Adds to the first `count` entries whose row is their column.
+    #[inline(always)]
+    pub(super) fn add_to_diagonal(&mut self, count: usize, value: f64) {
+        for i in 0..count {
+            *self.entry_mut(i, i) += value;
         }
     }
 

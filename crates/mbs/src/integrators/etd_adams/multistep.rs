@@ -136,16 +136,15 @@ impl Multistep {
         let (n, width) = (self.linear.dimension, self.linear.remainders());
         let count = self.history.count.min(TERMS);
         self.history.differ(count);
-        let (x, differences) = self.known[..n + count * width].split_at_mut(n);
-        self.line.measure(time, y, x);
-        self.history.coefficients(count, differences);
-        to_differences(differences, width, to / h);
         let matrices = self.matrices(to);
         let propagator = &self.steps[matrices].propagator;
         if !propagator.factor(&self.linear, &mut self.back) {
             return false;
         }
         let (x, differences) = self.known[..n + count * width].split_at_mut(n);
+        self.line.measure(time, y, x);
+        self.history.coefficients(count, differences);
+        to_differences(differences, width, to / h);
         for k in 1..count.min(HIGHEST + 1) {
             step_back(differences, width);
             propagator.retreat(&self.back, differences, x, &mut self.x);

@@ -168,22 +168,6 @@ impl Linear {
             positions => positions,
         }
     }
-
-    /// out = factor x L, where `scaled` is L by the factor, + the unit matrix times `diagonal`.
-    #[inline(always)]
-    fn multiply(
-        &self,
-        factor: f64,
-        scaled: &[[f64; ROWS]],
-        x: &Columns,
-        diagonal: f64,
-        out: &mut Columns,
-    ) {
-        x.multiply_wide(self.first, scaled, factor, out);
-        for i in 0..self.upper() {
-            *out.entry_mut(i, i) += diagonal;
-        }
-    }
 }
 
 /// What a time `tau` makes of a state and of a polynomial remainder.
@@ -228,6 +212,13 @@ impl Propagator {
         });
     }
 
+    /// `here` = `above` tau L.
+    #[inline(always)]
+    fn multiply(&mut self, first: usize) {
+        self.above
+            .multiply_wide(first, &self.scaled, self.tau, &mut self.here);
+    }
+
     /// Columns `to` of what it is: `weight` times those of phi_k+1 from `from` on, whose upper rows are `above`, and phi_k+1 tau L
     /// `here`.
     #[inline(always)]
@@ -235,8 +226,7 @@ impl Propagator {
         let lower = weight / self.tau;
         for (c, to) in to.enumerate() {
             let column = from + c;
-            self.matrix
-                .set_sum(to, &self.above, Some((column, weight)), 0, &[]);
+            self.matrix.set_sum(to, &self.above, [(column, weight)]);
             self.matrix
                 .write_below(to, linear.first, &self.here, column, lower);
         }
@@ -294,7 +284,7 @@ impl Propagator {
         let (n, count) = (linear.dimension, linear.remainders());
         for c in 0..count {
             let at = n + k * count + c;
-            out.set_sum(c, &self.matrix, Some((at + count, 1.0)), at, &[-1.0]);
+            out.set_sum(c, &self.matrix, [(at + count, 1.0), (at, -1.0)]);
         }
     }
 }
@@ -336,27 +326,25 @@ impl pulp::WithSimd for Build<'_> {
         linear.write_scaled(tau, &mut to.scaled);
         to.tau = tau;
         to.above.fill(0.0);
-        for i in 0..linear.upper() {
-            *to.above.entry_mut(i, i) = inverse[used - 1];
-        }
+        let upper = linear.upper();
+        to.above.add_to_diagonal(upper, inverse[used - 1]);
         for &diagonal in inverse[..used - 1].iter().rev() {
-            linear.multiply(tau, &to.scaled, &to.above, diagonal, &mut to.here);
+            to.multiply(first);
+            to.here.add_to_diagonal(upper, diagonal);
             std::mem::swap(&mut to.above, &mut to.here);
         }
         let mut factorial = (1..terms).fold(1.0, |f, k| f / k as f64);
         for k in (0..terms).rev() {
             // `above` is phi_k+1.
-            linear.multiply(tau, &to.scaled, &to.above, 0.0, &mut to.here);
+            to.multiply(first);
             let from = n + k * count;
             let weight = tau * (tau / unit).powi(k as i32);
             to.write(linear, from..from + count, first, weight);
-            for i in 0..linear.upper() {
-                *to.here.entry_mut(i, i) += factorial;
-            }
+            to.here.add_to_diagonal(upper, factorial);
             std::mem::swap(&mut to.above, &mut to.here);
             factorial *= k as f64;
         }
-        linear.multiply(tau, &to.scaled, &to.above, 0.0, &mut to.here);
+        to.multiply(first);
         to.write(linear, 0..n, 0, 1.0);
         // What multiplies the coefficients b_k becomes what multiplies differences.
         for j in (1..terms).rev() {
