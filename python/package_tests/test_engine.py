@@ -67,8 +67,32 @@ def test_its_exception_is_the_cause():
     with pytest.raises(pinwheel.EngineFailed, match="ZeroDivisionError: no luck") as caught:
         SHORT.run(broken)
     assert isinstance(caught.value.__cause__, ZeroDivisionError)
-    found = pinwheel.compare(SHORT, ["native-reduced", broken])
-    assert found.engines["broken"] == "failed"
+    with pytest.raises(pinwheel.EngineFailed, match="ZeroDivisionError: no luck") as caught:
+        pinwheel.compare(SHORT, ["native-reduced", broken])
+    assert isinstance(caught.value.__cause__, ZeroDivisionError)
+    assert caught.value.comparison.engines["broken"] == "failed" and not caught.value.comparison.passed
+
+
+def test_an_engine_of_which_nothing_is_shown_does_not_pass():
+    @pinwheel.engine
+    def no_number(job):
+        """Returns what is no run."""
+        return 42
+
+    @pinwheel.engine
+    def wild(job):
+        """Gives numbers that are none."""
+        job.sample(job.angles * np.nan, job.rates)
+
+    for engine, error in [(no_number, pinwheel.EngineFailed), (wild, None)]:
+        try:
+            found = pinwheel.compare(SHORT, ["native-reduced", engine])
+            assert error is None
+        except pinwheel.EngineFailed as caught:
+            assert error is not None
+            found = caught.comparison
+        assert not found.passed and f"{engine.name}: nothing shown: its run" in found.findings[0]
+        assert found.findings[0].split(":")[0] in str(found).splitlines()[3]
 
 
 def test_it_cannot_end_early_or_run_away():

@@ -55,6 +55,7 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
 
     def __init__(self, scene: Scene, core: _core.Compared) -> None:
         self.scene = scene
+        self._passed = core.passed()
         self._page, self._text, self._details = core.page, plain(core.text()), plain(core.details())
         self.data: dict[str, Any] = json.loads(core.json())
         self.runs: dict[str, Columns] = {name: Columns(columns) for name, columns in core.time_series()}
@@ -70,8 +71,17 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
 
     @property
     def passed(self) -> bool:
-        """Whether something agrees, and there is nothing to act on."""
-        return bool(self.data["passed"])
+        """True if the program would end with 0.
+
+        Something was shown of every engine and record of yours, or two engines agree where there is none; nothing differs, and
+        every engine that you named finished. `findings` says what was shown.
+        """
+        return self._passed
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """A line for each engine, record and limit of yours, or for all engines: agrees, differs, or nothing shown, and why."""
+        return tuple(plain(finding["line"]) for finding in self.data["findings"])
 
     @property
     def engines(self) -> dict[str, str]:
@@ -115,7 +125,7 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
     def __repr__(self) -> str:
         counts = {word: count for word, count in self.data["counts"].items() if count and word != "inconclusive_actionable"}
         told = ", ".join(f"{count} {word.replace('_', ' ')}" for word, count in counts.items()) or "nothing compared"
-        return f"<Comparison of {self.scene.name} in {len(self.engines)} engines: {told}>"
+        return f"<Comparison of {self.scene.name} in {len(self.engines)} engines: {'; '.join(self.findings)}; {told}>"
 
     def _repr_html_(self) -> str:
         head = "".join(f"<th>{word}</th>" for word in ("a", "b", "window", "quantity", "verdict", "D", "U"))
@@ -154,11 +164,12 @@ def compare(
 ) -> Comparison:
     """Runs a scene on several engines and compares every pair; without names on all that this Python has.
 
-    Each engine also runs at coarser settings, which shows its numerical uncertainty; see docs/verdicts.md. What an engine
-    does wrong is its status in the result, and no exception.
+    Each engine also runs at coarser settings, which shows its numerical uncertainty; see docs/verdicts.md. An engine of
+    yours that raises ends in `EngineFailed`, with its exception as the cause and the comparison of all others as `comparison`.
+    How every other engine ended is its status in the result.
 
     `against`: measured data or another program's, as (file, map); the map says which column is what, with its
-    uncertainty (docs/foreign-data.md). `longest_s`: wall time after which an engine is refined no further; `resolution`:
+    uncertainty (docs/foreign-data.md). `longest_s`: CPU time after which an engine is refined no further; `resolution`:
     the largest uncertainty of a pair, relative, that still counts as resolved.
 
     >>> c = compare(Scene("paper", duration_s=0.01, step_s=2e-6), ["native-reduced", "native-lagrange"])
@@ -168,4 +179,10 @@ def compare(
     made = scene if isinstance(scene, Scene) else Scene(scene)
     with telling(progress, "compare") as told:
         files = [(os.fspath(file), os.fspath(table)) for file, table in against]
-        return Comparison(made, _core.compare(made._inner, several(engines), files, (longest_s, resolution), told))
+        core = _core.compare(made._inner, several(engines), files, (longest_s, resolution), told)
+    comparison = Comparison(made, core)
+    failure = core.failure()
+    if failure is not None:
+        failure.comparison = comparison  # type: ignore[attr-defined]
+        raise failure
+    return comparison

@@ -4,7 +4,7 @@
       InputError (ValueError)     input that cannot be used
         SceneError                a scene: .key, .remedy
         NoEngine                  there is no such engine here
-      EngineFailed                an engine broke: .engine, .reason
+      EngineFailed                an engine broke: .engine, .reason; of a comparison .comparison, with all others
       Unsupported                 an engine cannot honour the scene: .engine, .reason
       Diverged                    the numbers ran away: .engine, .time_s, .quantity, .partial (the run until then)
       ClusterError                workers or their scheduler were lost

@@ -15,7 +15,7 @@ use crate::rules::Rules;
 use crate::summary::engine_summary;
 use crate::verdict::Counts;
 use crate::windows::{self, SETTLING_S, Window};
-use crate::{CompareError, grid};
+use crate::{CompareError, grid, shown};
 
 /// Compares every finished run with every other on its track, window by window.
 ///
@@ -88,9 +88,11 @@ pub fn compare(
     let alone = engines.iter().flat_map(|e| &e.judged).map(|e| &e.result);
     let of_pairs = pairs.iter().flat_map(|p| &p.entries).map(|e| &e.result);
     alone.chain(of_pairs).for_each(|one| counts.add(one));
-    Ok(Comparison {
+    let findings = shown::findings(rules, &engines, &pairs, &quantities, judge.negligible);
+    let mut comparison = Comparison {
         context: context.clone(),
-        passed: counts.exit_status() == 0 && counts.agree > 0,
+        passed: false,
+        findings,
         resolution: rules.resolution,
         counts,
         unfinished: participants.len() - finished.len(),
@@ -100,7 +102,9 @@ pub fn compare(
         engines,
         pairs,
         matrices,
-    })
+    };
+    comparison.passed = comparison.exit_status() == 0;
+    Ok(comparison)
 }
 
 /// Every stated limit has something that it is held against.

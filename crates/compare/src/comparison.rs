@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::metrics::PairMetrics;
 use crate::participant::{Context, Cost, Status, Track};
 use crate::quantities::Quantity;
+use crate::shown::Finding;
 use crate::uncertainty::{Evidence, Method, Norm, QuantityUncertainty, Source};
 use crate::verdict::{Assessment, Counts};
 use crate::windows::{AbsentWindow, Window, WindowKind};
@@ -20,11 +21,13 @@ use pinwheel_timeseries::norms::Statistics;
 pub struct Comparison {
     /// The scene.
     pub context: Context,
-    /// Whether something agrees, and there is nothing to act on.
+    /// True if [`exit_status`](Self::exit_status) is 0.
     pub passed: bool,
+    /// Evidence for each thing that the user brought; where that is nothing, for all engines together.
+    pub findings: Vec<Finding>,
     /// The largest U that still counts as resolved, relative.
     pub resolution: f64,
-    /// Verdicts over all engines and pairs; a program's exit status is [`Counts::exit_status`].
+    /// Verdicts over all engines and pairs.
     pub counts: Counts,
     /// Engines that did not finish.
     pub unfinished: usize,
@@ -40,6 +43,20 @@ pub struct Comparison {
     pub pairs: Vec<Pair>,
     /// One matrix per track and window.
     pub matrices: Vec<Matrix>,
+}
+
+impl Comparison {
+    /// Returns the status that a program ends with: 1 where something differs, 4 where something that the user brought was not
+    /// shown to agree or something is inconclusive that a setting would settle, else 0.
+    #[must_use]
+    pub fn exit_status(&self) -> u8 {
+        let findings = self.findings.iter().map(|finding| finding.status);
+        let all = || findings.clone().chain([self.counts.exit_status()]);
+        match all().any(|status| status == 1) {
+            true => 1,
+            false => all().max().unwrap_or(0),
+        }
+    }
 }
 
 /// One engine alone.

@@ -12,7 +12,8 @@
 //! ```
 //!
 //! * [`uncertainty`]: the numerical uncertainty u of a run, from the same engine's runs at coarser settings.
-//! * [`verdict`]: the four verdicts, and the one function from verdicts to an exit status ([`Counts::exit_status`]).
+//! * [`verdict`]: the four verdicts.
+//! * [`shown`]: evidence for what the user brought, and [`Comparison::exit_status`].
 //! * [`model`]: engines with a contact model of their own, whose difference is an interval against a prediction.
 //! * [`validation`]: measured data, by ASME V&V 20.
 //! * [`metrics`]: every metric in one table.
@@ -69,7 +70,8 @@
 //! let result = &found.pairs[0].entries[0].result;
 //! assert_eq!(result.verdict, Verdict::Agree);
 //! assert!(result.bound.is_some_and(|bound| (1e-4..2e-4).contains(&bound)), "{result:?}");
-//! assert_eq!(found.counts.exit_status(), 0);
+//! assert_eq!(found.exit_status(), 0);
+//! assert_eq!(found.findings[0].line, "engines: agrees to 1.2e-4 (second-order and fourth-order: angle)");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -87,6 +89,7 @@ mod pairs;
 mod participant;
 pub mod quantities;
 mod rules;
+pub mod shown;
 pub mod sprague_geers;
 mod summary;
 pub mod uncertainty;

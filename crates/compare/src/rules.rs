@@ -8,6 +8,9 @@ use crate::validation::DataUncertainty;
 /// What verdicts are made by. `Rules::default()` has neither tables nor evidence.
 #[derive(Debug, Clone, Copy)]
 pub struct Rules<'a> {
+    /// Names of the participants that the user brought: solvers and records. [`findings`](crate::Comparison::findings) has a line
+    /// for each.
+    pub brought: &'a [&'a str],
     /// Limits stated for measured participants.
     pub stated: &'a [StatedLimit],
     /// Numerical uncertainty of the participants. With evidence for one, whatever is compared with others without is
@@ -31,6 +34,7 @@ impl Rules<'_> {
 impl Default for Rules<'_> {
     fn default() -> Self {
         Self {
+            brought: &[],
             stated: &[],
             evidence: &[],
             tolerances: &[],

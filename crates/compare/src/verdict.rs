@@ -289,8 +289,8 @@ impl Counts {
         self.agree + self.differ + self.inconclusive
     }
 
-    /// The status a program ends with: 1 where something differs, 4 where something is inconclusive that a setting would
-    /// settle, else 0.
+    /// Returns the status of these verdicts alone: 1 where something differs, 4 where something is inconclusive that a setting
+    /// would settle, else 0.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         if self.differ_actionable > 0 {

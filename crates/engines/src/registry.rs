@@ -51,6 +51,8 @@ pub struct EngineInfo<'a> {
     pub explicit_friction: bool,
     /// Whether it runs in a process of its own, whose CPU time is not this one's.
     pub outside: bool,
+    /// True for a solver of the user's: a comparison has to show something of it.
+    pub brought: bool,
     /// The form of a native engine.
     pub form: Option<Form>,
     /// Colour of its lines, the same on every page; `None`: one that follows from its name.
@@ -83,6 +85,7 @@ impl<'a> EngineInfo<'a> {
             model: &[],
             explicit_friction: false,
             outside: false,
+            brought: false,
             form: None,
             colour: None,
             feature: None,

@@ -1,6 +1,6 @@
 //! Engines by name, and solvers written in Python.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use pinwheel::engines::python::UserEngine;
 use pinwheel::engines::{Engine, Track};
@@ -46,7 +46,7 @@ impl Asked {
             differences: text("differences")?,
             order: engine.getattr("order")?.extract()?,
             drive,
-            raised: Mutex::new(None),
+            raised: Arc::default(),
         }))
     }
 

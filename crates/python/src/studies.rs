@@ -9,7 +9,7 @@ use pinwheel::studies::comparison::{Effort, foreign};
 use pinwheel::studies::{Provenance, StudyError, bench as benches, choice, comparison, explained};
 use pyo3::prelude::*;
 
-use crate::errors::{Raises, plain};
+use crate::errors::{Raises, ended, plain};
 use crate::guests::{self, Asked};
 use crate::scene::Core;
 use crate::supervise::{Desk, supervised};
@@ -22,38 +22,55 @@ pub(crate) fn made() -> Provenance {
 
 /// A comparison.
 #[pyclass(frozen, module = "pinwheel._core")]
-pub(crate) struct Compared(comparison::Outcome);
+pub(crate) struct Compared {
+    outcome: comparison::Outcome,
+    /// True if the caller named the engines.
+    asked: bool,
+    /// Exception of the first engine of the caller's that raised one.
+    failure: Option<PyErr>,
+}
 
 #[pymethods]
 impl Compared {
     /// Figures, distances and verdicts: the program's `summary.json`.
     fn json(&self) -> Raises<String> {
-        Ok(serde_json::to_string(&self.0.comparison)?)
+        Ok(serde_json::to_string(&self.outcome.comparison)?)
     }
 
     /// Name and time series of every participant that ran.
     fn time_series(&self, py: Python<'_>) -> PyResult<Vec<(String, Py<Columns>)>> {
-        let each = self.0.participants.iter().map(|participant| {
+        let each = self.outcome.participants.iter().map(|participant| {
             let columns = Columns(participant.time_series.clone());
             Ok((participant.name.clone(), Py::new(py, columns)?))
         });
         each.collect()
     }
 
+    /// True if the program would end with 0: something was shown of all that was asked for, and every engine named finished.
+    fn passed(&self) -> bool {
+        self.outcome.exit_status() == 0 && self.outcome.broken(self.asked).is_none()
+    }
+
+    /// Exception of an engine of the caller's that failed, with what it raised as its cause.
+    fn failure(&self, py: Python<'_>) -> Option<PyErr> {
+        self.failure.as_ref().map(|error| error.clone_ref(py))
+    }
+
     /// The page that opens offline.
     fn page(&self, py: Python<'_>) -> Raises<String> {
-        let page = py.detach(|| pages::comparison::page(&self.0, &made(), &AtomicBool::new(false)));
+        let page =
+            py.detach(|| pages::comparison::page(&self.outcome, &made(), &AtomicBool::new(false)));
         Ok(page.map_err(StudyError::from)?)
     }
 
     /// What a terminal shows.
     fn text(&self) -> String {
-        pages::comparison::text(&self.0.gearbox.scene, &self.0)
+        pages::comparison::text(&self.outcome.gearbox.scene, &self.outcome)
     }
 
     /// What it shows with `--verbose`.
     fn details(&self) -> String {
-        pages::comparison::details(&self.0)
+        pages::comparison::details(&self.outcome)
     }
 }
 
@@ -69,7 +86,16 @@ pub(crate) fn compare(
 ) -> Raises<Compared> {
     let checked = &scene.checked;
     let desk = Desk::new();
-    let engines = guests::engines(Asked::each(&engines, Some(&desk))?, checked)?;
+    let asked = Asked::each(&engines, Some(&desk))?;
+    let raised: Vec<_> = asked
+        .iter()
+        .filter_map(|engine| match engine {
+            Asked::Own(guest) => Some((guest.name.clone(), guest.raised.clone())),
+            Asked::Name(_) => None,
+        })
+        .collect();
+    let named = !asked.is_empty();
+    let engines = guests::engines(asked, checked)?;
     let pairs = against.iter().map(|(file, map)| (&**file, &**map));
     let data = foreign::open(pairs)?;
     let (longest_s, resolution) = effort;
@@ -83,7 +109,21 @@ pub(crate) fn compare(
         };
         comparison::run_with(&input, effort, control)
     })?;
-    Ok(Compared(found?))
+    let outcome = found?;
+    let failure = raised.iter().find_map(|(name, raised)| {
+        let mut all = outcome.participants.iter();
+        let failed = all.find(|one| {
+            one.name == *name && matches!(one.status, pinwheel::time_series::Ending::Failed { .. })
+        })?;
+        let error = PyErr::from(ended(name, &failed.status, None));
+        error.set_cause(py, raised.lock().ok()?.take());
+        Some(error)
+    });
+    Ok(Compared {
+        outcome,
+        asked: named,
+        failure,
+    })
 }
 
 /// What accuracy costs.

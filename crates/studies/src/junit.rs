@@ -54,10 +54,19 @@ pub fn write(path: &Path, name: &str, suites: Vec<TestSuite>) -> Result<(), Outp
     replace(path, text.as_bytes())
 }
 
-/// Every engine's run as a case, and every pair's statements.
+/// Findings as a suite, then every engine's run as a case, and every pair's statements. A finding of which nothing was shown is
+/// a failure.
 #[must_use]
 pub fn of_comparison(comparison: &Comparison) -> Vec<TestSuite> {
     let scene = &comparison.context.scene;
+    let findings = comparison.findings.iter().map(|finding| {
+        let ended = match finding.status {
+            0 => Ended::Passed,
+            _ => Ended::Failed(finding.line.clone()),
+        };
+        case(&finding.name, ended)
+    });
+    let findings = suite(&format!("{scene}: shown"), findings);
     let runs = comparison.engines.iter().map(|engine| {
         let why = engine.status.reason().unwrap_or_default();
         let ended = match engine.status {
@@ -79,7 +88,7 @@ pub fn of_comparison(comparison: &Comparison) -> Vec<TestSuite> {
         });
         suite(&format!("{scene}: {} and {}", pair.a, pair.b), cases)
     });
-    [runs].into_iter().chain(pairs).collect()
+    [findings, runs].into_iter().chain(pairs).collect()
 }
 
 /// A verdict's word, with what it rests on. What asks for something is a failure.

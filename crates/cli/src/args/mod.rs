@@ -203,7 +203,7 @@ pub(crate) struct CompareArgs {
     /// Engines to compare, separated by commas [default: all that can run the scene].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]
     pub(crate) engines: Vec<String>,
-    /// Seconds that the runs of one engine may take before it is refined no further.
+    /// CPU seconds that the runs of one engine may take before it is refined no further.
     #[arg(long, value_name = "SECONDS", default_value_t = 30.0)]
     pub(crate) longest: f64,
     /// How sharp statements are to be: the largest U of a pair that counts as resolved, relative.

@@ -4,5 +4,6 @@ mod common;
 mod edges;
 mod invariances;
 mod orders;
+mod shown;
 mod uncertainty;
 mod verdicts;

@@ -330,6 +330,7 @@ impl Engine for Solver {
             differences: &manifest.differences,
             refinement: manifest.refine,
             outside: true,
+            brought: true,
             summary: &manifest.summary,
             ..EngineInfo::own(&manifest.name, manifest.track)
         }

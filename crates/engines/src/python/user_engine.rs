@@ -40,7 +40,7 @@ pub struct UserEngine {
     /// The callable.
     pub drive: Py<PyAny>,
     /// What it raised last that is not one of the package's errors, for whoever shows a traceback.
-    pub raised: Mutex<Option<PyErr>>,
+    pub raised: Arc<Mutex<Option<PyErr>>>,
 }
 
 impl UserEngine {
@@ -84,6 +84,7 @@ fn loads<'py>(py: Python<'py>, law: &Published) -> PyResult<Bound<'py, PyCFuncti
 impl Engine for UserEngine {
     fn info(&self) -> EngineInfo<'_> {
         EngineInfo {
+            brought: true,
             differences: &self.differences,
             refinement: self.order.map(Refinement::step),
             summary: &self.summary,

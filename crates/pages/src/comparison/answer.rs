@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
+use pinwheel_compare::shown::{Finding, Kind, Shown};
 use pinwheel_compare::{Assessment, Comparison, Status, Track, Verdict as Judged, quantities};
 use pinwheel_engines::{Form, info, known, lacking};
 use pinwheel_report::comparison::{self, Headline};
@@ -124,8 +125,45 @@ impl<'a> Answer<'a> {
         }
     }
 
-    /// How it is shown, the verdict in a word or two, and what it is of. Good only where there is an agreement to show, and no
-    /// difference that nothing explains.
+    /// Evidence for each thing that the user brought, or for the engines together: a line each. Limits that hold are part of their
+    /// record's line.
+    pub(super) fn shown(&self) -> Vec<Fact> {
+        let findings = self.found.comparison.findings.iter();
+        let findings = findings.filter(|one| one.kind != Kind::Limit || one.shown != Shown::Agrees);
+        let fact = |one: &Finding| {
+            let mark = match (one.shown, one.status) {
+                (_, 1) => Mark::Bad,
+                (Shown::Agrees, 0) if self.scope().is_none() => Mark::Good,
+                _ => Mark::Warn,
+            };
+            match one.line.strip_prefix(&format!("{}: ", one.name)) {
+                Some(words) if one.kind != Kind::Limit => Fact::new(one.name.as_str(), mark, words),
+                _ => Fact::new("limit", mark, one.line.as_str()),
+            }
+        };
+        findings.map(fact).collect()
+    }
+
+    /// Reason why an agreement proves less than it could: engines that agree are all our own, or share the contact law.
+    fn scope(&self) -> Option<&'static str> {
+        let agrees = |of: fn(Track) -> bool| {
+            let mut entries = self.pairs_of(of);
+            entries.any(|(_, entry)| entry.result.verdict == Judged::Agree)
+        };
+        let mut twins = self.found.twins.iter();
+        if agrees(|track| matches!(track, Track::OwnContact | Track::Measured))
+            || twins.any(|twin| twin.verdict == Judged::Agree)
+        {
+            return None;
+        }
+        Some(match agrees(|track| track == Track::SharedLaw) {
+            true => "one contact law, shared by all engines that agree",
+            false => "our own engines alone",
+        })
+    }
+
+    /// Returns the tone, the verdict in a word or two, and the figure or difference that it is about. The tone is good only where
+    /// an agreement is more than one of engines that share the contact law, and no difference is unexplained.
     pub(super) fn judged(&self) -> (Tone, String, String) {
         let found = self.found;
         let mut twins = found.twins.iter();
@@ -144,13 +182,13 @@ impl<'a> Answer<'a> {
             let largest = found.largest().map(|largest| self.apart(&largest));
             return open(largest.unwrap_or_default());
         }
-        if plain.tone == Tone::Good && !found.shows_agreement() {
-            return open("nothing was compared with it".to_owned());
-        }
         let said = match self.worst(Judged::Differ, |_| true) {
             Some((pair, entry)) => self.who(pair, entry),
             None => self.unbalanced().unwrap_or_else(|| self.first_figure()),
         };
+        if let (Tone::Good, Some(scope)) = (plain.tone, self.scope()) {
+            return (Tone::Open, format!("{}, {scope}", plain.headline), said);
+        }
         (plain.tone, plain.headline, said)
     }
 

@@ -53,7 +53,7 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
     let answer = Answer::new(found, format::relative);
     study.verdict = Some(answer.verdict());
     study.tiles = answer.tiles();
-    study.top.clear();
+    study.top = vec![Block::Facts(answer.shown())];
     let under = |title: &str, facts: Vec<Fact>| {
         let heading = Block::Heading(title.to_owned());
         let facts = (!facts.is_empty()).then_some([heading, Block::Facts(facts)]);

@@ -46,6 +46,7 @@ fn with_notes(
     (kept, reasons): (usize, usize),
 ) -> String {
     let mut text = format!("{}\n\n", styled(TITLE, &paragraph(&crate::title(scene))));
+    text += &format!("{}\n", terminal::facts(&answer.shown()));
     let figures = answer.figures();
     text += &terminal::pairs(figures.iter().map(|one| {
         let value = format!("{} {}", one.value, one.unit);

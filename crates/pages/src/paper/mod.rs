@@ -24,17 +24,24 @@ pub fn page(
     made: &Provenance,
     cancel: &AtomicBool,
 ) -> Result<String, Cancelled> {
-    let verdicts = || {
-        let figures = found.figures.iter();
-        let figures = figures
-            .filter(|f| f.id.starts_with("fig"))
-            .map(|f| f.verdict);
-        figures.chain(found.claims.iter().map(|c| c.verdict))
+    // Every row of the two tables below.
+    let figures = found.figures.iter().map(|figure| figure.verdict);
+    let verdicts = figures.chain(found.claims.iter().map(|judged| judged.verdict));
+    let verdicts: Vec<ClaimVerdict> = verdicts.collect();
+    let count = |wanted| {
+        verdicts
+            .iter()
+            .filter(|verdict| **verdict == wanted)
+            .count()
     };
-    let count = |wanted: ClaimVerdict| verdicts().filter(|v| *v == wanted).count();
-    let all = verdicts().count();
-    let (holds, sometimes) = (ClaimVerdict::Holds, ClaimVerdict::Conditional);
-    let [holds, sometimes, not] = [holds, sometimes, ClaimVerdict::DoesNotHold].map(count);
+    let all = verdicts.len();
+    let [holds, sometimes, not, meaningless] = [
+        ClaimVerdict::Holds,
+        ClaimVerdict::Conditional,
+        ClaimVerdict::DoesNotHold,
+        ClaimVerdict::Meaningless,
+    ]
+    .map(count);
     let mut sections = vec![overview(found)];
     if !found.claims.is_empty() {
         sections.push(claims(found));
@@ -53,7 +60,7 @@ pub fn page(
             tone: Tone::Neutral,
             headline: format!("{holds} of {all} figures and claims hold when computed again"),
             detail: format!(
-                "{sometimes} hold under a condition, {not} do not; by {} runs.",
+                "{sometimes} hold under a condition, {not} do not, {meaningless} cannot be computed; by {} runs.",
                 found.runs
             ),
         }),

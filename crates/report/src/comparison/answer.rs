@@ -16,14 +16,13 @@ pub fn verdict(comparison: &Comparison) -> study::Verdict {
     // An engine that cannot run a scene says so beforehand; that is no finding.
     let broken = engines().filter(|e| e.status.is_broken()).count();
     let finished = engines().filter(|e| e.status.is_finished()).count();
-    let (tone, headline) = match (comparison.counts.exit_status(), broken) {
+    let (tone, headline) = match (comparison.exit_status(), broken) {
+        _ if finished == 0 => (Tone::Open, "No engine could run this scene".to_owned()),
         (1, _) => (Tone::Bad, "Differs".to_owned()),
         (_, 1) => (Tone::Bad, "1 engine did not finish".to_owned()),
         (_, 2..) => (Tone::Bad, format!("{broken} engines did not finish")),
-        (4, _) => (Tone::Open, "Not confirmed".to_owned()),
-        _ if comparison.passed => (Tone::Good, "Pass".to_owned()),
-        _ if finished == 0 => (Tone::Open, "No engine could run this scene".to_owned()),
-        _ => (Tone::Open, "Nothing compared".to_owned()),
+        (0, _) => (Tone::Good, "Pass".to_owned()),
+        _ => (Tone::Open, "Not confirmed".to_owned()),
     };
     let counts = words::counts(comparison);
     let all = comparison.engines.len();

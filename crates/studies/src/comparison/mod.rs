@@ -10,6 +10,7 @@ mod twins;
 use std::path::Path;
 use std::time::Duration;
 
+use pinwheel_compare::comparison::PairEntry;
 use pinwheel_compare::limits::Friction;
 use pinwheel_compare::model::{ModelTolerance, Prediction};
 use pinwheel_compare::{
@@ -127,7 +128,11 @@ pub fn run_with(
     let infos = input.engines.iter().map(|engine| engine.info());
     let own = infos.flat_map(|info| info.model.iter().map(move |stated| (info.name, *stated)));
     let tolerances: Vec<(&str, ModelTolerance)> = own.chain(of_solvers()).collect();
+    let solvers = input.engines.iter().map(|engine| engine.info());
+    let solvers = solvers.filter(|info| info.brought).map(|info| info.name);
+    let brought: Vec<&str> = solvers.chain(input.data.iter().map(Data::name)).collect();
     let rules = Rules {
+        brought: &brought,
         stated: &stated,
         evidence: &evidence,
         tolerances: &tolerances,
@@ -187,35 +192,16 @@ impl Largest<'_> {
 }
 
 impl Outcome {
-    /// What the largest difference is that a reader of the figures would see, once the gear runs steadily if it does.
+    /// Returns the largest difference between the native solver and another participant in mean torque or largest force, at the
+    /// samples that both have; once the gear runs steadily if it does.
     #[must_use]
     pub fn largest(&self) -> Option<Largest<'_>> {
         let windows = &self.comparison.windows;
         let steady = windows.iter().find(|w| w.kind != WindowKind::Transient);
         // In a start-up contacts of another kind swing otherwise.
         let window = steady.or(windows.first())?.kind;
-        let figure = |name: &str, quantity| {
-            let mut engines = self.comparison.engines.iter();
-            let engine = engines.find(|engine| engine.name == name)?;
-            let all = &engine.figures_in(window)?.quantities;
-            let statistics = all.get(quantity)?;
-            Some(match quantity {
-                columns::INPUT_TORQUE => statistics.mean,
-                _ => statistics.peak,
-            })
-        };
         let native = |p: &&Participant| p.track == Track::Native && p.status.is_finished();
         let native = self.participants.iter().rfind(native)?;
-        let verdict = |name: &str, quantity: &str| {
-            let mut pairs = self.comparison.pairs.iter();
-            let pair = pairs.find(|p| {
-                let both = [p.a.as_str(), p.b.as_str()];
-                both.contains(&native.name.as_str()) && both.contains(&name)
-            });
-            let mut entries = pair.into_iter().flat_map(|pair| &pair.entries);
-            let entry = entries.find(|e| e.quantity == quantity && e.window == window);
-            entry.map(|entry| entry.result.verdict)
-        };
         let others = self.participants.iter();
         let others = others.filter(|p| match p.track {
             Track::Native => false,
@@ -223,26 +209,33 @@ impl Outcome {
             Track::SharedLaw | Track::Measured => true,
         });
         let all = others.flat_map(|other| {
+            let mut pairs = self.comparison.pairs.iter();
+            let pair = pairs.find(|pair| {
+                let both = [&pair.a, &pair.b];
+                both.contains(&&native.name) && both.contains(&&other.name)
+            });
             let quantities = [
                 columns::EXTERNAL_FORCE,
                 columns::INTERNAL_FORCE,
                 columns::INPUT_TORQUE,
             ];
-            let verdict = &verdict;
             quantities.into_iter().filter_map(move |quantity| {
+                let mut entries = pair?.entries.iter();
+                let entry = entries.find(|e| e.quantity == quantity && e.window == window)?;
+                let [here, there] = both(entry, pair?.a == native.name)?;
                 Some(Largest {
                     engine: &other.name,
                     measured: other.track == Track::Measured,
                     quantity,
-                    here: figure(&native.name, quantity)?,
-                    there: figure(&other.name, quantity)?,
+                    here,
+                    there,
                     twin: self.twins.iter().find(|twin| twin.engine == other.name),
-                    verdict: verdict(&other.name, quantity),
+                    verdict: Some(entry.result.verdict),
                 })
             })
         });
-        let seen = |found: &Largest<'_>| found.here.abs().max(found.there.abs()) > ROUNDING;
-        all.filter(|found| seen(found) && found.share().is_finite())
+        let loaded = |most: &Largest<'_>| most.here.abs().max(most.there.abs()) > ROUNDING;
+        all.filter(|most| loaded(most) && most.share().is_finite())
             .max_by(|a, b| a.share().total_cmp(&b.share()))
     }
 
@@ -253,22 +246,11 @@ impl Outcome {
         largest.is_some_and(|found| found.share() > EXPLAINED && !found.is_explained())
     }
 
-    /// Whether there is an agreement to show: of two engines, of an engine with a native run with the same contacts, or with
-    /// measured data.
-    #[must_use]
-    pub fn shows_agreement(&self) -> bool {
-        let entries = self.comparison.pairs.iter().flat_map(|pair| &pair.entries);
-        let mut verdicts = entries.map(|entry| entry.result.verdict);
-        let twins = self.twins.iter().map(|twin| twin.verdict);
-        verdicts.any(|verdict| verdict == Verdict::Agree)
-            || twins.into_iter().any(|verdict| verdict == Verdict::Agree)
-    }
-
     /// The exit status: 1 too if an engine differs from its twin.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         let twins = self.twins.iter();
-        match self.comparison.counts.exit_status() {
+        match self.comparison.exit_status() {
             _ if twins.clone().any(|twin| twin.verdict == Verdict::Differ) => 1,
             status => status,
         }
@@ -327,6 +309,20 @@ impl Outcome {
         };
         Summary::new(made, found).write(dir)
     }
+}
+
+/// Returns the figure of both sides of a pair, the first side's first if `in_order`: the mean of a torque, the peak of a force.
+fn both(entry: &PairEntry, in_order: bool) -> Option<[f64; 2]> {
+    let metrics = entry.metrics.as_ref()?;
+    let (ratio, larger) = match entry.quantity.as_str() {
+        columns::INPUT_TORQUE => (metrics.mean_ratio?, metrics.larger_mean?),
+        _ => (metrics.peak_ratio?, metrics.larger_peak?),
+    };
+    let [a, b] = match ratio.abs() >= 1.0 {
+        true => [larger, larger / ratio],
+        false => [larger * ratio, larger],
+    };
+    Some(if in_order { [a, b] } else { [b, a] })
 }
 
 fn has_joined(engine: &str) -> bool {

@@ -26,7 +26,7 @@ use crate::control::{Control, Progress, WITHIN};
 /// How much is done for sharp statements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
-    /// Wall time that one engine's runs may take before it is refined no further.
+    /// CPU time that one engine's runs may take before it is refined no further.
     pub longest: Duration,
     /// Whether step, tolerance and integrator of the scene are obeyed as they stand. Otherwise they are where
     /// refinement begins.
@@ -316,12 +316,12 @@ impl<'a> Engines<'a> {
         }
     }
 
-    /// What the refinement study would take besides its coarsest run, which had this setting and took so long, s.
-    fn rest(&self, coarsest: f64, wall_s: f64) -> f64 {
+    /// Returns the CPU time of the refinement study besides its coarsest run, s; that run had this setting and took `cpu_s`.
+    fn rest(&self, coarsest: f64, cpu_s: f64) -> f64 {
         let finer = [self.value].into_iter().chain(self.coarser(self.value));
         finer
             .filter(|value| *value < coarsest)
-            .map(|value| wall_s * self.dearer(coarsest / value))
+            .map(|value| cpu_s * self.dearer(coarsest / value))
             .sum()
     }
 
@@ -354,6 +354,15 @@ impl At {
     }
 }
 
+/// Returns the CPU time of a run and its children, s: unlike wall time it hardly depends on what else the machine does, so that
+/// a verdict repeats.
+fn cpu_s(run: &Participant) -> f64 {
+    match run.cost.cpu_s {
+        known if known > 0.0 => known,
+        _ => run.cost.wall_s,
+    }
+}
+
 /// Runs an engine at several levels.
 pub(crate) fn refine(
     engine: &dyn Engine,
@@ -372,6 +381,12 @@ pub(crate) fn refine(
         let participant = take_part(engine, gearbox, most, at, control)?;
         let evidence = if participant.cost.recorded.is_some() {
             recorded(&participant)
+        } else if engine.info().brought {
+            Evidence::unknown(
+                name,
+                "it does not say which setting refines it, so its numerical uncertainty is not known",
+                "state `[refine]` in its manifest (of an engine in Python `order`)",
+            )
         } else {
             unknown(
                 name,
@@ -395,7 +410,7 @@ pub(crate) fn refine(
     {
         let run = engines.run(value, at, control)?;
         if run.status.is_finished() && run.cost.recorded.is_none() {
-            spent = run.cost.wall_s;
+            spent = cpu_s(&run);
             rest = engines.rest(value, spent);
             coarsest = Some((value, run));
         }
@@ -405,7 +420,7 @@ pub(crate) fn refine(
         Some(coarsest) => coarsest,
         None => {
             let run = engines.run(engines.value, at, control)?;
-            spent += run.cost.wall_s;
+            spent += cpu_s(&run);
             (engines.value, run)
         }
     };
@@ -414,7 +429,7 @@ pub(crate) fn refine(
         engines = next;
         value = engines.value;
         finest = engines.run(value, at, control)?;
-        spent += finest.cost.wall_s;
+        spent += cpu_s(&finest);
     }
     if finest.cost.recorded.is_some() {
         let evidence = recorded(&finest);
@@ -428,7 +443,7 @@ pub(crate) fn refine(
         }
         value /= 4.0;
         finest = engines.run(value, at, control)?;
-        spent += finest.cost.wall_s;
+        spent += cpu_s(&finest);
     }
     if !finest.status.is_finished() {
         let nothing = Evidence::unknown(name, "its run did not finish", "see its reason");
@@ -440,7 +455,7 @@ pub(crate) fn refine(
             Some((_, run)) => At::of(value, run),
             None => {
                 let run = engines.run(value, at, control)?;
-                spent += run.cost.wall_s;
+                spent += cpu_s(&run);
                 At::of(value, run)
             }
         });
@@ -474,7 +489,7 @@ pub(crate) fn refine(
             Knob::Step => (2_f64.powf(needed.log2().ceil()).clamp(2.0, MOST), 2.0),
             Knob::Tolerance => (10_f64.powf(needed.log10().ceil()).clamp(10.0, 100.0), 10.0),
         };
-        let next = |factor: f64| finest.cost.wall_s * engines.dearer(factor);
+        let next = |factor: f64| cpu_s(&finest) * engines.dearer(factor);
         // What would take too long at once may go in smaller steps.
         while spent + next(factor) > longest && factor > least {
             factor /= least;
@@ -483,16 +498,18 @@ pub(crate) fn refine(
         let mut finer = None;
         if spent + next <= longest && value / factor >= 1e-13 {
             let ran = engines.run(value / factor, at, control)?;
-            spent += ran.cost.wall_s;
+            spent += cpu_s(&ran);
             finer = ran.status.is_finished().then_some(ran);
         }
         let Some(finer) = finer else {
             // Foreign engines do what they can in the time they have; ours must do.
             if finest.track != Track::Native {
+                let enough = spent + 1.2 * cpu_s(&finest) * engines.dearer(needed);
                 is_final = Some(Final {
                     group: "engines refined as far as --longest allows",
                     reason: format!(
-                        "refined as far as {longest} s allow; the next run would take {next:.0} s (--longest)"
+                        "refined as far as {longest} s of CPU allow; give it more: --longest {:.0}",
+                        enough.max(spent + next).ceil()
                     ),
                 });
             }
