@@ -646,6 +646,19 @@ fn browser_shows_the_paper() {
         serde_json::from_str(&std::fs::read_to_string(dir.path().join("p/summary.json")).unwrap())
             .unwrap();
     assert_eq!(summary["figures"][0]["verdict"], "holds");
+    // The counts of the first screen are those of all rows.
+    let banner = browser.evaluate("document.querySelector('.banner').innerText");
+    let numbers = banner
+        .as_str()
+        .unwrap()
+        .split(|c: char| !c.is_ascii_digit());
+    let numbers: Vec<usize> = numbers.filter_map(|word| word.parse().ok()).collect();
+    let rows = |key: &str| summary[key].as_array().unwrap().len();
+    let [holds, all, sometimes, not, meaningless, _runs] = numbers[..] else {
+        panic!("{banner}");
+    };
+    assert_eq!(holds + sometimes + not + meaningless, all, "{banner}");
+    assert_eq!(all, rows("figures") + rows("claims"), "{banner}");
     // Two gearboxes took a sheet each in print.
     browser.media("print");
     let wide = browser.evaluate("document.querySelector('.gearbox-view canvas').clientWidth");

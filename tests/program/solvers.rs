@@ -209,7 +209,11 @@ fn crossval_a_held_out_solver_joins_every_command() {
         compared.contains("resolved / held-out-midpoint"),
         "{compared}"
     );
-    assert!(compared.contains("PASS  "), "{compared}");
+    assert!(
+        compared.contains("held-out-midpoint agrees to ")
+            && compared.contains("PASS, ONE CONTACT LAW"),
+        "{compared}"
+    );
     let junit = std::fs::read_to_string(folder.path().join("junit.xml")).expect("junit");
     assert!(
         junit.contains("native-resolved and held-out-midpoint"),
@@ -226,6 +230,58 @@ fn crossval_a_held_out_solver_joins_every_command() {
     run(&["sweep", "sweep.toml", "--out", "swept"]);
     let table = std::fs::read_to_string(folder.path().join("swept/results.csv")).expect("table");
     assert_eq!(table.matches("held-out-midpoint").count(), 2, "{table}");
+}
+
+/// Status 0 needs something shown of the solver, and the first lines name it.
+#[test]
+fn crossval_nothing_shown_of_a_solver_is_no_pass() {
+    let Some(folder) = example("c", "cc") else {
+        return;
+    };
+    let manifest = folder.path().join("mine/solver.toml");
+    let right = std::fs::read_to_string(&manifest).expect("manifest");
+    let (before, refine) = right.split_once("[refine]").expect("a study");
+    let command = right.lines().find(|line| line.starts_with("command"));
+    let broken = right.replace(command.expect("a command"), "command = [\"false\"]");
+    let compare = "compare paper --engines native-resolved,native-reduced --set solver.duration_s=0.01 \
+                   --solver mine/solver.toml --junit junit.xml --out out --force";
+    for (text, words, code, line, failures) in [
+        (&right, compare, 0, "mine agrees to ", 0),
+        (
+            &before.to_owned(),
+            compare,
+            4,
+            "mine nothing shown: mine: it does not say",
+            1,
+        ),
+        (&broken, compare, 3, "mine nothing shown: its run failed", 2),
+        (
+            &broken,
+            "stability paper --quick --solver mine/solver.toml",
+            4,
+            "mine: nothing shown: right in no scene",
+            0,
+        ),
+    ] {
+        std::fs::write(&manifest, text).expect("manifest");
+        let done = run_in(folder.path(), pinwheel_tests::words(words));
+        let top: Vec<&str> = done
+            .stdout
+            .lines()
+            .take(12)
+            .flat_map(str::split_whitespace)
+            .collect();
+        assert_eq!(done.code, Some(code), "{}{}", done.stdout, done.stderr);
+        assert!(top.join(" ").contains(line), "{}", done.stdout);
+        if words == compare {
+            let junit = std::fs::read_to_string(folder.path().join("junit.xml")).expect("junit");
+            assert!(
+                junit.contains(&format!("failures=\"{failures}\"")),
+                "{junit}"
+            );
+        }
+    }
+    assert!(refine.contains("order"));
 }
 
 #[test]

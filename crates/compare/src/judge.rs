@@ -154,7 +154,7 @@ impl Judge<'_> {
         let (found, otherwise) = match case.sides.track {
             Track::Measured => (
                 [self.limits(case), self.measured(case)].concat(),
-                "measured data: no limit and no uncertainty is stated for this quantity and window",
+                "measured data: its map states neither `[[limits]]` nor `uncertainty` for this quantity and window",
             ),
             _ if self.rules.evidence.is_empty() => {
                 (Vec::new(), "no numerical uncertainties are given")

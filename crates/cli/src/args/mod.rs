@@ -274,11 +274,13 @@ pub(crate) struct OpenArgs {
     pub(crate) print: bool,
 }
 
-/// How the program ends, in the words of every `--help` and of docs/verdicts.md.
+/// Meaning of the exit status, in the words of every `--help`, the README, docs/verdicts.md and docs/ci.md.
 pub(crate) const STATUS: &str = "\
-Exit status: 0 nothing to act on, 1 engines differ, 2 wrong input, 3 an engine
-is missing, diverged or failed, 4 something is inconclusive that a setting of
-yours would settle, 130 interrupted.";
+Exit status: 0 done, and something was shown of each thing that you brought (a
+solver, a record, a limit, a baseline; without any, a pair of engines agrees),
+1 something differs or is worse, 2 wrong input, 3 an engine is missing, diverged
+or failed, 4 nothing was shown of something, or it is inconclusive and a setting
+of yours would settle it, 130 interrupted.";
 
 /// The commands by what they are for.
 const GROUPS: [(&str, &[&str]); 4] = [
@@ -590,10 +592,16 @@ mod tests {
     }
 
     #[test]
-    fn the_document_of_verdicts_explains_the_status_in_the_same_words() {
+    fn documents_explain_the_status_in_the_words_of_the_help() {
         let words = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
         let told = words(STATUS).replace("Exit status: ", "");
-        assert!(words(include_str!("../../../../docs/verdicts.md")).contains(&told));
+        for document in [
+            include_str!("../../../../README.md"),
+            include_str!("../../../../docs/ci.md"),
+            include_str!("../../../../docs/verdicts.md"),
+        ] {
+            assert!(words(document).contains(&told));
+        }
     }
 
     #[test]

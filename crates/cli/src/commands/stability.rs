@@ -6,7 +6,7 @@ use pinwheel::studies::stability::{Atlas, Method, Options, SERVED};
 use pinwheel::studies::{Provenance, StudyError};
 
 use crate::args::{self, StabilityArgs, quoted};
-use crate::failure::{DIFFER, Failure, STOPPED};
+use crate::failure::{DIFFER, Failure, INCONCLUSIVE, STOPPED};
 use crate::folder::Folder;
 use crate::progress::watched;
 use crate::{interrupt, screen};
@@ -57,7 +57,8 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
     folder.show(&page, &pages::stability::text(&atlas))?;
     let unserved = atlas.unserved();
     if unserved.is_empty() {
-        return Ok(0);
+        let nothing = atlas.findings().any(|(_, shown)| !shown);
+        return Ok(if nothing { INCONCLUSIVE } else { 0 });
     }
     screen::complain(&format!(
         "no method gives {} within {} %; see the page",

@@ -167,7 +167,13 @@ fn a_limit_has_to_be_judged() {
         ),
         (10, 1.32, 1, 1, "rig: differs"),
         (200, 1.01, 1, 0, "rig: agrees to 5.0e-2 (driver torque)"),
-        (200, 1.01, 0, 4, "no limit and no uncertainty is stated"),
+        (
+            200,
+            1.01,
+            0,
+            4,
+            "its map states neither `[[limits]]` nor `uncertainty`",
+        ),
     ] {
         let stated = vec![limit.clone(); limits];
         let rules = Rules {

@@ -2,7 +2,7 @@
 
 use pinwheel_report::format;
 use pinwheel_report::terminal::{self, TITLE, styled};
-use pinwheel_studies::stability::{Atlas, Cell};
+use pinwheel_studies::stability::Atlas;
 use pinwheel_timeseries::table::{Mark, Table};
 
 /// In how many scenes a method gives the right picture, and what it asks of the step; without the place of the page.
@@ -13,12 +13,11 @@ pub fn text(atlas: &Atlas) -> String {
         let cells = scenes.iter();
         cells.filter_map(move |row| Some((row.scene.as_str(), row.cells.get(place)?)))
     };
-    let right = |cell: &Cell| cell.largest_step_s.is_some() || cell.failure.is_none();
     let methods = atlas.options.methods.iter().enumerate();
     let table = Table::of("", methods)
         .text("", "method", |(_, method)| method.name())
         .text("", "right", |(k, _)| {
-            let count = cells(*k).filter(|(_, cell)| right(cell)).count();
+            let count = cells(*k).filter(|(_, cell)| cell.is_right()).count();
             format!("{count} of {}", scenes.len())
         })
         .text(
@@ -38,7 +37,7 @@ pub fn text(atlas: &Atlas) -> String {
             },
         )
         .text("", "fails in", |(k, _)| {
-            let wrong = cells(*k).filter(|(_, cell)| !right(cell));
+            let wrong = cells(*k).filter(|(_, cell)| !cell.is_right());
             wrong.map(|(scene, _)| scene).collect::<Vec<_>>().join(", ")
         })
         .marked(|_| Mark::Bad);
@@ -47,9 +46,12 @@ pub fn text(atlas: &Atlas) -> String {
         .filter_map(|row| Some((&row.scene, row.refused.as_ref()?)));
     let refused =
         refused.map(|(scene, why)| terminal::paragraph(&format!("{scene}: {why}")) + "\n");
+    let findings = atlas.findings();
+    let findings = findings.map(|(line, _)| terminal::paragraph(&line) + "\n");
     format!(
-        "{}\n{}{}The map of scenes and methods is on the page.",
+        "{}\n{}{}{}The map of scenes and methods is on the page.",
         styled(TITLE, "stability"),
+        findings.collect::<String>(),
         terminal::table(&table.done().without_empty()),
         refused.collect::<String>()
     )

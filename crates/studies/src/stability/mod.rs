@@ -189,6 +189,12 @@ pub struct Cell {
 }
 
 impl Cell {
+    /// True if the method gives the right picture at the study's step or at a shorter one.
+    #[must_use]
+    pub fn is_right(&self) -> bool {
+        self.largest_step_s.is_some() || self.failure.is_none()
+    }
+
     /// Error of the forces where the method gives the right picture (0 where nothing carries force).
     #[must_use]
     pub fn right_to(&self) -> Option<f64> {
@@ -272,6 +278,30 @@ impl Atlas {
             self.rows[k] = row;
         }
         fault.map_or(Ok(()), Err)
+    }
+
+    /// Returns a line for each solver of the user's, and true if it gives some scene rightly.
+    pub fn findings(&self) -> impl Iterator<Item = (String, bool)> {
+        let methods = self.options.methods.iter().enumerate();
+        methods.filter_map(|(place, method)| {
+            let name = method.solver.as_ref()?;
+            let cells: Vec<&Cell> = self.done().filter_map(|row| row.cells.get(place)).collect();
+            let right = cells.iter().filter(|cell| cell.is_right()).count();
+            let mut failures = cells.iter().filter_map(|cell| cell.failure.as_ref());
+            let first = failures
+                .next()
+                .map_or_else(String::new, |why| format!("; first: {}", why.sentence()));
+            Some(match right {
+                0 => (
+                    format!("{name}: nothing shown: right in no scene{first}"),
+                    false,
+                ),
+                _ => (
+                    format!("{name}: right in {right} of {} scenes", cells.len()),
+                    true,
+                ),
+            })
+        })
     }
 
     /// Names of the scenes that no method gives within [`SERVED`].
