@@ -15,7 +15,7 @@ use crate::rules::Rules;
 use crate::summary::engine_summary;
 use crate::verdict::Counts;
 use crate::windows::{self, SETTLING_S, Window};
-use crate::{CompareError, grid, shown};
+use crate::{CompareError, findings, grid};
 
 /// Compares every finished run with every other on its track, window by window.
 ///
@@ -88,7 +88,7 @@ pub fn compare(
     let alone = engines.iter().flat_map(|e| &e.judged).map(|e| &e.result);
     let of_pairs = pairs.iter().flat_map(|p| &p.entries).map(|e| &e.result);
     alone.chain(of_pairs).for_each(|one| counts.add(one));
-    let findings = shown::findings(rules, &engines, &pairs, &quantities, judge.negligible);
+    let findings = findings::of(rules, &engines, &pairs, &quantities, judge.negligible);
     let mut comparison = Comparison {
         context: context.clone(),
         passed: false,

@@ -79,6 +79,7 @@ mod balance;
 mod compare;
 pub mod comparison;
 mod error;
+mod findings;
 mod grid;
 mod judge;
 pub mod limits;
