@@ -38,7 +38,8 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let page = pages::comparison::page(&found, &made, interrupt::flag())?;
     let mut text = pages::comparison::text(scene, &found);
     if screen::manner().verbose {
-        text.insert_str(0, &pages::comparison::details(&found));
+        text.push('\n');
+        text.push_str(&pages::comparison::details(&found));
     }
     folder.show(&page, &text)?;
     if let Some(path) = &args.junit {
