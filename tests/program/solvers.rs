@@ -254,7 +254,7 @@ fn crossval_nothing_shown_of_a_solver_is_no_pass() {
             &before.to_owned(),
             compare,
             4,
-            "mine nothing shown: mine: it does not say",
+            "mine nothing shown: it does not say",
             1,
         ),
         (&broken, compare, 3, "mine nothing shown: its run failed", 2),

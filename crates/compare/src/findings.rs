@@ -97,7 +97,8 @@ fn participant(engine: &EngineSummary, entries: &Entries<'_>, quantities: &[Quan
             Some(reason) => format!("its run {reason}"),
             None => entries_reason(entries),
         };
-        return named.nothing(&why);
+        let own = format!("{}: ", engine.name);
+        return named.nothing(why.strip_prefix(&own).unwrap_or(&why));
     }
     let names: Vec<String> = quantities
         .iter()
@@ -211,7 +212,7 @@ fn together(
     });
     if let Some((pair, bound)) = best {
         let names = headline.iter().map(|q| q.name.clone()).collect();
-        let what = format!("{} and {}: {labels}", pair.a, pair.b);
+        let what = format!("{} and {}", pair.a, pair.b);
         return named.agrees(names, bound, &what, 0);
     }
     let what = format!("no pair of engines agrees in each of {labels}");

@@ -71,7 +71,7 @@
 //! assert_eq!(result.verdict, Verdict::Agree);
 //! assert!(result.bound.is_some_and(|bound| (1e-4..2e-4).contains(&bound)), "{result:?}");
 //! assert_eq!(found.exit_status(), 0);
-//! assert_eq!(found.findings[0].line, "engines: agrees to 1.2e-4 (second-order and fourth-order: angle)");
+//! assert_eq!(found.findings[0].line, "engines: agrees to 1.2e-4 (second-order and fourth-order)");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 

@@ -101,7 +101,7 @@ fn engines_alone_need_a_pair_that_agrees() {
     assert!(
         found.findings[0]
             .line
-            .starts_with("engines: agrees to 2.0e-6 (a and b: ")
+            .starts_with("engines: agrees to 2.0e-6 (a and b)")
     );
     let own = [
         native("a"),
