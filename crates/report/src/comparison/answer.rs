@@ -86,7 +86,7 @@ impl Headline<'_> {
 #[must_use]
 pub fn best(comparison: &Comparison) -> Option<(&EngineSummary, WindowKind)> {
     // Of a run that does not come to be steady all of it: its largest force may come after the start-up.
-    let mut windows = comparison.windows.iter().map(|window| window.kind);
+    let windows = comparison.windows.iter().map(|window| window.kind);
     let window = windows.min_by_key(|kind| *kind == WindowKind::Transient)?;
     let rank = |e: &EngineSummary| {
         let off = numerical(comparison, e, window).unwrap_or(f64::INFINITY);
