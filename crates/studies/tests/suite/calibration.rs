@@ -37,7 +37,7 @@ fn crossval_stated_uncertainties_cover_true_errors() {
     assert!(found.rows(false).last().unwrap().cases >= 25, "{found:?}");
     let rows = found.rows(false);
     let all = rows.last().unwrap();
-    // 8.1 times the error in the median. Two of the gears rub by explicit steps, which show no order; taken for that of kinks, u was
+    // 16 times the error in the median. Two of the gears rub by explicit steps, which show no order; taken for that of kinks, u was
     // no more than one of their errors.
     assert!(
         all.coverage() >= calibration::COVERAGE && all.sharpness < calibration::SHARPNESS,
