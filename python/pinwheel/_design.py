@@ -85,6 +85,7 @@ class Figure:
         uncertainty: how far the value may be off numerically; None where that is not known
         by_contact_law: least and largest by the contact laws that may be right for these materials
         over_the_mesh: least and largest over the mesh
+        over_the_mesh_uncertainty: how far either may be off numerically
         how: how it is counted
         shown: the value with the digits that it is known to
         bounds: in words, how far it is known
@@ -98,6 +99,7 @@ class Figure:
     uncertainty: float | None
     by_contact_law: tuple[float, float] | None
     over_the_mesh: tuple[float, float] | None
+    over_the_mesh_uncertainty: tuple[float, float] | None
     how: str
     shown: str
     bounds: str
@@ -147,7 +149,7 @@ class Design(Paged, Mapping[str, Figure]):
         rows = []
         for figure in self.values():
             row = {field.name: getattr(figure, field.name) for field in fields(figure)}
-            for name in ("by_contact_law", "over_the_mesh"):
+            for name in ("by_contact_law", "over_the_mesh", "over_the_mesh_uncertainty"):
                 row[f"{name}_least"], row[f"{name}_largest"] = row.pop(name) or (None, None)
             rows.append(row)
         return wanted("pandas", "frames").DataFrame(rows).set_index("key")
@@ -179,6 +181,7 @@ class Design(Paged, Mapping[str, Figure]):
 
 def _figure(found: dict[str, Any], what: str, shown: str, bounds: str) -> Figure:
     band, mesh = found.get("by_contact_law"), found.get("over_the_mesh")
+    ends = found.get("over_the_mesh_numerical_uncertainty")
     return Figure(
         key=found["key"],
         what=what,
@@ -187,6 +190,7 @@ def _figure(found: dict[str, Any], what: str, shown: str, bounds: str) -> Figure
         uncertainty=found["numerical_uncertainty"],
         by_contact_law=None if band is None else (band[0], band[1]),
         over_the_mesh=None if mesh is None else (mesh[0], mesh[1]),
+        over_the_mesh_uncertainty=None if ends is None else (ends[0], ends[1]),
         how=found["how"],
         shown=shown,
         bounds=bounds,

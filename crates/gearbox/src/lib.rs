@@ -50,7 +50,7 @@ use pinwheel_scene::{self as scene, Layout, Sleeve, load_course};
 pub use efficiency::Efficiency;
 pub use error::GearboxError;
 pub use explain::{Explanation, Statement, explain};
-pub use frequencies::{Frequencies, friction_rate};
+pub use frequencies::{Frequencies, friction_rate, unfollowed};
 pub use gearbox::Gearbox;
 pub use geometry::Geometry;
 pub use pinwheel_timeseries::norms::{Distance, Least};

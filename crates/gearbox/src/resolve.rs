@@ -408,6 +408,7 @@ impl Refinement {
                 .map_or(SAFETY_UNCONFIRMED * apart, |known| known.u)
                 .max(LEAST_SHARE * of(&moved))
         })
+        .torque_as_forces()
     }
 
     /// The next refinement: to a third of the target.

@@ -363,13 +363,20 @@ fn counted(one: &DesignFigure) -> String {
     // How it changes is known to more digits than how much it is.
     if let Some(value) = one.value.filter(|_| wide(one).is_some()) {
         let percent = |share: f64| format!("{} %", significant(100.0 * share.abs(), 2));
-        let varies = percent((largest - least) / value);
+        let off = one.mesh_uncertainty.map_or(0.0, |[a, b]| a + b);
+        let varies = [largest - least, off].map(|length| 100.0 * length / value.abs());
+        let varies = with_uncertainty(Some(varies[0]), Some(varies[1]));
         let mean = mean.map_or_else(String::new, |mean| {
             format!(", {} less on average", percent(1.0 - mean / value))
         });
-        return format!("{}; varies by {varies} over the mesh{mean}", one.how);
+        return format!("{}; varies by {varies} % over the mesh{mean}", one.how);
     }
-    let [least, largest] = spread.map(figure);
+    let [least, largest] = spread;
+    let [of_least, of_largest] = one
+        .mesh_uncertainty
+        .map_or([None; 2], |ends| ends.map(Some));
+    let least = with_uncertainty(Some(least), of_least);
+    let largest = with_uncertainty(Some(largest), of_largest);
     let mean = mean.map_or_else(String::new, |mean| format!(", {} on average", figure(mean)));
     format!("{}; {least} to {largest} over the mesh{mean}", one.how)
 }

@@ -8,8 +8,8 @@
 //! A run by `auto` or by `native-resolved` brings its own verification ([`pinwheel_gearbox::resolve`]); this is for named methods.
 
 use pinwheel_gearbox::resolve::convergence_of;
-use pinwheel_gearbox::{Distance, Gearbox};
-use pinwheel_mbs::integrators::method;
+use pinwheel_gearbox::{Distance, Gearbox, unfollowed};
+use pinwheel_mbs::integrators::{Family, method};
 use pinwheel_timeseries::TimeSeries;
 use pinwheel_timeseries::convergence::{self, Step};
 use serde::{Deserialize, Serialize};
@@ -37,7 +37,7 @@ pub struct Resolution {
     /// How far the run moves; `None` if the other run failed too.
     pub moved: Option<Distance>,
     /// What follows for the run's own error from the time on that was asked for, by [`convergence::estimate`]. `None` where
-    /// both runs have too few samples in common there.
+    /// both runs have too few samples in common there, or explicit steps do not follow the friction ([`unfollowed`]).
     pub error: Option<Distance>,
     /// The most that it may.
     pub most: f64,
@@ -127,7 +127,11 @@ fn error(
     (coarser, finer): (&TimeSeries, &TimeSeries),
     from_s: f64,
 ) -> Option<Distance> {
-    let info = method(&gearbox.scene.solver.integrator)?;
+    let (scene, info) = (&gearbox.scene, method(&gearbox.scene.solver.integrator)?);
+    let is_stepped = info.family == Family::Explicit && !info.adaptive;
+    if is_stepped && unfollowed(scene, scene.solver.step_s).is_some() {
+        return None;
+    }
     let [coarser, finer] = [coarser, finer].map(|time_series| {
         let rows: Vec<usize> = time_series.window(from_s, f64::INFINITY).collect();
         time_series.select(&rows)
@@ -142,7 +146,7 @@ fn error(
         known.map_or(f64::NAN, |known| known.u)
     };
     let found = Distance::of_each(|part| bound(part(&apart)));
-    (!found.worst().is_nan()).then_some(found)
+    (!found.worst().is_nan()).then(|| found.torque_as_forces())
 }
 
 /// The gearbox at a step `factor` times finer, or at a tolerance ten times finer (coarser where `factor` is below 1), and then half

@@ -67,6 +67,14 @@ pub const KINKS: f64 = 0.5;
 /// The same of explicit Runge-Kutta methods, whose few long steps scatter more: measured with Dormand-Prince on 90 random gears
 /// without friction, where [`KINKS`] covers 93.8 % of 432 errors and this 96.
 pub const KINKS_EXPLICIT: f64 = 0.43;
+/// The order with which the next difference of runs at several tolerances counts. On average errors fall with the tolerance itself. But a
+/// step over a kink or a jump is off by where in it that falls, which the method's own estimate does not see (of Dormand-Prince's
+/// step over a jump it is a hundredth of the error), so that two runs may be wrong alike by accident. Counted with the order 1,
+/// the next difference hid that: of 1 163 errors of 73 gears without friction, 40 of them like `three39` of the tests, by two methods
+/// at several tolerances 93.5 % were covered and 17 above 2 u. With these orders 97.7 % are, and 2; the median of u over the error
+/// rises from 5.4 to 8.5. [`LOOSE_EXPLICIT`] is that of explicit Runge-Kutta methods.
+const LOOSE: f64 = 2.0 / 3.0;
+const LOOSE_EXPLICIT: f64 = 0.5;
 /// The order in a tolerance where forces jump from point to point, which no method follows: each run has an error of its own.
 pub const SCATTER: f64 = 0.0;
 
@@ -353,18 +361,21 @@ pub fn estimate(
             Some(Rough::Kinks) => (order, SAFETY),
             Some(Rough::Jumps) => (RAMPS, safety),
             Some(Rough::Points) => (order, safety),
-            // With friction, and at tolerances, coarse runs fall with the method's own order.
+            // With friction coarse runs fall with the method's own order.
             Some(Rough::Friction) => {
                 largest = largest.max(CHATTER * fine.difference);
                 (method.stated_order(), safety)
             }
-            None if method.allowed_order() < method.stated_order() => {
-                (method.stated_order(), safety)
-            }
-            None => (order, safety),
+            None => match method {
+                Method::Tolerance { order } if order < KINKS => (LOOSE_EXPLICIT, safety),
+                Method::Tolerance { order } if order < 1.0 => (LOOSE, safety),
+                _ => (order, safety),
+            },
         };
         // Clearly more than that order is luck: the finest difference is small for no reason, the next one is not.
         let is_luck = observed.is_some_and(|observed| observed > order + ORDER_MARGIN);
+        // An order that is loose leaves room for it.
+        let is_luck = is_luck && !matches!(method, Method::Tolerance { order } if order < 1.0);
         let safety = if is_luck { SAFETY_UNCONFIRMED } else { safety };
         for step in &steps[1..] {
             let next = refinement * step.ratio;

@@ -223,6 +223,17 @@ impl Distance {
         }
     }
 
+    /// As errors of a run. The torque is a sum of forces times lever arms, so it is known no better than they are, however near
+    /// two runs of it lie by accident.
+    #[must_use]
+    pub fn torque_as_forces(&self) -> Self {
+        Self {
+            driver_torque: self.driver_torque.max(self.forces),
+            torque_at_most: self.torque_at_most.max(self.force_at_most),
+            ..*self
+        }
+    }
+
     /// The larger of both L2; NaN if either is.
     #[must_use]
     pub fn worst(&self) -> f64 {

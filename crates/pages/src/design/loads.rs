@@ -87,11 +87,11 @@ pub(super) fn sharing(found: &DesignResult) -> Section {
     )
 }
 
-/// Force on the bearing of wheel 0 over the period of each.
+/// Force on the bearing that carries most over the period of each.
 pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
     let mut series = Vec::new();
     for (k, (_, found)) in designs.iter().enumerate() {
-        let Some(bearing) = found.bearings.first() else {
+        let Some(bearing) = found.most_loaded() else {
             continue;
         };
         let turn = degrees(&found.input_angle_rad);
@@ -112,7 +112,7 @@ pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
 
 /// Harmonics of the part that only loads the bearing.
 fn bearing_orders(found: &DesignResult) -> Chart {
-    let wheel = found.bearings.iter().take(1);
+    let wheel = found.most_loaded().into_iter();
     let harmonics = wheel.flat_map(|bearing| &bearing.radial_harmonics);
     let (orders, sizes): (Vec<f64>, Vec<f64>) =
         harmonics.map(|h| (h.input_order, h.amplitude_n)).unzip();
@@ -143,8 +143,13 @@ pub(super) fn bearings(found: &DesignResult) -> Section {
         title,
         [
             Block::Text(format!(
-                "{carried} Wheel 0 of {}; the others follow a share of a turn later.",
-                found.bearings.len()
+                "{carried} Wheel {} of {}; {}.",
+                found.most_loaded().map_or(0, |bearing| bearing.wheel),
+                found.bearings.len(),
+                match found.scene.gear.errors.is_none() {
+                    true => "the others follow a share of a turn later",
+                    false => "no other carries more",
+                }
             )),
             Block::Charts(vec![bearing_chart(&[("", found)]), bearing_orders(found)]),
         ],

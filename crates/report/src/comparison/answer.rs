@@ -84,7 +84,9 @@ impl Headline<'_> {
 /// none does, one that is not recorded, and of those the one of the smallest uncertainty.
 #[must_use]
 pub fn best(comparison: &Comparison) -> Option<(&EngineSummary, WindowKind)> {
-    let window = comparison.windows.first()?.kind;
+    // Of a run that does not come to be steady all of it: its largest force may come after the start-up.
+    let windows = comparison.windows.iter().map(|window| window.kind);
+    let window = windows.min_by_key(|kind| *kind == WindowKind::Transient)?;
     let rank = |e: &EngineSummary| {
         let off = numerical(comparison, e, window).unwrap_or(f64::INFINITY);
         (e.cost.recorded.is_some(), off)

@@ -14,7 +14,7 @@ use pinwheel_compare::{
 use pinwheel_engines::{Engine, Form, Knob, Native, Refinement};
 use pinwheel_gearbox::auto::{self, Plan};
 use pinwheel_gearbox::resolve::{by_step, by_tolerance};
-use pinwheel_gearbox::{Gearbox, friction_rate};
+use pinwheel_gearbox::{Gearbox, unfollowed};
 use pinwheel_mbs::integrators::{Family, UNSEEN, method};
 use pinwheel_scene::{CheckedScene, Override, preset};
 use pinwheel_timeseries::TimeSeries;
@@ -118,11 +118,6 @@ struct Engines<'a> {
 /// Tolerance of RODAS5P where a comparison begins: ten times looser is as loose as it may be.
 const ROSENBROCK: f64 = 1e-6;
 
-/// Longest step that follows a relaxation explicitly, in its time under the static force: half of where methods of order two are
-/// stable on the real axis (Hairer and Wanner, Solving Ordinary Differential Equations II, 1996, ch. IV.2), as the force may be
-/// up to twice as large. At 2.8 one of a hundred gears had a driver's torque 14 % off with a u of 0.03 %.
-const FOLLOWED: f64 = 1.0;
-
 const EXPLICIT: &str = "its friction is not ours or explicit, and takes steps of about 2e-7 s";
 
 impl<'a> Engines<'a> {
@@ -212,12 +207,11 @@ impl<'a> Engines<'a> {
         plans.iter().filter_map(way).collect()
     }
 
-    /// How many times shorter than `value` its steps must be to follow explicit friction; `None` where they do. Longer ones chatter from
-    /// side to side of its ramp: two steps may do that alike, and then agree on a wrong force.
+    /// How many times shorter than `value` its steps must be to follow explicit friction; `None` where they do.
     fn chatters(&self, value: f64) -> Option<f64> {
         let explicit = self.is_runge_kutta() || self.own.info().explicit_friction;
-        let shorter = value * friction_rate(&self.gearbox.scene) / FOLLOWED;
-        (explicit && self.knob == Knob::Step && shorter > 1.0).then_some(shorter)
+        let shorter = unfollowed(&self.gearbox.scene, value);
+        shorter.filter(|_| explicit && self.knob == Knob::Step)
     }
 
     fn has_friction(&self) -> bool {

@@ -57,7 +57,7 @@ definitions! {
     PRESSURE_SLIDING = "pressure_sliding_mpa_m_s", "largest pressure times sliding", "MPa m/s",
         "on pins that do not turn";
     BEARING_FORCE = "eccentric_bearing_force_n", "eccentric bearing, largest force", "N",
-        "of the contacts on wheel 0";
+        "largest of a pose, of all wheels";
 
     BEARING_LIFE = "eccentric_bearing_life_h", "eccentric bearing, basic rating life", "h",
         "L10h after ISO 281 of the most loaded wheel, rated speed and load throughout";
@@ -117,6 +117,12 @@ pub struct DesignFigure {
     /// Least and largest over the mesh, of what is one figure a pose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over_the_mesh: Option<[f64; 2]>,
+    /// How far either may be off numerically.
+    #[serde(
+        rename = "over_the_mesh_numerical_uncertainty",
+        skip_serializing_if = "Option::is_none"
+    )]
+    pub mesh_uncertainty: Option<[f64; 2]>,
     /// Its mean over the mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_over_the_mesh: Option<f64>,
@@ -151,6 +157,8 @@ pub(super) struct Summed {
     pub(super) sharing: [Sharing; 2],
     pub(super) pressure: [Pressure; 2],
     pub(super) bearings: Vec<Bearing>,
+    /// Force of a pose on the bearing that carries most in it, N.
+    bearing_force: Spread,
     /// Peak to peak of the transmission error, rated and unloaded, arcmin.
     pub(super) error: [f64; 2],
     /// What one pin at one wheel in one pose changes of the mean number that touch.
@@ -202,6 +210,7 @@ impl Balances {
             quantum: loaded.first().map_or(1.0, |pose| {
                 1.0 / (loaded.len() * pose.bearings.len()) as f64
             }),
+            bearing_force: Spread::of(loaded.iter().map(|pose| pose.largest_bearing_n())),
             bearings: Bearing::all(&loaded),
             error,
         }
@@ -328,6 +337,7 @@ impl Definition {
             value,
             uncertainty: value.and(uncertainty.into()),
             over_the_mesh: None,
+            mesh_uncertainty: None,
             mean_over_the_mesh: None,
             by_contact_law: None,
             how: self.how,
@@ -353,6 +363,7 @@ impl DesignFigure {
             value: None,
             uncertainty: None,
             over_the_mesh: None,
+            mesh_uncertainty: None,
             mean_over_the_mesh: None,
             ..self
         }
@@ -362,6 +373,7 @@ impl DesignFigure {
     pub(super) fn over(self, spread: &Spread) -> Self {
         Self {
             over_the_mesh: Some([spread.min, spread.max]),
+            mesh_uncertainty: Some([spread.min, spread.max].map(|end| ROUNDING * end.abs())),
             mean_over_the_mesh: Some(spread.mean),
             ..self
         }
@@ -378,6 +390,10 @@ pub(super) fn parted(
         for (figure, other) in figures.iter_mut().zip(of(parts, part)) {
             let moved = figure.value.zip(other.value).map(|(a, b)| (a - b).abs());
             figure.uncertainty = figure.uncertainty.zip(moved).map(|(u, moved)| u.max(moved));
+            let ends = figure.over_the_mesh.zip(other.over_the_mesh);
+            if let (Some(off), Some((all, some))) = (&mut figure.mesh_uncertainty, ends) {
+                *off = [0, 1].map(|end| off[end].max((all[end] - some[end]).abs()));
+            }
         }
     }
     figures
@@ -415,8 +431,7 @@ impl Summed {
             figures.retain(|figure| !of_pins.contains(&figure.key));
             return figures;
         }
-        let bearing = self.bearings.first();
-        figures.extend(bearing.map(|bearing| largest(BEARING_FORCE, &bearing.force_n)));
+        figures.push(largest(BEARING_FORCE, &self.bearing_force));
         figures
     }
 }

@@ -228,6 +228,12 @@ impl Pose {
         })
     }
 
+    /// Force on the bearing that carries most, N.
+    pub(super) fn largest_bearing_n(&self) -> f64 {
+        let sizes = self.bearings.iter().map(|[r, t]| r.hypot(*t));
+        sizes.fold(0.0, f64::max)
+    }
+
     pub(super) fn of(&self, stage: Stage) -> impl Iterator<Item = &Pair> {
         self.pairs.iter().filter(move |pair| stage.has(pair.sleeve))
     }

@@ -69,6 +69,9 @@ const POSES: usize = 24;
 const FEW: usize = 24;
 /// Points of the curve of torsion, on either side of 0.
 const CURVE: usize = 20;
+/// Share by which the largest forces of two bearings differ that are sampled at other poses of the same mesh: of gears without
+/// errors 1e-3 at most.
+const ALIKE: f64 = 1e-2;
 /// Shares of the rated speed and torque of the efficiency's map.
 const SPEEDS: [f64; 2] = [0.5, 1.0];
 const TORQUES: [f64; 3] = [0.25, 0.5, 1.0];
@@ -530,6 +533,19 @@ impl DesignResult {
     pub fn fit_rest(&mut self, stated_n_m_per_arcmin: f64) -> Result<(), StudyError> {
         self.rest = Some(Rest::of(self, stated_n_m_per_arcmin)?);
         Ok(())
+    }
+
+    /// The eccentric bearing with the largest force; the first of wheels that carry alike.
+    #[must_use]
+    pub fn most_loaded(&self) -> Option<&Bearing> {
+        let more = |a: &Bearing, b: &Bearing| b.force_n.max > a.force_n.max * (1.0 + ALIKE);
+        let mut bearings = self.bearings.iter();
+        bearings.next().map(|first| {
+            bearings.fold(
+                first,
+                |most, other| if more(most, other) { other } else { most },
+            )
+        })
     }
 
     /// What gives way and its share of the whole compliance; with a fitted rest, of the whole with it. Empty where contacts alone

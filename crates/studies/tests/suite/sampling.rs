@@ -9,16 +9,18 @@
 
 mod images;
 
+use std::collections::BTreeMap;
+
 use images::Units;
 use pinwheel_compare::quantities::derive;
-use pinwheel_engines::{Engine, Native};
+use pinwheel_engines::{Engine, Native, Run, RunStats};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Detection, Override, Scene, Start};
 use pinwheel_studies::calibration::gears;
 use pinwheel_studies::single::Outcome;
-use pinwheel_studies::{Control, single};
-use pinwheel_timeseries::columns;
-use pinwheel_timeseries::norms::{Statistics, View};
+use pinwheel_studies::{Control, reference, single};
+use pinwheel_timeseries::norms::{Distance, Statistics, View};
+use pinwheel_timeseries::{TimeSeries, columns};
 
 /// Gears of an ordinary test run.
 const GEARS: u64 = 10;
@@ -313,4 +315,123 @@ fn hard_figures_hang_on_nothing_else() {
         all.now * 100 <= all.seen && all.then > 4 * all.now && all.apart * 50 < all.seen,
         "{all:?}"
     );
+}
+
+/// Of random gears (`PINWHEEL_GEARS`, `PINWHEEL_FIRST_GEAR`) by methods of each kind, torques and forces of a run's last window against
+/// those of its reference: coverage by method and figure.
+#[test]
+fn crossval_figures_are_within_their_bounds() {
+    let asked = |name: &str| std::env::var(name).ok().and_then(|n| n.parse().ok());
+    let first = asked("PINWHEEL_FIRST_GEAR").unwrap_or(11_001);
+    let gears = asked("PINWHEEL_GEARS").unwrap_or(2 * GEARS);
+    // Error over u, by method and figure.
+    let mut rows: BTreeMap<[String; 2], Vec<f64>> = BTreeMap::new();
+    for seed in first..first + gears {
+        let scene = gears::gear(seed).unwrap();
+        let ways = reference::settings(&scene, "dopri5");
+        let truths = ways.map(|way| reference::solve(&scene, way, &Control::quiet()).ok());
+        let [Some((_, other)), Some((_, truth))] = truths else {
+            continue;
+        };
+        for method in ["auto", "dopri5", "rk4", "rk2"] {
+            let mut scene = scene.clone();
+            method.clone_into(&mut scene.solver.integrator);
+            let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
+            let outcome = single::run(&gearbox, &Native::REDUCED, true, &Control::quiet());
+            let Some(outcome) = outcome
+                .ok()
+                .filter(|outcome| outcome.run.ending.is_finished())
+            else {
+                continue;
+            };
+            let results = outcome.results();
+            let figures = |series: &TimeSeries| {
+                let run = Run::new(series.clone(), RunStats::default());
+                let outcome = Outcome {
+                    run,
+                    ..outcome.clone()
+                };
+                outcome.results_from(results.from_s)
+            };
+            let verified = outcome.run.uncertainty.as_ref().and_then(|u| u.error);
+            let estimated = outcome.resolution.as_ref().and_then(|r| r.error);
+            let Some(stated) = verified.or(estimated) else {
+                continue;
+            };
+            let begins = if verified.is_some() {
+                0.0
+            } else {
+                results.from_s
+            };
+            let cut = |series: &TimeSeries| {
+                let rows: Vec<usize> = series.window(begins, f64::INFINITY).collect();
+                series.select(&rows)
+            };
+            let [own, other_cut, truth_cut] =
+                [&outcome.run.time_series, &other, &truth].map(|series| cut(series));
+            let off = gearbox.distance(&own, &truth_cut);
+            let open = gearbox.distance(&other_cut, &truth_cut);
+            type Part = fn(&Distance) -> f64;
+            let parts: [(&str, Part); 4] = [
+                ("forces", |d| d.forces),
+                ("torque", |d| d.driver_torque),
+                ("force at most", |d| d.force_at_most),
+                ("torque at most", |d| d.torque_at_most),
+            ];
+            for (name, part) in parts {
+                let (u, error) = (part(&stated), part(&off));
+                if part(&open) > 0.1 * u.max(error) {
+                    continue;
+                }
+                if error > u {
+                    println!("{seed}, {method}: series {name} {error:.2e} of {u:.2e}");
+                }
+                let key = [method.to_owned(), format!("series {name}")];
+                rows.entry(key).or_default().push(error / u);
+            }
+            let (other, truth) = (figures(&other), figures(&truth));
+            for figure in &results.figures {
+                let (Some(a), Some(b), Some(u)) = (
+                    truth.get(&figure.name),
+                    other.get(&figure.name),
+                    figure.uncertainty,
+                ) else {
+                    continue;
+                };
+                let error = (figure.value - a.value).abs();
+                // A truth is one where it is known ten times as well.
+                if (a.value - b.value).abs() + a.sampling.unwrap_or(0.0) > 0.1 * u.max(error) {
+                    continue;
+                }
+                if error > u {
+                    let (name, value) = (&figure.name, figure.value);
+                    println!("{seed}, {method}: {name} {value} {error:.2e} of {u:.2e}");
+                }
+                let key = [method.to_owned(), figure.name.clone()];
+                rows.entry(key).or_default().push(error / u);
+            }
+        }
+    }
+    let (mut all, mut torques) = (Vec::new(), Vec::new());
+    let tell = |name: &str, row: &mut Vec<f64>| {
+        row.sort_by(f64::total_cmp);
+        let covered = row.iter().filter(|share| **share <= 1.0).count();
+        let [median, worst] = [row[row.len() / 2], row[row.len() - 1]];
+        println!(
+            "{name}: {covered} of {}, u/error {:.1} in the median, worst error {worst:.2} u",
+            row.len(),
+            1.0 / median
+        );
+        covered as f64 / row.len() as f64
+    };
+    for ([method, name], row) in &mut rows {
+        tell(&format!("{method} {name}"), row);
+        all.extend_from_slice(row);
+        if name.ends_with(columns::INPUT_TORQUE) {
+            torques.extend_from_slice(row);
+        }
+    }
+    let shares = [("driver's torque", &mut torques), ("all", &mut all)];
+    let shares = shares.map(|(name, row)| tell(name, row));
+    assert!(shares.iter().all(|share| *share >= 0.95), "{shares:?}");
 }

@@ -7,7 +7,7 @@ use pinwheel_engines::{Engine, Native};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::calibration::gears;
-use pinwheel_studies::design::{self, ForceHarmonic};
+use pinwheel_studies::design::{self, DesignFigure, ForceHarmonic};
 use pinwheel_studies::stability::{Atlas, Failure, Options};
 use pinwheel_studies::{
     Control, Progress, StudyError, band, comparison, divergence, resolution, single,
@@ -395,6 +395,36 @@ fn hard_loads_that_are_rounding_are_none() {
         let error = design::run(&gearbox, false, &quiet).unwrap_err();
         assert!(matches!(error, StudyError::Input(_)), "{error}");
     }
+}
+
+/// Of a gear with errors the second wheel carries most: 970 N, where the first has 577. What is least and largest over the mesh is known
+/// to its +-, at all poses and at few of them.
+#[test]
+fn regress_figures_of_several_wheels_are_of_the_most_loaded() {
+    let gearbox = Gearbox::new(&scene("toleranced", &[]).check().unwrap()).unwrap();
+    let found = design::run(&gearbox, false, &Control::quiet()).unwrap();
+    let key = "eccentric_bearing_force_n";
+    let figure = found.figures.iter().find(|figure| figure.key == key);
+    let forces = found.bearings.iter().map(|bearing| bearing.force_n.max);
+    let forces: Vec<f64> = forces.collect();
+    assert_eq!(figure.unwrap().value, Some(forces[1]), "{forces:?}");
+    assert!(forces[1] > 1.5 * forces[0], "{forces:?}");
+    assert_eq!(found.most_loaded().unwrap().wheel, 1);
+    let few = design::few_figures(&gearbox, &false.into()).unwrap();
+    let mut ends = 0;
+    for few in few {
+        let all = found.figures.iter().find(|figure| figure.key == few.key);
+        let known = |one: &DesignFigure| one.over_the_mesh.zip(one.mesh_uncertainty);
+        let (Some((a, u)), Some((b, v))) = (known(&few), known(all.unwrap())) else {
+            continue;
+        };
+        for end in [0, 1] {
+            let off = (a[end] - b[end]).abs();
+            assert!(off <= u[end] + v[end], "{} {off}: {u:?} {v:?}", few.key);
+            ends += usize::from(off > 0.0);
+        }
+    }
+    assert!(ends > 4, "{ends}");
 }
 
 /// Random gears with floating wheels on which damped Newton steps led nowhere: loads so light that contacts come and go (9340, and
