@@ -86,11 +86,10 @@ class Run(Mapping["Column", Floats]):
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Writes `run.json` and `courses.csv`, which `load` reads."""
         place = Path(folder)
-        place.mkdir(parents=True, exist_ok=True)
         data = {"engine": self.engine, "version": self.version, "track": self.track, **self.stats}
         known = (self.resolution, self.uncertainty, self.results, self.by_contact_law)
         data |= {**dict(zip(KNOWN, known, strict=True)), "scene": self.scene.to_dict()}
-        (place / "run.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+        _core.write(place / "run.json", (json.dumps(data, indent=1) + "\n").encode(), '"engine"')
         self.to_csv(place / "courses.csv")
 
     @property

@@ -9,6 +9,7 @@ import html
 import inspect
 import json
 import os
+import re
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
@@ -317,7 +318,8 @@ def sweep(
             if out is None:
                 # Each sweep of its own has a folder of its own; the same again has the same.
                 whole = [scene.to_toml(), text.replace(folder, "."), *(repr(engine) for engine in several(engines))]
-                out = Path("out") / f"{scene.name}-sweep-{hashlib.sha256(''.join(whole).encode()).hexdigest()[:8]}"
+                name = re.sub(r"[^\w.-]", "-", scene.name).lstrip(".")
+                out = Path("out") / f"{name}-sweep-{hashlib.sha256(''.join(whole).encode()).hexdigest()[:8]}"
             sets: list[tuple[str, str]] = []
         else:
             if any(given is not None for given in (measure, window_s, specification, time_series)):
