@@ -1,6 +1,8 @@
 //! Output of commands: the library's folders and files, with the command line as their author and its files kept safe.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use pinwheel::scene::preset;
 use pinwheel::studies::file::{self, Ours};
@@ -139,12 +141,16 @@ fn named_files() -> Vec<PathBuf> {
     }))
 }
 
-/// Names the drafts that killed commands left beside `path`, and the command that removes them.
+/// Names the drafts that killed commands left beside `path`, each once, and the command that removes them.
 pub(crate) fn name_leftovers(path: &Path) {
     // Others are named once these are gone.
     const MOST: usize = 100;
+    static NAMED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let absolute = std::path::absolute(path).unwrap_or_default();
-    let left = leftovers(absolute.parent().unwrap_or(&absolute));
+    let mut left = leftovers(absolute.parent().unwrap_or(&absolute));
+    if let Ok(mut named) = NAMED.lock() {
+        left.retain(|path| named.insert(path.clone()));
+    }
     if left.is_empty() {
         return;
     }

@@ -247,7 +247,8 @@ fn inspect_surroundings(target: &Path, shown: &Path, request: &Request) -> Resul
         let reason = "is a folder you are working in, and an output folder is replaced as a whole";
         return Err(refused(shown, reason));
     }
-    if let Some(input) = request.inputs.iter().find(|path| within(path)) {
+    let mut inputs = request.inputs.iter().filter(|_| target.is_dir());
+    if let Some(input) = inputs.find(|path| within(path)) {
         let input = input.display();
         let reason =
             format!("holds {input}, which is read, and an output folder is replaced as a whole");
