@@ -4,6 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
+use tempfile::{NamedTempFile, PersistError};
+
 use crate::draft::{self, open_plain};
 use crate::output::OutputError;
 
@@ -59,14 +61,19 @@ pub fn replace_all(
         let above = path.parent().filter(|above| !above.as_os_str().is_empty());
         // Only now: a failure before leaves no folder.
         fs::create_dir_all(above.unwrap_or(Path::new("."))).map_err(failed)?;
-        let put = match place {
-            Place::Earlier(mode) => {
-                draft.as_file().set_permissions(mode).map_err(failed)?;
-                draft.persist(path)
-            }
-            _ => draft.persist_noclobber(path),
+        let over = |draft: NamedTempFile, mode| {
+            draft.as_file().set_permissions(mode).map_err(failed)?;
+            draft.persist(path).map_err(|error| failed(error.error))
         };
-        put.map_err(|error| failed(error.error))?;
+        if let Place::Earlier(mode) = place {
+            over(draft, mode)?;
+        } else if let Err(PersistError { error, file }) = draft.persist_noclobber(path) {
+            // Another one of ours may have come meanwhile.
+            match self::place(path, ours)? {
+                Place::Earlier(mode) => over(file, mode)?,
+                _ => return Err(failed(error)),
+            };
+        }
     }
     Ok(())
 }

@@ -355,6 +355,14 @@ fn bad_input_single_files_of_others_stay() {
             }
         }
     }
+    // Writers at one time are no strangers to each other.
+    let dir = tempdir().unwrap();
+    let file = dir.path().join("f");
+    std::thread::scope(|all| {
+        let one = || replace(&file, b"ours", &|earlier| earlier == b"ours");
+        let all: Vec<_> = (0..8).map(|_| all.spawn(one)).collect();
+        all.into_iter().for_each(|one| one.join().unwrap().unwrap());
+    });
     assert!(
         replace(Path::new("/dev/null"), b"n", &|_| false).is_ok(),
         "a stream is written to"
