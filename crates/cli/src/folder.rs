@@ -74,12 +74,12 @@ impl Folder {
         Ok(Self(folder))
     }
 
-    /// Where to write for now.
+    /// Returns the folder to write into for now.
     pub(crate) fn path(&self) -> &Path {
         self.0.path()
     }
 
-    /// Where it goes, as the user wrote it.
+    /// Returns the target as the user wrote it.
     pub(crate) fn place(&self) -> &Path {
         self.0.place()
     }
@@ -111,7 +111,7 @@ impl Folder {
     }
 }
 
-/// A file from where the user works, however it was typed: two ways to name one are one.
+/// Names a file from the folder of work, so that two ways to type it are one.
 pub(crate) fn relative(file: &Path) -> String {
     let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
     let here = std::env::current_dir().unwrap_or_default();
@@ -122,7 +122,7 @@ pub(crate) fn relative(file: &Path) -> String {
         .to_string()
 }
 
-/// The scenes that are named, or all that a study has by itself.
+/// Names the scenes of a study that has some by itself.
 pub(crate) fn all_or(scenes: &[String]) -> String {
     match scenes {
         [] => "all its scenes".to_owned(),

@@ -83,7 +83,7 @@ fn is_alive(process: i32) -> bool {
     }
 }
 
-/// The path itself or the nearest folder above it that exists.
+/// Returns the path itself or the nearest folder above it that exists.
 pub(crate) fn nearest_existing(path: &Path) -> PathBuf {
     path.ancestors()
         .find(|part| part.exists())

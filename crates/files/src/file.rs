@@ -15,7 +15,7 @@ const MOST_BYTES: u64 = 1 << 28;
 /// Says of a file's content that it is ours to replace.
 pub type Ours<'a> = &'a dyn Fn(&[u8]) -> bool;
 
-/// Where a file goes.
+/// Kind of place that a file goes to.
 enum Place {
     /// Nothing is there.
     Free,

@@ -113,19 +113,19 @@ impl Folder {
         })
     }
 
-    /// Where to write for now.
+    /// Returns the folder to write into for now.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.content
     }
 
-    /// Where it goes, as the user wrote it.
+    /// Returns the target as the user wrote it.
     #[must_use]
     pub fn place(&self) -> &Path {
         &self.shown
     }
 
-    /// The draft that a kill leaves.
+    /// Returns the draft, which a kill leaves.
     #[must_use]
     pub fn draft(&self) -> &Path {
         self.draft.path()
@@ -199,7 +199,7 @@ fn refused(shown: &Path, reason: impl Into<String>) -> FolderError {
     }
 }
 
-/// `out` as an absolute path without links and `..`, of which only the end may not exist yet.
+/// Resolves `out` to an absolute path without links and `..`, of which only the end may not exist yet.
 fn resolved(out: &Path) -> Result<PathBuf, FolderError> {
     if out.as_os_str().is_empty() {
         return Err(FolderError::Empty);
@@ -312,7 +312,7 @@ fn inspect(place: &Path, shown: &Path, request: &Request) -> Result<(), FolderEr
     }
 }
 
-/// `path` with something added to its name.
+/// Returns `path` with something added to its name.
 #[must_use]
 pub fn beside(path: &Path, ending: &str) -> PathBuf {
     let mut name = path.file_name().unwrap_or_default().to_owned();
@@ -345,8 +345,7 @@ fn by_renames(new: &Path, old: &Path) -> io::Result<()> {
     fs::rename(&aside, new)
 }
 
-/// Those of some words that are files, and those that TOML files among them name in turn: the base of a scene, the
-/// scene of a sweep.
+/// Lists the words that are files, and what TOML files among them name in turn: the base of a scene, the scene of a sweep.
 #[must_use]
 pub fn named_files(words: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
     let mut files = Vec::new();
@@ -370,7 +369,7 @@ pub fn named_files(words: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
     files
 }
 
-/// A page, or the one in a folder.
+/// Returns a page, or the one in a folder.
 #[must_use]
 pub fn page_at(place: &Path) -> Option<PathBuf> {
     let page = if place.is_dir() {
@@ -381,7 +380,7 @@ pub fn page_at(place: &Path) -> Option<PathBuf> {
     page.is_file().then_some(page)
 }
 
-/// The page that was written last into a folder of `outs`.
+/// Returns the page that was written last into a folder of `outs`.
 #[must_use]
 pub fn newest_page(outs: &Path) -> Option<PathBuf> {
     let entries = fs::read_dir(outs).into_iter().flatten().flatten();

@@ -431,7 +431,7 @@ impl SceneArgs {
     }
 }
 
-/// Name that outputs of a scene or sweep have: a preset's own, or its file's, as two files may hold one name.
+/// Returns the name that outputs of a scene or sweep have: a preset's own, or its file's, as two files may hold one name.
 pub(crate) fn label(spec: &str) -> String {
     let stem = || Path::new(spec).file_stem().unwrap_or_default();
     file_name(&preset(spec).map_or_else(|| stem().to_string_lossy(), |_| spec.into()))
