@@ -42,13 +42,7 @@ impl Lock {
                         "it holds `{name}` and no `{LOCK}` by which pinwheel knows its own"
                     ));
                 }
-                let made = options.create_new(true).open(&path).or_else(|error| {
-                    // Another process was faster.
-                    match error.kind() {
-                        io::ErrorKind::AlreadyExists => options.create_new(false).open(&path),
-                        _ => Err(error),
-                    }
-                });
+                let made = options.create(true).truncate(false).open(&path);
                 (made.map_err(failed)?, true)
             }
             Err(error) => return Err(failed(error)),
