@@ -296,7 +296,7 @@ def sweep(
     `client`: a `distributed.Client`, whose workers then do the runs in batches (of `batch` runs; by itself about half a
     second of work); without it `jobs` threads do. Finished runs are kept beside the output, in `OUT.unfinished`, in the
     same form as the program keeps them: `resume` goes on with those, and with the runs of an earlier output in `out`.
-    `force` begins anew, and replaces a folder of other origin.
+    `force` begins anew, and replaces an earlier output of which files were changed; foreign files stay.
 
     A run that diverges has a row that says so, and is not tried again. Raises `SceneError`, `InputError`, `ClusterError`,
     `OSError`; after `KeyboardInterrupt` and `ClusterError` finished runs are kept.
