@@ -164,8 +164,8 @@ class Columns(Mapping["Column", Floats]):
         return xarray.Dataset(variables, coordinates)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Writes the file that the program calls `courses.csv`: the same bytes."""
-        _core.Columns(*self._parts()).save_csv(str(path))
+        """Writes the file that the program calls `courses.csv`: the same bytes, over none but an earlier one."""
+        _core.write(path, _core.Columns(*self._parts()).csv(), "time_s,")
 
 
 def _unpickled(names: tuple[str, ...], time: bytes, values: bytes) -> Columns:

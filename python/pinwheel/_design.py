@@ -156,11 +156,9 @@ class Design(Paged, Mapping[str, Figure]):
 
     def save_dxf(self, folder: str | os.PathLike[str]) -> list[Path]:
         """Writes the outline of every disc as `disc_N.dxf`, lengths in mm; the files."""
-        place = Path(folder)
-        place.mkdir(parents=True, exist_ok=True)
-        files = [place / f"disc_{number}.dxf" for number in range(len(self._dxf))]
+        files = [Path(folder) / f"disc_{number}.dxf" for number in range(len(self._dxf))]
         for file, text in zip(files, self._dxf, strict=True):
-            file.write_text(text, encoding="utf-8", newline="\n")
+            _core.write(file, text.encode(), "cycloidal disc, millimetres")
         return files
 
     def __str__(self) -> str:
@@ -230,5 +228,5 @@ def fmu(scene: Scene | str, path: str | os.PathLike[str], *, author: str | None 
 
     made = scene if isinstance(scene, Scene) else Scene(scene)
     target = Path(path)
-    target.write_bytes(_core.fmu(made._inner, beside("fmu"), author))
+    _core.write(target, _core.fmu(made._inner, beside("fmu"), author), "")
     return target

@@ -11,6 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from pinwheel import _core
+
 _STYLES = re.compile(r"\x1b\[[0-9;]*m")
 
 
@@ -89,7 +91,7 @@ class Paged:
 def show(page: str, name: str, path: str | Path | None) -> Path:
     """Writes a page, to a temporary file unless `path` is given, and opens it in the browser; its path."""
     target = Path(path) if path is not None else Path(tempfile.mkdtemp(prefix="pinwheel-")) / f"{name}.html"
-    target.write_text(page, encoding="utf-8")
+    _core.write(target, page.encode(), "Pinwheel</title>")
     if path is None:
         webbrowser.open(target.as_uri())
     return target

@@ -18,7 +18,7 @@ from pinwheel._engine import EngineLike
 from pinwheel._page import plain
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene
-from pinwheel.errors import Diverged
+from pinwheel.errors import Diverged, InputError
 
 if TYPE_CHECKING:
     import pandas
@@ -76,21 +76,23 @@ class Run(Mapping["Column", Floats]):
     @classmethod
     def load(cls, folder: str | os.PathLike[str]) -> Run:
         """A run that `save` or the program's `run` wrote."""
-        data = json.loads((Path(folder) / "run.json").read_text(encoding="utf-8"))
-        columns = Columns.read_csv(Path(folder) / "courses.csv")
-        scene = Scene(_written(data.pop("scene")))
-        engine, version, track = (data.pop(key) for key in ("engine", "version", "track"))
+        try:
+            data = json.loads((Path(folder) / "run.json").read_text(encoding="utf-8"))
+            columns = Columns.read_csv(Path(folder) / "courses.csv")
+            scene = Scene(_written(data.pop("scene")))
+            engine, version, track = (data.pop(key) for key in ("engine", "version", "track"))
+        except (AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
+            raise InputError(f"{folder}: holds no run that pinwheel wrote ({error}); name the folder of one") from error
         known = [data.pop(key, None) for key in KNOWN]
         return cls(scene, engine, version, track, columns, data, *known)
 
     def save(self, folder: str | os.PathLike[str]) -> None:
         """Writes `run.json` and `courses.csv`, which `load` reads."""
         place = Path(folder)
-        place.mkdir(parents=True, exist_ok=True)
         data = {"engine": self.engine, "version": self.version, "track": self.track, **self.stats}
         known = (self.resolution, self.uncertainty, self.results, self.by_contact_law)
         data |= {**dict(zip(KNOWN, known, strict=True)), "scene": self.scene.to_dict()}
-        (place / "run.json").write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+        _core.write(place / "run.json", (json.dumps(data, indent=1) + "\n").encode(), '"engine"')
         self.to_csv(place / "courses.csv")
 
     @property

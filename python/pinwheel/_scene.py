@@ -135,9 +135,8 @@ class Scene:
         return Scene._of(self._inner.changed(settings({**(changes or {}), **keys})))
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes a scene file with every key in it."""
-        with open(path, "w", encoding="utf-8", newline="\n") as file:  # noqa: PTH123
-            file.write(self._toml)
+        """Writes a scene file with every key in it, over none but an earlier scene."""
+        _core.write(path, self._toml.encode(), "[gear]")
 
     def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError("a scene never changes; scene.with_(...) gives another")

@@ -9,6 +9,7 @@ import html
 import inspect
 import json
 import os
+import re
 import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
@@ -295,7 +296,7 @@ def sweep(
     `client`: a `distributed.Client`, whose workers then do the runs in batches (of `batch` runs; by itself about half a
     second of work); without it `jobs` threads do. Finished runs are kept beside the output, in `OUT.unfinished`, in the
     same form as the program keeps them: `resume` goes on with those, and with the runs of an earlier output in `out`.
-    `force` begins anew, and replaces a folder of other origin.
+    `force` begins anew, and replaces an earlier output of which files were changed; foreign files stay.
 
     A run that diverges has a row that says so, and is not tried again. Raises `SceneError`, `InputError`, `ClusterError`,
     `OSError`; after `KeyboardInterrupt` and `ClusterError` finished runs are kept.
@@ -317,7 +318,8 @@ def sweep(
             if out is None:
                 # Each sweep of its own has a folder of its own; the same again has the same.
                 whole = [scene.to_toml(), text.replace(folder, "."), *(repr(engine) for engine in several(engines))]
-                out = Path("out") / f"{scene.name}-sweep-{hashlib.sha256(''.join(whole).encode()).hexdigest()[:8]}"
+                name = re.sub(r"[^\w.-]", "-", scene.name).lstrip(".")
+                out = Path("out") / f"{name}-sweep-{hashlib.sha256(''.join(whole).encode()).hexdigest()[:8]}"
             sets: list[tuple[str, str]] = []
         else:
             if any(given is not None for given in (measure, window_s, specification, time_series)):

@@ -24,7 +24,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--batch", type=int, metavar="N", help="runs of a batch [default: about half a second of work]")
     parser.add_argument("--out", metavar="DIR", help="output folder [default: out/NAME-sweep]")
     parser.add_argument("--resume", action="store_true", help="go on with the runs an earlier attempt finished")
-    parser.add_argument("--force", action="store_true", help="begin anew, and replace a folder of other origin")
+    parser.add_argument("--force", action="store_true", help="begin anew, and replace an earlier output that was changed")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="a key of every run; repeatable")
     asked = parser.parse_args(arguments)
     keys: dict[str, Any] = {}

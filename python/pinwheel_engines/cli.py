@@ -9,6 +9,9 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
+import secrets
+import shutil
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -119,9 +122,23 @@ def _write(result: Result, out: Path | None) -> None:
     if out is None:
         sys.stdout.write(text)
         return
-    draft = out.with_name(out.name + ".part")
+    if out.is_symlink() or (out.exists() and not _is_ours(out)):
+        raise FileExistsError(f"{out} is there and holds no courses; name another file with --out")
+    # Exclusive: never over or through anything of others.
+    draft = out.with_name(f".pinwheel-{os.getpid()}-{secrets.token_hex(6)}")
     try:
-        draft.write_text(text, encoding="utf-8")
+        with draft.open("x", encoding="utf-8") as file:
+            file.write(text)
+        if out.exists():
+            shutil.copymode(out, draft)
         draft.replace(out)
     finally:
         draft.unlink(missing_ok=True)
+
+
+def _is_ours(file: Path) -> bool:
+    """Whether a file is empty or holds courses."""
+    if not file.is_file():
+        return False
+    with file.open("rb") as content:
+        return content.read(7) in (b"", b"time_s,")

@@ -439,7 +439,7 @@ fn program_missing_engine_ends_with_3() {
 }
 
 #[test]
-fn program_replaces_its_own_output_and_with_force_any() {
+fn program_replaces_its_own_output_and_with_force_a_changed_one() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("o");
     let run = |more: &[&str]| {
@@ -454,12 +454,20 @@ fn program_replaces_its_own_output_and_with_force_any() {
     done(run(&["--set", "name=second"]));
     assert_eq!(names_in(&out), ["courses.csv", "run.json"]);
     assert_eq!(json(out.join("run.json"))["scene"]["name"], "second");
-    // A file that is not ours stops it; --force does not mind.
-    std::fs::write(out.join("notes.txt"), "mine").unwrap();
-    assert_eq!(run(&[]).code, Some(2));
-    assert_eq!(names_in(&out), ["courses.csv", "notes.txt", "run.json"]);
+    // A file of ours that was changed stops it, but --force does not mind; one that is not ours stops both.
+    std::fs::write(out.join("run.json"), "mine").unwrap();
+    let kept = run(&[]);
+    assert_eq!(kept.code, Some(2), "{kept:?}");
+    assert!(
+        kept.stderr.contains("`run.json`") && kept.stderr.contains("--force"),
+        "{kept:?}"
+    );
     done(run(&["--force"]));
-    assert_eq!(names_in(&out), ["courses.csv", "run.json"]);
+    std::fs::write(out.join("notes.txt"), "mine").unwrap();
+    for more in [&[][..], &["--force"]] {
+        assert_eq!(run(more).code, Some(2));
+    }
+    assert_eq!(names_in(&out), ["courses.csv", "notes.txt", "run.json"]);
     assert_eq!(names_in(dir.path()), ["o"]);
 }
 

@@ -108,15 +108,12 @@ fn regress_a_baselines_folder_keeps_foreign_files() {
         fs::copy(accepted.join(&name), place.join(&name)).unwrap();
     }
     fs::write(place.join("notes.txt"), "precious").unwrap();
-    let child = start(
-        dir.path(),
-        &["baseline", "record", "--dir", "bl", "--accept", "why"],
-    );
-    assert_refused(&within(child, 20.0), "notes.txt");
-    assert_eq!(
-        fs::read_to_string(place.join("notes.txt")).unwrap(),
-        "precious"
-    );
+    let words = words("baseline record --dir bl --accept why --only flores");
+    let outcome = run_in(dir.path(), words);
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    assert_eq!(names_in(&place), ["baseline.toml", "notes.txt"]);
+    let recorded = fs::read_to_string(place.join("baseline.toml")).unwrap();
+    assert!(recorded.contains("reason = \"why\""));
 }
 
 #[test]
@@ -157,11 +154,13 @@ fn regress_folders_of_the_user_are_never_replaced() {
         Outcome::from(command.stdin(Stdio::null()).output().unwrap())
     };
     let (at_real, at_link) = (real.display().to_string(), link.display().to_string());
-    for out in [at_real.as_str(), &at_link, "..", "/"] {
-        assert_refused(
-            &run(&["run", "paper", "--force", "--out", out]),
-            "working in",
-        );
+    for (out, part) in [
+        (at_real.as_str(), "`letter`"),
+        (&at_link, "is a link"),
+        ("..", "working in"),
+        ("/", "working in"),
+    ] {
+        assert_refused(&run(&["run", "paper", "--force", "--out", out]), part);
     }
     let outcome = run(&["run", "data/mine.toml", "--force", "--out", "data"]);
     assert_refused(&outcome, "data/mine.toml");
@@ -190,7 +189,7 @@ fn regress_file_names_make_no_output_ours() {
     let other_words = ["run", "paper", "--out", "other"];
     assert_refused(
         &run_in(dir.path(), other_words.iter().chain(&SHORT)),
-        "--force",
+        "`index.html`",
     );
     assert_eq!(
         fs::read_to_string(other.join("index.html")).unwrap(),
@@ -282,30 +281,131 @@ fn regress_reserved_names_are_refused_before_the_run() {
     assert!(!dir.path().join("out").exists());
 }
 
+#[cfg(unix)]
 #[test]
-fn regress_what_a_kill_leaves_is_cleaned_up() {
+fn regress_what_a_kill_leaves_is_named_and_stays() {
     let dir = tempfile::tempdir().unwrap();
     let hidden = || {
-        names_in(dir.path())
-            .iter()
-            .filter(|n| n.starts_with(".pinwheel-"))
-            .count()
+        let mut names = names_in(dir.path());
+        names.retain(|name| name.starts_with(".pinwheel-"));
+        names
     };
+    // Neither a finished output, nor a link, nor a pipe of such a name is anybody's leftover.
+    let victim = dir.path().join("victim");
+    for out in ["victim/results", ".pinwheel-mine"] {
+        let words = ["run", "paper", "--out", out];
+        assert_eq!(run_in(dir.path(), words.iter().chain(&SHORT)).code, Some(0));
+    }
+    fs::write(dir.path().join(".pinwheel-mine/thesis.txt"), "precious").unwrap();
+    std::os::unix::fs::symlink(victim.join("results"), dir.path().join(".pinwheel-a")).unwrap();
+    fs::create_dir(dir.path().join(".pinwheel-b")).unwrap();
+    let pipe = dir.path().join(".pinwheel-b/.pinwheel");
+    assert!(Command::new("mkfifo").arg(pipe).status().unwrap().success());
+    let others = hidden();
+
     let mut child = start(dir.path(), &[&LONG[..], &["o"]].concat());
-    until(|| hidden() == 1);
-    std::thread::sleep(Duration::from_millis(200));
+    until(|| hidden().len() == 4);
     child.kill().unwrap();
     child.wait().unwrap();
-    assert_eq!(hidden(), 1);
-    let left = names_in(dir.path()).remove(0);
-    // The folder of a program that still runs is left alone.
+    let left = hidden();
+    let new = left.iter().find(|name| !others.contains(name)).unwrap();
+    // The draft of a program that still runs is nobody's leftover.
     let alive = start(dir.path(), &[&LONG[..], &["p"]].concat());
-    until(|| hidden() == 1 && !dir.path().join(&left).exists());
-    std::thread::sleep(Duration::from_millis(500));
-    let words = ["run", "paper", "--out", "o"];
-    assert_eq!(run_in(dir.path(), words.iter().chain(&SHORT)).code, Some(0));
-    assert_eq!(hidden(), 1, "{:?}", names_in(dir.path()));
+    until(|| hidden().len() == 5);
+    let remedy = format!("note: a command that was killed left what `rm -r {new}` removes\n");
+    let init =
+        "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500";
+    for words in [
+        "run paper --set solver.duration_s=0.002 --out o",
+        init,
+        "man --out .",
+    ] {
+        let outcome = within(
+            start(dir.path(), &words.split(' ').collect::<Vec<_>>()),
+            60.0,
+        );
+        assert_eq!(
+            (outcome.code, &outcome.stderr),
+            (Some(0), &remedy),
+            "{words}"
+        );
+        assert_eq!(hidden().len(), 5, "{words}");
+    }
     drop(within(alive, 0.0));
+    assert_eq!(
+        names_in(&victim.join("results")),
+        ["courses.csv", "run.json"]
+    );
+    assert!(names_in(&dir.path().join(".pinwheel-mine")).contains(&"thesis.txt".to_owned()));
+}
+
+/// Single files: an earlier one of ours is replaced and keeps its mode; any other stays, an input of the run first of all.
+#[cfg(unix)]
+#[test]
+fn bad_input_single_files_replace_only_their_like() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    let scene = "base = \"paper\"\n[solver]\nduration_s = 0.002\n";
+    fs::write(at("s.toml"), scene).unwrap();
+    let init =
+        "init f.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500";
+    let junit = "compare s.toml --engines native --longest 1 --out o --junit";
+    let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+    for (words, file, more) in [
+        (format!("{junit} f.xml"), "f.xml", ""),
+        ("fmu s.toml --out f.fmu".to_owned(), "f.fmu", ""),
+        ("man --out .".to_owned(), "pinwheel.1", ""),
+        (init.to_owned(), "f.toml", " --force"),
+    ] {
+        let run = |more: &str| run_in(dir.path(), format!("{words}{more}").split(' '));
+        assert_eq!(run("").code, Some(0), "{words}: {:?}", run(""));
+        fs::set_permissions(at(file), fs::Permissions::from_mode(0o600)).unwrap();
+        assert_eq!(run(more).code, Some(0), "{words}: again");
+        assert_eq!(mode(&at(file)), 0o600, "{words}");
+        fs::set_permissions(at(file), fs::Permissions::from_mode(0o400)).unwrap();
+        assert_refused(&run(more), "only be read");
+        fs::remove_file(at(file)).unwrap();
+        fs::write(at(file), "thesis").unwrap();
+        assert_refused(&run(more), "name another file");
+        assert_eq!(fs::read_to_string(at(file)).unwrap(), "thesis", "{words}");
+    }
+    for (words, part) in [
+        (format!("{junit} s.toml"), "s.toml"),
+        (format!("{junit} o/verdicts.xml"), "in the output folder"),
+    ] {
+        assert_refused(&run_in(dir.path(), words.split(' ')), part);
+    }
+    assert_eq!(fs::read_to_string(at("s.toml")).unwrap(), scene);
+}
+
+/// Two gears never share a default folder: it has the name of the scene's file, and knows which.
+#[test]
+fn bad_input_default_folders_are_of_one_scene() {
+    let dir = tempfile::tempdir().unwrap();
+    for file in ["mine.toml", "mine-explored.toml", "other/mine.toml"] {
+        let text = "base = \"paper\"\nname = \"mine\"\n[solver]\nduration_s = 0.002\n";
+        let file = dir.path().join(file);
+        fs::create_dir_all(file.parent().unwrap()).unwrap();
+        fs::write(file, text).unwrap();
+    }
+    let run = |words: &str| run_in(dir.path(), words.split(' '));
+    for words in ["run mine.toml", "run mine-explored.toml", "run ./mine.toml"] {
+        assert_eq!(run(words).code, Some(0), "{words}");
+    }
+    assert_refused(
+        &run("run other/mine.toml"),
+        "holds the results of mine.toml",
+    );
+    assert_eq!(run("run other/mine.toml --force").code, Some(0));
+    assert_refused(
+        &run("run mine.toml"),
+        "holds the results of other/mine.toml",
+    );
+    assert_eq!(
+        names_in(&dir.path().join("out")),
+        ["mine-explored-run", "mine-run"]
+    );
 }
 
 #[test]
@@ -680,7 +780,8 @@ fn regress_a_rebuilt_program_reuses_no_runs() {
         record["program"] = "another".into();
         fs::write(&path, record.to_string()).unwrap();
     }
-    assert_eq!(run_in(dir.path(), words).code, Some(0));
+    let again = words.iter().chain(&["--force"]);
+    assert_eq!(run_in(dir.path(), again).code, Some(0));
     assert_ne!(times(), first);
 }
 

@@ -369,6 +369,7 @@ fn bad_input_of_solvers_is_one_line() {
     at("one.toml", &manifest);
     at("bad.toml", &manifest.replace("{job}", "{jobs}"));
     std::fs::create_dir(folder.path().join("taken")).expect("made");
+    std::fs::write(folder.path().join("taken/notes.txt"), "precious").expect("written");
     for (words, code, said) in [
         (
             &["run", "paper", "--solver", "none.toml"][..],

@@ -70,7 +70,10 @@ fn stability_writes_a_page_a_table_and_everything_and_goes_on() {
     stopped["atlas"]["rows"][1] = Value::Null;
     stopped["atlas"]["rows"][0]["why"] = "kept".into();
     std::fs::write(out.join("summary.json"), stopped.to_string()).unwrap();
-    done(run_in(dir.path(), STUDY.iter().chain(&["--resume"])));
+    done(run_in(
+        dir.path(),
+        STUDY.iter().chain(&["--resume", "--force"]),
+    ));
     let again = summary(dir.path());
     assert_eq!(again["atlas"]["rows"][0]["why"], "kept");
     assert_eq!(

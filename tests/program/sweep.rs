@@ -268,7 +268,15 @@ fn damaged_time_series_are_made_again() {
         // Of a finished output.
         let sound: Vec<Vec<u8>> = (1..=8).map(|number| content("whole", number)).collect();
         damage(&|number| file("whole", number));
-        assert_eq!(run(&["--out", "whole", "--resume"]).code, Some(0));
+        let kept = run(&["--out", "whole", "--resume"]);
+        assert!(
+            kept.code == Some(2) && kept.stderr.contains("--force"),
+            "{kept:?}"
+        );
+        assert_eq!(
+            run(&["--out", "whole", "--resume", "--force"]).code,
+            Some(0)
+        );
         for (number, sound) in (1..=8).zip(&sound) {
             assert!(content("whole", number) == *sound, "{format} {number}");
         }

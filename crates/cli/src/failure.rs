@@ -70,9 +70,9 @@ impl From<FolderError> for Failure {
         Self::input(match error {
             FolderError::Empty => "--out is empty; name a folder".to_owned(),
             FolderError::Refused { .. } => format!("--out {error}; choose another --out"),
-            FolderError::ForeignFile { .. } => format!(
-                "--out {error}; choose another --out, or --force to replace the whole folder"
-            ),
+            FolderError::Kept { .. } => {
+                format!("--out {error}; choose another --out, or --force to replace it")
+            }
             FolderError::Output(error) => return error.into(),
         })
     }

@@ -1,13 +1,19 @@
-//! Output folders of commands: the library's, with the command line as their author and its files kept safe.
+//! Output of commands: the library's folders and files, with the command line as their author and its files kept safe.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
+use pinwheel::scene::preset;
+use pinwheel::studies::file::{self, Ours};
 pub(crate) use pinwheel::studies::folder::Request;
-use pinwheel::studies::folder::{self, PAGE};
-use pinwheel::studies::output::write_text;
+use pinwheel::studies::folder::{self, PAGE, leftovers};
+use pinwheel::studies::junit;
+use pinwheel::studies::output::{OutputError, write_text};
 
+use crate::args::{self, OutArgs, label, quoted};
 use crate::failure::Failure;
-use crate::{args, interrupt, screen};
+use crate::{interrupt, screen};
 
 /// An output folder in the making. Dropped without [`publish`](Self::publish) it leaves nothing.
 #[derive(Debug)]
@@ -23,18 +29,59 @@ impl Folder {
         Self::asked(out, request)
     }
 
-    /// The same for a request of which the command and its files are not known.
+    /// Prepares the folder that is asked for, or `out/NAME`, for the results of `of`. The latter keeps those of anything else.
+    pub(crate) fn of(out: &OutArgs, name: impl AsRef<Path>, of: &str) -> Result<Self, Failure> {
+        let request = Request {
+            of: of.to_owned(),
+            only_of: out.out.is_none(),
+            force: out.force,
+            ..Request::default()
+        };
+        Self::asked(&out.or(name), request)
+    }
+
+    /// Prepares the folder that is asked for, or one in `out` by the names of the scenes' files or presets.
+    pub(crate) fn of_scenes(out: &OutArgs, specs: &[&str], command: &str) -> Result<Self, Failure> {
+        let labels: Vec<String> = specs.iter().map(|spec| label(spec)).collect();
+        let name = format!("{}-{command}", labels.join("-and-"));
+        let of = specs.iter().map(|spec| match preset(spec) {
+            Some(_) => (*spec).to_owned(),
+            None => relative(Path::new(spec)),
+        });
+        Self::of(out, name, &of.collect::<Vec<_>>().join(" and "))
+    }
+
+    /// Prepares a folder that is not there yet and gets no manifest: its files are the user's own.
+    pub(crate) fn fresh(out: &Path) -> Result<Self, Failure> {
+        let request = Request {
+            fresh: true,
+            ..Request::default()
+        };
+        let failed = |failure: Failure| {
+            let message = failure.message.trim_start_matches("--out ");
+            Failure::input(message.replace("choose another --out", "choose another name"))
+        };
+        Self::asked(out, request).map_err(failed)
+    }
+
+    /// Prepares a folder for a request of which the command and its files are not known.
     pub(crate) fn asked(out: &Path, mut request: Request) -> Result<Self, Failure> {
         request.command = args::typed();
         request.inputs.extend(named_files());
         let folder = folder::Folder::prepare(out, request)?;
-        interrupt::unfinished(Some(folder.path()));
+        interrupt::unfinished(Some(folder.draft()));
+        name_leftovers(folder.draft());
         Ok(Self(folder))
     }
 
-    /// Where to write for now.
+    /// Returns the folder to write into for now.
     pub(crate) fn path(&self) -> &Path {
         self.0.path()
+    }
+
+    /// Returns the target as the user wrote it.
+    pub(crate) fn place(&self) -> &Path {
+        self.0.place()
     }
 
     /// Writes the page.
@@ -51,17 +98,35 @@ impl Folder {
     /// Gives the folder its name; returns it as the user wrote it.
     pub(crate) fn publish(self) -> Result<PathBuf, Failure> {
         interrupt::check()?;
-        let place = self.0.publish()?;
+        // It may hold the earlier output by now, which a second signal must not delete.
         interrupt::unfinished(None);
-        Ok(place)
+        Ok(self.0.publish()?)
     }
 
     /// Writes the page and gives the folder its name although the user asked to stop; it never replaces what is complete.
     pub(crate) fn publish_partial(self, html: &str) -> Result<PathBuf, Failure> {
         self.write_page(html)?;
-        let place = self.0.publish_partial()?;
         interrupt::unfinished(None);
-        Ok(place)
+        Ok(self.0.publish_partial()?)
+    }
+}
+
+/// Names a file from the folder of work, so that two ways to type it are one.
+pub(crate) fn relative(file: &Path) -> String {
+    let absolute = std::path::absolute(file).unwrap_or_else(|_| file.to_owned());
+    let here = std::env::current_dir().unwrap_or_default();
+    absolute
+        .strip_prefix(here)
+        .unwrap_or(&absolute)
+        .display()
+        .to_string()
+}
+
+/// Names the scenes of a study that has some by itself.
+pub(crate) fn all_or(scenes: &[String]) -> String {
+    match scenes {
+        [] => "all its scenes".to_owned(),
+        scenes => scenes.join(" and "),
     }
 }
 
@@ -76,9 +141,68 @@ fn named_files() -> Vec<PathBuf> {
     }))
 }
 
-/// Writes a file by itself; what stops the program before leaves nothing, and once begun it comes to its end.
-pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+/// Names the drafts that killed commands left beside `path`, each once, and the command that removes them.
+pub(crate) fn name_leftovers(path: &Path) {
+    // Others are named once these are gone.
+    const MOST: usize = 100;
+    static NAMED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    let absolute = std::path::absolute(path).unwrap_or_default();
+    let mut left = leftovers(absolute.parent().unwrap_or(&absolute));
+    if let Ok(mut named) = NAMED.lock() {
+        left.retain(|path| named.insert(path.clone()));
+    }
+    if left.is_empty() {
+        return;
+    }
+    let here = std::env::current_dir().unwrap_or_default();
+    let words = left.iter().take(MOST).map(|path| {
+        let short = path.strip_prefix(&here).unwrap_or(path);
+        quoted(&short.display().to_string())
+    });
+    let words = words.collect::<Vec<_>>().join(" ");
+    screen::show_on_stderr(&format!(
+        "note: a command that was killed left what `rm -r {words}` removes"
+    ));
+}
+
+fn refused(error: &OutputError) -> Failure {
+    Failure::input(format!("{error}; name another file"))
+}
+
+/// Checks that a file may be written by itself, before anything long is run.
+pub(crate) fn check(path: &Path, ours: Ours<'_>) -> Result<(), Failure> {
+    file::check(path, ours).map_err(|error| refused(&error))
+}
+
+/// Writes a file by itself, over none but one that is `ours`; a stop before leaves nothing.
+pub(crate) fn replace(path: &Path, bytes: &[u8], ours: Ours<'_>) -> Result<(), Failure> {
+    replace_all(&[(path.to_owned(), bytes)], ours)
+}
+
+/// Writes files that belong together.
+pub(crate) fn replace_all(
+    files: &[(PathBuf, impl AsRef<[u8]>)],
+    ours: Ours<'_>,
+) -> Result<(), Failure> {
     interrupt::watched();
     interrupt::check()?;
-    Ok(pinwheel::studies::folder::replace(path, bytes)?)
+    files
+        .first()
+        .into_iter()
+        .for_each(|(path, _)| name_leftovers(path));
+    file::replace_all(files, ours).map_err(|error| refused(&error))
+}
+
+/// Checks that verdicts may be written as a JUnit file, before anything long is run.
+pub(crate) fn check_junit(path: Option<&Path>, out: &Path) -> Result<(), Failure> {
+    let Some(path) = path else { return Ok(()) };
+    let absolute = |path| std::path::absolute(path).unwrap_or_default();
+    if absolute(path).starts_with(absolute(out)) {
+        let path = path.display();
+        return Err(Failure::input(format!(
+            "--junit {path} is in the output folder, which is replaced as a whole; name a file outside of it"
+        )));
+    }
+    name_leftovers(path);
+    junit::check(path).map_err(|error| refused(&error))
 }

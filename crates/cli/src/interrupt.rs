@@ -15,7 +15,7 @@ static CANCEL: AtomicBool = AtomicBool::new(false);
 static WATCHED: AtomicBool = AtomicBool::new(false);
 /// How long reading may take to see the flag by itself. A pipe that nobody writes to never does.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// The folder being written, for the second signal.
+/// The draft being written, for the second signal: this process made it, and nobody else enters it.
 static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
 
 /// The flag engines watch.
@@ -71,7 +71,7 @@ pub(crate) fn install() -> Result<(), Failure> {
         if let Ok(place) = UNFINISHED.lock()
             && let Some(folder) = place.as_deref()
         {
-            pinwheel::studies::folder::remove(folder);
+            let _ = std::fs::remove_dir_all(folder);
         }
         std::process::exit(i32::from(STOPPED));
     })

@@ -11,7 +11,8 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use pinwheel_files::folder::{draft_in, replace};
+use pinwheel_files::file::replace;
+use pinwheel_files::folder::draft_in;
 
 use crate::control::Cancelled;
 use crate::engine::{Ending, Halt};
@@ -82,7 +83,7 @@ pub(crate) fn laid_out<N: AsRef<str>>(name: &str, files: &[(N, &str)]) -> Result
             continue;
         }
         // Whole or not at all, also for a process that reads at this moment.
-        replace(&path, text.as_bytes()).map_err(|error| storage(&path, error.reason))?;
+        replace(&path, text.as_bytes(), &|_| true).map_err(|error| storage(&path, error.reason))?;
     }
     Ok(folder)
 }

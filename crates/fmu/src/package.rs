@@ -1,7 +1,7 @@
 //! The file: a zip archive of the description, the library and the scene. The same scene, library and imprint give the same bytes.
 
 use std::f64::consts::PI;
-use std::io::{Cursor, Write as _};
+use std::io::{Cursor, Read as _, Write as _};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
@@ -10,7 +10,7 @@ use pinwheel_files::output::escape;
 use pinwheel_gearbox::Gearbox;
 use zip::result::ZipResult;
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 
 use crate::instance::{Instance, Refusal};
 use crate::model::{Model, SCENE_FILE, Variable, What};
@@ -24,6 +24,9 @@ const CHANNELS: [&str; 6] = [
     "friction_loss_w",
     "transmission_error_arcmin",
 ];
+
+/// Bytes of a description within which its head ends, notes of the scene included.
+const HEAD: u64 = 1 << 16;
 
 /// Why there is no unit.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -250,6 +253,19 @@ pub struct Package {
 }
 
 impl Package {
+    /// Returns true for the bytes of a unit that this program made, of whatever version.
+    #[must_use]
+    pub fn is_ours(bytes: &[u8]) -> bool {
+        let head = || -> ZipResult<String> {
+            let mut archive = ZipArchive::new(Cursor::new(bytes))?;
+            let mut head = String::new();
+            let description = archive.by_name("modelDescription.xml")?;
+            description.take(HEAD).read_to_string(&mut head)?;
+            Ok(head)
+        };
+        head().is_ok_and(|head| head.contains("generationTool=\"Pinwheel "))
+    }
+
     /// Makes the unit and tries its first step.
     ///
     /// # Errors

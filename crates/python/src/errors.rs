@@ -175,13 +175,17 @@ impl From<SweepError> for Raised {
 
 impl From<OutputError> for Raised {
     fn from(error: OutputError) -> Self {
-        PyOSError::new_err(error.to_string()).into()
+        PyOSError::new_err(format!("{error}; name another file")).into()
     }
 }
 
 impl From<FolderError> for Raised {
     fn from(error: FolderError) -> Self {
-        PyOSError::new_err(format!("{error}; choose another `out`")).into()
+        let force = match error {
+            FolderError::Kept { .. } => ", or force=True to replace it",
+            _ => "",
+        };
+        PyOSError::new_err(format!("{error}; choose another `out`{force}")).into()
     }
 }
 

@@ -5,6 +5,7 @@
 
 mod design;
 mod errors;
+mod files;
 mod guests;
 mod law;
 mod run;
@@ -44,6 +45,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(design::gear, module)?,
         wrap_pyfunction!(design::design, module)?,
         wrap_pyfunction!(design::fmu, module)?,
+        wrap_pyfunction!(files::write, module)?,
     ] {
         module.add_function(function)?;
     }

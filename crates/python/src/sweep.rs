@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use pinwheel::pages;
 use pinwheel::scene::Override;
 use pinwheel::studies::folder::{Folder, Request};
-use pinwheel::studies::output::write_text;
+use pinwheel::studies::output::{file_name, write_text};
 use pinwheel::studies::sweep::{
     self as sweeps, Begin, Guests, Journal, KeepTimeSeries, Plan, PlannedRun, RunRecord,
 };
@@ -19,7 +19,7 @@ use crate::guests::{self, Asked};
 use crate::studies::made;
 use crate::supervise::{Desk, supervised};
 
-/// How the marker of folders names who wrote them.
+/// Command that the manifest of a folder names.
 const COMMAND: &str = "pinwheel.sweep in Python";
 
 /// A sweep with its journal, from its plan to its files.
@@ -28,7 +28,7 @@ pub(crate) struct Sweep {
     plan: Plan,
     desk: Desk,
     out: PathBuf,
-    force: bool,
+    request: Request,
     /// `None` after the results are written.
     journal: Mutex<Option<Journal>>,
     records: Mutex<Vec<Option<RunRecord>>>,
@@ -41,14 +41,6 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// What came too late.
 fn over() -> Raised {
     plain("the results of this sweep are written")
-}
-
-fn request(force: bool) -> Request {
-    Request {
-        command: COMMAND.to_owned(),
-        force,
-        ..Request::default()
-    }
 }
 
 #[pymethods]
@@ -78,9 +70,17 @@ impl Sweep {
             .collect();
         let never = AtomicBool::new(false);
         let plan = py.detach(|| Plan::within(sweep, &sets, Guests(own), &never))?;
-        let out =
-            out.unwrap_or_else(|| Path::new("out").join(format!("{}-sweep", plan.sweep.name)));
-        drop(Folder::prepare(&out, request(force))?);
+        let stem = Path::new(path).file_stem().unwrap_or_default();
+        let name = format!("{}-sweep", file_name(&stem.to_string_lossy()));
+        let request = Request {
+            command: COMMAND.to_owned(),
+            of: path.to_owned(),
+            only_of: out.is_none(),
+            force,
+            ..Request::default()
+        };
+        let out = out.unwrap_or_else(|| Path::new("out").join(name));
+        drop(Folder::prepare(&out, request.clone())?);
         let begin = match (resume, force) {
             (true, _) => Begin::Resume,
             (_, true) => Begin::Over,
@@ -92,7 +92,7 @@ impl Sweep {
             plan,
             desk,
             out,
-            force,
+            request,
             journal: Mutex::new(Some(journal)),
             records,
         })
@@ -191,7 +191,7 @@ impl Sweep {
         let records = self.records()?;
         let mut journal = lock(&self.journal);
         let held = journal.as_ref().ok_or_else(over)?;
-        let target = Folder::prepare(&self.out, request(self.force))?;
+        let target = Folder::prepare(&self.out, self.request.clone())?;
         let (table, made) = (sweeps::results(&self.plan, &records), made());
         sweeps::write(target.path(), &self.plan, &records, &table, held, &made)?;
         let page = pages::sweep::page(&self.plan, &records, &table, &made);

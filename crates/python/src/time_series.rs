@@ -55,10 +55,12 @@ impl Columns {
         )
     }
 
-    /// Writes the file that the program calls `courses.csv`.
-    fn save_csv(&self, path: &str) -> PyResult<()> {
-        let saved = self.0.save_csv(std::path::Path::new(path));
-        saved.map_err(|error| PyOSError::new_err(error.to_string()))
+    /// The file that the program calls `courses.csv`.
+    fn csv<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let mut text = Vec::new();
+        let written = self.0.write_csv(&mut text);
+        written.map_err(|error| PyOSError::new_err(error.to_string()))?;
+        Ok(PyBytes::new(py, &text))
     }
 }
 

@@ -7,7 +7,7 @@ use pinwheel_compare::{Assessment, Comparison, Status, Verdict};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 
 use crate::baseline::{self, CaseCheck, Check};
-use crate::folder::replace;
+use crate::file;
 use crate::output::OutputError;
 
 /// How a case ended.
@@ -41,17 +41,31 @@ pub(crate) fn suite(name: &str, cases: impl IntoIterator<Item = TestCase>) -> Te
     suite
 }
 
+/// Returns true for a JUnit file that [`write`] wrote.
+fn is_ours(content: &[u8]) -> bool {
+    let head = String::from_utf8_lossy(&content[..content.len().min(200)]);
+    head.contains("<testsuites name=\"pinwheel ")
+}
+
+/// Checks that [`write`] may write a file, before anything long is run.
+///
+/// # Errors
+/// It cannot be written, or is not an earlier JUnit file of ours.
+pub fn check(path: &Path) -> Result<(), OutputError> {
+    file::check(path, &is_ours)
+}
+
 /// Writes suites as one JUnit file.
 ///
 /// # Errors
-/// It cannot be written.
+/// As of [`check`].
 pub fn write(path: &Path, name: &str, suites: Vec<TestSuite>) -> Result<(), OutputError> {
     let mut report = Report::new(name);
     report.add_test_suites(suites);
     let text = report
         .to_string()
         .map_err(|error| OutputError::new(path, &error))?;
-    replace(path, text.as_bytes())
+    file::replace(path, text.as_bytes(), &is_ours)
 }
 
 /// Findings as a suite, then every engine's run as a case, and every pair's statements. A finding of which nothing was shown is

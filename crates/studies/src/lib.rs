@@ -69,7 +69,7 @@ pub mod single;
 pub mod stability;
 pub mod sweep;
 
-pub use pinwheel_files::{folder, output, ownership};
+pub use pinwheel_files::{file, folder, output};
 
 pub use control::{Control, Progress};
 pub use error::StudyError;

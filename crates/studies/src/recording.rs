@@ -17,7 +17,7 @@ use crate::StudyError;
 use crate::choice;
 use crate::comparison::{Effort, context, refine};
 use crate::control::{Control, Progress, compile};
-use crate::folder::replace;
+use crate::file;
 use crate::output::{OutputError, file_name};
 use crate::provenance::Provenance;
 
@@ -77,6 +77,11 @@ pub fn record(
     if let Err(reason) = worth_keeping(engine.name(), scene) {
         return Ok(Recorded::Left(reason));
     }
+    let path = out.join(file_name(&scene.name)).join(engine.name());
+    let [description, csv] = ["toml", "csv"].map(|ending| path.with_extension(ending));
+    for path in [&description, &csv] {
+        file::check(path, &is_ours)?;
+    }
     let (participant, uncertainty) = refined(engine, scene, &label, control)?;
     let told = format!("{} {}", engine.name(), participant.status);
     match participant.status {
@@ -94,16 +99,20 @@ pub fn record(
     recording.machine = format!("{}, {}", machine.processor, machine.operating_system);
     recording.date = made.date;
     recording.command = made.command;
-    let path = out.join(file_name(name)).join(engine);
     let written = recording.write();
-    let (description, csv) = written.map_err(|error| OutputError::new(&path, &error))?;
+    let (text, rows) = written.map_err(|error| OutputError::new(&path, &error))?;
+    let bytes = text.len() + rows.len();
     // The time series first: without a description they are not a recording.
-    replace(&path.with_extension("csv"), csv.as_bytes())?;
-    replace(&path.with_extension("toml"), description.as_bytes())?;
+    file::replace_all(&[(csv, rows), (description, text)], &is_ours)?;
     Ok(Recorded::Kept {
         samples: recording.time_series.len(),
-        bytes: csv.len() + description.len(),
+        bytes,
     })
+}
+
+/// Returns true for a description or time series that [`record`] wrote.
+fn is_ours(content: &[u8]) -> bool {
+    content.starts_with(b"engine = ") || content.starts_with(b"time_s,")
 }
 
 /// A run with the samples that are kept, and what coarser runs say of them.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::error::ErrorKind;
 use clap::{Args, FromArgMatches as _, Parser, Subcommand};
 use pinwheel::gearbox::Gearbox;
-use pinwheel::scene::{Override, Scene};
+use pinwheel::scene::{Override, Scene, preset};
 use pinwheel::studies::output::file_name;
 
 use crate::failure::Failure;
@@ -162,10 +162,10 @@ pub(crate) struct SceneArgs {
 /// Where results go.
 #[derive(Debug, Args)]
 pub(crate) struct OutArgs {
-    /// Output folder; an earlier output there is replaced as a whole [default: in out/, by what it is of].
+    /// Output folder; an earlier output there is replaced as a whole [default: in out/, by the file's or preset's name].
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Replace the output folder even if it holds files of other origin.
+    /// Replace an earlier output even if its files were changed, or are of another scene; foreign files stay.
     #[arg(long)]
     pub(crate) force: bool,
     /// Write the results as JSON to stdout in place of the text.
@@ -433,12 +433,13 @@ impl SceneArgs {
     }
 }
 
-impl OutArgs {
-    /// The folder asked for, or `out/<scene>-<command>`.
-    pub(crate) fn folder(&self, scene: &str, command: &str) -> PathBuf {
-        self.or(format!("{}-{command}", file_name(scene)))
-    }
+/// Returns the name that outputs of a scene or sweep have: a preset's own, or its file's, as two files may hold one name.
+pub(crate) fn label(spec: &str) -> String {
+    let stem = || Path::new(spec).file_stem().unwrap_or_default();
+    file_name(&preset(spec).map_or_else(|| stem().to_string_lossy(), |_| spec.into()))
+}
 
+impl OutArgs {
     /// The folder asked for, or `out/<name>`.
     pub(crate) fn or(&self, name: impl AsRef<Path>) -> PathBuf {
         let out = self.out.clone();
@@ -648,13 +649,14 @@ mod tests {
             force: false,
             json: false,
         };
-        for (scene, folder) in [
+        for (spec, folder) in [
             ("paper", "out/paper-run"),
-            ("../evil", "out/-evil-run"),
-            ("a b/c", "out/a-b-c-run"),
+            ("../evil.toml", "out/evil-run"),
+            ("a/b c-explored.toml", "out/b-c-explored-run"),
             ("..", "out/unnamed-run"),
         ] {
-            assert_eq!(out.folder(scene, "run"), PathBuf::from(folder));
+            let name = format!("{}-run", label(spec));
+            assert_eq!(out.or(name), PathBuf::from(folder));
         }
     }
 

@@ -6,7 +6,7 @@ use pinwheel::studies::{Provenance, junit};
 
 use crate::args::{self, Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
 use crate::failure::{DIFFER, Failure};
-use crate::folder::{Folder, Request};
+use crate::folder::{Folder, Request, check_junit, name_leftovers};
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -30,12 +30,8 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
         )));
     }
     interrupt::check()?;
-    let known = earlier.iter().map(|_| FILE.to_owned()).collect();
-    let request = Request {
-        known: Some(known),
-        ..Request::default()
-    };
-    let folder = Folder::asked(&folder, request)?;
+    Baseline::check_place(&folder)?;
+    name_leftovers(&folder.join(FILE));
     let options = Options {
         threads: args.running.jobs.into(),
         only: args.running.only.clone(),
@@ -51,13 +47,13 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
     let recorded = watched("baseline", |control| {
         baseline::record(here, accepted, &options, control)
     })?;
-    recorded.write(folder.path())?;
-    let out = folder.publish()?;
+    interrupt::check()?;
+    recorded.write(&folder)?;
     let cases: usize = recorded.scenes.iter().map(|scene| scene.cases.len()).sum();
     screen::show(&format!(
         "{} scenes, {cases} cases in {}\nlook at the diff before you commit it",
         recorded.scenes.len(),
-        out.display()
+        folder.display()
     ))?;
     Ok(0)
 }
@@ -72,6 +68,7 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
         ..Request::default()
     };
     let folder = Folder::asked(&out, request)?;
+    check_junit(args.junit.as_deref(), &out)?;
     let options = Options {
         kernel: args.kernel,
         threads: args.running.jobs.into(),

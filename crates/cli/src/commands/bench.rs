@@ -20,7 +20,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
         args.methods.clone(),
     )?;
     let engines = bench::engines(&args.solvers.join_named(&args.engines)?, &scene)?;
-    let folder = Folder::prepare(&args.out.folder(&scene.name, "bench"), args.out.force)?;
+    let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "bench")?;
     let measured = watched("bench", |control| {
         bench::run(&scene, &engines, &options, control)
     })?;

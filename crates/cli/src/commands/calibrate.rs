@@ -10,7 +10,7 @@ use pinwheel::studies::comparison::Effort;
 
 use crate::args::{self, CalibrateArgs};
 use crate::failure::{DIFFER, Failure};
-use crate::folder::Folder;
+use crate::folder::{Folder, all_or};
 use crate::progress::watched;
 use crate::screen::{self, SUMMARY};
 
@@ -23,7 +23,7 @@ pub(crate) fn calibrate(args: &CalibrateArgs) -> Result<u8, Failure> {
         scenes = chosen::presets(&calibration::PRESETS)?;
         scenes.extend(chosen::random(args.gears.clone())?);
     }
-    let folder = Folder::prepare(&args.out.folder("verdicts", "calibrate"), args.out.force)?;
+    let folder = Folder::of(&args.out, "verdicts-calibrate", &all_or(&args.scenes))?;
     let made = Provenance::here(args::typed());
     let input = calibration::Input {
         scenes,

@@ -8,7 +8,7 @@ use pinwheel::studies::{Provenance, choice, design_diff, junit};
 
 use crate::args::{self, CompareArgs};
 use crate::failure::{ENGINE, Failure};
-use crate::folder::Folder;
+use crate::folder::{Folder, check_junit};
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -22,7 +22,8 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let scene = &gearbox.scene;
     let asked_by_name = !args.engines.is_empty();
     let engines = choice::engines(&args.solvers.join_named(&args.engines)?, scene)?;
-    let folder = Folder::prepare(&args.out.folder(&scene.name, "compare"), args.out.force)?;
+    let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "compare")?;
+    check_junit(args.junit.as_deref(), folder.place())?;
 
     let input = Input {
         gearbox: &gearbox,
@@ -65,10 +66,7 @@ fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failu
     let name = args.solvers.only(&args.engines)?;
     let engine = choice::find(&name, &first.scene)?;
     let [a, b] = [0, 1].map(|k| effort(args, specs[k], &gearboxes[k].scene));
-    let names = gearboxes
-        .map(|gearbox| gearbox.scene.name.as_str())
-        .join("-and-");
-    let folder = Folder::prepare(&args.out.folder(&names, "compare"), args.out.force)?;
+    let folder = Folder::of_scenes(&args.out, &specs, "compare")?;
     let input = design_diff::Input {
         gearboxes,
         specs,

@@ -9,7 +9,7 @@ use pinwheel::studies::{Provenance, design};
 
 use crate::args::{self, DesignArgs, InitArgs, quoted};
 use crate::failure::Failure;
-use crate::folder::{Folder, replace};
+use crate::folder::{self, Folder};
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -24,19 +24,26 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     if to_screen {
         return screen::show(&draft.text);
     }
+    folder::check(&args.file, &is_scene)?;
     if args.file.exists() && !args.force {
         return Err(Failure::input(format!(
             "{} is there already; name another file, or replace it with --force",
             args.file.display()
         )));
     }
-    replace(&args.file, draft.text.as_bytes())?;
+    folder::replace(&args.file, draft.text.as_bytes(), &is_scene)?;
     let file = quoted(&args.file.display().to_string());
     screen::show(&format!(
         "{}\nscene   {}\nnext    pinwheel design {file}",
         pages::design::draft(&draft),
         args.file.display()
     ))
+}
+
+/// Returns true for the text of a scene, right or wrong.
+fn is_scene(content: &[u8]) -> bool {
+    let mut lines = content.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    lines.any(|line| line == b"[gear]" || line.starts_with(b"base = "))
 }
 
 /// The fault with flags in place of the keys that they give.
@@ -52,8 +59,7 @@ fn by_flag(fault: &Fault) -> Failure {
 
 pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
-    let place = args.out.folder(&gearbox.scene.name, "design");
-    let folder = Folder::prepare(&place, args.out.force)?;
+    let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "design")?;
     let mut found = watched("design", |control| {
         design::run(&gearbox, !args.statics, control)
     })?;

@@ -393,7 +393,7 @@ impl Explorer {
         let mut names = std::iter::once(format!("{stem}.toml")).chain(names);
         let free = names.find(|name| !std::path::Path::new(name).exists());
         let file = free.unwrap_or_default();
-        replace(file.as_ref(), scene.to_toml().as_bytes())?;
+        replace(file.as_ref(), scene.to_toml().as_bytes(), &|_| false)?;
         Ok(told(&json!({"file": file})))
     }
 

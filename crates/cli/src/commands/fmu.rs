@@ -4,9 +4,8 @@ use std::path::Path;
 
 use pinwheel::engines::external;
 use pinwheel::fmu::{Imprint, Package, PackageError};
-use pinwheel::studies::output::file_name;
 
-use crate::args::FmuArgs;
+use crate::args::{FmuArgs, label};
 use crate::failure::Failure;
 use crate::folder::replace;
 use crate::screen;
@@ -14,9 +13,8 @@ use crate::screen;
 pub(crate) fn fmu(args: &FmuArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
     let named = args.out.clone();
-    let file = named.unwrap_or_else(|| {
-        Path::new("out").join(format!("{}.fmu", file_name(&gearbox.scene.name)))
-    });
+    let name = format!("{}.fmu", label(&args.scene.scene));
+    let file = named.unwrap_or_else(|| Path::new("out").join(name));
     if file.extension().is_none_or(|ending| ending != "fmu") {
         return Err(Failure::input(format!(
             "--out {} does not end in .fmu; name the file to write",
@@ -31,7 +29,7 @@ pub(crate) fn fmu(args: &FmuArgs) -> Result<(), Failure> {
     let imprint = Imprint::here(args.author.as_deref()).map_err(failed)?;
     let package = Package::new(&gearbox, &library, imprint).map_err(failed)?;
     let bytes = package.bytes().map_err(failed)?;
-    replace(&file, &bytes)?;
+    replace(&file, &bytes, &Package::is_ours)?;
     let told = serde_json::json!({
         "file": file,
         "bytes": bytes.len(),

@@ -1,15 +1,18 @@
 //! `pinwheel record`: time series of the Python engines, kept for builds and machines without them.
 
+use pinwheel::studies::output::file_name;
 use pinwheel::studies::recording::{self, Recorded};
 
 use crate::args::RecordArgs;
 use crate::failure::{ENGINE, Failure};
+use crate::folder::name_leftovers;
 use crate::progress::watched;
 use crate::screen;
 
 pub(crate) fn record(args: &RecordArgs) -> Result<u8, Failure> {
     let mut failed = false;
     for scene in &recording::scenes(&args.scenes)? {
+        name_leftovers(&args.out.join(file_name(&scene.name)).join("draft"));
         let engines = recording::engines(&args.engines, scene)?;
         if engines.is_empty() {
             return Err(Failure::engine(

@@ -15,7 +15,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
     let name = args.solvers.only(args.engine.as_slice())?;
     let engine = choice::find(&name, scene)?;
     single::prepare(engine.as_ref(), &gearbox)?;
-    let folder = Folder::prepare(&args.out.folder(&scene.name, "run"), args.out.force)?;
+    let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "run")?;
     let found = watched("run", |control| {
         let found = single::run(&gearbox, engine.as_ref(), !args.unchecked, control)?;
         match args.unchecked {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::args;
 use crate::failure::Failure;
-use crate::folder::replace;
+use crate::folder::replace_all;
 use crate::screen;
 
 pub(crate) fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
@@ -28,12 +28,13 @@ pub(crate) fn man(out: Option<&Path>) -> Result<(), Failure> {
     let Some(dir) = out else {
         return screen::show(&page(&program)?);
     };
-    replace(&dir.join("pinwheel.1"), page(&program)?.as_bytes())?;
+    let mut pages = vec![(dir.join("pinwheel.1"), page(&program)?)];
     for command in program.get_subcommands() {
         let name = format!("pinwheel-{}", command.get_name());
         // Beside the program's own page it needs its whole name.
         let named = command.clone().name(name.clone());
-        replace(&dir.join(format!("{name}.1")), page(&named)?.as_bytes())?;
+        pages.push((dir.join(format!("{name}.1")), page(&named)?));
     }
-    Ok(())
+    let ours = |content: &[u8]| String::from_utf8_lossy(content).contains("\n.TH pinwheel");
+    replace_all(&pages, &ours)
 }

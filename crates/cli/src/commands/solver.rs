@@ -4,11 +4,12 @@ use std::path::Path;
 
 use pinwheel::engines::external::{self, Manifest, Solver, scaffold::Language};
 use pinwheel::pages;
+use pinwheel::studies::output::file_name;
 use pinwheel::studies::{Provenance, conformance, junit};
 
 use crate::args::{self, OutArgs, SceneArgs, SolverAction, SolverArgs};
 use crate::failure::{DIFFER, Failure};
-use crate::folder::Folder;
+use crate::folder::{Folder, check_junit, relative};
 use crate::progress::watched;
 use crate::screen;
 
@@ -25,24 +26,14 @@ pub(crate) fn solver(args: &SolverArgs) -> Result<u8, Failure> {
     }
 }
 
-/// A folder that was not there; nothing is ever written over.
-fn fresh(folder: &Path) -> Result<(), Failure> {
-    std::fs::create_dir(folder).map_err(|error| {
-        Failure::input(format!(
-            "{} cannot be made: {error}; choose another name",
-            folder.display()
-        ))
-    })
-}
-
 fn new(language: Language, name: &str) -> Result<u8, Failure> {
     Manifest::is_name(name).map_err(Failure::input)?;
-    let folder = Path::new(name);
-    fresh(folder)?;
+    let folder = Folder::fresh(Path::new(name))?;
     let files = language
-        .write(folder, name)
+        .write(folder.path(), name)
         .map_err(|error| Failure::input(format!("{name} cannot be written: {error}")))?;
-    let solver = Solver::open(&folder.join("solver.toml"));
+    let place = folder.publish()?;
+    let solver = Solver::open(&place.join("solver.toml"));
     let solver = solver.map_err(|error| Failure::engine(error.to_string()))?;
     let build = solver.manifest().build.as_ref();
     let build = build.map_or_else(String::new, |build| {
@@ -58,7 +49,9 @@ fn new(language: Language, name: &str) -> Result<u8, Failure> {
 fn check(file: &Path, junit: Option<&Path>, out: &OutArgs) -> Result<u8, Failure> {
     let solver = Solver::open(file).map_err(|error| Failure::input(error.to_string()))?;
     let name = solver.manifest().name.clone();
-    let folder = Folder::prepare(&out.folder(&name, "check"), out.force)?;
+    let label = format!("{}-check", file_name(&name));
+    let folder = Folder::of(out, label, &relative(file))?;
+    check_junit(junit, folder.place())?;
     let found = watched("solver check", |control| {
         conformance::check(&solver, control)
     })?;
@@ -75,9 +68,10 @@ fn check(file: &Path, junit: Option<&Path>, out: &OutArgs) -> Result<u8, Failure
 fn job(scene: &SceneArgs, folder: &Path) -> Result<u8, Failure> {
     let gearbox = scene.load()?;
     let library = external::law_library();
-    fresh(folder)?;
-    external::write_job(&gearbox, folder, library.as_deref().ok())
+    let draft = Folder::fresh(folder)?;
+    external::write_job(&gearbox, draft.path(), library.as_deref().ok())
         .map_err(|error| Failure::engine(error.to_string()))?;
+    draft.publish()?;
     let law = library.map_or_else(|remedy| remedy, |path| path.display().to_string());
     screen::show(&format!(
         "{}\nlaw library: {law}",

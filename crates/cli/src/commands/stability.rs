@@ -7,7 +7,7 @@ use pinwheel::studies::{Provenance, StudyError};
 
 use crate::args::{self, StabilityArgs, quoted};
 use crate::failure::{DIFFER, Failure, INCONCLUSIVE, STOPPED};
-use crate::folder::Folder;
+use crate::folder::{Folder, all_or};
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
@@ -27,7 +27,7 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
     } else {
         Atlas::new(options)
     };
-    let folder = Folder::prepare(&out, args.out.force)?;
+    let folder = Folder::of(&args.out, "stability", &all_or(&args.scenes))?;
     interrupt::check()?;
     let jobs = args.jobs.map_or_else(args::cores, usize::from);
     let stopped = match watched("stability", |control| atlas.go_on(jobs, control)) {

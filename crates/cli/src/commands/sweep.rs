@@ -22,9 +22,10 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
         screen::show(&pages::sweep::list(&plan))?;
         return Ok(0);
     }
-    let out = args.out.folder(&plan.sweep.name, "sweep");
+    let file = args.file.display().to_string();
+    let prepare = || Folder::of_scenes(&args.out, &[&file], "sweep");
     // Checked before anything long is run; what is written comes at the end.
-    drop(Folder::prepare(&out, args.out.force)?);
+    let out = prepare()?.place().to_owned();
     if let Some(part) = args.shard {
         return shard(args, &plan, &Journal::beside(&out), part);
     }
@@ -52,7 +53,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
         }
         records => records?,
     };
-    let folder = Folder::prepare(&out, args.out.force)?;
+    let folder = prepare()?;
     let (table, made) = (
         sweep::results(&plan, &records),
         Provenance::here(args::typed()),

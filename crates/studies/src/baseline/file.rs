@@ -10,7 +10,8 @@ use serde::{Deserialize, Serialize};
 use super::runner::Costs;
 use super::snapshot::{Quantity, Statistics};
 use crate::StudyError;
-use crate::output::{OutputError, write_text};
+use crate::file;
+use crate::output::OutputError;
 
 /// Version of the layout.
 pub(super) const FORMAT: u32 = 2;
@@ -251,14 +252,27 @@ impl Baseline {
         Ok(found)
     }
 
-    /// Writes its file into the folder `dir`, which exists.
+    /// Returns true for the text of a baseline.
+    fn is_ours(content: &[u8]) -> bool {
+        std::str::from_utf8(content).is_ok_and(|text| Self::parse(Path::new(FILE), text).is_ok())
+    }
+
+    /// Checks that [`write`](Self::write) may write into the folder `dir`, before anything long is run.
     ///
     /// # Errors
-    /// The folder cannot be written.
+    /// Its file cannot be written, or is not an earlier baseline.
+    pub fn check_place(dir: &Path) -> Result<(), OutputError> {
+        file::check(&dir.join(FILE), &Self::is_ours)
+    }
+
+    /// Writes its file into the folder `dir`; what else is there stays.
+    ///
+    /// # Errors
+    /// As of [`check_place`](Self::check_place).
     pub fn write(&self, dir: &Path) -> Result<(), OutputError> {
         let path = dir.join(FILE);
         let text = toml::to_string(self).map_err(|error| OutputError::new(&path, &error))?;
-        write_text(&path, &text)
+        file::replace(&path, text.as_bytes(), &Self::is_ours)
     }
 }
 

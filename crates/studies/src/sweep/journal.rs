@@ -5,7 +5,7 @@
 //!
 //! ```text
 //!  out.unfinished/              one process writes, by its lock
-//!    .pinwheel  run-*.json      records; run-*.csv or .parquet: time_series
+//!    .lock  run-*.json          records; run-*.csv or .parquet: time_series
 //!    shard-2-of-8/              a folder like it for each shard, so that many processes write at once
 //! ```
 //!
@@ -22,14 +22,13 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 use std::{fs, io};
 
-use pinwheel_files::fnv;
+use pinwheel_files::{Lock, fnv};
 use pinwheel_timeseries::TimeSeries;
 use serde::{Deserialize, Serialize};
 use tempfile::Builder;
 
 use crate::folder::beside;
 use crate::output::OutputError;
-use crate::ownership::{MARKER, Owner, unlisted};
 use crate::pool;
 use crate::sweep::SweepError;
 use crate::sweep::file::KeepTimeSeries;
@@ -96,7 +95,7 @@ pub enum Begin {
 pub struct Journal {
     folder: PathBuf,
     /// Keep other processes from writing the same runs.
-    owners: Vec<Owner>,
+    owners: Vec<Lock>,
     /// Folders of shards that are this journal's to remove.
     shards: Vec<PathBuf>,
     /// Where each identity's record and time series stand.
@@ -113,10 +112,10 @@ impl Journal {
     /// The folder cannot be made or read, is not a journal, or another process writes it or a shard of it.
     pub fn open(folder: &Path, earlier: Option<&Path>, command: &str) -> Result<Self, SweepError> {
         fs::create_dir_all(folder).map_err(at(folder))?;
-        let mut owners = vec![Owner::take(folder, command)?];
+        let mut owners = vec![Lock::take(folder, command)?];
         let shards = shards_of(folder)?;
         for shard in &shards {
-            owners.push(Owner::take(shard, command)?);
+            owners.push(Lock::take(shard, command)?);
         }
         let others = shards.iter().map(PathBuf::as_path);
         Ok(Self {
@@ -166,7 +165,7 @@ impl Journal {
         fs::create_dir_all(folder).map_err(at(folder))?;
         let begun = Instant::now();
         let whole = loop {
-            match Owner::take(folder, command) {
+            match Lock::take(folder, command) {
                 Ok(owner) => break owner,
                 Err(_) if begun.elapsed() < PATIENCE => {
                     std::thread::sleep(Duration::from_millis(20));
@@ -176,7 +175,7 @@ impl Journal {
         };
         let own = folder.join(format!("{SHARD}{}-of-{}", shard.number, shard.of));
         fs::create_dir_all(&own).map_err(at(&own))?;
-        let owner = Owner::take(&own, command)?;
+        let owner = Lock::take(&own, command)?;
         let others = shards_of(folder)?;
         drop(whole);
         let others = others.iter().map(PathBuf::as_path);
@@ -246,18 +245,10 @@ impl Journal {
     ///
     /// # Errors
     /// A run cannot be removed.
-    pub fn remove(mut self) -> Result<(), SweepError> {
+    pub fn remove(self) -> Result<(), SweepError> {
         self.clear()?;
-        if !cfg!(unix) {
-            // Windows reads no marker that is locked, and would leave it as somebody else's.
-            self.owners.clear();
-        }
-        for folder in self.folders() {
-            if unlisted(folder, &[]).is_ok_and(|others| others.is_empty()) {
-                let _ = fs::remove_file(folder.join(MARKER));
-                let _ = fs::remove_dir(folder);
-            }
-        }
+        // The whole's comes first, and goes last.
+        self.owners.into_iter().rev().for_each(Lock::remove);
         Ok(())
     }
 

@@ -1,0 +1,409 @@
+//! Output folders: written whole or not at all, and never over somebody else's files.
+//!
+//! Everything is written into a new folder beside the target, which then takes the target's name in one step. An earlier output is
+//! replaced if its manifest names every file in it with its size and hash; anything else in its place stays.
+//!
+//! ```
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let base = tempfile::tempdir()?;
+//! use pinwheel_files::folder::{Folder, Request};
+//!
+//! let out = base.path().join("mine");
+//! let folder = Folder::prepare(&out, Request::default())?;
+//! std::fs::write(folder.path().join("notes.txt"), "1.4529 N m")?;
+//! assert!(!out.exists(), "nothing is there until all of it is");
+//! folder.publish()?;
+//! assert!(out.join("notes.txt").is_file());
+//! # Ok(())
+//! # }
+//! ```
+
+use std::fs;
+use std::io;
+use std::path::{Component, Path, PathBuf};
+
+use tempfile::TempDir;
+
+use crate::draft::{self, nearest_existing, sync};
+pub use crate::draft::{draft_in, leftovers};
+use crate::manifest::{Manifest, Stranger, stranger};
+use crate::output::OutputError;
+
+/// File name of the page in an output folder.
+pub const PAGE: &str = "index.html";
+
+/// Why a folder cannot take an output.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum FolderError {
+    /// No name.
+    #[error("the name of the output folder is empty")]
+    Empty,
+    /// A place where no output may go.
+    #[error("{}: {reason}", shown.display())]
+    Refused {
+        /// The folder as it was asked for.
+        shown: PathBuf,
+        /// Its fault.
+        reason: String,
+    },
+    /// An output of ours that [`Request::force`] replaces.
+    #[error("{}: {reason}", shown.display())]
+    Kept {
+        /// The folder as it was asked for.
+        shown: PathBuf,
+        /// Why it is kept.
+        reason: String,
+    },
+    /// It cannot be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+/// How a folder is asked for.
+#[derive(Debug, Clone, Default)]
+pub struct Request {
+    /// Command for the manifest: one that can be typed again.
+    pub command: String,
+    /// Scene, or what else the results are of.
+    pub of: String,
+    /// Keep an earlier output that is known to be of something else.
+    pub only_of: bool,
+    /// Replace files of ours that were changed, and an output of something else.
+    pub force: bool,
+    /// The place must be free, and what is written gets no manifest.
+    pub fresh: bool,
+    /// Files that are read: a folder that is or holds one of them is refused.
+    pub inputs: Vec<PathBuf>,
+}
+
+/// An output folder in the making. Dropped without [`publish`](Self::publish) it leaves nothing.
+#[derive(Debug)]
+pub struct Folder {
+    /// Absolute, without links.
+    target: PathBuf,
+    /// As the user wrote it.
+    shown: PathBuf,
+    request: Request,
+    /// Holds the new output, after an exchange the earlier one; nobody else may enter it.
+    draft: TempDir,
+    /// In the draft, with the mode that the output gets.
+    content: PathBuf,
+}
+
+impl Folder {
+    /// Checks that `out` may be written, before anything long is run.
+    ///
+    /// # Errors
+    /// A place where no output may go, or that cannot be written.
+    pub fn prepare(out: &Path, request: Request) -> Result<Self, FolderError> {
+        let target = resolved(out)?;
+        inspect_surroundings(&target, out, &request)?;
+        inspect(&target, out, &request)?;
+        let beside = nearest_existing(target.parent().unwrap_or(&target));
+        let failed = |error: io::Error| OutputError::new(&beside, &error);
+        let draft = draft::folder(&beside).map_err(failed)?;
+        let content = draft.path().join("new");
+        fs::create_dir(&content).map_err(failed)?;
+        Ok(Self {
+            target,
+            shown: out.to_owned(),
+            request,
+            draft,
+            content,
+        })
+    }
+
+    /// Returns the folder to write into for now.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.content
+    }
+
+    /// Returns the target as the user wrote it.
+    #[must_use]
+    pub fn place(&self) -> &Path {
+        &self.shown
+    }
+
+    /// Returns the draft, which a kill leaves.
+    #[must_use]
+    pub fn draft(&self) -> &Path {
+        self.draft.path()
+    }
+
+    /// Gives the folder its name; returns it as the user wrote it.
+    ///
+    /// # Errors
+    /// The folder cannot be written, or holds by now something that must stay.
+    pub fn publish(self) -> Result<PathBuf, FolderError> {
+        self.finish(true)
+    }
+
+    /// Publishes although the user asked to stop, for studies whose results say how far they got.
+    ///
+    /// An earlier output that is complete stays: the part goes beside it, `out/bench.partial` for `out/bench`, or where
+    /// that is taken `out/bench.partial-2` and so on.
+    ///
+    /// # Errors
+    /// As [`publish`](Self::publish).
+    pub fn publish_partial(mut self) -> Result<PathBuf, FolderError> {
+        let numbered = (2..100).map(|number| format!(".partial-{number}"));
+        let mut endings = [String::new(), ".partial".to_owned()]
+            .into_iter()
+            .chain(numbered);
+        let free = |ending: &String| {
+            let place = beside(&self.target, ending);
+            let complete = Manifest::of(&place).is_some_and(|manifest| manifest.complete);
+            !complete && inspect(&place, &self.shown, &self.request).is_ok()
+        };
+        let ending = endings.find(free).unwrap_or_default();
+        self.target = beside(&self.target, &ending);
+        self.shown = beside(&self.shown, &ending);
+        self.finish(false)
+    }
+
+    fn finish(self, complete: bool) -> Result<PathBuf, FolderError> {
+        let (target, content) = (&self.target, &self.content);
+        let failed = |error: io::Error| OutputError::new(&self.shown, &error);
+        if !self.request.fresh {
+            let manifest = Manifest::new(&self.request.command, &self.request.of, complete);
+            manifest.seal(content).map_err(failed)?;
+        }
+        let parent = target.parent().unwrap_or(target);
+        fs::create_dir_all(parent).map_err(failed)?;
+        // This takes a free place or an empty folder, and nothing else.
+        if let Err(error) = fs::rename(content, target) {
+            if fs::symlink_metadata(target).is_err() {
+                return Err(failed(error).into());
+            }
+            exchange(content, target).map_err(failed)?;
+            // Here nobody else can add to the earlier output, so it is looked at before it goes with the draft.
+            if let Err(refused) = inspect(content, &self.shown, &self.request) {
+                if let Err(error) = exchange(content, target) {
+                    let kept = self.draft.keep();
+                    return Err(OutputError::new(&kept, &error).into());
+                }
+                return Err(refused);
+            }
+        }
+        // The name is there; should this fail, only a loss of power could take it away.
+        let _ = sync(parent);
+        Ok(self.shown)
+    }
+}
+
+fn refused(shown: &Path, reason: impl Into<String>) -> FolderError {
+    FolderError::Refused {
+        shown: shown.to_owned(),
+        reason: reason.into(),
+    }
+}
+
+/// Resolves `out` to an absolute path without links and `..`, of which only the end may not exist yet.
+fn resolved(out: &Path) -> Result<PathBuf, FolderError> {
+    if out.as_os_str().is_empty() {
+        return Err(FolderError::Empty);
+    }
+    let not_found = |error: io::Error| refused(out, format!("cannot be found: {error}"));
+    let absolute = std::path::absolute(out).map_err(not_found)?;
+    let existing = nearest_existing(&absolute);
+    let rest = absolute.strip_prefix(&existing).unwrap_or(Path::new(""));
+    let mut below = existing.clone();
+    for part in rest.components() {
+        if !matches!(part, Component::Normal(_)) {
+            return Err(refused(out, "leads through a folder that does not exist"));
+        }
+        below.push(part);
+        match fs::symlink_metadata(&below) {
+            Ok(_) => return Err(refused(out, "is a link to nothing, or leads through one")),
+            // Below a file the draft meets the fault.
+            Err(error)
+                if [io::ErrorKind::NotFound, io::ErrorKind::NotADirectory]
+                    .contains(&error.kind()) => {}
+            // A name too long, for example.
+            Err(error) => return Err(not_found(error)),
+        }
+    }
+    if rest.as_os_str().is_empty()
+        && fs::symlink_metadata(&absolute).is_ok_and(|at| at.is_symlink())
+    {
+        return Err(refused(out, "is a link; name the folder itself"));
+    }
+    let root = existing.canonicalize().map_err(not_found)?;
+    // Joining nothing would add a slash.
+    Ok(match rest.as_os_str().is_empty() {
+        true => root,
+        false => root.join(rest),
+    })
+}
+
+/// Refuses a target by where it is.
+fn inspect_surroundings(target: &Path, shown: &Path, request: &Request) -> Result<(), FolderError> {
+    let within = |path: &Path| {
+        let path = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+        path.starts_with(target)
+    };
+    if std::env::current_dir().is_ok_and(|here| within(&here)) {
+        let reason = "is a folder you are working in, and an output folder is replaced as a whole";
+        return Err(refused(shown, reason));
+    }
+    let mut inputs = request.inputs.iter().filter(|_| target.is_dir());
+    if let Some(input) = inputs.find(|path| within(path)) {
+        let input = input.display();
+        let reason =
+            format!("holds {input}, which is read, and an output folder is replaced as a whole");
+        return Err(refused(shown, reason));
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt as _;
+        let device = |path: &Path| fs::metadata(path).map(|at| at.dev()).ok();
+        let above = target.parent().unwrap_or(target);
+        if target.exists() && device(target) != device(above) {
+            let reason = "is a mount point, which cannot be replaced; name a folder in it";
+            return Err(refused(shown, reason));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses a folder at `place` that is not ours to replace.
+fn inspect(place: &Path, shown: &Path, request: &Request) -> Result<(), FolderError> {
+    let unread = |error: io::Error| refused(shown, format!("cannot be read: {error}"));
+    match fs::symlink_metadata(place) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        // The draft meets it with a better message.
+        Err(error) if error.kind() == io::ErrorKind::NotADirectory => return Ok(()),
+        Err(error) => return Err(unread(error)),
+        Ok(at) if !at.is_dir() => return Err(refused(shown, "is not a folder")),
+        Ok(at) if at.permissions().readonly() => return Err(refused(shown, "may only be read")),
+        #[cfg(unix)]
+        Ok(at) => {
+            use std::os::unix::fs::MetadataExt as _;
+            let own = rustix::process::geteuid().as_raw();
+            if own != 0 && own != at.uid() {
+                return Err(refused(shown, "belongs to another user"));
+            }
+        }
+        #[cfg(not(unix))]
+        Ok(_) => {}
+    }
+    let kept = |reason: String| FolderError::Kept {
+        shown: shown.to_owned(),
+        reason,
+    };
+    if request.fresh && fs::read_dir(place).map_err(unread)?.next().is_some() {
+        return Err(refused(shown, "is there already"));
+    }
+    match stranger(place).map_err(unread)? {
+        Some(Stranger::Foreign(name)) => Err(refused(
+            shown,
+            format!("holds `{name}`, which is not known to be pinwheel's"),
+        )),
+        Some(Stranger::Changed(name)) if !request.force => Err(kept(format!(
+            "holds `{name}`, which was changed after pinwheel wrote it"
+        ))),
+        _ => match Manifest::of(place).map(|manifest| manifest.of) {
+            Some(of) if request.only_of && !request.force && !of.is_empty() && of != request.of => {
+                Err(kept(format!("holds the results of {of}")))
+            }
+            _ => Ok(()),
+        },
+    }
+}
+
+/// Returns `path` with something added to its name.
+#[must_use]
+pub fn beside(path: &Path, ending: &str) -> PathBuf {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(ending);
+    path.with_file_name(name)
+}
+
+/// Exchanges two folders.
+fn exchange(new: &Path, old: &Path) -> io::Result<()> {
+    #[cfg(any(target_os = "linux", target_os = "macos"))]
+    {
+        use rustix::fs::{CWD, RenameFlags, renameat_with};
+        if renameat_with(CWD, new, CWD, old, RenameFlags::EXCHANGE).is_ok() {
+            return Ok(());
+        }
+        // Some file systems cannot exchange; renames can.
+    }
+    by_renames(new, old)
+}
+
+/// Exchanges two folders by three renames. A kill between them leaves the earlier output under a name that says so.
+fn by_renames(new: &Path, old: &Path) -> io::Result<()> {
+    let aside = beside(old, &format!(".earlier-{}", std::process::id()));
+    fs::rename(old, &aside)?;
+    if let Err(error) = fs::rename(new, old) {
+        // Better the earlier output than none.
+        let _ = fs::rename(&aside, old);
+        return Err(error);
+    }
+    fs::rename(&aside, new)
+}
+
+/// Lists the words that are files, and what TOML files among them name in turn: the base of a scene, the scene of a sweep.
+#[must_use]
+pub fn named_files(words: impl IntoIterator<Item = PathBuf>) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    let mut open: Vec<PathBuf> = words.into_iter().collect();
+    while let Some(path) = open.pop() {
+        if !path.is_file() || files.contains(&path) {
+            continue;
+        }
+        let text = path
+            .extension()
+            .filter(|ending| ending.eq_ignore_ascii_case("toml"))
+            .and_then(|_| crate::read_text(&path, "").ok());
+        if let Some(Ok(table)) = text.map(|text| text.parse::<toml::Table>()) {
+            let above = path.parent().unwrap_or(Path::new(""));
+            // At the top, where they stand; a word that is no path is no file either.
+            let words = table.values().filter_map(toml::Value::as_str);
+            open.extend(words.flat_map(|word| [PathBuf::from(word), above.join(word)]));
+        }
+        files.push(path);
+    }
+    files
+}
+
+/// Returns a page, or the one in a folder.
+#[must_use]
+pub fn page_at(place: &Path) -> Option<PathBuf> {
+    let page = if place.is_dir() {
+        place.join(PAGE)
+    } else {
+        place.to_owned()
+    };
+    page.is_file().then_some(page)
+}
+
+/// Returns the page that was written last into a folder of `outs`.
+#[must_use]
+pub fn newest_page(outs: &Path) -> Option<PathBuf> {
+    let entries = fs::read_dir(outs).into_iter().flatten().flatten();
+    let pages = entries.map(|entry| entry.path().join(PAGE));
+    let dated = pages.filter_map(|page| Some((page.metadata().ok()?.modified().ok()?, page)));
+    dated.max().map(|(_, page)| page)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn renames_exchange_too() {
+        let base = tempfile::tempdir().unwrap();
+        let [new, old] = ["new", "old"].map(|name| base.path().join(name));
+        for (place, text) in [(&new, "1"), (&old, "2")] {
+            fs::create_dir(place).unwrap();
+            fs::write(place.join("f"), text).unwrap();
+        }
+        by_renames(&new, &old).unwrap();
+        assert_eq!(fs::read_to_string(old.join("f")).unwrap(), "1");
+        assert_eq!(fs::read_to_string(new.join("f")).unwrap(), "2");
+        assert_eq!(fs::read_dir(base.path()).unwrap().count(), 2);
+    }
+}

@@ -1,0 +1,98 @@
+//! Lock of a folder that several runs of the program write one after the other, as the journal of a sweep is.
+
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Read as _, Write as _};
+use std::path::{Path, PathBuf};
+
+use crate::draft::open_plain;
+use crate::output::OutputError;
+
+/// File that is locked, and by which such a folder is known.
+const LOCK: &str = ".lock";
+/// Most bytes of its text that are shown.
+const MOST_BYTES: u64 = 400;
+
+/// A folder that this process alone writes; the system frees it when the process ends, however it ends.
+#[derive(Debug)]
+pub struct Lock {
+    folder: PathBuf,
+    file: File,
+}
+
+impl Lock {
+    /// Takes a folder that is there: an empty one, or one that was taken before.
+    ///
+    /// # Errors
+    /// It holds files but no lock; another process has it, which is named; it cannot be written.
+    pub fn take(folder: &Path, command: &str) -> Result<Self, OutputError> {
+        let failed = |error: io::Error| OutputError::new(folder, &error);
+        let refused = |reason: &str| Err(OutputError::new(folder, &reason));
+        if !fs::symlink_metadata(folder).map_err(failed)?.is_dir() {
+            return refused("it is a link or no folder");
+        }
+        let path = folder.join(LOCK);
+        let mut options = File::options();
+        options.read(true).write(true);
+        let others = others(folder).map_err(failed)?;
+        let (file, new) = match open_plain(&path, &mut options) {
+            Ok(file) => (file, false),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                if let Some(name) = others.first() {
+                    return refused(&format!(
+                        "it holds `{name}` and no `{LOCK}` by which pinwheel knows its own"
+                    ));
+                }
+                let made = options.create(true).truncate(false).open(&path);
+                (made.map_err(failed)?, true)
+            }
+            Err(error) => return Err(failed(error)),
+        };
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let mut who = String::new();
+                let _ = (&file).take(MOST_BYTES).read_to_string(&mut who);
+                return refused(&format!("{} writes it at present", who.trim_end()));
+            }
+            // Some file systems have no locks: better a journal without one than none.
+            Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
+            Err(TryLockError::Error(error)) => return Err(failed(error)),
+        }
+        let lock = Self {
+            folder: folder.to_owned(),
+            file,
+        };
+        let text = format!("process {} (`{command}`)\n", std::process::id());
+        if let Err(error) = lock
+            .file
+            .set_len(0)
+            .and_then(|()| (&lock.file).write_all(text.as_bytes()))
+        {
+            if new {
+                lock.remove();
+            }
+            return Err(failed(error));
+        }
+        Ok(lock)
+    }
+
+    /// Removes the lock and its folder, unless anything else is in it.
+    pub fn remove(self) {
+        if others(&self.folder).is_ok_and(|others| others.is_empty()) {
+            // Windows removes no open file.
+            drop(self.file);
+            let _ = fs::remove_file(self.folder.join(LOCK));
+            let _ = fs::remove_dir(&self.folder);
+        }
+    }
+}
+
+/// Names in a folder but for the lock.
+fn others(folder: &Path) -> io::Result<Vec<String>> {
+    let names = fs::read_dir(folder)?;
+    let names = names.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()));
+    let mut names = names.collect::<io::Result<Vec<String>>>()?;
+    names.retain(|name| name != LOCK);
+    names.sort();
+    Ok(names)
+}

@@ -1,0 +1,190 @@
+//! Manifest of an output folder: every file that this program wrote there, with its size and hash.
+//!
+//! Names of files prove nothing: other tools write a `summary.json` too, and users edit ours. A folder is ours if its manifest
+//! names everything in it, and unchanged if every file still has the size and hash of the manifest.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{self, Read as _, Write as _};
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest as _, Sha256};
+
+use crate::draft::{open_plain, sync};
+
+/// File name of the manifest.
+pub const MANIFEST: &str = ".pinwheel";
+const PROGRAM: &str = "pinwheel";
+/// Version of the layout.
+const FORMAT: u32 = 2;
+/// Most bytes of a manifest: one of 10 000 files has 1.5 MB.
+const MOST_BYTES: u64 = 1 << 26;
+/// From this many files on it is cheaper to wait for the disk once, as each file alone takes milliseconds.
+const MANY: usize = 64;
+
+/// Manifest of an output folder.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Manifest {
+    program: String,
+    format: u32,
+    /// Command that wrote the folder.
+    pub command: String,
+    /// Scene, or what else the results are of; empty where it is not known.
+    pub of: String,
+    /// False if the command was stopped: there is only a part.
+    pub complete: bool,
+    /// By path below the folder, with `/` between parts; a folder with nothing in it ends in `/`.
+    files: BTreeMap<String, Written>,
+}
+
+/// Size and hash of a file.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+struct Written {
+    bytes: u64,
+    sha256: String,
+}
+
+/// Something in a folder that pinwheel did not leave there.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Stranger {
+    /// It is not in the manifest, or not of a kind that a manifest lists.
+    Foreign(String),
+    /// It is in the manifest with another size or hash.
+    Changed(String),
+}
+
+impl Manifest {
+    pub(crate) fn new(command: &str, of: &str, complete: bool) -> Self {
+        Self {
+            program: PROGRAM.to_owned(),
+            format: FORMAT,
+            command: command.to_owned(),
+            of: of.to_owned(),
+            complete,
+            files: BTreeMap::new(),
+        }
+    }
+
+    /// Reads the manifest of a folder; `None` if there is none, or none of ours.
+    #[must_use]
+    pub fn of(folder: &Path) -> Option<Self> {
+        let mut text = Vec::new();
+        let file = open_plain(&folder.join(MANIFEST), File::options().read(true)).ok()?;
+        if file.metadata().ok()?.len() > MOST_BYTES {
+            return None;
+        }
+        file.take(MOST_BYTES).read_to_end(&mut text).ok()?;
+        let read: Self = serde_json::from_slice(&text).ok()?;
+        (read.program == PROGRAM && read.format == FORMAT).then_some(read)
+    }
+
+    /// Lists what is in the folder, writes the manifest there, and waits until all of it is on the disk.
+    pub(crate) fn seal(mut self, folder: &Path) -> io::Result<()> {
+        let names = below(folder)?;
+        let at_once = names.len() >= MANY && sync_all(folder);
+        for (name, plain) in names {
+            let written = match plain {
+                true => Written::of(&folder.join(&name), !at_once)?,
+                false => Written::default(),
+            };
+            self.files.insert(name, written);
+        }
+        let mut text = serde_json::to_vec_pretty(&self)?;
+        text.push(b'\n');
+        let mut file = File::create_new(folder.join(MANIFEST))?;
+        file.write_all(&text)?;
+        file.sync_all()?;
+        sync(folder)
+    }
+}
+
+/// Finds what keeps a folder from being replaced: the first foreign file, or else the first that was changed. A file that is
+/// missing keeps nothing.
+pub(crate) fn stranger(folder: &Path) -> io::Result<Option<Stranger>> {
+    let manifest = Manifest::of(folder);
+    let mut changed = None;
+    for (name, plain) in below(folder)? {
+        let listed = manifest.as_ref().and_then(|known| known.files.get(&name));
+        match listed {
+            None if manifest.is_some() && name == MANIFEST => {}
+            Some(_) if name.split('/').any(|part| part == ".git") => {
+                return Ok(Some(Stranger::Foreign(name)));
+            }
+            Some(written) if plain => {
+                let same =
+                    changed.is_some() || Written::of(&folder.join(&name), false)? == *written;
+                if !same {
+                    changed = Some(Stranger::Changed(name));
+                }
+            }
+            Some(_) if name.ends_with('/') => {}
+            _ => return Ok(Some(Stranger::Foreign(name))),
+        }
+    }
+    Ok(changed)
+}
+
+/// Everything below a folder, sorted: plain files (true), and links, pipes and folders with nothing in them (false, the last
+/// ending in `/`).
+fn below(folder: &Path) -> io::Result<BTreeMap<String, bool>> {
+    let mut names = BTreeMap::new();
+    let mut open = vec![(folder.to_owned(), String::new())];
+    while let Some((place, prefix)) = open.pop() {
+        let mut empty = true;
+        for entry in fs::read_dir(&place)? {
+            let entry = entry?;
+            empty = false;
+            let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
+            let kind = entry.file_type()?;
+            if kind.is_dir() {
+                open.push((entry.path(), format!("{name}/")));
+            } else {
+                names.insert(name, kind.is_file());
+            }
+        }
+        if empty && !prefix.is_empty() {
+            names.insert(prefix, false);
+        }
+    }
+    Ok(names)
+}
+
+impl Written {
+    /// Reads a plain file; waits until it is on the disk if `synced`.
+    fn of(path: &Path, synced: bool) -> io::Result<Self> {
+        // Windows writes out only what is open for writing.
+        let write = synced && !cfg!(unix);
+        let mut file = open_plain(path, File::options().read(true).write(write))?;
+        let (mut hash, mut bytes, mut block) = (Sha256::new(), 0, vec![0; 1 << 16]);
+        loop {
+            match file.read(&mut block)? {
+                0 => break,
+                read => {
+                    hash.update(&block[..read]);
+                    bytes += read as u64;
+                }
+            }
+        }
+        if synced {
+            file.sync_all()?;
+        }
+        let sha256 = hash
+            .finalize()
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect();
+        Ok(Self { bytes, sha256 })
+    }
+}
+
+/// Waits until all of a file system is on the disk; false where the system cannot do that.
+fn sync_all(folder: &Path) -> bool {
+    #[cfg(target_os = "linux")]
+    return File::open(folder).is_ok_and(|folder| rustix::fs::syncfs(folder).is_ok());
+    #[cfg(not(target_os = "linux"))]
+    {
+        let _ = folder;
+        false
+    }
+}
