@@ -14,12 +14,13 @@ use pinwheel_compare::limits::Friction;
 use pinwheel_compare::model::{ModelTolerance, Prediction};
 use pinwheel_compare::{
     Comparison, Context, Divergence, Metric, Participant, Rules, Scales, Status, Track, Verdict,
-    WindowKind, compare,
+    Window, WindowKind, compare,
 };
 use pinwheel_engines::{Engine, external, recorded};
 use pinwheel_gearbox::{Explanation, Gearbox, Statement};
 use pinwheel_scene::{Assumption, Scene, Start, assumptions, load_course};
-use pinwheel_timeseries::columns;
+use pinwheel_timeseries::norms::{Statistics, View, rows_at};
+use pinwheel_timeseries::{TimeSeries, columns, group_of};
 use serde::Serialize;
 
 use crate::band::{self, Bands};
@@ -186,6 +187,32 @@ impl Largest<'_> {
     }
 }
 
+/// Two time series at the samples of a window that both have.
+fn in_common(a: &TimeSeries, b: &TimeSeries, window: &Window) -> [TimeSeries; 2] {
+    let rows = b.window(window.from_s, window.to_s);
+    let there = |row: usize| b.channels().iter().all(|c| c.values[row].is_finite());
+    let of_a = rows_at(&b.time_s()[rows.clone()], a.time_s());
+    let both = of_a.zip(rows).filter(|(_, row)| there(*row));
+    let both = both.filter_map(|(of_a, row)| Some((of_a?, row)));
+    let (of_a, of_b): (Vec<usize>, Vec<usize>) = both.unzip();
+    [a.select(&of_a), b.select(&of_b)]
+}
+
+/// The figure of a quantity in each of two, over the channels that both have: a mean torque, or the largest force.
+fn figures([a, b]: &[TimeSeries; 2], quantity: &str) -> Option<[f64; 2]> {
+    let names = b.channels().iter().map(|channel| channel.name.as_str());
+    let is_shared = |name: &&str| group_of(name).0 == quantity && a.channel(name).is_some();
+    let names: Vec<&str> = names.filter(is_shared).collect();
+    let of = |series: &TimeSeries| {
+        let statistics = Statistics::of(&View::of(series, &names, 0..series.len())?)?;
+        Some(match quantity {
+            columns::INPUT_TORQUE => statistics.mean,
+            _ => statistics.peak,
+        })
+    };
+    Some([of(a)?, of(b)?])
+}
+
 impl Outcome {
     /// What the largest difference is that a reader of the figures would see, once the gear runs steadily if it does.
     #[must_use]
@@ -193,17 +220,7 @@ impl Outcome {
         let windows = &self.comparison.windows;
         let steady = windows.iter().find(|w| w.kind != WindowKind::Transient);
         // In a start-up contacts of another kind swing otherwise.
-        let window = steady.or(windows.first())?.kind;
-        let figure = |name: &str, quantity| {
-            let mut engines = self.comparison.engines.iter();
-            let engine = engines.find(|engine| engine.name == name)?;
-            let all = &engine.figures_in(window)?.quantities;
-            let statistics = all.get(quantity)?;
-            Some(match quantity {
-                columns::INPUT_TORQUE => statistics.mean,
-                _ => statistics.peak,
-            })
-        };
+        let window = steady.or(windows.first())?;
         let native = |p: &&Participant| p.track == Track::Native && p.status.is_finished();
         let native = self.participants.iter().rfind(native)?;
         let verdict = |name: &str, quantity: &str| {
@@ -213,7 +230,7 @@ impl Outcome {
                 both.contains(&native.name.as_str()) && both.contains(&name)
             });
             let mut entries = pair.into_iter().flat_map(|pair| &pair.entries);
-            let entry = entries.find(|e| e.quantity == quantity && e.window == window);
+            let entry = entries.find(|e| e.quantity == quantity && e.window == window.kind);
             entry.map(|entry| entry.result.verdict)
         };
         let others = self.participants.iter();
@@ -229,13 +246,15 @@ impl Outcome {
                 columns::INPUT_TORQUE,
             ];
             let verdict = &verdict;
+            let both = in_common(&native.time_series, &other.time_series, window);
             quantities.into_iter().filter_map(move |quantity| {
+                let [here, there] = figures(&both, quantity)?;
                 Some(Largest {
                     engine: &other.name,
                     measured: other.track == Track::Measured,
                     quantity,
-                    here: figure(&native.name, quantity)?,
-                    there: figure(&other.name, quantity)?,
+                    here,
+                    there,
                     twin: self.twins.iter().find(|twin| twin.engine == other.name),
                     verdict: verdict(&other.name, quantity),
                 })

@@ -223,6 +223,12 @@ pub fn read<'a>(source: impl Read + 'a, map: &Map) -> Result<Foreign, ForeignErr
             "{left} of {rows} rows can be read, too few to compare{first}"
         )));
     }
+    if good > 2 * times.len() {
+        return Err(ForeignError(format!(
+            "{good} rows have only {} instants; write the time with more digits",
+            times.len()
+        )));
+    }
     bad.truncate(MOST_NAMED);
     let mut time_series = TimeSeries::new(times).map_err(ForeignError::unreadable)?;
     for (wanted, column) in wanted.into_iter().zip(values) {
@@ -308,8 +314,9 @@ fn number(text: &str, format: &FileFormat) -> Result<f64, String> {
             whole.replace(is_mark, "") + rest
         }
     };
-    // Fortran writes 1.5D-03 for a double.
+    // Fortran writes 1.5D-03 for a double, some spreadsheets a minus that is no hyphen.
     let plain = plain.replace(decimal, ".").replace(['D', 'd'], "E");
+    let plain = plain.replace('\u{2212}', "-");
     parsed(&plain).ok_or_else(|| {
         if text.contains(':') {
             format!("`{shown}` is no clock time as it is read: write hh:mm:ss.fff, or seconds")
@@ -503,10 +510,28 @@ struct Lines<'a> {
     comment: Option<u8>,
 }
 
+/// First bytes of files that are no text, and what they are.
+const NO_TEXT: [(&[u8], &str); 6] = [
+    (
+        b"PK\x03\x04",
+        "a zip archive or a workbook of a spreadsheet",
+    ),
+    (b"MATLAB 5", "a MAT-file"),
+    (b"\x89HDF", "an HDF5 file"),
+    (b"TDSm", "a TDMS file"),
+    (b"MDF  ", "an MDF file"),
+    (b"PAR1", "a Parquet file"),
+];
+
 /// The text without its mark, as UTF-8 where its first bytes show UTF-16, which spreadsheets and loggers write.
 fn decoded<'a>(source: impl Read + 'a) -> io::Result<Box<dyn BufRead + 'a>> {
     let mut source = BufReader::new(source);
-    let pair = match source.fill_buf()? {
+    let start = source.fill_buf()?;
+    let mut kinds = NO_TEXT.iter();
+    if let Some((_, kind)) = kinds.find(|(first, _)| start.starts_with(first)) {
+        return Err(io::Error::other(format!("it is {kind}")));
+    }
+    let pair = match start {
         [0xff, 0xfe, ..] => u16::from_le_bytes,
         [0xfe, 0xff, ..] => u16::from_be_bytes,
         // Without a mark the first letter shows it.
@@ -852,7 +877,7 @@ mod tests {
             ),
             (
                 force.clone(),
-                of("time_s,T", ",-5"),
+                rows("time_s,T", |k| format!("{},{}", time(k), [-5, 9][k % 2])),
                 "`external_sleeve_force_n_0` goes down to -5 N, but is the magnitude",
             ),
             (
