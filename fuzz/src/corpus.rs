@@ -121,10 +121,32 @@ pub fn foreign() -> Vec<Vec<u8>> {
         ));
         rig.push_str(&format!("{},{:02};{}\n", k / 10, 10 * (k % 10), 40 - k));
     }
-    [joined(MAP, &plain), joined(RIG, &rig)]
-        .into_iter()
-        .chain(files("fuzz/corpus/foreign", ""))
-        .collect()
+    const LOGGER: &str = "[file]\nthousands = \"'\"\n[time]\ncolumn = \"t\"\n[columns]\n\
+        output_angle_rad = { column = \"A\", unit = \"deg\", unwrap = true }\n\
+        transmission_error_arcmin = { sum_of = { A = 1.0, B = 0.0667 }, unit = \"deg\", unwrap = 360 }\n\
+        [rows]\ntwice = \"first\"\n";
+    let mut logger = "t,A,B\n".to_owned();
+    for k in 0..30 {
+        let (t, b) = (k / 2 * 2, 15 * k % 360);
+        logger.push_str(&format!(
+            "05.03.2024 10:00:00.{t:04},{}.5D0,1'{b:03}\n",
+            7 * k % 360
+        ));
+    }
+    let wide = |text: &str| -> Vec<u8> { text.encode_utf16().flat_map(u16::to_le_bytes).collect() };
+    let wide = [
+        format!("{MAP}{PARTS}").into_bytes(),
+        wide(&format!("\u{feff}{plain}")),
+    ];
+    [
+        joined(MAP, &plain),
+        joined(RIG, &rig),
+        joined(LOGGER, &logger),
+        wide.concat(),
+    ]
+    .into_iter()
+    .chain(files("fuzz/corpus/foreign", ""))
+    .collect()
 }
 
 /// Example sweeps.

@@ -10,7 +10,7 @@ use pinwheel_scene::{CheckedScene, Override, Scales, Scene, names};
 use pinwheel_studies::baseline::Baseline;
 use pinwheel_studies::sweep::{Plan, Sweep};
 use pinwheel_timeseries::TimeSeries;
-use pinwheel_timeseries::foreign::{Map, read, resample};
+use pinwheel_timeseries::foreign::{Map, read, resample, shift};
 
 /// Stands between the parts of an input that is two files.
 pub const PARTS: &str = "\n%%%%\n";
@@ -26,6 +26,13 @@ fn text(bytes: &[u8]) -> Option<&str> {
 
 fn parts(bytes: &[u8]) -> Option<(&str, &str)> {
     text(bytes)?.split_once(PARTS)
+}
+
+/// Two parts of which the second may be no UTF-8.
+fn text_and_bytes(bytes: &[u8]) -> Option<(&str, &[u8])> {
+    let mut places = bytes.windows(PARTS.len());
+    let at = places.position(|part| part == PARTS.as_bytes())?;
+    Some((text(&bytes[..at])?, &bytes[at + PARTS.len()..]))
 }
 
 /// A message says something.
@@ -163,15 +170,15 @@ pub fn map(bytes: &[u8]) -> bool {
     }
 }
 
-/// A map and its file: what is read is finite, and so is what it gives at the times of a run.
+/// A map and its file: what is read is finite, and so is what it gives at the times of a run, and where it fits itself.
 pub fn foreign(bytes: &[u8]) -> bool {
-    let Some((map, csv)) = parts(bytes) else {
+    let Some((map, csv)) = text_and_bytes(bytes) else {
         return false;
     };
     let Ok(map) = Map::from_toml(map, "map.toml") else {
         return false;
     };
-    let found = match read(csv.as_bytes(), &map) {
+    let found = match read(csv, &map) {
         Ok(found) => found,
         Err(error) => {
             told(&error);
@@ -181,6 +188,16 @@ pub fn foreign(bytes: &[u8]) -> bool {
     finite("time", found.time_series.time_s().iter().copied());
     for channel in found.time_series.channels() {
         finite(&channel.name, channel.values.iter().copied());
+    }
+    let (series, time) = (&found.time_series, found.time_series.time_s());
+    let shortest = time.windows(2).map(|pair| pair[1] - pair[0]);
+    let shortest = shortest.fold(f64::INFINITY, f64::min);
+    // A finer grid than of some thousand points takes too long for millions of inputs.
+    if time[time.len() - 1] - time[0] < 1000.0 * shortest {
+        match shift(series, series) {
+            Ok(fit) => finite("shift", [fit.seconds, fit.uncertainty_s, fit.unshifted]),
+            Err(why) => told(&why),
+        }
     }
     let times: Vec<f64> = (0..50).map(|k| f64::from(k) * 1e-4).collect();
     match resample(&found.time_series, &times, map.resample) {

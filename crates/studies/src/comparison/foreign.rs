@@ -1,10 +1,12 @@
 //! Data from elsewhere (another program's export, a test rig) as one more participant.
 
+use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use pinwheel_compare::limits::fits;
+use pinwheel_compare::windows::{SETTLING_S, windows};
 use pinwheel_compare::{
     Cost, DataUncertainty, Metric, Participant, StatedLimit, Status, Track, WindowKind,
 };
@@ -12,9 +14,10 @@ use pinwheel_files::read_text;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::channels::{Channels, FAMILIES};
 use pinwheel_scene::{Scene, did_you_mean};
-use pinwheel_timeseries::foreign::{self, ForeignError, Map, Offset, Resampled};
+use pinwheel_timeseries::foreign::{self, ForeignError, Map, Offset, Resampled, Twice};
 use pinwheel_timeseries::{TimeSeries, TimeSeriesError, columns, group_of};
 
+use super::context;
 use crate::StudyError;
 
 /// Bad rows a note names.
@@ -28,6 +31,7 @@ pub struct Data {
     name: String,
     map: Map,
     foreign: foreign::Foreign,
+    limits: Vec<StatedLimit>,
 }
 
 impl Data {
@@ -86,6 +90,8 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
         .map_err(|error| StudyError::Input(error.to_string()))?;
     let file = File::open(path).map_err(|error| fault(path, ForeignError::unreadable(error)))?;
     let foreign = foreign::read(file, &map).map_err(|error| fault(path, error))?;
+    let columns = foreign.time_series.channels().iter();
+    let quantities: BTreeSet<&str> = columns.map(|c| group_of(&c.name).0).collect();
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     let own = map.name.clone();
@@ -101,13 +107,55 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
         );
         return Err(fault(path, what));
     }
+    let limits = limits(name, &map, &quantities).map_err(|error| fault(map_path, error))?;
     Ok(Data {
         path: path.to_owned(),
         map_path: map_path.to_owned(),
         name: name.to_owned(),
         map,
         foreign,
+        limits,
     })
+}
+
+/// The limits of a map, each on one of the `quantities` that it maps at least.
+fn limits(name: &str, map: &Map, quantities: &BTreeSet<&str>) -> Result<Vec<StatedLimit>, String> {
+    fn find<T: Copy>(
+        known: impl IntoIterator<Item = T>,
+        word: fn(T) -> &'static str,
+        key: &str,
+        typed: &str,
+    ) -> Result<T, String> {
+        let known: Vec<T> = known.into_iter().collect();
+        let found = known.iter().find(|one| word(**one) == typed);
+        found.copied().ok_or_else(|| {
+            let words: Vec<&str> = known.into_iter().map(word).collect();
+            format!(
+                "limits: `{typed}` is no {key}; {}",
+                did_you_mean(typed, &words)
+            )
+        })
+    }
+    let windows = [WindowKind::Steady, WindowKind::Transient, WindowKind::Whole];
+    let one = |limit: &foreign::StatedLimit| {
+        if !quantities.iter().any(|known| fits(&limit.quantity, known)) {
+            let known: Vec<String> = quantities.iter().map(|&known| known.to_owned()).collect();
+            return Err(format!(
+                "limits: `{}` fits no mapped column, so it can never be judged; write one of {}",
+                limit.quantity,
+                foreign::first_of(&known, MOST_NAMED, ", ")
+            ));
+        }
+        Ok(StatedLimit {
+            engine: name.to_owned(),
+            window: find(windows, WindowKind::word, "window", &limit.window)?,
+            quantity: limit.quantity.clone(),
+            metric: find(Metric::of_pairs(), Metric::key, "metric", &limit.metric)?,
+            limit: limit.limit,
+            reason: or(&limit.reason, "Stated in the map."),
+        })
+    };
+    map.limits.iter().map(one).collect()
 }
 
 /// The gearbox with a scene that asks for the channels that foreign columns are compared with.
@@ -173,6 +221,12 @@ fn or(text: &str, otherwise: &str) -> String {
     said.to_owned()
 }
 
+/// A time without the digits that factor and offset have rounded.
+fn short(time: f64) -> String {
+    let text = format!("{time:.9}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 impl Data {
     /// The data on the scene's sample times, and the limits stated for them.
     pub(super) fn take_part(
@@ -189,6 +243,8 @@ impl Data {
         let (own, told) = self.placed(others)?;
         let found = foreign::resample(&own, &times, self.map.resample);
         let found = found.map_err(|error| fault(&self.path, error))?;
+        self.judgeable(scene, &found)
+            .map_err(|error| fault(&self.map_path, error))?;
         // What was changed of them comes first.
         let mut notes: Vec<String> = told.into_iter().collect();
         notes.extend(self.notes(scene, &own, &found));
@@ -208,9 +264,39 @@ impl Data {
             cost,
             status: Status::Finished,
         };
-        let stated = self.stated();
-        let stated = stated.map_err(|error| fault(&self.map_path, error))?;
-        Ok((participant, stated))
+        Ok((participant, self.limits.clone()))
+    }
+
+    /// Each limit has its window in the run, and the data some of it.
+    fn judgeable(&self, scene: &Scene, found: &Resampled) -> Result<(), String> {
+        let context = context(scene);
+        let settling = context.settling_s.unwrap_or(SETTLING_S);
+        let (windows, absent) = windows(&found.time_series, settling, &context.load_changes_s);
+        let [from, to] = found.covers_s;
+        for limit in &self.limits {
+            let (quantity, word) = (&limit.quantity, limit.window.word());
+            let Some(window) = windows.iter().find(|w| w.kind == limit.window) else {
+                let mut absent = absent.iter();
+                let why = absent.find(|absent| absent.kind == limit.window);
+                let why = why.map_or_else(String::new, |absent| format!(" ({})", absent.reason));
+                let words: Vec<&str> = windows.iter().map(|w| w.kind.word()).collect();
+                return Err(format!(
+                    "limits: `{quantity}` can never be judged in the {word} window, which the run does not have{why}; it has {}",
+                    words.join(" and ")
+                ));
+            };
+            if to < window.from_s || from > window.to_s {
+                return Err(format!(
+                    "limits: `{quantity}` can never be judged in the {word} window, {} to {} s, of which the file has nothing: it \
+                     covers {} to {} s; state it for another window, or set time.offset_s",
+                    short(window.from_s),
+                    short(window.to_s),
+                    short(from),
+                    short(to)
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// The data at the times that the map says, and what is to be said of a shift that fits better.
@@ -220,14 +306,18 @@ impl Data {
         let finished = others.iter().filter(|other| other.status.is_finished());
         let run =
             finished.max_by_key(|other| (other.track == Track::Native, other.time_series.len()));
-        let found = run.and_then(|run| Some((&run.name, foreign::shift(&run.time_series, own)?)));
+        let found = match run {
+            Some(run) => foreign::shift(&run.time_series, own).map(|shift| (&run.name, shift)),
+            None => Err("no engine finished".to_owned()),
+        };
         match (offset, found) {
-            (Offset::Word(_), None) => Err(fault(
-                &self.map_path,
-                "offset_s = \"align\" finds nothing to align by: no engine finished, or no column of the file changes \
-                 over at least half of the run; give offset_s in seconds",
+            (Offset::Word(_), Err(why)) => Err(fault(
+                &self.path,
+                format!(
+                    "offset_s = \"align\" finds nothing to align by: {why}; give offset_s in seconds"
+                ),
             )),
-            (Offset::Word(_), Some((name, shift))) => {
+            (Offset::Word(_), Ok((name, shift))) => {
                 let seconds = shift.seconds;
                 let times = own.time_s().iter().map(|t| t + seconds).collect();
                 let broken = |error: TimeSeriesError| StudyError::Input(error.to_string());
@@ -239,7 +329,7 @@ impl Data {
                 Ok((moved, Some(shift.message(name, offset))))
             }
             (Offset::Seconds(_), found) => {
-                let better = found.filter(|(_, shift)| shift.matters());
+                let better = found.ok().filter(|(_, shift)| shift.matters());
                 let told = better.map(|(name, shift)| shift.message(name, offset));
                 Ok((own.clone(), told))
             }
@@ -257,12 +347,18 @@ impl Data {
                 foreign::first_of(bad, MOST_NAMED, "; ")
             ));
         }
+        if let Some((count, first)) = self.foreign.twice {
+            let row = match self.map.rows.twice {
+                Twice::First => "first",
+                Twice::Last | Twice::Refuse => "last",
+            };
+            notes.push(format!(
+                "{count} instants are written more than once, the first {} s: the {row} row of each counts (twice under [rows] of \
+                 its map).",
+                short(first)
+            ));
+        }
         let times = own.time_s();
-        // Without the digits that factor and offset have rounded.
-        let short = |time: f64| {
-            let text = format!("{time:.9}");
-            text.trim_end_matches('0').trim_end_matches('.').to_owned()
-        };
         let [first, last] = [times.first(), times.last()].map(|t| short(t.copied().unwrap_or(0.0)));
         let added = match self.map.time.offset_s.seconds() {
             0.0 => String::new(),
@@ -354,37 +450,5 @@ impl Data {
         };
         let found = groups.into_iter().map(relative);
         found.filter(|one| one.data.is_finite()).collect()
-    }
-
-    /// The limits of the map.
-    fn stated(&self) -> Result<Vec<StatedLimit>, String> {
-        fn find<T: Copy>(
-            known: impl IntoIterator<Item = T>,
-            word: fn(T) -> &'static str,
-            key: &str,
-            typed: &str,
-        ) -> Result<T, String> {
-            let known: Vec<T> = known.into_iter().collect();
-            let found = known.iter().find(|one| word(**one) == typed);
-            found.copied().ok_or_else(|| {
-                let words: Vec<&str> = known.into_iter().map(word).collect();
-                format!(
-                    "limits: `{typed}` is no {key}; {}",
-                    did_you_mean(typed, &words)
-                )
-            })
-        }
-        let windows = [WindowKind::Steady, WindowKind::Transient, WindowKind::Whole];
-        let one = |limit: &foreign::StatedLimit| {
-            Ok(StatedLimit {
-                engine: self.name.clone(),
-                window: find(windows, WindowKind::word, "window", &limit.window)?,
-                quantity: limit.quantity.clone(),
-                metric: find(Metric::of_pairs(), Metric::key, "metric", &limit.metric)?,
-                limit: limit.limit,
-                reason: or(&limit.reason, "Stated in the map."),
-            })
-        };
-        self.map.limits.iter().map(one).collect()
     }
 }

@@ -8,6 +8,7 @@ mod losses;
 mod patience;
 mod printed_drive;
 mod published_paper;
+mod records;
 mod regress;
 mod sampling;
 mod studies;

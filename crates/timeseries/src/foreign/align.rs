@@ -1,228 +1,393 @@
 //! The shift in time at which a record fits a run best.
 //!
-//! Both are put onto one even grid, and the mean correlation of the channels they share is looked for its largest value:
-//! over all shifts that leave half of the shorter one in common, then between the grid's points by a parabola. Gains and
-//! offsets of the sensors do not matter. A periodic signal fits as well one period on: then other shifts are named.
+//! Both are put onto one even grid, four times as fine as the finer of the two. Pearson's correlation of each column they
+//! share is computed at every shift that leaves half of the shorter one in common: products by the Fourier transform, means
+//! and variances of the overlap by running sums. Of the mean over the columns the highest peak is taken, each by the parabola
+//! through three points. Gains and offsets of the sensors do not matter.
+//!
+//! Near its peak the correlation falls as `c - k t^2/2`. A misfit `1 - c^2` that is all of one piece moves the peak by up to
+//! `sqrt((1 - c^2)/k)`, which is stated as the shift's uncertainty; noise of single samples moves it less.
+
+use realfft::RealFftPlanner;
 
 use super::Offset;
+use super::resample::{usual_spacing, value_at};
 use crate::TimeSeries;
 
-/// Samples of the even grid at most.
-const MOST: usize = 4000;
-/// Samples that are compared at every shift at most: the search is for the peak, not for its height.
-const COMPARED: usize = 1000;
+/// Points of the even grid to a sample: between those of an oscillation of 8 samples the correlation falls by a fifteenth.
+const FINE: f64 = 4.0;
+/// Points of the even grid at most, run and record together.
+const MOST: f64 = 1_048_576.0;
+/// Points of the shorter one at least.
+const FEWEST: usize = 40;
 /// Shifts that fit this much worse, as a share of what is missing to a perfect fit, fit as well.
 const AS_WELL: f64 = 0.05;
+/// A gain of correlation below this is none.
+const GAIN: f64 = 1e-3;
+/// Share of a grid step by which the parabola may miss the peak of an oscillation of 5 samples or more. Measured: 0.03.
+const PARABOLA: f64 = 0.05;
+/// A column that varies less in an overlap, as a share of its variation, says nothing there.
+const FLAT: f64 = 1e-9;
+/// A column that varies less than this share of its size does so by rounding.
+const ROUNDING: f64 = 1e-12;
+/// Below this correlation, which is a quarter of the variation, a record is nothing like the run.
+const UNLIKE: f64 = 0.5;
+/// Overlaps smaller than this share of the shorter one are pointed out.
+const SMALL_OVERLAP: f64 = 0.9;
 
 /// A shift that fits.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shift {
     /// To be added to the record's times, s.
     pub seconds: f64,
+    /// How far it may be off, s.
+    pub uncertainty_s: f64,
     /// Mean correlation there, at most 1.
     pub correlation: f64,
-    /// The same without a shift.
+    /// Mean correlation without a shift; 0 where less than half is in common.
     pub unshifted: f64,
     /// The nearest other shift that fits as well, s.
     pub rival: Option<f64>,
-    /// Spacing of the grid, s: shifts below it mean nothing.
-    pub resolution_s: f64,
+    /// Share of the shorter one that both have in common at this shift.
+    pub overlap: f64,
 }
 
 impl Shift {
     /// Whether the record fits clearly better when shifted.
     #[must_use]
     pub fn matters(&self) -> bool {
-        self.seconds.abs() > self.resolution_s
+        self.seconds.abs() > 2.0 * self.uncertainty_s
+            && self.correlation - self.unshifted > GAIN
             && 1.0 - self.correlation < 0.7 * (1.0 - self.unshifted)
     }
 
     /// What one would write into the map, which now says `before`.
     #[must_use]
     pub fn message(&self, reference: &str, before: Offset) -> String {
-        let by = tidy(self.seconds, self.resolution_s);
-        let rival = self.rival.map_or_else(String::new, |rival| {
-            format!(
-                "; so it does shifted by {} s, for its signals repeat",
-                tidy(rival, self.resolution_s)
-            )
-        });
-        let fit = format!(
-            "correlation {:.4} instead of {:.4}{rival}",
+        let tidy = |seconds: f64| {
+            let decimals = (1.0 - self.uncertainty_s.log10().floor()).clamp(0.0, 12.0) as usize;
+            format!("{seconds:.decimals$}")
+        };
+        let (by, off) = (tidy(self.seconds), self.uncertainty_s);
+        let mut fit = format!(
+            "correlation {:.4} instead of {:.4}",
             self.correlation, self.unshifted
         );
+        if let Some(rival) = self.rival {
+            let rival = tidy(rival);
+            fit += &format!(
+                "; two maxima are equal: it fits as well shifted by {rival} s, for its signals repeat"
+            );
+        }
+        if self.overlap < SMALL_OVERLAP {
+            let share = 100.0 * self.overlap;
+            fit += &format!("; only {share:.0} % of the shorter one overlap there");
+        }
         match before {
-            Offset::Word(_) => {
-                format!("{by} s were added to its times, where it fits {reference} best ({fit}).")
-            }
+            Offset::Word(_) => format!(
+                "{by} s were added to its times, where it fits {reference} best (+- {off:.0e} s; {fit})."
+            ),
             Offset::Seconds(offset) => format!(
-                "It fits {reference} best shifted by {by} s ({fit}): offset_s = {} in its map does that, or offset_s = \"align\".",
-                tidy(offset + self.seconds, self.resolution_s)
+                "It fits {reference} best shifted by {by} s (+- {off:.0e} s; {fit}): offset_s = {} in its map does that, \
+                 or offset_s = \"align\".",
+                tidy(offset + self.seconds)
             ),
         }
     }
 }
 
-/// Digits down to a tenth of the resolution.
-fn tidy(value: f64, resolution: f64) -> String {
-    let decimals = (1.0 - resolution.log10().floor()).clamp(0.0, 12.0) as usize;
-    format!("{value:.decimals$}")
-}
-
-/// The shift at which `record` fits `run` best; `None` if they share no channel that changes, or less than half.
-#[must_use]
-pub fn shift(run: &TimeSeries, record: &TimeSeries) -> Option<Shift> {
-    let ends = |time_series: &TimeSeries| {
-        Some((
-            *time_series.time_s().first()?,
-            *time_series.time_s().last()?,
-        ))
+/// The shift at which `record` fits `run` best.
+///
+/// # Errors
+/// Why there is none: no column that both have changes, too little is in common, or nothing is alike.
+pub fn shift(run: &TimeSeries, record: &TimeSeries) -> Result<Shift, String> {
+    let ends = |series: &TimeSeries| {
+        let times = series.time_s();
+        let ends = times.first().copied().zip(times.last().copied());
+        ends.ok_or_else(|| "there are no samples".to_owned())
     };
-    let ((run_from, run_to), (from, to)) = (ends(run)?, ends(record)?);
-    let shorter = (run_to - run_from).min(to - from);
-    let samples = run.time_s().len().min(record.time_s().len()).clamp(2, MOST);
-    let step = (run_to - run_from).max(to - from) / (samples - 1) as f64;
-    if !(shorter > 4.0 * step) {
-        return None;
+    let (from, to) = (ends(run)?, ends(record)?);
+    let spans = [from.1 - from.0, to.1 - to.0];
+    let spacings = [run, record].map(|series| usual_spacing(series.time_s()));
+    let step = spacings[0].min(spacings[1]) / FINE;
+    let step = step.max((spans[0] + spans[1]) / MOST);
+    if step > spacings[0] {
+        let times = (spans[1] / spans[0]).round();
+        return Err(format!("it lasts {times} times as long as the run"));
     }
-    let on_grid =
-        |time_series: &TimeSeries, name: &str, (from, to): (f64, f64)| -> Option<Vec<f64>> {
-            let values = time_series.channel(name)?;
-            let count = ((to - from) / step) as usize + 1;
-            let at = |k: usize| between(time_series.time_s(), values, from + k as f64 * step);
-            Some((0..count).map(at).collect())
+    let [n, m] = spans.map(|span| (span / step) as usize + 1);
+    let shorter = n.min(m);
+    if shorter < FEWEST {
+        return Err("it has too few samples".to_owned());
+    }
+    let half = (shorter / 2) as isize;
+    let (n, m) = (n as isize, m as isize);
+    // The record's sample 0 lies at the run's sample `first + k`.
+    let first = half - m;
+    let mut fits = vec![0.0; (n + m - 2 * half + 1) as usize];
+    let mut columns = 0.0;
+    for channel in record.channels() {
+        let Some(values) = run.channel(&channel.name) else {
+            continue;
         };
-    let shared = record.channels().iter().filter_map(|channel| {
-        let a = on_grid(run, &channel.name, (run_from, run_to))?;
-        let b = on_grid(record, &channel.name, (from, to))?;
-        Some((a, b))
-    });
-    let shared: Vec<(Vec<f64>, Vec<f64>)> = shared.collect();
-    // The record's sample 0 lies at this sample of the run.
-    let fit = |place: isize| -> Option<f64> {
-        let each = shared.iter().filter_map(|(a, b)| correlation(a, b, place));
-        let (sum, count) = each.fold((0.0, 0.0), |(sum, count), c| (sum + c, count + 1.0));
-        (count > 0.0).then(|| sum / count)
-    };
-    let unshifted = ((from - run_from) / step).round() as isize;
-    let lengths = shared
-        .first()
-        .map(|(a, b)| (a.len() as isize, b.len() as isize))?;
-    let half = lengths.0.min(lengths.1) / 2;
-    let fits: Vec<(isize, f64)> = (half - lengths.1..=lengths.0 - half)
-        .filter_map(|place| Some((place, fit(place)?)))
-        .collect();
-    let &(best, height) = fits.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let fine = match (fit(best - 1), fit(best + 1)) {
-        (Some(left), Some(right)) if 2.0 * height - left - right > 0.0 => {
-            0.5 * (right - left) / (2.0 * height - left - right)
+        let on_grid = |series: &TimeSeries, values: &[f64], from: f64, count: isize| {
+            let at = |k: isize| value_at(series.time_s(), values, from + k as f64 * step);
+            Sums::of((0..count).map(at).collect())
+        };
+        let both = on_grid(run, values, from.0, n).zip(on_grid(record, &channel.values, to.0, m));
+        let Some((a, b)) = both else { continue };
+        let Some(products) = products(&a.values, &b.values) else {
+            continue;
+        };
+        columns += 1.0;
+        for (k, fit) in fits.iter_mut().enumerate() {
+            let place = first + k as isize;
+            let product = products[place.rem_euclid(products.len() as isize) as usize];
+            *fit += correlation(&a, &b, place, product);
         }
-        _ => 0.0,
+    }
+    if columns == 0.0 {
+        return Err("no column that both have changes".to_owned());
+    }
+    fits.iter_mut().for_each(|fit| *fit /= columns);
+    let three = |k: usize| [fits[k - 1], fits[k], fits[k + 1]];
+    // Each peak with its height.
+    let peaks = (1..fits.len() - 1).filter_map(|k| {
+        let [left, middle, right] = three(k);
+        let bend = 2.0 * middle - left - right;
+        let is_peak = middle >= left && middle >= right && bend > 0.0;
+        is_peak.then(|| (k, (middle + (right - left).powi(2) / (8.0 * bend)).min(1.0)))
+    });
+    let peaks: Vec<(usize, f64)> = peaks.collect();
+    let highest = peaks.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+    let ends = fits[0].max(fits[fits.len() - 1]);
+    let Some(&(best, height)) = highest.filter(|(_, height)| *height >= ends) else {
+        return Err("it fits best where only half of it overlaps the run".to_owned());
     };
+    if height < UNLIKE {
+        return Err(format!(
+            "it is nowhere like the run (correlation {height:.2} at most)"
+        ));
+    }
+    let seconds = |k: f64| from.0 + (first as f64 + k) * step - to.0;
+    let [left, middle, right] = three(best);
+    let bend = 2.0 * middle - left - right;
+    let misfit = 1.0 - height * height;
+    let uncertainty_s = step * (misfit / bend).sqrt().hypot(PARABOLA);
+    let apart = |k: usize| (k as f64 - best as f64).abs();
     let as_well = height - AS_WELL * (1.0 - height) - 1e-4;
-    let peak = |k: &usize| {
-        fits[*k].1 >= as_well && fits[*k].1 >= fits[k - 1].1 && fits[*k].1 >= fits[k + 1].1
+    let rivals = peaks.iter().filter(|&&(k, height)| {
+        height >= as_well && apart(k) > FINE && apart(k) * step > 2.0 * uncertainty_s
+    });
+    let rival = rivals.min_by(|a, b| apart(a.0).total_cmp(&apart(b.0)));
+    let place = first + best as isize;
+    let common = n.min(place + m) - place.max(0);
+    let still = (to.0 - from.0) / step - first as f64;
+    let near = still.round();
+    let unshifted = if (1.0..fits.len() as f64 - 1.0).contains(&near) {
+        let ([left, middle, right], x) = (three(near as usize), still - near);
+        middle + 0.5 * x * (right - left + x * (left + right - 2.0 * middle))
+    } else {
+        0.0
     };
-    let others = (1..fits.len().saturating_sub(1)).filter(peak);
-    let apart = others.map(|k| fits[k].0 - best).filter(|d| d.abs() > 2);
-    let seconds = |place: f64| run_from + place * step - from;
-    Some(Shift {
-        seconds: seconds(best as f64 + fine),
+    Ok(Shift {
+        seconds: seconds(best as f64 + 0.5 * (right - left) / bend),
+        uncertainty_s,
         correlation: height,
-        unshifted: fit(unshifted).unwrap_or(0.0),
-        rival: apart
-            .min_by_key(|d| d.abs())
-            .map(|d| seconds((best + d) as f64)),
-        resolution_s: step,
+        unshifted,
+        rival: rival.map(|&(k, _)| seconds(k as f64)),
+        overlap: common as f64 / shorter as f64,
     })
 }
 
-/// On the straight line between two samples; not a number outside.
-fn between(time: &[f64], values: &[f64], t: f64) -> f64 {
-    let after = time.partition_point(|&x| x < t).clamp(1, time.len() - 1);
-    let part = (t - time[after - 1]) / (time[after] - time[after - 1]);
-    if !(-1e-6..=1.0 + 1e-6).contains(&part) {
-        return f64::NAN;
-    }
-    values[after - 1] + part * (values[after] - values[after - 1])
+/// Values less their mean, with running sums of them and of their squares.
+struct Sums {
+    values: Vec<f64>,
+    running: Vec<[f64; 2]>,
 }
 
-/// Pearson's correlation where both are there; `None` where one of them does not change.
-fn correlation(a: &[f64], b: &[f64], place: isize) -> Option<f64> {
-    let from = place.max(0) as usize;
-    let to = (place + b.len() as isize).clamp(0, a.len() as isize) as usize;
-    let stride = to.saturating_sub(from).div_ceil(COMPARED).max(1);
-    let both = || {
-        let pairs = (from..to)
-            .step_by(stride)
-            .map(|k| (a[k], b[(k as isize - place) as usize]));
-        pairs.filter(|(x, y)| x.is_finite() && y.is_finite())
+impl Sums {
+    /// `None` if the values do not vary.
+    fn of(mut values: Vec<f64>) -> Option<Self> {
+        let size: f64 = values.iter().map(|value| value * value).sum();
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let mut running = vec![[0.0; 2]];
+        let [mut sum, mut squares] = [0.0; 2];
+        for value in &mut values {
+            *value -= mean;
+            sum += *value;
+            squares += *value * *value;
+            running.push([sum, squares]);
+        }
+        (squares > ROUNDING * ROUNDING * size).then_some(Self { values, running })
+    }
+
+    fn squares(&self) -> f64 {
+        self.running.last().map_or(0.0, |[_, squares]| *squares)
+    }
+
+    /// Sum and variation of so many values from `from` on; no variation where they are flat.
+    fn part(&self, from: isize, count: isize) -> (f64, f64) {
+        let [start, end] = [from, from + count].map(|k| self.running[k as usize]);
+        let sum = end[0] - start[0];
+        let variation = end[1] - start[1] - sum * sum / count as f64;
+        let flat = variation <= FLAT * self.squares();
+        (sum, if flat { 0.0 } else { variation })
+    }
+}
+
+/// Pearson's correlation where both are, of which the sum of products is known; 0 where one of them does not change.
+fn correlation(a: &Sums, b: &Sums, place: isize, product: f64) -> f64 {
+    let from = place.max(0);
+    let to = (a.values.len() as isize).min(place + b.values.len() as isize);
+    let (sum_a, of_a) = a.part(from, to - from);
+    let (sum_b, of_b) = b.part(from - place, to - from);
+    let scale = (of_a * of_b).sqrt();
+    if scale > 0.0 {
+        ((product - sum_a * sum_b / (to - from) as f64) / scale).clamp(-1.0, 1.0)
+    } else {
+        0.0
+    }
+}
+
+/// Sums of products of `a[k + place]` and `b[k]` at every place; negative places count from the end.
+fn products(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
+    let length = (a.len() + b.len()).next_power_of_two();
+    let mut planner = RealFftPlanner::<f64>::new();
+    let (forward, back) = (
+        planner.plan_fft_forward(length),
+        planner.plan_fft_inverse(length),
+    );
+    let spectrum = |values: &[f64]| {
+        let mut input = forward.make_input_vec();
+        input[..values.len()].copy_from_slice(values);
+        let mut bins = forward.make_output_vec();
+        // It fails only for buffers of other lengths than its own.
+        forward.process(&mut input, &mut bins).ok()?;
+        Some(bins)
     };
-    let (n, sx, sy) = both().fold((0.0, 0.0, 0.0), |(n, p, q), (x, y)| (n + 1.0, p + x, q + y));
-    let (mx, my) = (sx / n, sy / n);
-    let (xx, yy, xy) = both().fold((0.0, 0.0, 0.0), |(xx, yy, xy), (x, y)| {
-        let (x, y) = (x - mx, y - my);
-        (xx + x * x, yy + y * y, xy + x * y)
-    });
-    let scale = (xx * yy).sqrt();
-    (scale > 0.0 && scale.is_finite()).then(|| xy / scale)
+    let (mut bins, of_b) = (spectrum(a)?, spectrum(b)?);
+    for (bin, other) in bins.iter_mut().zip(&of_b) {
+        *bin = *bin * other.conj() / length as f64;
+    }
+    let mut sums = back.make_output_vec();
+    // The first and the last bin are real but for rounding.
+    for end in [0, bins.len() - 1] {
+        bins[end].im = 0.0;
+    }
+    back.process(&mut bins, &mut sums).ok()?;
+    Some(sums)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
 
-    fn time_series(from: f64, to: f64, step: f64, of: impl Fn(f64) -> f64) -> TimeSeries {
+    fn series(from: f64, to: f64, step: f64, of: impl Fn(f64) -> f64) -> TimeSeries {
         let count = ((to - from) / step).round() as usize + 1;
         let time: Vec<f64> = (0..count).map(|k| from + k as f64 * step).collect();
         let values = time.iter().map(|t| of(*t)).collect();
-        let mut time_series = TimeSeries::new(time).unwrap();
-        time_series.push("input_torque_n_m", values).unwrap();
-        time_series
+        let mut series = TimeSeries::new(time).unwrap();
+        series.push("input_torque_n_m", values).unwrap();
+        series
     }
 
+    /// A start-up: two vibrations that decay, on a slow swing.
     fn swing(t: f64) -> f64 {
-        1.4 + (-t / 0.05).exp() * (900.0 * t).sin() + 0.02 * (60.0 * t).sin()
+        let ring = |decay: f64, hz: f64| (-t / decay).exp() * (TAU * hz * t).sin();
+        1.4 + ring(0.05, 1200.0) + 0.5 * ring(0.1, 730.0) + 0.02 * (60.0 * t).sin()
+    }
+
+    /// A record of a twelfth of the run, of which the samples are 8 to an oscillation: 500 points over both would alias.
+    #[test]
+    fn regress_a_short_record_is_placed_on_the_finer_grid() {
+        let run = series(0.0, 0.6, 1e-4, swing);
+        for late in [0.1, 0.100_04, 0.023_456_7] {
+            let record = series(0.0, 0.05, 1e-4, |t| 3.0 + 1.02 * swing(t + late));
+            let fit = shift(&run, &record).unwrap();
+            let off = (fit.seconds - late).abs();
+            assert!(off <= fit.uncertainty_s && off < 4e-6, "{late}: {fit:?}");
+            assert!(fit.correlation > 0.9995 && fit.matters(), "{fit:?}");
+        }
+        let exact = shift(&run, &series(0.0, 0.05, 1e-4, |t| swing(t + 0.1))).unwrap();
+        let off = (exact.seconds - 0.1).abs();
+        assert!(off < 4e-6 && exact.correlation > 0.999_99, "{exact:?}");
+        let told = exact.message("native-reduced", Offset::Seconds(0.1));
+        assert!(told.contains("offset_s = 0.20000"), "{told}");
+        // Sampled 20 times as often, and with bursts of short steps.
+        let fine = shift(&run, &series(0.0, 0.05, 5e-6, |t| swing(t + 0.1))).unwrap();
+        assert!((fine.seconds - 0.1).abs() < 1e-6, "{fine:?}");
+    }
+
+    /// The stated uncertainty bounds the error made, whatever gain and noise, and a vibration of another phase that moves the peak.
+    #[test]
+    fn regress_the_shifts_uncertainty_holds() {
+        let run = series(0.0, 0.2, 1e-4, swing);
+        for k in 0..40 {
+            let late = 0.01 + 1.37e-5 * f64::from(k);
+            let noise = 0.02 * f64::from(k % 5);
+            let hum = |t: f64| noise * ((31_337.0 * t).sin() + (TAU * 1200.0 * t).sin());
+            let record = series(0.02, 0.12, 9e-5, |t| 2.0 * swing(t + late) + hum(t));
+            let fit = shift(&run, &record).unwrap();
+            let off = (fit.seconds - late).abs();
+            assert!(
+                off <= fit.uncertainty_s,
+                "{late}, noise {noise}: {off:e} {fit:?}"
+            );
+            assert!(fit.uncertainty_s < 1e-4, "{fit:?}");
+        }
     }
 
     #[test]
-    fn a_shift_is_found_whatever_gain_and_noise() {
-        let run = time_series(0.0, 0.6, 1e-4, swing);
-        // Its clock began 12.34 ms after the run's.
-        let noise = |t: f64| 0.01 * (31_337.0 * t).sin();
-        let record = time_series(0.02, 0.5, 5e-5, |t| {
-            3.0 + 1.02 * swing(t + 0.012_34) + noise(t)
-        });
-        let found = shift(&run, &record).unwrap();
-        assert!((found.seconds - 0.012_34).abs() < 3e-5, "{found:?}");
-        assert!(found.matters() && found.correlation > 0.98, "{found:?}");
-        let message = found.message("native-reduced", Offset::Seconds(0.1));
-        assert!(message.contains("offset_s = 0.1123"), "{message}");
+    fn nothing_is_advised_where_times_are_true() {
+        let run = series(0.0, 0.6, 1e-4, swing);
+        // All of it, a part, and the last fortieth of it.
+        for (from, to, step) in [
+            (0.0, 0.6, 1e-4),
+            (0.05, 0.55, 1e-4),
+            (0.05, 0.055, 1e-4),
+            (0.1, 0.115, 7e-5),
+        ] {
+            let fit = shift(&run, &series(from, to, step, swing)).unwrap();
+            assert!(!fit.matters(), "{from}: {fit:?}");
+        }
     }
 
     #[test]
-    fn nothing_is_said_of_what_fits() {
-        let run = time_series(0.0, 0.6, 1e-4, swing);
-        let found = shift(&run, &time_series(0.05, 0.55, 1e-4, swing)).unwrap();
-        assert!(!found.matters(), "{found:?}");
-        assert_eq!(found.rival, None);
-        assert_eq!(shift(&run, &time_series(0.0, 0.6, 1e-4, |_| 2.0)), None);
-        let mut other = TimeSeries::new(vec![0.0, 0.1, 0.2, 0.3]).unwrap();
-        other.push("else_n", vec![0.0, 1.0, 0.0, 1.0]).unwrap();
-        assert_eq!(shift(&run, &other), None);
+    fn regress_too_little_to_align_by_is_named() {
+        let run = series(0.0, 0.02, 1e-4, swing);
+        let mut other = TimeSeries::new(run.time_s().to_vec()).unwrap();
+        let values = run.time_s().iter().map(|t| t.sin()).collect();
+        other.push("else_n", values).unwrap();
+        // The tip that both have is at the end of the one and at the beginning of the other.
+        let tip = |at: f64| series(0.0, 0.02, 1e-4, move |t| (t - at).abs());
+        for (record, part) in [
+            (
+                series(0.0, 0.02, 1e-4, |_| 2.0),
+                "no column that both have changes",
+            ),
+            (other, "no column that both have changes"),
+            (series(0.0, 4e-4, 1e-4, swing), "too few"),
+        ] {
+            let why = shift(&run, &record).unwrap_err();
+            assert!(why.contains(part), "{part}: {why}");
+        }
+        let why = shift(&tip(0.019), &tip(0.001)).unwrap_err();
+        assert!(why.contains("only half of it overlaps"), "{why}");
     }
 
     #[test]
-    fn what_repeats_has_rivals() {
+    fn regress_equal_maxima_are_named() {
         let wave = |t: f64| (100.0 * t).sin();
-        let found = shift(
-            &time_series(0.0, 0.6, 1e-4, wave),
-            &time_series(0.0, 0.5, 1e-4, |t| wave(t + 0.01)),
+        let fit = shift(
+            &series(0.0, 0.6, 1e-4, wave),
+            &series(0.0, 0.5, 1e-4, |t| wave(t + 0.01)),
         );
-        let found = found.unwrap();
-        let rival = found.rival.unwrap();
-        let period = std::f64::consts::TAU / 100.0;
-        let periods = (rival - found.seconds) / period;
-        assert!((periods.abs() - 1.0).abs() < 0.02, "{found:?}");
+        let fit = fit.unwrap();
+        let periods = (fit.rival.unwrap() - fit.seconds) / (TAU / 100.0);
+        assert!((periods.abs() - 1.0).abs() < 0.02, "{fit:?}");
+        let told = fit.message("run", Offset::Seconds(0.0));
+        assert!(told.contains("two maxima are equal"), "{told}");
     }
 }

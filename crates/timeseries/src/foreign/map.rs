@@ -13,6 +13,8 @@
 //! input_torque_n_m = { column = "Motor torque", unit = "N mm", factor = -1.0 }
 //! "external_sleeve_force_n_*" = { column = "SLEEVE_*", first = 1, unit = "N" }
 //! external_sleeve_force_n_3 = { magnitude_of = ["FX_4", "FY_4"] }
+//! output_angle_rad = { column = "ENCODER", unit = "deg", unwrap = true }
+//! transmission_error_arcmin = { sum_of = { OUT = 1.0, IN = 0.0667 }, unit = "deg" }
 //! ```
 
 use std::collections::BTreeMap;
@@ -69,6 +71,8 @@ pub struct FileFormat {
     pub separator: String,
     /// `.` or `,`.
     pub decimal: String,
+    /// What groups thousands: `,`, `.`, `'` or a blank; nothing if left out.
+    pub thousands: Option<String>,
     /// Lines before the header.
     pub skip_lines: usize,
     /// Whether a row names the columns; without it they are named by number.
@@ -84,6 +88,7 @@ impl Default for FileFormat {
         Self {
             separator: ",".to_owned(),
             decimal: ".".to_owned(),
+            thousands: None,
             skip_lines: 0,
             header: true,
             lines_after_header: 0,
@@ -102,7 +107,16 @@ pub enum ColumnRef {
     Number(usize),
 }
 
-/// The time: `factor * unit * value + offset_s`.
+impl std::fmt::Display for ColumnRef {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Name(name) => f.write_str(name),
+            Self::Number(number) => number.fmt(f),
+        }
+    }
+}
+
+/// The time: `factor * unit * value + offset_s`; a factor below 0 for an angle that falls.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TimeColumn {
@@ -163,7 +177,7 @@ impl Default for TimeColumn {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(
     untagged,
-    expecting = "a column is \"NAME\" or { column = \"NAME\", unit = \"N mm\", factor = 1.0, offset = 0.0, first = 0 } or { magnitude_of = [\"FX\", \"FY\"] }"
+    expecting = "a column is \"NAME\" or { column = \"NAME\", unit = \"N mm\", factor = 1.0, offset = 0.0, first = 0 } or { magnitude_of = [\"FX\", \"FY\"] } or { sum_of = { OUT = 1.0, IN = 0.0667 }, unwrap = true }"
 )]
 pub enum Source {
     /// A column in our unit.
@@ -180,6 +194,8 @@ pub struct FullSource {
     pub column: Option<ColumnRef>,
     /// Columns whose root of the sum of squares is the value, for components of a force.
     pub magnitude_of: Vec<ColumnRef>,
+    /// Columns whose sum is the value, each times a number: `out - in/ratio` for an error of transmission.
+    pub sum_of: BTreeMap<String, f64>,
     /// Unit of the column; ours if left out.
     pub unit: Option<String>,
     /// A further factor, for example -1 for the other sign.
@@ -188,6 +204,8 @@ pub struct FullSource {
     pub offset: f64,
     /// Number of the file that is our 0.
     pub first: usize,
+    /// Whether an angle begins anew after each turn.
+    pub unwrap: Unwrap,
     /// How uncertain the values are.
     pub uncertainty: Option<ColumnUncertainty>,
 }
@@ -197,13 +215,28 @@ impl Default for FullSource {
         Self {
             column: None,
             magnitude_of: Vec::new(),
+            sum_of: BTreeMap::new(),
             unit: None,
             factor: 1.0,
             offset: 0.0,
             first: 0,
+            unwrap: Unwrap::Turn(false),
             uncertainty: None,
         }
     }
+}
+
+/// Whether an angle begins anew after each turn.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "unwrap is neither true nor the number after which the column begins anew"
+)]
+pub enum Unwrap {
+    /// After a turn in the column's unit, or never.
+    Turn(bool),
+    /// After so much, in the column's own numbers.
+    After(f64),
 }
 
 /// How uncertain the values of a column are: one standard deviation (half of a bound that holds in 95 of 100 cases). The parts
@@ -243,6 +276,21 @@ impl ColumnUncertainty {
 pub struct Rows {
     /// See [`BadRows`].
     pub bad: BadRows,
+    /// See [`Twice`].
+    pub twice: Twice,
+}
+
+/// Which row counts where an instant is written more than once, as before and after an event.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Twice {
+    /// The last one, with what is after the event.
+    #[default]
+    Last,
+    /// The first one.
+    First,
+    /// None: an error that names the first such instant.
+    Refuse,
 }
 
 /// What to do with rows that cannot be read.
@@ -262,7 +310,7 @@ pub enum BadRows {
 pub struct Resampling {
     /// Between the samples.
     pub method: Method,
-    /// Gaps longer than this many of the file's usual spacings are not bridged.
+    /// Gaps longer than this many of the spacings around them are not bridged, unless the signals run straight on across them.
     pub longest_gap: f64,
 }
 
@@ -367,6 +415,14 @@ impl Map {
             "`file.decimal` must be \".\" or \",\", and not the separator",
             "set file.separator too",
         )?;
+        let thousands = file.thousands.as_deref().unwrap_or("'");
+        require(
+            [",", ".", "'", " "].contains(&thousands)
+                && ![&file.decimal, &file.separator].contains(&&thousands.to_owned())
+                && (thousands, &*file.separator) != (" ", "space"),
+            "`file.thousands` must be one of `,` `.` `'` and a blank, and neither the decimal mark nor the separator",
+            "leave it out where numbers have no groups of digits",
+        )?;
         require(
             file.comment.as_ref().is_none_or(|c| c.len() == 1),
             "`file.comment` must be one character",
@@ -377,14 +433,21 @@ impl Map {
             "`file.skip_lines` or `file.lines_after_header` is more than 1000000",
             "count the lines before the data",
         )?;
+        let unit = &time.unit;
         require(
-            units::factor("time_s", &time.unit).is_ok(),
+            units::factor("_rad", unit).is_err(),
+            format!("`time.unit` = \"{unit}\" is an angle's"),
+            "leave it out, and write factor = the seconds in which the shaft turns by one of them (1/(6 rpm) for deg; below 0 for an \
+             angle that falls)",
+        )?;
+        require(
+            units::factor("time_s", unit).is_ok(),
             "`time.unit` is no unit of time",
             "write \"s\", \"ms\", \"us\" or \"min\"",
         )?;
         require(
-            time.factor > 0.0 && time.factor.is_finite() && time.offset_s.seconds().is_finite(),
-            "`time` needs a positive factor and a finite offset",
+            time.factor != 0.0 && time.factor.is_finite() && time.offset_s.seconds().is_finite(),
+            "`time` needs a finite factor that is not 0, and a finite offset",
             "leave out what you do not need",
         )?;
         require(
@@ -439,10 +502,29 @@ impl Source {
             ColumnRef::Name(column) => stars(column) == stars(name),
             ColumnRef::Number(_) => stars(name) == 0,
         };
+        let given = [
+            full.column.is_some(),
+            !full.magnitude_of.is_empty(),
+            !full.sum_of.is_empty(),
+        ];
         require(
-            full.column.is_some() == full.magnitude_of.is_empty(),
-            "needs either `column` or `magnitude_of`",
+            given.into_iter().filter(|given| *given).count() == 1,
+            "needs one of `column`, `magnitude_of` and `sum_of`",
             "give one of them",
+        )?;
+        require(
+            full.sum_of.values().all(|weight| weight.is_finite()),
+            "has a number in `sum_of` that is not finite",
+            "write sum_of = { OUT = 1.0, IN = 0.0667 }",
+        )?;
+        let unwrap = match full.unwrap {
+            Unwrap::Turn(turn) => !turn || units::turn(name).is_some(),
+            Unwrap::After(period) => period > 0.0 && period.is_finite(),
+        };
+        require(
+            unwrap && (full.magnitude_of.is_empty() || full.unwrap == Unwrap::Turn(false)),
+            "is no angle that could be unwrapped",
+            "leave unwrap out",
         )?;
         require(
             full.factor.is_finite() && full.factor != 0.0 && full.offset.is_finite(),
@@ -460,7 +542,7 @@ impl Source {
             "one stands for the sleeve's or wheel's number",
         )?;
         require(
-            full.columns().all(alike),
+            full.columns().iter().all(|(column, _)| alike(column)),
             "and its column must both hold one `*`, or none",
             "write \"force_n_*\" = { column = \"F_*\" }",
         )?;
@@ -496,9 +578,13 @@ impl Source {
 }
 
 impl FullSource {
-    /// The columns it reads.
-    pub(super) fn columns(&self) -> impl Iterator<Item = &ColumnRef> {
-        self.column.iter().chain(&self.magnitude_of)
+    /// The columns it reads, each with its number in a sum.
+    pub(super) fn columns(&self) -> Vec<(ColumnRef, f64)> {
+        let plain = self.column.iter().chain(&self.magnitude_of);
+        let sum = self.sum_of.iter();
+        (plain.map(|column| (column.clone(), 1.0)))
+            .chain(sum.map(|(name, weight)| (ColumnRef::Name(name.clone()), *weight)))
+            .collect()
     }
 }
 
@@ -540,7 +626,32 @@ mod tests {
             ),
             (
                 "[columns]\na_n = { unit = \"N\" }",
-                "either `column` or `magnitude_of`",
+                "one of `column`, `magnitude_of` and `sum_of`",
+            ),
+            (
+                "[columns]\na_n = { column = \"F\", sum_of = { A = 1.0 } }",
+                "one of `column`, `magnitude_of` and `sum_of`",
+            ),
+            (
+                "[columns]\na_n = { column = \"F\", unwrap = true }",
+                "is no angle",
+            ),
+            (
+                "[columns]\na_rad = { column = \"F\", unwrap = -360 }",
+                "is no angle",
+            ),
+            (
+                "[columns]\na_rad = { column = \"F\", unwrap = \"yes\" }",
+                "a column is",
+            ),
+            (
+                "[columns]\na_n = \"F\"\n[time]\nunit = \"deg\"",
+                "is an angle's; leave it out, and write factor = ",
+            ),
+            ("[columns]\na_n = \"F\"\n[time]\nfactor = 0.0", "not 0"),
+            (
+                "[columns]\na_n = \"F\"\n[file]\nthousands = \",\"",
+                "neither the decimal mark nor the separator",
             ),
             ("[columns]\na_n = { column = \"F\", factor = 0.0 }", "not 0"),
             ("[columns]\n\"a_n_*\" = \"F\"", "both hold one `*`"),

@@ -35,7 +35,7 @@ pub use align::{Shift, shift};
 pub use error::{ForeignError, first_of};
 pub use map::{
     BadRows, ColumnRef, ColumnUncertainty, FileFormat, Map, Method, Offset, Resampling, Source,
-    StatedLimit, TimeColumn, Word, is_reserved,
+    StatedLimit, TimeColumn, Twice, Unwrap, Word, is_reserved,
 };
 pub use read::{Foreign, read};
 pub use resample::{Resampled, resample};

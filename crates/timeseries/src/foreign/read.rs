@@ -1,11 +1,11 @@
 //! Reading a foreign file: columns found, cells converted, bad rows named.
 
 use std::collections::{HashMap, HashSet};
-use std::io::{BufRead as _, BufReader, Read};
+use std::io::{self, BufRead, BufReader, Cursor, Read};
 
 use super::error::{ForeignError, first_of, short};
-use super::map::{BadRows, ColumnRef, FileFormat, Map};
-use crate::{TimeSeries, units};
+use super::map::{BadRows, ColumnRef, FileFormat, Map, Twice, Unwrap};
+use crate::{TimeSeries, columns, group_of, units};
 
 /// Bad rows kept with their reason; the others are counted as one.
 const MOST_NAMED: usize = 1000;
@@ -21,6 +21,12 @@ const MOST_COLUMNS: usize = 10_000;
 /// Largest magnitude of a value in our units: squares and sums of such stay finite.
 const LARGEST: f64 = 1e100;
 
+/// Instants nearer to each other than this share of the mean spacing are one: at so steep a step nothing can be interpolated.
+const ONE_INSTANT: f64 = 1e-6;
+
+/// A magnitude of a force may go below 0 by this share of its largest value, as cells do by noise and drift.
+const BELOW_ZERO: f64 = 0.05;
+
 /// What a foreign file holds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foreign {
@@ -30,82 +36,147 @@ pub struct Foreign {
     pub bad: Vec<String>,
     /// Rows of data in the file.
     pub rows: usize,
+    /// Instants that are written more than once, and the first of them, s.
+    pub twice: Option<(usize, f64)>,
 }
 
 /// One of our columns and where its value comes from.
 struct Wanted {
     name: String,
-    /// Indices of the file's columns; several give a magnitude.
-    from: Vec<usize>,
+    /// The file's columns; several give a magnitude or a sum.
+    from: Vec<Term>,
+    is_magnitude: bool,
     factor: f64,
     offset: f64,
+    /// A turn in the file's numbers, if it is an angle.
+    turn: Option<f64>,
+    unwrap: bool,
+}
+
+/// A column of the file, its number in a sum, and what it was in the last rows.
+struct Term {
+    index: usize,
+    weight: f64,
+    last: f64,
+    step: f64,
+}
+
+impl Wanted {
+    /// Its value in a row of which `cell` gives the numbers; `wraps` is called with the column where an angle begins anew.
+    fn value(
+        &mut self,
+        cell: impl Fn(usize) -> Result<f64, String>,
+        mut wraps: impl FnMut(&str, usize, [f64; 2]),
+    ) -> Result<f64, String> {
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for term in &mut self.from {
+            let mut value = cell(term.index)?;
+            if let Some(turn) = self.turn {
+                let step = value - term.last;
+                if self.unwrap && step.is_finite() {
+                    value -= turn * (step / turn).round();
+                } else if step.abs() > 0.5 * turn && step * term.step < 0.0 {
+                    wraps(&self.name, term.index, [term.last, value]);
+                }
+                (term.step, term.last) = (value - term.last, value);
+            }
+            sum += term.weight * value;
+            squares += value * value;
+        }
+        let value = if self.is_magnitude {
+            squares.sqrt()
+        } else {
+            sum
+        };
+        within(&self.name, value * self.factor + self.offset)
+    }
+}
+
+fn within(name: &str, value: f64) -> Result<f64, String> {
+    // NaN, too, is not within.
+    if value.abs() <= LARGEST {
+        return Ok(value);
+    }
+    Err(format!("`{}` is too large: {value:e}", short(name)))
 }
 
 /// Reads a file by its map.
 ///
 /// # Errors
-/// A column that is not there; bad rows, unless the map skips them; too few rows that can be read.
-pub fn read(source: impl Read, map: &Map) -> Result<Foreign, ForeignError> {
+/// A column that is not there, or there twice; bad rows, unless the map skips them; too few rows that can be read; what is no
+/// angle, force or time as it stands.
+pub fn read<'a>(source: impl Read + 'a, map: &Map) -> Result<Foreign, ForeignError> {
     let mut lines = Lines::new(source, &map.file)?;
     let header = lines.header(&map.file)?;
-    let time_column = header.find("time.column", &map.time.column)?;
+    let time_column = header.place("time.column", &map.time.column)?;
     // The unit is known: the map was checked.
-    let time_factor = map.time.factor * units::factor("time_s", &map.time.unit).unwrap_or(1.0);
-    let wanted = wanted(map, &header)?;
-    let decimal_comma = map.file.decimal == ",";
+    let time_unit = units::factor("time_s", &map.time.unit).unwrap_or(1.0);
+    let mut wanted = wanted(map, &header)?;
+    let is_name = |column: &ColumnRef| matches!(column, ColumnRef::Name(_));
+    let sources = map.columns.values().flat_map(|s| s.full().columns());
+    // Between blanks no cell can be empty: with one too few, all that follow are another column's.
+    let exact = lines.blanks
+        && (is_name(&map.time.column) || sources.into_iter().any(|(column, _)| is_name(&column)));
+    let (mut date, mut wrapped): (Option<String>, Option<String>) = (None, None);
 
     let mut times: Vec<f64> = Vec::new();
     let mut values: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
-    let (mut bad, mut rows) = (Vec::new(), 0);
+    let (mut bad, mut rows, mut falls) = (Vec::new(), 0, 0);
     let mut row_values = vec![0.0; wanted.len()];
     while let Some((line, cells)) = lines.next()? {
         rows += 1;
-        let cell = |index: usize| -> Result<f64, String> {
+        let text = |index: usize| -> Result<&str, String> {
             let text = cells.get(index).map(|text| text.trim()).unwrap_or_default();
             if text.is_empty() {
                 return Err(format!("column `{}` is empty", short(&header.name(index))));
             }
-            let number = if decimal_comma {
-                text.replace(',', ".").parse()
-            } else {
-                text.parse()
-            };
-            match number {
-                Ok(value) if f64::is_finite(value) => Ok(value),
-                _ => Err(format!(
-                    "column `{}`: `{}` is not a number",
-                    short(&header.name(index)),
-                    short(text)
-                )),
-            }
+            Ok(text)
+        };
+        let named =
+            |index: usize, what: String| format!("column `{}`: {what}", short(&header.name(index)));
+        let cell = |index: usize| -> Result<f64, String> {
+            number(text(index)?, &map.file).map_err(|what| named(index, what))
         };
         let mut one = || -> Result<f64, String> {
-            let bounded = |name: &str, value: f64| {
-                // NaN, too, is not within.
-                if value.abs() <= LARGEST {
-                    return Ok(value);
-                }
-                Err(format!("`{}` is too large: {value:e}", short(name)))
-            };
-            let time = cell(time_column)? * time_factor + map.time.offset_s.seconds();
-            let time = bounded("time_s", time)?;
-            if let Some(&before) = times.last()
-                && !(time > before)
-            {
-                return Err(format!("time does not increase: {time} s after {before} s"));
+            let filled = cells.iter().rposition(|cell| !cell.trim().is_empty());
+            let count = filled.map_or(0, |last| last + 1);
+            let width = header.names.len();
+            if count > width || exact && count < width {
+                return Err(format!("{count} cells, but the header has {width}"));
             }
-            for (slot, wanted) in row_values.iter_mut().zip(&wanted) {
-                let value = match wanted.from.as_slice() {
-                    [single] => cell(*single)?,
-                    several => {
-                        let mut squares = 0.0;
-                        for &index in several {
-                            squares += cell(index)?.powi(2);
-                        }
-                        squares.sqrt()
+            let time = match clock(text(time_column)?) {
+                Some(_) if time_unit != 1.0 => {
+                    let what = "a clock time: leave time.unit out of the map".to_owned();
+                    return Err(named(time_column, what));
+                }
+                Some((day, seconds)) => {
+                    let first = date.get_or_insert_with(|| day.to_owned());
+                    if first != day {
+                        let what = format!("the date changes to `{}`: give seconds", short(day));
+                        return Err(named(time_column, what));
                     }
-                };
-                *slot = bounded(&wanted.name, value * wanted.factor + wanted.offset)?;
+                    seconds
+                }
+                None => cell(time_column)?,
+            };
+            let time = time * time_unit * map.time.factor + map.time.offset_s.seconds();
+            let time = within("time_s", time)?;
+            if let Some(&before) = times.last()
+                && time < before
+            {
+                falls += 1;
+                return Err(format!("time falls from {before} to {time} s"));
+            }
+            for (slot, wanted) in row_values.iter_mut().zip(&mut wanted) {
+                *slot = wanted.value(cell, |name, index, [from, to]| {
+                    wrapped.get_or_insert_with(|| {
+                        let column = short(&header.name(index));
+                        format!(
+                            "line {line}: column `{column}` goes from {from} to {to}, as an angle that begins anew after each \
+                             turn; write unwrap = true for `{name}` in the map"
+                        )
+                    });
+                })?;
             }
             Ok(time)
         };
@@ -119,6 +190,11 @@ pub fn read(source: impl Read, map: &Map) -> Result<Foreign, ForeignError> {
             Err(reason) => bad.push(format!("line {line}: {reason}")),
         }
     }
+    if 2 * falls > rows {
+        return Err(ForeignError(format!(
+            "time falls in {falls} of {rows} rows; sort them by time, or for an angle that falls write a time.factor below 0"
+        )));
+    }
     if !bad.is_empty() && map.rows.bad == BadRows::Refuse {
         return Err(ForeignError(format!(
             "{} of {rows} rows are bad: {}; mend them, or write bad = \"skip\" under [rows] of the map to leave them out",
@@ -126,17 +202,46 @@ pub fn read(source: impl Read, map: &Map) -> Result<Foreign, ForeignError> {
             first_of(&bad, 5, "; ")
         )));
     }
-    if times.len() < FEWEST_ROWS || 2 * times.len() < rows {
+    if let Some(wrapped) = wrapped {
+        return Err(ForeignError(wrapped));
+    }
+    let good = times.len();
+    let twice = once(&mut times, &mut values, map.rows.twice);
+    if let Some((count, first)) = twice
+        && map.rows.twice == Twice::Refuse
+    {
+        return Err(ForeignError(format!(
+            "{count} instants are written more than once, the first {first} s; write twice = \"last\" or \"first\" under [rows] of \
+             the map to take that row of each"
+        )));
+    }
+    if times.len() < FEWEST_ROWS || 2 * good < rows {
         let first = bad.first();
         let first = first.map_or_else(String::new, |bad| format!("; the first bad one is {bad}"));
-        let good = times.len();
+        let left = times.len();
         return Err(ForeignError(format!(
-            "{good} of {rows} rows can be read, too few to compare{first}"
+            "{left} of {rows} rows can be read, too few to compare{first}"
+        )));
+    }
+    if good > 2 * times.len() {
+        return Err(ForeignError(format!(
+            "{good} rows have only {} instants; write the time with more digits",
+            times.len()
         )));
     }
     bad.truncate(MOST_NAMED);
     let mut time_series = TimeSeries::new(times).map_err(ForeignError::unreadable)?;
     for (wanted, column) in wanted.into_iter().zip(values) {
+        let lowest = column.iter().copied().fold(f64::INFINITY, f64::min);
+        let highest = column.iter().copied().fold(0.0, f64::max);
+        let magnitude = [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE];
+        if magnitude.contains(&group_of(&wanted.name).0) && -lowest > BELOW_ZERO * highest {
+            return Err(ForeignError(format!(
+                "`{}` goes down to {lowest} N, but is the magnitude of a force; write factor = -1.0, or magnitude_of with its \
+                 components",
+                wanted.name
+            )));
+        }
         time_series
             .push(wanted.name, column)
             .map_err(ForeignError::unreadable)?;
@@ -145,14 +250,104 @@ pub fn read(source: impl Read, map: &Map) -> Result<Foreign, ForeignError> {
         time_series,
         bad,
         rows,
+        twice,
     })
+}
+
+/// Keeps one row of each instant: how many were written more than once, and the first of them.
+fn once(times: &mut Vec<f64>, values: &mut [Vec<f64>], twice: Twice) -> Option<(usize, f64)> {
+    let (first, last) = (*times.first()?, *times.last()?);
+    let near = ONE_INSTANT * (last - first) / (times.len() - 1).max(1) as f64;
+    let mut kept: Vec<usize> = Vec::with_capacity(times.len());
+    let (mut began, mut repeated): (f64, Vec<f64>) = (f64::NEG_INFINITY, Vec::new());
+    for (row, &time) in times.iter().enumerate() {
+        if time - began > near {
+            began = time;
+            kept.push(row);
+            continue;
+        }
+        if repeated.last() != Some(&began) {
+            repeated.push(began);
+        }
+        if twice == Twice::Last
+            && let Some(last) = kept.last_mut()
+        {
+            *last = row;
+        }
+    }
+    let first = *repeated.first()?;
+    for column in values.iter_mut().chain([times]) {
+        *column = kept.iter().map(|&row| column[row]).collect();
+    }
+    Some((repeated.len(), first))
+}
+
+/// A number as the file writes it; or why it is none.
+fn number(text: &str, format: &FileFormat) -> Result<f64, String> {
+    let comma = format.decimal == ",";
+    let parsed = |text: &str| text.parse::<f64>().ok().filter(|value| value.is_finite());
+    if let Some(value) = parsed(text).filter(|_| !comma) {
+        return Ok(value);
+    }
+    let decimal = if comma { ',' } else { '.' };
+    let shown = short(text);
+    let plain = match format.thousands.as_deref() {
+        None if comma && text.contains('.') => {
+            return Err(format!(
+                "`{shown}` has a point where file.decimal is a comma: write thousands = \".\" or decimal = \".\" under [file]"
+            ));
+        }
+        None => text.to_owned(),
+        Some(mark) => {
+            let is_mark = |c: char| match mark {
+                " " => c.is_whitespace(),
+                "'" => ['\'', '\u{2019}'].contains(&c),
+                _ => mark.contains(c),
+            };
+            let (whole, rest) = text.split_at(text.find(decimal).unwrap_or(text.len()));
+            let first = whole.find(is_mark).unwrap_or_default();
+            let mut groups = whole.split(is_mark).skip(1);
+            let first = whole[..first].trim_start_matches(['+', '-']).len();
+            if rest.contains(is_mark) || first > 3 || !groups.all(|group| group.len() == 3) {
+                return Err(format!("`{shown}` has marks of thousands elsewhere"));
+            }
+            whole.replace(is_mark, "") + rest
+        }
+    };
+    // Fortran writes 1.5D-03 for a double, some spreadsheets a minus that is no hyphen.
+    let plain = plain.replace(decimal, ".").replace(['D', 'd'], "E");
+    let plain = plain.replace('\u{2212}', "-");
+    parsed(&plain).ok_or_else(|| {
+        if text.contains(':') {
+            format!("`{shown}` is no clock time as it is read: write hh:mm:ss.fff, or seconds")
+        } else if parsed(&text.replace(',', "")).is_some() {
+            format!(
+                "`{shown}` has a comma where file.decimal is a point: write decimal = \",\" or thousands = \",\" under [file]"
+            )
+        } else {
+            format!("`{shown}` is not a number")
+        }
+    })
+}
+
+/// What stands before a clock time `hh:mm:ss.fff`, its date, and the seconds since midnight.
+fn clock(text: &str) -> Option<(&str, f64)> {
+    let text = text.strip_suffix('Z').unwrap_or(text);
+    let (date, time) = text.rsplit_once([' ', 'T']).unwrap_or(("", text));
+    let mut parts = time.split(':');
+    let (hours, minutes, seconds) = (parts.next()?, parts.next()?, parts.next()?);
+    let whole = |text: &str| text.parse::<u16>().ok().map(f64::from);
+    let (hours, minutes) = (whole(hours)?, whole(minutes)?);
+    let seconds: f64 = seconds.replace(',', ".").parse().ok()?;
+    let sound = parts.next().is_none() && minutes < 60.0 && (0.0..61.0).contains(&seconds);
+    sound.then_some((date.trim_end(), 3600.0 * hours + 60.0 * minutes + seconds))
 }
 
 /// Names of the file's columns.
 struct Header {
     names: Vec<String>,
-    /// Where each name stands first; empty without a header, where columns go by number only.
-    places: HashMap<String, usize>,
+    /// Where each name stands first, and where next; empty without a header, where columns go by number only.
+    places: HashMap<String, (usize, Option<usize>)>,
 }
 
 impl Header {
@@ -161,28 +356,52 @@ impl Header {
         name.unwrap_or_else(|| (index + 1).to_string())
     }
 
-    fn find(&self, key: &str, column: &ColumnRef) -> Result<usize, ForeignError> {
-        let found = match column {
-            ColumnRef::Name(name) => self.places.get(name.trim()).copied(),
+    /// Where a column stands, if it does.
+    fn find(&self, key: &str, column: &ColumnRef) -> Result<Option<usize>, ForeignError> {
+        match column {
+            ColumnRef::Name(name) => match self.places.get(name.trim()) {
+                Some((first, Some(second))) => Err(ForeignError(format!(
+                    "`{key}`: the columns {} and {} are both called `{}`; write the number of the one that is meant in the place of \
+                     its name",
+                    first + 1,
+                    second + 1,
+                    short(name)
+                ))),
+                found => Ok(found.map(|(first, _)| *first)),
+            },
             ColumnRef::Number(number) => {
                 let index = number.checked_sub(1);
-                index.filter(|index| *index < self.names.len())
+                Ok(index.filter(|index| *index < self.names.len()))
             }
-        };
-        found.ok_or_else(|| {
+        }
+    }
+
+    fn place(&self, key: &str, column: &ColumnRef) -> Result<usize, ForeignError> {
+        self.find(key, column)?.ok_or_else(|| {
             let names = self.names.iter().map(|name| format!("`{}`", short(name)));
             let there = match names.collect::<Vec<_>>() {
                 none if none.is_empty() => "none: check file.separator".to_owned(),
                 names => first_of(&names, 12, ", "),
             };
-            let column = match column {
-                ColumnRef::Name(name) => name.clone(),
-                ColumnRef::Number(number) => number.to_string(),
-            };
             ForeignError(format!(
                 "`{key}`: the file has no column `{column}`; it has {there}"
             ))
         })
+    }
+
+    /// The first numbered column of a pattern that stands outside of `numbers`.
+    fn outside(&self, pattern: &ColumnRef, numbers: &std::ops::Range<usize>) -> Option<&str> {
+        let ColumnRef::Name(pattern) = pattern else {
+            return None;
+        };
+        let (head, tail) = pattern.trim().split_once('*')?;
+        let number = |name: &str| {
+            let digits = name.strip_prefix(head)?.strip_suffix(tail)?;
+            let number: usize = digits.parse().ok()?;
+            (number.to_string() == digits).then_some(number)
+        };
+        let mut names = self.names.iter().map(String::as_str);
+        names.find(|name| number(name).is_some_and(|number| !numbers.contains(&number)))
     }
 }
 
@@ -195,19 +414,40 @@ fn wanted(map: &Map, header: &Header) -> Result<Vec<Wanted>, ForeignError> {
     for (name, source) in plain.into_iter().chain(patterns) {
         let full = source.full();
         let unit = full.unit.as_ref();
-        let unit = unit.map_or(1.0, |unit| units::factor(name, unit).unwrap_or(1.0));
+        let unit = unit.map(|unit| units::factor(name, unit).unwrap_or(1.0));
+        // A turn in the file's numbers: a factor beside a unit is a ratio of gears, without one it is the unit.
+        let turn = units::turn(name).map(|turn| turn / unit.unwrap_or(full.factor.abs()));
+        let (turn, unwrap) = match full.unwrap {
+            Unwrap::Turn(unwrap) => (turn, unwrap),
+            Unwrap::After(period) => (Some(period), true),
+        };
+        let columns = full.columns();
+        let terms = |places: Vec<usize>| {
+            let each = places.into_iter().zip(&columns);
+            let term = |(index, (_, weight)): (usize, &(ColumnRef, f64))| Term {
+                index,
+                weight: *weight,
+                last: f64::NAN,
+                step: f64::NAN,
+            };
+            each.map(term).collect()
+        };
         let mut add = |name: String, from: Vec<usize>| {
             if known.insert(name.clone()) {
                 list.push(Wanted {
                     name,
-                    from,
-                    factor: full.factor * unit,
+                    from: terms(from),
+                    is_magnitude: !full.magnitude_of.is_empty(),
+                    factor: full.factor * unit.unwrap_or(1.0),
                     offset: full.offset,
+                    turn,
+                    unwrap,
                 });
             }
         };
         if !name.contains('*') {
-            let from = full.columns().map(|column| header.find(name, column));
+            let from = columns.iter();
+            let from = from.map(|(column, _)| header.place(name, column));
             add(name.clone(), from.collect::<Result<_, _>>()?);
             continue;
         }
@@ -218,19 +458,34 @@ fn wanted(map: &Map, header: &Header) -> Result<Vec<Wanted>, ForeignError> {
                 }
                 ColumnRef::Number(number) => ColumnRef::Number(*number),
             };
-            let from = full
-                .columns()
-                .map(|column| header.find(name, &written(column)));
-            match from.collect::<Result<_, _>>() {
-                Ok(from) => add(name.replace('*', &number.to_string()), from),
-                Err(error) if number == 0 => return Err(error),
-                Err(_) => break,
+            let mut from = Vec::new();
+            for (column, _) in &columns {
+                let column = written(column);
+                if number == 0 {
+                    header.place(name, &column)?;
+                }
+                if let Some(place) = header.find(name, &column)? {
+                    from.push(place);
+                    continue;
+                }
+                let numbers = full.first..full.first + number;
+                let mut patterns = columns.iter();
+                if let Some(other) = patterns.find_map(|(p, _)| header.outside(p, &numbers)) {
+                    return Err(ForeignError(format!(
+                        "`{name}`: the file has no column `{column}`, but `{}`; set `first`, or map each by its own name",
+                        short(other)
+                    )));
+                }
             }
+            if from.len() < columns.len() {
+                break;
+            }
+            add(name.replace('*', &number.to_string()), from);
         }
     }
     let mut uses = vec![0; header.names.len()];
     for wanted in &list {
-        for &index in &wanted.from {
+        for &Term { index, .. } in &wanted.from {
             uses[index] += 1;
             if uses[index] > MOST_USES {
                 return Err(ForeignError(format!(
@@ -245,8 +500,8 @@ fn wanted(map: &Map, header: &Header) -> Result<Vec<Wanted>, ForeignError> {
 }
 
 /// Rows of cells with their line numbers.
-struct Lines<R> {
-    reader: csv::Reader<BufReader<R>>,
+struct Lines<'a> {
+    reader: csv::Reader<Box<dyn BufRead + 'a>>,
     record: csv::ByteRecord,
     /// Lines before the reader's first.
     skipped: usize,
@@ -255,9 +510,51 @@ struct Lines<R> {
     comment: Option<u8>,
 }
 
-impl<R: Read> Lines<R> {
-    fn new(source: R, format: &FileFormat) -> Result<Self, ForeignError> {
-        let mut source = BufReader::new(source);
+/// First bytes of files that are no text, and what they are.
+const NO_TEXT: [(&[u8], &str); 6] = [
+    (
+        b"PK\x03\x04",
+        "a zip archive or a workbook of a spreadsheet",
+    ),
+    (b"MATLAB 5", "a MAT-file"),
+    (b"\x89HDF", "an HDF5 file"),
+    (b"TDSm", "a TDMS file"),
+    (b"MDF  ", "an MDF file"),
+    (b"PAR1", "a Parquet file"),
+];
+
+/// The text without its mark, as UTF-8 where its first bytes show UTF-16, which spreadsheets and loggers write.
+fn decoded<'a>(source: impl Read + 'a) -> io::Result<Box<dyn BufRead + 'a>> {
+    let mut source = BufReader::new(source);
+    let start = source.fill_buf()?;
+    let mut kinds = NO_TEXT.iter();
+    if let Some((_, kind)) = kinds.find(|(first, _)| start.starts_with(first)) {
+        return Err(io::Error::other(format!("it is {kind}")));
+    }
+    let pair = match start {
+        [0xff, 0xfe, ..] => u16::from_le_bytes,
+        [0xfe, 0xff, ..] => u16::from_be_bytes,
+        // Without a mark the first letter shows it.
+        [first, 0, ..] if *first > 0 => u16::from_le_bytes,
+        [0, second, ..] if *second > 0 => u16::from_be_bytes,
+        start => {
+            let mark = 3 * usize::from(start.starts_with("\u{feff}".as_bytes()));
+            source.consume(mark);
+            return Ok(Box::new(source));
+        }
+    };
+    let mut bytes = Vec::new();
+    source.read_to_end(&mut bytes)?;
+    let (pairs, _) = bytes.as_chunks::<2>();
+    let units: Vec<u16> = pairs.iter().map(|&bytes| pair(bytes)).collect();
+    let text = String::from_utf16_lossy(&units);
+    let text = text.trim_start_matches('\u{feff}').to_owned();
+    Ok(Box::new(Cursor::new(text.into_bytes())))
+}
+
+impl<'a> Lines<'a> {
+    fn new(source: impl Read + 'a, format: &FileFormat) -> Result<Self, ForeignError> {
+        let mut source = decoded(source).map_err(ForeignError::unreadable)?;
         for _ in 0..format.skip_lines {
             source.skip_until(b'\n').map_err(ForeignError::unreadable)?;
         }
@@ -317,14 +614,305 @@ impl<R: Read> Lines<R> {
             self.next()?;
         }
         let clean = |name: &String| {
-            let name = name.trim().trim_start_matches('\u{feff}');
-            name.trim_matches('"').trim().to_owned()
+            let name = name.trim().trim_matches('"');
+            name.trim().to_owned()
         };
         let names: Vec<String> = cells.iter().map(clean).collect();
-        let mut places = HashMap::new();
+        let mut places: HashMap<String, (usize, Option<usize>)> = HashMap::new();
         for (index, name) in names.iter().enumerate() {
-            places.entry(name.clone()).or_insert(index);
+            let known = places.entry(name.clone());
+            let place = known.and_modify(|(_, second)| {
+                second.get_or_insert(index);
+            });
+            place.or_insert((index, None));
         }
         Ok(Header { names, places })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROWS: usize = 40;
+
+    /// Rows of a time each 0.1 ms and further cells, after a header.
+    fn rows(header: &str, row: impl Fn(usize) -> String) -> String {
+        let rows: Vec<String> = (0..ROWS).map(row).collect();
+        format!("{header}\n{}\n", rows.join("\n"))
+    }
+
+    fn time(k: usize) -> String {
+        format!("{:.4}", 1e-4 * k as f64)
+    }
+
+    fn found(map: &str, text: impl AsRef<[u8]>) -> Result<Foreign, String> {
+        let map = Map::from_toml(map, "m.toml").unwrap();
+        read(text.as_ref(), &map).map_err(|error| error.to_string())
+    }
+
+    const TORQUE: &str = "[columns]\ninput_torque_n_m = \"T\"\n";
+    const ANGLE: &str =
+        "[columns]\noutput_angle_rad = { column = \"A\", unit = \"deg\", unwrap = true }\n";
+
+    /// Each text says that the value of row k is k/8 at k/10000 s.
+    #[test]
+    fn writers_of_all_kinds_are_read() {
+        let value = |k: usize| k as f64 / 8.0;
+        let comma = |x: f64| format!("{x:.3}").replace('.', ",");
+        let german = "[file]\nseparator = \";\"\ndecimal = \",\"\n";
+        let plain = rows("time_s,T", |k| format!("{},{}", time(k), value(k)));
+        let wide = |little: bool, text: &str| -> Vec<u8> {
+            let bytes = |unit: u16| {
+                if little {
+                    unit.to_le_bytes()
+                } else {
+                    unit.to_be_bytes()
+                }
+            };
+            text.encode_utf16().flat_map(bytes).collect()
+        };
+        let marked = format!("\u{feff}{plain}");
+        let texts: Vec<(String, Vec<u8>)> = vec![
+            (TORQUE.to_owned(), plain.clone().into_bytes()),
+            (TORQUE.to_owned(), marked.clone().into_bytes()),
+            (TORQUE.to_owned(), wide(true, &marked)),
+            (TORQUE.to_owned(), wide(false, &marked)),
+            (TORQUE.to_owned(), wide(true, &plain.replace('\n', "\r\n"))),
+            (
+                format!("{german}{TORQUE}"),
+                rows("time_s;T", |k| format!("{};{}", time(k).replace('.', ","), comma(value(k)))).into_bytes(),
+            ),
+            // Fortran.
+            (
+                format!("[file]\nseparator = \"space\"\n{TORQUE}"),
+                rows(" time_s  T", |k| format!(" {k}.0D-04  {}d-3", 125 * k)).into_bytes(),
+            ),
+            (
+                format!("[time]\ncolumn = \"when\"\noffset_s = -36000\n{TORQUE}"),
+                rows("when,T", |k| format!("2024-03-05 10:00:00.{k:04},{}", value(k))).into_bytes(),
+            ),
+            (
+                format!("[time]\ncolumn = \"when\"\n{TORQUE}"),
+                rows("when,T", |k| format!("0:00:00.{k:04}Z,{}", value(k))).into_bytes(),
+            ),
+            // Thousands of millimetres.
+            (
+                "[file]\nseparator = \";\"\nthousands = \",\"\n[columns]\ninput_torque_n_m = { column = \"T\", unit = \"N mm\" }".to_owned(),
+                rows("time_s;T", |k| {
+                    let [whole, part] = [125 * k / 1000, 125 * k % 1000];
+                    format!("{};{whole},{part:03}.0", time(k))
+                }).into_bytes(),
+            ),
+            (
+                format!("{german}thousands = \".\"\n[time]\nunit = \"us\"\n{TORQUE}"),
+                rows("time_s;T", |k| match k {
+                    0..10 => format!("{}00;{}", k, comma(value(k))),
+                    _ => format!("{}.{}00;{}", k / 10, k % 10, comma(value(k))),
+                }).into_bytes(),
+            ),
+            // An angle that falls, a sum, and a name of both: by number.
+            (
+                format!("[time]\ncolumn = \"phi\"\nfactor = -1e-3\n{TORQUE}"),
+                rows("phi,T", |k| format!("{},{}", -0.1 * k as f64, value(k))).into_bytes(),
+            ),
+            (
+                "[columns]\ninput_torque_n_m = { sum_of = { A = 1.0, B = -0.5 } }".to_owned(),
+                rows("time_s,A,B", |k| format!("{},{},{k}", time(k), value(k) + 0.5 * k as f64)).into_bytes(),
+            ),
+            (
+                "[columns]\ninput_torque_n_m = 3".to_owned(),
+                rows("time_s,T,T,", |k| format!("{},7,{},", time(k), value(k))).into_bytes(),
+            ),
+        ];
+        for (map, text) in texts {
+            let series = found(&map, &text).unwrap_or_else(|error| panic!("{map}: {error}"));
+            let series = series.time_series;
+            let values = series.channel("input_torque_n_m").unwrap();
+            assert_eq!(values.len(), ROWS, "{map}");
+            for (k, (t, v)) in series.time_s().iter().zip(values).enumerate() {
+                assert!((t - 1e-4 * k as f64).abs() < 1e-10, "{map}: {t}");
+                assert!((v - value(k)).abs() < 1e-9, "{map}: {v}");
+            }
+        }
+    }
+
+    #[test]
+    fn regress_angles_are_unwrapped() {
+        let angle = |k: usize| 40.0 - 25.0 * k as f64;
+        for (unit, turn) in [
+            ("unit = \"deg\"", 360.0),
+            ("factor = 0.0174532925199433", 360.0),
+            ("unit = \"rev\"", 1.0),
+        ] {
+            let text = rows("time_s,A", |k| {
+                format!("{},{}", time(k), (angle(k) / 360.0 * turn).rem_euclid(turn))
+            });
+            for unwrap in ["true".to_owned(), turn.to_string()] {
+                let map = format!(
+                    "[columns]\noutput_angle_rad = {{ column = \"A\", {unit}, unwrap = {unwrap} }}"
+                );
+                let series = found(&map, &text).unwrap().time_series;
+                for (k, value) in series.channels()[0].values.iter().enumerate() {
+                    assert!(
+                        (value.to_degrees() - angle(k)).abs() < 1e-6,
+                        "{map} {k}: {value}"
+                    );
+                }
+            }
+            let map = format!("[columns]\noutput_angle_rad = {{ column = \"A\", {unit} }}");
+            let error = found(&map, &text).unwrap_err();
+            assert!(
+                error.contains("line 4: column `A` goes from 0.0") || error.contains("line 4"),
+                "{error}"
+            );
+            assert!(
+                error.ends_with("write unwrap = true for `output_angle_rad` in the map"),
+                "{error}"
+            );
+        }
+        // An angle of a ratio, between -180 and 180, each of a sum by itself.
+        let half = |x: f64| (x + 180.0).rem_euclid(360.0) - 180.0;
+        let text = rows("time_s,A,B", |k| {
+            format!(
+                "{},{},{}",
+                time(k),
+                half(-8.0 * k as f64),
+                half(120.0 * k as f64)
+            )
+        });
+        let map = "[columns]\ntransmission_error_arcmin = { sum_of = { A = 1.0, B = 0.0666666666666667 }, unit = \"deg\", unwrap = true }";
+        let series = found(map, &text).unwrap().time_series;
+        assert!(series.channels()[0].values.iter().all(|v| v.abs() < 1e-6));
+        // A slow record of a fast shaft jumps too, always the same way.
+        let fast = rows("time_s,A", |k| format!("{},{}", time(k), 400 * k));
+        assert!(found(&ANGLE.replace(", unwrap = true", ""), fast).is_ok());
+    }
+
+    /// Before and after an event, at one instant or 1e-12 s apart.
+    #[test]
+    fn regress_an_instant_written_twice_has_the_value_after() {
+        for apart in [0.0, 1e-12] {
+            let text = rows("time_s,T", |k| {
+                let t = 1e-4 * (k / 2) as f64 + apart * (k % 2) as f64;
+                format!("{t:e},{}", k % 2)
+            });
+            for (rows, value) in [
+                ("", 1.0),
+                ("[rows]\ntwice = \"last\"\n", 1.0),
+                ("[rows]\ntwice = \"first\"\n", 0.0),
+            ] {
+                let read = found(&format!("{TORQUE}{rows}"), &text).unwrap();
+                assert_eq!(read.twice, Some((ROWS / 2, 0.0)));
+                assert_eq!((read.time_series.len(), read.bad.len()), (ROWS / 2, 0));
+                assert!(
+                    read.time_series.channels()[0]
+                        .values
+                        .iter()
+                        .all(|v| *v == value)
+                );
+            }
+            let error = found(&format!("{TORQUE}[rows]\ntwice = \"refuse\""), &text).unwrap_err();
+            assert!(
+                error.contains("20 instants are written more than once, the first 0 s"),
+                "{error}"
+            );
+        }
+    }
+
+    #[test]
+    fn bad_input_is_refused_by_what_it_is() {
+        let forces = |columns: &[usize]| {
+            let names: Vec<String> = columns.iter().map(|k| format!("F_{k}")).collect();
+            rows(&format!("time_s,{}", names.join(",")), |k| {
+                format!("{}{}", time(k), ",3".repeat(columns.len()))
+            })
+        };
+        let pattern = |first: usize| {
+            format!(
+                "[columns]\n\"external_sleeve_force_n_*\" = {{ column = \"F_*\", first = {first} }}"
+            )
+        };
+        let german = format!("[file]\nseparator = \";\"\ndecimal = \",\"\n{TORQUE}");
+        let semicolons = format!("[file]\nseparator = \";\"\n{TORQUE}");
+        let blanks = format!("[file]\nseparator = \"space\"\n{TORQUE}");
+        let force = "[columns]\nexternal_sleeve_force_n_0 = \"T\"".to_owned();
+        let of = |header: &str, value: &str| rows(header, |k| format!("{}{value}", time(k)));
+        for (map, text, part) in [
+            (
+                TORQUE.to_owned(),
+                of("time_s,T,T", ",1,2"),
+                "the columns 2 and 3 are both called `T`; write the number",
+            ),
+            (pattern(1), forces(&[1, 2, 4]), "no column `F_3`, but `F_4`"),
+            (
+                pattern(1),
+                forces(&[0, 1, 2]),
+                "no column `F_3`, but `F_0`; set `first`",
+            ),
+            (
+                TORQUE.to_owned(),
+                of("time_s,T", ",1,5"),
+                "line 2: 3 cells, but the header has 2",
+            ),
+            (
+                blanks,
+                of("% time_s T", " 1"),
+                "line 2: 2 cells, but the header has 3",
+            ),
+            (
+                german.clone(),
+                rows("time_s;T", |k| format!("0,{k:03};1.234")),
+                "thousands = \".\" or decimal = \".\"",
+            ),
+            (
+                semicolons,
+                of("time_s;T", ";1,234"),
+                "decimal = \",\" or thousands = \",\"",
+            ),
+            (
+                german.replace("decimal = \",\"", "decimal = \",\"\nthousands = \".\""),
+                rows("time_s;T", |k| format!("0,{k:03};1.2345,6")),
+                "has marks of thousands elsewhere",
+            ),
+            (
+                force.clone(),
+                rows("time_s,T", |k| format!("{},{}", time(k), [-5, 9][k % 2])),
+                "`external_sleeve_force_n_0` goes down to -5 N, but is the magnitude",
+            ),
+            (
+                TORQUE.to_owned(),
+                rows("time_s,T", |k| format!("{},1", time(ROWS - k))),
+                "time falls in 39 of 40 rows; sort them",
+            ),
+            (
+                TORQUE.to_owned(),
+                rows("time_s,T", |k| format!("10:00:00.{k:03} PM,1")),
+                "no clock time as it is read",
+            ),
+            (
+                format!("[time]\nunit = \"ms\"\n{TORQUE}"),
+                rows("time_s,T", |k| format!("10:00:00.{k:03},1")),
+                "a clock time: leave time.unit out",
+            ),
+            (
+                TORQUE.to_owned(),
+                rows("time_s,T", |k| {
+                    format!("2024-03-{:02} 10:00:00.{k:03},1", 5 + k / 20)
+                }),
+                "line 22: column `time_s`: the date changes to `2024-03-06`",
+            ),
+        ] {
+            let error = found(&map, &text).unwrap_err();
+            assert!(
+                error.contains(part) && !error.contains('\n'),
+                "{part}: {error}"
+            );
+        }
+        // Noise of a cell about nothing is none.
+        let noise = rows("time_s,T", |k| {
+            format!("{},{}", time(k), [-0.1, 9.0][k % 2])
+        });
+        assert!(found(&force, noise).is_ok());
     }
 }

@@ -4,6 +4,9 @@
 //! the cubic through the four nearest samples (or the straight line). What that may cost is measured
 //! on the data itself: every second sample is left out and restored from the others, which errs by
 //! more than the interpolation that is used.
+//!
+//! Over a gap nothing is interpolated. Solvers of variable step write bursts of short steps and long ones where little happens, so
+//! a spacing is held against those around it, and is none where the signals run straight on across it.
 
 use std::ops::Range;
 
@@ -14,6 +17,13 @@ use crate::norms::relative_l2;
 
 /// A time counts as the file's own within this share of its spacing: a rounding.
 const SAME: f64 = 1e-6;
+/// Spacings on each side that a gap is held against.
+const AROUND: usize = 4;
+/// A signal runs straight on across a gap if the slopes at both ends carry it past the other end by less than this share of
+/// its standard deviation.
+const STRAIGHT: f64 = 0.05;
+/// Rows within the run at least, unless it has as few samples there.
+const FEWEST: usize = 10;
 
 /// Foreign time series on the times of a run.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,14 +46,14 @@ pub struct Resampled {
 /// Puts `foreign` onto `times_s` (increasing).
 ///
 /// # Errors
-/// The two have no time in common.
+/// The two have no time in common, or the file's rows are too dense or too rare for the run.
 pub fn resample(
     foreign: &TimeSeries,
     times_s: &[f64],
     how: Resampling,
 ) -> Result<Resampled, ForeignError> {
     let own_times = foreign.time_s();
-    let (stretch, gaps_s) = longest_stretch(own_times, how.longest_gap);
+    let (stretch, gaps_s) = longest_stretch(foreign, how.longest_gap);
     let time = &own_times[stretch.clone()];
     let ends = |times: &[f64]| {
         (
@@ -55,12 +65,31 @@ pub fn resample(
     let slack = SAME * usual_spacing(time);
     let covered = times_s.partition_point(|&t| t < from_s - slack)
         ..times_s.partition_point(|&t| t <= to_s + slack);
+    let (run_from_s, run_to_s) = ends(times_s);
+    let refused = |what: String| {
+        let remedy = "set time.unit, time.factor and time.offset_s of the map";
+        Err(ForeignError(format!("{what}; {remedy}")))
+    };
     if covered.is_empty() || time.is_empty() {
-        let (run_from_s, run_to_s) = ends(times_s);
-        return Err(ForeignError(format!(
-            "the file covers {from_s} to {to_s} s, none of it in the run's {run_from_s} to {run_to_s} s; set time.unit and \
-             time.offset_s of the map"
-        )));
+        return refused(format!(
+            "the file covers {from_s} to {to_s} s, none of it in the run's {run_from_s} to {run_to_s} s"
+        ));
+    }
+    if let [first, second, ..] = times_s
+        && to_s - from_s < second - first
+    {
+        return refused(format!(
+            "all rows of the file lie within {:e} s, where the run has a sample each {:e} s",
+            to_s - from_s,
+            second - first
+        ));
+    }
+    let in_run = |t: &&f64| (run_from_s - slack..=run_to_s + slack).contains(*t);
+    let inside = time.iter().filter(in_run).count();
+    if inside < FEWEST.min(covered.len()) {
+        return refused(format!(
+            "the file has {inside} rows in the run's {run_from_s} to {run_to_s} s, too few to compare"
+        ));
     }
     let places: Vec<Place> = times_s[covered.clone()]
         .iter()
@@ -167,20 +196,65 @@ fn restoring(time: &[f64], values: &[f64], method: Method) -> Option<f64> {
     Some(error).filter(|value| value.is_finite())
 }
 
-/// Median of the spacings, s.
-fn usual_spacing(time: &[f64]) -> f64 {
-    let mut spacings: Vec<f64> = time.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    spacings.sort_by(f64::total_cmp);
-    spacings.get(spacings.len() / 2).copied().unwrap_or(0.0)
+/// The value at any time within the samples, by the cubic.
+pub(super) fn value_at(time: &[f64], values: &[f64], t: f64) -> f64 {
+    Place::of(time, t, 0.0).value(time, values, Method::Cubic)
 }
 
-/// The longest stretch without a gap of more than `longest` usual spacings, and all such gaps.
-fn longest_stretch(time: &[f64], longest: f64) -> (Range<usize>, Vec<[f64; 2]>) {
-    let most = longest * usual_spacing(time) * (1.0 + SAME);
+/// The upper one of the values in the middle; 0 without any.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+fn spacings(time: &[f64]) -> Vec<f64> {
+    time.windows(2).map(|pair| pair[1] - pair[0]).collect()
+}
+
+/// Median of the spacings, s.
+pub(super) fn usual_spacing(time: &[f64]) -> f64 {
+    median(spacings(time))
+}
+
+/// The longest stretch without a gap, which is a spacing of more than `longest` times those around it, and all gaps.
+fn longest_stretch(foreign: &TimeSeries, longest: f64) -> (Range<usize>, Vec<[f64; 2]>) {
+    let time = foreign.time_s();
+    let spacings = spacings(time);
+    let around = |k: usize| {
+        let before = &spacings[k.saturating_sub(AROUND)..k];
+        let after = &spacings[k + 1..(k + 1 + AROUND).min(spacings.len())];
+        // The larger one: short steps end where long ones begin.
+        median(before.to_vec()).max(median(after.to_vec()))
+    };
+    let deviation = |values: &[f64]| {
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let squares = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+        (squares / count).sqrt()
+    };
+    let channels = foreign.channels().iter().map(|channel| {
+        let values = channel.values.as_slice();
+        (values, STRAIGHT * deviation(values))
+    });
+    let channels: Vec<(&[f64], f64)> = channels.collect();
+    let runs_straight = |k: usize| {
+        let slope = |values: &[f64], k: usize| Some((values.get(k + 1)? - values[k]) / spacings[k]);
+        channels.iter().all(|&(values, most)| {
+            let across = slope(values, k).unwrap_or(f64::NAN);
+            let off = |side: Option<usize>| {
+                let slope = side.and_then(|side| slope(values, side));
+                (slope.unwrap_or(f64::NAN) - across).abs() * spacings[k]
+            };
+            off(k.checked_sub(1)) <= most && off(Some(k + 1)) <= most
+        })
+    };
+    let is_gap = |k: usize| {
+        let around = around(k);
+        around > 0.0 && spacings[k] > longest * around * (1.0 + SAME) && !runs_straight(k)
+    };
     let (mut best, mut start, mut gaps) = (0..0, 0, Vec::new());
     for k in 1..=time.len() {
-        let ends = k == time.len() || time[k] - time[k - 1] > most;
-        if !ends {
+        if k < time.len() && !is_gap(k - 1) {
             continue;
         }
         if k - start > best.len() {
@@ -280,5 +354,72 @@ mod tests {
             "{:?}",
             long.covers_s
         );
+    }
+    /// Long steps, a burst of short ones in the middle of them, and growing ones: all of it is one stretch.
+    #[test]
+    fn regress_variable_steps_are_no_gaps() {
+        let mut times = vec![0.0];
+        let mut go = |step: f64, count: usize| {
+            for _ in 0..count {
+                let last: f64 = times[times.len() - 1];
+                times.push(last + step);
+            }
+        };
+        go(1e-4, 100);
+        go(5e-6, 400);
+        // As a solver's step grows after an event.
+        for grown in 0..4 {
+            go(5e-6 * f64::from(1 << grown), 2);
+        }
+        go(1e-4, 80);
+        // An event and its two rows.
+        go(3e-6, 1);
+        go(9.7e-5, 1);
+        go(1e-4, 5);
+        let end = times[times.len() - 1];
+        let found = resample(&wave(&times), &even(101, end / 100.0, 0.0), CUBIC).unwrap();
+        assert_eq!((found.gaps_s.len(), found.covers_s), (0, [0.0, end]));
+        // Nor is a long step among short ones where nothing happens, but it is one where something does.
+        let mut rows: Vec<f64> = even(200, 1e-5, 0.0);
+        rows.extend(even(200, 1e-5, 0.004));
+        let run = even(50, 1e-4, 0.0);
+        let of = |signal: fn(f64) -> f64| {
+            let mut series = TimeSeries::new(rows.clone()).unwrap();
+            let values = rows.iter().map(|t| signal(*t)).collect();
+            series.push("a_n", values).unwrap();
+            resample(&series, &run, CUBIC).unwrap().gaps_s.len()
+        };
+        assert_eq!((of(|t| 3.0 * t), of(|t| (2000.0 * t).sin())), (0, 1));
+    }
+
+    /// Two gaps in a row are two, each held against what lies around both.
+    #[test]
+    fn regress_gaps_side_by_side_are_seen() {
+        let times = even(101, 1e-3, 0.0);
+        let kept = times.iter().enumerate();
+        let kept = kept.filter(|(k, _)| !(30..60).contains(k) || *k == 45);
+        let kept: Vec<f64> = kept.map(|(_, t)| *t).collect();
+        let found = resample(&wave(&kept), &times, CUBIC).unwrap();
+        assert_eq!(found.gaps_s.len(), 2);
+    }
+
+    #[test]
+    fn bad_input_rows_that_never_meet_the_run_are_refused() {
+        let times = even(201, 1e-4, 0.0);
+        for (step, part) in [
+            (1e-300, "all rows of the file"),
+            (0.01, "has 3 rows"),
+            (1e296, "has 1 rows"),
+        ] {
+            let error = resample(&wave(&even(201, step, 0.0)), &times, CUBIC).unwrap_err();
+            let error = error.to_string();
+            assert!(
+                error.contains(part) && error.contains("time.factor"),
+                "{error}"
+            );
+        }
+        // A record that ends soon after the run began is compared where it is.
+        let few = resample(&wave(&even(205, 1e-4, -0.02)), &times, CUBIC).unwrap();
+        assert_eq!(few.own, 5);
     }
 }
