@@ -7,6 +7,7 @@ use std::{fs, io};
 
 use serde::{Deserialize, Serialize};
 
+use super::limits::LARGEST_RECORDED;
 use super::runner::Costs;
 use super::snapshot::{Quantity, Statistics};
 use crate::StudyError;
@@ -243,12 +244,65 @@ impl Baseline {
             let what = "holds no scenes, so that nothing could be compared";
             return Err(spoiled(what));
         }
-        let scenes = found.scenes.iter();
-        let mut converged = scenes.flat_map(|scene| scene.converged.values());
-        if !converged.all(|quantity| quantity.scale > 0.0) {
-            return Err(spoiled("holds a scale that is not positive"));
-        }
+        found.sound().map_err(|what| spoiled(&what))?;
         Ok(found)
+    }
+
+    /// Checks that the figures are such as [`record`](super::record) writes, and go with each other.
+    fn sound(&self) -> Result<(), String> {
+        let twice = |names: Vec<&str>| {
+            let mut all = names.iter().enumerate();
+            let again = all.find(|(k, name)| names[..*k].contains(name));
+            again.map(|(_, name)| (*name).to_owned())
+        };
+        let scenes = self.scenes.iter().map(|scene| scene.name.as_str());
+        if let Some(name) = twice(scenes.collect()) {
+            return Err(format!("holds the scene `{name}` twice"));
+        }
+        for scene in &self.scenes {
+            let name = &scene.name;
+            let choices = scene.cases.iter().map(|case| case.choice.as_str());
+            if let Some(choice) = twice(choices.collect()) {
+                return Err(format!("{name}: holds the case `{choice}` twice"));
+            }
+            let share = |what: &str, value: f64, most: f64| match (0.0..=most).contains(&value) {
+                true => Ok(()),
+                false => Err(format!(
+                    "{name}: {what} = {value:e} is not within 0 and {most}"
+                )),
+            };
+            for converged in scene.converged.values() {
+                if converged.scale <= 0.0 {
+                    return Err(format!("{name}: holds a scale that is not positive"));
+                }
+                share("own_error", converged.own_error, LARGEST_RECORDED)?;
+            }
+            for case in &scene.cases {
+                share("count_spread", case.count_spread, 1.0)?;
+                if case.quantity.is_empty() {
+                    return Err(format!("{name}, {}: holds no quantity", case.choice));
+                }
+                for (quantity, found) in &case.quantity {
+                    share("rounding", found.rounding, LARGEST_RECORDED)?;
+                    let converged = scene.converged.get(quantity);
+                    let error = converged.and_then(|converged| {
+                        Some(found.statistics.distance(&converged.statistics)? / converged.scale)
+                    });
+                    // Only the digits of a text file lie between them.
+                    if !error
+                        .is_some_and(|error| (error - found.error).abs() <= 1e-9 * (error + 1e-6))
+                    {
+                        return Err(format!(
+                            "{name}, {}: error = {:e} of the {} is not that of its figures",
+                            case.choice,
+                            found.error,
+                            quantity.label()
+                        ));
+                    }
+                }
+            }
+        }
+        Ok(())
     }
 
     /// Writes its file into the folder `dir`, which exists.
@@ -293,6 +347,30 @@ mod tests {
                 let error = read(&spoiled).unwrap_err().to_string();
                 assert!(error.contains("finite"), "{key} = {value}: {error}");
             }
+            for value in ["-1.0", "1e300"] {
+                let spoiled = format!("{}{key} = {value}{}", &text[..start], &text[end..]);
+                let error = read(&spoiled)
+                    .map(|_| ())
+                    .map_err(|error| error.to_string());
+                let large_scale = (key, value) == ("scale", "1e300");
+                let named = if large_scale {
+                    "is not that of its figures"
+                } else {
+                    key
+                };
+                assert!(
+                    error.clone().unwrap_err().contains(named),
+                    "{key} = {value}: {error:?}"
+                );
+            }
+        }
+        let scene = text.find("[[scene]]").unwrap();
+        let case = scene + text[scene..].find("[[scene.case]]").unwrap();
+        let next = case + 1 + text[case + 1..].find("[[scene.case]]").unwrap();
+        for (twice, from) in [("the scene `paper` twice", scene), ("twice", case)] {
+            let doubled = format!("{}{}{}", &text[..next], &text[from..next], &text[next..]);
+            let error = read(&doubled).unwrap_err().to_string();
+            assert!(error.contains(twice), "{error}");
         }
     }
 }
