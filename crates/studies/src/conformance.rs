@@ -543,19 +543,21 @@ impl Trials<'_> {
         }
     }
 
-    /// Holds the solver against the native one on several scenes, which `what` counts; one that a scene may ask too much of
-    /// skips it by status 4.
+    /// Holds the solver against the native one on several scenes, which `what` counts. Where it `may_refuse` one, by status 4, that
+    /// is no failure.
     fn all_held(&self, what: &str, may_refuse: bool, scenes: &[Case<'_>]) -> Seen {
-        let (mut worst, mut off, mut refused) = (0.0_f64, Vec::new(), Vec::new());
+        let (mut worst, mut off, mut not) = (0.0_f64, Vec::new(), Vec::new());
         for (name, change) in scenes {
             match self.held(change) {
                 Ok(near) => worst = worst.max(near),
-                Err(Miss::Failed(why)) if may_refuse && why.contains(CANNOT) => refused.push(*name),
-                Err(Miss::Failed(why)) => off.push(format!("{name}: {why}")),
-                Err(other) => return Err(other),
+                Err(Miss::Failed(why)) if !(may_refuse && why.contains(CANNOT)) => {
+                    off.push(format!("{name}: {why}"));
+                }
+                Err(Miss::Failed(why) | Miss::Skipped(why)) => not.push(format!("{name}: {why}")),
+                Err(Miss::Study(error)) => return Err(error.into()),
             }
         }
-        let held = scenes.len() - off.len() - refused.len();
+        let held = scenes.len() - off.len() - not.len();
         let mut seen = format!("{held} of {} {what}", scenes.len());
         if self.shares_the_law() {
             seen.push_str(&format!(
@@ -563,8 +565,8 @@ impl Trials<'_> {
                 worst.max(NATIVE)
             ));
         }
-        if !refused.is_empty() {
-            seen.push_str(&format!("; refused: {}", refused.join(", ")));
+        if !not.is_empty() {
+            seen.push_str(&format!("; not held: {}", not.join("; ")));
         }
         match off.len() {
             0 if held == 0 => skipped(seen),

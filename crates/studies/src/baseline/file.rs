@@ -265,41 +265,16 @@ impl Baseline {
             if let Some(choice) = twice(choices.collect()) {
                 return Err(format!("{name}: holds the case `{choice}` twice"));
             }
-            let share = |what: &str, value: f64, most: f64| match (0.0..=most).contains(&value) {
-                true => Ok(()),
-                false => Err(format!(
-                    "{name}: {what} = {value:e} is not within 0 and {most}"
-                )),
-            };
             for converged in scene.converged.values() {
                 if converged.scale <= 0.0 {
                     return Err(format!("{name}: holds a scale that is not positive"));
                 }
-                share("own_error", converged.own_error, LARGEST_RECORDED)?;
+                let sound = share("own_error", converged.own_error, LARGEST_RECORDED);
+                sound.map_err(|what| format!("{name}: {what}"))?;
             }
             for case in &scene.cases {
-                share("count_spread", case.count_spread, 1.0)?;
-                if case.quantity.is_empty() {
-                    return Err(format!("{name}, {}: holds no quantity", case.choice));
-                }
-                for (quantity, found) in &case.quantity {
-                    share("rounding", found.rounding, LARGEST_RECORDED)?;
-                    let converged = scene.converged.get(quantity);
-                    let error = converged.and_then(|converged| {
-                        Some(found.statistics.distance(&converged.statistics)? / converged.scale)
-                    });
-                    // Only the digits of a text file lie between them.
-                    if !error
-                        .is_some_and(|error| (error - found.error).abs() <= 1e-9 * (error + 1e-6))
-                    {
-                        return Err(format!(
-                            "{name}, {}: error = {:e} of the {} is not that of its figures",
-                            case.choice,
-                            found.error,
-                            quantity.label()
-                        ));
-                    }
-                }
+                let sound = case.sound(&scene.converged);
+                sound.map_err(|what| format!("{name}, {}: {what}", case.choice))?;
             }
         }
         Ok(())
@@ -313,6 +288,43 @@ impl Baseline {
         let path = dir.join(FILE);
         let text = toml::to_string(self).map_err(|error| OutputError::new(&path, &error))?;
         write_text(&path, &text)
+    }
+}
+
+impl CaseSnapshot {
+    /// Checks that its figures can be, show a change, and go with the converged run.
+    pub(super) fn sound(&self, converged: &BTreeMap<Quantity, Converged>) -> Result<(), String> {
+        share("count_spread", self.count_spread, 1.0)?;
+        if self.quantity.is_empty() {
+            return Err("holds no quantity".to_owned());
+        }
+        for (quantity, found) in &self.quantity {
+            let label = quantity.label();
+            share("rounding", found.rounding, LARGEST_RECORDED)
+                .map_err(|what| format!("{what} of the {label}"))?;
+            let error = converged.get(quantity).and_then(|converged| {
+                Some(found.statistics.distance(&converged.statistics)? / converged.scale)
+            });
+            // Only the digits of a text file lie between them.
+            let same = |error: f64| (error - found.error).abs() <= 1e-9 * (error + 1e-6);
+            if !error.is_some_and(same) {
+                let error = found.error;
+                return Err(format!(
+                    "error = {error:e} of the {label} is not that of its figures"
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A figure that is a share, from 0 to `most`.
+fn share(what: &str, value: f64, most: f64) -> Result<(), String> {
+    match (0.0..=most).contains(&value) {
+        true => Ok(()),
+        false => Err(format!(
+            "{what} = {value:e} is not within 0 and {most}, and would hide a change"
+        )),
     }
 }
 

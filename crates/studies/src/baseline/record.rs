@@ -12,7 +12,6 @@ use super::check::same_solvers;
 use super::file::{
     Acceptance, Baseline, CaseSnapshot, Converged, FORMAT, Made, QuantitySnapshot, SceneSnapshot,
 };
-use super::limits::LARGEST_RECORDED;
 use super::runner::{Finished, Job, RunResult, run_all};
 use super::snapshot::{Quantity, Statistics};
 use crate::control::{Control, compile};
@@ -223,30 +222,22 @@ fn scene(
         let varied: Result<Vec<_>, _> =
             others.into_iter().map(|run| whole(way.name, run)).collect();
         let varied = varied?;
-        let quantity = quantities(&plain, &varied, &converged);
-        if let Some((label, found)) = quantity
-            .iter()
-            .find(|(_, found)| found.rounding > LARGEST_RECORDED)
-        {
-            leave(format!(
-                "a rounding moves its {} by {:.0} %, and no change would show",
-                label.label(),
-                100.0 * found.rounding
-            ));
-            continue;
-        }
         // Share by which two runs differ in right-hand sides.
         let count = plain.costs.right_hand_sides;
         let spread = |run: &Finished| {
             run.costs.right_hand_sides.abs_diff(count) as f64 / count.max(1) as f64
         };
-        cases.push(CaseSnapshot {
+        let snapshot = CaseSnapshot {
             choice: way.name.to_owned(),
             set: way.sets.to_vec(),
             costs: plain.costs,
             count_spread: varied.iter().map(spread).fold(0.0, f64::max),
-            quantity,
-        });
+            quantity: quantities(&plain, &varied, &converged),
+        };
+        match snapshot.sound(&converged) {
+            Ok(()) => cases.push(snapshot),
+            Err(reason) => leave(reason),
+        }
     }
     Ok(SceneSnapshot {
         name: case.name.clone(),
