@@ -118,7 +118,11 @@ pub fn recorded(name: &str, record: &Record) -> String {
                     false => format!(" by {}", case.choice),
                 };
                 let label = quantity.label();
-                format!("{}{by} {:.2} % in {label}", scene.name, 100.0 * error)
+                let off = match 100.0 * error {
+                    percent if percent < 0.1 => format!("{percent:.1e}"),
+                    percent => format!("{percent:.1}"),
+                };
+                format!("{}{by} {off} % in {label}", scene.name)
             });
         let named: Vec<String> = named.collect();
         let (cases, named) = (errors.len(), named.join(", "));
@@ -143,7 +147,7 @@ pub fn recorded(name: &str, record: &Record) -> String {
         format!("not recorded by {choice}: {}: {reason}", scenes.join(", "))
     });
     let kept = record.baseline.scenes.len() - record.scenes.len();
-    let kept = (kept > 0).then(|| format!("{kept} other scenes stay as they were"));
+    let kept = (kept > 0).then(|| format!("other scenes, kept as they were: {kept}"));
     lines
         .chain(left_out)
         .chain(kept)

@@ -224,7 +224,7 @@ impl Baseline {
         let place = path.display();
         let spoiled = |what: &str| {
             StudyError::Input(format!(
-                "{place}: {what}; restore the file or record the baseline anew"
+                "{place}: {what}; restore the file, or delete it and record the baseline anew"
             ))
         };
         let unread = |error: toml::de::Error| spoiled(error.message());
