@@ -33,6 +33,7 @@ fn a_check_writes_its_page_and_judges() {
     let fine = run_in(base.path(), CHECK);
     assert_eq!(fine.code, Some(0), "{}{}", fine.stdout, fine.stderr);
     assert!(fine.stdout.contains("reduced-dopri5"), "{}", fine.stdout);
+    assert!(fine.stdout.starts_with("accepted: "), "{}", fine.stdout);
     assert_eq!(
         names_in(&base.path().join("out/baseline-accepted")),
         ["index.html", "summary.json"]
@@ -46,7 +47,24 @@ fn a_check_writes_its_page_and_judges() {
     std::fs::write(&file, tampered).unwrap();
     let worse = run_in(base.path(), CHECK);
     assert_eq!(worse.code, Some(1), "{}{}", worse.stdout, worse.stderr);
-    assert!(worse.stdout.contains("worse"), "{}", worse.stdout);
+    let first = "accepted: 1 worse: paper by reduced-rk2";
+    assert!(worse.stdout.starts_with(first), "{}", worse.stdout);
+
+    // One case that nobody recorded, and eleven that are compared.
+    let case = text.find("[[scene.case]]").unwrap();
+    let next = case + 1 + text[case + 1..].find("[[scene.case]]").unwrap();
+    std::fs::write(&file, format!("{}{}", &text[..case], &text[next..])).unwrap();
+    let nothing = run_in(base.path(), CHECK);
+    assert_eq!(
+        nothing.code,
+        Some(4),
+        "{}{}",
+        nothing.stdout,
+        nothing.stderr
+    );
+    let first = "accepted: nothing shown: 1 not in the baseline: paper by reduced-rk2 (`baseline record --only paper` adds it); 11 ";
+    let line = nothing.stdout.replace('\n', " ");
+    assert!(line.starts_with(first), "{}", nothing.stdout);
 }
 
 #[test]

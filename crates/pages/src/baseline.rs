@@ -1,10 +1,13 @@
 //! A check against a baseline: what moved, before and after, by how much it moved.
 
+use std::collections::BTreeMap;
+
 use pinwheel_report::study::{self, Block, Section, Study, Tone};
 use pinwheel_report::terminal::{self, QUIET, TITLE, styled};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::baseline::{
-    Acceptance, Baseline, CaseCheck, Check, CostCheck, Listed, Made, QuantityCheck, Verdict, limits,
+    Acceptance, Baseline, CaseCheck, Check, CostCheck, Listed, Made, QuantityCheck, Record,
+    Verdict, limits,
 };
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
@@ -40,11 +43,11 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
         verdict: Some(study::Verdict {
             tone: match check.verdict {
                 Verdict::Worse => Tone::Bad,
-                Verdict::Changed | Verdict::New => Tone::Neutral,
+                Verdict::Changed | Verdict::New | Verdict::Traded => Tone::Neutral,
                 Verdict::Same | Verdict::Better => Tone::Good,
             },
             headline: headline(check.verdict).to_owned(),
-            detail: sentence(check),
+            detail: sentences(name, check).join("; "),
         }),
         sections: vec![
             Section::new("moved", "What moved", moved_blocks(&moved)),
@@ -60,16 +63,22 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
     crate::render(study, made)
 }
 
-/// What a terminal shows, without the place of the page: the cases that moved, and a sentence on all.
+/// What a terminal shows, without the place of the page: a line on each solver, and the cases that moved.
 #[must_use]
-pub fn text(check: &Check) -> String {
-    let (same, moved): (Vec<_>, Vec<_>) = check
+pub fn text(name: &str, check: &Check) -> String {
+    let (same, mut moved): (Vec<_>, Vec<_>) = check
         .cases
         .iter()
         .partition(|case| case.verdict == Verdict::Same);
-    let mut text = String::new();
+    moved.sort_by_key(|case| std::cmp::Reverse(case.verdict));
+    let lines = sentences(name, check);
+    let mut text: Vec<String> = lines.iter().map(|line| terminal::paragraph(line)).collect();
     if !moved.is_empty() {
-        text.push_str(&terminal::table(&cases_table("", moved.into_iter())));
+        text.push(
+            terminal::table(&cases_table("", moved.into_iter()))
+                .trim_end()
+                .to_owned(),
+        );
     }
     let mut solvers: Vec<&str> = same.iter().map(|case| case.choice.as_str()).collect();
     solvers.sort_unstable();
@@ -79,10 +88,71 @@ pub fn text(check: &Check) -> String {
         .collect();
     if !named.is_empty() {
         let list = format!("same to rounding: {}", named.join(", "));
-        text.push_str(&format!("{}\n", styled(QUIET, &terminal::paragraph(&list))));
+        text.push(styled(QUIET, &terminal::paragraph(&list)));
     }
-    text.push_str(&sentence(check));
-    text
+    text.join("\n")
+}
+
+/// What a terminal shows of a record: how far off each solver is, and what is not in it.
+#[must_use]
+pub fn recorded(name: &str, record: &Record) -> String {
+    let own = [name.to_owned()];
+    let solvers = match record.baseline.solvers.as_slice() {
+        [] => &own,
+        solvers => solvers,
+    };
+    let of = |solver: &String| {
+        let errors = record.errors().into_iter();
+        let errors = errors.filter(|(_, case, ..)| case.choice == *solver || solvers == own);
+        let errors: Vec<_> = errors.collect();
+        let far = errors
+            .iter()
+            .filter(|(.., error)| *error > limits::FAR_OFF)
+            .count();
+        let named = errors
+            .iter()
+            .take(far.clamp(1, 3))
+            .map(|(scene, case, quantity, error)| {
+                let by = match case.choice == *solver {
+                    true => String::new(),
+                    false => format!(" by {}", case.choice),
+                };
+                let label = quantity.label();
+                let off = match 100.0 * error {
+                    percent if percent < 0.1 => format!("{percent:.1e}"),
+                    percent => format!("{percent:.1}"),
+                };
+                format!("{}{by} {off} % in {label}", scene.name)
+            });
+        let named: Vec<String> = named.collect();
+        let (cases, named) = (errors.len(), named.join(", "));
+        match far {
+            _ if cases == 0 => format!("{solver}: nothing recorded"),
+            0 => format!(
+                "{solver}: {cases} cases recorded, none more than 1 % off a converged native run; farthest: {named}"
+            ),
+            far => format!(
+                "{solver}: DIFFERS in {far} of {cases} cases recorded by more than 1 % from a converged native run: {named}"
+            ),
+        }
+    };
+    let lines = solvers.iter().map(of);
+    // A reason stands once, with all scenes that it is for.
+    let mut reasons: BTreeMap<(&str, &str), Vec<&str>> = BTreeMap::new();
+    for out in &record.left_out {
+        let scenes = reasons.entry((&out.choice, &out.reason)).or_default();
+        scenes.push(&out.scene);
+    }
+    let left_out = reasons.into_iter().map(|((choice, reason), scenes)| {
+        format!("not recorded by {choice}: {}: {reason}", scenes.join(", "))
+    });
+    let kept = record.baseline.scenes.len() - record.scenes.len();
+    let kept = (kept > 0).then(|| format!("other scenes, kept as they were: {kept}"));
+    lines
+        .chain(left_out)
+        .chain(kept)
+        .collect::<Vec<_>>()
+        .join("\n")
 }
 
 /// The baselines that there are, with the reasons for which they were accepted.
@@ -120,34 +190,23 @@ fn headline(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Same => "Nothing moved but roundings",
         Verdict::Changed => "Results moved, within their limits",
-        Verdict::New => "Some results are not in the baseline",
+        Verdict::New => "Nothing is shown of some cases",
         Verdict::Better => "Something is better, nothing is worse",
+        Verdict::Traded => "Something is more accurate and dearer",
         Verdict::Worse => "Something is worse",
     }
 }
 
-/// One line on the whole: how many cases are what.
-fn sentence(check: &Check) -> String {
-    let verdicts = [
-        Verdict::Worse,
-        Verdict::Better,
-        Verdict::New,
-        Verdict::Changed,
-        Verdict::Same,
-    ];
-    let counted = verdicts.into_iter().filter_map(|verdict| {
-        let of = check.cases.iter().filter(|case| case.verdict == verdict);
-        let count = of.count();
-        (count > 0).then(|| format!("{count} {}", verdict.label()))
-    });
-    let parts: Vec<String> = counted.collect();
-    format!("{} cases: {}", check.cases.len(), parts.join(", "))
+/// One line on each solver.
+fn sentences(name: &str, check: &Check) -> Vec<String> {
+    let answers = check.answers(name).into_iter();
+    answers.map(|answer| answer.text).collect()
 }
 
 fn mark(verdict: Verdict) -> Mark {
     match verdict {
         Verdict::Same => Mark::Muted,
-        Verdict::Changed | Verdict::New => Mark::Warn,
+        Verdict::Changed | Verdict::New | Verdict::Traded => Mark::Warn,
         Verdict::Better => Mark::Good,
         Verdict::Worse => Mark::Bad,
     }

@@ -55,7 +55,8 @@ pub fn text(found: &Outcome) -> String {
         found.track.as_str()
     );
     format!(
-        "{}\n{}\n{}",
+        "{}\n{}\n{}\n{}",
+        styled(style, &terminal::paragraph(&found.answer)),
         styled(TITLE, &title),
         terminal::table(&table(found, true)),
         styled(style, &headline(found))
@@ -73,8 +74,8 @@ pub fn page(found: &Outcome, made: &Provenance) -> String {
             .to_owned(),
         verdict: Some(Verdict {
             tone: Tone::of(found.passed()),
-            headline: headline(found),
-            detail: format!("{}, {}", found.version, found.track.as_str()),
+            headline: found.answer.clone(),
+            detail: format!("{}; {}, {}", headline(found), found.version, found.track.as_str()),
         }),
         sections: vec![Section::new("trials", "Trials", [table(found, false).into()])],
         ..Study::default()

@@ -133,11 +133,19 @@ pub fn of_baseline(name: &str, check: &Check) -> TestSuite {
         let why = || found.trouble.clone().unwrap_or_else(|| worse(found));
         let ended = match found.verdict {
             baseline::Verdict::Worse => Ended::Failed(why()),
+            baseline::Verdict::New => Ended::Failed(format!("nothing shown: {}", why())),
             _ => Ended::Passed,
         };
         case(format!("{}, {}", found.scene, found.choice), ended)
     });
-    suite(&format!("baseline {name}"), cases)
+    let answers = check.answers(name).into_iter().map(|answer| {
+        let ended = match answer.verdict {
+            baseline::Verdict::Worse | baseline::Verdict::New => Ended::Failed(answer.text),
+            _ => Ended::Passed,
+        };
+        case(answer.name, ended)
+    });
+    suite(&format!("baseline {name}"), answers.chain(cases))
 }
 
 /// Every error and count of a case that rose beyond its limit.

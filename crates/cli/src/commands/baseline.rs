@@ -1,11 +1,11 @@
 //! `pinwheel baseline`: what the solver gave when it was last accepted, and what moved since.
 
 use pinwheel::pages;
-use pinwheel::studies::baseline::{self, Acceptance, Baseline, FILE, Options, Verdict, made};
+use pinwheel::studies::baseline::{self, Baseline, FILE, Options, Verdict, made};
 use pinwheel::studies::{Provenance, junit};
 
 use crate::args::{self, Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
-use crate::failure::{DIFFER, Failure};
+use crate::failure::{DIFFER, Failure, INCONCLUSIVE};
 use crate::folder::{Folder, Request, check_junit, name_leftovers};
 use crate::progress::watched;
 use crate::{interrupt, screen};
@@ -39,23 +39,30 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
         ..Options::default()
     };
     let here = made(options.kernel);
-    let mut accepted = earlier.map_or_else(Vec::new, |earlier| earlier.accepted);
-    accepted.push(Acceptance {
-        date: here.date.clone(),
-        reason: reason.unwrap_or("first record").to_owned(),
-    });
+    let reason = reason.unwrap_or("first record");
     let recorded = watched("baseline", |control| {
-        baseline::record(here, accepted, &options, control)
+        baseline::record(here, earlier, reason, &options, control)
     })?;
+    let text = pages::baseline::recorded(name, &recorded);
+    if recorded.scenes.is_empty() {
+        return Err(Failure {
+            code: INCONCLUSIVE,
+            message: format!("{}; name other scenes by --only", text.replace('\n', "; ")),
+        });
+    }
     interrupt::check()?;
-    recorded.write(&folder)?;
-    let cases: usize = recorded.scenes.iter().map(|scene| scene.cases.len()).sum();
+    recorded.baseline.write(&folder)?;
     screen::show(&format!(
-        "{} scenes, {cases} cases in {}\nlook at the diff before you commit it",
-        recorded.scenes.len(),
+        "{text}\nin {}; look at the diff before you commit it",
         folder.display()
     ))?;
-    Ok(0)
+    // A scene that was named and is left out was not kept.
+    let asked = !args.running.only.is_empty();
+    Ok(if asked && !recorded.left_out.is_empty() {
+        INCONCLUSIVE
+    } else {
+        0
+    })
 }
 
 fn check(args: &CheckArgs) -> Result<u8, Failure> {
@@ -81,9 +88,9 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     })?;
 
     let made = Provenance::here(args::typed());
-    baseline::write(&found, &accepted, folder.path(), &made)?;
+    baseline::write(name, &found, &accepted, folder.path(), &made)?;
     let page = pages::baseline::page(name, &accepted, &found, &made);
-    folder.show(&page, &pages::baseline::text(&found))?;
+    folder.show(&page, &pages::baseline::text(name, &found))?;
     if let Some(path) = &args.junit {
         junit::write(
             path,
@@ -91,10 +98,10 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
             vec![junit::of_baseline(name, &found)],
         )?;
     }
-    Ok(if found.verdict == Verdict::Worse {
-        DIFFER
-    } else {
-        0
+    Ok(match found.verdict {
+        Verdict::Worse => DIFFER,
+        Verdict::New => INCONCLUSIVE,
+        _ => 0,
     })
 }
 

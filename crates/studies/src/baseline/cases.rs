@@ -42,7 +42,7 @@ pub fn scenes() -> &'static [SceneCase] {
 }
 
 /// By which a scene is run.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Way<'a> {
     /// Name in the baseline.
     pub(super) name: &'a str,
@@ -50,6 +50,8 @@ pub(super) struct Way<'a> {
     pub(super) sets: &'a [String],
     /// A solver that joined instead of our own.
     pub(super) solver: Option<&'a str>,
+    /// Why that solver refuses the scene.
+    pub(super) refused: Option<String>,
 }
 
 impl Way<'static> {
@@ -59,6 +61,7 @@ impl Way<'static> {
             name,
             sets: SET.choice.get(name).map_or(&[], Vec::as_slice),
             solver: None,
+            refused: None,
         }
     }
 }

@@ -5,7 +5,6 @@ use pinwheel_mbs::integrators::method;
 use serde::Serialize;
 
 use super::Options;
-use super::cases::{SceneCase, Way};
 use super::file::{Baseline, CaseSnapshot, Made, SceneSnapshot};
 use super::judge::{self, CostCheck, QuantityCheck, Verdict};
 use super::record::plain_job;
@@ -40,13 +39,87 @@ pub struct Check {
     pub before: Made,
     /// What made the new runs.
     pub after: Made,
+    /// Solvers that joined; empty: our own.
+    pub solvers: Vec<String>,
     /// One a scene and solver, in the order of the set.
     pub cases: Vec<CaseCheck>,
     /// What it comes to: the most urgent of all.
     pub verdict: Verdict,
 }
 
-/// Runs the set and judges it against `baseline`; `here` says what makes the new runs.
+/// One line on what the user brought.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Answer {
+    /// Solver, or baseline where our own solver ran.
+    pub name: String,
+    /// The most urgent verdict.
+    pub verdict: Verdict,
+    /// Counts by verdict, and which cases ask for something.
+    pub text: String,
+}
+
+/// The most cases that a line names.
+const NAMED: usize = 3;
+
+impl Check {
+    /// One line for each solver that joined, or for the baseline `name`.
+    #[must_use]
+    pub fn answers(&self, name: &str) -> Vec<Answer> {
+        let brought = |solver: &String| {
+            let own = self.cases.iter().filter(|case| case.choice == *solver);
+            answer(solver, own.collect())
+        };
+        match self.solvers.as_slice() {
+            [] => vec![answer(name, self.cases.iter().collect())],
+            solvers => solvers.iter().map(brought).collect(),
+        }
+    }
+}
+
+fn answer(name: &str, mut cases: Vec<&CaseCheck>) -> Answer {
+    cases.sort_by_key(|case| std::cmp::Reverse(case.verdict));
+    let verdict = cases.first().map_or(Verdict::New, |case| case.verdict);
+    let mut parts = Vec::new();
+    for group in cases.chunk_by(|a, b| a.verdict == b.verdict) {
+        let asks = group[0].verdict >= Verdict::Traded;
+        let named = group.iter().take(if asks { NAMED } else { 0 });
+        let mut named: Vec<String> = named.map(|case| case.told(name)).collect();
+        if asks && group.len() > NAMED {
+            named.push("...".to_owned());
+        }
+        let colon = if asks { ": " } else { "" };
+        let (count, label) = (group.len(), group[0].verdict.label());
+        parts.push(format!("{count} {label}{colon}{}", named.join(", ")));
+    }
+    let text = match verdict {
+        _ if cases.is_empty() => "nothing shown: no case was compared".to_owned(),
+        Verdict::New => format!("nothing shown: {}", parts.join("; ")),
+        _ => parts.join("; "),
+    };
+    Answer {
+        name: name.to_owned(),
+        verdict,
+        text: format!("{name}: {text}"),
+    }
+}
+
+/// A baseline is for the solvers that made it.
+pub(super) fn same_solvers(baseline: &Baseline, options: &Options) -> Result<(), StudyError> {
+    if baseline.solvers == options.solvers {
+        return Ok(());
+    }
+    Err(StudyError::Input(match baseline.solvers.as_slice() {
+        [] => "this baseline was made by Pinwheel's own solver; leave out --solver, or record one under another name"
+            .to_owned(),
+        recorded => format!(
+            "this baseline was made by {}; name the same by --solver, in this order",
+            recorded.join(", ")
+        ),
+    }))
+}
+
+/// Runs the set and judges it against `baseline`; `here` says what makes the new runs. A case that the baseline does not hold is
+/// not run.
 ///
 /// # Errors
 /// Stopped, or a scene of the set cannot be modelled. A run that diverges is a result.
@@ -56,49 +129,52 @@ pub fn check(
     options: &Options,
     control: &Control<'_>,
 ) -> Result<Check, StudyError> {
-    if baseline.solvers != options.solvers {
-        return Err(StudyError::Input(match baseline.solvers.as_slice() {
-            [] => "this baseline was made by Pinwheel's own solver; leave out --solver, or record one under another name"
-                .to_owned(),
-            recorded => format!(
-                "this baseline was made by {}; name the same by --solver, in this order",
-                recorded.join(", ")
-            ),
-        }));
-    }
-    let mut options = options.clone();
-    if options.only.is_empty() && !options.solvers.is_empty() {
-        // What a solver of the user's was recorded on.
-        let recorded = baseline.scenes.iter().map(|scene| scene.name.clone());
-        options.only = recorded.collect();
-    }
-    let mut pairs: Vec<(&'static SceneCase, Way<'_>)> = Vec::new();
+    same_solvers(baseline, options)?;
+    let every = options.only.is_empty();
+    let mut cases = Vec::new();
+    let (mut jobs, mut known) = (Vec::new(), Vec::new());
     for case in options.scenes()? {
-        pairs.extend(options.ways(case)?.into_iter().map(|way| (case, way)));
-    }
-    let mut jobs = Vec::new();
-    for (case, choice) in &pairs {
-        jobs.push(plain_job(case, choice, &options)?);
+        let scene = baseline.scenes.iter().find(|scene| scene.name == case.name);
+        // All scenes of the set is what our own solver is recorded on; a solver of the user's, on those it was.
+        if every && scene.is_none() && !options.solvers.is_empty() {
+            continue;
+        }
+        for way in options.ways(case)? {
+            let accepted = scene.and_then(|scene| {
+                let found = scene.cases.iter().find(|c| c.choice == way.name);
+                found.map(|accepted| (scene, accepted))
+            });
+            let mut found = CaseCheck::new(&case.name, way.name);
+            let (trouble, verdict) = match (accepted, way.refused.as_ref()) {
+                (Some(accepted), None) => {
+                    jobs.push(plain_job(case, &way, options)?);
+                    known.push((cases.len(), accepted));
+                    (None, Verdict::Same)
+                }
+                (Some(_), Some(reason)) => (Some(format!("refused: {reason}")), Verdict::Worse),
+                (None, Some(reason)) if !every => {
+                    (Some(format!("refused: {reason}")), Verdict::New)
+                }
+                (None, Some(_)) => continue,
+                (None, None) => {
+                    let remedy = format!("`baseline record --only {}` adds it", case.name);
+                    (Some(remedy), Verdict::New)
+                }
+            };
+            (found.trouble, found.verdict) = (trouble, verdict);
+            cases.push(found);
+        }
     }
     let results = run_all(&jobs, options.threads, control)?;
-    let mut cases = Vec::new();
-    for (((case, choice), job), result) in pairs.iter().zip(&jobs).zip(results) {
-        let mut scenes = baseline.scenes.iter();
-        let scene = scenes.find(|scene| scene.name == case.name);
-        let accepted = scene.and_then(|scene| {
-            let found = scene.cases.iter().find(|c| c.choice == choice.name);
-            found.map(|accepted| (scene, accepted))
-        });
+    for (((place, accepted), job), result) in known.into_iter().zip(&jobs).zip(results) {
         let integrator = auto::integrator(&job.scene).0;
         // The counts of a solver from outside may follow from roundings as an adaptive method's do.
         let adaptive = job.solver.is_some() || method(&integrator).is_some_and(|m| m.adaptive);
-        let mut found = CaseCheck::new(&case.name, choice.name);
-        found.judge(accepted, result, adaptive);
-        cases.push(found);
+        cases[place].judge(accepted, result, adaptive);
     }
     // Cases of the baseline that the set no longer has: what is not run cannot be called unchanged.
-    let every = options.only.is_empty();
-    for scene in baseline.scenes.iter().filter(|_| every) {
+    let asked = |scene: &&SceneSnapshot| every || options.only.contains(&scene.name);
+    for scene in baseline.scenes.iter().filter(asked) {
         for accepted in &scene.cases {
             let is = |case: &CaseCheck| case.scene == scene.name && case.choice == accepted.choice;
             if !cases.iter().any(is) {
@@ -114,6 +190,7 @@ pub fn check(
     Ok(Check {
         before: baseline.made.clone(),
         after: here,
+        solvers: options.solvers.clone(),
         verdict: verdict.unwrap_or(Verdict::New),
         cases,
     })
@@ -131,29 +208,33 @@ impl CaseCheck {
 
     fn judge(
         &mut self,
-        accepted: Option<(&SceneSnapshot, &CaseSnapshot)>,
+        (scene, accepted): (&SceneSnapshot, &CaseSnapshot),
         result: RunResult,
         adaptive: bool,
     ) {
         let run = match result {
             Ok(run) => run,
-            Err(reason) => {
-                (self.trouble, self.verdict) = (Some(reason), Verdict::Worse);
+            Err(ending) => {
+                (self.trouble, self.verdict) = (Some(ending.to_string()), Verdict::Worse);
                 return;
             }
         };
         self.bits = run.bits;
-        let Some((scene, accepted)) = accepted else {
-            let trouble = "not in the baseline yet; record it to watch it".to_owned();
-            (self.trouble, self.verdict) = (Some(trouble), Verdict::New);
-            return;
-        };
         self.quantities = self.quantities(&run, scene, accepted);
         self.costs = judge::costs(accepted, &run.costs, adaptive);
-        let verdicts = self.quantities.iter().map(|q| q.verdict);
-        let verdicts = verdicts.chain(self.costs.iter().map(|c| c.verdict));
-        // Without a number nothing is the same.
-        self.verdict = verdicts.max().unwrap_or(Verdict::New).max(self.verdict);
+        self.verdict = judge::case(&self.quantities, &self.costs).max(self.verdict);
+    }
+
+    /// The scene, with the choice where it is not `by` that the line is on.
+    fn told(&self, by: &str) -> String {
+        let case = match self.choice == by {
+            true => self.scene.clone(),
+            false => format!("{} by {}", self.scene, self.choice),
+        };
+        match &self.trouble {
+            Some(trouble) => format!("{case} ({trouble})"),
+            None => case,
+        }
     }
 
     fn quantities(

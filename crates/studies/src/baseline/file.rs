@@ -7,6 +7,7 @@ use std::{fs, io};
 
 use serde::{Deserialize, Serialize};
 
+use super::limits::LARGEST_RECORDED;
 use super::runner::Costs;
 use super::snapshot::{Quantity, Statistics};
 use crate::StudyError;
@@ -224,7 +225,7 @@ impl Baseline {
         let place = path.display();
         let spoiled = |what: &str| {
             StudyError::Input(format!(
-                "{place}: {what}; restore the file or record the baseline anew"
+                "{place}: {what}; restore the file, or delete it and record the baseline anew"
             ))
         };
         let unread = |error: toml::de::Error| spoiled(error.message());
@@ -244,17 +245,45 @@ impl Baseline {
             let what = "holds no scenes, so that nothing could be compared";
             return Err(spoiled(what));
         }
-        let scenes = found.scenes.iter();
-        let mut converged = scenes.flat_map(|scene| scene.converged.values());
-        if !converged.all(|quantity| quantity.scale > 0.0) {
-            return Err(spoiled("holds a scale that is not positive"));
-        }
+        found.sound().map_err(|what| spoiled(&what))?;
         Ok(found)
     }
 
     /// Returns true for the text of a baseline.
     fn is_ours(content: &[u8]) -> bool {
         std::str::from_utf8(content).is_ok_and(|text| Self::parse(Path::new(FILE), text).is_ok())
+    }
+
+    /// Checks that the figures are such as [`record`](super::record) writes, and go with each other.
+    fn sound(&self) -> Result<(), String> {
+        let twice = |names: Vec<&str>| {
+            let mut all = names.iter().enumerate();
+            let again = all.find(|(k, name)| names[..*k].contains(name));
+            again.map(|(_, name)| (*name).to_owned())
+        };
+        let scenes = self.scenes.iter().map(|scene| scene.name.as_str());
+        if let Some(name) = twice(scenes.collect()) {
+            return Err(format!("holds the scene `{name}` twice"));
+        }
+        for scene in &self.scenes {
+            let name = &scene.name;
+            let choices = scene.cases.iter().map(|case| case.choice.as_str());
+            if let Some(choice) = twice(choices.collect()) {
+                return Err(format!("{name}: holds the case `{choice}` twice"));
+            }
+            for converged in scene.converged.values() {
+                if converged.scale <= 0.0 {
+                    return Err(format!("{name}: holds a scale that is not positive"));
+                }
+                let sound = share("own_error", converged.own_error, LARGEST_RECORDED);
+                sound.map_err(|what| format!("{name}: {what}"))?;
+            }
+            for case in &scene.cases {
+                let sound = case.sound(&scene.converged);
+                sound.map_err(|what| format!("{name}, {}: {what}", case.choice))?;
+            }
+        }
+        Ok(())
     }
 
     /// Checks that [`write`](Self::write) may write into the folder `dir`, before anything long is run.
@@ -273,6 +302,43 @@ impl Baseline {
         let path = dir.join(FILE);
         let text = toml::to_string(self).map_err(|error| OutputError::new(&path, &error))?;
         file::replace(&path, text.as_bytes(), &Self::is_ours)
+    }
+}
+
+impl CaseSnapshot {
+    /// Checks that its figures can be, show a change, and go with the converged run.
+    pub(super) fn sound(&self, converged: &BTreeMap<Quantity, Converged>) -> Result<(), String> {
+        share("count_spread", self.count_spread, 1.0)?;
+        if self.quantity.is_empty() {
+            return Err("holds no quantity".to_owned());
+        }
+        for (quantity, found) in &self.quantity {
+            let label = quantity.label();
+            share("rounding", found.rounding, LARGEST_RECORDED)
+                .map_err(|what| format!("{what} of the {label}"))?;
+            let error = converged.get(quantity).and_then(|converged| {
+                Some(found.statistics.distance(&converged.statistics)? / converged.scale)
+            });
+            // Only the digits of a text file lie between them.
+            let same = |error: f64| (error - found.error).abs() <= 1e-9 * (error + 1e-6);
+            if !error.is_some_and(same) {
+                let error = found.error;
+                return Err(format!(
+                    "error = {error:e} of the {label} is not that of its figures"
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A figure that is a share, from 0 to `most`.
+fn share(what: &str, value: f64, most: f64) -> Result<(), String> {
+    match (0.0..=most).contains(&value) {
+        true => Ok(()),
+        false => Err(format!(
+            "{what} = {value:e} is not within 0 and {most}, and would hide a change"
+        )),
     }
 }
 
@@ -307,6 +373,30 @@ mod tests {
                 let error = read(&spoiled).unwrap_err().to_string();
                 assert!(error.contains("finite"), "{key} = {value}: {error}");
             }
+            for value in ["-1.0", "1e300"] {
+                let spoiled = format!("{}{key} = {value}{}", &text[..start], &text[end..]);
+                let error = read(&spoiled)
+                    .map(|_| ())
+                    .map_err(|error| error.to_string());
+                let large_scale = (key, value) == ("scale", "1e300");
+                let named = if large_scale {
+                    "is not that of its figures"
+                } else {
+                    key
+                };
+                assert!(
+                    error.clone().unwrap_err().contains(named),
+                    "{key} = {value}: {error:?}"
+                );
+            }
+        }
+        let scene = text.find("[[scene]]").unwrap();
+        let case = scene + text[scene..].find("[[scene.case]]").unwrap();
+        let next = case + 1 + text[case + 1..].find("[[scene.case]]").unwrap();
+        for (twice, from) in [("the scene `paper` twice", scene), ("twice", case)] {
+            let doubled = format!("{}{}{}", &text[..next], &text[from..next], &text[next..]);
+            let error = read(&doubled).unwrap_err().to_string();
+            assert!(error.contains(twice), "{error}");
         }
     }
 }

@@ -16,10 +16,12 @@ pub enum Verdict {
     Same,
     /// Moved, and is as good as before.
     Changed,
-    /// Not in the baseline: nothing was compared.
-    New,
     /// Closer to the converged result, or cheaper.
     Better,
+    /// Closer to the converged result, and dearer by no more than that is worth.
+    Traded,
+    /// Not in the baseline: nothing was compared.
+    New,
     /// Farther from the converged result, or dearer.
     Worse,
 }
@@ -31,8 +33,9 @@ impl Verdict {
         match self {
             Self::Same => "same to rounding",
             Self::Changed => "changed within limits",
-            Self::New => "not in the baseline",
             Self::Better => "better",
+            Self::Traded => "traded",
+            Self::New => "not in the baseline",
             Self::Worse => "worse",
         }
     }
@@ -149,6 +152,24 @@ pub(super) fn costs(accepted: &CaseSnapshot, after: &Costs, adaptive: bool) -> V
     found
 }
 
+/// The verdict on a case from those on its figures, the most urgent. Dearer and more accurate is a trade where the error of the
+/// quantity that erred most fell by at least as large a factor as the counts rose.
+pub(super) fn case(quantities: &[QuantityCheck], costs: &[CostCheck]) -> Verdict {
+    let verdicts = quantities.iter().map(|q| q.verdict);
+    let accuracy = verdicts.max().unwrap_or(Verdict::New);
+    let worst = costs.iter().map(|cost| cost.verdict).max();
+    let farthest = quantities.iter().filter(|q| q.verdict == Verdict::Better);
+    let farthest = farthest.max_by(|a, b| a.error_before.total_cmp(&b.error_before));
+    if let (Verdict::Better, Some(Verdict::Worse), Some(most)) = (accuracy, worst, farthest) {
+        let dearer = costs.iter().map(|cost| cost.after / cost.before.max(1.0));
+        let dearer = dearer.fold(0.0, f64::max);
+        if dearer * most.error_after <= (1.0 + limits::ERROR_SHARE) * most.error_before {
+            return Verdict::Traded;
+        }
+    }
+    worst.unwrap_or_default().max(accuracy)
+}
+
 /// What became of a figure of which less is better.
 fn cost(before: f64, after: f64, limit: f64) -> Verdict {
     if after - before > limit {
@@ -225,6 +246,27 @@ mod tests {
         let change = scaled(1.0 + 1e-9).change / 1e-9;
         assert!((0.2..2.0).contains(&change), "{change}");
         assert_eq!(scaled(1.0 + 1e-15).verdict, Verdict::Same);
+    }
+
+    /// Half the error at twice the steps is a trade; a tenth less of it is not, and more of it never.
+    #[test]
+    fn accuracy_may_be_bought() {
+        let costs = |after: f64| {
+            vec![CostCheck {
+                label: "steps",
+                before: 2000.0,
+                after,
+                limit: 0.0,
+                verdict: cost(2000.0, after, 0.0),
+            }]
+        };
+        let verdict = |shift, after| case(&[judged(&course(shift, 1.0))], &costs(after));
+        assert_eq!(verdict(0.05, 4000.0), Verdict::Traded);
+        assert_eq!(verdict(0.05, 1000.0), Verdict::Better);
+        assert_eq!(verdict(0.08, 4000.0), Verdict::Worse);
+        assert_eq!(verdict(0.1, 4000.0), Verdict::Worse);
+        assert_eq!(verdict(0.2, 1000.0), Verdict::Worse);
+        assert_eq!(case(&[], &costs(2000.0)), Verdict::New);
     }
 
     #[test]

@@ -19,6 +19,13 @@ pub const LARGEST_ROUNDING: f64 = 1e-8;
 /// No difference below this share counts: 1e4 steps of roundings of 1e-16 each, all one way.
 pub const ROUNDING_FLOOR: f64 = 1e-12;
 
+/// Largest rounding and error of a converged run that a baseline may hold, shares of the quantity's size: beyond, a change says
+/// nothing. The accepted baseline has 3e-7 and 2e-3.
+pub const LARGEST_RECORDED: f64 = 0.1;
+
+/// A case whose quantity is farther than this off the converged run is named when it is recorded: the resolution of a comparison.
+pub const FAR_OFF: f64 = 0.01;
+
 /// Up to where a change is a rounding, if roundings made `recorded` (shares of the quantity's size).
 #[must_use]
 pub fn same_up_to(recorded: f64) -> f64 {

@@ -27,13 +27,13 @@ use crate::output::OutputError;
 use crate::provenance::{Provenance, Summary};
 
 pub use cases::{SceneCase, scenes};
-pub use check::{CaseCheck, Check, check};
+pub use check::{Answer, CaseCheck, Check, check};
 pub use file::{
     Acceptance, Baseline, CaseSnapshot, Converged, FILE, Listed, Made, QuantitySnapshot,
     SceneSnapshot,
 };
 pub use judge::{CostCheck, QuantityCheck, Verdict};
-pub use record::record;
+pub use record::{LeftOut, Record, record};
 pub use runner::Costs;
 pub use snapshot::{Quantity, Statistics};
 
@@ -76,24 +76,22 @@ impl Options {
         Ok(scenes().iter().filter(wanted).collect())
     }
 
-    /// By which a scene of the set is run: our choices, or the solvers that honour it.
+    /// By which a scene of the set is run: our choices, or the solvers that joined.
     fn ways<'a>(&'a self, case: &'static SceneCase) -> Result<Vec<Way<'a>>, StudyError> {
         if self.solvers.is_empty() {
             return Ok(case.choices.iter().map(|name| Way::of(name)).collect());
         }
         let scene = case.scene(&[])?;
-        let honours = |name: &&String| {
-            by_name(name, &scene).is_some_and(|engine| match engine.supports(&scene) {
-                Err(Halt::Ended(ending)) => !matches!(ending, Ending::Unsupported { .. }),
-                _ => true,
-            })
-        };
         let way = |name: &'a String| Way {
             name,
             sets: &[],
             solver: Some(name),
+            refused: by_name(name, &scene).and_then(|engine| match engine.supports(&scene) {
+                Err(Halt::Ended(Ending::Unsupported { reason })) => Some(reason),
+                _ => None,
+            }),
         };
-        Ok(self.solvers.iter().filter(honours).map(way).collect())
+        Ok(self.solvers.iter().map(way).collect())
     }
 }
 
@@ -113,20 +111,28 @@ pub fn made(kernel: Kernel) -> Made {
 /// Payload of `summary.json`.
 #[derive(Serialize)]
 struct Checked<'a> {
+    answers: Vec<Answer>,
     accepted: &'a [Acceptance],
     check: &'a Check,
 }
 
-/// Writes `summary.json` of a check against `baseline` into the folder `dir`.
+/// Writes `summary.json` of a check against `baseline`, which is called `name`, into the folder `dir`.
 ///
 /// # Errors
 /// The file cannot be written.
 pub fn write(
+    name: &str,
     check: &Check,
     baseline: &Baseline,
     dir: &Path,
     made: &Provenance,
 ) -> Result<(), OutputError> {
     let accepted = &baseline.accepted;
-    Summary::new(made, Checked { accepted, check }).write(dir)
+    let answers = check.answers(name);
+    let checked = Checked {
+        answers,
+        accepted,
+        check,
+    };
+    Summary::new(made, checked).write(dir)
 }

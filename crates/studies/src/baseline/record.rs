@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 
 use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_scene::Scene;
+use pinwheel_timeseries::Ending;
 
 use super::Options;
-use super::cases::{SceneCase, Way};
+use super::cases::{SceneCase, Way, scenes};
+use super::check::same_solvers;
 use super::file::{
     Acceptance, Baseline, CaseSnapshot, Converged, FORMAT, Made, QuantitySnapshot, SceneSnapshot,
 };
@@ -15,38 +17,122 @@ use super::snapshot::{Quantity, Statistics};
 use crate::control::{Control, compile};
 use crate::{StudyError, reference};
 
-/// Runs everything and puts it together; `accepted` is the history, the reason for this record at its end.
+/// A case that was not recorded.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Name of the scene.
+    pub scene: String,
+    /// Name of the solver or its choice.
+    pub choice: String,
+    /// Why.
+    pub reason: String,
+}
+
+/// What a record gives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// The new state, with the scenes of the earlier one that were not asked for.
+    pub baseline: Baseline,
+    /// Names of the scenes that were run.
+    pub scenes: Vec<String>,
+    /// Cases that a solver refuses, or of which nothing could be shown.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Runs what is asked for and puts it in place of what the `earlier` baseline holds of it, for the `reason` given.
 ///
 /// # Errors
-/// Stopped, or a run of the set does not come to its end.
+/// Stopped, a baseline of other solvers, or a run of the set that does not come to its end.
 pub fn record(
     made: Made,
-    accepted: Vec<Acceptance>,
+    earlier: Option<Baseline>,
+    reason: &str,
     options: &Options,
     control: &Control<'_>,
-) -> Result<Baseline, StudyError> {
+) -> Result<Record, StudyError> {
+    if let Some(earlier) = &earlier {
+        same_solvers(earlier, options)?;
+    }
     let chosen = options.scenes()?;
-    let mut jobs = Vec::new();
+    let mut left_out = Vec::new();
+    let (mut jobs, mut plans) = (Vec::new(), Vec::new());
     for case in &chosen {
-        jobs.extend(converged_jobs(&case.scene(&[])?.into_scene()));
+        let mut ways = Vec::new();
         for way in options.ways(case)? {
-            let plain = plain_job(case, &way, options)?;
+            match way.refused {
+                Some(reason) => left_out.push(LeftOut {
+                    scene: case.name.clone(),
+                    choice: way.name.to_owned(),
+                    reason,
+                }),
+                None => ways.push(way),
+            }
+        }
+        if ways.is_empty() {
+            continue;
+        }
+        jobs.extend(converged_jobs(&case.scene(&[])?.into_scene()));
+        for way in &ways {
+            let plain = plain_job(case, way, options)?;
             jobs.push(plain.clone());
             jobs.extend(roundings(&plain));
         }
+        plans.push((*case, ways));
     }
     let mut results = run_all(&jobs, options.threads, control)?.into_iter();
-    let mut scenes = Vec::new();
-    for case in chosen {
-        scenes.push(scene(case, options, &mut results)?);
+    let mut recorded = Vec::new();
+    for (case, ways) in plans {
+        let scene = scene(case, &ways, options, &mut results, &mut left_out)?;
+        recorded.extend((!scene.cases.is_empty()).then_some(scene));
     }
-    Ok(Baseline {
-        format: FORMAT,
-        solvers: options.solvers.clone(),
-        made,
-        accepted,
-        scenes,
+    let only = match options.only.as_slice() {
+        [] => String::new(),
+        only => format!(" (only {})", only.join(", ")),
+    };
+    let (kept, mut accepted) = earlier.map_or_else(Default::default, |it| (it.scenes, it.accepted));
+    accepted.push(Acceptance {
+        date: made.date.clone(),
+        reason: format!("{reason}{only}"),
+    });
+    let asked =
+        |scene: &SceneSnapshot| options.only.is_empty() || options.only.contains(&scene.name);
+    let names = recorded.iter().map(|scene| scene.name.clone()).collect();
+    recorded.extend(kept.into_iter().filter(|scene| !asked(scene)));
+    // In the order of the set; scenes that it no longer has stay, last, until everything is recorded anew.
+    let order = |scene: &SceneSnapshot| scenes().iter().position(|case| case.name == scene.name);
+    recorded.sort_by_key(|scene| order(scene).unwrap_or(usize::MAX));
+    Ok(Record {
+        baseline: Baseline {
+            format: FORMAT,
+            solvers: options.solvers.clone(),
+            made,
+            accepted,
+            scenes: recorded,
+        },
+        scenes: names,
+        left_out,
     })
+}
+
+impl Record {
+    /// Every case that was run with the quantity that is farthest off the converged run, the farthest first.
+    #[must_use]
+    pub fn errors(&self) -> Vec<(&SceneSnapshot, &CaseSnapshot, Quantity, f64)> {
+        let scenes = self.baseline.scenes.iter();
+        let scenes = scenes.filter(|scene| self.scenes.contains(&scene.name));
+        let cases = scenes.flat_map(|scene| scene.cases.iter().map(move |case| (scene, case)));
+        let farthest = cases.filter_map(|(scene, case)| {
+            // What is no signal of an engine's, but an account of it.
+            let signals = case.quantity.iter().filter(|(quantity, _)| {
+                !matches!(quantity, Quantity::Energy | Quantity::JointDrift)
+            });
+            let (quantity, found) = signals.max_by(|(_, a), (_, b)| a.error.total_cmp(&b.error))?;
+            Some((scene, case, *quantity, found.error))
+        });
+        let mut farthest: Vec<_> = farthest.collect();
+        farthest.sort_by(|(.., a), (.., b)| b.total_cmp(a));
+        farthest
+    }
 }
 
 /// The run that is kept or checked.
@@ -100,36 +186,58 @@ fn roundings(plain: &Job) -> Vec<Job> {
 
 fn scene(
     case: &'static SceneCase,
+    ways: &[Way<'_>],
     options: &Options,
     results: &mut impl Iterator<Item = RunResult>,
+    left_out: &mut Vec<LeftOut>,
 ) -> Result<SceneSnapshot, StudyError> {
-    let mut next = |choice: &str| {
+    let mut next = || {
         let result = results.next();
-        let result = result.unwrap_or_else(|| Err("the run is missing".to_owned()));
-        result.map_err(|reason| StudyError::Broken(format!("{}, {choice}: {reason}", case.name)))
+        result.unwrap_or_else(|| Err(Ending::failed("the run is missing")))
     };
-    let (fine, coarse) = (next("converged")?, next("converged")?);
+    let whole = |choice: &str, result: RunResult| {
+        let broken = |ending| StudyError::Broken(format!("{}, {choice}: {ending}", case.name));
+        result.map_err(broken)
+    };
+    let (fine, coarse) = (whole("converged", next())?, whole("converged", next())?);
     let gearbox = compile(&case.scene(&[])?.into_scene())?;
     let converged = converged(fine, &coarse, gearbox.error_scales().length);
     let mut cases = Vec::new();
-    for way in options.ways(case)? {
-        let plain = next(way.name)?;
-        let mut varied = Vec::new();
-        for _ in roundings(&plain_job(case, &way, options)?) {
-            varied.push(next(way.name)?);
+    for way in ways {
+        let plain = next();
+        let others = roundings(&plain_job(case, way, options)?);
+        let others: Vec<RunResult> = others.iter().map(|_| next()).collect();
+        let mut leave = |reason: String| {
+            left_out.push(LeftOut {
+                scene: case.name.clone(),
+                choice: way.name.to_owned(),
+                reason,
+            });
+        };
+        if let Err(Ending::Unsupported { reason }) = plain {
+            leave(reason);
+            continue;
         }
+        let plain = whole(way.name, plain)?;
+        let varied: Result<Vec<_>, _> =
+            others.into_iter().map(|run| whole(way.name, run)).collect();
+        let varied = varied?;
         // Share by which two runs differ in right-hand sides.
         let count = plain.costs.right_hand_sides;
         let spread = |run: &Finished| {
             run.costs.right_hand_sides.abs_diff(count) as f64 / count.max(1) as f64
         };
-        cases.push(CaseSnapshot {
+        let snapshot = CaseSnapshot {
             choice: way.name.to_owned(),
             set: way.sets.to_vec(),
             costs: plain.costs,
             count_spread: varied.iter().map(spread).fold(0.0, f64::max),
             quantity: quantities(&plain, &varied, &converged),
-        });
+        };
+        match snapshot.sound(&converged) {
+            Ok(()) => cases.push(snapshot),
+            Err(reason) => leave(reason),
+        }
     }
     Ok(SceneSnapshot {
         name: case.name.clone(),

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_scene::Scene;
+use pinwheel_timeseries::Ending;
 use serde::{Deserialize, Serialize};
 
 use super::snapshot::{self, Quantity, Statistics};
@@ -35,7 +36,7 @@ pub(super) struct Finished {
 }
 
 /// Results, or how the run ended without.
-pub(super) type RunResult = Result<Finished, String>;
+pub(super) type RunResult = Result<Finished, Ending>;
 
 /// One run to make.
 #[derive(Debug, Clone)]
@@ -80,7 +81,7 @@ fn run(job: &Job, cancel: &AtomicBool) -> Result<RunResult, StudyError> {
         }
     }
     if !ending.is_finished() {
-        return Ok(Err(ending.to_string()));
+        return Ok(Err(ending));
     }
     Ok(Ok(Finished {
         statistics: snapshot::statistics(&gearbox, &time_series, account, joint_m),
