@@ -621,7 +621,7 @@ fn hard_explore_answers_3000_mutated_questions_while_a_slow_run_goes_on() {
     );
     assert_eq!(asked(&served, "GET /status", &cookie, "").0, "200");
     // A run goes on as long as its page is there, and no longer.
-    let mut slow = run();
+    slow = run();
     std::thread::sleep(std::time::Duration::from_millis(500));
     let still = slow.read(&mut [0]).unwrap_err();
     assert_eq!(still.kind(), std::io::ErrorKind::WouldBlock);
