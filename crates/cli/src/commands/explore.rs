@@ -221,7 +221,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     } else if !args.print {
         opened = entrance(&address).ok();
         let started = opened.as_ref().map(|file| open::that_detached(file.path()));
-        if !started.is_some_and(|started| started.is_ok()) {
+        if started.is_none_or(|started| started.is_err()) {
             screen::complain("no browser could be started; open the address yourself");
         }
     }
