@@ -310,6 +310,12 @@ fn regress_workflows_run_nothing_that_may_change_under_them() {
     let read = |file: &str| std::fs::read_to_string(repository(file)).expect(file);
     assert!(read(".github/workflows/advisories.yml").contains("git ls-files '*requirements*.txt'"));
     assert!(read(".github/workflows/release.yml").contains("actions/attest-build-provenance@"));
+    let lock = read(".github/tools/requirements.txt");
+    assert!(
+        ["pdoc==", "pip-audit==", "--hash=sha256:"]
+            .iter()
+            .all(|part| lock.contains(part))
+    );
     let commit = "0123456789".repeat(4);
     let mut install = Command::new("bash");
     install
