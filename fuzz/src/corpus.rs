@@ -248,3 +248,10 @@ pub fn parquet() -> Vec<Vec<u8>> {
         .chain(files("fuzz/corpus/parquet", ""))
         .collect()
 }
+
+/// Questions to a server: those of its page, and some that other servers took for two (bodies in chunks with a length too, lengths
+/// given twice, names of headers with spaces) or for no end.
+#[must_use]
+pub fn requests() -> Vec<Vec<u8>> {
+    files("fuzz/corpus/requests", "")
+}

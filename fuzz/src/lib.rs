@@ -8,6 +8,12 @@
 //! * `cargo +nightly fuzz run scene --features libfuzzer fuzz/corpus/scene reference/scenes` follows coverage.
 
 pub mod corpus;
+#[allow(
+    dead_code,
+    reason = "a file of the program, of which only the reader is asked here"
+)]
+#[path = "../../crates/cli/src/loopback.rs"]
+mod loopback;
 pub mod mutate;
 pub mod targets;
 
@@ -77,5 +83,10 @@ pub const TARGETS: &[Target] = &[
         name: "parquet",
         run: targets::parquet,
         seeds: corpus::parquet,
+    },
+    Target {
+        name: "requests",
+        run: targets::requests,
+        seeds: corpus::requests,
     },
 ];

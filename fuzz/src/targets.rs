@@ -12,6 +12,8 @@ use pinwheel_studies::sweep::{Plan, Sweep};
 use pinwheel_timeseries::TimeSeries;
 use pinwheel_timeseries::foreign::{Map, read, resample, shift};
 
+use crate::loopback::Question;
+
 /// Stands between the parts of an input that is two files.
 pub const PARTS: &str = "\n%%%%\n";
 
@@ -372,4 +374,34 @@ fn alike(a: &TimeSeries, b: &TimeSeries) -> bool {
             .collect()
     };
     bits(a) == bits(b)
+}
+
+/// What the server of `pinwheel explore` is asked: read in pieces it is the question that it is in one, nothing in its head ends a
+/// line, and its body is as long as its one length says.
+pub fn requests(bytes: &[u8]) -> bool {
+    let all = Question::read(bytes);
+    for part in 1..4 {
+        let first = Question::read(&bytes[..bytes.len() * part / 4]);
+        match (&first, &all) {
+            (Ok(Some(first)), Ok(Some(all))) => {
+                let same = first.method == all.method && first.path == all.path;
+                assert!(same && first.body == all.body, "{first:?} {all:?}");
+            }
+            (Ok(Some(_)), _) => panic!("{first:?}, and with more {all:?}"),
+            (Err(status), all) => assert_eq!(Err(*status), all.as_ref().map(drop).map_err(|s| *s)),
+            (Ok(None), _) => {}
+        }
+    }
+    let Ok(Some(question)) = all else {
+        return false;
+    };
+    let plain = |text: &str| !text.contains(|c: char| c.is_control() || c == ' ');
+    assert!(plain(&question.method) && plain(&question.path));
+    let named = |name| question.headers(name).count();
+    assert_eq!(named("Transfer-Encoding"), 0);
+    let length = question.header("Content-Length");
+    assert_eq!(named("Content-Length"), usize::from(length.is_some()));
+    let length = length.map_or("0", |length| length.trim_start_matches('0'));
+    assert_eq!(length.parse().unwrap_or(0), question.body.len());
+    true
 }

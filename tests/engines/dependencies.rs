@@ -281,3 +281,47 @@ fn the_version_moves_everywhere_at_once() {
     std::fs::write(folder.path().join("python/pyproject.toml"), project).unwrap();
     assert_eq!(version(&[]), None);
 }
+
+/// A workflow runs what was looked at when it was written: actions by commit, tools by version and hash, and audits every lock.
+#[test]
+fn regress_workflows_run_nothing_that_may_change_under_them() {
+    let folder = repository(".github/workflows");
+    let mut seen = 0;
+    for file in std::fs::read_dir(folder).expect("workflows") {
+        let path = file.expect("a file").path();
+        for line in std::fs::read_to_string(&path).expect("text").lines() {
+            let sound = match line.split_once("uses: ") {
+                Some((_, action)) => {
+                    let (_, commit) = action.split_once('@').expect("a version");
+                    commit.len() > 41 && commit[..40].bytes().all(|byte| byte.is_ascii_hexdigit())
+                }
+                None => {
+                    let pip = !line.contains("pip install") || line.contains("--require-hashes");
+                    let cargo = line.split_once("cargo install --locked ");
+                    pip && !line.contains("pipx")
+                        && cargo.is_none_or(|(_, what)| what.contains('@'))
+                }
+            };
+            seen += usize::from(line.contains("install") || line.contains("uses: "));
+            assert!(sound, "{}: {line}", path.display());
+        }
+    }
+    assert!(seen > 20);
+    let read = |file: &str| std::fs::read_to_string(repository(file)).expect(file);
+    assert!(read(".github/workflows/advisories.yml").contains("git ls-files '*requirements*.txt'"));
+    assert!(read(".github/workflows/release.yml").contains("actions/attest-build-provenance@"));
+    let lock = read(".github/tools/requirements.txt");
+    assert!(
+        ["pdoc==", "pip-audit==", "--hash=sha256:"]
+            .iter()
+            .all(|part| lock.contains(part))
+    );
+    let commit = "0123456789".repeat(4);
+    let mut install = Command::new("bash");
+    install
+        .arg(repository("tools/install"))
+        .args(["a/b", &commit, "x"]);
+    let said = install.output().expect("bash");
+    assert_eq!(said.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&said.stderr).contains("by its input `version`"));
+}

@@ -204,7 +204,7 @@ fn shards_are_gathered() {
         early.code == Some(2)
             && early
                 .stderr
-                .contains("3 of 8 runs are not there, or their time series are damaged, the first of them run 2"),
+                .contains("3 of 8 runs are not there, or they or their time series are damaged, the first of them run 2"),
         "{early:?}"
     );
     assert_eq!(
@@ -238,9 +238,9 @@ fn shards_are_gathered() {
     }
 }
 
-/// Time series that were cut, emptied, altered or exchanged since are those of no run: it is made again, and `--gather` says so.
+/// Time series that were cut, emptied, altered or exchanged since, and records with another digit, are those of no run: it is made again, and `--gather` says so.
 #[test]
-fn damaged_time_series_are_made_again() {
+fn damaged_runs_are_made_again() {
     let dir = tempfile::tempdir().unwrap();
     for format in ["csv", "parquet"] {
         let sweep = SWEEP.replace("[set]", &format!("courses = \"{format}\"\n[set]"));
@@ -264,9 +264,17 @@ fn damaged_time_series_are_made_again() {
             put(3, &altered);
             put(4, &original(5));
             std::fs::remove_file(path(6)).unwrap();
+            // A digit of the largest force in its record.
+            let record = path(7).with_extension("json");
+            let text = read(&record);
+            let (before, digits) = text.split_once("\"peak\": ").unwrap();
+            let first = if digits.starts_with('1') { "7" } else { "1" };
+            let changed = format!("{before}\"peak\": {first}{}", &digits[1..]);
+            std::fs::write(record, changed).unwrap();
         };
         // Of a finished output.
         let sound: Vec<Vec<u8>> = (1..=8).map(|number| content("whole", number)).collect();
+        let results = read(&dir.path().join("whole/results.csv"));
         damage(&|number| file("whole", number));
         let kept = run(&["--out", "whole", "--resume"]);
         assert!(
@@ -280,6 +288,7 @@ fn damaged_time_series_are_made_again() {
         for (number, sound) in (1..=8).zip(&sound) {
             assert!(content("whole", number) == *sound, "{format} {number}");
         }
+        assert_eq!(read(&dir.path().join("whole/results.csv")), results);
         // Of shards.
         assert_eq!(run(&["--out", "parts", "--shard", "1/1"]).code, Some(0));
         let shard = dir.path().join("parts.unfinished/shard-1-of-1");
@@ -288,7 +297,7 @@ fn damaged_time_series_are_made_again() {
         damage(&|number| shard.join(&kept[number - 1]));
         let gathered = run(&["--out", "parts", "--gather"]);
         assert!(
-            gathered.code == Some(2) && gathered.stderr.contains("5 of 8 runs"),
+            gathered.code == Some(2) && gathered.stderr.contains("6 of 8 runs"),
             "{gathered:?}"
         );
         assert_eq!(run(&["--out", "parts", "--shard", "1/1"]).code, Some(0));
@@ -328,4 +337,72 @@ fn small_samples_say_no_more_than_they_know() {
         let below = text.lines().skip(1).chain([""]);
         assert!(!text.lines().zip(below).any(unfinished), "{text}");
     }
+}
+
+/// A key that the run does not read is named, as an axis and on the command line; one that does something is not.
+#[test]
+fn regress_keys_that_do_nothing_are_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let all = read(
+        Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("../../reference/scenes/paper.toml")
+            .as_path(),
+    );
+    std::fs::write(dir.path().join("all.toml"), all).unwrap();
+    let short = "engines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.002\n[vary]\n";
+    let summary = |vary: &str, scene: &str| {
+        let text =
+            format!("name = \"s\"\nscene = \"{scene}\"\n{short}{vary}\ngear.wheels = [1, 2]\n");
+        std::fs::write(dir.path().join("s.toml"), text).unwrap();
+        let swept = run_in(dir.path(), ["sweep", "s.toml", "--out", "s"]);
+        assert_eq!(swept.code, Some(0), "{swept:?}");
+        let summary: Value =
+            serde_json::from_str(&read(&dir.path().join("s/summary.json"))).unwrap();
+        let page = read(&dir.path().join("s/index.html"));
+        (summary["no_effect"].clone(), swept.stdout, page)
+    };
+    for (vary, scene, key) in [
+        (
+            "contact.restitution = [0.2, 0.5, 0.8]",
+            "paper",
+            "contact.restitution",
+        ),
+        (
+            "base = [\"paper\", \"steel\", \"backlash-0.6\"]",
+            "all.toml",
+            "base",
+        ),
+    ] {
+        let (none, shown, page) = summary(vary, scene);
+        assert_eq!(none, serde_json::json!([key]));
+        assert!(
+            shown.contains("no effect") && page.contains("No effect on this scene"),
+            "{shown}"
+        );
+    }
+    let (none, shown, _) = summary("contact.damping_n_s_m = [8, 9]", "paper");
+    assert!(none.is_null() && !shown.contains("no effect"), "{none}");
+
+    let run = |sets: &str| {
+        let command = format!("run all.toml --out r --set solver.duration_s=0.01 {sets}");
+        let ran = run_in(dir.path(), words(&command));
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+        ran.stderr
+    };
+    let told = run("--set contact.restitution=0.3 --set gear.backlash_m=1e-5 --set base=steel");
+    let keys: Vec<&str> = told
+        .lines()
+        .map(|line| line.split(['=', ' ']).nth(2).unwrap())
+        .collect();
+    assert_eq!(keys, ["contact.restitution", "base"], "{told}");
+    // Nothing for 2 ms, and then all: it is not the beginning that counts.
+    assert_eq!(
+        run("--set drive.load_changes=[{time_s=0.005,output_torque_n_m=30}]"),
+        ""
+    );
+
+    // What broke off has no bands, which take longer than all else.
+    let wheels = "run steel --out w --set gear.wheels=64";
+    assert_eq!(run_in(dir.path(), words(wheels)).code, Some(3));
+    assert!(!read(&dir.path().join("w/run.json")).contains("by_contact_law"));
 }

@@ -1,12 +1,15 @@
 //! A server for a page on this machine alone: HTTP/1.1, one question a connection, and a bound on all that is sent.
 
+use std::collections::BTreeMap;
 use std::io::{self, Read as _, Write as _};
 use std::net::{Ipv4Addr, Shutdown, SocketAddr, TcpListener, TcpStream};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Bytes of a question's head, and of its body, at most.
+/// Bytes of a question's head at most: cookies of every other server on this machine come along, and are none of ours.
+const LONGEST_HEAD: usize = 262_144;
+/// Bytes of its body at most.
 const LONGEST: usize = 16_384;
 const HEADERS: usize = 64;
 /// Connections at a time; a browser opens six.
@@ -15,26 +18,83 @@ const MOST: usize = 32;
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Time for who was refused to read why, before what it still sends is cut off.
 const LINGER: Duration = Duration::from_millis(200);
+/// How often a connection is looked at whose question is being answered.
+const LOOK: Duration = Duration::from_millis(50);
 
-/// What was asked, as it was sent.
+/// A question, as it was sent.
+#[derive(Debug, Default)]
 pub(crate) struct Question {
     pub(crate) method: String,
     /// With what follows a question mark.
     pub(crate) path: String,
     headers: Vec<(String, Vec<u8>)>,
     pub(crate) body: Vec<u8>,
+    /// Set once who asked has closed the connection.
+    pub(crate) gone: Arc<AtomicBool>,
 }
 
 impl Question {
+    /// Values of a header, in the order in which they were sent.
+    pub(crate) fn headers(&self, name: &str) -> impl Iterator<Item = &[u8]> {
+        let of_name = move |own: &&(String, Vec<u8>)| own.0.eq_ignore_ascii_case(name);
+        self.headers
+            .iter()
+            .filter(of_name)
+            .map(|(_, value)| value.as_slice())
+    }
+
     /// The value of a header; `None` where it is absent, given twice or no text.
     pub(crate) fn header(&self, name: &str) -> Option<&str> {
-        let all = self.headers.iter();
-        let mut of_name = all.filter(|(own, _)| own.eq_ignore_ascii_case(name));
-        let (_, value) = of_name.next()?;
-        match of_name.next() {
+        let mut values = self.headers(name);
+        let value = values.next()?;
+        match values.next() {
             None => std::str::from_utf8(value).ok(),
             Some(_) => None,
         }
+    }
+
+    /// Reads a question from all that was sent so far; `None` where more is to come. Its length is `Content-Length` alone: a body
+    /// in chunks, and a head that gives its length twice or in two ways, are refused.
+    ///
+    /// # Errors
+    /// The status of an answer that says why it is none.
+    pub(crate) fn read(bytes: &[u8]) -> Result<Option<Self>, u16> {
+        let mut headers = [httparse::EMPTY_HEADER; HEADERS];
+        let mut request = httparse::Request::new(&mut headers);
+        let head = match request.parse(bytes) {
+            Ok(httparse::Status::Complete(head)) if head <= LONGEST_HEAD => head,
+            Ok(httparse::Status::Partial) if bytes.len() < LONGEST_HEAD => return Ok(None),
+            Ok(_) | Err(httparse::Error::TooManyHeaders) => return Err(431),
+            Err(_) => return Err(400),
+        };
+        let owned = |text: Option<&str>| text.unwrap_or_default().to_owned();
+        let headers = request.headers.iter();
+        let mut question = Self {
+            method: owned(request.method),
+            path: owned(request.path),
+            headers: headers
+                .map(|h| (h.name.to_owned(), h.value.to_vec()))
+                .collect(),
+            ..Self::default()
+        };
+        if question.headers("Transfer-Encoding").next().is_some() {
+            return Err(411);
+        }
+        let length = match question.header("Content-Length") {
+            None if question.headers("Content-Length").next().is_some() => return Err(400),
+            None => 0,
+            // A sign is no digit.
+            Some(length) if !length.bytes().all(|byte| byte.is_ascii_digit()) => return Err(400),
+            Some(length) => match length.parse::<usize>() {
+                Ok(length) if length <= LONGEST => length,
+                _ => return Err(413),
+            },
+        };
+        let body = bytes.get(head..head + length);
+        Ok(body.map(|body| {
+            question.body = body.to_vec();
+            question
+        }))
     }
 }
 
@@ -79,129 +139,127 @@ pub(crate) fn bind(port: u16) -> io::Result<TcpListener> {
     TcpListener::bind((Ipv4Addr::LOCALHOST, port))
 }
 
-/// Answers from now on, each question by a thread of its own: one that is slow, or never sends all, holds up no other.
+/// Connections by number, of which nothing is known but that they were opened.
+type Idle = Arc<Mutex<BTreeMap<u64, TcpStream>>>;
+
+/// Answers from now on, each question by a thread of its own: one that is slow, or never sends all, holds up no other. Where there
+/// are too many connections the oldest goes that has asked nothing yet.
 pub(crate) fn serve(
     listener: TcpListener,
     reply: impl Fn(&Question) -> Answer + Send + Sync + 'static,
 ) -> io::Result<SocketAddr> {
     let address = listener.local_addr()?;
     let reply = Arc::new(reply);
-    let here = Arc::new(AtomicUsize::new(0));
+    let here = Arc::new(());
+    let idle = Idle::default();
     std::thread::spawn(move || {
-        for stream in listener.incoming() {
-            let Ok(stream) = stream else {
+        for (number, stream) in (0..).zip(listener.incoming()) {
+            let Ok((stream, other)) = stream.and_then(|one| Ok((one.try_clone()?, one))) else {
                 // No more files can be opened, for now.
                 std::thread::sleep(LINGER);
                 continue;
             };
-            let place = Place::taken(&here);
-            if here.load(Ordering::Relaxed) > MOST {
-                continue;
+            if Arc::strong_count(&here) > MOST {
+                match locked(&idle).pop_first() {
+                    Some((_, oldest)) => drop(oldest.shutdown(Shutdown::Both)),
+                    None => continue,
+                }
             }
-            let reply = Arc::clone(&reply);
+            locked(&idle).insert(number, other);
+            let (place, reply, waiting) = (here.clone(), Arc::clone(&reply), Arc::clone(&idle));
             let begun = std::thread::Builder::new().spawn(move || {
                 let _place = place;
                 // Who asked may be gone.
-                let _ = answer(stream, reply.as_ref());
+                let _ = answer(stream, reply.as_ref(), &|| {
+                    drop(locked(&waiting).remove(&number))
+                });
             });
-            // Without a thread the connection is closed.
-            drop(begun);
+            if begun.is_err() {
+                // Without a thread the connection is closed.
+                locked(&idle).remove(&number);
+            }
         }
     });
     Ok(address)
 }
 
-/// Counts a connection while it is there.
-struct Place(Arc<AtomicUsize>);
-
-impl Place {
-    fn taken(here: &Arc<AtomicUsize>) -> Self {
-        here.fetch_add(1, Ordering::Relaxed);
-        Self(Arc::clone(here))
-    }
+fn locked<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-impl Drop for Place {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::Relaxed);
-    }
-}
-
-fn answer(mut stream: TcpStream, reply: &dyn Fn(&Question) -> Answer) -> io::Result<()> {
+/// Reads what a connection asks and answers it; `asked` is told between the two.
+fn answer(
+    mut stream: TcpStream,
+    reply: &dyn Fn(&Question) -> Answer,
+    asked: &dyn Fn(),
+) -> io::Result<()> {
     stream.set_nodelay(true)?;
     stream.set_write_timeout(Some(PATIENCE))?;
-    let asked = question(&mut stream)?;
-    let answer = match &asked {
-        Ok(question) => reply(question),
+    let question = question(&mut stream);
+    asked();
+    let question = question?;
+    let answer = match &question {
+        Ok(question) => {
+            let (stream, gone) = (stream.try_clone()?, Arc::clone(&question.gone));
+            std::thread::spawn(move || watch(&stream, &gone));
+            let answer = reply(question);
+            // Ends the watch.
+            question.gone.store(true, Ordering::Relaxed);
+            answer
+        }
         Err(status) => Answer::new(*status, "text/plain", "no question that is answered here"),
     };
     stream.write_all(&answer.bytes())?;
     stream.shutdown(Shutdown::Write)?;
-    if asked.is_err() {
+    if question.is_err() {
         // What was sent and not read would take the answer with it.
-        stream.set_read_timeout(Some(LINGER))?;
-        let mut rest = stream.take(1 << 20);
-        io::copy(&mut rest, &mut io::sink())?;
+        let (begun, mut rest) = (Instant::now(), Vec::new());
+        while rest.len() < 1 << 20 {
+            more(&mut stream, &mut rest, begun, LINGER)?;
+        }
     }
     Ok(())
+}
+
+/// Sets `gone` once who asked has closed the connection; ends with that, or with the next byte, which is no part of the question.
+fn watch(mut stream: &TcpStream, gone: &AtomicBool) {
+    while !gone.load(Ordering::Relaxed) && stream.set_read_timeout(Some(LOOK)).is_ok() {
+        match stream.read(&mut [0]) {
+            Err(error)
+                if matches!(
+                    error.kind(),
+                    io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut
+                ) => {}
+            Ok(1..) => return,
+            Ok(0) | Err(_) => gone.store(true, Ordering::Relaxed),
+        }
+    }
 }
 
 /// What a connection asks, or the status of why not.
 fn question(stream: &mut TcpStream) -> io::Result<Result<Question, u16>> {
     let begun = Instant::now();
     let mut bytes = Vec::new();
-    let (mut question, head) = loop {
-        let mut headers = [httparse::EMPTY_HEADER; HEADERS];
-        let mut request = httparse::Request::new(&mut headers);
-        match request.parse(&bytes) {
-            Ok(httparse::Status::Complete(head)) => {
-                let headers = request.headers.iter();
-                let owned = |text: Option<&str>| text.unwrap_or_default().to_owned();
-                let question = Question {
-                    method: owned(request.method),
-                    path: owned(request.path),
-                    headers: headers
-                        .map(|h| (h.name.to_owned(), h.value.to_vec()))
-                        .collect(),
-                    body: Vec::new(),
-                };
-                break (question, head);
-            }
-            Ok(httparse::Status::Partial) if bytes.len() < LONGEST => {}
-            Ok(_) => return Ok(Err(431)),
-            Err(_) => return Ok(Err(400)),
+    loop {
+        match Question::read(&bytes) {
+            Ok(Some(question)) => return Ok(Ok(question)),
+            Ok(None) => more(stream, &mut bytes, begun, PATIENCE)?,
+            Err(status) => return Ok(Err(status)),
         }
-        more(stream, &mut bytes, begun)?;
-    };
-    let announced = |name: &str| {
-        question
-            .headers
-            .iter()
-            .any(|(own, _)| own.eq_ignore_ascii_case(name))
-    };
-    let length = match question.header("Content-Length") {
-        None if announced("Content-Length") || announced("Transfer-Encoding") => {
-            return Ok(Err(411));
-        }
-        None => 0,
-        Some(length) => match length.parse::<usize>() {
-            Ok(length) if length <= LONGEST => length,
-            _ => return Ok(Err(413)),
-        },
-    };
-    while bytes.len() < head + length {
-        more(stream, &mut bytes, begun)?;
     }
-    question.body = bytes[head..head + length].to_vec();
-    Ok(Ok(question))
 }
 
-/// The next bytes of a question.
-fn more(stream: &mut TcpStream, bytes: &mut Vec<u8>, begun: Instant) -> io::Result<()> {
-    let left = PATIENCE.checked_sub(begun.elapsed());
+/// The next bytes of a question that began at `begun` and may take `most`.
+fn more(
+    stream: &mut TcpStream,
+    bytes: &mut Vec<u8>,
+    begun: Instant,
+    most: Duration,
+) -> io::Result<()> {
+    let left = most.checked_sub(begun.elapsed());
     let left = left.filter(|left| !left.is_zero());
     stream.set_read_timeout(Some(left.ok_or(io::ErrorKind::TimedOut)?))?;
-    let mut piece = [0; 4096];
+    let mut piece = [0; 16_384];
     match stream.read(&mut piece)? {
         0 => Err(io::ErrorKind::UnexpectedEof.into()),
         read => {

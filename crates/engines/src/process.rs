@@ -12,7 +12,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, SyncSender};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
@@ -21,6 +21,8 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 const PATIENCE: Duration = Duration::from_millis(10);
 /// How long a program has to end itself when asked to.
 const GRACE: Duration = Duration::from_millis(300);
+/// Pieces of what a program says that wait to be heard at most: whoever says more waits, and takes no memory.
+const PIECES: usize = 16;
 /// How often those are looked for who left a group.
 #[cfg(target_os = "linux")]
 const ROUNDS: usize = 20;
@@ -119,7 +121,7 @@ pub(crate) fn run(
     let begun = Instant::now();
     let mut child = command.spawn()?;
     let registered = Registered::new(child.id(), &mark, folder);
-    let (sender, news) = mpsc::channel();
+    let (sender, news) = mpsc::sync_channel(PIECES);
     listen(child.stdout.take(), sender.clone(), false);
     listen(child.stderr.take(), sender, true);
     let stopped = watch(&mut child, &news, listener);
@@ -297,7 +299,7 @@ pub(crate) struct Piece {
 }
 
 /// Passes on what a pipe brings, until its end.
-fn listen(pipe: Option<impl Read + Send + 'static>, to: Sender<Piece>, stderr: bool) {
+fn listen(pipe: Option<impl Read + Send + 'static>, to: SyncSender<Piece>, stderr: bool) {
     thread::spawn(move || {
         let Some(mut pipe) = pipe else { return };
         let mut buffer = [0; 1 << 14];
@@ -311,4 +313,26 @@ fn listen(pipe: Option<impl Read + Send + 'static>, to: Sender<Piece>, stderr: b
             }
         }
     });
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use super::*;
+
+    /// While nobody listens a program that floods its pipe waits, and what is kept of it stays small.
+    #[test]
+    fn hard_what_is_not_heard_yet_is_bounded() {
+        let (mut bytes, mut ends) = (0, false);
+        let mut listener = |piece: Option<&Piece>| {
+            if let Some(piece) = piece {
+                bytes += piece.bytes.len();
+                thread::sleep(Duration::from_millis(if ends { 0 } else { 500 }));
+                ends = true;
+            }
+            ends.then(|| End::Stopped(String::new()))
+        };
+        let flood = ["-c", "exec cat /dev/zero >&2"];
+        run(Command::new("sh").args(flood), None, &mut listener).unwrap();
+        assert!(bytes < 64 << 20, "{bytes} bytes");
+    }
 }

@@ -3,6 +3,7 @@
 //! A program serves it (`pinwheel explore`): the page sends the values of a state, [`motion`] and [`balances`] say what they give.
 
 use std::f64::consts::TAU;
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_contact::laws::LAWS;
@@ -11,7 +12,7 @@ use pinwheel_gearbox::{Gearbox, auto};
 use pinwheel_report::animation::{Animation, markup};
 use pinwheel_report::study::{Block, Study};
 use pinwheel_scene::bearings::BearingLaw;
-use pinwheel_scene::{CheckedScene, Formulation, Override, Scene, scales};
+use pinwheel_scene::{CheckedScene, Formulation, Override, Scene, edited, preset, scales};
 use pinwheel_studies::{Control, Provenance, StudyError, band, design};
 use pinwheel_timeseries::columns;
 use serde_json::{Value, json};
@@ -106,6 +107,13 @@ const SLIDERS: [(&str, &str, &str, f64, [f64; 2], [f64; 2]); 10] = [
 const CLEARANCE: &str = "bearings.eccentric.clearance_m";
 /// Its slider counts decades and ends at a rigid bearing, which is no key at all.
 const STIFFNESS: &str = "bearings.eccentric.stiffness_n_m";
+/// Table of that bearing, and its keys that a stated stiffness takes the place of.
+const BEARING: &str = "bearings.eccentric";
+const ROLLERS: [&str; 2] = [
+    "bearings.eccentric.rollers",
+    "bearings.eccentric.roller_length_m",
+];
+const EXPONENT: &str = "bearings.eccentric.exponent";
 /// The stiffness of a bearing that has none.
 const RIGID: &str = "rigid";
 /// Ends of its slider, N/m.
@@ -161,6 +169,70 @@ pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedSc
         bearing.get_or_insert_default().clearance_m = Some(clearance);
     }
     changed.check().map_err(|fault| fault.to_string())
+}
+
+/// Returns name and scene file of a state, for the working folder: the user's own with the keys of `sets` and those that were moved
+/// changed, or one that has a preset (or a file of JSON) as its base. Read again it gives the scene that is shown.
+///
+/// # Errors
+/// The state gives no scene, or no such file does.
+pub fn file(spec: &str, sets: &[Override], values: &Values) -> Result<(String, String), String> {
+    let shown = scene(spec, sets, values)?;
+    let (mut moved, mut removed) = (sets.to_vec(), Vec::new());
+    for (key, value) in values {
+        match (key.as_str(), value.as_str()) {
+            (STIFFNESS, RIGID) => removed = vec![BEARING],
+            (STIFFNESS, _) => {
+                removed = ROLLERS.to_vec();
+                match shown
+                    .bearings
+                    .eccentric
+                    .as_ref()
+                    .and_then(|own| own.exponent)
+                {
+                    Some(exponent) => moved.push(Override::new(EXPONENT, exponent.to_string())),
+                    None => removed.push(EXPONENT),
+                }
+                moved.push(Override::new(key, value));
+            }
+            (LAW, _) => moved.push(Override::new(key, value)),
+            _ if SLIDERS.iter().any(|slider| slider.0 == key) => {
+                moved.push(Override::new(key, value));
+            }
+            _ => {}
+        }
+    }
+    let on_base = format!("base = {}\n", json!(spec));
+    let texts = match preset(spec) {
+        // A key of a base can be changed and not taken away.
+        Some(text) => [on_base, text.to_owned()],
+        None => [
+            std::fs::read_to_string(spec).map_err(|error| format!("{spec}: {error}"))?,
+            on_base,
+        ],
+    };
+    let beside = Path::new(spec).parent().unwrap_or(Path::new(""));
+    for (text, beside) in texts.iter().zip([beside, Path::new("")]) {
+        let Some(text) = edited(text, &moved, &removed, beside) else {
+            continue;
+        };
+        let read = Scene::from_toml(&text, "explored.toml", &[]).map(CheckedScene::into_scene);
+        let same = |read: Scene| {
+            let (name, description) = (shown.name.clone(), shown.description.clone());
+            Scene {
+                name,
+                description,
+                ..read
+            } == *shown
+        };
+        if read.is_ok_and(same) {
+            return Ok((shown.name.clone(), text));
+        }
+    }
+    Err(format!(
+        "not saved: `{BEARING}` stands in the base of {spec}, and a file on it cannot take that away; write the base's keys into \
+         {spec}, or give the bearing a stiffness"
+    ))
 }
 
 /// How long a state is looked at, s: a turn of the input of the scene as it is, the same for both.

@@ -27,8 +27,12 @@ document.addEventListener('DOMContentLoaded', () => {
   /** Times from a hand's move to the drawn answer, ms. */
   const latencies = (window.pinwheelLatencies = []);
 
+  // What is asked by POST brings a key that other servers on this machine do not see, as cookies are for all of them. A page in a
+  // frame has none.
+  const key = () => { try { return localStorage.getItem('pinwheel key') || ''; } catch { return ''; } };
   async function ask(path, body, signal) {
-    const answer = await fetch(path, body === undefined ? {} : { method: 'POST', signal, headers: { 'Content-Type': 'application/json' }, body: JSON.stringify(body) });
+    const headers = { 'Content-Type': 'application/json', 'X-Pinwheel-Key': key() };
+    const answer = await fetch(path, body === undefined ? {} : { method: 'POST', signal, headers, body: JSON.stringify(body) });
     if (!answer.ok) throw new Error(await answer.text());
     return answer.json();
   }

@@ -79,7 +79,7 @@ pub use model::{
     Stabilisation, Start,
 };
 pub use outline::Outline;
-pub use parse::{Draft, Override};
+pub use parse::{Draft, Override, edited};
 pub use pinwheel_files::{MOST_BYTES, did_you_mean, nearest};
 pub use presets::{PRESETS, Preset, preset};
 pub use scales::{Scales, free_play, largest_hole_play, largest_play};

@@ -4,6 +4,7 @@
 //! a key that does not exist is caught where it stands, a wrong type too, and a check that fails later still knows the
 //! line to name. What nobody wrote is filled in by [`crate::keys`], and told as an assumption.
 
+mod edit;
 mod layers;
 mod overrides;
 mod unknown;
@@ -17,6 +18,7 @@ use crate::load;
 use crate::model::Scene;
 use crate::presets::preset;
 
+pub use edit::edited;
 pub use overrides::Override;
 
 use layers::{FORM, Layers, located};

@@ -23,7 +23,7 @@ use serde::Serialize;
 
 use crate::control::compile;
 use crate::design::{self, DesignFigure};
-use crate::{Control, StudyError};
+use crate::{Control, Progress, StudyError};
 
 /// Depths of the disc, of the scene's own.
 const DEPTHS: [f64; 3] = [1.0 / 3.0, 1.0, 3.0];
@@ -189,8 +189,12 @@ pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, Stu
         pairs.filter_map(|(one, own)| share(one, own)).collect()
     };
     let (mut labels, mut bands) = (Vec::new(), Vec::<Band>::new());
-    for (label, scene) in laws(scene) {
+    let laws = laws(scene);
+    let total = laws.len() + CUTS.len();
+    let report = |done, what: &str| (control.progress)(Progress::new(done, total, what));
+    for (done, (label, scene)) in laws.into_iter().enumerate() {
         control.check()?;
+        report(done, &format!("under {label}"));
         let Some(found) = figures(&scene, control.cancel)? else {
             continue;
         };
@@ -212,6 +216,7 @@ pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, Stu
     let mut fits = Vec::new();
     for cut_m in CUTS {
         control.check()?;
+        report(labels.len(), "cut for play");
         let mut cut = scene.clone();
         cut.gear.modification.equidistant_m += cut_m;
         if let Some(found) = figures(&cut, control.cancel)? {

@@ -52,6 +52,7 @@ mod control;
 pub mod design;
 pub mod design_diff;
 pub mod divergence;
+pub mod effect;
 mod error;
 pub mod explained;
 mod fourier;

@@ -1,10 +1,15 @@
 //! `pinwheel explore`: a live page, served to this machine alone.
 //!
-//! Other pages in the browser must not drive it: the address holds a token that works once and is exchanged for a cookie; the
-//! host that is asked must be ours, and what changes anything must come from our own page. A page in a frame of another site
-//! gets no cookie: there a secret begins every path, and whoever has it may show the page.
+//! Other pages in the browser must not drive it: the address holds a token that works once and is exchanged for a cookie and a
+//! key; the host that is asked must be ours, and what changes anything must come from our own page. Cookies go to every port of
+//! this machine, so whoever serves another one may have it: every POST brings the key in a header too, from the browser's store,
+//! which knows ports. The browser is started with a file that only its user may read, as arguments are there for all to read. A
+//! page in a frame of another site gets no cookie: there a secret begins every path, and whoever has it may show the page.
 
+use std::fs::File;
+use std::io::Write as _;
 use std::net::TcpListener;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
 use std::thread::JoinHandle;
@@ -20,12 +25,14 @@ use serde_json::{Value, json};
 
 use crate::args::{self, ExploreArgs};
 use crate::failure::Failure;
-use crate::folder::{Folder, replace};
+use crate::folder::Folder;
 use crate::loopback::{self, Answer, Question};
 use crate::{interrupt, screen};
 
 /// Where the page is, if nothing else is there.
 const PORT: u16 = 7347;
+/// Header with the key that a page has from the answer to its token.
+const KEY: &str = "X-Pinwheel-Key";
 /// How often an interrupt is looked for.
 const TICK: Duration = Duration::from_millis(200);
 /// How long a run waits for its balances. Where they were late some runs go without: a hand feels what they cost.
@@ -76,6 +83,7 @@ enum Entry {
     Browser {
         token: Mutex<Option<String>>,
         cookie: String,
+        key: String,
     },
     /// Who has this beginning of every path.
     Frame(String),
@@ -92,7 +100,7 @@ impl Entry {
                 let inside = inside.filter(|inside| inside.starts_with('/'));
                 inside.ok_or_else(|| refused(unknown))
             }
-            Self::Browser { token, cookie } => {
+            Self::Browser { token, cookie, key } => {
                 if let Some(given) = path.strip_prefix("/?token=") {
                     let mut own = lock(token);
                     if own.as_deref() != Some(given) {
@@ -102,13 +110,23 @@ impl Entry {
                     }
                     *own = None;
                     let cookie = format!("{cookie}; HttpOnly; SameSite=Strict; Path=/");
-                    return Err(plain(303, "")
-                        .with("Location", "/")
-                        .with("Set-Cookie", cookie));
+                    let key = format!(include_str!("../../templates/entered.html"), key = key);
+                    return Err(page(key).with("Set-Cookie", cookie));
                 }
-                let cookies = question.header("Cookie").unwrap_or_default();
-                let known = cookies.split("; ").any(|other| other == cookie);
-                known.then_some(path).ok_or_else(|| refused(unknown))
+                // Other servers' cookies may hold any bytes.
+                let mut cookies = question.headers("Cookie");
+                let known = cookies.any(|all| {
+                    let mut each = all.split(|byte| *byte == b';');
+                    each.any(|one| one.trim_ascii() == cookie.as_bytes())
+                });
+                let has_key = question.method != "POST" || question.header(KEY) == Some(key);
+                match (known, has_key) {
+                    (true, true) => Ok(path),
+                    (true, false) => Err(refused(
+                        "this page has not the key that came with the address: start `pinwheel explore` again",
+                    )),
+                    _ => Err(refused(unknown)),
+                }
             }
         }
     }
@@ -150,8 +168,6 @@ struct Explorer {
     /// Takes the balances that go with a run.
     beside: mpsc::Sender<Beside>,
     without: Mutex<Without>,
-    /// Names of files are chosen one at a time.
-    saving: Mutex<()>,
     compared: Mutex<Compared>,
 }
 
@@ -169,8 +185,8 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     } else {
         let path = format!("/?token={token}");
         let cookie = format!("{}={}", cookie_name(&host), secret()?);
-        let token = Mutex::new(Some(token));
-        (path, Entry::Browser { token, cookie })
+        let (token, key) = (Mutex::new(Some(token)), secret()?);
+        (path, Entry::Browser { token, cookie, key })
     };
     let address = format!("http://{host}{path}");
     let explorer = Arc::new(Explorer {
@@ -182,7 +198,6 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
         balancing: Mutex::default(),
         beside: balances_beside(),
         without: Mutex::new(Without::NONE),
-        saving: Mutex::default(),
         compared: Mutex::default(),
         host,
     });
@@ -196,19 +211,25 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     })
     .map_err(unknown)?;
     screen::show(&format!("page: {address}"))?;
+    let mut opened = None;
     if args.embed {
         std::thread::spawn(|| {
             // Whoever shows the page holds the other end.
             let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
             interrupt::flag().store(true, Ordering::Relaxed);
         });
-    } else if !args.print && open::that_detached(&address).is_err() {
-        screen::complain("no browser could be started; open the address yourself");
+    } else if !args.print {
+        opened = entrance(&address).ok();
+        let started = opened.as_ref().map(|file| open::that_detached(file.path()));
+        if started.is_none_or(|started| started.is_err()) {
+            screen::complain("no browser could be started; open the address yourself");
+        }
     }
     interrupt::watched();
     while interrupt::check().is_ok() {
         std::thread::sleep(TICK);
     }
+    drop(opened);
     // It stops by itself, and leaves no draft.
     let work = lock(&explorer.compared).work.take();
     if let Some(work) = work {
@@ -229,6 +250,19 @@ fn listen(port: Option<u16>) -> Result<TcpListener, Failure> {
             "port {port} cannot be used: {error}; name another with --port"
         ))
     })
+}
+
+/// Writes a file that leads to `address` and that nobody else may read; it goes when it is dropped.
+fn entrance(address: &str) -> std::io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    let mut file = builder.prefix("pinwheel-").suffix(".html").tempfile()?;
+    write!(
+        file,
+        include_str!("../../templates/entrance.html"),
+        address = address
+    )?;
+    file.flush()?;
+    Ok(file)
 }
 
 /// 128 bits that nobody can guess.
@@ -281,7 +315,7 @@ impl Explorer {
         let (path, tab) = path.split_once('?').unwrap_or((path, ""));
         let found = match question.method.as_str() {
             "GET" => match path {
-                "/" => self.page(),
+                "/" => self.page(&question.gone),
                 "/status" => Ok(told(&self.status())),
                 "/comparison" => Ok(self.comparison()),
                 _ => Ok(plain(404, "there is nothing here")),
@@ -293,11 +327,12 @@ impl Explorer {
                 let values: Vec<(String, String)> = serde_json::from_slice(&question.body)
                     .map_err(|_| plain(400, "not a list of keys and values"))?;
                 match path {
-                    "/run" => self.run(tab, &values),
+                    "/run" => self.run(tab, &values, &question.gone),
                     "/save" => self.save(&values),
                     "/compare" => Ok(self.compare(&values)),
-                    "/balances" => self.balances(tab, false, &values),
-                    "/bands" => self.balances(tab, true, &values),
+                    "/balances" | "/bands" => {
+                        self.balances(tab, path == "/bands", &values, &question.gone)
+                    }
                     _ => Ok(plain(404, "there is nothing here")),
                 }
             }
@@ -306,7 +341,7 @@ impl Explorer {
         found.map_err(|failure| plain(500, failure.message))
     }
 
-    fn page(&self) -> Result<Answer, Failure> {
+    fn page(&self, gone: &AtomicBool) -> Result<Answer, Failure> {
         let scene = match live::scene(&self.spec, &self.settled, &[]) {
             Ok(scene) => scene,
             Err(error) => {
@@ -316,16 +351,18 @@ impl Explorer {
         };
         *lock(&self.span_s) = live::span_s(&scene);
         let made = Provenance::here(args::typed());
-        Ok(match live::page(&scene, &made, interrupt::flag())? {
+        Ok(match live::page(&scene, &made, gone)? {
             Ok(text) => page(text),
             Err(why) => plain(422, why),
         })
     }
 
-    /// A run of a state, and its balances beside it where they take no longer than a hand would wait.
-    fn run(&self, tab: &str, values: &live::Values) -> Result<Answer, Failure> {
+    /// A run of a state, and its balances beside it where they take no longer than a hand would wait; given up once its page is
+    /// `gone`.
+    fn run(&self, tab: &str, values: &live::Values, gone: &AtomicBool) -> Result<Answer, Failure> {
         let begun = Instant::now();
-        let stop = self.newest(tab);
+        let stop = Arc::default();
+        self.newest(tab, &stop);
         let gearbox = match live::gearbox(&self.spec, &self.settled, values) {
             Ok(gearbox) => Arc::new(gearbox),
             Err(error) => return Ok(told(&json!({"reason": error}))),
@@ -339,7 +376,13 @@ impl Explorer {
                 .send((Arc::clone(&gearbox), Arc::clone(&stop), tells));
             hears
         });
-        let found = live::motion(&gearbox, *lock(&self.span_s), interrupt::flag())?;
+        // Not locked while it runs: others are answered meanwhile.
+        let span_s = *lock(&self.span_s);
+        let found = live::motion(&gearbox, span_s, gone);
+        if found.is_err() {
+            stop.store(true, Ordering::Relaxed);
+        }
+        let found = found?;
         let patience = match found {
             Ok(_) => PATIENCE.saturating_sub(begun.elapsed()),
             Err(_) => Duration::ZERO,
@@ -356,15 +399,21 @@ impl Explorer {
         }))
     }
 
-    /// Of the newest state that was asked for.
-    fn balances(&self, tab: &str, laws: bool, values: &live::Values) -> Result<Answer, Failure> {
-        let stop = self.newest(tab);
+    /// Of the newest state that was asked for; `stop` gives them up.
+    fn balances(
+        &self,
+        tab: &str,
+        laws: bool,
+        values: &live::Values,
+        stop: &Arc<AtomicBool>,
+    ) -> Result<Answer, Failure> {
+        self.newest(tab, stop);
         let gearbox = match live::gearbox(&self.spec, &self.settled, values) {
             Ok(gearbox) => gearbox,
             Err(error) => return Ok(told(&json!({"reason": error}))),
         };
         let begun = Instant::now();
-        let found = live::balances(&gearbox, laws, &stop);
+        let found = live::balances(&gearbox, laws, stop);
         if !laws && found.is_ok() {
             let late = begun.elapsed() > PATIENCE;
             *lock(&self.without) = if late { Without::MOST } else { Without::NONE };
@@ -372,29 +421,42 @@ impl Explorer {
         Ok(told(&balanced(found)))
     }
 
-    /// What stops the balances that a page asks for now: those of it that are under way are given up.
-    fn newest(&self, tab: &str) -> Arc<AtomicBool> {
-        let stop = Arc::new(AtomicBool::new(false));
-        let own = (tab.to_owned(), Arc::clone(&stop));
+    /// Gives up the balances of a page that are under way; `stop` stops those that it asks for now.
+    fn newest(&self, tab: &str, stop: &Arc<AtomicBool>) {
+        let own = (tab.to_owned(), Arc::clone(stop));
         let (before, running) = std::mem::replace(&mut *lock(&self.balancing), own);
-        running.store(before == tab, Ordering::Relaxed);
-        stop
+        if before == tab {
+            running.store(true, Ordering::Relaxed);
+        }
     }
 
-    /// Writes the scene beside where the program was started; never over another one.
+    /// Writes the scene's file, with what was moved, into the working folder; never over another one.
     fn save(&self, values: &live::Values) -> Result<Answer, Failure> {
-        let scene = match live::scene(&self.spec, &self.sets, values) {
-            Ok(scene) => scene,
+        let (name, text) = match live::file(&self.spec, &self.sets, values) {
+            Ok(file) => file,
             Err(error) => return Ok(told(&json!({"reason": error}))),
         };
-        let _one = lock(&self.saving);
-        let stem = format!("{}-explored", file_name(&scene.name));
-        let names = (2..).map(|number| format!("{stem}-{number}.toml"));
-        let mut names = std::iter::once(format!("{stem}.toml")).chain(names);
-        let free = names.find(|name| !std::path::Path::new(name).exists());
-        let file = free.unwrap_or_default();
-        replace(file.as_ref(), scene.to_toml().as_bytes(), &|_| false)?;
-        Ok(told(&json!({"file": file})))
+        let stem = file_name(&name);
+        let stem = stem.split("-explored").next().unwrap_or_default();
+        let mut number = 1;
+        let (name, mut file) = loop {
+            let name = match number {
+                1 => format!("{stem}-explored.toml"),
+                number => format!("{stem}-explored-{number}.toml"),
+            };
+            match File::create_new(&name) {
+                Ok(file) => break (name, file),
+                // Another program may have taken the name this very moment.
+                Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => number += 1,
+                Err(error) => return Err(Failure::input(format!("{name}: {error}"))),
+            }
+        };
+        file.write_all(text.as_bytes()).map_err(|error| {
+            // What is there of it is ours.
+            let _ = std::fs::remove_file(&name);
+            Failure::input(format!("{name}: {error}"))
+        })?;
+        Ok(told(&json!({"file": name})))
     }
 
     /// Starts a comparison of all engines, unless one is under way.
@@ -452,7 +514,7 @@ impl Explorer {
     fn compared(&self, scene: &CheckedScene) -> Result<(String, String), Failure> {
         let gearbox = Gearbox::new(scene).map_err(|error| Failure::input(error.to_string()))?;
         let engines = choice::engines(&[] as &[&str], scene)?;
-        let out = std::path::Path::new("out").join(format!("{}-compare", file_name(&scene.name)));
+        let out = Path::new("out").join(format!("{}-compare", file_name(&scene.name)));
         let folder = Folder::prepare(&out, false)?;
         let input = Input {
             gearbox: &gearbox,

@@ -1,7 +1,7 @@
 //! `pinwheel run`: one scene, one engine.
 
 use pinwheel::pages;
-use pinwheel::studies::{Provenance, choice, single};
+use pinwheel::studies::{Provenance, choice, effect, single};
 
 use crate::args::{self, RunArgs};
 use crate::failure::{ENGINE, Failure, INCONCLUSIVE};
@@ -16,15 +16,26 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
     let engine = choice::find(&name, scene)?;
     single::prepare(engine.as_ref(), &gearbox)?;
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "run")?;
+    let sets = args::overrides(&args.scene.set)?;
+    let mut idle = Vec::new();
     let found = watched("run", |control| {
         let found = single::run(&gearbox, engine.as_ref(), !args.unchecked, control)?;
-        match args.unchecked {
+        if !args.unchecked {
+            idle = effect::idle(&args.scene.scene, &sets, engine.as_ref(), &found, control)?;
+        }
+        match args.unchecked || found.diverged().is_some() {
+            // What broke off has no figure whose band could be of use.
             true => Ok(found),
             false => found.with_bands(&gearbox, control),
         }
     })?;
     found.write(folder.path(), &Provenance::here(args::typed()))?;
     let place = folder.publish()?;
+    for set in idle.iter().map(|place| &args.scene.set[*place]) {
+        screen::show_on_stderr(&format!(
+            "note: --set {set} has no effect on the time series of this scene: without it they are equal to the bit"
+        ));
+    }
     let time_series = place.join(single::file(&found.run.ending));
     let time_series = time_series.display();
 

@@ -1,7 +1,7 @@
 //! What a solver left in its folder: read without trust, checked, and made a run.
 
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read, Seek as _};
 use std::path::Path;
 
 use pinwheel_gearbox::{Gearbox, guard};
@@ -172,15 +172,30 @@ impl JobFolder {
                     job::PARQUET_FILE
                 ));
             }
-            (Some(file), None) => {
+            (Some(mut file), None) => {
+                let ended = !complete || ends_its_lines(&mut file);
                 let read = TimeSeries::read_csv(io::BufReader::new(file.take(most)));
-                (job::COURSES_FILE, read.map_err(|error| error.to_string()))
+                let read = read.map_err(|error| error.to_string());
+                let cut = "its last line has no end, so that its last number may be cut; end every line, the last one too";
+                (
+                    job::COURSES_FILE,
+                    read.and_then(|read| ended.then_some(read).ok_or_else(|| cut.to_owned())),
+                )
             }
             (None, Some(file)) => (job::PARQUET_FILE, parquet_of(file, samples.len())),
         };
         let told = |what: String| format!("{name}: {what}");
         checked(gearbox, &read.map_err(told)?, &samples, complete).map_err(told)
     }
+}
+
+/// Returns true if the last byte of a text ends a line; it is read from its beginning afterwards.
+fn ends_its_lines(file: &mut File) -> bool {
+    let mut last = [0];
+    let read = file
+        .seek(io::SeekFrom::End(-1))
+        .and_then(|_| file.read_exact(&mut last));
+    read.is_ok() && file.rewind().is_ok() && matches!(last, [b'\n' | b'\r'])
 }
 
 /// Time series of as many rows as there are samples, and one more to tell that there are too many.

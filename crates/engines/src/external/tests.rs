@@ -140,6 +140,14 @@ fn hard_what_it_does_wrong_is_one_line() {
             "is larger than",
         ),
         (
+            "head -c -1 \"$2/good.csv\" > \"$1/courses.csv\"",
+            "its last line has no end",
+        ),
+        (
+            "head -c -3 \"$2/good.csv\" > \"$1/courses.csv\"",
+            "its last line has no end",
+        ),
+        (
             "cut -d, -f1-20 \"$2/good.csv\" > \"$1/courses.csv\"",
             "has no column `internal_sleeve_force_n_0` and 7 more",
         ),

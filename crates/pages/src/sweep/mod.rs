@@ -30,10 +30,17 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
     let varied = keys.map(|(key, list)| format!("{key} ({})", list.len()));
     let varied: Vec<String> = varied.collect();
     let (runs_done, over) = (records.len(), varied.join(" x "));
-    let lead = match sweep.description.as_str() {
+    let mut lead = match sweep.description.as_str() {
         "" => format!("{runs_done} runs of the scene {} over {over}.", sweep.scene),
         description => description.to_owned(),
     };
+    let idle = sweep::idle(plan, records);
+    if !idle.is_empty() {
+        let idle = idle.join(", ");
+        lead += &format!(
+            " No effect on this scene: {idle}. Runs that differ in nothing else are equal to the bit."
+        );
+    }
     let mut sections = Vec::new();
     let sampled = sweep::tolerances(plan, table);
     if !sampled.is_empty() {

@@ -55,6 +55,11 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
             format!("{cpu:.1} s CPU for {:.3} s simulated", simulated_s(plan)),
         ),
     ];
+    let idle = sweep::idle(plan, records);
+    if !idle.is_empty() {
+        let words = format!("{} on this scene: runs equal to the bit", idle.join(", "));
+        rows.push(row("no effect", words));
+    }
     let moving = || records.iter().filter(|r| !r.figures.is_empty());
     if moving().next().is_some() && moving().all(|record| record.uncertainty.is_none()) {
         let remedy = "not known; solver.integrator = \"auto\" verifies every run";

@@ -69,9 +69,15 @@ fn one(row: &Key, key: Cow<'static, str>, value: &Value) -> Result<(), Fault> {
                 Value::Array(list) => ("names", list.as_slice()),
                 one => ("is", std::slice::from_ref(one)),
             };
-            let mut typed = typed.iter().filter_map(Value::as_str);
-            let Some(typed) = typed.find(|typed| !names.contains(typed)) else {
-                return Ok(());
+            let typed: Vec<&str> = typed.iter().filter_map(Value::as_str).collect();
+            let Some(typed) = typed.iter().find(|typed| !names.contains(typed)) else {
+                // Each costs its time, and the second of a kind shows nothing.
+                let mut before = typed.iter().enumerate();
+                let twice = before.find(|(k, one)| typed[..*k].contains(one));
+                return twice.map_or(Ok(()), |(_, one)| {
+                    let what = format!("names {} twice", quoted(one));
+                    Err(fault(what, "name each once".to_owned()))
+                });
             };
             let what = format!("{verb} {}, which is no {what}", quoted(typed));
             Err(fault(what, did_you_mean(typed, &names)))

@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 use std::path::Path;
-use std::str::FromStr as _;
 
 use pinwheel_files::{Document, Entries, FileError, Node, did_you_mean, quoted};
 use serde::Deserialize as _;
@@ -16,7 +15,7 @@ use crate::checked::{CheckedScene, Origin, Source};
 use crate::error::{Fault, Location, SceneError};
 use crate::fill::{Gap, fill};
 use crate::json;
-use crate::keys::{KEYS, Key, Kind, Otherwise, key};
+use crate::keys::{KEYS, Key, Kind, Otherwise};
 use crate::load;
 use crate::model::{PlusMinus, Scene};
 use crate::table::{insert, lookup, usual};
@@ -140,14 +139,7 @@ impl Layers {
 
     /// An override is a document of one key, whose place is the command line.
     pub(super) fn set(&mut self, set: &Override) -> Result<(), SceneError> {
-        // A word without quotes is a string; so is anything given for a key that holds text.
-        let holds_text =
-            key(&set.key).is_some_and(|row| matches!(row.kind, Kind::Text | Kind::Choice(..)));
-        let value = match Value::from_str(&set.value) {
-            Ok(value) if !holds_text || value.is_str() => set.value.clone(),
-            _ => Value::from(set.value.as_str()).to_string(),
-        };
-        let text = format!("{} = {value}", set.key);
+        let text = format!("{} = {}", set.key, set.toml());
         let document = Document::parse(&text, "--set", FORM);
         match document.ok().filter(|_| !set.key.contains(['\n', '#'])) {
             Some(document) => self.overlay(&document.root, &|_| set.place()),

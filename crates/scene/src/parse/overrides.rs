@@ -5,6 +5,7 @@ use std::str::FromStr;
 use pinwheel_files::MOST_BYTES;
 
 use crate::error::{Location, SceneError};
+use crate::keys::{Kind, key};
 
 /// One `--set key=value`.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,6 +28,16 @@ impl Override {
     #[must_use]
     pub fn key(&self) -> &str {
         &self.key
+    }
+
+    /// Returns the value as TOML: a word without quotes is a string, and so is anything given for a key that holds text.
+    pub(super) fn toml(&self) -> String {
+        let holds_text =
+            key(&self.key).is_some_and(|row| matches!(row.kind, Kind::Text | Kind::Choice(..)));
+        match toml::Value::from_str(&self.value) {
+            Ok(value) if !holds_text || value.is_str() => self.value.clone(),
+            _ => toml::Value::from(self.value.as_str()).to_string(),
+        }
     }
 
     pub(super) fn place(&self) -> Location {

@@ -426,6 +426,16 @@ fn channels_that_do_not_exist() {
         error.contains("line 3: `contact.band_laws` names \"palmgrem\", which is no contact law"),
         "{error}"
     );
+    let twice = laws
+        .replace("palmgrem", "kunert")
+        .replace("kunertt", "kunert");
+    let error = Scene::from_toml(&twice, "mine.toml", &[]).unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .contains("names \"kunert\" twice; name each once"),
+        "{error}"
+    );
     let many = "base = \"paper\"\n[output]\nchannels = [\"*\"]\n[solver]\nsample_s = 1e-6\n";
     let error = Scene::from_toml(many, "mine.toml", &[]).unwrap_err();
     assert!(

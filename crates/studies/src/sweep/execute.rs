@@ -100,7 +100,7 @@ pub fn gather(plan: &Plan, journal: &Journal) -> Result<Vec<RunRecord>, SweepErr
     match missing.first() {
         None => Ok(records),
         Some(first) => Err(SweepError::Input(format!(
-            "{} of {} runs are not there, or their time series are damaged, the first of them run {first}; run the shards that did not end, or run what is \
+            "{} of {} runs are not there, or they or their time series are damaged, the first of them run {first}; run the shards that did not end, or run what is \
              missing here with --resume in place of --gather",
             missing.len(),
             plan.runs.len()

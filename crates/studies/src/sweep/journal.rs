@@ -11,8 +11,8 @@
 //!
 //! Records are written where they stand and not waited for to be on the disk, which would cost as much as a short run. What a
 //! kill or a power cut leaves of one is no JSON, and so no record: that run is made again. Time series are written beside their
-//! place, waited for and then renamed, as a record says that they are there. It also holds their size and hash: damaged ones count
-//! for nothing.
+//! place, waited for and then renamed, as a record says that they are there. It also holds their size and hash, and its own: what was
+//! damaged or changed since counts for nothing.
 
 use std::collections::HashMap;
 use std::fmt::Display;
@@ -25,6 +25,7 @@ use std::{fs, io};
 use pinwheel_files::{Lock, fnv};
 use pinwheel_timeseries::TimeSeries;
 use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use tempfile::Builder;
 
 use crate::folder::beside;
@@ -201,8 +202,7 @@ impl Journal {
                     fs::remove_file(&path).map_err(at(&path))?;
                 } else if name.starts_with(PREFIX) && name.ends_with(".json") {
                     let bytes = fs::read(&path).map_err(at(&path))?;
-                    let record: Option<RunRecord> = serde_json::from_slice(&bytes).ok();
-                    if let Some(record) = record.filter(|r| !r.ending.may_pass()) {
+                    if let Some(record) = record(&bytes).filter(|r| !r.ending.may_pass()) {
                         known.insert(record.identity(), (record, path));
                     }
                 }
@@ -345,8 +345,28 @@ fn name_of(path: &Path) -> std::borrow::Cow<'_, str> {
     path.file_name().unwrap_or_default().to_string_lossy()
 }
 
+/// Key of a record's own hash in its file: of the rest as compact JSON.
+const HASH: &str = "record_fnv";
+
+fn hash(record: &Value) -> Value {
+    format!("{:016x}", fnv(record.to_string().bytes())).into()
+}
+
+/// Returns a record as its file has it, with its hash.
 fn json(record: &RunRecord) -> String {
-    serde_json::to_string_pretty(record).unwrap_or_default()
+    let mut value = serde_json::to_value(record).unwrap_or_default();
+    let hash = hash(&value);
+    if let Some(keys) = value.as_object_mut() {
+        keys.insert(HASH.to_owned(), hash);
+    }
+    serde_json::to_string_pretty(&value).unwrap_or_default()
+}
+
+/// Returns the record of a file; `None` where it is none, or was changed since it was written.
+fn record(bytes: &[u8]) -> Option<RunRecord> {
+    let mut value: Value = serde_json::from_slice(bytes).ok()?;
+    let written = value.as_object_mut()?.remove(HASH)?;
+    (written == hash(&value)).then(|| serde_json::from_value(value).ok())?
 }
 
 /// The file of a run in a journal's folder.

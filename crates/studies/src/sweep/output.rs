@@ -5,7 +5,7 @@ use std::path::Path;
 use pinwheel_timeseries::table::Table;
 use serde::Serialize;
 
-use super::{Journal, Limit, Plan, RunRecord, SampleResult, SweepError, costs, tolerances};
+use super::{Journal, Limit, Plan, RunRecord, SampleResult, SweepError, costs, idle, tolerances};
 use crate::output::{self, write_text, write_with};
 use crate::provenance::{Provenance, Summary};
 
@@ -19,6 +19,9 @@ struct Payload<'a> {
     engines: &'a [String],
     runs: usize,
     finished: usize,
+    /// Keys along which all runs are equal to the bit.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    no_effect: Vec<String>,
     rows: &'a Table,
     #[serde(skip_serializing_if = "<[Limit]>::is_empty")]
     specification: &'a [Limit],
@@ -64,6 +67,7 @@ pub fn write(
         engines: &sweep.engines,
         runs: records.len(),
         finished: finished.count(),
+        no_effect: idle(plan, records),
         rows: table,
         specification: &sweep.specification,
         sample: tolerances(plan, table),
