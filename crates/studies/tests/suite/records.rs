@@ -315,7 +315,7 @@ fn regress_right_records_are_shown_and_wrong_ones_differ() {
     }
 }
 
-/// What can never be judged is no input: no engine has to run to say so.
+/// A limit that can never be judged is no input: no engine has to run to say so.
 #[test]
 fn bad_input_limits_that_are_never_judged_are_refused() {
     let gearbox = gearbox("0.06", "1e-4");

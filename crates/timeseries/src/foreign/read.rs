@@ -62,7 +62,7 @@ struct Term {
 }
 
 impl Wanted {
-    /// Its value in a row of which `cell` gives the numbers; `wraps` is called with the column where an angle begins anew.
+    /// Returns its value in a row of which `cell` gives the numbers; `wraps` is called with the column where an angle begins anew.
     fn value(
         &mut self,
         cell: impl Fn(usize) -> Result<f64, String>,
@@ -117,7 +117,8 @@ pub fn read<'a>(source: impl Read + 'a, map: &Map) -> Result<Foreign, ForeignErr
     // Between blanks no cell can be empty: with one too few, all that follow are another column's.
     let exact = lines.blanks
         && (is_name(&map.time.column) || sources.into_iter().any(|(column, _)| is_name(&column)));
-    let (mut date, mut wrapped): (Option<String>, Option<String>) = (None, None);
+    let (mut last_clock, mut midnights) = (0.0, 0.0);
+    let mut wrapped: Option<String> = None;
 
     let mut times: Vec<f64> = Vec::new();
     let mut values: Vec<Vec<f64>> = vec![Vec::new(); wanted.len()];
@@ -149,13 +150,11 @@ pub fn read<'a>(source: impl Read + 'a, map: &Map) -> Result<Foreign, ForeignErr
                     let what = "a clock time: leave time.unit out of the map".to_owned();
                     return Err(named(time_column, what));
                 }
-                Some((day, seconds)) => {
-                    let first = date.get_or_insert_with(|| day.to_owned());
-                    if first != day {
-                        let what = format!("the date changes to `{}`: give seconds", short(day));
-                        return Err(named(time_column, what));
-                    }
-                    seconds
+                Some(seconds) => {
+                    // It fell by most of a day: midnight has passed.
+                    midnights += f64::from(u8::from(seconds < last_clock - 43_200.0));
+                    last_clock = seconds;
+                    86_400.0 * midnights + seconds
                 }
                 None => cell(time_column)?,
             };
@@ -330,17 +329,17 @@ fn number(text: &str, format: &FileFormat) -> Result<f64, String> {
     })
 }
 
-/// What stands before a clock time `hh:mm:ss.fff`, its date, and the seconds since midnight.
-fn clock(text: &str) -> Option<(&str, f64)> {
+/// Seconds since midnight of a clock time `hh:mm:ss.fff`, which may have a date before it.
+fn clock(text: &str) -> Option<f64> {
     let text = text.strip_suffix('Z').unwrap_or(text);
-    let (date, time) = text.rsplit_once([' ', 'T']).unwrap_or(("", text));
+    let (_, time) = text.rsplit_once([' ', 'T']).unwrap_or(("", text));
     let mut parts = time.split(':');
     let (hours, minutes, seconds) = (parts.next()?, parts.next()?, parts.next()?);
     let whole = |text: &str| text.parse::<u16>().ok().map(f64::from);
     let (hours, minutes) = (whole(hours)?, whole(minutes)?);
     let seconds: f64 = seconds.replace(',', ".").parse().ok()?;
     let sound = parts.next().is_none() && minutes < 60.0 && (0.0..61.0).contains(&seconds);
-    sound.then_some((date.trim_end(), 3600.0 * hours + 60.0 * minutes + seconds))
+    sound.then_some(3600.0 * hours + 60.0 * minutes + seconds)
 }
 
 /// Names of the file's columns.
@@ -657,7 +656,7 @@ mod tests {
 
     /// Each text says that the value of row k is k/8 at k/10000 s.
     #[test]
-    fn writers_of_all_kinds_are_read() {
+    fn regress_writers_of_all_kinds_are_read() {
         let value = |k: usize| k as f64 / 8.0;
         let comma = |x: f64| format!("{x:.3}").replace('.', ",");
         let german = "[file]\nseparator = \";\"\ndecimal = \",\"\n";
@@ -691,6 +690,14 @@ mod tests {
             (
                 format!("[time]\ncolumn = \"when\"\noffset_s = -36000\n{TORQUE}"),
                 rows("when,T", |k| format!("2024-03-05 10:00:00.{k:04},{}", value(k))).into_bytes(),
+            ),
+            (
+                format!("[time]\ncolumn = \"when\"\noffset_s = -86399.998\n{TORQUE}"),
+                rows("when,T", |k| match k {
+                    0..20 => format!("05.03.2024 23:59:59.{:04},{}", 9980 + k, value(k)),
+                    _ => format!("06.03.2024 00:00:00.{:04},{}", k - 20, value(k)),
+                })
+                .into_bytes(),
             ),
             (
                 format!("[time]\ncolumn = \"when\"\n{TORQUE}"),
@@ -894,13 +901,6 @@ mod tests {
                 format!("[time]\nunit = \"ms\"\n{TORQUE}"),
                 rows("time_s,T", |k| format!("10:00:00.{k:03},1")),
                 "a clock time: leave time.unit out",
-            ),
-            (
-                TORQUE.to_owned(),
-                rows("time_s,T", |k| {
-                    format!("2024-03-{:02} 10:00:00.{k:03},1", 5 + k / 20)
-                }),
-                "line 22: column `time_s`: the date changes to `2024-03-06`",
             ),
         ] {
             let error = found(&map, &text).unwrap_err();
