@@ -100,14 +100,14 @@ impl Outcome {
             junit::case(format!("{}: {}", finding.name, finding.must), ended)
         };
         let name = format!("solver check {}", self.solver);
-        let whole = match self.passed() {
+        let answer = match self.passed() {
             true => Ended::Passed,
             false => Ended::Failed(self.answer.clone()),
         };
-        let whole = junit::case(&self.answer, whole);
+        let answer = junit::case(&self.answer, answer);
         junit::suite(
             &name,
-            [whole].into_iter().chain(self.findings.iter().map(case)),
+            [answer].into_iter().chain(self.findings.iter().map(case)),
         )
     }
 }

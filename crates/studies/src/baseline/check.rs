@@ -83,7 +83,7 @@ fn answer(name: &str, mut cases: Vec<&CaseCheck>) -> Answer {
     for group in cases.chunk_by(|a, b| a.verdict == b.verdict) {
         let asks = group[0].verdict >= Verdict::Traded;
         let named = group.iter().take(if asks { NAMED } else { 0 });
-        let mut named: Vec<String> = named.map(|case| case.told(name)).collect();
+        let mut named: Vec<String> = named.map(|case| case.label(name)).collect();
         if asks && group.len() > NAMED {
             named.push("...".to_owned());
         }
@@ -226,7 +226,7 @@ impl CaseCheck {
     }
 
     /// The scene, with the choice where it is not `by` that the line is on.
-    fn told(&self, by: &str) -> String {
+    fn label(&self, by: &str) -> String {
         let case = match self.choice == by {
             true => self.scene.clone(),
             false => format!("{} by {}", self.scene, self.choice),

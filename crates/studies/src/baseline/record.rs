@@ -195,11 +195,14 @@ fn scene(
         let result = results.next();
         result.unwrap_or_else(|| Err(Ending::failed("the run is missing")))
     };
-    let whole = |choice: &str, result: RunResult| {
+    let finished = |choice: &str, result: RunResult| {
         let broken = |ending| StudyError::Broken(format!("{}, {choice}: {ending}", case.name));
         result.map_err(broken)
     };
-    let (fine, coarse) = (whole("converged", next())?, whole("converged", next())?);
+    let (fine, coarse) = (
+        finished("converged", next())?,
+        finished("converged", next())?,
+    );
     let gearbox = compile(&case.scene(&[])?.into_scene())?;
     let converged = converged(fine, &coarse, gearbox.error_scales().length);
     let mut cases = Vec::new();
@@ -218,9 +221,11 @@ fn scene(
             leave(reason);
             continue;
         }
-        let plain = whole(way.name, plain)?;
-        let varied: Result<Vec<_>, _> =
-            others.into_iter().map(|run| whole(way.name, run)).collect();
+        let plain = finished(way.name, plain)?;
+        let varied: Result<Vec<_>, _> = others
+            .into_iter()
+            .map(|run| finished(way.name, run))
+            .collect();
         let varied = varied?;
         // Share by which two runs differ in right-hand sides.
         let count = plain.costs.right_hand_sides;
