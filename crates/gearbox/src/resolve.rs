@@ -477,6 +477,9 @@ mod tests {
         // Runs that are equal by accident hide no distance before: 1 over 100 - 10, three times.
         let equal = refinement(1.0).error(of(0.0, 0.0), 10.0, before);
         assert!(near(equal.driver_torque, 3.0 / 90.0), "{equal:?}");
+        // Two runs of the torque that are near by accident know it no better than the forces.
+        let close = refinement(1.0).error(of(1e-3, 1e-7), 10.0, None);
+        assert_eq!(close.driver_torque, close.forces);
         // Never below a third of the distance.
         let steep = refinement(1.0).error(of(3e-3, 3e-3), 100.0, None);
         assert!(near(steep.forces, 1e-3));
