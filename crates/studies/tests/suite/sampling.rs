@@ -381,8 +381,7 @@ fn crossval_figures_are_within_their_bounds() {
                 let rows: Vec<usize> = series.window(begins, f64::INFINITY).collect();
                 series.select(&rows)
             };
-            let [own, other_cut, truth_cut] =
-                [&outcome.run.time_series, &other, &truth].map(|series| cut(series));
+            let [own, other_cut, truth_cut] = [&outcome.run.time_series, &other, &truth].map(cut);
             let off = gearbox.distance(&own, &truth_cut);
             let open = gearbox.distance(&other_cut, &truth_cut);
             type Part = fn(&Distance) -> f64;
