@@ -147,14 +147,22 @@ pub(crate) fn name_leftovers(path: &Path) {
     const MOST: usize = 100;
     static NAMED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let absolute = std::path::absolute(path).unwrap_or_default();
-    let mut left = leftovers(absolute.parent().unwrap_or(&absolute));
+    let here = std::env::current_dir().unwrap_or_default();
+    let mut folders = absolute.ancestors().skip(1);
+    let beside = folders.next();
+    // A draft stands higher up where the folder was not there yet.
+    let above = folders.take_while(|folder| folder.starts_with(&here));
+    let mut left: Vec<PathBuf> = beside
+        .into_iter()
+        .chain(above)
+        .flat_map(leftovers)
+        .collect();
     if let Ok(mut named) = NAMED.lock() {
         left.retain(|path| named.insert(path.clone()));
     }
     if left.is_empty() {
         return;
     }
-    let here = std::env::current_dir().unwrap_or_default();
     let words = left.iter().take(MOST).map(|path| {
         let short = path.strip_prefix(&here).unwrap_or(path);
         quoted(&short.display().to_string())
