@@ -11,7 +11,7 @@ const LONGEST_S: f64 = 2.0;
 /// Samples of a run by which most settings show that they do something, and the rest of it need not be made.
 const FIRST: f64 = 10.0;
 
-/// Returns the places in `sets` of those without which the run `found` is equal to the bit, in all samples, steps and evaluations. A
+/// Returns the places in `sets` of those without which the run `outcome` is equal to the bit, in all samples, steps and evaluations. A
 /// setting that no valid scene goes without is none of them, and no run of minutes or of another's solver is made again for this.
 ///
 /// # Errors
@@ -20,11 +20,11 @@ pub fn idle(
     spec: &str,
     sets: &[Override],
     engine: &dyn Engine,
-    found: &Outcome,
+    outcome: &Outcome,
     control: &Control<'_>,
 ) -> Result<Vec<usize>, Cancelled> {
-    let takes_long = found.run.stats.wall_s > LONGEST_S;
-    if takes_long || found.track != Track::Native || !found.run.ending.is_finished() {
+    let takes_long = outcome.run.stats.wall_s > LONGEST_S;
+    if takes_long || outcome.track != Track::Native || !outcome.run.ending.is_finished() {
         return Ok(Vec::new());
     }
     let at = control.piece(Progress::new(0, 1, "without single settings"));
@@ -35,7 +35,7 @@ pub fn idle(
         });
         short.map(|scene| engine.run(&scene, &at)).ok().transpose()
     };
-    let with = first(&found.scene)?;
+    let with = first(&outcome.scene)?;
     let mut idle = Vec::new();
     for place in 0..sets.len() {
         let others = [&sets[..place], &sets[place + 1..]].concat();
@@ -43,10 +43,10 @@ pub fn idle(
             continue;
         };
         let times = |scene: &Scene| scene.solver.sample_times_s();
-        let same = without == found.scene
-            || times(&without) == times(&found.scene)
+        let same = without == outcome.scene
+            || times(&without) == times(&outcome.scene)
                 && equal(with.as_ref(), first(&without)?.as_ref())
-                && equal(Some(&found.run), Some(&engine.run(&without, &at)?));
+                && equal(Some(&outcome.run), Some(&engine.run(&without, &at)?));
         idle.extend(same.then_some(place));
     }
     Ok(idle)

@@ -23,7 +23,7 @@ pub fn idle(plan: &Plan, records: &[RunRecord]) -> Vec<String> {
             && records.iter().enumerate().all(|(run, record)| {
                 let mut others = plan.places(run);
                 others[*place] = 0;
-                let own = found(record);
+                let own = outcome(record);
                 *groups.entry(others).or_insert(own) == own
             })
     });
@@ -39,7 +39,7 @@ pub fn idle(plan: &Plan, records: &[RunRecord]) -> Vec<String> {
 }
 
 /// Returns a hash of everything that a run gave but its costs.
-fn found(record: &RunRecord) -> u64 {
+fn outcome(record: &RunRecord) -> u64 {
     let alone = RunRecord {
         scene: String::new(),
         wall_s: 0.0,
