@@ -448,7 +448,7 @@ fn program_replaces_its_own_output_and_with_force_a_changed_one() {
     };
     done(run(&[]));
     // An earlier comparison there goes as a whole.
-    let compare = words("compare paper --engines native-reduced --out o");
+    let compare = words("compare paper --engines native-reduced,native-resolved --out o");
     done(run_in(dir.path(), compare.iter().chain(&SHORT)));
     assert!(out.join("native-reduced/courses.csv").is_file());
     done(run(&["--set", "name=second"]));
