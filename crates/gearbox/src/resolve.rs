@@ -474,9 +474,9 @@ mod tests {
         let seen = refinement(1.0).error(of(2e-3, 4.0), 10.0, before);
         assert!(near(seen.forces, 3.0 * 5e-3), "{seen:?}");
         assert!(near(seen.driver_torque, 3.0 * 5.0), "{seen:?}");
-        // Runs that are equal by accident hide no distance before: 1.25 over 100^(2/3) - 10^(2/3).
+        // Runs that are equal by accident hide no distance before: 1 over 100^(2/3) - 10^(2/3), three times.
         let equal = refinement(1.0).error(of(0.0, 0.0), 10.0, before);
-        let loose = 1.25 / (100_f64.powf(2.0 / 3.0) - 10_f64.powf(2.0 / 3.0));
+        let loose = 3.0 / (100_f64.powf(2.0 / 3.0) - 10_f64.powf(2.0 / 3.0));
         assert!(near(equal.driver_torque, loose), "{equal:?}");
         // Two runs of the torque that are near by accident know it no better than the forces.
         let close = refinement(1.0).error(of(1e-3, 1e-7), 10.0, None);
