@@ -38,6 +38,10 @@ pub fn idle(
     let with = first(&outcome.scene)?;
     let mut idle = Vec::new();
     for place in 0..sets.len() {
+        // Labels are there for people.
+        if ["name", "description"].contains(&sets[place].key()) {
+            continue;
+        }
         let others = [&sets[..place], &sets[place + 1..]].concat();
         let Ok(without) = Scene::load(spec, &others) else {
             continue;
