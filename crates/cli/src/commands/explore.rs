@@ -514,7 +514,9 @@ impl Explorer {
     fn compared(&self, scene: &CheckedScene) -> Result<(String, String), Failure> {
         let gearbox = Gearbox::new(scene).map_err(|error| Failure::input(error.to_string()))?;
         let engines = choice::engines(&[] as &[&str], scene)?;
-        let out = Path::new("out").join(format!("{}-compare", file_name(&scene.name)));
+        // Never in the place of what `compare` wrote for the file itself.
+        let name = format!("{}-explored-compare", args::label(&self.spec));
+        let out = Path::new("out").join(name);
         let folder = Folder::prepare(&out, false)?;
         let input = Input {
             gearbox: &gearbox,
