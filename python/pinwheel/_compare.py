@@ -73,14 +73,14 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
     def passed(self) -> bool:
         """True if the program would end with 0.
 
-        Something was shown of every engine and record of yours, or two engines agree where there is none; nothing differs, and
-        every engine that you named finished. `findings` says what was shown.
+        Something was shown of every engine and record of yours, or two engines agree where there is none. Nothing
+        differs, and every engine that you named finished. `findings` says what was shown.
         """
         return self._passed
 
     @property
     def findings(self) -> tuple[str, ...]:
-        """A line for each engine, record and limit of yours, or for all engines: agrees, differs, or nothing shown, and why."""
+        """A line for each engine, record and limit of yours, or for all engines: agrees, differs, or nothing shown."""
         return tuple(plain(finding["line"]) for finding in self.data["findings"])
 
     @property
@@ -165,7 +165,7 @@ def compare(
     """Runs a scene on several engines and compares every pair; without names on all that this Python has.
 
     Each engine also runs at coarser settings, which shows its numerical uncertainty; see docs/verdicts.md. An engine of
-    yours that raises ends in `EngineFailed`, with its exception as the cause and the comparison of all others as `comparison`.
+    yours that raises ends in `EngineFailed`, with its exception as the cause and the comparison as `comparison`.
     How every other engine ended is its status in the result.
 
     `against`: measured data or another program's, as (file, map); the map says which column is what, with its
