@@ -76,7 +76,7 @@ const WRITERS: [Writer; 16] = [
         &[],
     ),
     writer(
-        "compare paper --engines native --longest 1 --set solver.duration_s=0.004 --junit verdicts.xml --force --out out",
+        "compare paper --engines native-reduced,native-resolved --longest 1 --set solver.duration_s=0.004 --junit verdicts.xml --force --out out",
         "verdicts.xml",
         &[],
     ),
