@@ -1,5 +1,5 @@
-//! What numbers come from: a hash of all sources that a run's figures depend on, of the locked versions of libraries, and
-//! of the compiler and machine.
+//! Origin of a run's numbers: a hash of all sources that its figures depend on, of the locked versions of libraries,
+//! and of the compiler and machine.
 //!
 //! The program and the Python package, built from the same sources, know each other's runs by it; the file of the program
 //! itself would tell them apart.

@@ -1,5 +1,6 @@
 //! Tests across crates, in one program: they share its build and the machine.
 
+mod comments;
 mod crossval_limits;
 mod crossval_parry;
 mod crossval_rapier;

@@ -1,8 +1,8 @@
 //! Whole native runs: `cargo bench -p pinwheel-benches --bench native`.
 //!
-//! What these held when they were set, on one core of a 2-core virtual machine (EPYC, AVX-512), 0.6 s at
-//! 1e-5 s: reduced 0.09 s, Lagrange 0.34 s (limits asked for: 0.5 and 1.5 s); 4000 points cost what
-//! 600 points cost (at most 1.5 times).
+//! Times of these runs when they were set, on one core of a 2-core virtual machine (EPYC, AVX-512), 0.6 s at 1e-5 s:
+//! reduced 0.09 s, Lagrange 0.34 s (limits asked for: 0.5 and 1.5 s); 4000 points cost what 600 points cost (at most
+//! 1.5 times).
 
 use std::hint::black_box;
 

@@ -11,7 +11,7 @@ use std::time::Duration;
 use crate::failure::{Failure, STOPPED};
 
 static CANCEL: AtomicBool = AtomicBool::new(false);
-/// Whether something runs that looks at the flag.
+/// True if something runs that looks at the flag.
 static WATCHED: AtomicBool = AtomicBool::new(false);
 /// How long reading may take to see the flag by itself. A pipe that nobody writes to never does.
 const PATIENCE: Duration = Duration::from_secs(1);

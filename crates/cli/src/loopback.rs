@@ -236,7 +236,7 @@ fn watch(mut stream: &TcpStream, gone: &AtomicBool) {
     }
 }
 
-/// What a connection asks, or the status of why not.
+/// Reads the question of a connection; an inner error is the status of the refusal.
 fn question(stream: &mut TcpStream) -> io::Result<Result<Question, u16>> {
     let begun = Instant::now();
     let mut bytes = Vec::new();

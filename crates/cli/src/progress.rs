@@ -10,7 +10,7 @@ use pinwheel::studies::{Control, Progress};
 
 use crate::{interrupt, screen};
 
-/// What takes less than this needs no bar.
+/// Time that a task must take before it gets a bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Milliseconds between two redraws: engines report every sample, millions of them.
 const REDRAW_MS: u64 = 100;

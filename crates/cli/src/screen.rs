@@ -25,7 +25,7 @@ pub(crate) fn manner() -> Manner {
     MANNER.get().copied().unwrap_or_default()
 }
 
-/// What every study writes for programs.
+/// Name of the file that every study writes for programs.
 pub(crate) const SUMMARY: &str = "summary.json";
 
 /// Writes results to stdout, with a final newline.
@@ -74,7 +74,7 @@ pub(crate) fn show_found(text: &str, folder: &Path, file: &str) -> Result<(), Fa
     Ok(())
 }
 
-/// The same, and where its page is; on terminals that know links, one to click.
+/// Writes a study's text or JSON, and where its page is. On terminals that know links, the place is one to click.
 pub(crate) fn show_with_page(text: &str, page: &Path) -> Result<(), Failure> {
     let folder = page.parent().unwrap_or(page);
     show_found(text, folder, SUMMARY)?;
@@ -94,7 +94,7 @@ pub(crate) fn show_with_page(text: &str, page: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The same for what another program reads.
+/// Writes a value as JSON for other programs.
 pub(crate) fn show_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     let text = serde_json::to_string_pretty(value).map_err(|error| {
         Failure::input(format!(

@@ -19,21 +19,22 @@ const EQUAL: f64 = 1e-6;
 /// Fewest triangles at twice the spacing.
 const FEWEST: usize = 2;
 
-/// What a window leaves of the balance, N m.
+/// Remainder of the torque balance in a window, N m, and its bounds.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Balance {
     /// Mean of torque and load, less that of the acceleration.
     pub(crate) left_over: f64,
-    /// What quadrature may leave.
+    /// Bound of the error of the quadrature.
     pub(crate) quadrature: f64,
-    /// What the angle's rounding may leave.
+    /// Bound of the error from the rounding of the angle.
     pub(crate) rounding: f64,
 }
 
 /// Roundings of an angle that a step leaves at most; those of the steps between two samples add up as a random walk.
 const ROUNDINGS: f64 = 8.0;
 
-/// Of a run with so many `steps` between samples; `None` with too few equally spaced samples, or without a channel.
+/// Balance of a run with so many `steps` between samples; `None` with too few equally spaced samples, or without a
+/// channel.
 pub(crate) fn of(
     time_series: &TimeSeries,
     samples: Range<usize>,

@@ -74,11 +74,11 @@ pub struct EngineSummary {
     pub differences: String,
     /// How the run ended.
     pub status: Status,
-    /// What it cost.
+    /// Cost of the run.
     pub cost: Cost,
     /// Figures per window; empty unless finished.
     pub figures: Vec<Figures>,
-    /// What was judged of this engine alone; empty unless finished.
+    /// Verdicts about this engine alone; empty unless finished.
     pub judged: Vec<EngineEntry>,
     /// Its numerical uncertainty per window and quantity; empty where no evidence was given.
     #[serde(
@@ -115,10 +115,10 @@ impl EngineSummary {
     }
 }
 
-/// What a refinement study was and what it cost.
+/// Summary of a refinement study, and its cost.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RefinementSummary {
-    /// What is refined, and the order stated for it.
+    /// Refined setting, and the order stated for it.
     #[serde(flatten)]
     pub method: Method,
     /// The finest run's step (s) or tolerance.
@@ -190,7 +190,7 @@ pub struct EngineEntry {
     pub quantity: String,
     /// Window.
     pub window: WindowKind,
-    /// What was found.
+    /// Verdict with its figures.
     #[serde(flatten)]
     pub result: Assessment,
 }

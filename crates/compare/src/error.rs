@@ -1,4 +1,4 @@
-//! What can make a comparison impossible.
+//! Errors that make a comparison impossible.
 
 /// Faults of [`compare`](crate::compare). What merely cannot be judged is no error but a verdict
 /// with its reason.

@@ -82,7 +82,7 @@ fn check(a: &Participant, b: &Participant) -> Result<(), CompareError> {
     Ok(())
 }
 
-/// Whether two time series have the same sample times, but for a rounding.
+/// True if two time series have the same sample times to rounding.
 pub(crate) fn same(a: &TimeSeries, b: &TimeSeries) -> bool {
     a.len() == b.len()
         && rows_of(a, b).is_some_and(|rows| rows.iter().enumerate().all(|(k, &row)| k == row))

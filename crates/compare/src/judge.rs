@@ -14,7 +14,7 @@ use crate::validation::Budget;
 use crate::verdict::{self, Allowed, Assessment, Side, Verdict};
 use crate::windows::Window;
 
-/// What a verdict depends on besides the numbers.
+/// Inputs of a verdict besides the numbers.
 #[derive(Clone, Copy)]
 pub(crate) struct Judge<'a> {
     /// Limits, evidence, tolerances.
@@ -60,7 +60,7 @@ impl Negligible {
         }
     }
 
-    /// Of one quantity; `None` for what is neither a load nor an angle.
+    /// Negligible size of a quantity, in its unit; `None` for quantities that are neither a load nor an angle.
     pub(crate) fn below(&self, quantity: &Quantity) -> Option<f64> {
         match quantity.unit.as_str() {
             "N" => Some(self.force_n),
@@ -86,9 +86,9 @@ pub(crate) struct Case<'a> {
     pub(crate) quantity: &'a Quantity,
     pub(crate) window: &'a Window,
     pub(crate) metrics: &'a PairMetrics,
-    /// Of both sides; `None` where no evidence was given.
+    /// Uncertainties of both sides; `None` where no evidence was given.
     pub(crate) uncertainties: [Option<&'a QuantityUncertainty>; 2],
-    /// Whether samples may be held against samples.
+    /// True if runs may be compared sample by sample.
     pub(crate) pointwise: bool,
 }
 
@@ -126,8 +126,8 @@ impl<'a> Case<'a> {
 }
 
 impl Judge<'_> {
-    /// What is inconclusive, with nothing to act on where its participant says why it has to be so, or where the scene itself
-    /// parts runs by their roundings.
+    /// Marks an inconclusive verdict as one without an action, if its participant gives a final reason or if a rounding
+    /// parts runs of the scene itself.
     fn settled(&self, found: Assessment, pointwise: bool) -> Assessment {
         let own = found.participant.as_ref();
         let own = own.and_then(|name| self.rules.evidence_of(name));

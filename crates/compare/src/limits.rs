@@ -40,7 +40,7 @@ pub struct StatedLimit {
 /// some ten thousand for what 28 bodies and a solver add.
 pub const NEGLIGIBLE_SHARE: f64 = 1e-11;
 
-/// Whether `text` fits one of the alternatives of `pattern`.
+/// True if `text` fits one of the alternatives of `pattern`.
 #[must_use]
 pub fn fits(pattern: &str, text: &str) -> bool {
     pattern

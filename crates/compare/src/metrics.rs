@@ -12,7 +12,7 @@ use crate::sprague_geers::{self, SpragueGeers};
 use crate::uncertainty::Norm;
 use pinwheel_timeseries::norms::{self, View};
 
-/// What is held against a limit or an uncertainty. All are relative, free of direction and never negative.
+/// Figure that is held against a limit or an uncertainty. All are relative, free of direction and never negative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Metric {
     /// RMS of the difference over the larger of the two RMS, all channels jointly.
@@ -27,7 +27,7 @@ pub enum Metric {
     Rms,
     /// Sprague-Geers comprehensive error C, magnitude taken larger over smaller.
     SpragueGeers,
-    /// Of one engine alone: mean output torque against the load, over the load.
+    /// Mean output torque of one engine against the load, over the load.
     MeanAgainstLoad,
 }
 
@@ -111,8 +111,8 @@ impl Metric {
         self.row().label
     }
 
-    /// Whether it holds one run's samples against the other's, which means nothing once a rounding has driven two
-    /// runs of one solver apart.
+    /// True if the metric compares two runs sample by sample, which means nothing once a rounding has driven two runs
+    /// of one solver apart.
     #[must_use]
     pub fn is_pointwise(self) -> bool {
         matches!(self.row().norm, Norm::L2 | Norm::Linf)
@@ -132,7 +132,7 @@ impl Metric {
         }
     }
 
-    /// Those that judge a pair, in the order of a report.
+    /// Metrics that judge a pair, in the order of a report.
     pub fn of_pairs() -> impl Iterator<Item = Self> {
         let all = METRICS.iter().map(|row| row.metric);
         all.filter(|metric| *metric != Self::MeanAgainstLoad)
@@ -243,7 +243,7 @@ impl PairMetrics {
 }
 
 impl PairMetrics {
-    /// What an uncertainty in a norm is relative to, in the quantity's unit.
+    /// Reference size of an uncertainty in a norm, in the quantity's unit: the larger figure of the two runs.
     pub(crate) fn larger(&self, norm: Norm) -> Option<f64> {
         match norm {
             Norm::L2 | Norm::Rms => self.larger_rms,

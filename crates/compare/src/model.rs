@@ -10,7 +10,7 @@ use crate::metrics::Metric;
 use crate::participant::{Energy, Participant};
 use crate::windows::{Window, WindowKind};
 
-/// What difference is predicted between an engine and a native run.
+/// Predicted difference between an engine and a native run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Prediction {
@@ -41,7 +41,7 @@ pub struct ModelTolerance {
 }
 
 impl ModelTolerance {
-    /// Whether it is about this place.
+    /// True if the tolerance applies to this friction, window and quantity.
     pub(crate) fn applies(&self, friction: bool, window: WindowKind, quantity: &str) -> bool {
         let suits = match self.friction {
             Friction::Any => true,
@@ -105,7 +105,8 @@ mod tests {
         load_changes: 0,
     };
 
-    /// Of several accounts the one that shares most of the window, and none that shares half of both or less.
+    /// Chooses among several accounts the one that shares most of the window, and none that shares half of both or
+    /// less.
     #[test]
     fn the_account_is_of_the_window() {
         let of = |parts: &[(f64, f64, Option<f64>)]| {

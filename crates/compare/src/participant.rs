@@ -1,4 +1,4 @@
-//! What goes into a comparison: runs of several engines on one scene, and what is known of the scene.
+//! Inputs of a comparison: runs of several engines on one scene, and the known facts of the scene.
 
 use pinwheel_timeseries::TimeSeries;
 pub use pinwheel_timeseries::{Ending as Status, EnergyAudit as Energy, RunStats as Cost, Track};
@@ -21,14 +21,14 @@ pub struct Participant {
     pub differences: String,
     /// Its time series; shorter than the others', or empty, unless [`Status::Finished`].
     pub time_series: TimeSeries,
-    /// What the run cost.
+    /// Cost of the run.
     pub cost: Cost,
     /// How the run ended.
     pub status: Status,
 }
 
-/// What a comparison needs to know of the scene. Only `scene` and `duration_s` are needed for
-/// time series that are no gearbox's: what is `None` is left out of figures and verdicts.
+/// Facts of the scene that a comparison needs. Only `scene` and `duration_s` are needed for time series that are not of
+/// a gearbox. A figure or verdict whose fact is `None` is left out.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Context {
     /// Scene name.
@@ -56,7 +56,7 @@ pub struct Context {
     /// Time in which the start-up transient has decayed, s; `None` takes
     /// [`SETTLING_S`](crate::windows::SETTLING_S). 0 for a run that starts in equilibrium.
     pub settling_s: Option<f64>,
-    /// What a rounding does to the scene, where it was measured.
+    /// Measured effect of a rounding on the scene; `None` where it was not measured.
     pub divergence: Option<Divergence>,
     /// Sizes that tell a load from a rounding; what is `None` is taken from the time series themselves.
     #[serde(skip_serializing_if = "Scales::is_empty")]
@@ -99,7 +99,7 @@ impl Context {
         Some([load, self.output_inertia_kg_m2?])
     }
 
-    /// Whether time series can be compared sample by sample up to `to_s`.
+    /// True if time series can be compared sample by sample up to `to_s`.
     #[must_use]
     pub fn is_pointwise(&self, to_s: f64) -> bool {
         let horizon = self.divergence.as_ref().and_then(|d| d.horizon_s);

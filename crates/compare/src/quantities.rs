@@ -43,7 +43,7 @@ impl Quantity {
         }
     }
 
-    /// Whether time series have any of its channels.
+    /// True if time series have any of its channels.
     pub(crate) fn is_in(&self, time_series: &TimeSeries) -> bool {
         let mut channels = self.channels.iter();
         channels.any(|name| time_series.channel(name).is_some())
@@ -68,7 +68,7 @@ impl Quantity {
     }
 }
 
-/// What readers call a quantity of that name, and its unit; empty if unknown.
+/// Label of the quantity of that name for readers, and its unit; empty if unknown.
 #[must_use]
 pub fn label_and_unit(name: &str) -> (String, String) {
     let Quantity { label, unit, .. } = Quantity::new(name);

@@ -1,11 +1,11 @@
-//! What verdicts are made by.
+//! Rules by which verdicts are made.
 
 use crate::limits::StatedLimit;
 use crate::model::ModelTolerance;
 use crate::uncertainty::Evidence;
 use crate::validation::DataUncertainty;
 
-/// What verdicts are made by. `Rules::default()` has neither tables nor evidence.
+/// Rules by which verdicts are made. `Rules::default()` has neither tables nor evidence.
 #[derive(Debug, Clone, Copy)]
 pub struct Rules<'a> {
     /// Names of the participants that the user brought: solvers and records. [`findings`](crate::Comparison::findings) has a line

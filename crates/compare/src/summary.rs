@@ -20,7 +20,7 @@ use crate::uncertainty::{
 };
 use crate::windows::{Window, WindowKind};
 
-/// What rounding alone makes of a run, as a share.
+/// Error of a run due to rounding alone, as a share.
 fn floor(participant: &Participant, evidence: &Evidence, context: &Context) -> f64 {
     let walk = rounding_floor(participant.cost.steps);
     // What a rounding did to the scene where that was measured, unless it parts the runs altogether.

@@ -20,8 +20,8 @@ pub struct Budget {
     pub data: f64,
 }
 
-/// What the owner of measured data states of them; standard uncertainties, relative to the larger of simulation and
-/// data as the metric is.
+/// Uncertainties that the owner of measured data states: standard uncertainties, relative to the larger of simulation
+/// and data as the metric is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct DataUncertainty {
     /// Name of the measured participant.

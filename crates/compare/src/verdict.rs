@@ -11,7 +11,7 @@ use crate::metrics::Metric;
 use crate::uncertainty::{Estimate, Unresolved};
 use crate::validation::Budget;
 
-/// What follows from a difference.
+/// Conclusion from a difference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
@@ -38,7 +38,7 @@ impl Verdict {
     }
 }
 
-/// What a difference is held against.
+/// Kind of bound that a difference is held against.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Against {
@@ -70,7 +70,7 @@ impl Against {
 pub struct Assessment {
     /// The verdict.
     pub verdict: Verdict,
-    /// What the difference was held against.
+    /// Kind of bound that the difference was held against.
     pub against: Against,
     /// How the difference was measured; `None` where nothing was.
     pub metric: Option<Metric>,
@@ -82,7 +82,7 @@ pub struct Assessment {
     pub predicted: f64,
     /// Up to here the two agree; `None` where that is not known.
     pub bound: Option<f64>,
-    /// Of the bound, what the models may differ by.
+    /// Part of the bound that is the tolerance of the models.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
     /// Uncertainty of the first participant.
@@ -101,12 +101,12 @@ pub struct Assessment {
     /// The setting that would settle it.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub remedy: String,
-    /// Whether there is something to act on.
+    /// True if there is something to act on.
     pub actionable: bool,
-    /// What those are who can bring nothing sharper, e.g. `recordings`; empty for all others.
+    /// Plural name of participants that can bring nothing sharper, e.g. `recordings`; empty for all others.
     #[serde(skip)]
     pub group: &'static str,
-    /// Whether it decides about its quantity; others are shown beside those that do.
+    /// True if it decides about its quantity; others are shown beside those that do.
     pub decides: bool,
 }
 
@@ -179,7 +179,7 @@ impl Assessment {
         }
     }
 
-    /// What is inconclusive, with nothing to act on because its participant can bring nothing sharper.
+    /// Marks an inconclusive verdict as one without an action, because its participant can bring nothing sharper.
     pub(crate) fn beyond_settings(mut self, group: &'static str, reason: &str) -> Self {
         if self.verdict == Verdict::Inconclusive {
             self.reason = format!("{}; {reason}", self.reason);
@@ -196,7 +196,8 @@ impl Assessment {
         Some(self.u_a? + self.u_b?)
     }
 
-    /// What models differ by, or a model is off by: the difference with its uncertainty to both sides.
+    /// Interval of the difference of two models, or of the error of one: the difference with its uncertainty to both
+    /// sides.
     #[must_use]
     pub fn interval(&self) -> Option<[f64; 2]> {
         let half = match self.against {
@@ -264,9 +265,9 @@ pub struct Counts {
     pub inconclusive: usize,
     /// Not compared.
     pub not_compared: usize,
-    /// Of those that differ, those with something to act on: not the error of a model against a measurement.
+    /// Differing verdicts with something to act on: not the error of a model against a measurement.
     pub differ_actionable: usize,
-    /// Of those that are inconclusive, those that a setting would settle.
+    /// Inconclusive verdicts that a setting would settle.
     pub inconclusive_actionable: usize,
 }
 
@@ -283,7 +284,7 @@ impl Counts {
         *actionable += usize::from(one.actionable);
     }
 
-    /// Those that were compared.
+    /// Number of quantities that were compared.
     #[must_use]
     pub fn compared(&self) -> usize {
         self.agree + self.differ + self.inconclusive
@@ -415,7 +416,7 @@ fn too_blunt(found: Assessment, sum: f64, [a, b]: [&Side<'_>; 2], resolution: f6
     found.inconclusive(blunt.name, reason, remedy)
 }
 
-/// What two models are allowed to differ by.
+/// Permitted difference of two models.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Allowed {
     /// The difference that is predicted.

@@ -60,7 +60,7 @@ fn is_none(changes: &usize) -> bool {
 }
 
 impl Window {
-    /// What a reader must know of it beside its times, one sentence; `None`: nothing.
+    /// One sentence about the window that a reader must know beside its times; `None`: nothing.
     #[must_use]
     pub fn remark(&self) -> Option<String> {
         let word = self.kind.word();
@@ -247,7 +247,7 @@ mod tests {
         );
     }
 
-    /// What just fits is a window, of a run that begins late as well.
+    /// A window that just fits is there, also in a run that begins late.
     #[test]
     fn what_just_fits_is_a_window() {
         let late = |count: u32| {

@@ -23,7 +23,7 @@ const MAX_STEPS: usize = 12;
 
 /// Newton steps towards the point of the curve on a ray.
 const RAY_STEPS: usize = 3;
-/// What a point must lie beyond the curve to be outside for certain, relative to R.
+/// Distance that a point must lie beyond the curve to be outside for certain, relative to R.
 const RAY_MARGIN: f64 = 1e-12;
 /// How near the ray those steps must have come, relative to the distance of P: the bound of the radius is proved there
 /// (the steepest slope is at least 1e-3), and far from the ray it would be wrong.

@@ -60,13 +60,13 @@ pub struct LocalFeet<S: Simd> {
 const LONGEST: f64 = 0.3;
 /// Steps up to here need fewer terms, most of all for e^{id}, as zk is at least 3.
 const SHORT: f64 = 0.1;
-/// The same for a last step.
+/// Length up to which a last step needs the fewest terms.
 const LAST: f64 = 1e-4;
 /// Terms for e^{id} and e^{i zk d}.
 const ALL_TERMS: [usize; 2] = [5, 5];
 const SHORT_TERMS: [usize; 2] = [3, 4];
 const LAST_TERMS: [usize; 2] = [1, 1];
-/// What a last step may leave, as zk d.
+/// Largest remainder after a last step, as zk d.
 const SETTLED: f64 = 1e-14;
 /// Near the evolute Newton does not know how far to go: -f' counts as this share of g there, and nothing settles.
 const STEEP: f64 = 0.05;
@@ -159,8 +159,9 @@ impl Epitrochoid {
         }
     }
 
-    /// The same of points at `offset` (in units of R) from C(a0), in directions turned by a0, with `phase` = e^{i zs a0}: those
-    /// `present`, which need not be those that [`repulsion`](Self::repulsion) has outside for certain.
+    /// Feet of the points at `offset` (in units of R) from C(a0), in directions turned by a0, with `phase` = e^{i zs
+    /// a0}. Only lanes that are `present` are searched; those need not be the ones that [`repulsion`](Self::repulsion)
+    /// has outside for certain.
     #[must_use]
     #[inline(always)]
     pub fn local_feet<S: Simd>(

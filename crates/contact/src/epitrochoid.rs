@@ -70,7 +70,7 @@ pub struct Epitrochoid {
     pub(crate) steepest: f64,
     /// Share of the searches' tolerances that this curve needs, at most 1; see [`Epitrochoid::settling_share`].
     pub(crate) settling: f64,
-    /// What the search in lanes needs.
+    /// Constants of the search in lanes.
     pub(crate) search: Search,
 }
 
@@ -107,7 +107,7 @@ impl Epitrochoid {
         Some(curve)
     }
 
-    /// Whether it is what [`new`](Self::new) makes of these.
+    /// True if [`new`](Self::new) makes an equal curve of these parameters.
     #[must_use]
     pub fn is_of(&self, eccentricity: f64, sleeves: u32, shortening: f64) -> bool {
         (self.eccentricity, self.sleeves, self.shortening) == (eccentricity, sleeves, shortening)

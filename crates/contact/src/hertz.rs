@@ -9,7 +9,7 @@
 
 use pinwheel_faults::{Fault, factor};
 
-/// What elastic contacts know of a body.
+/// Elastic constants of a body in contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
     /// Young's modulus, Pa.
@@ -77,7 +77,7 @@ impl HertzStiffness {
         }
     }
 
-    /// Whether K changes with the curvature.
+    /// True if K changes with the curvature.
     #[must_use]
     pub fn is_curved(&self) -> bool {
         self.stages.is_none()

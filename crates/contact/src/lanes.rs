@@ -461,7 +461,7 @@ impl<S: Simd> Neg for Lanes<S> {
 const COS: [f64; 10] = inverse_factorials(20);
 const SIN: [f64; 10] = inverse_factorials(21);
 
-/// Of `last`, `last` - 2, ..., with alternating signs that end in -.
+/// Inverse factorials of `last`, `last` - 2, ..., with alternating signs that end in -.
 const fn inverse_factorials(last: u32) -> [f64; 10] {
     let mut of = [0.0; 10];
     let mut k = 0;

@@ -1,4 +1,5 @@
-//! What the formulas of contacts ask of a number, so that each stands once for one value and for several side by side.
+//! Operations on a number that the formulas of contacts need, so that each formula stands once for one value and for
+//! several side by side.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

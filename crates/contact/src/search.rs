@@ -1,6 +1,6 @@
 //! Constants of a curve for the search of closest points in lanes ([`crate::closest_lanes`]).
 
-/// What the search needs of a curve, in units of R.
+/// Constants of a curve that the search needs, in units of R.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Search {
     pub(crate) zk: f64,
@@ -12,7 +12,7 @@ pub(crate) struct Search {
     pub(crate) shortening: f64,
     /// H.
     pub(crate) repulsion: f64,
-    /// Of -f^(n)(0)/(n! zk^(n-1)) for n = 2 to 5: the constant and the factor of m cos or m sin.
+    /// Coefficients of -f^(n)(0)/(n! zk^(n-1)) for n = 2 to 5: the constant and the factor of m cos or m sin.
     pub(crate) series: [[f64; 2]; 4],
     /// Bound of |f'''|/(6 zk^2), for small r.
     pub(crate) third: f64,

@@ -1,4 +1,4 @@
-//! What is made once and kept: folders below the user's cache folder, whole or not there.
+//! Store of things that are made once and kept: folders below the user's cache folder, complete or absent.
 //!
 //! A folder is built beside its place and renamed when it is whole; a lock lets one process build while others wait. What
 //! an interrupted build leaves is removed by the next.
@@ -44,8 +44,8 @@ pub(crate) fn unless_stopped(cancel: &AtomicBool, failure: Halt) -> Halt {
     }
 }
 
-/// What was made in this process, or why it cannot be had, found out once: asking again for every engine of a comparison
-/// would only take time. A stop by the user is forgotten.
+/// Caches a resource, or the reason why it is unavailable, for the life of the process, so that every engine of a
+/// comparison need not retry. A stop by the user is not cached.
 pub(crate) struct Kept<T>(Mutex<Option<Result<T, Halt>>>);
 
 impl<T: Clone> Kept<T> {
@@ -94,7 +94,7 @@ pub(crate) struct Made<'a, T> {
     pub(crate) name: &'a str,
     /// For whoever waits.
     pub(crate) title: &'static str,
-    /// What is in a folder that is whole.
+    /// Reads the content of a folder that is complete.
     pub(crate) whole: &'a dyn Fn(&Path) -> Option<T>,
     /// Fills an empty folder.
     pub(crate) build: &'a dyn Fn(&Path, &Note) -> Result<(), Halt>,

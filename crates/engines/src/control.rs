@@ -108,13 +108,13 @@ impl<'a> Control<'a> {
         Self::new(cancel, &|_| {})
     }
 
-    /// The same for a run that is the piece `at` of a study.
+    /// Names the piece `at` of a study that the run is.
     #[must_use]
     pub fn piece(self, at: Progress<'a>) -> Self {
         Self { at, ..self }
     }
 
-    /// The same piece, stopped and observed by others.
+    /// Replaces the receiver of cancellation and progress.
     #[must_use]
     pub fn limited(
         self,
@@ -128,7 +128,7 @@ impl<'a> Control<'a> {
         }
     }
 
-    /// The same for a run of `duration_s`.
+    /// Sets the run's duration, s.
     #[must_use]
     pub fn lasting(self, duration_s: f64) -> Self {
         Self { duration_s, ..self }
@@ -141,7 +141,7 @@ impl<'a> Control<'a> {
         self.is_cancelled()
     }
 
-    /// Whether to stop.
+    /// True if the run has to stop.
     #[must_use]
     pub fn is_cancelled(&self) -> bool {
         self.cancel.load(Ordering::Relaxed)

@@ -50,7 +50,7 @@ impl Run {
         }
     }
 
-    /// The same with another ending.
+    /// Sets another ending.
     #[must_use]
     pub fn with_ending(self, ending: Ending) -> Self {
         Self { ending, ..self }
@@ -104,7 +104,7 @@ pub(crate) fn settled(ran: Result<Run, Halt>) -> Result<Run, Cancelled> {
     }
 }
 
-/// What is made smaller for more accuracy.
+/// Setting that is made smaller for more accuracy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Knob {
     /// `solver.step_s`.
@@ -147,7 +147,7 @@ impl Knob {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Refinement {
-    /// What is made smaller.
+    /// Setting that is made smaller.
     #[serde(rename = "key")]
     pub knob: Knob,
     /// Order of the error in it.
@@ -222,7 +222,7 @@ impl Refinement {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Engine: Send + Sync {
-    /// What is known of it without running it.
+    /// Facts of the engine that are known without running it.
     fn info(&self) -> EngineInfo<'_>;
     /// Version of the engine behind it.
     fn version(&self) -> String;
@@ -242,12 +242,12 @@ pub trait Engine: Send + Sync {
         self.info().name
     }
 
-    /// What it shares with the native solver.
+    /// Parts that the engine shares with the native solver.
     fn track(&self) -> Track {
         self.info().track
     }
 
-    /// Whether it honours the scene.
+    /// Checks that the engine honours the scene.
     ///
     /// # Errors
     /// As [`prepare`](Self::prepare).
@@ -263,8 +263,8 @@ pub trait Engine: Send + Sync {
         self.run_after(&mut None, scene, control)
     }
 
-    /// The same after another run, whose gearbox is `last`; afterwards it is this run's. What like gears have in common is
-    /// not computed again, and nothing else depends on it.
+    /// Runs a scene like [`run`](Self::run), but reuses parts of the gearbox `last` of an earlier run where they are
+    /// equal. On return `last` is the gearbox of this run. Results do not depend on it.
     ///
     /// # Errors
     /// As [`run`](Self::run).
@@ -280,7 +280,7 @@ pub trait Engine: Send + Sync {
         }
     }
 
-    /// The same for a scene that is compiled.
+    /// Prepares and runs a compiled scene.
     ///
     /// # Errors
     /// As [`run`](Self::run).

@@ -1,4 +1,4 @@
-//! What stands in for a scene's contact law in engines that resolve contacts themselves, as settings of a native run.
+//! Settings of a native run that stand in for a scene's contact law in engines that resolve contacts themselves.
 //!
 //! Such an engine has springs of its own. The native solver with the same springs is its twin: what the two differ by is a
 //! fault of one of them, what the twin differs by from the scene's law is a difference of models.
@@ -10,7 +10,7 @@ use pinwheel_scene::{Scene, load_course};
 use pinwheel_timeseries::Ending;
 
 #[cfg(any(feature = "rapier", feature = "python"))]
-/// What an engine cannot honour that holds its wheels by revolutes.
+/// Refuses scenes that an engine cannot honour if it holds its wheels by revolutes.
 pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
     let bearings = &scene.bearings;
     if bearings.eccentric.is_some() {
@@ -36,7 +36,7 @@ pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
 }
 
 #[cfg(any(feature = "rapier", feature = "python"))]
-/// What an engine cannot honour whose contacts are springs of its own, besides.
+/// Refuses scenes that an engine cannot honour if it has contact springs of its own and holds its wheels.
 pub(crate) fn pins_are_rigid(scene: &Scene) -> Result<(), Ending> {
     wheels_are_held(scene)?;
     if scene.bearings.internal_sleeve_stiffness_n_m.is_none() {

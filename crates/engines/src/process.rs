@@ -45,7 +45,7 @@ pub(crate) enum End {
 pub(crate) struct Ended {
     pub(crate) end: End,
     pub(crate) wall_s: f64,
-    /// Of the program and what it waited for, where the system tells.
+    /// CPU time of the program and of the children that it waited for, s, where the system gives it.
     pub(crate) cpu_s: Option<f64>,
 }
 
@@ -257,7 +257,7 @@ fn signal(pid: u32, which: Signal) {
 #[cfg(not(unix))]
 fn signal(_pid: u32, _which: Signal) {}
 
-/// Whether it has ended, without taking its number from it.
+/// True if the process has ended, without reaping it.
 #[cfg(unix)]
 fn has_ended(child: &mut Child) -> bool {
     use rustix::process::{Pid, WaitId, WaitIdOptions, waitid};
@@ -292,7 +292,7 @@ fn cpu_s(_pid: u32) -> Option<f64> {
     None
 }
 
-/// What came through a pipe.
+/// Bytes from a pipe.
 pub(crate) struct Piece {
     pub(crate) bytes: Vec<u8>,
     pub(crate) stderr: bool,

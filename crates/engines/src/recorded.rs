@@ -52,7 +52,7 @@ pub struct Recording {
     pub stats: RunStats,
     /// The whole scene.
     pub scene: Scene,
-    /// What its quantities are uncertain by, window by window; empty where no setting refines the engine.
+    /// Uncertainties of the recorded quantities, window by window; empty where no setting refines the engine.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub uncertainty: Vec<RecordedUncertainty>,
     /// The time series, at samples [`SAMPLE_S`] apart.
@@ -153,8 +153,8 @@ impl Recording {
         text
     }
 
-    /// Whether a run of `scene` would be this recording, or its beginning: all keys agree but those that
-    /// name the scene, belong to the native solver, or choose samples.
+    /// True if a run of `scene` would be this recording, or its beginning: all keys agree but those that name the
+    /// scene, belong to the native solver, or choose samples.
     fn is_of(&self, scene: &Scene) -> bool {
         let refinement = registry::info(&self.engine).and_then(|info| info.refinement);
         let by_tolerance = refinement.is_some_and(|refined| refined.knob == Knob::Tolerance);
@@ -209,7 +209,7 @@ fn trimmed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// Whether a run resolves its scene well enough to be kept.
+/// Checks that a run resolves its scene well enough to be kept.
 ///
 /// # Errors
 /// Why not, in words.
@@ -272,7 +272,7 @@ pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
         .collect()
 }
 
-/// Whether an engine may be missing in a build or on a machine, so that recordings of it are of use.
+/// True if an engine may be missing in a build or on a machine, so that recordings of it are of use.
 #[must_use]
 pub fn may_be_missing(engine: &str) -> bool {
     registry::info(engine).is_some_and(|info| info.feature == Some("crossval"))

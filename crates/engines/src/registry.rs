@@ -23,14 +23,14 @@ pub enum Form {
     Resolved,
 }
 
-/// What is known of an engine without running it.
+/// Facts of an engine that are known without running it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EngineInfo<'a> {
     /// As typed by users, kebab-case, with what it shares in the names of others' engines.
     pub name: &'a str,
     /// The name where what it shares is said beside it.
     pub short: &'a str,
-    /// What it shares with the native solver.
+    /// Parts that the engine shares with the native solver.
     pub track: Track,
     /// One line.
     pub summary: &'a str,
@@ -43,13 +43,13 @@ pub struct EngineInfo<'a> {
     pub floor: f64,
     /// Error that none of its coarser runs show, as a share of its tolerance.
     pub unseen: f64,
-    /// What it has in place of the scene's contact law.
+    /// Contacts that the engine has in place of the scene's contact law.
     pub own_contact: OwnContact,
     /// How far a contact model of its own is from ours.
     pub model: &'a [ModelTolerance],
-    /// Whether friction is evaluated explicitly, so that it takes short steps to resolve it.
+    /// True if friction is evaluated explicitly, so that it takes short steps to resolve it.
     pub explicit_friction: bool,
-    /// Whether it runs in a process of its own, whose CPU time is not this one's.
+    /// True if the engine runs in a process of its own, whose CPU time is not this one's.
     pub outside: bool,
     /// True for a solver of the user's: a comparison has to show something of it.
     pub brought: bool,
@@ -370,12 +370,12 @@ fn boxed(engine: impl Engine + 'static) -> Option<Box<dyn Engine>> {
     Some(Box::new(engine))
 }
 
-/// What is known of all engines of this project, in this build or another.
+/// Facts of all engines of this project, in this build or another.
 pub fn known() -> impl Iterator<Item = &'static EngineInfo<'static>> {
     ROWS.iter().map(|(info, _)| *info)
 }
 
-/// The same of the engine of a name; `None` for users' engines.
+/// Facts of the engine of a name; `None` for users' engines.
 #[must_use]
 pub fn info(name: &str) -> Option<&'static EngineInfo<'static>> {
     known().find(|info| info.name == name)

@@ -1,5 +1,5 @@
-//! What native-resolved aims at holds, whatever step, method and tolerance the scene itself names; and recorded engines with contacts
-//! of their own carry what it does with these.
+//! Checks of native-resolved: its target holds whatever step, method and tolerance the scene itself names, and recorded
+//! engines with contacts of their own carry its results with these.
 
 use pinwheel_engines::{Control, Engine, Native, OwnContact, Run, recorded};
 use pinwheel_gearbox::{Gearbox, native};

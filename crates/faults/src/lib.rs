@@ -42,7 +42,7 @@ impl Fault {
     ];
 }
 
-/// Whether `fault` acts in this thread.
+/// True if `fault` acts in this thread.
 #[cfg(not(feature = "inject"))]
 #[must_use]
 #[inline(always)]
@@ -78,7 +78,7 @@ mod switch {
         static ACTING: Cell<Option<Fault>> = const { Cell::new(None) };
     }
 
-    /// Whether `fault` acts in this thread.
+    /// True if `fault` acts in this thread.
     #[must_use]
     #[inline]
     pub fn armed(fault: Fault) -> bool {

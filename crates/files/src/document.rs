@@ -115,7 +115,7 @@ pub struct Document<'t> {
     pub root: Entries<'t>,
 }
 
-/// What stands at a key.
+/// Value at a key, with its place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Item<'t> {
     /// Line of the key, the first being 1.
@@ -151,7 +151,7 @@ impl<'t> Document<'t> {
         Ok(Self { file, root })
     }
 
-    /// What stands at a key of the top.
+    /// Returns the item at a key of the top.
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&Item<'t>> {
         let found = self.root.iter().find(|(name, _)| name == key);
@@ -224,7 +224,7 @@ impl<'t> Node<'t> {
         }
     }
 
-    /// What it is, in words.
+    /// Kind of the node, or its value, in words.
     #[must_use]
     pub fn words(&self) -> String {
         match self {

@@ -1,4 +1,4 @@
-//! What can be wrong with a file that somebody wrote. Every message is one line: where, what, and the remedy.
+//! Errors in a file that somebody wrote. Every message is one line: where, what, and the remedy.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ pub struct FileError {
     pub file: String,
     /// Line, the first being 1; `None` where the fault is in no line.
     pub line: Option<usize>,
-    /// What is wrong, with the key where it is one.
+    /// Description of the fault, with the key where it is one.
     pub what: String,
     /// How to put it right.
     pub remedy: String,
@@ -26,7 +26,7 @@ impl FileError {
         }
     }
 
-    /// The same in a line.
+    /// Sets the line of the fault.
     #[must_use]
     pub fn in_line(self, line: usize) -> Self {
         Self {
@@ -48,7 +48,7 @@ impl fmt::Display for FileError {
 
 impl std::error::Error for FileError {}
 
-/// What is wrong, and the remedy.
+/// Fault, and the remedy.
 pub type Broken = (String, String);
 
 /// A rule that a file must keep: `what` says what is wrong where it does not.
@@ -68,7 +68,8 @@ pub fn one_line(text: &str) -> String {
     cut(text, 400)
 }
 
-/// The same with as many characters as are wanted.
+/// Returns the first `longest` characters of the text on one line, control characters made visible; an ellipsis marks
+/// the cut.
 #[must_use]
 pub fn cut(text: &str, longest: usize) -> String {
     let mut line = String::new();

@@ -72,7 +72,8 @@ pub fn file_name(name: &str) -> String {
     text
 }
 
-/// Whether a character acts on what shows it instead of being shown: controls, and what turns the direction of text after it.
+/// True if a character acts on the program that shows it instead of being shown: controls, and characters that turn the
+/// direction of text after them.
 #[must_use]
 pub fn steers(c: char) -> bool {
     c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')

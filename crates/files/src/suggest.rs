@@ -33,7 +33,7 @@ pub fn did_you_mean(typed: &str, known: &[&str]) -> String {
     }
 }
 
-/// Whether `text` fits `pattern`, in which `*` stands for any characters.
+/// True if `text` fits `pattern`, in which `*` stands for any characters.
 #[must_use]
 pub fn fits(pattern: &str, text: &str) -> bool {
     // With one place to fall back to: a pattern of many `*`, which a file may hold, takes no longer than others.

@@ -1,11 +1,12 @@
 //! The C interface: the functions of FMI 2.0 for co-simulation, by the names, types and numbers of the standard. All `unsafe` of
 //! this crate is in this file and in those below it.
 //!
-//! What importers promise, and no code can check: texts end in a zero byte; arrays hold as many values as are said, aligned, and
-//! used by nobody else during the call; the logger is the standard's and outlives the unit. Everything else is checked: a
-//! component and a state are numbers that are never used twice, not addresses, so that one that was freed or made up is refused;
-//! null addresses are refused; no panic gets out. A call that is refused tells the logger why, returns `fmi2Error`, and the unit
-//! stays what it was. The memory is our own, not the importer's.
+//! Importers promise some facts that no code can check: texts end in a zero byte; arrays hold as many values as are
+//! said, aligned, and used by nobody else during the call; the logger is the standard's and outlives the unit.
+//! Everything else is checked: a component and a state are numbers that are never used twice, not addresses, so that
+//! one that was freed or made up is refused; null addresses are refused; no panic gets out. A call that is refused
+//! tells the logger why, returns `fmi2Error`, and the unit stays what it was. The memory is our own, not the
+//! importer's.
 
 #![allow(unsafe_code)]
 
@@ -32,7 +33,7 @@ const ERROR: c_int = 3;
 /// `fmi2CoSimulation` of `fmi2Type`.
 const CO_SIMULATION: c_int = 1;
 
-/// What the logger writes: environment, instance, status, category, message in printf's form, its arguments.
+/// Signature of the logger: environment, instance, status, category, message in printf's form, its arguments.
 type Log =
     unsafe extern "C" fn(*mut c_void, *const c_char, c_int, *const c_char, *const c_char, ...);
 
@@ -51,7 +52,7 @@ pub struct Callbacks {
     pub environment: *mut c_void,
 }
 
-/// What the importer holds: only ever a number in the shape of an address.
+/// Handle that the importer holds: only ever a number in the shape of an address.
 pub type Component = *mut c_void;
 /// Likewise.
 pub type State = *mut c_void;
@@ -217,7 +218,7 @@ pub extern "C" fn fmi2GetVersion() -> *const c_char {
     c"2.0".as_ptr()
 }
 
-/// Whether the logger hears of more than refusals.
+/// Sets whether the logger hears of more than refusals.
 ///
 /// # Safety
 /// `categories`: null or `count` texts; they are not read: there is one category.

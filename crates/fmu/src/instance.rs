@@ -54,13 +54,13 @@ impl Phase {
     }
 }
 
-/// What the next calls depend on besides the gear.
+/// State besides the gear on which the next calls depend.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Prescribed {
     phase: Phase,
     /// By value reference.
     values: Vec<f64>,
-    /// Of inputs, a second; for the next step alone.
+    /// Slopes of inputs, a second; for the next step alone.
     slopes: Vec<f64>,
     start_s: f64,
     stop_s: Option<f64>,
@@ -82,7 +82,7 @@ pub struct Instance {
     model: Arc<Model>,
     prescribed: Prescribed,
     gear: Option<CoSimulation>,
-    /// What was observed at the time reached.
+    /// Observation at the time reached.
     seen: Option<(Shafts, Vec<f64>)>,
 }
 
@@ -343,7 +343,7 @@ impl Instance {
         self.step_unless(from_s, step_s, &|| false)
     }
 
-    /// The same, for as long as it is not `cancelled`, which is asked on the way.
+    /// `fmi2DoStep`, which ends early once `cancelled` is true. It is asked on the way.
     ///
     /// # Errors
     /// As [`step`](Self::step), or cancelled.
@@ -434,7 +434,7 @@ impl Instance {
     /// `fmi2GetFMUstate`: everything, to the bit.
     ///
     /// # Errors
-    /// What should not happen: a state that cannot be written.
+    /// Returns a refusal that should not happen: a state that cannot be written.
     pub fn save(&mut self) -> Result<Vec<u8>, Refusal> {
         let saved = Saved {
             guid: self.model.guid().to_owned(),

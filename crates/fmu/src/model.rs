@@ -1,4 +1,4 @@
-//! What a unit holds: a scene, and the variables that follow from it.
+//! Content of a unit: a scene, and the variables that follow from it.
 
 use std::path::Path;
 
@@ -15,7 +15,7 @@ pub(crate) const SCENE_FILE: &str = "scene.toml";
 /// Parts of a scene whose numbers are parameters.
 const TUNED: [&str; 3] = ["gear.", "contact.", "mass."];
 
-/// What a variable stands for.
+/// Quantity that a variable stands for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum What {
     /// A number of the scene, by its key: a fixed parameter.
@@ -24,9 +24,9 @@ pub enum What {
     Tolerance,
     /// How the gear is held: a fixed Boolean parameter.
     Flag(Flag),
-    /// What holds it: an input.
+    /// Input that holds it.
     Input(Input),
-    /// Of the shafts: an output.
+    /// Output of the shafts.
     Shaft(Shaft),
     /// A column of a run, by its number: an output.
     Column(usize),
@@ -46,13 +46,13 @@ pub enum Flag {
 /// See [`SHAFTS`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Input {
-    /// Of the input shaft, rad/s.
+    /// Speed of the input shaft, rad/s.
     DriveSpeed,
     /// On the input shaft, N m.
     DriveTorque,
     /// On the output shaft, N m.
     LoadTorque,
-    /// Of the output shaft, rad/s.
+    /// Speed of the output shaft, rad/s.
     LoadSpeed,
 }
 
@@ -69,11 +69,11 @@ impl Input {
 /// See [`SHAFTS`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shaft {
-    /// Of the input, rad.
+    /// Angle of the input, rad.
     InputAngle,
-    /// Of the input, rad/s.
+    /// Speed of the input, rad/s.
     InputSpeed,
-    /// Of the output, rad/s.
+    /// Speed of the output, rad/s.
     OutputSpeed,
     /// From outside on the output, N m.
     Load,
@@ -121,16 +121,16 @@ const COLUMNS: &[(&str, (), &str)] = rows! {
 pub struct Variable {
     /// Ends in its unit; keys of the scene as they are there.
     pub name: String,
-    /// What it is, with sign.
+    /// Meaning of the variable, with sign.
     pub about: String,
-    /// What it stands for.
+    /// Quantity that the variable stands for.
     pub what: What,
-    /// What it holds at first; of Booleans 0 or 1, of outputs nothing.
+    /// First value; of Booleans 0 or 1, of outputs nothing.
     pub start: f64,
 }
 
 impl Variable {
-    /// Whether it is a Boolean.
+    /// True if it is a Boolean.
     #[must_use]
     pub fn is_boolean(&self) -> bool {
         matches!(self.what, What::Flag(_))
@@ -177,7 +177,7 @@ impl Variable {
         Some(size.abs()).filter(|size| *size > 0.0)
     }
 
-    /// Whether it is computed.
+    /// True if it is computed.
     #[must_use]
     pub fn is_output(&self) -> bool {
         matches!(self.what, What::Shaft(_) | What::Column(_))
@@ -197,7 +197,7 @@ impl Model {
     /// The model of a unit's resources.
     ///
     /// # Errors
-    /// What is missing or wrong.
+    /// Returns the part that is missing or wrong.
     pub fn read(resources: &Path) -> Result<Self, String> {
         let path = resources.join(SCENE_FILE);
         let text = std::fs::read_to_string(&path)
@@ -250,7 +250,7 @@ impl Model {
         &self.variables
     }
 
-    /// What tells units apart: a hash of the scene, its variables and the version.
+    /// Identifier of the unit: a hash of the scene, its variables and the version.
     #[must_use]
     pub fn guid(&self) -> &str {
         &self.guid

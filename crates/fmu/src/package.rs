@@ -38,18 +38,18 @@ pub enum PackageError {
     Unit(String),
 }
 
-/// What a unit says of its origin.
+/// Origin that a unit states.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Imprint {
-    /// Of the model.
+    /// Author of the model.
     pub author: String,
     /// When it was made.
     pub made: SystemTime,
 }
 
 impl Imprint {
-    /// Of now, or of the time that `SOURCE_DATE_EPOCH` names [reproducible-builds.org]; those who make Pinwheel stand for an
-    /// author who is not named.
+    /// Origin of the present time, or of that which `SOURCE_DATE_EPOCH` names [reproducible-builds.org]; those who make
+    /// Pinwheel stand for an author who is not named.
     ///
     /// # Errors
     /// A `SOURCE_DATE_EPOCH` that is no time.
@@ -308,7 +308,7 @@ impl Package {
         })
     }
 
-    /// What tells it from others.
+    /// Identifier of the unit.
     #[must_use]
     pub fn guid(&self) -> &str {
         self.model.guid()
@@ -335,7 +335,7 @@ impl Package {
     /// The archive.
     ///
     /// # Errors
-    /// What should not happen: an archive that cannot be written to memory.
+    /// Returns an error that should not happen: an archive that cannot be written to memory.
     pub fn bytes(&self) -> Result<Vec<u8>, PackageError> {
         self.archive()
             .map_err(|what| PackageError::Unit(format!("the unit cannot be written: {what}")))

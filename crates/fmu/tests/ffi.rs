@@ -13,7 +13,7 @@ use pinwheel_scene::Scene;
 
 static HEARD: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-/// What an importer is told; variable arguments are never used.
+/// Logger of an importer; variable arguments are never used.
 unsafe extern "C" fn hear(
     _environment: *mut c_void,
     name: *const c_char,

@@ -31,7 +31,7 @@ fn gearbox(scene: &str, sets: &[&str]) -> Gearbox {
     Gearbox::new(&Scene::load(scene, &sets).expect(scene)).expect("gearbox")
 }
 
-/// Of what a description has to escape.
+/// Imprint with characters that a description has to escape.
 fn imprint() -> Imprint {
     Imprint::here(Some("A. \"B\" & C")).expect("imprint")
 }

@@ -53,7 +53,7 @@ const COMPARED: [&str; 4] = [
     "external_sleeve_force_n[4]",
 ];
 
-/// What a unit differs from `run` by, relative L2 over the samples that both have, at this communication step.
+/// Difference of a unit from `run`, relative L2 over the samples that both have, at this communication step.
 fn against_run(scene: &str, sets: &[&str], step_s: f64) -> f64 {
     let model = model(scene, sets);
     let gearbox = Gearbox::new(model.scene()).expect("gearbox");
@@ -290,7 +290,7 @@ fn crossval_torque_in_gives_back_the_speed_it_came_from() {
     assert!(errors[0] < 0.1 && errors[1] < errors[0] / 3.0, "{errors:?}");
 }
 
-/// The same on the output: the speed that a load leads to, prescribed, takes that load.
+/// A speed that results from a load, prescribed on the output, takes that load.
 #[test]
 fn crossval_speed_out_takes_the_load_it_came_from() {
     let model = model(
@@ -377,7 +377,8 @@ fn parameters_and_loads_are_those_of_a_scene_that_has_them() {
     }
 }
 
-/// Of the paper's gear: 52.34 rad/s, 22 N m, ratio 15, two wheels, e = 2.8 mm, 16 external sleeves, 8 internal at 38 mm.
+/// Nominal values of the paper's gear: 52.34 rad/s, 22 N m, ratio 15, two wheels, e = 2.8 mm, 16 external sleeves, 8
+/// internal at 38 mm.
 const NOMINAL: [(&str, f64); 6] = [
     ("gear.eccentricity_m", 0.0028),
     ("load_torque_n_m", 22.0),

@@ -1,7 +1,7 @@
 //! `integrator = "auto"`: the method, step and tolerance that a scene's forces ask for, and why.
 //!
-//! What is planned here is a good first try, from [`Frequencies`]; [`resolve`](crate::resolve) verifies it on the run
-//! itself, refines it, and falls back on the next plan of the [`chain`] where it fails.
+//! A plan is a good first try, from [`Frequencies`]; [`resolve`](crate::resolve) verifies it on the run itself, refines
+//! it, and falls back on the next plan of the [`chain`] where it fails.
 
 use pinwheel_mbs::integrators::{Family, method};
 
@@ -65,19 +65,19 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Whether the tolerance sets its steps.
+    /// True if the tolerance sets the plan's steps.
     #[must_use]
     pub fn adaptive(&self) -> bool {
         method(self.integrator).is_some_and(|method| method.adaptive)
     }
 
-    /// What its method does with the equations.
+    /// Family of the plan's method: the way in which it uses the equations.
     #[must_use]
     pub fn family(&self) -> Option<Family> {
         method(self.integrator).map(|method| method.family)
     }
 
-    /// What sets its steps, in words.
+    /// Setting that determines the plan's steps, in words.
     #[must_use]
     pub fn setting(&self) -> String {
         if self.adaptive() {
@@ -87,7 +87,7 @@ impl Plan {
         }
     }
 
-    /// The same with the setting `factor` times finer (below 1: coarser).
+    /// Plan with the setting `factor` times finer (below 1: coarser).
     #[must_use]
     pub(crate) fn finer(&self, factor: f64) -> Self {
         let mut plan = self.clone();
@@ -115,7 +115,8 @@ impl Plan {
         Ok(applied?)
     }
 
-    /// The same for a run that is only looked at by another: where steps end at what is seen, it sees half as much.
+    /// The gearbox with these settings for a run that only serves to judge another. Where steps end at samples, it has
+    /// half as many of them.
     ///
     /// # Errors
     /// As [`applied`](Self::applied).
@@ -133,7 +134,7 @@ impl Plan {
         Ok(sparse?)
     }
 
-    /// What bounds its run.
+    /// Limits of the plan's run.
     pub(crate) fn limits(&self) -> Limits {
         Limits {
             longest_step_s: self.longest_step_s,
@@ -447,7 +448,7 @@ mod tests {
         assert_eq!(names(points, FrictionLaw::Regularised), ["imex2", "rk4"]);
     }
 
-    /// What a target means for each method: tolerances in proportion, fixed steps by its root.
+    /// A target gives each method its settings: tolerances in proportion, fixed steps by its root.
     #[test]
     fn settings_follow_the_promise() {
         let mut scene = Scene::paper();

@@ -82,8 +82,8 @@ mod tests {
         }
     }
 
-    /// What a gear holds before it turns anything over: by hand for the paper's, whose load twists it, and for one without load,
-    /// which the least force does.
+    /// The elastic energy of a gear counts before it turns anything over: by hand for the paper's, whose load twists
+    /// it, and for one without load, with the least force in its place.
     #[test]
     fn what_is_held_counts_as_turned_over() {
         let held = |load: f64| {

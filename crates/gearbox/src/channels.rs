@@ -17,7 +17,7 @@ const ARCMIN: f64 = 180.0 * 60.0 / std::f64::consts::PI;
 /// Takes a wheel and the sleeve that touches it.
 pub type Visit<'a> = &'a mut dyn FnMut(usize, Sleeve);
 
-/// What an engine knows of its contacts at a sample.
+/// Source of the figures of contacts that an engine knows at a sample.
 pub trait PairSource {
     /// A pair at its closest points, touching or not; `None` if the engine does not know it.
     fn pair(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> Option<PairContact>;
@@ -63,7 +63,7 @@ impl PairSource for LawPairs<'_> {
     }
 }
 
-/// What an engine knows at a sample.
+/// State that an engine knows at a sample.
 pub struct Seen<'a> {
     /// All bodies.
     pub bodies: &'a [BodyState],
@@ -88,7 +88,7 @@ pub(crate) struct Values {
     /// Where each pair of the gear stands among them, by its [`number`].
     known: Vec<Option<usize>>,
     found: Vec<Option<PairContact>>,
-    /// Whether a channel asks for what pairs are without contact.
+    /// True if a channel needs the figures of pairs without contact.
     needs_gaps: bool,
     /// Sleeves that press on each wheel: external, internal.
     contacts: Vec<[usize; 2]>,
@@ -277,7 +277,7 @@ impl Values {
     }
 }
 
-/// Of a pair among those of all wheels and bodies.
+/// Number of a pair among those of all wheels and bodies.
 fn number(layout: Layout, (wheel, sleeve): (usize, Sleeve)) -> usize {
     wheel * layout.bodies() + layout.sleeve_body(sleeve)
 }

@@ -5,8 +5,8 @@
 //! output shaft:  torque T(t) applied, or speed prescribed
 //! u(t) = value + slope (t - from),  from one communication point to the next
 //! ```
-//! What is held acts from a communication point on, where it may jump; there the method starts anew. As long as it stays what it
-//! was, the method goes on with its own steps and its history, so that the error is that of a run.
+//! A prescribed value acts from a communication point on, where it may jump; there the method starts anew. As long as
+//! it stays what it was, the method goes on with its own steps and its history, so that the error is that of a run.
 //!
 //! The usual gear (speed in, torque out) takes the same forces as a run. Where the input is free or the output is not, moments
 //! are summed over all bodies and slopes are differences: more evaluations, the same motion.
@@ -27,7 +27,7 @@ use crate::{Gearbox, GearboxError, Layout, Recorder, guard};
 /// A motion is looked at after so many steps, and at communication points.
 const LOOK: u32 = 4096;
 
-/// What a shaft is held by.
+/// Kind of prescribed value of a shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Prescribed {
     /// Its speed, rad/s.
@@ -37,7 +37,7 @@ pub enum Prescribed {
 }
 
 impl Prescribed {
-    /// What counts where the speed is prescribed, or where a torque is.
+    /// Returns `by_speed` where the speed is prescribed, `by_torque` where a torque is.
     fn choose<T>(self, by_speed: T, by_torque: T) -> T {
         match self {
             Self::BySpeed => by_speed,
@@ -75,7 +75,7 @@ pub struct Setup {
     pub speeds_rad_s: [f64; 2],
     /// Torque on the output beside the scene's load at t = 0, N m.
     pub torque_n_m: f64,
-    /// Whether the scene's load, with its ramp and changes, acts on the output too.
+    /// True if the scene's load, with its ramp and changes, acts on the output too.
     pub scene_load: bool,
     /// Relative error a step in place of what the scene says or [`auto`] plans.
     pub tolerance: Option<f64>,
@@ -96,7 +96,7 @@ impl Setup {
     }
 }
 
-/// What is observed at a communication point.
+/// State of the shafts at a communication point.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Shafts {
     /// Angle and speed of the input shaft, rad, rad/s.
@@ -119,7 +119,7 @@ pub struct CoSimulation {
     stepper: Segments<Reduced<GearForces>>,
     field: Box<dyn ContactField>,
     recorder: Recorder,
-    /// What holds the input and the output.
+    /// Prescribed signals of the input and the output.
     prescribed: [Straight; 2],
     /// Prescribed motions, in the order of the mechanism's drivers: input, output.
     motions: Vec<Motion>,
@@ -127,7 +127,7 @@ pub struct CoSimulation {
     y: Vec<f64>,
 }
 
-/// What the next steps depend on.
+/// State on which the next steps depend.
 #[derive(Serialize, Deserialize)]
 struct State {
     time: f64,
@@ -229,13 +229,13 @@ impl CoSimulation {
         self.gearbox.scene.solver.step_s
     }
 
-    /// Whether that error sets its steps.
+    /// True if that error sets the method's steps.
     #[must_use]
     pub fn adaptive(&self) -> bool {
         method(self.method().0).is_some_and(|method| method.adaptive)
     }
 
-    /// What the method did since the shafts were last held otherwise.
+    /// Work of the method since the prescribed signals last changed.
     #[must_use]
     pub fn counts(&self) -> StepCounts {
         self.stepper.counts()

@@ -20,16 +20,17 @@ pub struct Efficiency {
     /// The account's remainder as a share of the work taken in: what the law (and the run) created, negative if destroyed.
     /// Its size is the half-truth of `measured`: their difference, but for storage.
     pub created_share: f64,
-    /// What contacts lose, as a share of the work delivered and lost.
+    /// Losses in contacts, as a share of the work delivered and lost.
     pub lost_share: f64,
     /// How far `created_share` may be off by what lies between the account's entries.
     pub created_off: f64,
-    /// The same of `lost_share` and `of_losses`.
+    /// Possible error of `lost_share` and of `of_losses` due to the course between the account's entries.
     pub lost_off: f64,
-    /// What contacts, bearings, sleeves on their pins and seals lose by friction, each as such a share; `None` where it does not rub.
+    /// Losses of contacts, bearings, sleeves on their pins and seals by friction, as shares of the work delivered and
+    /// lost; `None` where nothing rubs so.
     #[serde(skip)]
     by_cause: [Option<f64>; 4],
-    /// Whether anything rubs, so that the loss is more than that of the contacts' damping.
+    /// True if anything rubs, so that the loss is more than that of the contacts' damping.
     pub rubs: bool,
 }
 

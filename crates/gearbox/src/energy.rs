@@ -14,7 +14,7 @@
 //! cubic reaches over it. Entries between samples are folded into the works at once: what a run keeps of its energy
 //! grows with its samples, not with its steps. States that a method passes through with all forces at hand are entries too.
 //!
-//! What lies between entries is stated with the works (`scatter`).
+//! The variation between entries is stated with the works (`scatter`).
 
 mod scatter;
 
@@ -56,7 +56,7 @@ pub struct EnergyAccount {
     marks: Vec<Mark>,
 }
 
-/// What the account keeps of a sample.
+/// Entry of the account at a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Mark {
     time: f64,
@@ -265,7 +265,7 @@ struct Entry {
 struct Segment {
     /// Entries kept, the oldest first.
     len: usize,
-    /// Whether there were more.
+    /// True if there were more.
     cut: bool,
     entries: [Entry; 4],
 }

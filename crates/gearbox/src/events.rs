@@ -1,4 +1,4 @@
-//! What is due between two samples of a native run: entries of the energy account, breaks of the load, the sample.
+//! Events between two samples of a native run: entries of the energy account, breaks of the load, the sample.
 //!
 //! A break that falls on a sample comes first, so that the sample sees the load that begins there. Where it falls
 //! between samples, the account needs an entry on both its sides, and the cubics of its segments need four each.
@@ -41,7 +41,7 @@ impl Event {
         list.push(Self::Sample(to));
     }
 
-    /// What comes before the sample.
+    /// Appends the events before the sample.
     fn list_before(list: &mut Vec<Self>, from: f64, to: f64, breaks: &[f64], step: f64) {
         let same = SAME * step;
         let (mut start, mut beside) = (from, breaks.iter().any(|b| (b - from).abs() <= same));

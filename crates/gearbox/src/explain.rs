@@ -1,4 +1,4 @@
-//! What a scene needs, what is left out of its model, and why.
+//! Explanation of a scene: its requirements, the parts that its model leaves out, and why.
 
 use pinwheel_contact::laws::hysteresis_factor;
 use serde::Serialize;
@@ -12,7 +12,7 @@ use crate::scene::{Detection, Formulation, Gear, Scene, Stabilisation};
 /// One statement with its reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Statement {
-    /// What is modelled or left out.
+    /// Part that is modelled or left out.
     pub what: String,
     /// Why.
     pub why: String,
@@ -44,9 +44,9 @@ pub struct Explanation {
     pub degrees_of_freedom: usize,
     /// Wheel-sleeve pairs tested at every evaluation.
     pub contact_pairs: usize,
-    /// What is in the model.
+    /// Parts of the model.
     pub modelled: Vec<Statement>,
-    /// What is not.
+    /// Parts that the model leaves out.
     pub left_out: Vec<Statement>,
     /// Columns beside the contract's that the scene asks for.
     pub channels: Vec<String>,
@@ -54,7 +54,7 @@ pub struct Explanation {
     pub channels_available: Vec<Statement>,
 }
 
-/// What carries the wheels, where that is elastic.
+/// States the elastic parts that carry the wheels.
 fn bearings(scene: &Scene, modelled: &mut Statements, left_out: &mut Statements) {
     if let Some(law) = BearingLaw::of(scene) {
         let (stiffness, exponent) = (law.stiffness, law.exponent);

@@ -14,7 +14,7 @@ use crate::scene::{BodyMass, Scene};
 pub struct Frequencies {
     /// The fastest oscillation of wheels and output on their contacts, and on bearings where wheels float, rad/s.
     pub contact_rad_s: f64,
-    /// The same on contacts alone, which come and go with it.
+    /// Fastest oscillation of wheels and output on their contacts alone, rad/s. Contacts come and go with it.
     pub touch_rad_s: f64,
     /// Sleeves passing a wheel, the faster of both kinds, rad/s.
     pub mesh_rad_s: f64,
@@ -23,7 +23,7 @@ pub struct Frequencies {
 }
 
 impl Frequencies {
-    /// Those of a checked scene.
+    /// Frequencies of a checked scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let gear = &scene.gear;

@@ -42,7 +42,7 @@ impl Gearbox {
         Self::after(None, scene)
     }
 
-    /// The same gearbox as [`new`](Self::new) gives, made with less work where one like it was made before.
+    /// Compiles a checked scene like [`new`](Self::new), with less work where `earlier` is a similar gearbox.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -67,8 +67,8 @@ impl Gearbox {
         Ok(gearbox)
     }
 
-    /// The same gearbox under other settings of the solver. What the gear, its masses, loads and contacts give (the
-    /// equilibrium it starts from is the dear part) is not computed again.
+    /// Gearbox with other settings of the solver. Results of the gear, its masses, loads and contacts are not computed
+    /// again; the dear one is the equilibrium from which it starts.
     ///
     /// # Errors
     /// Settings that the checks refuse.
@@ -79,7 +79,7 @@ impl Gearbox {
         })
     }
 
-    /// The same gearbox recording these channels, by names or patterns; nothing else is computed again.
+    /// Gearbox that records these channels, by names or patterns; nothing else is computed again.
     ///
     /// # Errors
     /// No such channel, or more than the checks allow.
@@ -149,8 +149,8 @@ impl Gearbox {
         load_course::piece_at(&self.scene.drive, t).torque(t)
     }
 
-    /// What adaptive methods take for an error of 1: the elastic twist of a wheel under its largest static load,
-    /// vibrating at the frequency this stiffness gives.
+    /// Errors that adaptive methods count as 1: the elastic twist of a wheel under its largest static load, vibrating
+    /// at the frequency this stiffness gives.
     ///
     /// The largest static sleeve force is about 4 T/(e zs zk) a wheel (linear springs, no clearance), its
     /// penetration (F/K)^(2/3), the twist that over the lever e zs.

@@ -50,10 +50,10 @@ pub struct Geometry {
     pub teeth_ratio: f64,
     /// How far a wheel turns freely at most, rad.
     pub wheel_play_rad: f64,
-    /// The same of the output in its holes, rad.
+    /// Largest free rotation of the output in its holes, rad.
     pub hole_play_rad: f64,
     lobes: f64,
-    /// Of the eccentrics for one of the input at the ideal mesh.
+    /// Speed of the eccentrics for that of the input at the ideal mesh.
     eccentric_per_input: f64,
 }
 
@@ -66,7 +66,8 @@ impl Geometry {
         Self::after(None, scene)
     }
 
-    /// The same, with the curve of another gear where it is the same curve: most of the work is in its reaches.
+    /// Geometry of a checked scene that reuses the curve of an `earlier` one where it is equal. Most of the work is in
+    /// the curve's reaches.
     pub(crate) fn after(earlier: Option<&Self>, scene: &Scene) -> Result<Self, GearboxError> {
         let gear = &scene.gear;
         let sleeves = u32::try_from(gear.external_sleeves).unwrap_or(u32::MAX);
@@ -129,7 +130,7 @@ impl Geometry {
         })
     }
 
-    /// The same of a gear whose output has neither sleeves nor holes.
+    /// Geometry of a gear whose output has neither sleeves nor holes.
     pub(crate) fn without_internal_sleeves(&self) -> Self {
         Self {
             internal_points: Vec::new(),
@@ -140,7 +141,8 @@ impl Geometry {
         }
     }
 
-    /// Whether all sleeves and all holes are alike, and no sleeve is larger than what cut the profile: what the lanes take for granted.
+    /// True if all sleeves and all holes are alike, and no sleeve is larger than the tool radius that cut the profile.
+    /// The lanes assume this.
     #[must_use]
     pub(crate) fn is_uniform(&self, gear: &Gear) -> bool {
         let alike = |all: &[f64], nominal: f64| all.iter().all(|&one| one == nominal);
@@ -161,7 +163,7 @@ impl Geometry {
         }
     }
 
-    /// The same at the ideal mesh.
+    /// Angle of the eccentrics for that of the input at the ideal mesh, rad.
     #[must_use]
     pub fn ideal_eccentric_angle(&self, input: f64) -> f64 {
         self.eccentric_per_input * input

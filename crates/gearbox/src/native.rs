@@ -22,7 +22,7 @@ use crate::{Gearbox, GearboxError, Recorder, auto, guard};
 pub struct NativeRun {
     /// Samples so far.
     pub time_series: TimeSeries,
-    /// What the integrator did.
+    /// Work of the integrator.
     pub counts: StepCounts,
     /// Newton steps of the implicit stages, samples inside steps included.
     pub newton_steps: u64,
@@ -84,8 +84,8 @@ pub fn run(
     run_looked_at(gearbox, false, watch)
 }
 
-/// The same as samples alone show it: without extremes between them and without an account of the energy. Where steps are not from a
-/// tolerance, nothing but that account tells a method that cannot follow, and the run is whole.
+/// Runs the scene like [`run`], but evaluates nothing between samples: no extremes and no energy balance. Methods with
+/// a fixed step still compute both, because only the energy balance shows a method that cannot follow.
 ///
 /// # Errors
 /// See [`NativeError`].

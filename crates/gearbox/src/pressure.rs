@@ -19,7 +19,7 @@ pub struct LinePressure {
 }
 
 impl LinePressure {
-    /// Of this material and length.
+    /// Pressure of contacts of this material and length.
     #[must_use]
     pub fn new(contact: &Contact) -> Self {
         let softness = |young: f64, poisson: f64| (1.0 - poisson * poisson) / young;
@@ -93,8 +93,8 @@ mod tests {
     use crate::statics::Statics;
     use pinwheel_scene::{Override, Scene};
 
-    /// Of sleeves and holes of radii of their own, by 1/R = 1/sleeve + curvature of the edge, and 1/R = 1/sleeve - 1/hole; the
-    /// edge's curvature from three of its points.
+    /// Pressure of sleeves and holes with individual radii, by 1/R = 1/sleeve + curvature of the edge, and 1/R =
+    /// 1/sleeve - 1/hole; the edge's curvature from three of its points.
     #[test]
     fn published_pressure_of_line_contacts() {
         let zeros = |n: usize, at: usize, x: f64| {

@@ -21,9 +21,9 @@ pub struct Recorder {
     pending: usize,
     /// Loads of all bodies.
     loads: Vec<Wrench>,
-    /// What the scene asks for beyond the contract's columns.
+    /// Channels that the scene requests beyond the contract's columns.
     channels: Option<Values>,
-    /// What is known between samples, where a solver tells it, and its columns at one time.
+    /// Record between samples, where a solver gives one, and its columns at one time.
     between: Option<Between>,
     row: Vec<f64>,
 }
@@ -66,7 +66,8 @@ impl Recorder {
         }
     }
 
-    /// The same of a solver that tells what it sees between samples ([`record_between`](Self::record_between)).
+    /// An empty recording with room for so many samples, of a solver that also evaluates quantities between samples
+    /// ([`record_between`](Self::record_between)).
     #[must_use]
     pub(crate) fn with_between(gearbox: &Gearbox, samples: usize) -> Self {
         let recorder = Self::with_room(gearbox, samples);
@@ -156,7 +157,7 @@ impl Recorder {
         self.record_known(t, [driver_torque, torque, angle], forces);
     }
 
-    /// Of the forces on the internal sleeves, N m.
+    /// Torque of the forces on the internal sleeves, N m.
     fn output_torque(&self, bodies: &[BodyState], forces: &[Wrench]) -> f64 {
         let output = bodies[Layout::OUTPUT];
         let forces = &forces[self.layout.external_sleeves..];
@@ -326,7 +327,7 @@ mod tests {
         assert!((time_series.channel("output_torque_n_m").unwrap()[0] + 22.0).abs() < 1e-6);
     }
 
-    /// What the scene asks for beyond the contract is taken out, too, after its columns.
+    /// Channels beyond the contract are taken out, too, after its columns.
     #[test]
     fn channels_are_taken_out_with_their_sample() {
         let mut scene = Scene::load("paper", &[]).unwrap().into_scene();

@@ -1,10 +1,10 @@
 //! Runs that verify themselves: what a run's numbers are uncertain by, refined until that is small enough.
 //!
-//! What two or three runs say of the finest one's error is [`convergence::estimate`], and never below a third of the distance
+//! The error of the finest of two or three runs is [`convergence::estimate`], and never below a third of the distance
 //! to the run before: impacts make errors fall unevenly. A run is resolved when its uncertainty **and** that distance
-//! are within the target; the distance may be four times that where the two runs before lay within a hundredth of each other,
-//! so that errors fall as they should. Two runs that are wrong alike, as when both pass over an impact, are what no
-//! estimate shows; so no step is longer than a contact
+//! are within the target; the distance may be four times that where the two runs before lay within a hundredth of each
+//! other, so that errors fall as they should. Two runs that are wrong alike, as when both pass over an impact, are what
+//! no estimate shows; so no step is longer than a contact
 //! ([`Frequencies::longest_step_s`](crate::Frequencies::longest_step_s)), and the finer run is clearly finer.
 //!
 //! Where steps end at samples, the coarsest run has only every other one: otherwise both runs might take the same steps.
@@ -44,8 +44,8 @@ const MOST_LEVELS: usize = 12;
 /// Levels in a row that may fail before the next method is tried.
 const MOST_FAILURES: usize = 3;
 
-/// What a verified run may usually cost in all, evaluations of the forces over all levels: half a minute for the paper's gear,
-/// which takes 8e4 of them over 0.6 s.
+/// Usual limit of the cost of a verified run, evaluations of the forces over all levels. It is half a minute for the
+/// paper's gear, which takes 8e4 of them over 0.6 s.
 pub const BUDGET: u64 = 30_000_000;
 
 /// Runs the scene until its time series are within `target` (relative L2 of the forces and of the driver's torque), within
@@ -84,7 +84,7 @@ struct Best {
     sparse: Option<Plan>,
     /// Index of its level.
     level: usize,
-    /// What is known of its error.
+    /// Known error of the run.
     error: Option<Distance>,
     holds: bool,
 }
@@ -286,14 +286,14 @@ impl Search<'_> {
     }
 }
 
-/// Whether a target is reached: `moved` is the distance to the coarser run, `before` that of one refinement earlier.
+/// True if a target is reached: `moved` is the distance to the coarser run, `before` that of one refinement earlier.
 fn holds(target: f64, error: Distance, moved: Distance, before: Option<Distance>) -> bool {
     let calm = before.is_some_and(|before| before.worst() <= CALM);
     let most = if calm { CONFIRMED } else { 1.0 };
     error.worst() <= target && moved.worst() <= most * target
 }
 
-/// What bounds the order of fixed steps on a scene.
+/// Non-smooth feature of a scene that bounds the order of fixed steps.
 #[must_use]
 pub fn roughness(scene: &Scene) -> Rough {
     let contact = &scene.contact;
@@ -348,7 +348,7 @@ pub fn by_tolerance(scene: &Scene, explicit: bool) -> Method {
 
 /// How a method is refined and what that gains.
 struct Refinement {
-    /// What runs at two settings say of their errors.
+    /// Kind of setting, with its order, by which runs at two settings show their errors.
     method: Method,
     /// Factor from the coarser to the finer of the first two runs.
     first: f64,

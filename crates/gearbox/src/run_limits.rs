@@ -1,4 +1,4 @@
-//! What bounds a run; and the end of one whose adaptive steps have become so short that its own end is out of reach.
+//! Limits of a run; and the end of one whose adaptive steps have become so short that its own end is out of reach.
 
 use pinwheel_mbs::integrators::{Family, method};
 
@@ -12,7 +12,7 @@ const SPAN: u64 = 20_000;
 /// Measured most of a run worth having: 9e6 (`dopri5` on `hard-friction-narrow`, 0.6 s).
 const MOST_STEPS: f64 = 3e7;
 
-/// What bounds a run besides its scene.
+/// Limits of a run besides its scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Limits {
     /// No step of an adaptive method is longer, s.
@@ -68,7 +68,7 @@ impl Pace {
     /// Looks at a run that has reached `time` in `steps` steps.
     ///
     /// # Errors
-    /// What it would take to reach the end, and what to do instead.
+    /// Returns the cost of reaching the end, and a remedy.
     pub(crate) fn look(&mut self, time: f64, steps: u64) -> Result<(), String> {
         if steps < self.next_look {
             return Ok(());

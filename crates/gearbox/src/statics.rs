@@ -40,7 +40,7 @@ pub struct Equilibrium {
     pub output: f64,
     /// Poses of all bodies, at rest.
     pub bodies: Vec<BodyState>,
-    /// What is left of the moments, N m: of each wheel and of the output.
+    /// Largest residual of the moments, N m, over those of each wheel and of the output.
     pub residual: f64,
 }
 
@@ -65,11 +65,11 @@ pub struct Statics<'a> {
     /// The motion about which moments are taken; see [`Statics::moving`].
     motion: Motion,
     slopes: Jacobian,
-    /// The same with the places of wheels that float.
+    /// Derivatives of the moments with respect to angles and to the places of wheels that float.
     floating_slopes: Jacobian,
-    /// What wheels float on, without friction, which a balance at rest has none of.
+    /// Bearings on which wheels float. They have no friction, because a balance at rest has none.
     bearings: Option<Bearings>,
-    /// Of wheels that float, the last balances and their loads.
+    /// Last balances of wheels that float, and their loads.
     floated: Vec<(Equilibrium, f64)>,
     /// Room for moments that contacts tell without loads, by body.
     told: Vec<f64>,
@@ -82,11 +82,11 @@ pub struct Statics<'a> {
 /// Rates and angular accelerations of a slow motion along the equilibria.
 #[derive(Debug, Clone)]
 struct Motion {
-    /// Of the input, rad/s.
+    /// Speed of the input, rad/s.
     speed: f64,
     /// Rate and acceleration of each wheel.
     wheels: Vec<[f64; 2]>,
-    /// Those of the output.
+    /// Speed and acceleration of the output.
     output: [f64; 2],
     /// Velocity (m/s) and acceleration (m/s^2) of each floating wheel's centre.
     centres: Vec<[[f64; 2]; 2]>,
@@ -139,7 +139,7 @@ impl<'a> Statics<'a> {
         })
     }
 
-    /// The same as if no bearing gave way.
+    /// Solver that takes all bearings as rigid.
     #[must_use]
     pub fn on_rigid_bearings(self) -> Self {
         Self {
@@ -202,7 +202,8 @@ impl<'a> Statics<'a> {
         self.summed(out)
     }
 
-    /// The same by contacts that need neither loads nor places for it; else `None`.
+    /// Moments on the wheels into `out`, and that of the contacts on the output, by contacts that need neither loads
+    /// nor places for them; else `None`.
     fn told(&mut self, phi: f64, wheels: &[f64], psi: f64, out: &mut [f64]) -> Option<f64> {
         self.turn(phi, wheels, psi);
         self.told.fill(0.0);
@@ -218,7 +219,8 @@ impl<'a> Statics<'a> {
         Some(self.less_inertia(out, self.told[Layout::OUTPUT]))
     }
 
-    /// The same, with their slopes; `None`: the contacts have none.
+    /// Moments on the wheels into `out`, and that of the contacts on the output, with their derivatives in `slopes`.
+    /// `None` if the contacts have none.
     pub(super) fn moments_with_slopes(
         &mut self,
         phi: f64,
@@ -236,7 +238,7 @@ impl<'a> Statics<'a> {
         sloped.then(|| self.summed(out))
     }
 
-    /// Of the loads: moments on the wheels into `out`, and the moment on the output.
+    /// Sums the loads: moments on the wheels into `out`, and the moment on the output.
     fn summed(&self, out: &mut [f64]) -> f64 {
         let layout = self.gearbox.layout;
         for (out, body) in out.iter_mut().zip(layout.wheel_bodies()) {
@@ -305,8 +307,8 @@ impl<'a> Statics<'a> {
         self.moments(phi, wheels, psi, &mut here)
     }
 
-    /// Whether the ideal mesh is in balance without a load, but for rounding. Where else in its play the gear would come to
-    /// rest nothing decides: forces of next to no depth have no slope to follow.
+    /// True if the ideal mesh is in balance without a load, but for rounding. Nothing decides at which other place in
+    /// its play the gear would come to rest: forces of next to no depth have no derivative to follow.
     fn rests(&mut self, phi: f64, wheels: &[f64]) -> bool {
         let psi = self.gearbox.geometry.ideal_output_angle(phi);
         let mut moments = vec![0.0; wheels.len()];
@@ -330,7 +332,8 @@ impl<'a> Statics<'a> {
         self.solve_rigid(phi, load)
     }
 
-    /// The same with rigid eccentrics.
+    /// The equilibrium with rigid eccentrics at the input angle `phi` (rad) under the load torque `load` (N m on the
+    /// output).
     fn solve_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         if self.gearbox.scene.cranks.is_some() {
             return self.solve_on_cranks(phi, load);
@@ -346,8 +349,9 @@ impl<'a> Statics<'a> {
         self.solve_by_brackets(phi, load)
     }
 
-    /// The same from the balance `near` by, under the same load at an input angle not far off: fewer steps, and the same to
-    /// rounding. Where they lead nowhere it begins afresh.
+    /// The equilibrium from that `near` by, under the same load at an input angle not far off. It takes fewer steps
+    /// than [`Statics::solve`] and gives the same to rounding; where Newton's method fails from there, it begins
+    /// afresh.
     ///
     /// # Errors
     /// As [`Statics::solve`].
@@ -406,7 +410,8 @@ impl<'a> Statics<'a> {
             .collect()
     }
 
-    /// The same by brackets alone: hundreds of times the evaluations, and what Newton's method is held against.
+    /// The equilibrium by brackets alone, with hundreds of times the evaluations. It is the reference for Newton's
+    /// method.
     ///
     /// # Errors
     /// As [`Statics::solve`].

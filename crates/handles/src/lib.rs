@@ -32,13 +32,14 @@ impl<T> Handles<T> {
         ptr::without_provenance_mut(all.len())
     }
 
-    /// What a handle stands for, if it is open.
+    /// Value of a handle, if it is open.
     pub fn find<P>(&self, handle: *const P) -> Option<Arc<T>> {
         let all = self.0.read().unwrap_or_else(PoisonError::into_inner);
         all.get(handle.addr().checked_sub(1)?)?.clone()
     }
 
-    /// What a handle stood for, if it was open. Others that are at work on it keep it until they are done.
+    /// Closes a handle and returns its value, if it was open. Others that are at work on it keep it until they are
+    /// done.
     pub fn close<P>(&self, handle: *const P) -> Option<Arc<T>> {
         let mut all = self.0.write().unwrap_or_else(PoisonError::into_inner);
         all.get_mut(handle.addr().checked_sub(1)?)?.take()

@@ -1,6 +1,7 @@
 //! The C interface: the functions of `pinwheel_law.h`. All `unsafe` of this crate is in this file.
 //!
-//! What callers promise, and no code can check: texts end in a zero byte; arrays hold as many numbers as the header says,
+//! Callers promise some facts that no code can check: texts end in a zero byte; arrays hold as many numbers as the
+//! header says,
 //! aligned, not overlapping, and used by nobody else during the call; nothing is kept of them afterwards. Everything else
 //! is checked:
 //! - a handle is a number that is never used twice, not an address: one that was closed or made up is refused, and
@@ -36,7 +37,7 @@ const NOT_FINITE: i32 = -3;
 /// A fault of this library.
 const FAULT: i32 = -4;
 
-/// What C sees of a law: only ever a number in the shape of an address.
+/// Law as C sees it: only ever a number in the shape of an address.
 #[repr(C)]
 pub struct PinwheelLaw {
     _private: [u8; 0],

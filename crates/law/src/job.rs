@@ -12,7 +12,7 @@ use crate::{JOB_FILE, STATE};
 
 /// The file a solver writes its time series to.
 pub const COURSES_FILE: &str = "courses.csv";
-/// The same in another format; a solver writes one of the two.
+/// Name of the file for time series as Parquet. A solver writes either this or [`COURSES_FILE`].
 pub const PARQUET_FILE: &str = "courses.parquet";
 /// The file a solver may write its counts and remarks to.
 pub const RESULT_FILE: &str = "result.json";

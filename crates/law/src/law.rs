@@ -47,7 +47,7 @@ pub enum LawError {
     },
 }
 
-/// What carries a body.
+/// Support that carries a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Carrier {
     /// It turns on another body.
@@ -75,7 +75,7 @@ impl Carrier {
 pub struct Body {
     /// For messages: `wheel 0`.
     pub name: String,
-    /// What it turns on.
+    /// Support on which the body turns.
     pub carrier: Carrier,
     /// Its centre in the carrier's frame, whose origin is the carrier's centre, m. Constant; 0 of a free body.
     pub seat_m: [f64; 2],
@@ -101,7 +101,7 @@ impl Law {
     /// Opens a preset, a scene file (TOML or JSON), a job folder, or the text of a scene.
     ///
     /// # Errors
-    /// What is wrong with the scene, with the remedy.
+    /// Returns the fault of the scene, with the remedy.
     pub fn open(spec: &str) -> Result<Self, LawError> {
         let path = Path::new(spec);
         let job = (preset(spec).is_none() && path.is_dir()).then(|| path.to_owned());
@@ -196,7 +196,7 @@ impl Drop for Law {
     }
 }
 
-/// Whether this can only be the text of a scene.
+/// True if this can only be the text of a scene.
 fn is_text(spec: &str) -> bool {
     spec.contains(['\n', '=', '{'])
 }

@@ -6,7 +6,7 @@ use crate::{Jacobian, OdeSystem};
 
 /// Share of a component's scale by which differences move it: errors of rounding and of the next term meet.
 const SHARE: f64 = 6e-6;
-/// The same for the time, of the step at hand.
+/// Share of the current step by which differences move the time.
 const TIME_SHARE: f64 = 1e-4;
 
 /// Slopes by central differences, for systems that do not know theirs.

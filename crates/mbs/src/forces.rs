@@ -1,4 +1,4 @@
-//! What acts on the bodies of a mechanism.
+//! Forces on the bodies of a mechanism.
 
 use crate::sliding::Contact;
 use crate::{BodyState, ContactEnergy, Jacobian, Wrench};
@@ -15,13 +15,13 @@ pub enum Pose {
     AnglesOnly,
 }
 
-/// What an evaluation adds to; what is `None` is not asked for.
+/// Outputs that an evaluation of the forces adds to; those that are `None` are not requested.
 #[derive(Debug, Default)]
 pub struct Sums<'a> {
     /// Loads on all bodies, in their order: ground frame, N and N m about the centre of mass. With a prescribed pose they
     /// hold 0 on entry.
     pub loads: Option<&'a mut [Wrench]>,
-    /// Whether of the loads only those on bodies that no joint holds are looked at, as `moments` tell the rest.
+    /// True if only loads on bodies that no joint holds are needed, because `moments` give the rest.
     pub floating_alone: bool,
     /// Moments about the pins by body, N m, loads of carried bodies included: of the free bodies of
     /// [`Reduced`](crate::Reduced), and where `loads` are asked for too also of the driven ones.
@@ -30,7 +30,7 @@ pub struct Sums<'a> {
     /// of [`Reduced::free_bodies`](crate::Reduced::free_bodies); then the forces on bodies that no joint holds, x and y of one
     /// after the other, all by their places and velocities too.
     pub slopes: Option<&'a mut Jacobian>,
-    /// Whether the energy of the contacts is asked for.
+    /// True if the energy of the contacts is requested.
     pub wants_energy: bool,
     /// That energy: written where it is asked for and known.
     pub energy: Option<ContactEnergy>,
@@ -61,7 +61,7 @@ impl<'a> Sums<'a> {
         }
     }
 
-    /// The same and the energy of the contacts.
+    /// Requests the energy of the contacts too.
     #[must_use]
     pub fn with_energy(mut self) -> Self {
         self.wants_energy = true;

@@ -1,7 +1,7 @@
 //! df/dy of a system and the linear systems that implicit methods solve with it.
 //!
-//! Of a mechanical system, y = (q, v) with q' = v and v' = a(t, q, v), only the accelerations have slopes worth storing,
-//! K = da/dq and D = da/dv, and a system of twice the size is solved by one of the number of velocities:
+//! In a mechanical system, y = (q, v) with q' = v and v' = a(t, q, v), only the accelerations have derivatives worth
+//! storing, K = da/dq and D = da/dv, and a system of twice the size is solved by one of the number of velocities:
 //!
 //! ```text
 //! (s I - [0 I; K D]) (x, w) = (r, p)   =>   (s I - D - K/s) w = p + K r/s,   x = (r + w)/s
@@ -38,7 +38,7 @@ pub struct Arrow {
     leaves: Vec<f64>,
 }
 
-/// Of a velocity, its number among the hubs or among the leaves.
+/// Number of a velocity among the hubs or among the leaves.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Place {
     Hub(usize),
@@ -46,7 +46,7 @@ pub(crate) enum Place {
 }
 
 impl Place {
-    /// Of all velocities, with the numbers of hubs and of leaves.
+    /// Places of all velocities, with the numbers of hubs and of leaves.
     pub(crate) fn all(is_leaf: &[bool]) -> (Vec<Self>, usize, usize) {
         let (mut hubs, mut leaves) = (0, 0);
         let places = is_leaf.iter().map(|&leaf| {

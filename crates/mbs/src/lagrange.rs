@@ -25,7 +25,7 @@ use crate::state::{BodyId, BodyState, ContactEnergy, Wrench};
 use crate::tree::{Arms, Forest, turned};
 use turning::{Projected, Turning};
 
-/// What keeps the joints together besides the accelerations.
+/// Means besides the accelerations to keep the joints together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stabilisation {
     /// Nothing, as published.
@@ -60,7 +60,7 @@ fn coordinates(y: &[f64]) -> (&[[f64; 3]], &[[f64; 3]]) {
     (q.as_chunks().0, v.as_chunks().0)
 }
 
-/// The same to be written.
+/// Views three coordinates of every body, then their rates, for writing.
 #[inline]
 fn coordinates_mut(y: &mut [f64]) -> (&mut [[f64; 3]], &mut [[f64; 3]]) {
     let (q, v) = y.split_at_mut(y.len() / 2);
@@ -95,7 +95,7 @@ pub struct Lagrange<F> {
     /// How contacts depend on the free rates, where friction may be treated implicitly.
     contacts: Option<PinnedContacts>,
     rates: Vec<f64>,
-    /// Of the friction's accelerations of these rates.
+    /// First estimate of the friction's accelerations of these rates.
     guess: Vec<f64>,
     friction: Vec<Wrench>,
     scales: Option<ErrorScales>,

@@ -67,7 +67,7 @@ impl Motion {
 /// A prescribed relative rotation (Eq. 4).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Driver {
-    /// What the angle is measured from; `None` is the ground.
+    /// Body from which the angle is measured; `None` is the ground.
     pub parent: Option<BodyId>,
     /// The driven body.
     pub child: BodyId,

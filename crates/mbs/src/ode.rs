@@ -1,4 +1,5 @@
-//! What an integrator needs to know of a system, and what a formulation tells of its state.
+//! Interface between integrators and systems: the facts that an integrator needs, and the state that a formulation
+//! gives.
 
 use crate::jacobian::{Jacobian, Structure};
 use crate::{BodyState, ContactEnergy, Wrench};
@@ -11,13 +12,13 @@ pub trait OdeSystem {
     /// Writes f(t, y). A state that cannot be evaluated gives NaN, never a panic.
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]);
 
-    /// The same of a state that will likely be observed next ([`Formulation::observe`]), with which the evaluation may be
-    /// shared.
+    /// Writes f(t, y) of a state that will likely be observed next ([`Formulation::observe`]), with which the
+    /// evaluation may be shared.
     fn derivative_to_observe(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.derivative(t, y, dydt);
     }
 
-    /// The same of a state at the end of a step that goes on, of which only loads are looked at
+    /// Writes f(t, y) of a state at the end of a step that goes on, of which only loads are looked at
     /// ([`Formulation::observe_at_hand`]).
     fn derivative_in_passing(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.derivative(t, y, dydt);
@@ -48,8 +49,8 @@ pub trait OdeSystem {
         false
     }
 
-    /// Whether springs that stay closed turn with the mechanism and are the stiffest there are: what a linear part leaves out then
-    /// swings as fast as it does.
+    /// True if the stiffest springs stay closed and turn with the mechanism. Terms that the linear part leaves out then
+    /// oscillate as fast as the linear part.
     fn has_turning_springs(&self) -> bool {
         false
     }
@@ -83,9 +84,9 @@ pub(crate) fn own_scale(y: &[f64], scale: &mut [f64]) {
 /// mechanism deforms by far less than its coordinates, so their size says little of what matters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ErrorScales {
-    /// Of positions, m.
+    /// Scale of positions, m.
     pub length: f64,
-    /// Of angles, rad.
+    /// Scale of angles, rad.
     pub angle: f64,
     /// Rate of change that counts as 1 s^-1 of either: speeds and angular velocities are scaled by
     /// `length` and `angle` times this.
@@ -122,14 +123,14 @@ pub trait Formulation: OdeSystem {
     /// Evaluates everything at (t, y).
     fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_>;
 
-    /// The same for who does not look at the places and velocities of bodies that others carry: they need not be those of
-    /// this time.
+    /// Evaluates everything at (t, y) but the positions and velocities of bodies that others carry, which may be of
+    /// another time.
     fn observe_reduced(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
         self.observe(t, y)
     }
 
-    /// The same without the contacts' energy, where it takes no evaluation: the last one was of this state, in passing
-    /// ([`OdeSystem::derivative_in_passing`]).
+    /// Returns the observation of the state of the last evaluation without the contacts' energy, if it takes no new
+    /// evaluation. That evaluation was [`OdeSystem::derivative_in_passing`].
     fn observe_at_hand(&mut self, _t: f64, _y: &[f64]) -> Option<Observation<'_>> {
         None
     }

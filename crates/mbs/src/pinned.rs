@@ -7,7 +7,7 @@ use crate::forces::Forces;
 use crate::sliding::{Contact, Row, SlidingStage};
 use crate::state::{BodyId, BodyState};
 
-/// What moves a body's angle.
+/// Origin of a body's angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Angle {
     /// Entry of y.
@@ -21,7 +21,7 @@ pub(crate) enum Angle {
 /// The free rates of a mechanism, and the contacts of one stage.
 #[derive(Debug, Clone)]
 pub struct PinnedContacts {
-    /// Of every body: what its angle is, and what carries it.
+    /// For every body, the origin of its angle and the body that carries it.
     pub(crate) pins: Vec<(Angle, Option<BodyId>)>,
     /// Bodies whose rates are free, in order.
     pub(crate) free: Vec<BodyId>,

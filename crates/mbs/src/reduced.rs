@@ -11,7 +11,7 @@
 //! ```
 //! Bodies that no joint holds (`floating`) keep their three coordinates: `m a = force` beside their angle's equation.
 //! Bodies that nothing turns (`idle`) keep their rate and are not integrated.
-//! The same motion as the Lagrange form, to rounding.
+//! The motion equals that of the Lagrange form to rounding.
 //!
 //! Friction may be treated implicitly ([`OdeSystem::split_stage`]): a contact's sliding speed is
 //! linear in the free rates, `u = offset + J v`, and `-J' F_t` is what its friction does to them.
@@ -47,7 +47,7 @@ pub struct Reduced<F> {
     idle: Vec<(BodyId, BodyState)>,
     /// Kinetic energy of their turning, J.
     idle_j: f64,
-    /// Of the free bodies, in order: those that never touch each other and carry nothing.
+    /// For each free body, in order: true if the body never touches another leaf and carries nothing.
     is_leaf: Vec<bool>,
     /// Inverses of those of the free bodies: a division for every body and evaluation would be a tenth of the time of a small gear.
     free_inverse: Vec<f64>,
@@ -62,7 +62,7 @@ pub struct Reduced<F> {
     scales: Option<ErrorScales>,
     /// Forces of the revolutes on their children; empty unless wanted.
     reactions: Vec<[f64; 2]>,
-    /// What the bodies carry, of all reactions: scratch.
+    /// Sum of the reactions that each body carries: scratch.
     borne: Vec<[f64; 2]>,
     evaluated: Evaluated,
     /// Before this time, s, nothing is observed in passing.
@@ -339,7 +339,7 @@ impl<F: Forces> Reduced<F> {
         self.evaluated.placed = true;
     }
 
-    /// What was evaluated, at time `t`.
+    /// Observation of the last evaluation, at time `t`.
     fn see(&self, t: f64) -> Observation<'_> {
         Observation {
             time: t,
@@ -353,7 +353,7 @@ impl<F: Forces> Reduced<F> {
         }
     }
 
-    /// Of the bodies, whose angles and rates are those of the moment, J.
+    /// Kinetic energy of the bodies with their present angles and rates, J.
     fn kinetic_j(&self) -> f64 {
         let of = |body: BodyId| self.inertia[body] * self.bodies[body].rate.powi(2);
         let free: f64 = self.free.iter().map(|&body| of(body)).sum();

@@ -41,7 +41,7 @@ use symbolic::{Below, Builder, Pivot, Target, Update, elimination_order, prerequ
 /// square of a small angle, so 1e-12 is an angle of 1e-6 rad.
 const SINGULAR: f64 = 1e-12;
 
-/// What happens to a constraint that depends on others.
+/// Treatment of a constraint that depends on others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Dependent {
     /// The factorisation fails and names it.
@@ -239,7 +239,7 @@ impl SaddlePoint {
         self.pinned.finish(bodies, constraints);
     }
 
-    /// The same of the bodies and constraints that are left.
+    /// Solves for the bodies and constraints that were not eliminated.
     fn solve_rest(&mut self) {
         let left = || self.left.iter().zip(&self.values);
         let known = left().flat_map(|(left, values)| left.iter().map(|&k| values[k]));
@@ -365,8 +365,8 @@ mod tests {
         turn * Matrix2::new(first, 0.0, 0.0, second) * turn.transpose()
     }
 
-    /// Of one direction and of two: the inverse where both stretches exceed the least, and without the directions that do
-    /// not. What lies outside of the part stays the identity.
+    /// Inverts one direction and two: the inverse where both stretches exceed the least, and without the directions
+    /// that do not. Entries outside of the part stay the identity.
     #[test]
     fn constraints_are_inverted_without_what_does_not_stretch() {
         let inverted = |part: Matrix2<f64>, size: usize| {

@@ -21,7 +21,7 @@ pub struct BodyState {
 }
 
 impl BodyState {
-    /// Of position and angle, and their rates.
+    /// State from position and angle, and their rates.
     #[must_use]
     #[inline]
     pub fn new([x, y, angle]: [f64; 3], [vx, vy, rate]: [f64; 3]) -> Self {
@@ -47,7 +47,7 @@ pub struct Wrench {
     pub moment: f64,
 }
 
-/// What the contacts do to the energy; both powers are at least 0 for a law that only dissipates.
+/// Energy in the contacts and the powers that leave it; both powers are at least 0 for a law that only dissipates.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ContactEnergy {
     /// Stored, J.

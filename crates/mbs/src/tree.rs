@@ -106,7 +106,7 @@ impl Forest {
         }
     }
 
-    /// The same for the others, which stay there until somebody else moves them.
+    /// Moves the centres of the resting branches, which stay there until somebody else moves them.
     pub(crate) fn place_resting(&self, bodies: &mut [BodyState], arms: &[Arms]) {
         for branch in &self.resting {
             branch.place(bodies, arms);

@@ -11,7 +11,7 @@ use pinwheel_report::study::Block;
 use pinwheel_scene::{CheckedScene, Formulation, Scene};
 use pinwheel_timeseries::TimeSeries;
 
-/// What a picture may cost where the scene's own method fails: a few seconds.
+/// Limit of the cost of a picture where the scene's own method fails, evaluations: a few seconds.
 const BUDGET: u64 = 3_000_000;
 
 /// A gearbox's motion over as long as a page holds, and the time to begin at, s: its second half, where the

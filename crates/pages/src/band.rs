@@ -1,4 +1,4 @@
-//! What other contact laws would give, in words and as a table.
+//! Bands of other contact laws, in words and as a table.
 
 use pinwheel_contact::laws::law_info;
 use pinwheel_report::format::significant;
@@ -65,7 +65,7 @@ pub(crate) fn outside(bands: &Bands) -> Option<String> {
     ))
 }
 
-/// What bands are of.
+/// Sentence on the laws from which the bands are.
 pub(crate) fn about(bands: &Bands) -> String {
     if bands.laws.is_empty() {
         return format!("no band: {ROLLERS} carries this load in no position of the gear");
@@ -76,7 +76,7 @@ pub(crate) fn about(bands: &Bands) -> String {
     )
 }
 
-/// What cuts of the profile do to the largest external force.
+/// Effect of cuts of the profile on the largest external force.
 pub(crate) fn fit(bands: &Bands) -> Option<String> {
     let (key, name, unit) = TOLD[0];
     let own = bands.get(key)?.own;
@@ -88,7 +88,7 @@ pub(crate) fn fit(bands: &Bands) -> Option<String> {
     (!told.is_empty()).then(|| format!("{name}; profile cut by {}", told.join(", by ")))
 }
 
-/// What says that the scene's own law lies outside.
+/// Label of a figure for which the scene's own law lies outside of the band.
 pub(crate) const OUTSIDE: &str = "law";
 
 /// Rows of a terminal.

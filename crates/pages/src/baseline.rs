@@ -63,7 +63,7 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
     crate::render(study, made)
 }
 
-/// What a terminal shows, without the place of the page: a line on each solver, and the cases that moved.
+/// Text for a terminal, without the place of the page: a line on each solver, and the cases that moved.
 #[must_use]
 pub fn text(name: &str, check: &Check) -> String {
     let (same, mut moved): (Vec<_>, Vec<_>) = check
@@ -93,7 +93,7 @@ pub fn text(name: &str, check: &Check) -> String {
     text.join("\n")
 }
 
-/// What a terminal shows of a record: how far off each solver is, and what is not in it.
+/// Text of a record for a terminal: how far off each solver is, and what is not in it.
 #[must_use]
 pub fn recorded(name: &str, record: &Record) -> String {
     let own = [name.to_owned()];

@@ -1,4 +1,4 @@
-//! What `pinwheel calibrate` says on stdout.
+//! Text of `pinwheel calibrate` on stdout.
 
 use std::collections::BTreeMap;
 

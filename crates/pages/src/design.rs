@@ -37,7 +37,7 @@ pub(crate) const HEADLINES: [&str; 6] = [
     "efficiency_rated_percent",
 ];
 
-/// What lost motion and stiffness are of: a short name, and a sentence.
+/// Name and sentence of the parts whose compliance lost motion and stiffness contain.
 fn given_way(found: &DesignResult) -> (&'static str, String) {
     match found.budget.split_last() {
         None => (CONTACTS, CONTACTS_ONLY.to_owned()),
@@ -55,7 +55,7 @@ fn given_way(found: &DesignResult) -> (&'static str, String) {
 }
 
 const CONTACTS: &str = "contacts only";
-/// The same of a scene without bearings.
+/// Sentence about lost motion and stiffness of a scene without bearings.
 const CONTACTS_ONLY: &str = "Lost motion and stiffness are those of the contacts: bearings, pins, discs and housing are rigid here. Real \
                              gears are softer by factors.";
 
@@ -138,7 +138,7 @@ fn files(found: &DesignResult) -> String {
     )
 }
 
-/// What to know of the figures before they are used, and what next.
+/// Notes on the figures before they are used, and on the next step.
 fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
     let mut notes = vec![given_way(found)];
     notes.extend(found.rest.as_ref().map(|rest| ("fit", fitted(rest))));
@@ -156,7 +156,7 @@ fn fact((label, text): (&str, String)) -> Fact {
     Fact::new(label, mark, text)
 }
 
-/// What a terminal shows; `whole`: with how each figure is counted.
+/// Text for a terminal; `whole`: with how each figure is counted.
 #[must_use]
 pub fn text(found: &DesignResult, whole: bool) -> String {
     let mut table = figures("", &found.figures, |one| how(found, one));
@@ -188,7 +188,7 @@ pub fn text(found: &DesignResult, whole: bool) -> String {
     )
 }
 
-/// What a terminal shows of a scene made of a catalogue's data.
+/// Text for a terminal on a scene made of a catalogue's data.
 #[must_use]
 pub fn draft(draft: &Draft) -> String {
     let row = |what: &str, value: String, how: &str| [what.to_owned(), value, how.to_owned()];
@@ -488,7 +488,7 @@ fn torsion(found: &DesignResult) -> Section {
     )
 }
 
-/// What transmission errors and their orders are called.
+/// Names of the loads of transmission errors and their orders.
 const LOADS: [&str; 2] = ["rated load", "no load"];
 
 /// Transmission error over the period of each, and its orders; of several designs those under the rated load.
@@ -558,7 +558,7 @@ fn transmission(found: &DesignResult) -> Section {
     )
 }
 
-/// What gives way, part by part.
+/// Table of the compliance budget, part by part.
 fn budget(found: &DesignResult) -> Table {
     Table::of(
         "Compliance budget: what gives way, each part with all before it",

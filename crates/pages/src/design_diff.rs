@@ -18,7 +18,7 @@ use crate::design::{self, HEADLINES, figure, with_uncertainty};
 /// Keys that one reads before the figures; more are folded.
 const MANY: usize = 12;
 
-/// Of the time series these are shown where there is little room.
+/// Figures of the time series that are shown where there is little room.
 const SERIES: [&str; 3] = [
     "input_torque_n_m mean",
     "external_sleeve_force_n peak",
@@ -55,7 +55,7 @@ pub fn page(
     Ok(crate::render(study, made))
 }
 
-/// What a terminal shows.
+/// Text for a terminal.
 #[must_use]
 pub fn text(found: &DesignDiff) -> String {
     let [a, b] = &found.names;
@@ -175,7 +175,7 @@ fn counted(count: usize, one: &str, many: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { many })
 }
 
-/// What a file would write, as people read it.
+/// Value as a file would have it, for people to read.
 fn value(value: Option<&Value>) -> String {
     match value {
         None => NONE.to_owned(),
@@ -200,7 +200,7 @@ fn change(row: &FigureDiff) -> String {
     }
 }
 
-/// What the row is of, with the unit that is shown.
+/// Name of the row's figure, with the unit that is shown.
 fn label(row: &FigureDiff) -> String {
     match scaled(row).0.as_str() {
         "" => row.what.clone(),
@@ -265,7 +265,7 @@ fn both<'a>(
         .said(|row| change(row))
 }
 
-/// The same with how the change was judged.
+/// Figures of both designs, their change and the verdict on it.
 fn table<'a>(
     found: &DesignDiff,
     caption: &str,

@@ -1,4 +1,4 @@
-//! What a scene models, assumes and lets one expect.
+//! Pages on a scene's model, its assumptions and its expected figures.
 
 use pinwheel_report::terminal::{TITLE, list, pairs, paragraph, styled};
 use pinwheel_scene::Line;

@@ -263,7 +263,7 @@ fn quick(scene: &CheckedScene) -> Result<Gearbox, String> {
     Gearbox::new(&stated).map_err(|error| error.to_string())
 }
 
-/// What a run of a state gives, as the page's script reads it, or in words why it gives nothing.
+/// Motion of a state from a run, as the page's script reads it, or in words why there is none.
 ///
 /// # Errors
 /// `cancel` was set.

@@ -10,7 +10,7 @@ pub fn text() -> String {
     LAWS.iter().map(in_words).collect::<Vec<_>>().join("\n")
 }
 
-/// The same for programs.
+/// All laws, one after the other, as JSON.
 #[must_use]
 pub fn json() -> serde_json::Value {
     let each = LAWS.iter().map(|law| {

@@ -1,4 +1,4 @@
-//! What studies found, for readers: `page` gives a self-contained HTML page, `text` what a terminal shows.
+//! Results of studies for readers: `page` gives a self-contained HTML page, `text` the text for a terminal.
 //!
 //! ```text
 //!  comparison::Outcome ─> comparison::page   a sweep's, a bench's, a baseline's, ... likewise

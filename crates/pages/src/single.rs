@@ -48,7 +48,7 @@ fn forces(peak: &Figure, mean: Option<&Figure>, laws: Option<&Band>) -> String {
     format!("peak {peak}, mean {mean} N")
 }
 
-/// What one runs it for, in words.
+/// Results of a run, in words.
 fn results(found: &Results, bands: Option<&Bands>, looked: bool) -> Vec<(&'static str, String)> {
     let mut rows = Vec::new();
     let torque = columns::INPUT_TORQUE;

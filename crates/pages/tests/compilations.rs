@@ -1,4 +1,5 @@
-//! What is dear is done once: how often a comparison compiles its gearbox. The process counts, so this is its only test.
+//! Checks that costly work is done once: how often a comparison compiles its gearbox. The process counts, so this is
+//! its only test.
 
 use std::sync::atomic::AtomicBool;
 

@@ -83,7 +83,7 @@ pub(crate) fn gear(name: String, given: Given) -> Raises<String> {
     Ok(draft.text)
 }
 
-/// What a designer asks of a gear.
+/// Figures that a designer asks of a gear.
 #[pyclass(frozen, module = "pinwheel._core")]
 pub(crate) struct Designed {
     found: designs::DesignResult,
@@ -114,7 +114,7 @@ impl Designed {
         Ok(page.map_err(StudyError::from)?)
     }
 
-    /// What a terminal shows.
+    /// Text for a terminal.
     fn text(&self) -> String {
         pages::design::text(&self.found, true)
     }

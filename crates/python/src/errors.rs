@@ -12,10 +12,10 @@ use pyo3::prelude::*;
 
 use crate::run::Ran;
 
-/// What is raised: Python's own, or an error of the library as the package's exception.
+/// Exception to raise: Python's own, or an error of the library as the package's exception.
 pub(crate) struct Raised(PyErr);
 
-/// What functions of this module give.
+/// Result of functions of this module.
 pub(crate) type Raises<T> = Result<T, Raised>;
 
 impl From<Raised> for PyErr {

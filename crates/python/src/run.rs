@@ -25,19 +25,19 @@ pub(crate) struct Ran {
     /// Cost, settings and notes, JSON.
     #[pyo3(get)]
     stats: String,
-    /// What a run at twice the step shows, JSON; `None` where that was not looked at.
+    /// Evidence of a run at twice the step, JSON; `None` if it was not made.
     #[pyo3(get)]
     resolution: Option<String>,
-    /// What the engine itself knows of its numerical uncertainty, JSON.
+    /// Numerical uncertainty that the engine itself states, JSON.
     #[pyo3(get)]
     uncertainty: Option<String>,
-    /// What it was run for, with how far that may be off, JSON.
+    /// Results of the run, with their uncertainty, JSON.
     #[pyo3(get)]
     results: String,
-    /// What other contact laws and fits would give, JSON; `None` where that was not looked at.
+    /// Figures with other contact laws and fits, JSON; `None` where they were not computed.
     #[pyo3(get)]
     by_contact_law: Option<String>,
-    /// What a terminal shows.
+    /// Text for a terminal.
     #[pyo3(get)]
     text: String,
     #[pyo3(get)]

@@ -57,13 +57,13 @@ impl Core {
         }
     }
 
-    /// The same scene with more keys set; what follows from written values is derived again.
+    /// Scene with more keys set; what follows from written values is derived again.
     fn changed(&self, sets: Vec<(String, String)>) -> Raises<Self> {
         let all = self.sets.iter().cloned().chain(sets).collect();
         Self::new(self.name.clone(), self.text.clone(), all)
     }
 
-    /// What it was made of: name, text, settings.
+    /// Name, text and settings from which it was made.
     fn spec(&self) -> (String, String, Vec<(String, String)>) {
         (self.name.clone(), self.text.clone(), self.sets.clone())
     }
@@ -132,7 +132,7 @@ pub(crate) fn keys() -> Vec<(&'static str, &'static str, &'static str)> {
     all.map(|key| (key.name, key.about, key.unit())).collect()
 }
 
-/// What every key may hold: the JSON schema of scene files.
+/// JSON schema of scene files: the values that every key may hold.
 #[pyfunction]
 pub(crate) fn schema() -> String {
     pinwheel::scene::schema::schema().to_string()

@@ -63,12 +63,12 @@ impl Compared {
         Ok(page.map_err(StudyError::from)?)
     }
 
-    /// What a terminal shows.
+    /// Text for a terminal.
     fn text(&self) -> String {
         pages::comparison::text(&self.outcome.gearbox.scene, &self.outcome)
     }
 
-    /// What it shows with `--verbose`.
+    /// Text for a terminal with `--verbose`.
     fn details(&self) -> String {
         pages::comparison::details(&self.outcome)
     }
@@ -126,7 +126,7 @@ pub(crate) fn compare(
     })
 }
 
-/// What accuracy costs.
+/// Cost of accuracy.
 #[pyclass(frozen, module = "pinwheel._core")]
 pub(crate) struct Benched(benches::WorkPrecision);
 
@@ -178,7 +178,7 @@ pub(crate) fn bench(
     Ok(Benched(found?))
 }
 
-/// What a scene models and assumes: (for programs, JSON; for people, text).
+/// Model and assumptions of a scene: (for programs, JSON; for people, text).
 #[pyfunction]
 pub(crate) fn explain(scene: &Core) -> Raises<(String, String)> {
     let gearbox = pinwheel::compile(&scene.checked)?;

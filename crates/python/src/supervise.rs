@@ -27,7 +27,7 @@ struct Seen {
     simulated_s: Option<[f64; 2]>,
 }
 
-/// What comes to the caller's thread.
+/// Message to the caller's thread.
 enum Item {
     /// A solver to run.
     Call(Call),
@@ -195,7 +195,7 @@ impl Call {
     /// Runs the solver; `progress` is told at its samples.
     ///
     /// # Errors
-    /// What ends all of the work and not only this run: Ctrl-C, or what `progress` raised.
+    /// Returns the error that ends all of the work and not only this run: Ctrl-C, or one that `progress` raised.
     fn run(
         self,
         py: Python<'_>,

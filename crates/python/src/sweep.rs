@@ -38,7 +38,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What came too late.
+/// Error of a call that came too late.
 fn over() -> Raised {
     plain("the results of this sweep are written")
 }
@@ -237,13 +237,13 @@ impl Sweep {
         Ok((broken.count(), first))
     }
 
-    /// What a sample says, JSON: a list, empty without one.
+    /// Results of a sample, JSON: a list, empty without one.
     fn tolerances(&self) -> Raises<String> {
         let found = sweeps::tolerances(&self.plan, &sweeps::results(&self.plan, &self.records()?));
         Ok(serde_json::to_string(&found)?)
     }
 
-    /// What a terminal shows.
+    /// Text for a terminal.
     fn text(&self) -> Raises<String> {
         let files = [("results", "results.csv"), ("report", "index.html")]
             .map(|(word, name)| (word, self.out.join(name).display().to_string()));

@@ -32,7 +32,7 @@ pub fn needed(scene: &Scene) -> Vec<String> {
     needed.into_iter().map(str::to_owned).collect()
 }
 
-/// Whether wheels move against their eccentrics.
+/// True if wheels move against their eccentrics.
 fn floats(scene: &Scene) -> bool {
     scene.bearings.eccentric.is_some()
 }
@@ -88,7 +88,7 @@ pub struct Animation {
     view: View,
 }
 
-/// What the script reads of it. Lengths in mm, which is what a page can draw well.
+/// Data for the page's script. Lengths in mm, which is what a page can draw well.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 struct View {
     gear: GearJson,
@@ -292,7 +292,7 @@ impl Animation {
 }
 
 impl Animation {
-    /// The same under another title.
+    /// Sets another title.
     #[must_use]
     pub fn titled(self, title: impl Into<String>) -> Self {
         Self {
@@ -301,7 +301,7 @@ impl Animation {
         }
     }
 
-    /// What the page's script reads, to take the place of another one of as many samples.
+    /// Data for the page's script, to take the place of another animation of as many samples.
     #[must_use]
     pub fn json(&self) -> serde_json::Value {
         json!(self.view)

@@ -32,7 +32,7 @@ const DIFFERENCE_DIGITS: [i32; 3] = [7, 6, 5];
 /// Sample times this close, relative to the time, are one.
 const SAME_TIME: f64 = 1e-9;
 
-/// What the page's script reads.
+/// Data for the page's script.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct ChartData {
     /// Sample times, s.
@@ -41,9 +41,9 @@ pub(crate) struct ChartData {
     engines: Vec<Value>,
     quantities: Vec<ChartQuantity>,
     windows: Vec<Value>,
-    /// What is drawn first: a quantity, one of its channels, and the engine that differences are taken to.
+    /// Indices of the first drawing: a quantity, one of its channels, and the engine that differences are taken to.
     first: [usize; 3],
-    /// What is left out of the charts, for the reader.
+    /// Notes for the reader on the parts that the charts leave out.
     pub(crate) notes: Vec<String>,
 }
 
@@ -238,7 +238,7 @@ fn fitting(
 }
 
 impl Plan {
-    /// What is left out of the whole.
+    /// Appends notes on the parts of the whole that the plan leaves out.
     fn tell(self, whole: Self, notes: &mut Vec<String>) {
         notes.push(format!(
             "Drawn are values to five digits of the largest and differences to {:.1}\u{202f}% of those nearby; metrics use \
@@ -279,8 +279,8 @@ fn spaced(at: Vec<f64>) -> Spaced {
     Spaced::Listed { at }
 }
 
-/// What to look at first: measured data against the first engine; else what differs, else external forces, else the first
-/// quantity.
+/// Quantity, channel and engine to look at first: measured data against the first engine; else what differs, else
+/// external forces, else the first quantity.
 fn first(comparison: &Comparison, drawn: &[Drawn<'_>], quantities: &[ChartQuantity]) -> [usize; 3] {
     let rig = |d: &Drawn<'_>| d.participant.track == Track::Measured;
     let measured = drawn.iter().position(rig);

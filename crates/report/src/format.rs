@@ -1,6 +1,6 @@
 //! Numbers as people read them: significant digits, no more than are known.
 
-/// What stands for a value that does not exist.
+/// Text for a value that does not exist.
 pub const NONE: &str = "\u{2013}";
 
 /// A figure with five significant digits, e.g. `1.4529`, `100.42`, `-22.000`.
@@ -137,7 +137,7 @@ pub fn bounded(value: f64, uncertainty: Option<f64>, scale: f64) -> (String, Str
     (text, format!("\u{b1}\u{202f}{}", significant(u, 1)))
 }
 
-/// What sums of many terms keep of double precision.
+/// Relative accuracy of sums of many terms in double precision.
 const ROUNDING: f64 = 1e-12;
 
 /// A unit that people use for values of that size, and the factor to it: micrometres, minutes of arc.

@@ -140,7 +140,7 @@ fn exponents(values: &[f64], rounding: Rounding) -> Vec<i32> {
     values.chunks(BLOCK).map(of).collect()
 }
 
-/// What each value is beyond its prediction, in quanta.
+/// Difference of each value from its prediction, in quanta.
 fn residuals(values: &[f64], exponents: &[i32], order: usize) -> Vec<i64> {
     let (mut one, mut two) = (0.0, 0.0);
     let mut list = Vec::with_capacity(values.len());
@@ -164,7 +164,7 @@ fn residuals(values: &[f64], exponents: &[i32], order: usize) -> Vec<i64> {
 pub(crate) mod tests {
     use super::*;
 
-    /// What the page's script does, in the order of what was written.
+    /// Reader that does the work of the page's script, in the order of what was written.
     pub(crate) struct Reader {
         bytes: std::vec::IntoIter<u8>,
     }

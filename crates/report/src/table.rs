@@ -1,4 +1,4 @@
-//! What people see of a [`Table`]: headings and cells in words, for pages and terminals alike.
+//! Text of a [`Table`] for people: headings and cells in words, for pages and terminals alike.
 
 use pinwheel_timeseries::table::{Column, Mark, Shown, Table, Values};
 
@@ -57,7 +57,7 @@ pub(crate) fn shown(table: &Table) -> impl Iterator<Item = &Column> + Clone {
         .filter(|column| !column.label.is_empty())
 }
 
-/// What a list beside the values says of a row.
+/// Entry for a row in a list beside the values.
 pub(crate) fn of_row<T: Clone>(list: &[Option<T>], row: usize) -> Option<T> {
     list.get(row).cloned().flatten()
 }

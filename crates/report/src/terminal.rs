@@ -12,9 +12,9 @@ pub const TITLE: Style = Style::new().bold();
 pub const GOOD: Style = AnsiColor::Green.on_default();
 /// Verdicts that do not.
 pub const BAD: Style = AnsiColor::Red.on_default().bold();
-/// What nothing confirms.
+/// Style of a verdict that nothing confirms.
 pub const OPEN: Style = AnsiColor::Yellow.on_default().bold();
-/// What is there but not judged.
+/// Style of a part that is not judged.
 pub const QUIET: Style = Style::new().dimmed();
 
 /// The text in a style, by escape sequences that a terminal's writer takes out where nobody sees colours.

@@ -63,7 +63,7 @@ pub fn verdict(found: &Assessment, number: fn(f64) -> String) -> String {
     }
 }
 
-/// What a whole comparison amounts to: `444 comparisons: 296 agree, 0 differ, 148 inconclusive (recordings)`.
+/// Summary of a whole comparison: `444 comparisons: 296 agree, 0 differ, 148 inconclusive (recordings)`.
 #[must_use]
 pub fn counts(comparison: &Comparison) -> String {
     let counts = comparison.counts;
@@ -92,14 +92,14 @@ pub fn counts(comparison: &Comparison) -> String {
     )
 }
 
-/// What is to be known of the windows: which are not there, and in which the load changes.
+/// Remarks on the windows: which are not there, and in which the load changes.
 pub fn of_windows(comparison: &Comparison) -> impl Iterator<Item = String> {
     let absent = comparison.absent_windows.iter();
     let absent = absent.map(|w| format!("No {} window: {}.", w.kind.word(), w.reason));
     absent.chain(comparison.windows.iter().filter_map(|w| w.remark()))
 }
 
-/// What is to be known of measured data, each with its name.
+/// Remarks on measured data, each with its name.
 pub fn of_measured(comparison: &Comparison) -> impl Iterator<Item = String> {
     let rigs = comparison.engines.iter();
     let rigs = rigs.filter(|e| e.track == Track::Measured);
@@ -117,7 +117,7 @@ fn results(comparison: &Comparison) -> impl Iterator<Item = &Assessment> {
     pairs.map(|e| &e.result).chain(alone.map(|e| &e.result))
 }
 
-/// What those are who leave something inconclusive with nothing to act on.
+/// Groups of participants who leave something inconclusive with nothing to act on.
 #[must_use]
 pub fn groups(comparison: &Comparison) -> Vec<&'static str> {
     let groups = results(comparison).map(|one| one.group);

@@ -9,7 +9,7 @@ use pinwheel_report::study::{Study, render};
 use pinwheel_timeseries::TimeSeries;
 use pinwheel_timeseries::table::Table;
 
-/// What a hostile scene would try: to end an element, an attribute, a script.
+/// Text of a hostile scene that tries to end an element, an attribute, a script.
 const HOSTILE: &str = "x</script><script>alert(1)</script><img src=x onerror=\"a\">'\"--><!--";
 
 fn time_series(scale: f64, channels: usize, samples: u32) -> TimeSeries {
@@ -169,7 +169,7 @@ fn who_is_left_out_breaks_nothing() {
     assert!(page.contains("give it more time") && page.contains("Left out: 1"));
 }
 
-/// What an engine gave before it diverged feeds no headline, whatever numbers it left.
+/// Results of an engine that diverged feed no headline, whatever numbers it left.
 #[test]
 fn a_diverged_engine_feeds_no_headline() {
     let mut broken = two(1.0);

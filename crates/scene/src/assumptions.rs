@@ -1,4 +1,4 @@
-//! What a scene takes for granted that its source does not say. Shown in every report.
+//! Assumptions of a scene that its source does not state. Shown in every report.
 
 use serde::{Deserialize, Serialize};
 
@@ -91,7 +91,7 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
     list
 }
 
-/// Whether anything in this scene depends on a key: of laws, friction and detection only what they read.
+/// True if anything in this scene depends on a key: of laws, friction and detection only what they read.
 fn is_used(scene: &Scene, key: &str) -> bool {
     let contact = &scene.contact;
     let has_friction = contact.friction_coefficient > 0.0;
@@ -110,7 +110,8 @@ fn is_used(scene: &Scene, key: &str) -> bool {
     }
 }
 
-/// What the scene's file does not write: one entry for all that comes from its base, one a key for the rest.
+/// Assumptions for keys that the scene's file does not write: one entry for all that comes from its base, one a key for
+/// the rest.
 fn filled_in(scene: &CheckedScene) -> Vec<Assumption> {
     let mut list: Vec<Assumption> = Vec::new();
     let mut inherited: Vec<(&str, Vec<&str>)> = Vec::new();
@@ -143,7 +144,7 @@ fn filled_in(scene: &CheckedScene) -> Vec<Assumption> {
     bases.chain(list).collect()
 }
 
-/// Whether Tab. 1 describes this gear (backlash and wheels may differ).
+/// True if Tab. 1 describes this gear (backlash and wheels may differ).
 fn is_the_papers(gear: &Gear) -> bool {
     let paper = Scene::paper().gear;
     gear.eccentricity_m == paper.eccentricity_m

@@ -38,8 +38,9 @@ impl Bearings {
         *self == Self::default()
     }
 
-    /// What the force on a sleeve of this radius loses as it rolls, as a share of the force: mu d/(2 r); `None`: it has no friction. A
-    /// roller thinner than the bore d turns in a groove and rubs on its own diameter, so that this is mu at most.
+    /// Friction of a rolling sleeve of this radius, as a share of the force on it: mu d/(2 r); `None`: it has no
+    /// friction. A roller thinner than the bore d turns in a groove and rubs on its own diameter, so that this is mu at
+    /// most.
     #[must_use]
     pub fn sleeve_drag(&self, radius_m: f64) -> Option<f64> {
         let on_bore = 0.5 * self.sleeve_bore_m? / radius_m;
@@ -48,7 +49,7 @@ impl Bearings {
 }
 
 impl Scene {
-    /// Whether anything rubs, so that more is lost than by the contacts' damping.
+    /// True if anything rubs, so that more is lost than by the contacts' damping.
     ///
     /// ```
     /// let mut scene = pinwheel_scene::Scene::paper();
@@ -61,7 +62,8 @@ impl Scene {
         self.rubbing().contains(&true)
     }
 
-    /// Whether contacts, bearings, sleeves on their pins and seals rub in a run. Contacts that do turn sleeves as they will.
+    /// Flags, in this order, of friction in a run at contacts, bearings, sleeves on their pins and seals. Contacts with
+    /// friction turn sleeves as they will.
     #[must_use]
     pub fn rubbing(&self) -> [bool; 4] {
         let bearings = &self.bearings;
@@ -87,7 +89,7 @@ impl EccentricBearing {
 }
 
 impl BearingLaw {
-    /// Of a scene whose wheels float; `None`: eccentrics hold them rigidly.
+    /// Law of a scene whose wheels float; `None`: eccentrics hold them rigidly.
     #[must_use]
     pub fn of(scene: &Scene) -> Option<Self> {
         let bearing = scene.bearings.eccentric?;
@@ -198,8 +200,8 @@ impl BearingLaw {
     }
 }
 
-/// What a bearing carries under the largest load, N: about the load on one wheel over the lever of its lobes; of cranks its
-/// share, and what turns the output.
+/// Load of a bearing under the largest load, N: about the load on one wheel over the lever of its lobes; of cranks its
+/// share, and the force that turns the output.
 #[must_use]
 pub fn typical_force(scene: &Scene) -> f64 {
     let torque = crate::scales::wheel_torque_n_m(scene);

@@ -91,13 +91,13 @@ pub struct Catalogue {
 pub struct Draft {
     /// The scene as a file, with a comment for every line.
     pub text: String,
-    /// The same, checked.
+    /// The scene that the file gives, checked.
     pub scene: CheckedScene,
     /// Keys that were suggested, not given.
     pub suggested: Vec<&'static str>,
 }
 
-/// What keys are called where a catalogue's data is typed, in the units of catalogues.
+/// Names of keys where a catalogue's data is typed, in the units of catalogues.
 pub const ARGUMENTS: &[(&str, &str)] = &[
     ("gear.pin_circle_radius_m", "pin_circle_diameter_mm"),
     ("gear.shortening", "pin_circle_diameter_mm"),
@@ -116,7 +116,7 @@ pub const ARGUMENTS: &[(&str, &str)] = &[
     ("contact.friction_coefficient", "friction"),
 ];
 
-/// Of a circle of pins, m; a smaller one was typed in metres where millimetres were asked for.
+/// Bound of a circle of pins, m; a smaller one was typed in metres where millimetres were asked for.
 const IN_METRES: f64 = 3e-3;
 /// Shortening coefficient that is suggested, and the least one.
 const SHORTENING: [f64; 2] = [0.65, 0.35];
@@ -132,11 +132,12 @@ const INWARDS: f64 = 0.45;
 const OUTPUT_PINS: [usize; 5] = [8, 6, 10, 5, 4];
 /// Face width as a share of R.
 const FACE: f64 = 0.15;
-/// Of RV gears: the number of pins that is tried first, and the least and most; teeth of a sun; planet over sun.
+/// For RV gears: the number of pins that is tried first, with the least and the most; then teeth of a sun; then planet
+/// over sun.
 const RV_PINS: [usize; 3] = [40, 20, 80];
 const SUN: RangeInclusive<usize> = 12..=30;
 const TEETH: RangeInclusive<usize> = 1..=6;
-/// What is always suggested of an RV gear's cranks.
+/// Keys of an RV gear's cranks that are always suggested.
 const OF_CRANKS: [&str; 5] = [
     "cranks.bore_radius_m",
     "cranks.sun_teeth",
@@ -173,7 +174,7 @@ impl Catalogue {
     /// Makes the scene.
     ///
     /// # Errors
-    /// What is given cannot be built, or leaves no room for what is to be suggested; the message names the dimension.
+    /// Dimensions that cannot be built, or leave no room for those to be suggested; the message names the dimension.
     pub fn draft(&self) -> Result<Draft, Fault> {
         self.attempt().map_err(|fault| self.blamed(fault))
     }
@@ -235,7 +236,7 @@ impl Catalogue {
         fault
     }
 
-    /// What is given and could be left out: its key, its value as one types it in thousandths, and the rest.
+    /// Given values that could be left out: the key, its value as one types it in thousandths, and the rest.
     fn without_one(&self) -> Vec<(&'static str, f64, Self)> {
         let mut all = Vec::new();
         macro_rules! each {

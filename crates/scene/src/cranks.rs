@@ -90,7 +90,7 @@ impl Scene {
     }
 }
 
-/// What an RV reducer needs, and what it has no place for.
+/// Checks the requirements of an RV reducer, and refuses keys that it has no place for.
 pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     let (gear, contact) = (&scene.gear, &scene.contact);
     let Some(cranks) = &scene.cranks else {
@@ -261,7 +261,7 @@ mod tests {
         );
     }
 
-    /// Of a gear that turns as its teeth have it both shafts together hold all of the cranks' energy.
+    /// In a gear that turns as its teeth have it both shafts together hold all of the cranks' energy.
     #[test]
     fn both_shafts_carry_the_cranks_turning() {
         let scene = Scene::load("rv-40e-like", &[]).unwrap();

@@ -1,4 +1,4 @@
-//! What follows from a scene by closed forms: sizes, curvatures, frequencies, expected loads.
+//! Quantities that follow from a scene by closed forms: sizes, curvatures, frequencies, expected loads.
 
 use std::f64::consts::{PI, TAU};
 
@@ -27,7 +27,7 @@ pub struct Derived {
     pub smallest_convex_radius_m: f64,
     /// Largest and smallest distance of the profile from the wheel centre, m.
     pub profile_radii_m: [f64; 2],
-    /// What is left of the material between holes, profile and pins.
+    /// Thickness of the material between holes, profile and pins.
     pub walls: Walls,
     /// Play of a sleeve in its hole beyond the orbit: hole - sleeve - e, m.
     pub hole_clearance_m: f64,
@@ -39,24 +39,24 @@ pub struct Derived {
     /// Largest force of an external sleeve on a wheel, rigid and without clearance, N:
     /// about 4 T/(e zs zk) with T the largest load on one wheel.
     pub external_force_estimate_n: f64,
-    /// The same for an internal sleeve: 4 T/(zi Rw), N.
+    /// Largest force of an internal sleeve on a wheel, rigid and without clearance, N: 4 T/(zi Rw).
     pub internal_force_estimate_n: f64,
     /// Frequencies at which a course may oscillate.
     pub frequencies: Vec<Frequency>,
-    /// Whether the wheels' mesh ripples at the external sleeves coincide.
+    /// True if the wheels' mesh ripples at the external sleeves coincide.
     pub external_ripple_in_phase: bool,
-    /// Whether the wheels' ripples at the internal sleeves coincide.
+    /// True if the wheels' ripples at the internal sleeves coincide.
     pub internal_ripple_in_phase: bool,
 }
 
 /// Thinnest places, m.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Walls {
-    /// Of a wheel, between a hole and the profile.
+    /// Wall of a wheel, between a hole and the profile.
     pub hole_to_profile_m: f64,
-    /// Of a wheel, between neighbouring holes.
+    /// Wall of a wheel, between neighbouring holes.
     pub hole_to_hole_m: f64,
-    /// Of a wheel, between a hole and the bore that masses are computed with: 0.6 (circle - hole).
+    /// Wall of a wheel, between a hole and the bore that masses are computed with: 0.6 (circle - hole).
     pub hole_to_bore_m: f64,
     /// Gap between neighbouring external sleeves.
     pub sleeve_to_sleeve_m: f64,
@@ -84,7 +84,7 @@ impl Walls {
 /// A figure of [`Derived`] with its name, for tables.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Line {
-    /// What it is.
+    /// Name of the quantity.
     pub what: &'static str,
     /// In SI units.
     pub value: f64,
@@ -97,7 +97,7 @@ pub struct Line {
 /// One predicted frequency.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Frequency {
-    /// What happens that often.
+    /// Event that happens that often.
     pub what: &'static str,
     /// Multiple of the input frequency.
     pub order: f64,
@@ -106,7 +106,8 @@ pub struct Frequency {
 }
 
 impl Derived {
-    /// What follows from the dimensions and the load, in the order in which one reads it. `scene`: that it was derived from.
+    /// Quantities that follow from the dimensions and the load, in the order in which one reads them. `scene`: that
+    /// from which they were derived.
     #[must_use]
     pub fn lines(&self, scene: &Scene) -> Vec<Line> {
         macro_rules! lines {

@@ -1,4 +1,4 @@
-//! What sets a gear apart from the ideal one: its profile's modification, and the individual errors of its parts.
+//! Deviations of a gear from the ideal one: its profile's modification, and the individual errors of its parts.
 //!
 //! The wheel's edge is the inward offset by q' = q + equidistant of the epitrochoid with R' = R + radial and the gear's own e,
 //! so that m' = e zk/R'; the ring keeps R and q. With a rotational modification it is what two such wheels have in
@@ -22,7 +22,7 @@ use crate::number::{below, short};
 pub struct ErrorList<'a> {
     /// Its key.
     pub key: &'static str,
-    /// What it is about, of which it has one entry each.
+    /// Parts to which the list belongs, with one entry each.
     pub parts: &'static str,
     /// How many entries it has where it is not empty.
     pub count: usize,
@@ -45,7 +45,7 @@ pub fn entry(list: &[f64], number: usize) -> f64 {
 }
 
 impl Modification {
-    /// Whether the profile is the ideal one.
+    /// True if the profile is the ideal one.
     #[must_use]
     pub fn is_none(&self) -> bool {
         *self == Self::default()
@@ -53,7 +53,7 @@ impl Modification {
 }
 
 impl Errors {
-    /// Whether there are none.
+    /// True if there are none.
     #[must_use]
     pub fn is_none(&self) -> bool {
         *self == Self::default()
@@ -113,7 +113,7 @@ impl Errors {
         self.largest_m(gear, &["external", "eccentricity"])
     }
 
-    /// The same between hole and internal sleeve, m.
+    /// Largest excess over nominal of the gap between hole and internal sleeve, m.
     #[must_use]
     pub fn largest_of_holes_m(&self, gear: &Gear) -> f64 {
         self.largest_m(gear, &["internal", "hole", "eccentricity"])
@@ -142,7 +142,7 @@ impl Gear {
         self.external_sleeve_radius_m + self.modification.equidistant_m
     }
 
-    /// Whether all parts are alike: without errors, and with flanks that are not turned.
+    /// True if all parts are alike: without errors, and with flanks that are not turned.
     #[must_use]
     pub fn is_plain(&self) -> bool {
         self.errors.is_none() && self.modification.rotational_rad == 0.0

@@ -1,4 +1,4 @@
-//! What can be wrong with a scene. Every message is one line: where, what, and the remedy.
+//! Errors of a scene. Every message is one line: where, what, and the remedy.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -59,7 +59,7 @@ pub enum SceneError {
     Override {
         /// As typed.
         text: String,
-        /// What is wrong.
+        /// Description of the fault.
         what: &'static str,
     },
     /// Keys that nothing can stand in for.
@@ -77,7 +77,7 @@ pub enum SceneError {
         place: Location,
         /// Full key, for example `gear.wheels`.
         key: String,
-        /// What is wrong.
+        /// Description of the fault.
         what: String,
         /// How to put it right.
         remedy: String,
@@ -107,7 +107,7 @@ impl SceneError {
 pub struct Fault {
     /// The keys that take part, the likeliest culprit first.
     pub keys: Vec<Cow<'static, str>>,
-    /// What is wrong with the first key, a predicate: "is -1 m, but must be above 0 m".
+    /// Fault of the first key, a predicate: "is -1 m, but must be above 0 m".
     pub what: String,
     /// How to put it right.
     pub remedy: String,

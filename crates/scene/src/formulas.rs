@@ -1,4 +1,5 @@
-//! What follows for keys that a scene leaves out. Each formula stands in words beside its key ([`crate::keys`]).
+//! Formulas for the values of keys that a scene leaves out. Each formula stands in words beside its key
+//! ([`crate::keys`]).
 
 use toml::Table;
 
@@ -12,7 +13,7 @@ pub struct Given<'a> {
     pub(crate) table: &'a Table,
     /// The scene so far, of placeholders where rows are still missing.
     pub(crate) scene: &'a Scene,
-    /// Whether all rows of `gear` and `drive` are there and fit together.
+    /// True if all rows of `gear` and `drive` are there and fit together.
     pub(crate) gear_is_sound: bool,
 }
 

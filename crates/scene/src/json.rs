@@ -5,7 +5,7 @@ use serde_json::Value;
 /// The version of job files (`scene.json`) that this program writes and reads.
 pub const JOB_PROTOCOL: u64 = 1;
 
-/// Whether a text is JSON: no TOML begins with a brace.
+/// True if a text is JSON: no TOML begins with a brace.
 pub(crate) fn is_json(text: &str) -> bool {
     text.trim_start().starts_with('{')
 }

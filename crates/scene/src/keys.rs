@@ -10,7 +10,7 @@ use crate::formulas::{self, Given};
 use crate::names;
 use crate::table::lookup;
 
-/// What a key holds.
+/// Kind of value that a key holds.
 #[derive(Clone, Copy)]
 pub enum Kind {
     /// A number within a range.
@@ -40,12 +40,12 @@ pub enum Range {
     Between(f64, f64),
 }
 
-/// What stands for a key that is left out.
+/// Source of the value of a key that is left out.
 #[derive(Clone, Copy)]
 pub enum Otherwise {
     /// Nothing can: an error that names the key.
     Required,
-    /// The same where its table is there.
+    /// Nothing can where its table is there: an error that names the key.
     Needed,
     /// Nothing has to: the key asks for something.
     Nothing,
@@ -60,11 +60,11 @@ pub enum Otherwise {
 pub struct Key {
     /// Full name, `gear.eccentricity_m`; the unit ends it.
     pub name: &'static str,
-    /// What it holds.
+    /// Kind of value that the key holds.
     pub kind: Kind,
-    /// What stands for it where it is left out.
+    /// Source of the key's value where it is left out.
     pub otherwise: Otherwise,
-    /// What it is.
+    /// Meaning of the key.
     pub about: &'static str,
     /// Help for who gave a wrong value.
     pub hint: &'static str,
@@ -127,7 +127,7 @@ impl Key {
         unit.map_or("", |(_, unit)| unit)
     }
 
-    /// What a number must be that it does not hold: `from 0 to 1e5`.
+    /// Range that a number leaves, in words: `from 0 to 1e5`. `None`: the key may hold the number.
     #[must_use]
     pub fn refuses(&self, number: f64) -> Option<String> {
         match self.kind {

@@ -24,7 +24,7 @@ pub struct Scene {
     pub drive: Drive,
     /// Contact law and detection.
     pub contact: Contact,
-    /// What else gives way under the load; without it only contacts do.
+    /// Compliance beside that of the contacts; without it only contacts deflect under the load.
     #[serde(default, skip_serializing_if = "Bearings::is_none")]
     pub bearings: Bearings,
     /// The cranks of an RV reducer; without it one eccentric carries the wheels.
@@ -32,7 +32,7 @@ pub struct Scene {
     pub cranks: Option<Cranks>,
     /// Formulation, integrator and sampling.
     pub solver: Solver,
-    /// What is recorded beyond the contract's columns.
+    /// Channels that are recorded beyond the contract's columns.
     #[serde(default, skip_serializing_if = "Output::is_default")]
     pub output: Output,
     /// How well values are known, by key: for comparisons with measured data.
@@ -126,7 +126,7 @@ pub struct Drive {
     pub start: Start,
     /// The load rises linearly from 0 over this time, s; 0: at once.
     pub load_ramp_s: f64,
-    /// What the load becomes during the run, in increasing time; empty: it stays.
+    /// Changes of the load during the run, in increasing time; empty: it stays.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub load_changes: Vec<LoadChange>,
 }
@@ -227,11 +227,11 @@ pub struct Contact {
     pub hole_points: usize,
 }
 
-/// What gives way beside the contacts.
+/// Compliance and friction beside those of the contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bearings {
-    /// What carries each wheel on its eccentric; `None`: a rigid revolute.
+    /// Bearing that carries each wheel on its eccentric; `None`: a rigid revolute.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eccentric: Option<EccentricBearing>,
     /// Stiffness of an output pin against bending at its sleeve, N/m; `None`: rigid.
@@ -354,7 +354,7 @@ pub struct Solver {
     pub stabilisation: Stabilisation,
 }
 
-/// What is recorded beyond the contract's columns.
+/// Channels that are recorded beyond the contract's columns.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Output {
@@ -489,13 +489,13 @@ pub struct Errors {
     /// Radii of holes, m; wheel by wheel.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub hole_radius_m: Vec<f64>,
-    /// Of the angle of each crank of an RV gear, rad.
+    /// Error of the angle of each crank of an RV gear, rad.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub crank_phase_rad: Vec<f64>,
-    /// Of each wheel's eccentric, m.
+    /// Error of each wheel's eccentric, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub eccentricity_m: Vec<f64>,
-    /// Of the angle of each wheel's eccentric, rad.
+    /// Error of the angle of each wheel's eccentric, rad.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub phase_rad: Vec<f64>,
 }

@@ -24,7 +24,7 @@ pub use overrides::Override;
 use layers::{FORM, Layers, located};
 use unknown::BASE;
 
-/// What many scenes have in common, read once: a file with its base, and overrides.
+/// Common part of many scenes, read once: a file with its base, and overrides.
 ///
 /// ```
 /// use pinwheel_scene::{Draft, Override};

@@ -78,7 +78,7 @@ fn springs(scene: &Scene) -> [f64; 2] {
     ]
 }
 
-/// Whether a scene's law reads a key.
+/// True if a scene's law reads a key.
 fn reads(scene: &Scene, key: &str) -> bool {
     law_info(&scene.contact.law).is_some_and(|law| law.keys.contains(&key))
 }
@@ -91,7 +91,7 @@ pub fn state_depth(scene: &mut Scene) {
     }
 }
 
-/// What a scene's law reads of it.
+/// Parameters that a scene's law reads from it.
 #[must_use]
 pub fn law_parameters(scene: &Scene) -> LawParameters {
     let contact = &scene.contact;
@@ -139,7 +139,7 @@ pub fn law(scene: &Scene) -> Option<Law> {
     Law::named(&scene.contact.law, &law_parameters(scene))
 }
 
-/// The same with the bending of the scene's output pins.
+/// The law that a scene names, with the bending of its output pins.
 #[must_use]
 pub fn pin_law(scene: &Scene) -> Option<PinLaw> {
     Some(PinLaw {
@@ -227,7 +227,7 @@ pub fn largest_play(gear: &crate::Gear) -> f64 {
     free_play(gear) + gear.errors.largest_of_mesh_m(gear) / gear.lever_m()
 }
 
-/// The same of the output in its holes, rad.
+/// Largest free rotation of the output in its holes, rad.
 #[must_use]
 pub fn largest_hole_play(gear: &crate::Gear) -> f64 {
     let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
@@ -248,7 +248,8 @@ pub(crate) fn wheel_torque_n_m(scene: &Scene) -> f64 {
     wheel_torque_of(scene, &outer(scene, &hertz(scene)))
 }
 
-/// The same of known springs.
+/// Load torque on one wheel for known springs, N m: the largest of the run, but at least a quarter of that of the
+/// unloaded contacts.
 fn wheel_torque_of(scene: &Scene, outer: &Spring) -> f64 {
     let gear = &scene.gear;
     let unloaded = outer.force(least_depth(scene));

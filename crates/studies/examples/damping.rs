@@ -23,7 +23,7 @@ use pinwheel_scene::{CheckedScene, Detection, Scene};
 use pinwheel_timeseries::norms::{Distance, Least, Level};
 use pinwheel_timeseries::{Ending, TimeSeries, TimeSeriesError, columns};
 
-/// What is switched on.
+/// Feature of the model that is switched on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Switch {
     /// Our model, converged: the reference of all others.
@@ -66,8 +66,7 @@ impl Switch {
     }
 }
 
-/// Those for which the largest damping is looked for: what cannot be compared with the converged run is among
-/// them.
+/// Switches for which the largest damping is sought, also those that cannot be compared with the converged run.
 const LIMITED: [Switch; 9] = [
     Switch::Step,
     Switch::Points,
@@ -80,7 +79,7 @@ const LIMITED: [Switch; 9] = [
     Switch::Millimetres,
 ];
 
-/// Those whose errors are measured, in the order of the table.
+/// Switches whose errors are measured, in the order of the table.
 const SWITCHES: [Switch; 7] = [
     Switch::Converged,
     Switch::Step,

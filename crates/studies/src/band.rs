@@ -1,4 +1,4 @@
-//! What other contact laws would say of a gear, and what a fit would do: by statics.
+//! Figures of a gear under other contact laws, and with a fit: by statics.
 //!
 //! Several laws may be right for rollers of a pair of materials, and nothing here tells which is. So the same balances are
 //! made under each of them, at the same few poses. The envelope of what comes out is the band of a figure: an interval, not a
@@ -45,11 +45,11 @@ pub struct Bands {
     pub own: String,
     /// Each figure under a law over that under the scene's own: least and largest.
     pub figures: Vec<Band>,
-    /// What a profile cut all round gives.
+    /// Figures with a profile cut all round.
     pub fits: Vec<Fit>,
 }
 
-/// Of one figure.
+/// Band of one figure.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Band {
     /// Its name for programs.
@@ -83,7 +83,7 @@ impl Bands {
         Some(band.of_own_law.map(|share| share * value))
     }
 
-    /// Whether the scene's own law gives figures within the bands.
+    /// True if the scene's own law gives figures within the bands.
     #[must_use]
     pub fn holds_own(&self) -> bool {
         self.figures.iter().all(
@@ -94,7 +94,7 @@ impl Bands {
         )
     }
 
-    /// What a figure that is `value` without it becomes by each cut, m.
+    /// Values of a figure by each cut, m; `value` is that without a cut.
     #[must_use]
     pub fn fitted(&self, key: &str, value: f64) -> Vec<(f64, f64)> {
         let of = |fit: &Fit| {

@@ -11,7 +11,7 @@ pub enum ChoiceError {
     Unknown {
         /// As it was asked for.
         name: String,
-        /// What could be meant.
+        /// Names that could be meant.
         remedy: String,
     },
     /// It exists, but this build was made without it.
@@ -24,7 +24,7 @@ pub enum ChoiceError {
         /// The feature that has it.
         feature: &'static str,
     },
-    /// The same engine by two names, or twice by one.
+    /// An engine by two names, or twice by one.
     #[error("--engines names {0} twice; name each engine once")]
     Twice(String),
 }

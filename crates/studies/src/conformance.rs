@@ -26,7 +26,7 @@ use crate::junit::{self, Ended};
 use crate::output::OutputError;
 use crate::provenance::{Provenance, Summary};
 
-/// What came of one trial.
+/// Outcome of one trial.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "state", rename_all = "kebab-case")]
 pub enum State {
@@ -43,12 +43,12 @@ pub enum State {
 pub struct Finding {
     /// Its name in tables: `time grid`.
     pub name: &'static str,
-    /// What must be.
+    /// Requirement of the trial.
     pub must: &'static str,
-    /// What came of it.
+    /// Outcome of the trial.
     #[serde(flatten)]
     pub state: State,
-    /// What was seen, with figures.
+    /// Observation, with figures.
     pub seen: String,
 }
 
@@ -68,7 +68,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Whether nothing failed.
+    /// True if nothing failed.
     #[must_use]
     pub fn passed(&self) -> bool {
         self.count(&State::Failed) == 0
@@ -112,7 +112,7 @@ impl Outcome {
     }
 }
 
-/// What a trial says: passed, failed or skipped, and what was seen.
+/// Result of a trial: passed, failed or skipped, with the observation.
 type Seen = Result<String, Miss>;
 
 enum Miss {
@@ -144,7 +144,7 @@ const FIRST: f64 = 1e-8;
 /// A tolerance bounds the error of a step and not of a run, and steps change by leaps: of the order stated for it, this share
 /// must be seen.
 const TOLERANCE_SHARE: f64 = 0.3;
-/// What the native run may be off by itself.
+/// Bound of the native run's own error.
 const NATIVE: f64 = 1e-6;
 /// Length of a run that is held against numbers, radians of the contacts' vibration: two and a half of its periods.
 const SHORT_RAD: f64 = 16.0;

@@ -24,9 +24,9 @@ const LOOK: Duration = Duration::from_millis(1);
 pub(crate) struct Patience {
     /// Time of a whole run.
     pub(crate) most: Duration,
-    /// What the option `--longest` must be for a run that takes a second, s.
+    /// Value of the option `--longest` for a run that takes a second, s.
     pub(crate) asks: f64,
-    /// Whether this goes for programs of their own too, by wall time: they have limits of their own.
+    /// True if this goes for programs of their own too, by wall time: they have limits of their own.
     pub(crate) outside: bool,
 }
 

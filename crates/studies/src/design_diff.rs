@@ -26,12 +26,12 @@ use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
 use crate::{Control, Progress, StudyError, design, single};
 
-/// What is compared.
+/// Inputs of the comparison of two designs.
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
     /// Both designs.
     pub gearboxes: [&'a Gearbox; 2],
-    /// What they are called where their scenes have the same name: as they were asked for.
+    /// Names of the scenes where both have the same one: as they were asked for.
     pub specs: [&'a str; 2],
     /// Who runs them.
     pub engine: &'a dyn Engine,
@@ -46,11 +46,11 @@ pub struct KeyDiff {
     pub key: String,
     /// Its values; `None` where a scene has none.
     pub values: [Option<Value>; 2],
-    /// Whether both scenes leave it to a formula: then it differs because others do.
+    /// True if both scenes leave the key to a formula: then it differs because others do.
     pub follows: bool,
 }
 
-/// What two values amount to.
+/// Judgement of two values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Judged {
@@ -71,15 +71,15 @@ pub enum Judged {
 pub struct FigureDiff {
     /// Its name for programs; of time series, quantity and statistic.
     pub key: String,
-    /// What it is.
+    /// Meaning of the figure.
     pub what: String,
     /// Its unit; empty for counts.
     pub unit: String,
-    /// Of both designs.
+    /// Values of both designs.
     pub values: [Option<f64>; 2],
     /// How far each may be off; `None` where that is not known.
     pub uncertainty: [Option<f64>; 2],
-    /// What it amounts to.
+    /// Judgement of the change.
     pub judged: Judged,
 }
 
@@ -89,14 +89,14 @@ pub struct DesignDiff {
     /// Their names, never the same.
     #[serde(rename = "designs")]
     pub names: [String; 2],
-    /// What `design` finds of each.
+    /// Results of `design` for each.
     #[serde(skip)]
     pub designs: [design::DesignResult; 2],
     /// Who ran them.
     pub engine: String,
     /// Keys that differ, but for name, description and what is recorded.
     pub changed: Vec<KeyDiff>,
-    /// What follows from the dimensions and the load, exactly.
+    /// Quantities that follow from the dimensions and the load, exactly.
     pub derived: Vec<FigureDiff>,
     /// The figures of `design`.
     pub figures: Vec<FigureDiff>,
@@ -180,7 +180,7 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
     })
 }
 
-/// What both are called: by their scenes' names, or as they were asked for, or as first and second.
+/// Names of both: of their scenes, or as they were asked for, or as first and second.
 fn names(scenes: [&CheckedScene; 2], specs: [&str; 2]) -> [String; 2] {
     let names = scenes.map(|scene| scene.name.clone());
     if names[0] != names[1] {
@@ -213,7 +213,7 @@ fn on_one_grid(gearboxes: [&Gearbox; 2]) -> Result<[Gearbox; 2], StudyError> {
     Ok([a?, b?])
 }
 
-/// What is known of both: of what differs nothing.
+/// Facts that hold for both: a fact that differs is left out.
 fn shared(scenes: [&CheckedScene; 2]) -> Context {
     let [a, b] = scenes.map(|scene| context(scene));
     let same = |a: Option<f64>, b: Option<f64>| a.filter(|_| a == b);
@@ -378,7 +378,7 @@ impl FigureDiff {
 }
 
 impl DesignDiff {
-    /// Whether both scenes are the same but for their names.
+    /// True if both scenes are the same but for their names.
     #[must_use]
     pub fn identical(&self) -> bool {
         self.changed.is_empty()

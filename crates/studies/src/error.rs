@@ -1,4 +1,4 @@
-//! What can go wrong in a study.
+//! Errors of a study.
 
 use pinwheel_engines::{Cancelled, Ending, Engine};
 use pinwheel_scene::Scene;

@@ -1,4 +1,4 @@
-//! What a scene models, assumes and lets one expect, without running it.
+//! Explanation of a scene without running it: its model, its assumptions and its expected figures.
 
 use pinwheel_gearbox::{Explanation as Model, Gearbox};
 use pinwheel_scene::{Assumption, Derived, Scene, assumptions, derived};
@@ -9,10 +9,10 @@ use serde::Serialize;
 pub struct Explanation<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// What is modelled and what is left out.
+    /// Parts that are modelled and those that are left out.
     #[serde(flatten)]
     pub model: Model,
-    /// What follows from the dimensions.
+    /// Quantities that follow from the dimensions.
     pub derived: Derived,
     /// Values that are assumptions, and what they rest on.
     pub assumptions: Vec<Assumption>,

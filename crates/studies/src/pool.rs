@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// What `work(state, k)` gives for k = 0 .. `count`, on `threads` threads, this one among them, each with a `state` of its own; and
-/// the first error.
+/// Results of `work(state, k)` for k = 0 .. `count`, on `threads` threads, this one among them, each with a `state` of
+/// its own; and the first error.
 ///
 /// Pieces begin in their order. After an error no other begins; those that run come to their end.
 pub(crate) fn map<S, T: Send, E: Send>(

@@ -1,4 +1,4 @@
-//! What made a result: program, command, machine and day; and the envelope of every `summary.json`.
+//! Origin of a result: program, command, machine and day; and the envelope of every `summary.json`.
 
 use std::path::Path;
 
@@ -19,7 +19,7 @@ pub struct Machine {
     pub build: &'static str,
 }
 
-/// What made a result.
+/// Origin of a result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Provenance {
     /// Version of Pinwheel.

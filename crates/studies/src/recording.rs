@@ -47,7 +47,7 @@ pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, 
     Ok(engines)
 }
 
-/// What became of one recording.
+/// Outcome of one recording.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Recorded {
     /// Kept, with this many samples in so many bytes.

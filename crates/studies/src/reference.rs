@@ -36,7 +36,7 @@ pub struct Solution {
     pub rhs_calls: u64,
 }
 
-/// What runs are held against.
+/// Reference from which errors of runs are measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reference {
     /// The solution taken.

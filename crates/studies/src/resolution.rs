@@ -1,5 +1,5 @@
-//! Whether the step that a scene names resolves it: the same run again at twice the step (or ten times the
-//! tolerance), and how far the forces move.
+//! Check that the step of a scene resolves it: a second run at twice the step (or ten times the tolerance), and how far
+//! the forces move.
 //!
 //! [`convergence::estimate`] says what follows for the run's own error. An error that this does not show would have to be the
 //! same at both steps. Where the coarser run fails it shows nothing, and the
@@ -23,21 +23,21 @@ use crate::control::{of_scene, run_compiled};
 /// RK4 by 0.79 (0.79 off).
 pub const MOST: f64 = 0.3;
 
-/// The same to a finer run, whose distance is the error.
+/// Relative L2 distance to the finer run beyond which a run is not resolved. That distance is the error.
 pub const MOST_TO_FINER: f64 = 0.1;
 
 /// Factor between tolerances.
 const DECADE: f64 = 10.0;
 
-/// What another run of the same scene shows.
+/// Evidence of another run of the same scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Resolution {
     /// The other setting in words, e.g. `a step of 2e-5 s`.
     pub other: String,
     /// How far the run moves; `None` if the other run failed too.
     pub moved: Option<Distance>,
-    /// What follows for the run's own error from the time on that was asked for, by [`convergence::estimate`]. `None` where
-    /// both runs have too few samples in common there, or explicit steps do not follow the friction ([`unfollowed`]).
+    /// Estimated error of the run from the requested time on, by [`convergence::estimate`]. `None` where both runs have
+    /// too few samples in common there, or explicit steps do not follow the friction ([`unfollowed`]).
     pub error: Option<Distance>,
     /// The most that it may.
     pub most: f64,
@@ -121,7 +121,7 @@ pub fn check(
     })
 }
 
-/// Of the finer of two runs that are a refinement apart.
+/// Error of the finer of two runs that are a refinement apart.
 fn error(
     gearbox: &Gearbox,
     (coarser, finer): (&TimeSeries, &TimeSeries),

@@ -1,5 +1,5 @@
-//! What one runs a scene for: driver's torque, peaks of the forces and efficiency after the start-up, each with how far it may be
-//! off where that is known.
+//! Figures for which one runs a scene: driver's torque, peaks of the forces and efficiency after the start-up, each
+//! with its possible error where that is known.
 
 use pinwheel_compare::quantities::derive;
 use pinwheel_engines::Run;
@@ -25,7 +25,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Whether it is off by sampling more than by all else.
+    /// True if sampling causes more than half of its error.
     #[must_use]
     pub fn is_off_by_sampling(&self) -> bool {
         let both = self.sampling.zip(self.uncertainty);
@@ -56,8 +56,8 @@ pub fn from_s(run: &Run, scene: &CheckedScene) -> f64 {
 }
 
 impl Results {
-    /// Those of `run` from `from_s` on ([`from_s`]), as far as it has what they are made of, off by these shares of forces and
-    /// torque; `uncertainty`: how that is known.
+    /// Results of `run` from `from_s` on ([`from_s`]), as far as it has the channels for them, off by these shares of
+    /// forces and torque; `uncertainty`: how that is known.
     #[must_use]
     pub fn of(
         run: &Run,

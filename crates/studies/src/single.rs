@@ -36,19 +36,19 @@ pub(crate) struct RunRecord<'a> {
     samples: usize,
     #[serde(flatten)]
     pub(crate) stats: &'a RunStats,
-    /// What the same run at twice the step shows.
+    /// Evidence of the run at twice the step.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) resolution: Option<&'a Resolution>,
-    /// What the engine itself knows of its numerical uncertainty.
+    /// Numerical uncertainty that the engine itself states.
     #[serde(
         rename = "numerical_uncertainty",
         skip_serializing_if = "Option::is_none"
     )]
     pub(crate) uncertainty: Option<&'a Uncertainty>,
-    /// What it was run for, with how far that may be off.
+    /// Results of the run, with their uncertainty.
     #[serde(skip_serializing_if = "Option::is_none")]
     results: Option<Results>,
-    /// What other contact laws and fits would give.
+    /// Figures with other contact laws and fits.
     #[serde(skip_serializing_if = "Option::is_none")]
     by_contact_law: Option<&'a Bands>,
     scene: &'a Scene,
@@ -61,8 +61,8 @@ pub(crate) struct RunRecord<'a> {
 /// Time that a remedy may take to be tried.
 const TRIED_WITHIN: Duration = Duration::from_secs(1);
 
-/// What to do about a run that diverged or whose step does not resolve its scene: `auto`, tried first where that costs
-/// under a second, as one says it after a semicolon.
+/// Remedy for a run that diverged or whose step does not resolve its scene: `auto`, tried first where that costs under
+/// a second, as one says it after a semicolon.
 #[must_use]
 pub fn remedy(gearbox: &Gearbox, track: Track) -> String {
     if track != Track::Native {
@@ -100,7 +100,7 @@ pub fn file(ending: &Ending) -> &'static str {
     }
 }
 
-/// Whether `engine` honours the scene of `gearbox`.
+/// Checks that `engine` honours the scene of `gearbox`.
 ///
 /// # Errors
 /// Cancelled, or [`StudyError::Ended`] with the reason.
@@ -125,9 +125,9 @@ pub struct Outcome {
     pub scene: CheckedScene,
     /// Time series, cost and ending; of a run that diverged, until then.
     pub run: Run,
-    /// What the same run at twice the step shows, where that was looked at.
+    /// Evidence of the run at twice the step, if it was made.
     pub resolution: Option<Resolution>,
-    /// What other contact laws and fits would give; `None`: there is nothing to compare, or nobody asked.
+    /// Figures with other contact laws and fits; `None`: there is nothing to compare, or nobody asked.
     pub bands: Option<Bands>,
 }
 
@@ -165,7 +165,7 @@ pub fn run(
     })
 }
 
-/// What a native run shows at twice its step. The resolved engine has no step of the scene's.
+/// Evidence of a native run at twice its step. The resolved engine has no step of the scene's.
 fn check(
     engine: &dyn Engine,
     gearbox: &Gearbox,
@@ -208,13 +208,13 @@ impl Outcome {
         (!ending.is_finished()).then(|| format!("{} {ending}", self.engine))
     }
 
-    /// What it was run for.
+    /// Results of the run.
     #[must_use]
     pub fn results(&self) -> Results {
         self.results_from(results::from_s(&self.run, &self.scene))
     }
 
-    /// The same over another window: from `from_s` on, a sample; without what is of its energy account's window.
+    /// Results over the window from `from_s` on, a sample, without those of the window of the energy account.
     #[must_use]
     pub fn results_from(&self, from_s: f64) -> Results {
         let verified = self.run.uncertainty.as_ref().and_then(|u| u.error);

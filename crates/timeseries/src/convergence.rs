@@ -24,13 +24,13 @@ pub const ORDER_MARGIN: f64 = 0.5;
 /// Two successive differences confirm an order only if they point the same way: the least cosine between them.
 pub const LEAST_ALIGNMENT: f64 = 0.5;
 
-/// The same in a scene whose forces [jump](Rough::Jumps), where any order between those of jumps and method comes by chance: what
-/// shows the method's own this nearly is smooth where the steps are.
+/// Margin about the method's formal order in a scene whose forces [jump](Rough::Jumps), where three runs that show an
+/// order confirm a smooth solution. The order between that of jumps and that of the method comes by chance.
 pub const SMOOTH_MARGIN: f64 = 0.25;
 /// As [`LEAST_ALIGNMENT`] there: differences made by jumps point anywhere. Heun on the paper's gear without a jump in sight has 0.84.
 pub const SMOOTH_ALIGNMENT: f64 = 0.8;
 
-/// What in a scene's forces is not smooth. It bounds the order of every fixed step, whatever the method.
+/// Non-smooth feature of a scene's forces. It bounds the order of every fixed step, whatever the method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Rough {
@@ -58,14 +58,15 @@ impl Rough {
 
 /// The order that runs which see the ramp of a [jump](Rough::Jumps) fall with.
 const RAMPS: f64 = 2.0;
-/// Of a step that does not follow its friction, what the finest run is off by at least over its distance to the next: steps that
+/// Least uncertainty of the finest run with a step that does not follow its friction, as a share of its distance to the
+/// next run: steps that
 /// chatter part as far as they err, however much finer one is, and the order that such differences show is none. Measured by
 /// `rk4` and rapier on `one-wheel` with friction, steps 1e-5 to 8e-8 s, ratios 2 to 8: of 528 errors 516 covered without it, 527 with.
 pub const CHATTER: f64 = 1.5;
 /// The order in a tolerance that contacts allow.
 pub const KINKS: f64 = 0.5;
-/// The same of explicit Runge-Kutta methods, whose few long steps scatter more: measured with Dormand-Prince on 90 random gears
-/// without friction, where [`KINKS`] covers 93.8 % of 432 errors and this 96.
+/// Order in a tolerance for explicit Runge-Kutta methods, whose few long steps scatter more than others. Measured with
+/// Dormand-Prince on 90 random gears without friction, where [`KINKS`] covers 93.8 % of 432 errors and this value 96 %.
 pub const KINKS_EXPLICIT: f64 = 0.43;
 /// The order with which the next difference of runs at several tolerances counts. On average errors fall with the tolerance itself. But a
 /// step over a kink or a jump is off by where in it that falls, which the method's own estimate does not see (of Dormand-Prince's
@@ -78,7 +79,7 @@ const LOOSE_EXPLICIT: f64 = 0.5;
 /// The order in a tolerance where forces jump from point to point, which no method follows: each run has an error of its own.
 pub const SCATTER: f64 = 0.0;
 
-/// What is refined from level to level.
+/// Kind of setting that is refined from level to level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "refined", rename_all = "kebab-case")]
 pub enum Method {
@@ -86,8 +87,8 @@ pub enum Method {
     Step {
         /// Order the method states.
         order: f64,
-        /// What in the scene bounds that; `None` for a smooth one. Coarse runs may show the method's order while the error
-        /// of the finest already falls with the scene's: never more is used.
+        /// Non-smooth feature that bounds the order; `None` for a smooth scene. Coarse runs may show the method's order
+        /// while the error of the finest already falls with the scene's: never more is used.
         rough: Option<Rough>,
     },
     /// The error tolerance of an adaptive method. Its error follows the tolerance, which is what step size control aims
@@ -117,7 +118,7 @@ impl Method {
         }
     }
 
-    /// What sets the error instead of the method.
+    /// Returns the non-smooth feature that limits the error instead of the method's order.
     fn rough(self) -> Option<Rough> {
         match self {
             Self::Step { order, rough } => rough.filter(|rough| rough.order() < order),
@@ -158,7 +159,7 @@ impl Method {
         }
     }
 
-    /// Whether three runs that show `observed` confirm what is expected of method and scene.
+    /// True if the order `observed` from three runs confirms the expected order of method and scene.
     fn confirmed_by(self, observed: f64) -> bool {
         let Self::Step { order, .. } = self else {
             return false;
@@ -170,7 +171,7 @@ impl Method {
     }
 }
 
-/// What an uncertainty rests on.
+/// Kind of evidence on which an uncertainty rests.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Basis {
@@ -195,7 +196,7 @@ pub enum Basis {
 }
 
 impl Basis {
-    /// Whether the size of u was confirmed, and not only guarded against by a larger factor of safety.
+    /// True if the size of u was confirmed, and not only guarded against by a larger factor of safety.
     #[must_use]
     pub fn is_confirmed(self) -> bool {
         matches!(self, Self::Observed | Self::Rounding | Self::Stated)
@@ -207,7 +208,7 @@ impl Basis {
 pub struct Estimate {
     /// The uncertainty, in the unit of what was estimated; never negative.
     pub u: f64,
-    /// What it rests on.
+    /// Evidence for the value.
     pub basis: Basis,
     /// Order observed from three runs.
     pub observed_order: Option<f64>,
@@ -230,7 +231,7 @@ impl Estimate {
         }
     }
 
-    /// Of runs that are this far apart, none of which is nearer to the truth for all that they show.
+    /// Returns the estimate for runs that are this far `apart` when the evidence favours none of them.
     #[must_use]
     pub fn spread(apart: f64, floor: f64) -> Self {
         Self {
@@ -257,7 +258,7 @@ impl Estimate {
 pub struct Unresolved {
     /// Why.
     pub reason: String,
-    /// What would help.
+    /// Action by the user that would make the result resolved.
     pub remedy: String,
 }
 

@@ -1,4 +1,4 @@
-//! What can be wrong with time series.
+//! Errors of time series.
 
 use std::path::PathBuf;
 
@@ -35,7 +35,7 @@ pub enum TimeSeriesError {
         row: usize,
         /// Column name.
         column: String,
-        /// What stands there.
+        /// Content of the cell.
         text: String,
     },
     /// There is no `time_s` column.

@@ -76,7 +76,7 @@ impl<'a> View<'a> {
         self.channels.iter().map(|channel| channel.len()).sum()
     }
 
-    /// Whether both have the same number of channels of the same lengths.
+    /// True if both have the same number of channels of the same lengths.
     #[must_use]
     pub fn same_shape(&self, other: &Self) -> bool {
         let (own, others) = (self.channels.iter(), other.channels.iter());
@@ -179,14 +179,14 @@ pub struct Distance {
     /// The largest of a sleeve force at a sample, over the largest force: what bounds an extreme, which the root of a mean does not.
     #[serde(default)]
     pub force_at_most: f64,
-    /// The same of the driver's torque.
+    /// Largest difference of the driver's torque at a sample, over the largest torque.
     #[serde(default)]
     pub torque_at_most: f64,
 }
 
 impl Distance {
-    /// Of `a` from the reference `b`, over the samples that both have: where `a` is sampled less often its times are among
-    /// those of `b`. See [`relative_l2`].
+    /// Distance of `a` from the reference `b`, over the samples that both have. Where `a` is sampled less often, its
+    /// times must be among those of `b`. See [`relative_l2`].
     #[must_use]
     pub fn between(a: &TimeSeries, b: &TimeSeries, least: Least) -> Self {
         let rows: Vec<usize> = rows_at(a.time_s(), b.time_s())
@@ -365,7 +365,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Of a view; `None` without values or with one that is not finite.
+    /// Statistics of a view; `None` without values or with one that is not finite.
     #[must_use]
     pub fn of(view: &View<'_>) -> Option<Self> {
         let [min, max] = extremes(&view.channels)?;
@@ -489,7 +489,7 @@ mod tests {
         );
     }
 
-    /// What is sampled less often, or written with rounding, is compared at its own times.
+    /// A series that is sampled less often, or written with rounding, is compared at its own times.
     #[test]
     fn samples_are_compared_at_their_times() {
         let fine = time_series(&[0.0, 1.0, 2.0, 3.0, 4.0], 100.0, 10.0);

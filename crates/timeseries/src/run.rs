@@ -1,5 +1,5 @@
-//! What a run is beside its time series: which comparison it belongs to, what it cost, where its energy went,
-//! how it ended. Every engine, comparison and file uses these types.
+//! Facts of a run beside its time series: track, cost, energy account, ending. Every engine, comparison and file uses
+//! these types.
 
 use serde::{Deserialize, Serialize};
 
@@ -33,7 +33,7 @@ impl Track {
         }
     }
 
-    /// What runs share with the native solver's: agreement says nothing about that.
+    /// Name of the part that runs of this track share with the native solver. Agreement says nothing about that part.
     #[must_use]
     pub const fn shares(self) -> &'static str {
         match self {
@@ -50,7 +50,7 @@ impl std::fmt::Display for Track {
     }
 }
 
-/// What one run did and cost, and which settings it had.
+/// Effort, cost and settings of one run.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct RunStats {
@@ -81,12 +81,12 @@ pub struct RunStats {
     /// Set for time series that were recorded earlier and not computed now: when, with what, and why they stand
     /// here. Costs are then those of the recording, on its machine; its samples may be a part of the others'.
     pub recorded: Option<String>,
-    /// What recorded time series are uncertain by.
+    /// Uncertainty of recorded time series.
     #[serde(skip)]
     pub recorded_uncertainty: Vec<RecordedUncertainty>,
 }
 
-/// What a recorded quantity is uncertain by in one window, in its unit; `None` where it is not known.
+/// Uncertainty of a recorded quantity in one window, in its unit; `None` where it is not known.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RecordedUncertainty {
@@ -127,7 +127,7 @@ pub struct EnergyAudit {
     pub damping_j: f64,
     /// Lost by friction, J.
     pub friction_j: f64,
-    /// Of that in contacts, J; this and the next three are `None` where nothing rubs so.
+    /// Part of that in contacts, J; this and the next three are `None` where nothing rubs so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_friction_j: Option<f64>,
     /// In the bearings of eccentrics or cranks, J.
@@ -139,14 +139,14 @@ pub struct EnergyAudit {
     /// By seals, J.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seal_friction_j: Option<f64>,
-    /// What is left over, J: positive when energy appeared that nothing accounts for.
+    /// Remainder of the balance, J: positive when energy appeared that nothing accounts for.
     pub remainder_j: f64,
     /// The remainder as a share of the larger of the two works; `None` where those are only the account's rounding.
     pub remainder_share: Option<f64>,
     /// How far the remainder may be off by what lies between the account's entries, J.
     #[serde(default)]
     pub remainder_off_j: f64,
-    /// The same of what is lost.
+    /// Possible error of the losses due to the course between the account's entries, J.
     #[serde(default)]
     pub lost_off_j: f64,
 }
@@ -249,9 +249,9 @@ pub enum Ending {
         /// Which part of the scene, and why.
         reason: String,
     },
-    /// What the engine needs is not on this machine: a package, a compiler, a library. A recording may stand in.
+    /// A package, a compiler or a library that the engine needs is not on this machine. A recording may stand in.
     Absent {
-        /// What is missing, and how to get it.
+        /// Name of the missing part, and how to get it.
         reason: String,
     },
     /// The engine broke.
@@ -277,7 +277,7 @@ impl Ending {
         }
     }
 
-    /// What the engine needs is not here.
+    /// Ending of a run whose engine lacks something on this machine.
     #[must_use]
     pub fn absent(reason: impl ToString) -> Self {
         Self::Absent {
@@ -375,7 +375,7 @@ impl Ending {
     }
 }
 
-/// What follows the engine's name in a message.
+/// Text that follows the engine's name in a message.
 impl std::fmt::Display for Ending {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

@@ -5,11 +5,11 @@
 //! cubic through the four nearest, over time. An extreme is that of the parabola through a point and its neighbours or of the
 //! quartic through five, whichever is less, and never less than the point itself.
 //!
-//! What lies between points shows in the sixth difference d of seven, with weights whose squares add up to 1: next to nothing
-//! where the course is smooth over them, and the scatter itself where each point stands for itself, as an oscillation does that
-//! they do not follow. Then a mean is off by about `sqrt(sum (h d)^2)/T`, and an extreme by d and by what parabola and quartic are
-//! apart; 2.5 times that is stated. The cubic's own error at the ends of a window, below 1e-6 of an oscillation that is
-//! followed, is left out: no run is known as well.
+//! The variation between points shows in the sixth difference d of seven, with weights whose squares add up to 1: next
+//! to nothing where the course is smooth over them, and the scatter itself where each point stands for itself, as an
+//! oscillation does that they do not follow. Then a mean is off by about `sqrt(sum (h d)^2)/T`, and an extreme by d and
+//! by what parabola and quartic are apart; 2.5 times that is stated. The cubic's own error at the ends of a window,
+//! below 1e-6 of an oscillation that is followed, is left out: no run is known as well.
 
 use std::ops::Range;
 
@@ -96,7 +96,7 @@ pub struct Between {
 }
 
 impl Between {
-    /// Of these quantities, with room for so many samples.
+    /// Empty record of these quantities, with room for so many samples.
     #[must_use]
     pub fn new(names: &[&'static str], samples: usize) -> Self {
         Self {
@@ -395,8 +395,8 @@ pub struct Figures {
 }
 
 impl Figures {
-    /// Of all `channels` of the quantity `name` over the samples `window`; `None` if one is missing or not finite, or without
-    /// samples.
+    /// Figures of all `channels` of the quantity `name` over the samples `window`; `None` if one is missing or not
+    /// finite, or without samples.
     #[must_use]
     pub fn of(
         time_series: &TimeSeries,
@@ -532,7 +532,8 @@ mod tests {
         }
     }
 
-    /// What is stated bounds what is missed, whether samples follow an oscillation or not, and is small where they do.
+    /// The stated sampling error bounds the real one, whether samples follow an oscillation or not, and is small where
+    /// they do.
     #[test]
     fn what_sampling_leaves_is_stated() {
         let of = |t: f64| 1.0 + (3.0 * t + 0.2).sin();

@@ -21,7 +21,7 @@ pub struct TimeSeries {
     time_s: Vec<f64>,
     channels: Vec<Channel>,
     index: HashMap<String, usize>,
-    /// What the solver saw between samples. No file holds it.
+    /// Record of the quantities between samples, as the solver evaluated them. No file holds it.
     between: Option<Box<Between>>,
 }
 
@@ -49,7 +49,7 @@ impl TimeSeries {
         })
     }
 
-    /// Of columns in any order, of which one is the time.
+    /// Makes a time series of columns in any order, one of which is the time.
     ///
     /// # Errors
     /// There is no `time_s`, or it does not increase; as [`push`](Self::push).
@@ -135,14 +135,14 @@ impl TimeSeries {
         }
     }
 
-    /// The same with what the solver saw between samples.
+    /// Sets or removes the record of the quantities between samples.
     #[must_use]
     pub fn with_between(self, between: Option<Between>) -> Self {
         let between = between.map(Box::new);
         Self { between, ..self }
     }
 
-    /// What the solver saw between samples, where it told.
+    /// Record of the quantities between samples; `None` if the solver gave none.
     #[must_use]
     pub fn between(&self) -> Option<&Between> {
         self.between.as_deref()

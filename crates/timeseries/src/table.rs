@@ -34,7 +34,7 @@ use crate::{TimeSeries, TimeSeriesError};
 /// Columns of the same length.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Table {
-    /// What the table shows, in words.
+    /// Sentence that says what the table shows.
     pub caption: String,
     /// Columns, left to right. For people the first names the row.
     pub columns: Vec<Column>,
@@ -55,7 +55,7 @@ pub struct Column {
     pub uncertainty: Vec<Option<f64>>,
     /// How numbers are shown to people.
     pub shown: Shown,
-    /// What people read in place of the value.
+    /// Text that people read in place of the value.
     pub said: Vec<Option<String>>,
     /// How each cell is marked.
     pub marks: Vec<Mark>,
@@ -321,7 +321,7 @@ impl Values {
         cell.unwrap_or(Cell::Empty)
     }
 
-    /// Whether numbers stand in it.
+    /// True if the values are numbers.
     #[must_use]
     pub fn is_numeric(&self) -> bool {
         !matches!(self, Self::Text(_))
@@ -393,7 +393,7 @@ impl<R> TableOf<R> {
         self.last(|rows, column| column.uncertainty = rows.iter().map(of).collect())
     }
 
-    /// What people read in place of a value of the last column; `None`: the value.
+    /// Sets the text that people read in place of a value of the last column; `None`: the value.
     #[must_use]
     pub fn said<W: Into<Option<String>>>(self, of: impl Fn(&R) -> W) -> Self {
         self.last(|rows, column| column.said = rows.iter().map(|row| of(row).into()).collect())

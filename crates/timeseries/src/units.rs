@@ -37,7 +37,7 @@ const UNITS: &[Row] = units! {
     "_s" "s": "s" 1.0, "sec" 1.0, "second" 1.0, "seconds" 1.0, "ms" 1e-3, "us" 1e-6, "\u{b5}s" 1e-6, "ns" 1e-9, "min" 60.0, "h" 3600.0;
 };
 
-/// What stands before the unit in a name, and the unit for people; empty if unknown.
+/// Part of a name before the unit, and the unit for people; empty if unknown.
 #[must_use]
 pub fn stem_and_unit(name: &str) -> (&str, &'static str) {
     let stem = |suffix: &str| name.strip_suffix(suffix).filter(|stem| !stem.is_empty());

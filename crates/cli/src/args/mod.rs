@@ -324,7 +324,7 @@ fn by_groups(program: &clap::Command) -> String {
     text + "\nOptions:\n{options}{after-help}"
 }
 
-/// What can be typed.
+/// Definition of the command line.
 pub(crate) fn definition() -> clap::Command {
     fn with_status(command: clap::Command) -> clap::Command {
         let examples = command.get_after_help().map(ToString::to_string);
@@ -369,7 +369,7 @@ pub(crate) fn parse() -> Result<Option<Command>, Failure> {
     }
 }
 
-/// Whether the command that was typed is asked for JSON.
+/// True if the typed command is asked for JSON.
 fn wants_json(matches: &clap::ArgMatches) -> bool {
     let own = matches.try_get_one::<bool>("json");
     let own = own.ok().flatten().copied().unwrap_or(false);

@@ -154,11 +154,11 @@ fn balances_beside() -> mpsc::Sender<Beside> {
 
 struct Explorer {
     spec: String,
-    /// Of the user, for what is saved and compared.
+    /// Overrides of the user, for scenes that are saved and compared.
     sets: Vec<Override>,
     /// With a start in balance, for what is looked at.
     settled: Vec<Override>,
-    /// Of the scene as its page has it.
+    /// Span of the motion as the scene's page has it, s.
     span_s: Mutex<f64>,
     /// `127.0.0.1:PORT`.
     host: String,
@@ -399,7 +399,7 @@ impl Explorer {
         }))
     }
 
-    /// Of the newest state that was asked for; `stop` gives them up.
+    /// Balances of the newest state that was asked for; `stop` gives them up.
     fn balances(
         &self,
         tab: &str,

@@ -7,14 +7,14 @@ use crate::args::{ExplainArgs, JsonArgs};
 use crate::failure::Failure;
 use crate::screen;
 
-/// What a scene models, assumes and lets one expect.
+/// Shows a scene's model, its assumptions and its expected figures.
 pub(crate) fn explain(args: &ExplainArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
     let found = explained::explain(&gearbox);
     screen::show_or_json(args.out.json, &found, || pages::explain::text(&found))
 }
 
-/// What this build can compare.
+/// Shows the engines that this build can compare.
 pub(crate) fn engines(args: &JsonArgs) -> Result<(), Failure> {
     let listed = choice::listed();
     screen::show_or_json(args.json, &listed, || pages::engines::text(&listed))
@@ -25,7 +25,7 @@ pub(crate) fn laws(args: &JsonArgs) -> Result<(), Failure> {
     screen::show_or_json(args.json, &pages::laws::json(), pages::laws::text)
 }
 
-/// What editors complete and check scenes by, or solvers from outside their job files.
+/// Shows the schema by which editors complete and check scenes, or solvers from outside their job files.
 pub(crate) fn schema(job: bool) -> Result<(), Failure> {
     screen::show_json(&match job {
         true => external::job_schema(),

@@ -46,7 +46,7 @@ impl From<Result<Estimate, Unresolved>> for Uncertainty {
     }
 }
 
-/// What an uncertainty is of.
+/// Norm in which an uncertainty is stated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Norm {
@@ -111,7 +111,7 @@ impl QuantityUncertainty {
         }
     }
 
-    /// What a recording has of a quantity whose root mean square in this window is `rms`.
+    /// Uncertainty of a recorded quantity whose root mean square in this window is `rms`.
     pub(crate) fn of_record(
         record: &RecordedUncertainty,
         window: WindowKind,
@@ -140,7 +140,7 @@ impl QuantityUncertainty {
         }
     }
 
-    /// The same in every norm.
+    /// Uncertainty of a quantity that is `what` in every norm.
     pub(crate) fn everywhere(quantity: &str, window: WindowKind, what: &Uncertainty) -> Self {
         Self {
             quantity: quantity.to_owned(),
@@ -155,7 +155,7 @@ impl QuantityUncertainty {
     }
 }
 
-/// What a participant brings to show how far its numbers are from its own equations.
+/// Evidence of a participant for the distance of its numbers from the exact solution of its own equations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Evidence {
     /// Name of the participant.
@@ -172,7 +172,7 @@ pub struct Evidence {
 /// Why no setting of the user's makes a participant's numbers sharper.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Final {
-    /// What such participants are called together, e.g. `recordings`.
+    /// Plural name of such participants, e.g. `recordings`.
     pub group: &'static str,
     /// The reason of this one.
     pub reason: String,
@@ -216,13 +216,13 @@ impl Evidence {
         Self::of(engine, Source::Unknown(Unresolved::new(reason, remedy)))
     }
 
-    /// The same of an engine whose iterations leave this share of every quantity.
+    /// Sets the share of every quantity that the engine's iterations leave.
     #[must_use]
     pub fn with_floor(self, floor: f64) -> Self {
         Self { floor, ..self }
     }
 
-    /// The same of a participant that can bring nothing sharper.
+    /// Marks a participant that can bring no sharper evidence, with the name of its group and the reason.
     #[must_use]
     pub fn finally(self, group: &'static str, reason: impl Into<String>) -> Self {
         let reason = reason.into();
@@ -237,8 +237,8 @@ impl Evidence {
 /// 2e-12 over 60 000 steps is 37 of them.
 const WALK: f64 = 64.0;
 
-/// What rounding makes of a run of `steps` steps, as a share of a quantity's RMS: errors of 2^-52 a step that add up
-/// as a random walk.
+/// Rounding error of a run of `steps` steps, as a share of a quantity's RMS: errors of 2^-52 a step that add up as a
+/// random walk.
 #[must_use]
 pub fn rounding_floor(steps: u64) -> f64 {
     WALK * f64::EPSILON * (steps.max(1) as f64).sqrt()

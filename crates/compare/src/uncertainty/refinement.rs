@@ -14,7 +14,7 @@ use pinwheel_timeseries::norms::{Statistics, View, peak, rms};
 /// The coarser runs beside a participant's own, which is the finest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RefinementStudy {
-    /// What is refined.
+    /// Setting that is refined.
     pub method: Method,
     /// The finest run's step (s), tolerance, or whatever is refined: for the remedies told.
     pub finest: f64,
@@ -33,12 +33,12 @@ pub struct Level {
     pub wall_s: f64,
 }
 
-/// What is known beside the runs.
+/// Known facts of an estimate beside the runs.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Settings {
     /// Rounding as a share of the quantity's RMS (or peak).
     pub(crate) floor: f64,
-    /// Whether runs may be held against each other sample by sample.
+    /// True if runs may be compared sample by sample.
     pub(crate) pointwise: bool,
 }
 
@@ -68,7 +68,7 @@ impl RefinementStudy {
         format!("run it at a {what} of {:.1e}", self.finest / factor)
     }
 
-    /// Whether the refinement study can be read at all.
+    /// Checks that the refinement study can be evaluated.
     ///
     /// # Errors
     /// A level that failed, has other sample times, or is not coarser than the finest.

@@ -1,4 +1,4 @@
-//! What no metric may depend on: which engine is named first, the unit, the order of channels.
+//! Facts that no metric may depend on: which engine is named first, the unit, the order of channels.
 
 use super::common;
 
@@ -27,7 +27,7 @@ fn of(a: &[Vec<f64>], b: &[Vec<f64>]) -> PairMetrics {
     .unwrap()
 }
 
-/// What verdicts are made of.
+/// Figures from which verdicts are made.
 fn judged(metrics: &PairMetrics) -> [f64; 7] {
     [
         metrics.relative_l2,

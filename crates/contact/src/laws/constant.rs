@@ -1,6 +1,6 @@
 //! One stiffness for every contact: `F_n = max(0, S(delta) (K delta^1.5 + C v_n))` with K given.
 //!
-//! What engineering software offers, and the simplest law with a potential.
+//! Law that engineering software offers, and the simplest one with a potential.
 
 use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, Shape, paper};
 use crate::Real;

@@ -1,6 +1,6 @@
 //! Linear springs, one stiffness for each stage: `F_n = max(0, k delta + S(delta) C v_n)`.
 //!
-//! What rigid-body engines have in place of a contact law. Curvature does not enter: k stands in the place of K.
+//! Law that stands for a contact law in rigid-body engines. Curvature does not enter: k stands in the place of K.
 
 use super::{LawInfo, LawParameters, NormalLaw, Ramp, Shape};
 use crate::{HertzStiffness, Real};

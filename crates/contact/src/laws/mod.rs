@@ -61,7 +61,7 @@ registry! {
     paper_printed: PaperPrinted(PaperPrinted),
 }
 
-/// What a law takes a contact for.
+/// Shape of contact that a law assumes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
     /// Two balls that touch in a point: the length of a roller does not enter.
@@ -109,7 +109,7 @@ pub struct LawInfo {
     pub source: &'static str,
     /// Where it may be used.
     pub domain: &'static str,
-    /// What happens as the impact speed tends to 0.
+    /// Behaviour as the impact speed tends to 0.
     pub slow_impact: &'static str,
     /// Scene keys it reads, besides those every law shares.
     pub keys: &'static [&'static str],
@@ -117,11 +117,11 @@ pub struct LawInfo {
     pub restitution_factor: Option<fn(f64) -> f64>,
     /// True if the undamped force has a potential on a profile of varying stiffness.
     pub conservative: bool,
-    /// What it takes a contact for.
+    /// Shape of contact that the law assumes.
     pub shape: Shape,
     /// Materials that it holds for.
     pub materials: &'static str,
-    /// What the law makes of Hertz's K, where it is not that.
+    /// Stiffness of the law from Hertz's K, if it is another.
     pub stiffness: Option<fn(HertzStiffness, &LawParameters) -> HertzStiffness>,
 }
 

@@ -1,4 +1,4 @@
-//! What a normal law is to the contact loops.
+//! Interface of a normal law to the contact loops.
 
 use crate::Real;
 

@@ -1,4 +1,4 @@
-//! What a law reads of its scene.
+//! Parameters that a law reads from its scene.
 
 use crate::{HertzStiffness, Material};
 
@@ -20,11 +20,11 @@ pub struct LawParameters {
     pub springs: [f64; 2],
     /// Length of the line of a line contact, m; `contact.line_length_m`.
     pub line_length: f64,
-    /// Of pins; `contact.pin_young_pa`, `contact.pin_poisson`.
+    /// Material of pins; `contact.pin_young_pa`, `contact.pin_poisson`.
     pub pin: Material,
-    /// Of discs; `contact.young_pa`, `contact.poisson`.
+    /// Material of discs; `contact.young_pa`, `contact.poisson`.
     pub disc: Material,
-    /// What a disc has behind a contact, m; `contact.disc_depth_m`.
+    /// Depth of a disc behind a contact, m; `contact.disc_depth_m`.
     pub disc_depth: f64,
     /// Radius of the external sleeves, m; `gear.external_sleeve_radius_m`.
     pub sleeve_radius: f64,

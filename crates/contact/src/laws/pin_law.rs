@@ -26,7 +26,7 @@ const TELLING: f64 = 1e-7;
 /// The normal law of a gear, and what the pins of its internal sleeves add to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PinLaw {
-    /// Of every contact, the pin apart.
+    /// Law of every contact without the pin's bending.
     pub law: Law,
     /// k of a pin, N/m; `None`: rigid.
     pub pin_n_m: Option<f64>,

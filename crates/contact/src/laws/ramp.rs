@@ -20,7 +20,7 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    /// Of a width in m.
+    /// Ramp of a width in m.
     #[must_use]
     pub fn new(width: f64) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! What one line of the registry becomes.
+//! Macro that makes the laws from the lines of the registry.
 
 macro_rules! registry {
     ($($module:ident: $law:ident($type:ty),)*) => {
@@ -23,7 +23,7 @@ macro_rules! registry {
                 None
             }
 
-            /// What users are told of it.
+            /// Facts of the law for users.
             #[must_use]
             pub fn info(&self) -> &'static LawInfo {
                 match self {

@@ -82,7 +82,8 @@ impl<'a> Mesh<'a> {
         self.check_to(0.0)
     }
 
-    /// The same, depths to a share of themselves at best.
+    /// Compares groups of lanes from every instruction set with the scalar search. Depths may differ by `share` of
+    /// themselves at best.
     fn check_to(&self, share: f64) -> Result<(), TestCaseError> {
         let depths = self.depths();
         for arch in [pulp::Arch::new(), at_most_avx2(), pulp::Arch::Scalar] {
@@ -105,7 +106,7 @@ fn at_most_avx2() -> pulp::Arch {
 struct Lanewise<'a>(&'a Mesh<'a>, &'a [f64], f64);
 
 impl Lanewise<'_> {
-    /// What the kernels take from a foot in lane `k` besides its depth, normal and curvature.
+    /// Checks the parts of a foot in lane `k` that the kernels use besides its depth, normal and curvature.
     fn check_parts<S: Simd>(
         &self,
         feet: &FeetLanes<S>,
@@ -223,7 +224,7 @@ proptest! {
         }
     }
 
-    /// The same where Newton's steps run out most often, once in some thousand poses.
+    /// Lanes equal the scalar search where Newton's steps run out most often, once in some thousand poses.
     #[test]
     fn hard_lanes_out_of_steps(pose in poses(60..121, 0.5..0.72)) {
         let curve = pose.curve();

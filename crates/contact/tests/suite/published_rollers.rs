@@ -23,8 +23,8 @@ struct Case {
 }
 
 impl Case {
-    /// What either body gives way under a force, m: Johnson's half cylinder, 5.6, and the half plane to a depth h of Weber and
-    /// Banaschek, whose contact is 2 a wide.
+    /// Deflection of both bodies under a force, m: Johnson's half cylinder, 5.6, and the half plane to a depth h of
+    /// Weber and Banaschek, whose contact is 2 a wide.
     fn approach(&self, force: f64) -> f64 {
         let [pin, disc] = self.materials;
         let b = |m: Material| (1.0 - m.poisson * m.poisson) / (PI * m.young * self.length);
@@ -111,8 +111,8 @@ fn published_rollers_know_their_length() {
     assert_eq!(Some(balls), Law::named("paper", &longer));
 }
 
-/// What a prototype in Python found for contacts of a 39:1 gear of steel, 7.8 mm wide, discs 10 mm deep: approach in um, local exponent,
-/// and tangent in N/um, printed to as many digits. R is that of its balls' approach.
+/// Values that a prototype in Python gives for contacts of a 39:1 gear of steel, 7.8 mm wide, discs 10 mm deep:
+/// approach in um, local exponent, and tangent in N/um, printed to as many digits. R is that of its balls' approach.
 #[test]
 fn crossval_approaches_of_a_prototype() {
     let parameters = LawParameters {

@@ -40,7 +40,7 @@ impl Note {
 const PIP_MAY: &str = "CACHE_DIR CERT CLIENT_CERT CONFIG_FILE DEFAULT_TIMEOUT EXTRA_INDEX_URL FIND_LINKS INDEX_URL \
                        KEYRING_PROVIDER NO_CACHE_DIR NO_INDEX PROXY RETRIES TIMEOUT TRUSTED_HOST";
 
-/// Whether a variable of the user's environment is kept from Python and pip.
+/// True if a variable of the user's environment is withheld from Python and pip.
 pub(crate) fn kept_away(name: &str) -> bool {
     let may = |setting| PIP_MAY.split(' ').any(|known| known == setting);
     name.strip_prefix("PIP_")

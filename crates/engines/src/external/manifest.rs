@@ -14,10 +14,10 @@ use crate::variable;
 
 /// Longest run that a manifest may ask for, s.
 const LONGEST_S: f64 = 86_400.0;
-/// What stands in a command for what is known only when it runs.
+/// Placeholders in a command for values that are known only when it runs.
 pub(super) const PLACES: [&str; 4] = ["here", "job", "law", "python"];
 
-/// What a manifest says.
+/// Content of a manifest.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Manifest {
@@ -42,10 +42,10 @@ pub struct Manifest {
     /// A run is ended after this wall time, s.
     #[serde(default = "five_minutes")]
     pub timeout_s: f64,
-    /// What it can do.
+    /// Abilities of the solver.
     #[serde(default)]
     pub honours: Honours,
-    /// What makes it more accurate.
+    /// Setting that makes the solver more accurate.
     #[serde(default)]
     pub refine: Option<Refinement>,
     /// By how much its model is known to differ from the native one, per quantity.
@@ -53,7 +53,7 @@ pub struct Manifest {
     pub model: BTreeMap<String, Stated>,
 }
 
-/// What a solver can do; a scene that asks for more is refused before it starts.
+/// Abilities of a solver; a scene that needs more is refused before it starts.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Honours {
@@ -116,7 +116,7 @@ impl Manifest {
         Ok(manifest)
     }
 
-    /// Whether a solver may be called so.
+    /// Checks that a solver may have the name.
     ///
     /// # Errors
     /// Why not, with the remedy.
@@ -139,7 +139,7 @@ impl Manifest {
         Ok(())
     }
 
-    /// What is wrong, and the remedy.
+    /// Checks the manifest; an error holds the fault and the remedy.
     fn check(&self) -> Result<(), Broken> {
         require(
             self.protocol == JOB_PROTOCOL,
@@ -225,7 +225,7 @@ impl Manifest {
         Ok(())
     }
 
-    /// Whether it honours a contact law.
+    /// True if the solver honours a contact law.
     #[must_use]
     pub fn honours_law(&self, law: &str) -> bool {
         self.honours.laws.iter().any(|known| fits(known, law))
@@ -278,7 +278,7 @@ impl Manifest {
         self.command.iter().map(fill).collect()
     }
 
-    /// Whether its command asks for a place.
+    /// True if the command contains a placeholder.
     pub(super) fn wants(&self, place: &str) -> bool {
         let place = format!("{{{place}}}");
         self.command.iter().any(|word| word.contains(&place))

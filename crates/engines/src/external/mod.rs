@@ -40,7 +40,7 @@ const DIVERGED: i32 = 3;
 const UNSUPPORTED: i32 = 4;
 /// Longest message.
 const MESSAGE: usize = 700;
-/// What a run may write.
+/// Size that the output of a run may have, bytes.
 const FOLDER_BYTES: u64 = 1 << 30;
 const LOG_BYTES: u64 = 64 << 20;
 
@@ -52,7 +52,7 @@ pub struct Solver {
     here: PathBuf,
     /// How the names of its job folders begin.
     prefix: &'static str,
-    /// What `{python}` stands for, if not the user's.
+    /// Value of `{python}`, if it is not the user's interpreter.
     python: Option<PathBuf>,
     /// Hash of the manifest's and the program's files, when first asked for.
     build: OnceLock<String>,
@@ -63,7 +63,7 @@ impl Solver {
     /// Reads a manifest.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// Returns the fault of the manifest.
     pub fn open(path: &Path) -> Result<Self, FileError> {
         let manifest = Manifest::read(path)?;
         let limits = Limits {
@@ -82,27 +82,27 @@ impl Solver {
         })
     }
 
-    /// What the manifest says.
+    /// Manifest of the solver.
     #[must_use]
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// The same solver that is ended after `longest`, if that is sooner.
+    /// Limits the solver's time to `longest`, if that is sooner.
     #[must_use]
     pub fn within(mut self, longest: Duration) -> Self {
         self.limits.longest = self.limits.longest.min(longest);
         self
     }
 
-    /// The same solver whose job folders have a space in their names, as a user's may have.
+    /// Gives the solver's job folders names with a space, as a user's may have.
     #[must_use]
     pub fn with_spaces(mut self) -> Self {
         self.prefix = "pinwheel job ";
         self
     }
 
-    /// The same solver under an engine's name, with an interpreter for `{python}` if it needs its own.
+    /// Gives the solver an engine's name, with an interpreter for `{python}` if it needs its own.
     #[cfg(feature = "crossval")]
     pub(crate) fn known_as(mut self, name: &str, python: Option<PathBuf>) -> Self {
         name.clone_into(&mut self.manifest.name);
@@ -119,7 +119,7 @@ impl Solver {
         }
     }
 
-    /// Of the command and of every file that it names: the program, the script.
+    /// Hash of the command and of every file that it names: the program, the script.
     fn hash(&self) -> u64 {
         let here = self.here.to_string_lossy();
         let mut hash = Fnv::default();
@@ -384,7 +384,7 @@ fn failed(reason: impl ToString) -> Halt {
     Ending::failed(plain(&reason.to_string(), MESSAGE)).into()
 }
 
-/// What ended a program that did not end itself.
+/// Name of the cause that ended a program from outside.
 fn killer(status: std::process::ExitStatus) -> String {
     #[cfg(unix)]
     {
@@ -410,7 +410,7 @@ static ADMITTED: RwLock<Vec<&'static Solver>> = RwLock::new(Vec::new());
 /// Reads a manifest and lets its solver join the [`registry`](fn@crate::registry). Returns its name.
 ///
 /// # Errors
-/// What is wrong with the manifest, or another solver of that name.
+/// Returns the fault of the manifest, or that there is another solver of that name.
 pub fn admit(path: &Path) -> Result<String, FileError> {
     let solver = Solver::open(path)?;
     let name = solver.manifest.name.clone();

@@ -1,4 +1,4 @@
-//! What a solver left in its folder: read without trust, checked, and made a run.
+//! Results that a solver left in its folder: read without trust, checked, and made a run.
 
 use std::fs::File;
 use std::io::{self, Read, Seek as _};
@@ -14,7 +14,7 @@ const SMALL: u64 = 1 << 20;
 /// Bytes that a number may take in a CSV file, generously.
 const NUMBER: u64 = 64;
 
-/// What a solver may tell of its run.
+/// Facts of its run that a solver may give.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default)]
 pub(super) struct Told {
@@ -126,7 +126,7 @@ impl JobFolder {
             .map_err(|_| format!("{name} is not UTF-8 text"))
     }
 
-    /// What the solver tells, if it does.
+    /// Facts of the run that the solver gives; the default if it gives none.
     pub(super) fn told(&self) -> Result<Told, String> {
         let Some(text) = self.text(job::RESULT_FILE, SMALL)? else {
             return Ok(Told::default());

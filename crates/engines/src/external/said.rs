@@ -1,11 +1,11 @@
-//! What a solver says and takes while it runs: orders on stderr, last words, files that are not too large.
+//! Output and consumption of a running solver: orders on stderr, last words, files that are not too large.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use crate::process::{End, Piece};
 
-/// What a solver may write and take.
+/// Limits of a solver's output and time.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     /// Wall time.
@@ -84,7 +84,7 @@ fn size(folder: &Path, most: u64, levels: usize, files: &mut usize) -> u64 {
     sum
 }
 
-/// What it said.
+/// Output of a solver.
 #[derive(Default)]
 pub(super) struct Heard {
     bytes: u64,
@@ -154,7 +154,7 @@ pub(super) fn plain(text: &str, most: usize) -> String {
 mod tests {
     use super::*;
 
-    /// What a program says without end takes no memory without end.
+    /// A program that prints without end takes no memory without end.
     #[test]
     fn hard_long_lines_are_cut() {
         let mut heard = Heard::default();

@@ -65,7 +65,7 @@ impl Script {
     }
 }
 
-/// Whether a process that wrote its number into a file is there.
+/// True if a process that wrote its number into a file is there.
 fn lives(pid: &str) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{}/stat", pid.trim()));
     stat.is_ok_and(|stat| !stat.contains(") Z "))

@@ -45,7 +45,7 @@ fn time_series(columns: &Bound<'_, PyAny>) -> PyResult<Result<TimeSeries, TimeSe
     Ok(TimeSeries::of_columns(columns))
 }
 
-/// What a Python error makes of a run.
+/// Converts a Python error to a run that ended.
 ///
 /// # Errors
 /// The user asked to stop.
@@ -53,12 +53,12 @@ pub(super) fn ended(py: Python<'_>, error: &PyErr) -> Result<Run, Halt> {
     known(py, error).unwrap_or_else(|broken| Ok(Run::ended(Ending::failed(text_of(py, &broken)))))
 }
 
-/// The same of what makes no time series.
+/// Converts a Python error to the halt of a step that makes no time series.
 pub(super) fn halt(py: Python<'_>, error: &PyErr) -> Halt {
     ended(py, error).map_or_else(|halt| halt, |run| run.ending.into())
 }
 
-/// The same as [`ended`]; the outer error came up on the way.
+/// Converts a Python error like [`ended`]; the outer error came up on the way.
 fn known(py: Python<'_>, error: &PyErr) -> PyResult<Result<Run, Halt>> {
     let errors = host::package(py)?.getattr("errors")?;
     let value = error.value(py);

@@ -115,7 +115,7 @@ impl Engine for PythonEngine {
 }
 
 impl PythonEngine {
-    /// Whether the package's engine honours the scene.
+    /// Checks that the package's engine honours the scene.
     fn check(&self, scene: &Scene) -> Result<(), Halt> {
         host::ready(crate::stopping::flag())?;
         let scene_toml = scene.to_toml();

@@ -46,7 +46,7 @@ impl Requirements {
     }
 }
 
-/// What the engines need.
+/// Packages that the engines need.
 pub const ENGINES: Requirements = Requirements {
     name: "engines",
     file: "python/requirements.txt",

@@ -48,8 +48,9 @@ pub(super) fn package(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
     py.import(PACKAGE)
 }
 
-/// Whether an engine of a package can be had: an embedded interpreter gets what it lacks, another has it or not. Recorded
-/// time series and limits belong to one version, so another one does not count. Asked once: it takes a millisecond.
+/// True if an engine of a package can run: an embedded interpreter gets the packages that it lacks, another has them or
+/// not. Recorded time series and limits belong to one version, so another one does not count. The answer is kept,
+/// because it takes a millisecond.
 pub(super) fn has(package: &str) -> bool {
     static FOUND: OnceLock<Vec<&'static str>> = OnceLock::new();
     if !is_here() {

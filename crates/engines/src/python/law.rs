@@ -16,7 +16,7 @@ use pinwheel_law::Evaluator;
 use super::mujoco::detach;
 use crate::engine::Ending;
 
-/// What stands behind a number.
+/// Law behind a number.
 pub(super) struct Law {
     /// Bodies of the scene; known also after the law is gone.
     pub(super) bodies: usize,
@@ -34,12 +34,12 @@ const SOUND_CALLS: u64 = 300;
 /// All laws so far. Those that are gone stay: they are what tells stale from alive.
 static LAWS: Handles<Law> = Handles::new();
 
-/// What a lock guards here is valid after a panic, too.
+/// Locks data that are valid after a panic, too.
 pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What stands behind a number, or `None` if it was never handed out.
+/// Law behind a number, or `None` if it was never handed out.
 pub(super) fn find(number: usize) -> Option<Arc<Law>> {
     LAWS.find(std::ptr::without_provenance::<u8>(number))
 }

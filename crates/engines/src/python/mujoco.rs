@@ -40,7 +40,7 @@ pub(super) struct Addresses {
 }
 
 impl Addresses {
-    /// Whether each can be one of doubles or of 64-bit counters: not null, and aligned.
+    /// True if each address can be one of doubles or of 64-bit counters: not null, and aligned.
     pub(super) fn are_sound(&self) -> bool {
         let Self {
             data,
@@ -87,7 +87,7 @@ pub(super) fn detach(run: usize) {
     locked(&ATTACHED).retain(|attached| attached.run != run);
 }
 
-/// What the callback did.
+/// Effects of a call of the callback.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Counted {
     pub(super) evaluated: bool,

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 
-/// What we ask for.
+/// Packages that we request.
 pub(super) const LIST: &str =
     include_str!(concat!(env!("PINWHEEL_SHIPPED"), "/python/requirements.in"));
 

@@ -39,7 +39,7 @@ pub struct UserEngine {
     pub order: Option<f64>,
     /// The callable.
     pub drive: Py<PyAny>,
-    /// What it raised last that is not one of the package's errors, for whoever shows a traceback.
+    /// Last exception that is not one of the package's errors, for a caller that shows a traceback.
     pub raised: Arc<Mutex<Option<PyErr>>>,
 }
 

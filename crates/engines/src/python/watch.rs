@@ -20,8 +20,8 @@ use crate::engine::{Ending, Halt, Run};
 /// Enough for deep C++ recursion and Python's own.
 const STACK_BYTES: usize = 64 << 20;
 
-/// What a run tells the caller's thread: the time reached, s; `None` when it is over, also by a panic, for Python may keep
-/// the other sender alive.
+/// Message of a run to the caller's thread: the time reached, s; `None` when the run is over, also by a panic. Without
+/// it the end would be missed, for Python may keep the other sender alive.
 type Message = Option<f64>;
 
 /// A run's way to its caller.

@@ -328,8 +328,8 @@ impl Meeting {
     }
 }
 
-/// What rapier's own contacts tell: which of them press. Its penetrations are those of polylines and
-/// its stiffness is no law's, so neither is given.
+/// Contacts of rapier's own, which only show which pairs press. Its penetrations are those of polylines and its
+/// stiffness is no law's, so neither is given.
 struct Own<'a> {
     meetings: &'a [Meeting],
     world: &'a World,
@@ -357,8 +357,8 @@ impl PairSource for Own<'_> {
     }
 }
 
-/// Of the segments that touch a sleeve, leaves only the nearest: the others are the same contact. Pairs that do not touch are not
-/// looked at: their boxes overlap with hundreds of segments each.
+/// Keeps only the nearest of the segments that touch a sleeve: the others are the same contact. Pairs that do not touch
+/// are not looked at: their boxes overlap with hundreds of segments each.
 struct Nearest;
 
 /// The edge of a pair, its polyline, and the sleeve.

@@ -313,8 +313,8 @@ impl PhysicsHooks for Hook<'_> {
 mod tests {
     use super::*;
 
-    /// What rapier transmits in a step is what the law asked for: forces read back from its
-    /// impulses, with friction that bounds and opposes.
+    /// The forces that rapier transmits in a step are those of the law, read back from its impulses, with friction that
+    /// bounds and opposes.
     #[test]
     fn transmits_the_law_and_bounds_friction() {
         let mut scene = pinwheel_scene::Scene::paper();

@@ -18,13 +18,13 @@ use super::world::World;
 use crate::control::{Cancelled, Control};
 use crate::engine::{Ending, Halt, Run, RunStats};
 
-/// What differs between the engines: where the contact forces come from.
+/// Source of the contact forces, in which the engines differ.
 pub(super) trait Contacts {
     /// Takes one step of `world` under contact forces and `loads` (so far the load torque alone).
     /// `now`: the states at t_n, velocities extrapolated.
     ///
     /// # Errors
-    /// What ran away.
+    /// Returns the quantity that ran away.
     fn step(
         &mut self,
         world: &mut World,
@@ -36,7 +36,7 @@ pub(super) trait Contacts {
     /// at t_n, velocities centred. `share`: of the step, see [`World::share`].
     fn forces(&mut self, world: &World, now: &[BodyState], share: f64, sums: &mut Sums);
 
-    /// What is known of single contacts at t_n, for channels; asked where [`forces`](Self::forces) is.
+    /// Figures of single contacts at t_n, for channels; read where [`forces`](Self::forces) are.
     fn seen<'a>(&'a mut self, world: &'a World, share: f64) -> Box<dyn PairSource + 'a>;
 }
 
@@ -81,7 +81,7 @@ impl Grid {
     }
 }
 
-/// What rapier's own friction cannot honour, in words.
+/// Refuses friction laws that rapier's own friction cannot honour.
 pub(super) fn friction_is_plain(scene: &Scene) -> Result<(), Ending> {
     let contact = &scene.contact;
     if contact.friction_coefficient > 0.0 && contact.friction_law != FrictionLaw::Regularised {

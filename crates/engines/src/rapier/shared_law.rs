@@ -32,7 +32,7 @@ pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
 /// Pinwheel's contact law as a load.
 struct Law {
     field: Box<dyn ContactField>,
-    /// Of a sample.
+    /// Loads at a sample.
     loads: Vec<Wrench>,
 }
 

@@ -16,7 +16,7 @@ use pinwheel_mbs::BodyState;
 use pinwheel_scene::Scene;
 use pinwheel_scene::{Layout, Sleeve, load_course};
 
-/// What stands for the law.
+/// Spring that stands for the law.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ContactSpring {
     /// f = w/(2 pi), Hz.
@@ -159,7 +159,7 @@ pub(super) fn spring_load(scene: &Scene) -> f64 {
 enum Fault {
     /// More than half of it is free play.
     Play,
-    /// What touches is too soft.
+    /// The spring is too soft.
     Soft,
 }
 

@@ -15,9 +15,10 @@ use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, prepared};
 #[derive(Debug, Clone, Copy)]
 pub struct Native(Form);
 
-/// What the resolved form aims at without friction: forces that no course shows the step in.
+/// Target of the resolved form without friction: forces in which no course shows the step.
 const RESOLVED: f64 = 1e-7;
-/// The same where friction switches, or forces jump from point to point: two foreign solvers of `paper-friction` agree to 1.5e-5.
+/// Aim of the resolved form where friction switches or forces jump from point to point. Two foreign solvers of
+/// `paper-friction` agree to 1.5e-5.
 const RESOLVED_ROUGH: f64 = 1e-5;
 
 impl Native {
@@ -50,7 +51,7 @@ impl Native {
         })
     }
 
-    /// What the resolved form aims at: relative L2 of the forces and of the driver's torque.
+    /// Target of the resolved form: relative L2 of the forces and of the driver's torque.
     #[must_use]
     pub fn resolved_target(scene: &Scene) -> f64 {
         let contact = &scene.contact;
@@ -61,7 +62,7 @@ impl Native {
         }
     }
 
-    /// What its run aims at; `None` where the scene names its method.
+    /// Target of the run; `None` where the scene names its method.
     fn target(&self, scene: &Scene) -> Option<f64> {
         if self.0 == Form::Resolved {
             return Some(Self::resolved_target(scene));

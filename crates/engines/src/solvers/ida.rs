@@ -10,7 +10,7 @@ use crate::python::{Requirements, environment, pinned};
 /// Its manifest.
 pub(super) const MANIFEST: &str = "ida.toml";
 
-/// What its folder holds.
+/// Files of the solver's folder.
 static FILES: [(&str, &str); 2] = [
     (
         "ida.py",
@@ -22,7 +22,7 @@ static FILES: [(&str, &str); 2] = [
     ),
 ];
 
-/// What it needs.
+/// Packages that the solver needs.
 const REQUIREMENTS: Requirements = Requirements {
     name: "ida",
     file: "solvers/ida/requirements.txt",

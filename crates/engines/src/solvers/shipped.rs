@@ -11,7 +11,7 @@ use crate::engine::{Ending, Engine, Halt, Prepared, prepared};
 use crate::external::{Solver, law_library};
 use crate::registry::{self, EngineInfo};
 
-/// What a solver needs to run.
+/// Folder and interpreter with which a solver runs.
 #[derive(Debug, Clone)]
 pub(super) struct Ready {
     /// The folder of its manifests and of what they start.

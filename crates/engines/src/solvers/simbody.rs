@@ -23,7 +23,7 @@ macro_rules! files {
     };
 }
 
-/// What its folder holds besides the program.
+/// Files of the solver's folder besides the program.
 static FILES: [(&str, &str); 4] = files! { "simbody.cpp" "merson.toml" "cpodes.toml" };
 
 /// Where distributions put the headers, for systems without pkg-config.

@@ -1,4 +1,4 @@
-//! What became of a step: all are done when their call returns.
+//! Status of a step: all are done when their call returns.
 
 use std::ffi::{c_char, c_int};
 

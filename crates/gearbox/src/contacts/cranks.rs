@@ -45,9 +45,9 @@ pub(super) struct Cranks {
     throw_m: f64,
     /// Angles by which cranks are out of phase, rad.
     phases: Vec<f64>,
-    /// Of each wheel: its eccentrics on all cranks, m, for a crank's angle of 0.
+    /// Eccentrics of each wheel on all cranks, m, for a crank's angle of 0.
     eccentrics: Vec<[f64; 2]>,
-    /// Of each wheel: the bores in its frame, m, and their clearance beyond that of the bearing, m.
+    /// Bores of each wheel in its frame, m, and their clearance beyond that of the bearing, m.
     bores: Vec<Vec<([f64; 2], f64)>>,
 }
 
@@ -370,7 +370,7 @@ impl Cranks {
         }
     }
 
-    /// What a crank hands to the output, N: the force of its bearings, and that of its planet's mesh under the crank's moment.
+    /// Force of a crank on the output, N: that of its bearings, and that of its planet's mesh under the crank's moment.
     fn with_mesh(
         &self,
         force: [f64; 2],

@@ -38,7 +38,7 @@ impl Touch {
         }
     }
 
-    /// Whether a sleeve of that radius is pressed in, and not by more than that.
+    /// True if a sleeve of that radius is pressed in, and not by more than that.
     fn presses(&self, radius: f64) -> bool {
         self.penetration > 0.0 && self.penetration < radius
     }
@@ -69,7 +69,7 @@ const BESIDE: f64 = 1e-5;
 
 /// Finds the contact of one sleeve centre `p` (wheel frame) with the wheel.
 pub(super) trait Detection: Send + 'static {
-    /// Whether it knows [`Slopes`]: points jump.
+    /// True if the detection has derivatives ([`Slopes`]). Nearest points have none, because they jump.
     const HAS_SLOPES: bool;
 
     /// External sleeve `j`: e^{i a0} and e^{i zk a0} start the search. With e^{ia} of the foot.
@@ -86,7 +86,7 @@ pub(super) trait Detection: Send + 'static {
     fn profile_slopes(&self, _j: usize, _touch: &Touch, _unit: Complex) -> Slopes {
         Slopes::default()
     }
-    /// The same of internal sleeve `k`.
+    /// Derivatives of a touch of internal sleeve `k`.
     fn hole_slopes(&self, _wheel: usize, _k: usize, _touch: &Touch) -> Slopes {
         Slopes::default()
     }
@@ -122,7 +122,7 @@ impl Internal {
     }
 }
 
-/// What both detections share.
+/// Data that both detections share.
 #[derive(Debug, Clone)]
 struct Shapes {
     curve: Epitrochoid,

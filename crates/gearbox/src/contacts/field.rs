@@ -119,7 +119,7 @@ pub trait ContactField: Send {
         self.evaluate(bodies, Pose::Any, &mut Sums::of_loads(loads));
     }
 
-    /// What the contacts store and dissipate at these states.
+    /// Energy that the contacts store, and powers that they dissipate, at these states.
     fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
         let (law, pins) = (*self.law(), self.on_pins());
         let mut sum = ContactEnergy::default();

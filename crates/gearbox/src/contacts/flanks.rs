@@ -18,7 +18,7 @@ pub(super) struct Flanks {
     /// e^{i delta}.
     turn: Complex,
     lobes: f64,
-    /// Of the lobes' middles, and of the pits'.
+    /// Corners at the lobes' middles, and in the pits.
     corners: [Corner; 2],
 }
 
@@ -78,8 +78,8 @@ impl Flanks {
         [self.turn, self.turn.conj()]
     }
 
-    /// What touches a sleeve centred at `p` of those feet on either wheel, in the order of [`turns`](Self::turns);
-    /// `stiffness` is K where the curve bends by a kappa.
+    /// Chooses from the feet on either wheel, in the order of [`turns`](Self::turns), the touch of a sleeve centred at
+    /// `p`; `stiffness` is K where the curve bends by a kappa.
     pub(super) fn touch(
         &self,
         p: Complex,

@@ -17,9 +17,9 @@ use crate::{Layout, Sleeve};
 pub struct Bearings {
     pub(crate) law: BearingLaw,
     layout: Layout,
-    /// Of every eccentric, in the input's frame, m.
+    /// Centre of every eccentric, in the input's frame, m.
     seats: Vec<[f64; 2]>,
-    /// What carries wheels in the place of one eccentric.
+    /// Cranks that carry wheels in the place of one eccentric.
     cranks: Option<Cranks>,
 }
 
@@ -76,7 +76,7 @@ impl BearingLoad {
 }
 
 impl Bearings {
-    /// Of a scene whose wheels float; `None`: eccentrics hold them rigidly.
+    /// Bearings of a scene whose wheels float; `None`: eccentrics hold them rigidly.
     #[must_use]
     pub fn of(scene: &Scene, geometry: &Geometry) -> Option<Self> {
         let seats = geometry.wheel_phases.iter().zip(&geometry.eccentricities_m);
@@ -90,13 +90,14 @@ impl Bearings {
         })
     }
 
-    /// The same without friction.
+    /// Bearings without friction.
     pub(crate) fn frictionless(mut self) -> Self {
         self.law.drag_m = 0.0;
         self
     }
 
-    /// The same bearings and supports giving way by a share of what they do under the same forces, with one of their clearance.
+    /// Bearings and supports whose deflection under the same forces is `share` of theirs, with `of_clearance` times
+    /// their clearance.
     pub(crate) fn share(&self, share: f64, of_clearance: f64) -> Self {
         let law = BearingLaw {
             stiffness: self.law.stiffness / share.powf(self.law.exponent),
@@ -114,7 +115,7 @@ impl Bearings {
         }
     }
 
-    /// What carries a wheel: its bearing, or those of all cranks together, whose offset is their mean.
+    /// Load of the bearing that carries a wheel, or of those of all cranks together, whose offset is their mean.
     #[must_use]
     pub fn of_wheel(&self, bodies: &[BodyState], wheel: usize) -> BearingLoad {
         if self.cranks.is_none() {
@@ -140,7 +141,7 @@ impl Bearings {
         self.in_bore(bodies, wheel, crank).0
     }
 
-    /// The same, and the bore's centre, m, ground frame.
+    /// Load of a crank's bearing in a wheel, and the bore's centre, m, ground frame.
     fn in_bore(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> (BearingLoad, [f64; 2]) {
         let mut found = OfCrank::new();
         let Some(cranks) = &self.cranks else {
@@ -154,7 +155,7 @@ impl Bearings {
         (found[wheel].load, [body.x + x, body.y + y])
     }
 
-    /// The same as a pair of wheel and crank.
+    /// Load of a crank's bearing in a wheel as a pair of wheel and crank.
     fn crank_pair(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> PairContact {
         let (load, point) = self.in_bore(bodies, wheel, crank);
         let ([dx, dy], [fx, fy]) = (load.offset_m, load.on_wheel);
@@ -210,7 +211,8 @@ impl Bearings {
         self.load_at(input, hub, self.seats[wheel], input.angle.sin_cos())
     }
 
-    /// The same of input, wheel and seat, with sine and cosine of the input's angle.
+    /// Load of the bearing of a wheel on its one eccentric from the states of input and wheel and the seat, with sine
+    /// and cosine of the input's angle.
     #[inline(always)]
     fn load_at(
         &self,

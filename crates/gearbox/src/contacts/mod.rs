@@ -31,9 +31,9 @@ pub enum Kernel {
     /// Eight pairs at a time with the vector instructions that the processor has.
     #[default]
     Lanes,
-    /// The same with AVX2 at most, as on a processor without AVX-512.
+    /// Pairs in lanes with AVX2 at most, as on a processor without AVX-512.
     Avx2,
-    /// The same without any vector instructions of the processor.
+    /// Pairs in lanes without any vector instructions of the processor.
     Portable,
     /// One pair after the other: the readable form, kept as the oracle of the other.
     Scalar,

@@ -253,10 +253,10 @@ impl<D: Detection> Pairs<D> {
     }
 }
 
-/// Of the free bodies, which are all but the first.
+/// Number of the output among the free bodies, which are all but the first.
 pub(super) const OUTPUT: usize = Layout::OUTPUT - 1;
 
-/// Of wheels that float, where their places begin among all that is free.
+/// Number of the first place of wheels that float, among all that is free.
 pub(super) fn places(layout: Layout, slopes: &Jacobian) -> usize {
     slopes.rate.dimension().saturating_sub(2 * layout.wheels)
 }
@@ -268,7 +268,7 @@ pub(super) const CLOSING: f64 = 1e-6;
 /// Slopes of what a pair does: moments on its wheel, on the output and on the sleeve, and the force on the wheel, ground frame.
 type Rows = [f64; 5];
 
-/// What slopes are by: something that moves the sleeve's centre P against the wheel.
+/// Motion by which derivatives are taken: it moves the sleeve's centre P against the wheel.
 #[derive(Clone, Copy)]
 struct Move {
     /// d(delta), d(tau): the way of P along n and along t.
@@ -279,11 +279,11 @@ struct Move {
     arm: [f64; 2],
     /// By how much the wheel turns.
     turn: f64,
-    /// What the sliding speed depends on its rate with.
+    /// Derivative of the sliding speed with respect to the motion's rate.
     slip: f64,
 }
 
-/// What the sleeves leave on a wheel, in its frame.
+/// Reaction of the sleeves on a wheel, in its frame.
 #[derive(Default)]
 struct Reaction {
     force: Complex,

@@ -14,7 +14,7 @@ use super::field::PairContact;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
 
-/// What sleeves lose on their pins.
+/// Friction of sleeves on their pins.
 #[derive(Debug, Clone, Copy)]
 pub struct OnPins {
     friction_coefficient: f64,

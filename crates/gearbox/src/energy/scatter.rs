@@ -1,19 +1,19 @@
-//! What an energy account may be off by between its entries: as of sampled means, from the sixth difference of seven of them
-//! ([`pinwheel_timeseries::sampling`]).
+//! Possible error of an energy account between its entries: as of sampled means, from the sixth difference of seven of
+//! them ([`pinwheel_timeseries::sampling`]).
 
 use pinwheel_timeseries::sampling::{POINTS, sixth_difference};
 
-/// Of what the remainder is the integral of, but for the growth of kinetic and stored energy, and of the losses, W.
+/// Powers whose integrals are the remainder, but for the growth of kinetic and stored energy, and the losses, W.
 pub(super) type Two = [f64; 2];
 
 /// Squares of what the integrals of both may be off by, J^2, up to the last entry but three.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Scatter {
-    /// Of segments that ended and the one under way.
+    /// Sums of squares of segments that ended and of the present one.
     squares: Two,
-    /// Of the last interval that was looked at.
+    /// Values of the last evaluated interval.
     last: Two,
-    /// Of the segment under way: entries kept, at most seven.
+    /// Number of entries of the present segment that are kept, at most seven.
     len: usize,
     is_known: bool,
     times: [f64; POINTS],

@@ -1,4 +1,4 @@
-//! What is known of a run's numerical error.
+//! Estimate of a run's numerical error.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +9,7 @@ use crate::Distance;
 pub struct Level {
     /// Method.
     pub integrator: String,
-    /// What sets its steps, in words.
+    /// Setting that determines its steps, in words.
     pub setting: String,
     /// Evaluations of the forces.
     pub evaluations: u64,
@@ -19,7 +19,7 @@ pub struct Level {
     pub failure: Option<String>,
 }
 
-/// Whether the target was reached.
+/// Outcome of the comparison with the target.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Verdict {
@@ -29,7 +29,7 @@ pub enum Verdict {
     NotResolved {
         /// Why the refinement ended.
         reason: String,
-        /// What would help.
+        /// Action that would help.
         remedy: String,
     },
 }
@@ -37,11 +37,11 @@ pub enum Verdict {
 /// A run's numerical uncertainty, and how it was found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Uncertainty {
-    /// What was asked for: relative L2 of the forces and of the driver's torque.
+    /// Requested target: relative L2 of the forces and of the driver's torque.
     pub target: f64,
     /// Estimated bounds of the error; `None` where only one run finished.
     pub error: Option<Distance>,
-    /// Whether the target was reached.
+    /// Outcome of the comparison with the target.
     pub verdict: Verdict,
     /// Index of the run whose time series are given.
     pub chosen: usize,
@@ -118,7 +118,7 @@ impl Uncertainty {
     }
 }
 
-/// What helps a run that was not resolved.
+/// Remedy for a run that was not resolved.
 pub(super) fn remedy(target: f64, error: Option<Distance>, budget: u64) -> String {
     let reached = error.map(|e| e.worst()).filter(|e| e.is_finite());
     match reached {

@@ -27,8 +27,8 @@ const FIRST: f64 = 0.2;
 /// Growth of s from step to step, shrunk by its root where a step fails, and its least.
 const GROWTH: f64 = 4.0;
 const LEAST_GROWTH: f64 = 1.001;
-/// What a load shrinks to from step to step on the way to a light one, likewise; a load above this share of the largest is not
-/// light.
+/// Ratio of successive loads on the way to a light one, replaced by its root where a step fails. A load above this
+/// share of the largest is not light.
 const LIGHTER: f64 = 0.25;
 /// Least share of the largest load that sizes follow.
 const LEAST_SIZE: f64 = 1e-2;
@@ -38,7 +38,7 @@ const REMEMBERED: usize = 8;
 const LEAST_LOOSER: f64 = 1e-4;
 /// Steps at most of a root in a bracket.
 const BISECTIONS: usize = 200;
-/// What may be left of forces and moments, as a share of the load's.
+/// Permitted residual of forces and moments, as a share of the load's.
 const LEFT: f64 = 1e-9;
 /// How much more of bearings' offsets a balance turns the output by at most than they would if all were across the eccentric.
 const GIVEN_WAY: f64 = 4.0;
@@ -61,7 +61,7 @@ struct Size {
 }
 
 impl Size {
-    /// Of an unknown.
+    /// Size of an unknown.
     fn of_place(self, unknown: usize) -> f64 {
         match is_length(unknown) {
             true => self.length,
@@ -69,7 +69,7 @@ impl Size {
         }
     }
 
-    /// Of what is left at an unknown.
+    /// Size of the residual at an unknown.
     fn of_load(self, unknown: usize) -> f64 {
         match is_length(unknown) {
             true => self.force,
@@ -228,7 +228,7 @@ impl Statics<'_> {
         DMatrix::from_fn(u.len(), u.len(), entry)
     }
 
-    /// The same by differences.
+    /// Derivatives of the residual with respect to the unknowns by differences.
     fn differences(
         &mut self,
         phi: f64,
@@ -324,7 +324,7 @@ impl Statics<'_> {
         }
     }
 
-    /// The same without a balance near by.
+    /// The equilibrium of floating wheels without a known one near by.
     fn float_afresh(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         let heavy = load_course::largest(&self.gearbox.scene.drive).copysign(load);
         if load.abs() >= LIGHTER * heavy.abs() {
@@ -358,7 +358,7 @@ impl Statics<'_> {
         Ok(here)
     }
 
-    /// The same by continuation from the balance of rigid eccentrics.
+    /// The equilibrium of floating wheels by continuation from that of rigid eccentrics.
     fn float_from_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         let (rigid, bearings) = (self.solve_rigid(phi, load)?, self.bearings()?);
         let mut u = self.unknowns(&rigid.bodies, rigid.output);
@@ -537,7 +537,8 @@ impl Statics<'_> {
         })
     }
 
-    /// The same with the wheels' offsets from their eccentrics times `factor`, and of cranks their turns against the output.
+    /// Unknowns with the wheels' offsets from their eccentrics times `factor`, and of cranks their turns against the
+    /// output.
     fn stretched(&mut self, phi: f64, u: &[f64], factor: f64) -> Vec<f64> {
         let mut there = u.to_vec();
         for i in 0..self.gearbox.layout.wheels {
@@ -598,7 +599,7 @@ impl Statics<'_> {
     }
 }
 
-/// Whether an unknown is a place of a wheel, and no angle.
+/// True if an unknown is a place of a wheel, and no angle.
 fn is_length(unknown: usize) -> bool {
     unknown > 0 && !unknown.is_multiple_of(OF_A_WHEEL)
 }

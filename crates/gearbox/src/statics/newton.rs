@@ -33,10 +33,10 @@ const KEPT: f64 = 0.1;
 /// Such a wheel is turned to where its steps lead together, and by this more, so that it touches nothing.
 const BEYOND: f64 = 1.001;
 
-/// Of the free bodies; the wheels follow.
+/// Number of the output among the free bodies; the wheels follow.
 const OUTPUT: usize = Layout::OUTPUT - 1;
 
-/// Of wheels and output, as they are free without friction.
+/// Jacobian of wheels and output, as they are free without friction.
 pub(super) fn slopes(free: usize) -> Jacobian {
     let is_leaf = vec![false; free];
     Jacobian::new(&Structure::SecondOrder { is_leaf }, 2 * free)
@@ -207,7 +207,7 @@ impl Statics<'_> {
     }
 }
 
-/// Of the steps of all angles.
+/// Largest step of all angles.
 fn largest(output: f64, wheels: &[f64]) -> f64 {
     wheels
         .iter()

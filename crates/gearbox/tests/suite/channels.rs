@@ -90,10 +90,10 @@ fn both_formulations_give_the_same_channels() {
     }
 }
 
-/// Of pressures that K and the force tell, relative.
+/// Tolerance of pressures that follow from K and the force, relative.
 const HERTZ: f64 = 1e-9;
 
-/// What the channels say of each other and of the contract's columns, at every sample.
+/// The channels agree with each other and with the contract's columns, at every sample.
 #[test]
 fn channels_fit_together() {
     let run = run(
@@ -291,8 +291,8 @@ fn published_bearing_force_and_contact_ratio() {
     }
 }
 
-/// What is not asked for costs nothing, and what is changes no step: the same time series bit for bit from
-/// the same right-hand sides.
+/// A channel that is not requested costs nothing, and one that is changes no step: the time series are equal bit for
+/// bit, from the same right-hand sides.
 #[test]
 fn asking_changes_no_step() {
     for sets in [

@@ -244,7 +244,7 @@ fn regress_a_pin_too_far_in_and_discs_that_float() {
     assert!(real < 0.95 * rigid, "{real} {rigid}");
 }
 
-/// The same energy comes out as goes in, and the forces are those of rigid pins as pins stiffen.
+/// The energy in equals the energy out, and the forces approach those of rigid pins as pins stiffen.
 #[test]
 fn pins_store_what_they_bend() {
     let run = |sets: &[&str]| {
@@ -372,8 +372,8 @@ fn equilibrium_start_has_no_transient() {
     );
 }
 
-/// What the bearings store and lose is in the account: under a law with a potential no more is left over than in a rigid gear
-/// (4e-5 there, whatever the tolerance).
+/// The energy that the bearings store and lose is in the account: under a law with a potential no more is left over
+/// than in a rigid gear (4e-5 there, whatever the tolerance).
 #[test]
 fn the_energy_account_closes() {
     let sets = [
@@ -500,7 +500,8 @@ fn published_rv_stiffness_by_parts() {
     assert!((ours / closed - 1.0).abs() < 3e-3, "{ours} {closed}");
 }
 
-/// Of an involute mesh the same program's gear gives way by a 400th of the rest; by hand 1/((zk + rho)^2 N k (r cos 20 deg)^2).
+/// An involute mesh of the gear of the same program deflects by a 400th of the rest; by hand 1/((zk + rho)^2 N k (r cos
+/// 20 deg)^2).
 #[test]
 fn published_rv_mesh_is_in_series() {
     let [rigid, elastic] = ["1e15", "1.6e8"].map(|mesh| {
@@ -636,9 +637,10 @@ fn sleeves_on_their_pins_are_lost_power() {
     }
 }
 
-/// What a run by `auto` costs with floating wheels over held ones, in evaluations. A wheel swings faster on its bearing than on its
-/// contacts, times: the ring 1.0, `paper` 2.6, `eleven-pins` 8.8 on needles and 3.1 on 5e7 N/m. Bearings are linear enough that steps
-/// follow contacts alone, as long as the linear part is kept new: `paper`'s driver torque is then 3.4e-4 off, and would be 1.6e-3.
+/// Cost of a run by `auto` with floating wheels over held ones, in evaluations. A wheel swings faster on its bearing
+/// than on its contacts, times: the ring 1.0, `paper` 2.6, `eleven-pins` 8.8 on needles and 3.1 on 5e7 N/m. Bearings
+/// are linear enough that steps follow contacts alone, as long as the linear part is kept new: `paper`'s driver torque
+/// is then 3.4e-4 off, and would be 1.6e-3.
 #[test]
 fn regress_what_floating_wheels_cost() {
     let evaluations = |preset: &str, sets: &[&str]| {

@@ -607,7 +607,7 @@ fn gaps_have_places_and_directions() {
     assert!(apart > 20, "{apart}");
 }
 
-/// What a gearbox takes over from one made before changes nothing of it.
+/// A gearbox that reuses parts of an earlier one is equal to a new one.
 #[test]
 fn a_gearbox_after_another_is_the_same() {
     let paper = Gearbox::new(&Scene::load("paper", &[]).unwrap()).unwrap();

@@ -28,7 +28,7 @@ fn forces(run: &NativeRun) -> Vec<&[f64]> {
     all
 }
 
-/// The same with the torque on the output.
+/// Sleeve forces and the torque on the output.
 fn with_load(run: &NativeRun) -> Vec<&[f64]> {
     let mut all = forces(run);
     all.extend(run.time_series.channel(OUTPUT_TORQUE));
@@ -101,8 +101,8 @@ fn both_formulations_give_the_same_time_series() {
     }
 }
 
-/// What stabilisation is worth, at the paper's step over 0.05 s: the reason for the default.
-/// Measured against the reduced form: none 4.3e-6, Baumgarte 3.5e-6, projection 1e-13 in the forces.
+/// Effect of stabilisation at the paper's step over 0.05 s: the reason for the default. Measured against the reduced
+/// form: none 4.3e-6, Baumgarte 3.5e-6, projection 1e-13 in the forces.
 #[test]
 fn projection_is_the_default_for_a_reason() {
     let reduced = solve(&scene(0.05));
@@ -264,7 +264,8 @@ fn the_explanation_counts_what_the_paper_counts() {
     assert_eq!(explained(&scene).unwrap().degrees_of_freedom, 84);
 }
 
-/// What is said of a scene is so, and what is not so is not said. By scene: said to be modelled and to be left out, and nowhere.
+/// Statements about a scene are true, and no false one is made. By scene: stated to be modelled and to be left out, and
+/// nowhere.
 #[test]
 fn explanations_say_what_is_so() {
     let friction = "contact.friction_coefficient=0.1";

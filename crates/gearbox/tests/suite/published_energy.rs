@@ -40,7 +40,7 @@ fn the_paper_s_law_creates_energy() {
     assert!(audit.damping_j > 0.0 && audit.friction_j == 0.0);
 }
 
-/// The same law with the force along the profile, and constant stiffness: nothing is left over.
+/// The law with the force along the profile, or with constant stiffness, leaves no remainder.
 #[test]
 fn laws_with_a_potential_close() {
     for (law, mean_known) in [

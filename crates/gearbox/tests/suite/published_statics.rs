@@ -272,8 +272,9 @@ fn mean_driver_torque(law: &str) -> f64 {
     sum / f64::from(poses)
 }
 
-/// What a gear turns freely when its profile is cut 50 um smaller, equidistant or by a smaller pin circle, by the package: the
-/// least gap over lever, against the balances under next to no load in both directions. Measured: at most 1.5 % more.
+/// Free rotation of a gear whose profile is cut 50 um smaller, equidistant or by a smaller pin circle, by the package:
+/// the least gap over lever, against the balances under next to no load in both directions. Measured: at most 1.5 %
+/// more.
 #[test]
 fn cycloidgen_measures_the_same_play() {
     let data = table("cycloidgen");

@@ -12,7 +12,8 @@ use crate::published_statics::{close, number, numbers, range, table};
 
 const ARCMIN: f64 = 10_800.0 / PI;
 
-/// What the authors of the package print of drives of their own, in their table of changes, beside ours of the same dimensions.
+/// Figures that the authors of the package print of drives of their own, in their table of changes, beside ours of the
+/// same dimensions.
 #[test]
 fn printed_drives_turn_alike() {
     let data = table("cycloidgen");
@@ -197,7 +198,8 @@ impl Counted<'_> {
         ]
     }
 
-    /// Of the whole drive, N m/arcmin: both discs beside each other, means of the stages over poses on one pitch of the lobes.
+    /// Stiffness of the whole drive, N m/arcmin: both discs beside each other, means of the stages over poses on one
+    /// pitch of the lobes.
     fn stiffness(&self, poses: u32, force: impl Fn(&[f64], &[f64], f64) -> Force) -> f64 {
         let lobes = self.gearbox.scene.gear.external_sleeves - 1;
         let mut means = [0.0; 2];

@@ -186,7 +186,7 @@ fn regress_small_forces_are_judged_too() {
     assert!(off > 0.05, "{off}");
 }
 
-/// What verification costs an easy scene, and that the paper's own run needs no refinement.
+/// Verification of an easy scene costs less than another run, and the paper's own run needs no refinement.
 #[test]
 fn easy_scenes_are_verified_at_less_than_twice_the_cost() {
     for name in ["paper", "paper-2019", "forty-pins", "eleven-pins"] {

@@ -35,7 +35,7 @@ fn reduced(gearbox: &Gearbox) -> Reduced<Contacts> {
     system.with_leaves(&sleeves)
 }
 
-/// The same, pair by pair.
+/// The reduced system whose contacts are evaluated pair by pair.
 fn one_by_one(gearbox: &Gearbox) -> Reduced<Contacts> {
     let mut gearbox = gearbox.clone();
     gearbox.kernel = Kernel::Scalar;
@@ -411,7 +411,8 @@ fn entries(system: &mut Reduced<Contacts>, t: f64, y: &[f64]) -> Vec<f64> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// What the force along the profile adds to the slopes of the normal forces, a hundredth of them, by itself.
+    /// The force along the profile adds its part to the derivatives of the normal forces, a hundredth of them, checked
+    /// by itself.
     #[test]
     fn the_force_along_the_profile_has_its_slopes(
         shape in (9_usize..121, 0.3..0.9_f64, 3_usize..9, 1_usize..5), friction: bool,

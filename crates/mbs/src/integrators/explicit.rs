@@ -27,7 +27,7 @@ pub struct Tableau {
 /// A fixed-step run of one tableau.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FixedStep {
-    /// What the run was started with; not saved.
+    /// Tableau that the run was started with; not saved.
     #[serde(skip, default = "none")]
     tableau: &'static Tableau,
     clock: Clock,

@@ -73,7 +73,7 @@ pub struct StepSettings {
     pub tolerance: f64,
 }
 
-/// What a run of steps did.
+/// Work of a run of steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct StepCounts {
     /// Accepted steps.
@@ -170,7 +170,7 @@ fn restored<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
     postcard::from_bytes(bytes).ok()
 }
 
-/// What a method does with f.
+/// Way in which a method uses f.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
     /// Evaluates it.
@@ -192,9 +192,9 @@ pub struct MethodInfo {
     pub summary: &'static str,
     /// Classical order.
     pub order: u32,
-    /// What it does with f.
+    /// Way in which the method uses f.
     pub family: Family,
-    /// Whether the step follows from a tolerance.
+    /// True if the step follows from a tolerance.
     pub adaptive: bool,
     /// Error that runs at different tolerances may share, so that their differences do not show it: a share of the finest
     /// tolerance, relative to the quantity. 0 for a fixed step.
@@ -205,7 +205,7 @@ pub struct MethodInfo {
     pub usual_tolerance: f64,
 }
 
-/// What methods with a fixed step share.
+/// Common facts of methods with a fixed step.
 const FIXED: MethodInfo = MethodInfo {
     name: "",
     summary: "",
@@ -217,7 +217,7 @@ const FIXED: MethodInfo = MethodInfo {
     usual_tolerance: 1e-6,
 };
 
-/// What methods with steps from the tolerance of a step share.
+/// Common facts of methods whose steps follow from the tolerance of a step.
 ///
 /// Near rest the step is bounded by stability, whatever the tolerance, and all runs err alike: by 5e-10 at 5e-7 where their
 /// differences said 1.5e-10.

@@ -21,7 +21,7 @@ pub struct Segments<S: OdeSystem> {
     stepper: Box<dyn Stepper<S>>,
     /// Ends of segments that are still to come, the last first.
     ends: Vec<f64>,
-    /// What the steppers before did.
+    /// Work of the earlier steppers.
     past: StepCounts,
     /// No step of a method that chooses its steps is longer, s.
     longest: f64,
@@ -78,7 +78,7 @@ impl<S: OdeSystem> Segments<S> {
         }
     }
 
-    /// The same method anew at the state there is, with a first or only step `step`.
+    /// Starts the method anew at the current state, with a first or only step `step`.
     fn restart(&mut self, time: f64, step: f64) {
         let settings = StepSettings {
             step,

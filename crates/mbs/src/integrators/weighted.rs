@@ -3,7 +3,7 @@
 use std::array::from_fn;
 use std::iter::zip;
 
-/// What is not zero in a row of a tableau: (stage, weight).
+/// Nonzero entries in a row of a tableau: (stage, weight).
 pub(super) type Row = &'static [(usize, f64)];
 
 /// Gives `take` the sum of weights times stages of each of `n` components; `N` is the row's length.

@@ -25,7 +25,7 @@ use nalgebra::{Matrix3, Vector3};
 use crate::mechanism::{Mechanism, Revolute};
 use crate::tree::Arms;
 
-/// Of a body and the leaves on it, about its centre of mass.
+/// Inertia of a body and the leaves on it, about its centre of mass.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Inertia {
     mass: f64,
@@ -111,11 +111,11 @@ pub(super) struct Pinned {
     on_ground: usize,
     carriers: Vec<Carrier>,
     hubs: Vec<Hub>,
-    /// Of every body; those of leaves are not looked at.
+    /// Inertia of every body; those of leaves are not read.
     pub(super) inertia: Vec<Inertia>,
 }
 
-/// What is left of a mechanism, and where that stands in it.
+/// Remainder of a mechanism after elimination, and its places in the whole one.
 pub(super) struct Rest {
     pub(super) mechanism: Mechanism,
     pub(super) bodies: Vec<usize>,
@@ -227,7 +227,7 @@ impl Pinned {
         }
     }
 
-    /// What leaves add to the right-hand sides, then the hubs' solutions.
+    /// Adds the leaves' parts to the right-hand sides, then those of the hubs' solutions.
     #[inline]
     pub(super) fn eliminate(&self, bodies: &mut [Vector3<f64>], constraints: &mut [Vector3<f64>]) {
         for (body, own) in &self.carriers {

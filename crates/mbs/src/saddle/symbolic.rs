@@ -31,7 +31,7 @@ pub(super) enum Target {
     Block(usize),
 }
 
-/// What happens at one pivot: ranges into the flat lists.
+/// Operations at one pivot: ranges into the flat lists.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pivot {
     pub(super) node: usize,

@@ -27,7 +27,7 @@ pub struct Row {
     dofs: [u32; 5],
     coefficients: [f64; 5],
     count: u8,
-    /// What driven bodies contribute.
+    /// Part that driven bodies contribute.
     pub offset: f64,
 }
 

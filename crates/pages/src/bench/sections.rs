@@ -21,7 +21,7 @@ pub(super) fn all(study: &WorkPrecision, rankings: &[Ranking]) -> Vec<Section> {
     ]
 }
 
-/// What errors cost.
+/// Section with the costs of errors.
 fn costs(study: &WorkPrecision, rankings: &[Ranking]) -> Section {
     let windows = study.windows.len().min(rankings.len());
     let (by_window, by_error) = rankings.split_at(windows);
@@ -214,7 +214,7 @@ fn reference(study: &WorkPrecision) -> Section {
     )
 }
 
-/// What the figures do not compare.
+/// Section on differences of the engines that the figures do not compare.
 fn differences(study: &WorkPrecision) -> Section {
     let mut points = vec![
         "The native solver integrates the equations of this mechanism, three or so in the reduced form; peers are general \

@@ -6,7 +6,7 @@ use pinwheel_timeseries::table::{Mark, Table};
 
 use super::figures;
 
-/// What the target costs every engine and method, without the place of the page.
+/// Cost of the target with every engine and method, without the place of the page.
 #[must_use]
 pub fn text(study: &WorkPrecision) -> String {
     let ranking = study.ranking(0, study.options.target);

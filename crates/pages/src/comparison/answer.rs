@@ -1,5 +1,5 @@
-//! What a reader asks of a comparison, answered: which force, how sure, who disagrees and why, what next. Page and terminal
-//! say the same.
+//! Questions of a reader to a comparison, answered: which force, how sure, who disagrees and why, what next. Page and
+//! terminal say the same.
 
 use std::collections::BTreeSet;
 
@@ -33,7 +33,7 @@ pub(super) struct Figure {
 }
 
 impl Figure {
-    /// What bounds it, in words.
+    /// Bounds of the figure, in words.
     pub(super) fn bounds(&self) -> String {
         let numerical = match self.numerical.as_str() {
             "" => String::new(),
@@ -513,7 +513,8 @@ impl<'a> Answer<'a> {
         ))
     }
 
-    /// What was not checked, with what would check it; so many reasons of engines without figures are told one by one.
+    /// Facts on parts that were not checked, with the way to check them; so many reasons of engines without figures are
+    /// given one by one.
     pub(super) fn unchecked(&self, told: usize) -> Vec<Fact> {
         let comparison = &self.found.comparison;
         let here = |name: &str| comparison.engines.iter().any(|engine| engine.name == name);
@@ -576,7 +577,7 @@ impl<'a> Answer<'a> {
         facts
     }
 
-    /// What to do now.
+    /// Facts on the next steps.
     pub(super) fn next(&self) -> Vec<Fact> {
         let open = words::inconclusive(&self.found.comparison).into_iter();
         let open = open.map(|(who, why)| format!("{who}: {why}"));
@@ -639,7 +640,7 @@ pub(super) fn left_out(comparison: &Comparison) -> Vec<(Vec<&str>, String)> {
     reasons
 }
 
-/// Those as facts.
+/// Reasons of engines that were left out, as facts.
 pub(super) fn told_as_facts(left_out: &[(Vec<&str>, String)]) -> Vec<Fact> {
     let told = left_out.iter().map(|(names, reason)| {
         // The label says so already.
@@ -650,11 +651,11 @@ pub(super) fn told_as_facts(left_out: &[(Vec<&str>, String)]) -> Vec<Fact> {
     told.collect()
 }
 
-/// What was done to measured data.
+/// Label of facts on changes that were made to measured data.
 pub(super) const DATA: &str = "data";
 /// Pairs that solve the scene's own law.
 const SHARES: fn(Track) -> bool = |track| matches!(track, Track::Native | Track::SharedLaw);
-/// What is neither agreed nor differs, with nothing to act on.
+/// Label of verdicts that are neither *agree* nor *differ*, with nothing to act on.
 pub(super) const UNRESOLVED: &str = "not resolved";
 /// Reasons that are told one by one, where there is room.
 pub(super) const MOST: usize = 2;

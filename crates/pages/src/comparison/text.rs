@@ -1,4 +1,4 @@
-//! What `pinwheel compare` says on stdout: figures of every engine, verdicts of every pair.
+//! Text of `pinwheel compare` on stdout: figures of every engine, verdicts of every pair.
 
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
@@ -148,7 +148,7 @@ fn shown_window(comparison: &Comparison) -> Option<WindowKind> {
         .find(|kind| comparison.windows.iter().any(|window| window.kind == *kind))
 }
 
-/// What a row says of an engine or a pair, and how that is marked.
+/// Statement on an engine or a pair in a row, and its mark.
 type Said = (String, Mark);
 
 fn engines(comparison: &Comparison) -> Table {
@@ -233,7 +233,8 @@ fn measured(comparison: &Comparison) -> Table {
 /// Pairs that are listed one by one, those that differ before those with something to act on.
 const LISTED: usize = 5;
 
-/// What pairs share, how often their verdicts are which, and the gravest one; then pairs with something to act on.
+/// Table of pairs: what they share, how often each verdict occurs, and the gravest one; then pairs with something to
+/// act on.
 fn pairs(comparison: &Comparison) -> Table {
     let mut rows: Vec<(String, Option<Counts>, Said)> = Vec::new();
     for (track, shares) in [

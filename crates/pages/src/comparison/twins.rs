@@ -25,7 +25,7 @@ fn value(of: f64) -> String {
     significant(of, 4)
 }
 
-/// What an engine and its twin come to.
+/// Sentence on an engine and its twin.
 pub(super) fn line(twin: &Twin) -> Option<String> {
     let worst = twin.worst()?;
     let (what, unit) = name(worst);

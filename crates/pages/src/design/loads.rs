@@ -1,4 +1,4 @@
-//! Of a design's page: who carries the load, and what bearings take.
+//! Parts of a design's page on loads: who carries the load, and what bearings take.
 
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Style};
 use pinwheel_studies::design::DesignResult;
@@ -6,7 +6,7 @@ use pinwheel_timeseries::table::Table;
 
 use super::{Drawn, SHOWN, chart, degrees, figure, line, of_design};
 
-/// What carries wheels on the output's side.
+/// Name of the parts that carry wheels on the output's side.
 fn inner(found: &DesignResult) -> &'static str {
     match found.scene.cranks {
         Some(_) => "Crank bearings",

@@ -30,11 +30,11 @@ fn shown_step(cell: &Cell) -> String {
     }
 }
 
-/// What a map shows of one scene and method.
+/// Place of a map, for one scene and method.
 #[derive(Default)]
 struct Place {
     text: String,
-    /// What it is sorted by.
+    /// Key by which it is sorted.
     key: Option<f64>,
     shade: Option<f64>,
     mark: Mark,

@@ -97,7 +97,7 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
     crate::render(study, made)
 }
 
-/// What the first figure does over the runs: from where to where, and beyond what it may be off by.
+/// Range of the first figure over the runs with its uncertainty, or the statement that there is no trend beyond it.
 fn answer(grid: &Grid, plan: &Plan) -> Option<Verdict> {
     let figure = grid.figures.first()?;
     let parts = |label: &str| -> (String, String) {
@@ -206,7 +206,8 @@ fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
     values.fold(0.0, |most, value| value.abs().max(most))
 }
 
-/// What was varied, and the engines where there are several, with every figure that is not the same in every run.
+/// Grid of the varied keys, and of the engines where there are several, with every figure that is not the same in every
+/// run.
 fn grid(plan: &Plan, records: &[RunRecord], table: &Table) -> Grid {
     let mut axes: Vec<GridAxis> = plan.sweep.axes.iter().map(axis).collect();
     let engines = &plan.sweep.engines;

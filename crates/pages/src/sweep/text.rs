@@ -12,7 +12,7 @@ const MOST_FIGURES: usize = 8;
 
 /// Runs that a terminal lists.
 const MOST_RUNS: usize = 12;
-/// What it lists of each.
+/// Figures that the list shows of each run.
 const SHOWN: [(&str, &str, &str); 3] = [
     ("peak", columns::EXTERNAL_FORCE, "ext N"),
     ("peak", columns::INTERNAL_FORCE, "int N"),
@@ -93,7 +93,7 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
     )
 }
 
-/// What was varied and the largest forces and mean torque of each run, or of the first ones.
+/// Table of the varied keys and the largest forces and mean torque of each run, or of the first ones.
 fn result(plan: &Plan, records: &[RunRecord]) -> String {
     let rows = plan.runs.iter().zip(records).take(MOST_RUNS);
     let mut table = Table::of("", rows).text("", "engine", |(run, _)| &run.engine);

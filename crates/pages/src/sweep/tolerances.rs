@@ -1,4 +1,4 @@
-//! What a sample says, on the page and on a terminal.
+//! Results of a sample, on the page and on a terminal.
 
 use pinwheel_compare::quantities::label_and_unit;
 use pinwheel_report::format::significant;
@@ -14,7 +14,7 @@ const MOST_CHARTS: usize = 6;
 const MOST_KEYS: usize = 4;
 /// Digits of a figure.
 const DIGITS: usize = 4;
-/// Of the variance: less of it that a straight line explains, and its slopes do not say what decides.
+/// Least share of the variance that a straight line must explain. Below it, the slopes do not show which key decides.
 const STRAIGHT: f64 = 0.7;
 
 /// Figures that are shown: those of the specification, then balances and means, which say most.
@@ -50,7 +50,7 @@ pub(super) fn place(found: &SampleResult) -> String {
     words.join(", ")
 }
 
-/// What decides, in words: keys with their share of the variance.
+/// Keys that decide a figure, in words, with their share of the variance.
 pub(super) fn decides(figure: &FigureOfSample) -> String {
     let share = |of: &pinwheel_studies::sweep::Sensitivity| {
         let straight = figure.linear.is_some_and(|linear| linear >= STRAIGHT);

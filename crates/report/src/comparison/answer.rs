@@ -60,13 +60,13 @@ pub(super) fn inconclusive(comparison: &Comparison) -> Vec<Block> {
 pub struct Headline<'a> {
     /// Its quantity.
     pub quantity: &'a Quantity,
-    /// What it is, e.g. `External sleeve force, largest`.
+    /// Name of the figure, e.g. `External sleeve force, largest`.
     pub label: String,
     /// The figure, in the quantity's unit.
     pub value: f64,
     /// How far it is from the exact solution of its equations, in the same unit; `None`: not known.
     pub numerical: Option<f64>,
-    /// What is rounding, in the same unit.
+    /// Size of rounding, in the figure's unit.
     pub scale: f64,
     /// Other figures of the same, and how far the other engines are from it.
     pub detail: String,
@@ -179,7 +179,7 @@ fn headline<'a>(
 }
 
 impl Page<'_> {
-    /// What the tiles are of.
+    /// Title of the tiles: their window and engine.
     pub(super) fn tiles_title(&self) -> String {
         best(self.comparison).map_or_else(String::new, |(engine, window)| {
             format!("{}, by {}", self.window(window), engine.name)
@@ -198,7 +198,7 @@ impl Page<'_> {
         tiles.chain(efficiency).collect()
     }
 
-    /// What stands below the tiles: remarks.
+    /// Blocks below the tiles: remarks.
     pub(super) fn below(&self) -> Vec<Block> {
         let windows = words::of_windows(self.comparison);
         let divergence = self.comparison.context.divergence.iter();

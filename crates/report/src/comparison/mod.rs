@@ -65,7 +65,7 @@ pub fn study(
     }
 }
 
-/// What the parts of the page have in common.
+/// Common data of the parts of the page.
 struct Page<'a> {
     comparison: &'a Comparison,
     /// Colour and dash of each engine by its name.
@@ -311,7 +311,7 @@ impl<'a> Page<'a> {
         there.then(|| Section::new("energy", "Energy", [about, table.into()]).folded(""))
     }
 
-    /// What every run cost.
+    /// Section with the cost of every run.
     fn costs(&self) -> Section {
         let all = &self.comparison.engines;
         // Measured data cost this machine nothing, and a recording's time was another machine's.
@@ -411,7 +411,7 @@ fn shade(share: f64) -> f64 {
     }
 }
 
-/// What is shown of a quantity: a name, how it is taken, and the norm of its uncertainty.
+/// Column of a quantity: a name, its statistic, and the norm of its uncertainty.
 type Shows = (&'static str, fn(&Statistics) -> f64, Norm);
 
 fn statistics(quantity: &Quantity) -> &'static [Shows] {

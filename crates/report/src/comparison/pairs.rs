@@ -118,7 +118,7 @@ impl Page<'_> {
         (rank, gravest.map_or(-1.0, |e| e.result.share()), item)
     }
 
-    /// What was judged of an engine without another one.
+    /// Item on the verdicts about an engine without another one.
     fn alone(&self, engine: &EngineSummary) -> Option<Ranked> {
         let compared = engine.judged.iter().filter(|entry| entry.result.rank() > 0);
         let rows = compared.map(|e| (e.quantity.as_str(), e.window, &e.result));
@@ -138,7 +138,8 @@ impl Page<'_> {
         Some((worst.rank(), 1.0, item))
     }
 
-    /// What was judged, the gravest first, then what is nearest to its bound; before it why something is inconclusive.
+    /// Blocks on verdicts, the gravest first, then the one nearest to its bound; before them why something is
+    /// inconclusive.
     fn judged(&self, name: &str, mut rows: Vec<Judged<'_>>) -> Vec<Block> {
         rows.sort_by(|(.., a), (.., b)| b.graver(a));
         let reasons = rows.iter().filter_map(|(.., one)| words::why(one));
@@ -239,7 +240,7 @@ impl Page<'_> {
     }
 }
 
-/// What a difference was held against.
+/// Text on the bound that a difference was held against.
 fn against(one: &Assessment) -> String {
     match (&one.budget, one.against) {
         (Some(budget), _) => format!(

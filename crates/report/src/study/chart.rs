@@ -83,8 +83,7 @@ pub struct Series {
     pub x: Vec<f64>,
     /// Vertical values, as many.
     pub y: Vec<f64>,
-    /// What a point is called when the reader points at it (e.g. its step); empty, or as many as
-    /// values.
+    /// Labels of the points for a reader who points at one (e.g. its step); empty, or as many as values.
     pub tags: Vec<String>,
     /// Colour and dash, if not those of the place in the list: curves of one thing in several
     /// charts share it.
@@ -102,7 +101,7 @@ impl Series {
         }
     }
 
-    /// The same drawn otherwise.
+    /// Sets another style.
     #[must_use]
     pub fn styled(self, style: Style) -> Self {
         Self { style, ..self }

@@ -6,11 +6,11 @@ use serde::Serialize;
 /// for each value of a third; what is on none of them is chosen. Every combination can be reached.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Grid {
-    /// What was varied.
+    /// Varied keys.
     pub axes: Vec<GridAxis>,
-    /// What was found; the first is shown first.
+    /// Figures of the runs; the first is shown first.
     pub figures: Vec<GridFigure>,
-    /// Of each run its place on every axis.
+    /// Place of each run on every axis.
     pub runs: Vec<Vec<usize>>,
 }
 
@@ -21,7 +21,7 @@ pub struct GridAxis {
     pub label: String,
     /// Values in words.
     pub values: Vec<String>,
-    /// The same as numbers in the label's unit, where they are some.
+    /// Values as numbers in the label's unit; `None` if they are not numbers.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub numbers: Option<Vec<f64>>,
 }
@@ -31,7 +31,7 @@ pub struct GridAxis {
 pub struct GridFigure {
     /// Name and unit.
     pub label: String,
-    /// Of each run.
+    /// Value of each run.
     pub values: Vec<Option<f64>>,
     /// How far each may be off, in the same unit; `None` where that is not known.
     pub uncertainty: Vec<Option<f64>>,

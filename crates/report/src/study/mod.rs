@@ -44,21 +44,21 @@ pub struct Study {
     pub lead: String,
     /// The answer in one line, if the study has one.
     pub verdict: Option<Verdict>,
-    /// What stands between the answer and the figures.
+    /// Blocks between the answer and the figures.
     pub top: Vec<Block>,
-    /// What the figures are of; may be empty.
+    /// Title of the figures; may be empty.
     pub tiles_title: String,
     /// The few figures that matter most.
     pub tiles: Vec<Tile>,
-    /// What stands below the figures.
+    /// Blocks below the figures.
     pub below: Vec<Block>,
-    /// What stands beside all that, if there is something to look at.
+    /// Blocks beside all that, if there is something to look at.
     pub aside: Vec<Block>,
     /// The study itself, in order; each has a link in the top bar.
     pub sections: Vec<Section>,
     /// The command that repeats this study.
     pub command: String,
-    /// What stands below the command and the versions.
+    /// Blocks below the command and the versions.
     pub appendix: Vec<Block>,
     /// When it was made, for the foot of the page; `None` keeps the page the same byte for byte.
     pub made: Option<String>,
@@ -71,11 +71,11 @@ pub struct Study {
 /// The answer of a study in one line.
 #[derive(Debug, Clone)]
 pub struct Verdict {
-    /// Whether everything the study asks for holds.
+    /// Tone that shows whether all requirements of the study hold.
     pub tone: Tone,
     /// The answer.
     pub headline: String,
-    /// What it rests on.
+    /// Reasons for the verdict.
     pub detail: String,
 }
 
@@ -103,7 +103,7 @@ impl Tone {
 /// One figure in large type.
 #[derive(Debug, Clone, Default)]
 pub struct Tile {
-    /// What it is.
+    /// Name of the figure.
     pub label: String,
     /// The figure, formatted (see [`crate::format`]).
     pub value: String,
@@ -128,7 +128,7 @@ impl Tile {
         }
     }
 
-    /// The same in a unit.
+    /// Sets the unit.
     #[must_use]
     pub fn unit(self, unit: impl Into<String>) -> Self {
         Self {
@@ -146,7 +146,7 @@ pub struct Section {
     pub id: String,
     /// Heading; also the link's text in the top bar, so short.
     pub title: String,
-    /// What stands under it. [`Block::Details`] alone folds the whole section behind its title; print leaves it out.
+    /// Content of the section. [`Block::Details`] alone folds the whole section behind its title; print leaves it out.
     pub blocks: Vec<Block>,
 }
 
@@ -164,7 +164,7 @@ impl Section {
         }
     }
 
-    /// The same behind its title, with `beside` next to it.
+    /// Folds the section behind its title, with `beside` next to it.
     #[must_use]
     pub fn folded(self, beside: impl Into<String>) -> Self {
         let fold = Block::Details {
@@ -189,7 +189,7 @@ pub enum Block {
     List(Vec<String>),
     /// Questions with their answers.
     Facts(Vec<Fact>),
-    /// The same side by side.
+    /// Questions with their answers, side by side.
     Columns(Vec<Fact>),
     /// A table that can be sorted.
     Table(Table),
@@ -203,7 +203,7 @@ pub enum Block {
     Details {
         /// The line.
         summary: String,
-        /// What it opens.
+        /// Blocks that appear when it is opened.
         blocks: Vec<Block>,
     },
     /// One of a list, folded.
@@ -212,12 +212,12 @@ pub enum Block {
     Later {
         /// The line.
         summary: String,
-        /// What it opens.
+        /// Table that appears when it is opened.
         table: Table,
     },
     /// Text as a terminal or a file shows it.
     Code(String),
-    /// What is live on a page that a program serves: markup with everything that its script fills.
+    /// Live part of a page that a program serves: markup with everything that its script fills.
     Explorer(String),
     /// Markup written by this program; placed as it is. Inline styles and scripts are allowed,
     /// anything from elsewhere is not.
@@ -255,13 +255,13 @@ pub struct Item {
     pub name: String,
     /// How it is marked.
     pub mark: Mark,
-    /// What it amounts to.
+    /// Verdict in words.
     pub said: String,
-    /// What that is of.
+    /// Place of the verdict: its quantity and window.
     pub beside: String,
-    /// Whether it is unfolded at first.
+    /// True if it is unfolded at first.
     pub open: bool,
-    /// What it opens.
+    /// Blocks that appear when it is opened.
     pub blocks: Vec<Block>,
 }
 
@@ -291,14 +291,14 @@ impl From<Table> for Block {
 pub struct TimeSeries(ChartData);
 
 impl TimeSeries {
-    /// Those of the participants of a comparison, which are no engines and have their colours in order; `None` if nobody has
-    /// any.
+    /// Time series of the participants of a comparison, which are no engines and have their colours in order; `None` if
+    /// nobody has any.
     #[must_use]
     pub fn of(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
         ChartData::of(comparison, participants, true).map(Self)
     }
 
-    /// Those of engines, each with the colour that it has on every page; `None` if nobody has any.
+    /// Time series of engines, each with the colour that it has on every page; `None` if nobody has any.
     #[must_use]
     pub fn of_engines(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
         let mut data = ChartData::of(comparison, participants, false)?;

@@ -10,16 +10,16 @@ use super::{
 use crate::chart_data::{ChartData, json_for_script};
 use crate::{packed, table};
 
-/// What the page's scripts draw, in the order of its blocks.
+/// Drawings of the page's scripts, in the order of its blocks.
 #[derive(Default)]
 struct Drawn<'a> {
     charts: Vec<&'a Chart>,
     /// Tables that are made when they are opened, in words.
     later: Vec<Value>,
-    /// Whether a block lets the reader choose axes.
+    /// True if a block lets the reader choose axes.
     grids: bool,
     time_series: Option<&'a ChartData>,
-    /// Whether the page asks the program that serves it.
+    /// True if the page asks the program that serves it.
     explorer: bool,
 }
 

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 
-/// Of steel, with a load that goes with its size; all else is left out.
+/// Catalogue of a gear of steel, with a load that goes with its size; all else is left out.
 pub(crate) fn catalogue(ratio: usize, diameter_mm: f64) -> Catalogue {
     Catalogue {
         name: "mine".to_owned(),

@@ -8,7 +8,7 @@ use pinwheel_files::fits;
 
 use crate::layout::{Layout, Sleeve};
 
-/// What one number of a pair of wheel and sleeve is asked for.
+/// Quantity of a pair of wheel and sleeve that a column can hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PairQuantity {
     /// Sleeve radius less distance, m.
@@ -84,7 +84,7 @@ pub enum Whole {
     TransmissionError,
     /// A wheel's angle less the ideal mesh's, arcmin.
     WheelTransmissionError,
-    /// Of a wheel's centre from its eccentric's, x and y.
+    /// Offset of a wheel's centre from its eccentric's, x and y.
     BearingOffsetX,
     /// Its y.
     BearingOffsetY,
@@ -94,18 +94,18 @@ pub enum Whole {
     InternalContacts,
 }
 
-/// What a column holds.
+/// Content of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum What {
-    /// Of a pair of wheel and sleeve.
+    /// Quantity of a pair of wheel and sleeve.
     Pair(PairQuantity),
-    /// Of a revolute.
+    /// Force of a revolute.
     Joint(Joint, Part),
-    /// Of the gearbox or a wheel.
+    /// Quantity of the gearbox or a wheel.
     Whole(Whole),
 }
 
-/// What the `*` of a family stand for.
+/// Parts over which the `*` of a family run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Over {
     One,
@@ -121,7 +121,7 @@ enum Over {
 pub struct Family {
     /// Name with `*` for every number: at once the pattern that asks for all of them.
     pub pattern: &'static str,
-    /// What it is, in words, with sign and frame.
+    /// Meaning of the column, in words, with sign and frame.
     pub about: &'static str,
     over: Over,
     what: What,
@@ -132,7 +132,7 @@ pub struct Family {
 pub struct Chosen {
     /// The column's name.
     pub name: String,
-    /// What it holds.
+    /// Content of the column.
     pub what: What,
     /// Wheel and sleeve of a pair.
     pub pair: Option<(usize, Sleeve)>,
@@ -264,7 +264,7 @@ fn numbered(pattern: &str, numbers: impl Iterator<Item = usize>) -> String {
     })
 }
 
-/// Whether one of the columns that every engine records fits.
+/// True if one of the columns that every engine records fits.
 pub(crate) fn always_there(pattern: &str, layout: Layout) -> bool {
     CONTRACT.iter().any(|(name, over)| {
         let numbers = over.numbers(layout).into_iter();

@@ -53,7 +53,7 @@ impl Channels {
         self.list.len()
     }
 
-    /// Those whose name `there` does not know.
+    /// Channels whose name `there` does not know.
     #[must_use]
     pub fn without(&self, there: impl Fn(&str) -> bool) -> Self {
         let list = self.list.iter().filter(|chosen| !there(&chosen.name));

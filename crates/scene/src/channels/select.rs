@@ -64,7 +64,7 @@ pub(crate) fn select(patterns: &[String], layout: Layout) -> Result<Vec<Chosen>,
     }
 }
 
-/// What may have been meant: numbers out of range, then the nearest family.
+/// Fault with the names that may have been meant: numbers out of range, then the nearest family.
 fn unknown(typed: &str, layout: Layout) -> Fault {
     let numeric =
         |part: &str| part == "*" || (!part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()));

@@ -1,4 +1,4 @@
-//! What a run would cost: refused before anything is allocated.
+//! Check of a run's cost: one that is too dear is refused before anything is allocated.
 
 use super::super::error::Fault;
 use super::super::model::Scene;

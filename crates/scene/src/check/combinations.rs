@@ -11,7 +11,7 @@ use crate::model::{Detection, Scene};
 use crate::number::short;
 use crate::scales::law;
 
-/// Whether a scene's law has a force along the profile.
+/// True if a scene's law has a force along the profile.
 fn acts_along(scene: &Scene) -> bool {
     law(scene).is_some_and(|law| law.along(1.0, 1.0).is_some())
 }

@@ -1,4 +1,4 @@
-//! Whether the parts fit together: profile, sleeves, holes.
+//! Check that the parts fit together: profile, sleeves, holes.
 
 use std::f64::consts::{PI, TAU};
 
@@ -285,7 +285,7 @@ fn holes_inside_the_wheel(gear: &Gear) -> Result<(), Fault> {
     ))
 }
 
-/// What is left between a hole and the wheel's edge, m, of the hole nearest to it; negative where one leaves the wheel.
+/// Wall between a hole and the wheel's edge, m, of the hole nearest to it; negative where one leaves the wheel.
 ///
 /// Each hole of each wheel is measured where it stands between lobe and pit.
 pub(crate) fn hole_to_profile_m(gear: &Gear) -> f64 {

@@ -32,7 +32,8 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     together(scene, false)
 }
 
-/// The same where every single value is known to be in range; `gives_circle`: R is written and not m.
+/// Refuses combinations of values of a scene that cannot be run or make no sense. Every single value is known to be in
+/// range; `gives_circle`: R is written and not m.
 pub(crate) fn together(scene: &Scene, gives_circle: bool) -> Result<(), Fault> {
     combinations::check(scene)?;
     crate::bearings::check(scene)?;
@@ -43,7 +44,7 @@ pub(crate) fn together(scene: &Scene, gives_circle: bool) -> Result<(), Fault> {
     budget::check(scene)
 }
 
-/// Whether a gear whose single values are in range can be built.
+/// Checks that a gear whose single values are in range can be built.
 pub(crate) fn gear(gear: &Gear, gives_circle: bool) -> Result<(), Fault> {
     let tried = |fault| remedy::tried(gear, gives_circle, fault);
     geometry::whole(gear).map_err(|fault| units::guess(gear).unwrap_or_else(|| tried(fault)))

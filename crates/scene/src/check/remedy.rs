@@ -1,4 +1,4 @@
-//! What puts a gear right that cannot be built: values that were tried, and not a rule that another check refuses.
+//! Remedies for a gear that cannot be built: values that were tried, and not a rule that another check refuses.
 //!
 //! Each value of a gear is moved away from where it is, to both sides, until the whole gear can be built, and then back as far as
 //! it goes. Whether holes follow from sleeve and eccentricity is not known here: what is offered holds either way. Of R and m the
@@ -29,7 +29,7 @@ macro_rules! values {
     };
 }
 
-/// What may be moved. The last three may also go to nothing.
+/// Values that a remedy may change. The last three may also go to nothing.
 const VALUES: [Value; 10] = values!(
     eccentricity_m,
     shortening,
@@ -45,7 +45,7 @@ const VALUES: [Value; 10] = values!(
 const SHORTENING: &str = "gear.shortening";
 const ECCENTRICITY: &str = "gear.eccentricity_m";
 
-/// Whether a gear can be built as far as a stage is concerned.
+/// Check of one stage: true if a gear passes it.
 type Builds = fn(&Gear) -> bool;
 
 /// The fault with ways to put it right, nearest first; as it was where none was found.

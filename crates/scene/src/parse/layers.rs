@@ -23,7 +23,7 @@ use crate::uncertain::{EXAMPLE, UNCERTAIN};
 
 /// Bases of bases at most.
 const DEEPEST: usize = 8;
-/// What a scene file looks like.
+/// Form of a scene file, in words.
 pub(super) const FORM: &str =
     "a scene consists of `key = value` lines under [gear], [mass], [drive], [contact] and [solver]";
 
@@ -155,7 +155,8 @@ impl Layers {
         self.within("", "", from, place_at)
     }
 
-    /// The same for the table at `prefix`, below `root`: nothing for values, [`UNCERTAIN`] for what is known of them.
+    /// Lays the table `from` at `prefix`, below `root`, over the values there are. The root is empty for values and
+    /// [`UNCERTAIN`] for their uncertainties.
     fn within(
         &mut self,
         root: &str,
@@ -205,7 +206,7 @@ impl Layers {
         Ok(())
     }
 
-    /// What stands at a key as a value of the row's kind.
+    /// Reads the value at a key as one of the row's kind.
     fn value(
         &mut self,
         row: &Key,

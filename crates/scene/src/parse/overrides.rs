@@ -1,4 +1,4 @@
-//! What replaces a key of a file.
+//! Overrides: values that replace those of a file's keys.
 
 use std::str::FromStr;
 

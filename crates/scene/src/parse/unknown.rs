@@ -68,7 +68,7 @@ pub(super) fn unknown(
     SceneError::key(&place, &key, "is no key of a scene", remedy)
 }
 
-/// Whether a word means the circle of the external sleeves, for which the field has many names.
+/// True if a word means the circle of the external sleeves, for which the field has many names.
 fn is_pitch(name: &str) -> bool {
     [
         "pitch_",

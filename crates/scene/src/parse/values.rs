@@ -1,4 +1,4 @@
-//! What a file writes, as values of the kind that their key has.
+//! Values of a file, as those of the kind that their key has.
 
 use pinwheel_files::Node;
 use toml::Value;
@@ -6,7 +6,7 @@ use toml::Value;
 use crate::keys::{Key, Kind};
 use crate::quantity;
 
-/// What stands there as a value of the row's kind, or what is wrong and the remedy.
+/// Reads a value of the row's kind; an error holds the fault and the remedy.
 pub(super) fn scalar(row: &Key, node: &Node<'_>) -> Result<Value, (String, String)> {
     let number = |value: &Value| match value {
         Value::Integer(whole) => Some(Value::Float(*whole as f64)),

@@ -157,7 +157,8 @@ fn millimetres_are_seen() {
     assert!(line.contains("both given"), "{line}");
 }
 
-/// What a law reads is known before ramp and damping follow from the law: a scene that writes the filled-in value is the same.
+/// The parameters of a law are known before ramp and damping follow from the law: a scene that writes the filled-in
+/// value is the same.
 #[test]
 fn regress_ramps_follow_from_the_law_as_filled_in() {
     for law in ["constant", "adams-impact", "line-contact", "line-hertz"] {

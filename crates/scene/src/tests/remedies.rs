@@ -83,7 +83,7 @@ fn load(text: &str, sets: &[(String, f64)]) -> Result<(), SceneError> {
     Scene::from_toml(text, "mine.toml", &sets).map(|_| ())
 }
 
-/// What a message of geometry offers: ways, each of which sets keys. `None`: a single value out of its range.
+/// Remedies that a message of geometry offers: ways, each of which sets keys. `None`: a single value out of its range.
 fn offered(error: &SceneError) -> Option<Vec<Vec<(String, f64)>>> {
     let SceneError::Key {
         key, what, remedy, ..

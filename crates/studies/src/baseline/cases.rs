@@ -13,7 +13,7 @@ pub struct SceneCase {
     pub name: String,
     /// Preset it is made of; none: that of its name.
     preset: Option<String>,
-    /// What it is in the set for.
+    /// Reason why the scene is in the set.
     pub why: String,
     /// Keys it changes.
     #[serde(default)]

@@ -26,24 +26,24 @@ pub struct CaseCheck {
     /// Hash of every bit of the new run; 0 where there is none.
     #[serde(skip)]
     pub bits: u64,
-    /// What keeps it from being compared: diverged, not in the baseline, gone from the set.
+    /// Reason why it cannot be compared: diverged, not in the baseline, gone from the set.
     pub trouble: Option<String>,
-    /// What it comes to.
+    /// Verdict on the case.
     pub verdict: Verdict,
 }
 
 /// The whole check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Check {
-    /// What made the baseline.
+    /// Program and machine that made the baseline.
     pub before: Made,
-    /// What made the new runs.
+    /// Program and machine that made the new runs.
     pub after: Made,
     /// Solvers that joined; empty: our own.
     pub solvers: Vec<String>,
     /// One a scene and solver, in the order of the set.
     pub cases: Vec<CaseCheck>,
-    /// What it comes to: the most urgent of all.
+    /// Verdict on the whole: the most urgent of all.
     pub verdict: Verdict,
 }
 

@@ -28,7 +28,7 @@ pub struct Baseline {
     /// Solvers that joined and made it; empty: our own.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solvers: Vec<String>,
-    /// What made the current state.
+    /// Program and machine that made the current state.
     pub made: Made,
     /// Every acceptance, oldest first.
     pub accepted: Vec<Acceptance>,
@@ -66,7 +66,7 @@ pub struct Acceptance {
 pub struct SceneSnapshot {
     /// Its name in the set.
     pub name: String,
-    /// What it is in the set for.
+    /// Reason why the scene is in the set.
     pub why: String,
     /// Preset it is made of.
     pub preset: String,
@@ -82,8 +82,8 @@ pub struct SceneSnapshot {
 /// One quantity of a converged run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Converged {
-    /// What differences are shares of: the root mean square of all samples (for energies the larger work, for joint
-    /// errors the penetration under static load), in the quantity's unit.
+    /// Size of which differences are shares: the root mean square of all samples (for energies the larger work, for
+    /// joint errors the penetration under static load), in the quantity's unit.
     pub scale: f64,
     /// Distance of a coarser run, a share of `scale`.
     pub own_error: f64,
@@ -99,7 +99,7 @@ pub struct CaseSnapshot {
     pub choice: String,
     /// Keys changed.
     pub set: Vec<String>,
-    /// What the run cost.
+    /// Cost of the run.
     pub costs: Costs,
     /// Largest change of the right-hand sides that roundings made, as a share.
     pub count_spread: f64,
@@ -126,7 +126,7 @@ pub struct Listed {
     pub name: String,
     /// Number of its scenes.
     pub scenes: usize,
-    /// What made it.
+    /// Program and machine that made it.
     pub made: Made,
     /// Every acceptance, oldest first.
     pub accepted: Vec<Acceptance>,
@@ -342,7 +342,7 @@ fn share(what: &str, value: f64, most: f64) -> Result<(), String> {
     }
 }
 
-/// Whether every number in it is finite: TOML knows `inf` and `nan`, and neither can be compared with.
+/// True if every number in it is finite: TOML knows `inf` and `nan`, and neither can be compared with.
 fn is_finite(value: &toml::Value) -> bool {
     match value {
         toml::Value::Float(number) => number.is_finite(),

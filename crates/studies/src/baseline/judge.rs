@@ -7,7 +7,7 @@ use super::limits;
 use super::runner::Costs;
 use super::snapshot::{Quantity, Statistics};
 
-/// What became of a figure; the most urgent last.
+/// Change of a figure; the most urgent last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
@@ -56,13 +56,13 @@ pub struct QuantityCheck {
     pub error_before: f64,
     /// Error of the new run.
     pub error_after: f64,
-    /// What the error may move by without being better or worse.
+    /// Change of the error that is neither better nor worse.
     pub error_limit: f64,
     /// Means, accepted and new.
     pub mean: [f64; 2],
     /// Largest magnitudes, accepted and new.
     pub peak: [f64; 2],
-    /// What it comes to.
+    /// Verdict on the quantity.
     pub verdict: Verdict,
 }
 
@@ -75,9 +75,9 @@ pub struct CostCheck {
     pub before: f64,
     /// New.
     pub after: f64,
-    /// What it may move by.
+    /// Permitted change of the cost.
     pub limit: f64,
-    /// What it comes to.
+    /// Verdict on the cost.
     pub verdict: Verdict,
 }
 
@@ -170,7 +170,7 @@ pub(super) fn case(quantities: &[QuantityCheck], costs: &[CostCheck]) -> Verdict
     worst.unwrap_or_default().max(accuracy)
 }
 
-/// What became of a figure of which less is better.
+/// Verdict on the change of a figure of which less is better.
 fn cost(before: f64, after: f64, limit: f64) -> Verdict {
     if after - before > limit {
         Verdict::Worse

@@ -28,7 +28,7 @@ pub struct LeftOut {
     pub reason: String,
 }
 
-/// What a record gives.
+/// Result of recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     /// The new state, with the scenes of the earlier one that were not asked for.
@@ -160,9 +160,10 @@ fn converged_jobs(scene: &Scene) -> [Job; 2] {
     })
 }
 
-/// The same run by other vector instructions and the scalar loop, with the wheels' inertia one digit up and down, and
-/// with the external sleeves' radius one digit up and down. The inertia leaves statics alone; the radius moves where a
-/// start in equilibrium is found, which without load is known to little more than a rounding of the dimensions.
+/// Jobs that repeat the run with other vector instructions and the scalar loop, with the wheels' inertia one digit up
+/// and down, and with the external sleeves' radius one digit up and down. The inertia leaves statics alone; the radius
+/// moves where a start in equilibrium is found, which without load is known to little more than a rounding of the
+/// dimensions.
 fn roundings(plain: &Job) -> Vec<Job> {
     let by = |kernel| Job {
         kernel,

@@ -13,7 +13,7 @@ use crate::StudyError;
 use crate::control::{self, Control, Progress};
 use crate::pool;
 
-/// What a run cost.
+/// Cost of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Costs {
     /// Evaluations of the contact forces.

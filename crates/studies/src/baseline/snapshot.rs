@@ -1,4 +1,4 @@
-//! What is kept of a run: a few exact numbers for each quantity, and what the run cost.
+//! Snapshot of a run: a few exact numbers for each quantity, and the run's cost.
 //!
 //! A course is cut into four windows of equal length. Each has the mean, the root mean square and the largest magnitude of
 //! all channels together, at full precision. A change of any force by 1e-9 of itself moves them by about as much, while
@@ -13,7 +13,7 @@ use pinwheel_timeseries::norms::{self, View};
 use pinwheel_timeseries::{TimeSeries, columns};
 use serde::{Deserialize, Serialize};
 
-/// What is watched of a run.
+/// Quantity of a run that is watched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
@@ -66,7 +66,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Of all channels of a course together, which are equally long.
+    /// Statistics of all channels of a course together, which are equally long.
     #[must_use]
     pub fn of_course(channels: &[&[f64]]) -> Self {
         let samples = channels.first().map_or(0, |channel| channel.len());

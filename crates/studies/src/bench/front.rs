@@ -1,4 +1,4 @@
-//! What an error costs: interpolation on the front of a series in the log-log plane.
+//! Cost of an error: interpolation on the front of a series in the log-log plane.
 //!
 //! The front is what no other point of the series beats in both cost and error. Between two of its points
 //! the cost of an error is taken from the straight line through both in (log error, log cost). Beyond
@@ -27,7 +27,7 @@ impl CostAt {
         }
     }
 
-    /// Whether the error is reached at all.
+    /// True if the error is reached at all.
     #[must_use]
     pub fn reached(self) -> bool {
         !matches!(self, Self::MoreThan(_))

@@ -1,4 +1,4 @@
-//! What accuracy costs: every engine, integrator and step (or tolerance) of one scene against a converged run.
+//! Cost of accuracy: every engine, integrator and step (or tolerance) of one scene against a converged run.
 //!
 //! [`run`] gives a [`WorkPrecision`]: the reference with its own error, one [`Series`] an engine and method
 //! with a [`Point`] a setting (errors by window, CPU time, right-hand-side calls), and what a given
@@ -32,7 +32,7 @@ use crate::provenance::{Provenance, Summary};
 use crate::reference::{self, Reference};
 use crate::{StudyError, choice};
 
-/// What is tried.
+/// Choices of a bench.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Options {
     /// Relative L2 force error over the whole run at which engines are ranked.
@@ -43,7 +43,7 @@ pub struct Options {
     pub repeat_s: f64,
     /// A foreign engine's single run takes no longer than this, s CPU.
     pub longest_s: f64,
-    /// The same for the native solver, which has many more series.
+    /// Limit of the native solver's single run, s CPU. It has many more series than a foreign engine.
     pub longest_native_s: f64,
     /// Integrators of the native solver; empty: all.
     pub methods: Vec<String>,
@@ -63,8 +63,8 @@ impl Default for Options {
 }
 
 impl Options {
-    /// What a user asks for: the error at which engines are ranked, runs of a setting, CPU seconds of a peer's run, of which
-    /// the native solver gets a tenth, and integrators.
+    /// Options that a user chooses: the error at which engines are ranked, runs of a setting, CPU seconds of a peer's
+    /// run, of which the native solver gets a tenth, and integrators.
     ///
     /// # Errors
     /// A number that measures nothing, or an integrator that is not there.
@@ -118,11 +118,11 @@ pub struct WorkPrecision {
     /// The scene.
     #[serde(skip)]
     pub scene: Scene,
-    /// What was tried.
+    /// Choices of the bench.
     pub options: Options,
     /// Windows; errors stand in this order everywhere. The first is the whole run.
     pub windows: Vec<Span>,
-    /// What everything is measured against.
+    /// Reference from which all errors are measured.
     pub reference: Reference,
     /// Distance of its second run, window by window: an upper estimate of its error.
     pub reference_errors: Vec<Errors>,
@@ -142,7 +142,7 @@ struct Measured<'a> {
     complete: bool,
     scene: &'a Scene,
     work_precision: &'a WorkPrecision,
-    /// What errors cost, window by window.
+    /// Costs of errors, window by window.
     rankings: &'a [Ranking],
 }
 

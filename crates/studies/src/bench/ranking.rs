@@ -1,4 +1,4 @@
-//! What one error costs every engine, and how far the native solver is ahead of the fastest peer.
+//! Cost of one error with every engine, and the lead of the native solver over the fastest peer.
 
 use pinwheel_engines::Track;
 use serde::Serialize;

@@ -17,7 +17,7 @@ use super::settings::{State, Stopped, settings};
 use crate::StudyError;
 use crate::control::{Control, Patience};
 
-/// What a setting costs.
+/// Cost of a setting.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cost {
     /// Least CPU time of the runs, s.
@@ -44,7 +44,7 @@ pub struct Point {
     pub ending: Ending,
     /// Errors by window; empty unless it finished.
     pub errors: Vec<Errors>,
-    /// What it cost; `None` if it did not run.
+    /// Cost of the point; `None` if it did not run.
     pub cost: Option<Cost>,
 }
 
@@ -61,7 +61,7 @@ pub struct Series {
     pub method: String,
     /// Classical order, where it is one of ours.
     pub order: Option<u32>,
-    /// What is turned.
+    /// Setting that is varied.
     pub knob: Knob,
     /// Settings tried, coarse to fine.
     pub points: Vec<Point>,
@@ -110,7 +110,7 @@ impl Series {
     }
 }
 
-/// What points are measured against.
+/// Reference from which the errors of points are measured.
 pub(super) struct Truth<'a> {
     pub(super) time_series: &'a TimeSeries,
     pub(super) windows: &'a [Span],
@@ -268,7 +268,7 @@ fn point(
 /// A run is given up after this many times the time it may take.
 const PATIENCE: f64 = 3.0;
 
-/// Of values in order, of which there are some.
+/// Median of values in order, of which there are some.
 fn median(sorted: &[f64]) -> f64 {
     let n = sorted.len();
     0.5 * (sorted[(n - 1) / 2] + sorted[n / 2])

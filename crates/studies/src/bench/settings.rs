@@ -80,7 +80,7 @@ const CHEAP_S: f64 = 0.25;
 /// An error that falls by less than this factor over two settings does not fall.
 const STAGNANT: f64 = 1.3;
 
-/// What is known of a series after a run.
+/// Facts of a series after a run.
 pub(super) struct State {
     pub(super) track: Track,
     /// CPU time of the last run, s, and of the one before.
@@ -95,7 +95,7 @@ pub(super) struct State {
 }
 
 impl State {
-    /// Whether and why to stop before a run whose setting is `ratio` times finer.
+    /// Returns the reason to stop before a run whose setting is `ratio` times finer; `None`: go on.
     pub(super) fn stop(&self, knob: Knob, ratio: f64, options: &Options) -> Option<Stopped> {
         // What a tighter tolerance costs is not known before, and may be less: RODAS5P rubs cheaply from where its steps land on
         // the friction's ramp. Two runs that took too long end a series; one that takes far too long is given up.

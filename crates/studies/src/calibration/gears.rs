@@ -15,7 +15,7 @@ use pinwheel_scene::{
 
 use crate::rng::Rng;
 
-/// Of the fastest oscillation of a gear on its contacts, so many periods a run lasts.
+/// Range of a run's duration in periods of the gear's fastest oscillation on its contacts.
 const OSCILLATIONS: (f64, f64) = (6.0, 24.0);
 /// With friction, whose steps are many: a share of them.
 const RUBBING: f64 = 0.3;

@@ -1,4 +1,4 @@
-//! What verdicts are worth: the stated uncertainties held against true errors.
+//! Calibration of verdicts: the stated uncertainties held against true errors.
 //!
 //! [`run`] lets every engine run gears as a comparison does, with its refinement, and holds each stated u
 //! against the distance to a converged run by another method. [`coverage`](Row::coverage) is the share of cases in which u
@@ -32,7 +32,7 @@ use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
 use crate::reference::{self, Setting};
 
-/// What is held against what.
+/// Gears, engines and effort of a calibration.
 #[derive(Debug, Clone)]
 pub struct Input {
     /// Gears.
@@ -67,8 +67,9 @@ pub fn engines() -> impl Iterator<Item = &'static str> {
 
 /// Least share of the errors that are to be within what was stated.
 pub const COVERAGE: f64 = 0.95;
-/// What was stated is to be below so many times the error, in the median. Measured: 12.7 on 60 random gears, 16.0 on those of the tests.
-/// It was 8.6 and 8.1, and the limit 10, while runs at several tolerances that were wrong alike stated less than they were off.
+/// Bound of the median ratio of stated uncertainty and error. Measured: 12.7 on 60 random gears, 16.0 on those of the
+/// tests. It was 8.6 and 8.1, and the limit 10, while runs at several tolerances that were wrong alike stated less than
+/// they were off.
 pub const SHARPNESS: f64 = 20.0;
 
 /// A reference is one where it is itself known this much better than what is held against it.
@@ -89,14 +90,14 @@ pub struct Case {
     pub window: WindowKind,
     /// The figure: the series (relative L2 and L-infinity), or its mean, peak or RMS.
     pub metric: Metric,
-    /// What the engine stated.
+    /// Uncertainty that the engine stated.
     pub u: f64,
     /// How far it was off.
     pub error: f64,
 }
 
 impl Case {
-    /// Whether the error is within what was stated.
+    /// True if the error is within the stated uncertainty.
     #[must_use]
     pub fn covered(&self) -> bool {
         self.error <= self.u
@@ -114,7 +115,7 @@ pub struct Alarm {
     pub quantity: String,
     /// The window.
     pub window: WindowKind,
-    /// What was told.
+    /// Verdict with its figures.
     pub result: Assessment,
 }
 
@@ -129,7 +130,7 @@ pub struct Outcome {
     pub without_truth: BTreeMap<String, usize>,
     /// Comparisons of engines with each other, and of each with mechanics.
     pub comparisons: usize,
-    /// Those that say *differ*.
+    /// Verdicts that are *differ*.
     pub alarms: Vec<Alarm>,
     /// Gears or engines that were left out, with the reason.
     pub left_out: Vec<String>,
@@ -144,7 +145,7 @@ pub struct Row {
     pub engine: String,
     /// Cases.
     pub cases: usize,
-    /// Those covered.
+    /// Number of those covered.
     pub covered: usize,
     /// Median of u over the error; NaN without cases.
     pub sharpness: f64,
@@ -174,7 +175,7 @@ impl Row {
 }
 
 impl Outcome {
-    /// Of the series (`figures` false) or of their means, peaks and RMS: a row for each engine, and one for all.
+    /// Rows of the series (`figures` false) or of their means, peaks and RMS: one for each engine, and one for all.
     #[must_use]
     pub fn rows(&self, figures: bool) -> Vec<Row> {
         let wanted = |case: &&Case| match case.metric {
@@ -197,7 +198,7 @@ impl Outcome {
         rows
     }
 
-    /// Whether the series of all engines together are covered and sharp.
+    /// True if the series of all engines together are covered and sharp.
     #[must_use]
     pub fn is_honest(&self) -> bool {
         let rows = self.rows(false);

@@ -63,7 +63,7 @@ pub fn open<'a>(
     Ok(list)
 }
 
-/// The same with one map for each file, or one for all.
+/// Reads foreign files with one map for each file, or one for all.
 ///
 /// # Errors
 /// As [`open`]; several maps, but not as many as files.
@@ -79,7 +79,7 @@ pub fn open_all(files: &[PathBuf], maps: &[PathBuf]) -> Result<Vec<Data>, StudyE
     open(files.zip(maps.iter().cycle().map(PathBuf::as_path)))
 }
 
-/// What is wrong with a file.
+/// Error about a file.
 fn fault(path: &Path, what: impl Display) -> StudyError {
     StudyError::Input(format!("{}: {what}", path.display()))
 }
@@ -336,7 +336,7 @@ impl Data {
         }
     }
 
-    /// What was done to the data, for the reader.
+    /// Notes for the reader on changes that were made to the data.
     fn notes(&self, scene: &Scene, own: &TimeSeries, found: &Resampled) -> Vec<String> {
         let mut notes = Vec::new();
         let (bad, rows) = (&self.foreign.bad, self.foreign.rows);

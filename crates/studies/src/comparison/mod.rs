@@ -34,7 +34,7 @@ pub use refine::Effort;
 pub(crate) use refine::refine;
 pub use twins::{Twin, TwinFigure};
 
-/// What is compared.
+/// Inputs of a comparison.
 #[derive(Clone, Copy)]
 pub struct Input<'a> {
     /// The scene, compiled; with data from elsewhere as [`foreign::with_channels`] gives it.
@@ -54,11 +54,11 @@ pub struct Outcome {
     pub comparison: Comparison,
     /// The runs behind it: those of the engines in their order, then the data from elsewhere.
     pub participants: Vec<Participant>,
-    /// What is modelled and what is left out.
+    /// Parts that are modelled and those that are left out.
     pub model: Explanation,
     /// Values that are assumptions, and what they rest on.
     pub assumptions: Vec<Assumption>,
-    /// What other contact laws and fits would give; `None`: there is nothing to compare.
+    /// Figures with other contact laws and fits; `None`: there is nothing to compare.
     pub bands: Option<Bands>,
     /// Engines with contacts of their own against native runs with the same contacts.
     pub twins: Vec<Twin>,
@@ -162,7 +162,7 @@ const ROUNDING: f64 = 1e-6;
 pub struct Largest<'a> {
     /// The engine, or the measured data.
     pub engine: &'a str,
-    /// Whether it is measured data.
+    /// True if it is measured data.
     pub measured: bool,
     /// Column or group of columns: the largest force, or the mean torque.
     pub quantity: &'static str,
@@ -170,9 +170,9 @@ pub struct Largest<'a> {
     pub here: f64,
     /// By the engine.
     pub there: f64,
-    /// What the engine really has for contacts, if that is not the scene's law.
+    /// Run with the engine's real contacts, if those are not the scene's law.
     pub twin: Option<&'a Twin>,
-    /// What was found of the two in it, if they were compared.
+    /// Verdict on the two in it, if they were compared.
     pub verdict: Option<Verdict>,
 }
 
@@ -183,7 +183,7 @@ impl Largest<'_> {
         (self.there / self.here - 1.0).abs()
     }
 
-    /// Whether it is none, or the engine's own contacts explain it: it agrees with its twin.
+    /// True if there is no difference, or if the engine's own contacts explain it: it agrees with its twin.
     #[must_use]
     pub fn is_explained(&self) -> bool {
         let twin = self.twin.map(|twin| twin.verdict);
@@ -239,7 +239,7 @@ impl Outcome {
             .max_by(|a, b| a.share().total_cmp(&b.share()))
     }
 
-    /// Whether a difference stands that nothing explains.
+    /// True if a difference stands that nothing explains.
     #[must_use]
     pub fn is_unexplained(&self) -> bool {
         let largest = self.largest();
@@ -256,8 +256,8 @@ impl Outcome {
         }
     }
 
-    /// What is wrong with the first engine that gave no result, with a remedy. Engines that cannot honour the scene count
-    /// only if they were `asked` for by name.
+    /// Error of the first engine that gave no result, with a remedy. Engines that cannot honour the scene count only if
+    /// they were `asked` for by name.
     #[must_use]
     pub fn broken(&self, asked: bool) -> Option<String> {
         let mut each = self.participants.iter();
@@ -330,8 +330,8 @@ fn has_joined(engine: &str) -> bool {
     joined.iter().any(|solver| solver.name() == engine)
 }
 
-/// What the authors of solvers that joined state of their own contact models, once a run is steady: mean driver torque, and
-/// whole time series of everything else.
+/// Tolerances that the authors of joined solvers state for their own contact models, once a run is steady: mean driver
+/// torque, and whole time series of everything else.
 fn of_solvers<'a>() -> impl Iterator<Item = (&'a str, ModelTolerance)> {
     let joined = external::joined().into_iter();
     joined.flat_map(|solver| {
@@ -423,7 +423,7 @@ pub(crate) fn context(scene: &Scene) -> Context {
 /// paper's gear.
 const DIVERGENCE_STEP: f64 = 0.05;
 
-/// What a rounding does to the scene; `None` where nothing is compared or it cannot be measured.
+/// Effect of a rounding on the scene; `None` where nothing is compared or it cannot be measured.
 pub(crate) fn divergence(
     gearbox: &Gearbox,
     at: Progress<'_>,

@@ -28,7 +28,7 @@ use crate::control::{Control, Progress, WITHIN};
 pub struct Effort {
     /// CPU time that one engine's runs may take before it is refined no further.
     pub longest: Duration,
-    /// Whether step, tolerance and integrator of the scene are obeyed as they stand. Otherwise they are where
+    /// True if step, tolerance and integrator of the scene are obeyed as they stand. Otherwise they are where
     /// refinement begins.
     pub obey: bool,
     /// The largest U of a pair that still counts as resolved, relative.
@@ -39,8 +39,8 @@ impl Effort {
     /// Half a minute an engine.
     pub const LONGEST: Duration = Duration::from_secs(30);
 
-    /// What suits a scene: settings that its file states are obeyed, those that follow from formulas or come with a
-    /// base are a beginning.
+    /// Effort that suits a scene: settings that its file states are obeyed, those that follow from formulas or come
+    /// with a base are a beginning.
     #[must_use]
     pub fn of(scene: &CheckedScene) -> Self {
         let origins = scene.origins();
@@ -82,7 +82,7 @@ impl Effort {
     }
 }
 
-/// What one run may take however little time there is: nobody minds a second.
+/// Time that one run may take however little there is. Nobody minds a second.
 const LEAST: Duration = Duration::from_millis(500);
 /// Share of the resolution that one engine's uncertainty may take: it leaves room for the other's.
 const TARGET: f64 = 0.45;
@@ -99,19 +99,19 @@ struct Engines<'a> {
     levels: Option<Box<dyn Engine>>,
     /// The gearbox with a named method.
     gearbox: Gearbox,
-    /// What sets its error.
+    /// Setting that determines the engine's error.
     knob: Knob,
-    /// Of the error in a step.
+    /// Order of the error in a step.
     order: f64,
     /// Step (s) or tolerance of the finest run.
     value: f64,
-    /// Whether its friction is not ours or explicit: at a prescribed step more may not be asked of it.
+    /// True if its friction is not ours or explicit: at a prescribed step more may not be asked of it.
     explicit_friction: bool,
-    /// What its iterations leave, whatever its step.
+    /// Error that the engine's iterations leave, whatever its step.
     floor: f64,
-    /// What all its runs may miss alike, as a share of the tolerance.
+    /// Common error of all runs that they do not show, as a share of the tolerance.
     common_error: f64,
-    /// What one run may take.
+    /// Time that one run may take.
     most: Option<Duration>,
 }
 
@@ -218,7 +218,7 @@ impl<'a> Engines<'a> {
         self.gearbox.scene.contact.friction_coefficient > 0.0
     }
 
-    /// Whether it is a native form with steps of Dormand-Prince: `etd-adams` takes these where there is no Jacobian.
+    /// True if it is a native form with steps of Dormand-Prince: `etd-adams` takes these where there is no Jacobian.
     fn is_runge_kutta(&self) -> bool {
         let family = method(&self.gearbox.scene.solver.integrator).map(|method| method.family);
         match self.own.info().form {
@@ -302,7 +302,7 @@ impl<'a> Engines<'a> {
         take_part(engine, &gearbox, self.most, at, control)
     }
 
-    /// What no run of its refinement study shows, as a share of a quantity, where the finest has this setting.
+    /// Error that no run of the refinement study shows, as a share of a quantity, where the finest has this setting.
     fn left(&self, value: f64) -> f64 {
         match self.knob {
             Knob::Step => self.floor,
@@ -589,7 +589,7 @@ fn settled(
     }
 }
 
-/// What is still to be done for an engine.
+/// Work that remains for an engine.
 struct Needed {
     /// How many times finer it must run to be resolved; `None` where it is.
     factor: Option<f64>,

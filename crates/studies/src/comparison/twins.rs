@@ -26,13 +26,13 @@ pub struct TwinFigure {
 }
 
 impl TwinFigure {
-    /// What the engines differ by, as a share.
+    /// Difference of the engines, as a share.
     #[must_use]
     pub fn difference(&self) -> f64 {
         self.engine / self.twin - 1.0
     }
 
-    /// What the laws differ by, as a share.
+    /// Difference of the laws, as a share.
     #[must_use]
     pub fn of_law(&self) -> f64 {
         self.twin / self.scene - 1.0
@@ -65,11 +65,11 @@ impl Twin {
     }
 }
 
-/// Of all channels at a sample, mean over the window. The single largest sample of all also holds what vibrations are left,
-/// which every integrator damps in its own way.
+/// Largest of all channels at a sample, mean over the window. The single largest sample of all also holds the remaining
+/// vibrations, which every integrator damps in its own way.
 const LARGEST: &str = "largest";
 
-/// What is looked at.
+/// Figures that are compared, each with its kind.
 const FIGURES: [(&str, &str); 3] = [
     (columns::EXTERNAL_FORCE, LARGEST),
     (columns::INTERNAL_FORCE, LARGEST),

@@ -16,7 +16,7 @@ use crate::{Control, StudyError};
 /// One part, and the gear with all parts up to it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Share {
-    /// What gives way.
+    /// Part that deflects.
     pub part: &'static str,
     /// Share of the whole compliance that it adds.
     pub share: f64,
@@ -26,12 +26,13 @@ pub struct Share {
     pub lost_motion_arcmin: f64,
 }
 
-/// What remains besides all that a scene has, as a fit to a stiffness that a catalogue or a measurement states.
+/// Compliance that remains besides all that a scene has, as a fit to a stiffness that a catalogue or a measurement
+/// states.
 ///
 /// It is one spring between carrier and output: it says how large the rest is, not what it is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rest {
-    /// What is stated, N m/arcmin.
+    /// Stated stiffness, N m/arcmin.
     pub stated_n_m_per_arcmin: f64,
     /// `bearings.output_torsion_n_m_rad` with which the scene has that stiffness.
     pub output_torsion_n_m_rad: f64,
@@ -40,7 +41,7 @@ pub struct Rest {
 }
 
 impl Rest {
-    /// Of a gear whose stiffness is stated.
+    /// Remainder of a gear whose stiffness is stated.
     ///
     /// # Errors
     /// It is none, or the gear is as soft without a rest.
@@ -69,7 +70,7 @@ pub(super) const CONTACTS: &str = "contacts";
 /// The part that a fit replaces.
 pub(super) const REST: &str = "carrier and flange";
 
-/// Of the gear under the `working` load; empty where contacts alone give way.
+/// Budget of the gear under the `working` load; empty where only the contacts deflect.
 pub(super) fn of(
     gearbox: &Gearbox,
     working: f64,

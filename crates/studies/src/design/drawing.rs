@@ -16,7 +16,7 @@ use crate::output::{OutputError, write_text, write_with};
 /// Largest distance of the drawn edge from the true one, m.
 pub const CHORD_M: f64 = 1e-6;
 
-/// What was drawn of one disc.
+/// Drawing of one disc.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Drawing {
     /// Corners of the edge.

@@ -11,10 +11,10 @@ use serde::Serialize;
 use super::mesh::{Bearing, Pair, Pose, Pressure, Sharing, Stage};
 use super::{ARCMIN, Cycle, LOST, Operating, Spread};
 
-/// What balances leave of a figure: angles are found to 2e-15 rad, forces to 1e-10.
+/// Error of a figure due to balances: their angles are accurate to 2e-15 rad, forces to 1e-10.
 const ROUNDING: f64 = 1e-9;
 
-/// What a figure is: defined once for the table, the page, files and the comparison of two designs.
+/// Definition of a figure, once for the table, the page, files and the comparison of two designs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Definition {
     key: &'static str,
@@ -104,7 +104,7 @@ definitions! {
 pub struct DesignFigure {
     /// Its name for programs, with the unit.
     pub key: &'static str,
-    /// What it is.
+    /// Meaning of the figure.
     #[serde(skip)]
     pub what: &'static str,
     /// Its unit; empty for counts.
@@ -133,7 +133,7 @@ pub struct DesignFigure {
     pub how: &'static str,
 }
 
-/// What statics found, before it is summed up.
+/// Results of statics at all poses, before they are summed up.
 pub(super) struct Balances {
     /// Parts that the poses are made of.
     pub(super) parts: usize,
@@ -149,7 +149,7 @@ pub(super) struct Balances {
     pub(super) unloaded: Vec<Pose>,
 }
 
-/// The same, summed up.
+/// Sums of the figures of all poses.
 pub(super) struct Summed {
     on_cranks: bool,
     pub(super) lost: Spread,
@@ -161,7 +161,7 @@ pub(super) struct Summed {
     bearing_force: Spread,
     /// Peak to peak of the transmission error, rated and unloaded, arcmin.
     pub(super) error: [f64; 2],
-    /// What one pin at one wheel in one pose changes of the mean number that touch.
+    /// Change of the mean number of touching pins by one pin at one wheel in one pose.
     quantum: f64,
 }
 
@@ -170,13 +170,13 @@ fn bearing_rate_rad_s(scene: &Scene) -> f64 {
     scene.eccentric_speed_rad_s().abs() * (1.0 + 1.0 / scene.gear.lobes() as f64)
 }
 
-/// What the output does at the rated speed and load, W.
+/// Power of the output at the rated speed and load, W.
 fn rated_w(scene: &Scene) -> f64 {
     let turns = scene.drive.input_speed_rad_s * scene.output_per_input();
     (scene.drive.output_torque_n_m * turns).abs()
 }
 
-/// What the seals lose at the rated speed; `None` without seals.
+/// Loss of the seals at the rated speed; `None` without seals.
 pub(super) fn seal_loss(scene: &Scene) -> Option<DesignFigure> {
     let (bearings, ratio) = (&scene.bearings, scene.ratio());
     let torques = [bearings.input_seal_n_m, bearings.output_seal_n_m];
@@ -188,7 +188,7 @@ pub(super) fn seal_loss(scene: &Scene) -> Option<DesignFigure> {
 }
 
 impl Balances {
-    /// Of the poses whose number leaves `of` when divided by `every`.
+    /// Sums over the poses whose number leaves `of` when divided by `every`.
     pub(super) fn summed(&self, every: usize, of: usize) -> Summed {
         fn some<T>(list: &[T], every: usize, of: usize) -> Vec<&T> {
             list.iter().skip(of).step_by(every).collect()
@@ -216,7 +216,7 @@ impl Balances {
         }
     }
 
-    /// Of every wheel, the forces of its bearing over some of the poses, N. On cranks those of all: in the next period each crank
+    /// Forces of each wheel's bearing over some of the poses, N. On cranks those of all: in the next period each crank
     /// stands where its neighbour does in this one.
     fn carried(&self, scene: &Scene, every: usize, of: usize) -> Vec<Vec<f64>> {
         let Some(cranks) = scene.cranks else {
@@ -267,7 +267,7 @@ impl Balances {
         parted(self.parts, of).swap_remove(0)
     }
 
-    /// What the friction of all eccentric bearings loses at the rated speed and load.
+    /// Loss by the friction of all eccentric bearings at the rated speed and load.
     pub(super) fn bearing_loss(&self, law: &BearingLaw, scene: &Scene) -> DesignFigure {
         let rate = bearing_rate_rad_s(scene);
         let alike = scene.cranks.map_or(1, |cranks| cranks.count) as f64;
@@ -282,7 +282,7 @@ impl Balances {
         parted(self.parts, of).swap_remove(0)
     }
 
-    /// What the friction of all sleeves on their pins loses at the rated speed and load, if they roll on the wheels.
+    /// Loss by the friction of all sleeves on their pins at the rated speed and load, if they roll on the wheels.
     pub(super) fn sleeve_loss(&self, scene: &Scene) -> Option<DesignFigure> {
         let (bearings, gear) = (&scene.bearings, &scene.gear);
         let external = bearings.sleeve_drag(gear.external_sleeve_radius_m)?;
@@ -351,7 +351,7 @@ impl Definition {
 }
 
 impl DesignFigure {
-    /// Whether it is one of lost motion.
+    /// True if it is a figure of lost motion.
     #[must_use]
     pub fn is_lost_motion(&self) -> bool {
         [LOST_MOTION.key, LOST_MOTION_RUN.key].contains(&self.key)

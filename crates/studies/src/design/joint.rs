@@ -14,7 +14,8 @@
 //! * **J_in**: the input shaft and the wheels' masses on its eccentrics. **J_out**: the output with its pins, and the wheels, which
 //!   turn with it.
 //!
-//! What the joint has not: transmission error, and how stiffness and play change over the mesh (their spread is given).
+//! Properties that the joint has not: transmission error, and the change of stiffness and play over the mesh (their
+//! spread is given).
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -193,7 +194,7 @@ impl Joint {
         digit * (step / digit).floor()
     }
 
-    /// What all files say in their comments, as lines.
+    /// Comments that all files have, as lines.
     fn remarks(&self) -> String {
         let mut text = String::new();
         let mut line = |what: &str| {

@@ -33,7 +33,7 @@ pub(super) struct Poses {
     /// Parts of them that figures are read off.
     pub(super) parts: usize,
     wheels: usize,
-    /// Of the input, rad.
+    /// Period of the input, rad.
     pub(super) period: f64,
     /// Passages of external and internal sleeves in it.
     pub(super) meshes: [usize; 2],
@@ -91,12 +91,12 @@ impl Poses {
         (0..count).map(move |k| k * stride % count)
     }
 
-    /// Of both kinds of sleeves at all wheels.
+    /// Passages of both kinds of sleeves at all wheels.
     fn passages(&self) -> [usize; 2] {
         self.meshes.map(|mesh| mesh * self.wheels)
     }
 
-    /// Whether harmonics of both meshes can be told from so many poses.
+    /// True if harmonics of both meshes can be told from so many poses.
     pub(super) fn has_harmonics(&self) -> bool {
         self.angles.len() > 2 * self.meshes[0].max(self.meshes[1]) + 1
     }
@@ -162,7 +162,7 @@ pub struct Pair {
     pub penetration_m: f64,
     /// p0 of the line contact, Pa.
     pub pressure_pa: f64,
-    /// Of the wheel on a pin that does not turn, m/s.
+    /// Sliding speed of the wheel on a pin that does not turn, m/s.
     pub sliding_m_s: f64,
 }
 

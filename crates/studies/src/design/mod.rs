@@ -1,4 +1,5 @@
-//! What a designer asks of a gear: lost motion, stiffness, transmission error, load sharing, pressure, bearings, efficiency.
+//! Figures that a designer asks of a gear: lost motion, stiffness, transmission error, load sharing, pressure,
+//! bearings, efficiency.
 //!
 //! ```text
 //!                 ┌─ balances at poses over one period of the mesh ─> stiffness, lost motion, transmission error,
@@ -6,7 +7,7 @@
 //!                 └─ runs: a slow loop of the load, speeds and torques ─> hysteresis, efficiency
 //! ```
 //!
-//! What statics decides is computed by statics: the balance of the contacts at rest, exact geometry, the scene's own law. Lost
+//! Statics computes all that it decides: the balance of the contacts at rest, exact geometry, the scene's own law. Lost
 //! motion and stiffness are computed both ways where both can, and the difference is given. Conventions:
 //!
 //! * **Lost motion**: angle of the output between +3 % and -3 % of the rated torque, the input locked, arcmin.
@@ -108,7 +109,7 @@ impl Spread {
 pub struct Torsion {
     /// Between +3 % and -3 % of the rated torque, arcmin; `None` where parts overlap.
     pub lost_motion_arcmin: Option<Spread>,
-    /// The same at the input angle 0 alone, where the loop is run too, arcmin.
+    /// Lost motion at the input angle 0 alone, where the loop is run too, arcmin.
     pub lost_motion_at_0_arcmin: Option<f64>,
     /// Between 50 and 100 % of the rated torque, both directions, N m/arcmin.
     pub stiffness_n_m_per_arcmin: Spread,
@@ -160,11 +161,11 @@ pub struct DesignResult {
     /// Why there is no lost motion: parts overlap.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preloaded: Option<String>,
-    /// What a data sheet gives, each figure with its numerical uncertainty and its band by contact law.
+    /// Figures of a data sheet, each with its numerical uncertainty and its band by contact law.
     pub figures: Vec<DesignFigure>,
     /// Other contact laws and fits beside the scene's; `None`: there is nothing to compare.
     pub bands: Option<Bands>,
-    /// What follows from the dimensions.
+    /// Quantities that follow from the dimensions.
     pub dimensions: Derived,
     /// Lost motion and stiffness.
     pub torsion: Torsion,
@@ -172,9 +173,9 @@ pub struct DesignResult {
     pub input_angle_rad: Vec<f64>,
     /// Transmission error under the rated load and under next to none.
     pub transmission: [Transmission; 2],
-    /// What gives way under the rated load; empty where contacts alone do.
+    /// Parts that deflect under the rated load; empty where contacts alone do.
     pub budget: Vec<Share>,
-    /// What remains, as a fit to a stated stiffness ([`DesignResult::fit_rest`]).
+    /// Remaining compliance, as a fit to a stated stiffness ([`DesignResult::fit_rest`]).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rest: Option<Rest>,
     /// Who carries the rated load.
@@ -223,7 +224,7 @@ pub fn run(
     Ok(found)
 }
 
-/// The same without joint and bands, which samples of a sweep do not need.
+/// Figures of a design without joint and bands, which samples of a sweep do not need.
 ///
 /// # Errors
 /// See [`run`].
@@ -441,7 +442,7 @@ fn twist(
     Ok(ARCMIN * (output - ideal) * working.signum())
 }
 
-/// What is found at every pose, by its number so far on the way and its input angle.
+/// Results of `find` at every pose, from its number so far on the way and its input angle.
 fn along<T>(
     poses: &Poses,
     mut find: impl FnMut(usize, f64) -> Result<T, StudyError>,
@@ -548,8 +549,8 @@ impl DesignResult {
         })
     }
 
-    /// What gives way and its share of the whole compliance; with a fitted rest, of the whole with it. Empty where contacts alone
-    /// do.
+    /// Parts that deflect, and their shares of the whole compliance; with a fitted rest, of the whole with it. Empty
+    /// where contacts alone do.
     #[must_use]
     pub fn shares(&self) -> Vec<(&'static str, f64)> {
         let own = self.budget.iter().map(|part| (part.part, part.share));

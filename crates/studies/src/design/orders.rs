@@ -7,7 +7,7 @@ use crate::fourier::moduli;
 
 /// Harmonics that are kept.
 const KEPT: usize = 12;
-/// Of the largest: below that a harmonic is the balance's rounding.
+/// Share of the largest below which a harmonic is the balance's rounding.
 const LEAST: f64 = 1e-6;
 
 /// One harmonic.
@@ -19,7 +19,7 @@ pub struct Harmonic {
     pub output_order: f64,
     /// Amplitude, half of its peak to peak, arcmin.
     pub amplitude_arcmin: f64,
-    /// What repeats that often: `external mesh`, `internal mesh`, a multiple of both, or neither.
+    /// Source that repeats that often: `external mesh`, `internal mesh`, a multiple of both, or neither.
     pub of: &'static str,
 }
 
@@ -32,7 +32,7 @@ pub struct ForceHarmonic {
     pub output_order: f64,
     /// Amplitude, half of its peak to peak, N.
     pub amplitude_n: f64,
-    /// What repeats that often, as for [`Harmonic`].
+    /// Source that repeats that often, as for [`Harmonic`].
     pub of: &'static str,
 }
 

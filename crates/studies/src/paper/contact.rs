@@ -109,7 +109,7 @@ fn spread(values: &[f64], samples: &Range<usize>, shown: &Range<usize>) -> Vec<f
     shown.clone().map(|k| at(k).unwrap_or(f64::NAN)).collect()
 }
 
-/// The same contact in several runs, over the samples in which any of them touches.
+/// One contact in several runs, over the samples in which any of them touches.
 struct Touches {
     /// Name, run and contact.
     list: Vec<(String, Rc<Run>, Contact)>,
@@ -117,7 +117,7 @@ struct Touches {
 }
 
 impl Touches {
-    /// Of the contact of wheel 0 that is nearest to the paper's in the first of the runs.
+    /// Touches of the contact of wheel 0 that is nearest to the paper's in the first of the runs.
     fn find(runs: impl Iterator<Item = (String, Rc<Run>)>) -> Result<Self, StudyError> {
         let mut list: Vec<(String, Rc<Run>, Contact)> = Vec::new();
         for (label, run) in runs {

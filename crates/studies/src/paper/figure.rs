@@ -11,17 +11,17 @@ pub struct PaperFigure {
     pub id: String,
     /// `Fig. 7`, or a word.
     pub name: String,
-    /// What is drawn.
+    /// Title of the drawing.
     pub title: String,
-    /// What the paper says it shows.
+    /// Statement of the paper about the figure.
     pub says: String,
-    /// What ours show, with the numbers.
+    /// Statement of our runs, with the numbers.
     pub found: String,
     /// Why: what makes the difference, or under which condition.
     pub why: String,
     /// The numbers of `found`, for programs.
     pub numbers: Vec<Number>,
-    /// Whether ours show what the paper says.
+    /// Verdict on whether ours show what the paper says.
     pub verdict: ClaimVerdict,
     /// The curves.
     pub plots: Vec<Plot>,
@@ -49,14 +49,14 @@ pub struct Plot {
     pub x_label: String,
     /// Vertical axis with its unit.
     pub y_label: String,
-    /// Whether the vertical axis is logarithmic.
+    /// True if the vertical axis is logarithmic.
     pub y_log: bool,
     /// Horizontal values.
     #[serde(skip)]
     pub x: Vec<f64>,
     /// Curves over `x`; not a number where a curve has no value.
     pub curves: Vec<Curve>,
-    /// What is to be seen.
+    /// Note on what to look at.
     pub note: String,
 }
 
@@ -116,7 +116,7 @@ impl Curve {
     }
 }
 
-/// What runs give for a figure: everything but what is said about it.
+/// Results of runs for a figure: everything but the statements about it.
 #[derive(Debug, Default)]
 pub(super) struct Measured {
     /// The figure's.

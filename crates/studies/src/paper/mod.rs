@@ -34,7 +34,7 @@ pub struct PaperResult {
     pub figures: Vec<PaperFigure>,
     /// Its claims, each judged by the numbers of a figure that is among them.
     pub claims: Vec<JudgedClaim>,
-    /// What runs cost.
+    /// Costs of the runs.
     pub costs: Vec<Cost>,
     /// Distinct runs behind the figures.
     pub runs: usize,
@@ -42,7 +42,7 @@ pub struct PaperResult {
     pub wall_s: f64,
 }
 
-/// What 0.6 s of the gearbox cost.
+/// Cost of 0.6 s of the gearbox.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cost {
     /// Which analysis.
@@ -62,7 +62,7 @@ pub const NAMES: [&str; 16] = [
 /// A figure by its name, as `9`, `09` or `fig-9`.
 ///
 /// # Errors
-/// What there is instead.
+/// Returns the names that there are.
 pub fn named(word: &str) -> Result<String, String> {
     let word = word.trim();
     let name = word.trim_start_matches("fig-").trim_start_matches('0');
@@ -73,12 +73,12 @@ pub fn named(word: &str) -> Result<String, String> {
     Err(format!("there is no figure `{word}`; name some of {names}"))
 }
 
-/// What to compute.
+/// Choices of figures and engines.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
     /// Some of [`NAMES`]; none: all.
     pub figures: Vec<String>,
-    /// What stands in Adams' place in Fig. 10.
+    /// Run that stands in Adams' place in Fig. 10.
     pub peer: Option<Peer>,
 }
 

@@ -112,7 +112,7 @@ fn on_grid(time_series: &TimeSeries, name: &str, x: &[f64]) -> Vec<f64> {
 /// A change to a scene, with its name.
 type Suspect = (&'static str, fn(&mut Scene));
 
-/// What might make Adams' spikes, each switched on in our own solver.
+/// Possible causes of Adams' spikes, each switched on in our own solver.
 fn suspects() -> [Suspect; 5] {
     fn impact(scene: &mut Scene) {
         "adams-impact".clone_into(&mut scene.contact.law);

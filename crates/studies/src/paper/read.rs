@@ -1,4 +1,4 @@
-//! What is read off time series.
+//! Figures read off time series.
 
 pub(super) use pinwheel_timeseries::norms::{mean, range};
 use pinwheel_timeseries::{TimeSeries, columns, norms};

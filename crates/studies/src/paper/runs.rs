@@ -65,7 +65,7 @@ pub(super) struct Run {
 /// All runs so far.
 pub(super) struct Runs<'a> {
     control: Control<'a>,
-    /// What stands in Adams' place.
+    /// Run that stands in Adams' place.
     pub(super) peer: Option<&'a Peer>,
     known: RefCell<HashMap<String, Rc<Run>>>,
 }

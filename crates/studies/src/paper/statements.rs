@@ -1,5 +1,5 @@
-//! What the paper says, and what becomes of it: the statements of `reference/published/paper.toml` around the numbers of the
-//! figures.
+//! Statements of the paper, and our verdicts: the statements of `reference/published/paper.toml` around the numbers of
+//! the figures.
 //!
 //! Each number is computed once, for a figure; figures and claims are rows of that file, judged from these numbers by the
 //! conditions that stand there and by nothing else.
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::figure::{Measured, PaperFigure};
 
-/// What a statement of the paper is worth.
+/// Verdict on a statement of the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClaimVerdict {
@@ -40,7 +40,7 @@ impl ClaimVerdict {
 pub struct Claim {
     /// Key.
     pub id: String,
-    /// What the paper says.
+    /// Statement of the paper.
     pub claim: String,
     /// Where.
     pub place: String,
@@ -66,7 +66,7 @@ pub struct JudgedClaim {
 /// The file, as it is written.
 #[derive(Debug, Deserialize)]
 pub(super) struct Statements {
-    /// Of figures.
+    /// Statements of figures.
     pub(super) figure: Vec<Statement>,
     /// In words.
     pub(super) claim: Vec<Statement>,
@@ -80,13 +80,13 @@ pub(super) struct Statement {
     pub(super) id: String,
     /// Where.
     place: String,
-    /// What a figure draws.
+    /// Title of the figure.
     title: String,
     /// The figure whose numbers judge a claim.
     pub(super) figure: String,
-    /// What the paper says.
+    /// Statement of the paper.
     says: String,
-    /// What ours say: a sentence with the names of numbers in braces.
+    /// Statement of our runs: a sentence with the names of numbers in braces.
     found: String,
     /// Why, likewise.
     why: String,
@@ -95,7 +95,7 @@ pub(super) struct Statement {
     holds_if: Vec<Condition>,
     partly_if: Vec<Condition>,
     partly_if_any: Vec<Condition>,
-    /// Of what is not computed.
+    /// Verdict on a statement that is not computed.
     verdict: Option<ClaimVerdict>,
 }
 

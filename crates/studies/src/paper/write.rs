@@ -12,7 +12,7 @@ use crate::provenance::{Provenance, Summary};
 /// Payload of `summary.json`.
 #[derive(Serialize)]
 struct PaperSummary<'a> {
-    /// What stood in Adams' place.
+    /// Name of the run that stood in Adams' place.
     against: Option<&'a str>,
     #[serde(flatten)]
     paper: &'a PaperResult,

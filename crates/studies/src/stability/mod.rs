@@ -75,7 +75,7 @@ impl Method {
     }
 }
 
-/// What to study.
+/// Choices of the study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Options {
     /// Presets or scene files.
@@ -161,7 +161,7 @@ impl Options {
     }
 }
 
-/// What one method does on one scene.
+/// Result of one method on one scene.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Cell {
     /// The method.
@@ -184,7 +184,7 @@ pub struct Cell {
     pub largest_step_s: Option<f64>,
     /// True if not even the longest step tried failed.
     pub never_failed: bool,
-    /// What fails first above the largest step.
+    /// Failure that comes first above the largest step.
     pub fails_first: Option<Failure>,
 }
 
@@ -203,14 +203,14 @@ impl Cell {
     }
 }
 
-/// What every method does on one scene.
+/// Results of every method on one scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneRow {
     /// Its name.
     pub scene: String,
     /// Why it is hard.
     pub why: String,
-    /// What `integrator = "auto"` takes for it.
+    /// Method that `integrator = "auto"` takes for the scene.
     pub auto: String,
     /// The run everything is compared with.
     pub reference: Option<Reference>,
@@ -236,7 +236,7 @@ pub const SERVED: f64 = 0.01;
 /// The result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Atlas {
-    /// What was asked.
+    /// Choices of the study.
     pub options: Options,
     /// One a scene; `None` for those that are not done.
     pub rows: Vec<Option<SceneRow>>,

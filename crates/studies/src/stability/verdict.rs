@@ -1,4 +1,4 @@
-//! Whether a run gives the right picture, and how it fails if not.
+//! Verdict on a run: true to the converged one, or its kind of failure.
 
 use pinwheel_engines::Run;
 use pinwheel_scene::Scales;
@@ -15,7 +15,7 @@ pub enum Failure {
     BlowUp {
         /// When, s.
         time_s: f64,
-        /// What.
+        /// Quantity that failed.
         quantity: String,
     },
     /// Forces far above the converged ones.
@@ -78,7 +78,7 @@ impl Failure {
         }
     }
 
-    /// What was seen, with its figure.
+    /// Observed failure, with its figure.
     #[must_use]
     pub fn sentence(&self) -> String {
         match self {
@@ -97,7 +97,7 @@ impl Failure {
     }
 }
 
-/// What runs are judged against.
+/// Reference against which runs are judged.
 pub(super) struct Judge<'a> {
     pub(super) reference: &'a TimeSeries,
     pub(super) level: Level,
@@ -123,7 +123,7 @@ impl Judge<'_> {
         Some(Failure::BlowUp { time_s, quantity })
     }
 
-    /// What is wrong with a run that finished.
+    /// Failure of a run that finished.
     fn wrong(&self, run: &Run) -> Option<Failure> {
         let joint_m = run.stats.joint_drift_m.unwrap_or(0.0);
         if !(joint_m <= JOINT_SHARE * self.scales.penetration_m) {

@@ -18,7 +18,7 @@ struct Studied<'a> {
     atlas: &'a Atlas,
 }
 
-/// What going on needs of it.
+/// Part of an earlier study that its continuation needs.
 #[derive(Deserialize)]
 struct Earlier {
     atlas: Atlas,
@@ -121,7 +121,7 @@ impl Atlas {
     }
 }
 
-/// What is said of a failure; nothing without.
+/// Text about a failure; empty without one.
 fn said<W: Into<String>>(failure: Option<&Failure>, of: fn(&Failure) -> W) -> String {
     failure.map_or_else(String::new, |failure| of(failure).into())
 }

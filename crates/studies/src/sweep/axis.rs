@@ -137,7 +137,7 @@ enum Spacing {
 /// The values of a list `[1, 2]`, or of a range `{ from, to, points | step, spacing }`, at a key of the scene.
 ///
 /// # Errors
-/// What is wrong and the remedy.
+/// Returns the fault and the remedy.
 pub(super) fn values(
     document: &Document<'_>,
     key: &str,

@@ -1,4 +1,4 @@
-//! What can be wrong with a sweep. Every message is one line: where, what, and the remedy.
+//! Errors of a sweep. Every message is one line: where, what, and the remedy.
 
 use std::path::PathBuf;
 
@@ -16,12 +16,12 @@ pub enum SweepError {
     Scene {
         /// Number of the run, the first being 1.
         number: usize,
-        /// What it varies.
+        /// Values of the varied keys.
         values: String,
         /// Why.
         source: Box<SceneError>,
     },
-    /// What cannot be run, with the remedy.
+    /// Fault of the input, with the remedy.
     #[error("{0}")]
     Input(String),
     /// A file cannot be read or written.

@@ -16,7 +16,7 @@ use crate::sweep::{Plan, PlannedRun, SweepError};
 /// Reports of a run's progress at most.
 const TOLD: u64 = 100;
 
-/// What all threads share.
+/// Data that all threads share.
 struct Shared<'a> {
     plan: &'a Plan,
     /// Places in the plan of the runs to make.
@@ -44,7 +44,7 @@ pub fn execute(
     execute_some(plan, &all, journal, jobs, control)
 }
 
-/// The same for the runs at some places of the plan; the records are in the order of `picks`.
+/// Runs those places of the plan in `picks` that the journal does not hold; the records are in the order of `picks`.
 ///
 /// # Errors
 /// As [`execute`].

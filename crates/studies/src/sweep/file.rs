@@ -33,7 +33,7 @@ use crate::sweep::axis::{self, Axis};
 use crate::sweep::sample::{self, Sample};
 use crate::sweep::specification::{self, Limit};
 
-/// Whether and how every run's time series are kept.
+/// Form in which every run's time series are kept, if at all.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum KeepTimeSeries {
@@ -59,7 +59,7 @@ pub struct Sweep {
     pub engines: Vec<String>,
     /// Keys of every run.
     pub set: Vec<Override>,
-    /// What is varied; the last axis changes fastest.
+    /// Varied keys; the last axis changes fastest.
     pub axes: Vec<Axis>,
     /// Keys at random; the last axis of the plan.
     pub sample: Option<Sample>,
@@ -69,7 +69,7 @@ pub struct Sweep {
     pub window_s: Option<[f64; 2]>,
     /// Patterns of quantities whose figures are kept (`*` for any characters).
     pub measure: Vec<String>,
-    /// Whether time series are kept.
+    /// Form in which time series are kept.
     pub time_series: KeepTimeSeries,
     /// The file's text.
     pub text: String,

@@ -1,7 +1,7 @@
 //! Finished runs on disk, one file each, so that a sweep that was killed goes on where it stopped.
 //!
-//! What a record belongs to is its whole content (scene, engine, versions, window), so a sweep may be changed
-//! between two attempts: runs it still asks for are found again, others are run.
+//! A record belongs to its whole content (scene, engine, versions, window), so a sweep may be changed between two
+//! attempts: runs it still asks for are found again, others are run.
 //!
 //! ```text
 //!  out.unfinished/              one process writes, by its lock
@@ -78,7 +78,7 @@ impl Display for Shard {
     }
 }
 
-/// What to do with the runs of an earlier attempt.
+/// Treatment of the runs of an earlier attempt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Begin {
     /// There should be none.
@@ -313,7 +313,7 @@ impl Journal {
     }
 }
 
-/// The same file under another name, which costs less than another file; a copy where the disk has no such thing.
+/// Links a file under another name, which costs less than a second file. Copies it where the disk has no links.
 fn linked(from: &Path, to: &Path) -> Result<(), SweepError> {
     let copied = fs::hard_link(from, to).or_else(|_| fs::copy(from, to).map(|_| ()));
     copied.map_err(at(to))
@@ -334,7 +334,7 @@ fn shards_of(folder: &Path) -> Result<Vec<PathBuf>, SweepError> {
     Ok(shards)
 }
 
-/// What is in a folder.
+/// Entries of a folder.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, SweepError> {
     let entries = fs::read_dir(folder).map_err(at(folder))?;
     let paths = entries.map(|entry| entry.map(|entry| entry.path()));
@@ -375,7 +375,7 @@ fn place(folder: &Path, identity: &str, extension: &str) -> PathBuf {
     folder.join(format!("{PREFIX}{hash:016x}.{extension}"))
 }
 
-/// What a file held when it was written: another size or hash says that it is damaged.
+/// Size and hash of a file when it was written; another size or hash shows that it is damaged.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Written {
     bytes: u64,

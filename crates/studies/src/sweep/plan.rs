@@ -25,7 +25,7 @@ pub struct PlannedRun {
     pub number: usize,
     /// Engine.
     pub engine: String,
-    /// What is varied, in the order of the axes.
+    /// Varied keys and their values, in the order of the axes.
     pub values: Vec<(String, Value)>,
     /// The scene.
     pub scene: CheckedScene,
@@ -97,10 +97,11 @@ impl Plan {
         Self::within(sweep, overrides, Guests::default(), &AtomicBool::new(false))
     }
 
-    /// The same with engines of the caller's, stopped as soon as `cancel` is set: many runs are many scenes to check.
+    /// Plans a sweep with engines of the caller's. It stops as soon as `cancel` is set, because many runs are many
+    /// scenes to check.
     ///
     /// # Errors
-    /// Those of [`new`](Self::new), and [`SweepError::Stopped`].
+    /// Errors of [`new`](Self::new), and [`SweepError::Stopped`].
     pub fn within(
         mut sweep: Sweep,
         overrides: &[Override],

@@ -1,4 +1,4 @@
-//! What is kept of a run.
+//! Record of a run.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::sweep::PlannedRun;
 use crate::sweep::journal::Written;
 use crate::sweep::spread::{FIGURES, Spread};
 
-/// What is kept of a run. All but the two times is the same whenever it is run again.
+/// Record of a run. All but the two times is the same whenever it is run again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RunRecord {
     /// Engine.

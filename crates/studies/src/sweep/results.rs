@@ -86,7 +86,7 @@ pub fn results(plan: &Plan, records: &[RunRecord]) -> Table {
         .done()
 }
 
-/// What each run cost: not part of the results, as no two runs cost the same.
+/// Cost of each run: not part of the results, as no two runs cost the same.
 #[must_use]
 pub fn costs(plan: &Plan, records: &[RunRecord]) -> Table {
     Table::of("What each run cost", plan.runs.iter().zip(records))
@@ -97,7 +97,7 @@ pub fn costs(plan: &Plan, records: &[RunRecord]) -> Table {
         .done()
 }
 
-/// Whether a run keeps a whole specification.
+/// True if a run keeps a whole specification.
 pub(super) fn keeps(table: &Table, limits: &[Limit], row: usize) -> bool {
     let holds = |limit: &Limit| limit.holds(table.number(&limit.figure, row));
     limits.iter().all(holds)

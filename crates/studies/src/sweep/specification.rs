@@ -17,7 +17,7 @@ pub struct Limit {
 }
 
 impl Limit {
-    /// Whether a figure keeps it; what is not there does not.
+    /// True if a figure keeps the limit; one that is not there does not.
     #[must_use]
     pub fn holds(&self, value: Option<f64>) -> bool {
         value.is_some_and(|x| {

@@ -1,4 +1,4 @@
-//! What a sample says: quantiles, which key decides, and how many runs keep the specification.
+//! Results of a sample: quantiles, the key that decides, and the number of runs that keep the specification.
 //!
 //! * **Quantiles** with 95 % intervals between order statistics, whatever the distribution (W. J. Conover, Practical
 //!   Nonparametric Statistics, 1999, section 3.2). They hold for independent points; those of a hypercube or a Sobol sequence lie
@@ -41,7 +41,7 @@ pub struct Quantile {
     pub interval: [Option<f64>; 2],
 }
 
-/// What a key does to a figure.
+/// Effect of a key on a figure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sensitivity {
     /// The key.
@@ -69,7 +69,7 @@ pub struct FigureOfSample {
     pub quantiles: Vec<Quantile>,
     /// Share of the variance that a straight line explains, R^2.
     pub linear: Option<f64>,
-    /// What decides, most first.
+    /// Effects of the keys, the strongest first.
     pub sensitivities: Vec<Sensitivity>,
 }
 
@@ -78,7 +78,7 @@ pub struct FigureOfSample {
 pub struct Yield {
     /// Runs that keep all.
     pub kept: usize,
-    /// Of them.
+    /// Number of all runs.
     pub runs: usize,
     /// Their share.
     pub share: f64,
@@ -88,12 +88,12 @@ pub struct Yield {
     pub alone: Vec<f64>,
 }
 
-/// What the sample says of one engine, at one point of what else is varied.
+/// Results of the sample for one engine, at one point of the other varied keys.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SampleResult {
     /// Engine.
     pub engine: String,
-    /// What else is varied, and its values here, in words.
+    /// Other varied keys, and their values here, in words.
     pub varied: Vec<(String, String)>,
     /// Runs, finished or not.
     pub runs: usize,
@@ -115,7 +115,7 @@ fn is_figure(name: &str, plan: &Plan) -> bool {
     !OTHERS.contains(&name) && !plan.keys().any(|key| key == name)
 }
 
-/// What the sample of a sweep says; nothing without one. `table`: [its results](super::results).
+/// Results of the sample of a sweep; none without one. `table`: [its results](super::results).
 #[must_use]
 pub fn tolerances(plan: &Plan, table: &Table) -> Vec<SampleResult> {
     let Some(sample) = &plan.sweep.sample else {

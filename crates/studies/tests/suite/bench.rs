@@ -165,7 +165,7 @@ fn what_was_measured_survives_a_stop() {
     ));
 }
 
-/// What an RV gear costs, in right-hand sides, at a force error of 1e-4 over 5 ms: 683, 1551 and 3368.
+/// Cost of an RV gear, in right-hand sides, at a force error of 1e-4 over 5 ms: 683, 1551 and 3368.
 #[test]
 fn regress_an_rv_gear_on_the_bench() {
     let engines: Vec<Box<dyn Engine>> = vec![Box::new(Native::REDUCED)];

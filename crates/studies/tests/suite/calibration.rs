@@ -1,4 +1,4 @@
-//! What verdicts are worth, on gears and runs short enough for every run of the tests.
+//! Calibration of verdicts, on gears and runs short enough for every run of the tests.
 
 use std::time::Duration;
 

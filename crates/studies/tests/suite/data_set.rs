@@ -26,7 +26,7 @@ fn stored(case: &str) -> TimeSeries {
     TimeSeries::read_csv(file).expect(case)
 }
 
-/// The same but for rounding.
+/// True if two values are equal but for rounding.
 fn same(now: &Value, was: &Value) -> bool {
     match (now, was) {
         (Value::Array(now), Value::Array(was)) => {
@@ -79,7 +79,7 @@ fn again(case: &str, preset: &str, sets: &[&str]) -> TimeSeries {
     run.time_series
 }
 
-/// Whether the benchmark's own reader finds no quantity off by more than `limit`, and what it says.
+/// Runs the benchmark's own reader: true if no quantity is off by more than `limit`, and its output.
 fn read(case: &str, mine: &TimeSeries, limit: f64) -> (bool, String) {
     let folder_of_mine = tempfile::tempdir().unwrap();
     let path = folder_of_mine.path().join("mine.csv");

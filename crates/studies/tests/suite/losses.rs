@@ -1,4 +1,4 @@
-//! What friction takes, by cause: in the energy account of a run and in `design`.
+//! Losses by friction, by cause: in the energy account of a run and in `design`.
 
 use pinwheel_engines::Native;
 use pinwheel_gearbox::Gearbox;

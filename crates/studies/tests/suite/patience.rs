@@ -1,4 +1,4 @@
-//! What a comparison gives a foreign engine: its coarsest run first, each setting once, and no run for ever.
+//! Effort that a comparison spends on a foreign engine: its coarsest run first, each setting once, and no run for ever.
 
 use std::path::Path;
 use std::sync::Mutex;
@@ -17,7 +17,7 @@ use pinwheel_studies::comparison::{self, Effort, Input};
 struct Slow {
     track: Track,
     second_per_step: f64,
-    /// Whether every sample really takes that long.
+    /// True if every sample really takes that long.
     works: bool,
     /// Steps asked for, s.
     steps_s: Mutex<Vec<f64>>,
@@ -37,7 +37,7 @@ impl Slow {
     }
 }
 
-/// What a comparison owns of it.
+/// Engine that a comparison owns, but borrows here.
 struct Borrowed(&'static Slow);
 
 impl Engine for Borrowed {

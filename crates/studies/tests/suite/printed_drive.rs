@@ -17,11 +17,11 @@ fn repository(place: &str) -> PathBuf {
         .join(place)
 }
 
-/// What was measured.
+/// Measured values.
 struct Measured {
     /// Least and largest slope of the branches, N m/rad.
     stiffness: [f64; 2],
-    /// What the branches are apart at no torque, degrees.
+    /// Distance of the branches at no torque, degrees.
     apart_deg: f64,
     /// Ends of the loop, N m.
     torque: f64,

@@ -36,9 +36,9 @@ struct Known {
 /// A run that says how far its figures may be off.
 struct Seen {
     outcome: Outcome,
-    /// Of the units of the gear it is the image of.
+    /// Units of the gear of which this is the image.
     units: Units,
-    /// Whether its signs are the other ones.
+    /// True if its signs are the other ones.
     in_mirror: bool,
 }
 
@@ -215,8 +215,9 @@ fn deviate(scene: &mut Scene) {
     images::deviate(&mut scene.gear, size);
 }
 
-/// Of random gears, every other one with errors of its parts: sampled twice and ten times as often, in a mirror with the order of
-/// all parts reversed, turned as a whole with another first wheel, in other units, and by the Lagrange form.
+/// Figures of random gears are the same when sampled twice and ten times as often, in a mirror with the order of all
+/// parts reversed, turned as a whole with another first wheel, in other units, and by the Lagrange form. Every other
+/// gear has errors of its parts.
 #[test]
 fn hard_figures_hang_on_nothing_else() {
     let asked = |name: &str| std::env::var(name).ok().and_then(|n| n.parse().ok());
@@ -331,8 +332,8 @@ fn regress_steps_that_do_not_follow_friction_state_no_error() {
     assert!(stated("dopri5").is_some());
 }
 
-/// Of random gears (`PINWHEEL_GEARS`, `PINWHEEL_FIRST_GEAR`) by methods of each kind, torques and forces of a run's last window against
-/// those of its reference: coverage by method and figure.
+/// Coverage by method and figure on random gears (`PINWHEEL_GEARS`, `PINWHEEL_FIRST_GEAR`): torques and forces of a
+/// run's last window against those of its reference, by methods of each kind.
 #[test]
 fn crossval_figures_are_within_their_bounds() {
     let asked = |name: &str| std::env::var(name).ok().and_then(|n| n.parse().ok());

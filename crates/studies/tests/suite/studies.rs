@@ -208,8 +208,9 @@ fn joints_drift_unless_they_are_kept() {
     );
 }
 
-/// What `design` says of a modified profile: an equidistant modification dq leaves the wheel of a rigid gear 2 dq/(e zs) of play
-/// where a sleeve stands at cos(phi) = m, and more elsewhere; statics and the closed form have nothing in common but the gap.
+/// Lost motion that `design` gives for a modified profile: an equidistant modification dq leaves the wheel of a rigid
+/// gear 2 dq/(e zs) of play where a sleeve stands at cos(phi) = m, and more elsewhere; statics and the closed form have
+/// nothing in common but the gap.
 #[test]
 fn published_lost_motion_of_a_modified_profile() {
     let lost = |equidistant_m: f64| {
@@ -397,8 +398,8 @@ fn hard_loads_that_are_rounding_are_none() {
     }
 }
 
-/// Of a gear with errors the second wheel carries most: 970 N, where the first has 577. What is least and largest over the mesh is known
-/// to its +-, at all poses and at few of them.
+/// The second wheel of a gear with errors carries most: 970 N, where the first has 577. Its least and largest over the
+/// mesh are known to its +-, at all poses and at few of them.
 #[test]
 fn regress_figures_of_several_wheels_are_of_the_most_loaded() {
     let gearbox = Gearbox::new(&scene("toleranced", &[]).check().unwrap()).unwrap();

@@ -53,7 +53,7 @@ pub struct Shift {
 }
 
 impl Shift {
-    /// Whether the record fits clearly better when shifted.
+    /// True if the record fits clearly better when shifted.
     #[must_use]
     pub fn matters(&self) -> bool {
         self.seconds.abs() > 2.0 * self.uncertainty_s
@@ -61,7 +61,7 @@ impl Shift {
             && 1.0 - self.correlation < 0.7 * (1.0 - self.unshifted)
     }
 
-    /// What one would write into the map, which now says `before`.
+    /// Message with the offset to write into the map. `before` is the offset there now.
     #[must_use]
     pub fn message(&self, reference: &str, before: Offset) -> String {
         let tidy = |seconds: f64| {

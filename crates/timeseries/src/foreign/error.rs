@@ -1,6 +1,6 @@
-//! What can be wrong with a foreign file. Every message is one line with its remedy.
+//! Errors of foreign files. Every message is one line with its remedy.
 
-/// What is wrong with a foreign file, with the remedy.
+/// Error of a foreign file, with its remedy.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct ForeignError(pub(super) String);

@@ -29,7 +29,7 @@ const MOST_LINES: usize = 1_000_000;
 /// Files beside the participants' folders in an output; compared without case, as some file systems do.
 const RESERVED: [&str; 3] = ["index.html", "summary.json", ".pinwheel"];
 
-/// Whether a participant of that name would take the place of a file of the report.
+/// True if a participant of that name would take the place of a file of the report.
 #[must_use]
 pub fn is_reserved(name: &str) -> bool {
     RESERVED
@@ -55,7 +55,7 @@ pub struct Map {
     pub time: TimeColumn,
     /// Our names and where their values stand. A name may hold one `*` for a number.
     pub columns: BTreeMap<String, Source>,
-    /// What to do with rows that cannot be read.
+    /// Treatment of rows that cannot be read.
     pub rows: Rows,
     /// How values are put onto the run's sample times.
     pub resample: Resampling,
@@ -71,11 +71,11 @@ pub struct FileFormat {
     pub separator: String,
     /// `.` or `,`.
     pub decimal: String,
-    /// What groups thousands: `,`, `.`, `'` or a blank; nothing if left out.
+    /// Separator of thousands: `,`, `.`, `'` or a blank; nothing if left out.
     pub thousands: Option<String>,
     /// Lines before the header.
     pub skip_lines: usize,
-    /// Whether a row names the columns; without it they are named by number.
+    /// True if a row names the columns; without it they are named by number.
     pub header: bool,
     /// Rows between the header and the data, for example of units.
     pub lines_after_header: usize,
@@ -130,7 +130,7 @@ pub struct TimeColumn {
     pub offset_s: Offset,
 }
 
-/// What is added to the times of a file.
+/// Offset added to the times of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(
     untagged,
@@ -152,7 +152,7 @@ pub enum Word {
 }
 
 impl Offset {
-    /// What is known before there is a run.
+    /// Offset known before there is a run, s; 0 where alignment decides.
     #[must_use]
     pub fn seconds(self) -> f64 {
         match self {
@@ -204,7 +204,7 @@ pub struct FullSource {
     pub offset: f64,
     /// Number of the file that is our 0.
     pub first: usize,
-    /// Whether an angle begins anew after each turn.
+    /// Unwrapping of an angle that begins anew after each turn.
     pub unwrap: Unwrap,
     /// How uncertain the values are.
     pub uncertainty: Option<ColumnUncertainty>,
@@ -226,7 +226,7 @@ impl Default for FullSource {
     }
 }
 
-/// Whether an angle begins anew after each turn.
+/// Unwrapping of an angle that begins anew after each turn.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(
     untagged,
@@ -270,7 +270,7 @@ impl ColumnUncertainty {
     }
 }
 
-/// What to do with rows that cannot be read.
+/// Treatment of rows that cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Rows {
@@ -293,7 +293,7 @@ pub enum Twice {
     Refuse,
 }
 
-/// What to do with rows that cannot be read.
+/// Action on a row that cannot be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum BadRows {
@@ -323,7 +323,7 @@ impl Default for Resampling {
     }
 }
 
-/// What stands between two samples.
+/// Interpolation between two samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Method {
@@ -383,7 +383,7 @@ impl Map {
     /// Reads a map.
     ///
     /// # Errors
-    /// What is wrong, where, and the remedy.
+    /// Returns the fault, its place and the remedy.
     pub fn from_toml(text: &str, source_name: &str) -> Result<Self, FileError> {
         const FORM: &str = "see docs/foreign-data.md for an example";
         let map: Self = pinwheel_files::read(text, source_name, FORM)?;
@@ -392,7 +392,7 @@ impl Map {
         Ok(map)
     }
 
-    /// What is wrong, and the remedy.
+    /// Checks the map; an error holds the fault and the remedy.
     fn check(&self) -> Result<(), Broken> {
         let Self { file, time, .. } = self;
         require(
@@ -474,7 +474,7 @@ impl Map {
     }
 }
 
-/// Whether a name can be a folder's everywhere.
+/// True if a folder can have the name on every system.
 fn plain(name: &str) -> bool {
     let known = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     !name.is_empty() && name.len() <= 80 && !name.starts_with('.') && name.chars().all(known)
@@ -494,7 +494,7 @@ impl FileFormat {
 }
 
 impl Source {
-    /// What is wrong with the source of our column `name`, and the remedy.
+    /// Checks the source of our column `name`; an error holds the fault and the remedy.
     fn check(&self, name: &str) -> Result<(), Broken> {
         let full = self.full();
         let stars = |text: &str| text.matches('*').count();

@@ -27,7 +27,7 @@ const ONE_INSTANT: f64 = 1e-6;
 /// A magnitude of a force may go below 0 by this share of its largest value, as cells do by noise and drift.
 const BELOW_ZERO: f64 = 0.05;
 
-/// What a foreign file holds.
+/// Content of a foreign file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foreign {
     /// The mapped columns on the file's own times, in our units.

@@ -30,14 +30,14 @@ const FEWEST: usize = 10;
 pub struct Resampled {
     /// All times of the run; NaN where the file says nothing.
     pub time_series: TimeSeries,
-    /// What the file covers of the run, s.
+    /// Start and end of the part of the run that the file covers, s.
     pub covers_s: [f64; 2],
     /// Times of the run that were the file's own.
     pub own: usize,
     /// Times of the run that were interpolated.
     pub interpolated: usize,
-    /// Of the column that suffers most: relative L2 error of restoring left-out samples, and its name.
-    /// `None` if nothing was interpolated.
+    /// Largest relative L2 error of restoring left-out samples, over the columns, and the name of its column. `None` if
+    /// nothing was interpolated.
     pub restores: Option<(f64, String)>,
     /// Gaps of the file that were not bridged, s: only the longest stretch without one is used.
     pub gaps_s: Vec<[f64; 2]>,

@@ -86,7 +86,7 @@ impl Random {
     }
 }
 
-/// What a bed of springs and colliders of polylines state.
+/// Tolerances that a bed of springs and colliders of polylines state.
 pub(crate) const TOLERANCES: [(&str, ModelTolerance); 4] = {
     let bed = ModelTolerance {
         friction: Friction::Without,

@@ -176,7 +176,7 @@ fn regress_beyond_the_horizon_figures_are_judged() {
     assert_eq!(first(&parted, other, FORCE), (Metric::Mean, false));
 }
 
-/// What is not a number is no agreement, and the engine that gave it is named.
+/// A difference that is not a number is no agreement, and the engine that gave it is named.
 #[test]
 fn hard_what_is_not_finite_is_inconclusive() {
     for (a, b, who) in [(f64::NAN, 1.0, "native"), (1.0, f64::INFINITY, "other")] {

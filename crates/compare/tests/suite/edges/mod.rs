@@ -1,4 +1,5 @@
-//! What a run of mutants over the judge left alive: each test kills one that nothing else did (docs/notes/mutation.md).
+//! Mutants of the judge that a run of mutation left alive: each test kills one that nothing else did
+//! (docs/notes/mutation.md).
 
 use super::common;
 mod judged;

@@ -1,4 +1,4 @@
-//! What the runs of a study say of the finest.
+//! Statements of a refinement study about its finest run.
 
 use super::common::{context, participant, time_series};
 use super::{entry, native, other};
@@ -238,7 +238,7 @@ fn a_level_with_more_samples_is_refused() {
     assert!(told.contains("other sample times"), "{told}");
 }
 
-/// What is relative is so to the quantity's own size; rounding is a share of it.
+/// A relative size is relative to the quantity's own size; rounding is a share of it.
 #[test]
 fn relative_sizes_are_of_the_quantity() {
     let with = |floor: f64| {

@@ -1,4 +1,4 @@
-//! What distances and uncertainties amount to.
+//! Verdicts that follow from distances and uncertainties.
 
 use pinwheel_compare::uncertainty::{Basis, Estimate};
 use pinwheel_compare::verdict::{self, Allowed, Counts, Side};

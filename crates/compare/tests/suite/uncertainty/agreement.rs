@@ -1,4 +1,4 @@
-//! What agreement and difference mean where numerical uncertainty is all there is.
+//! Meaning of agreement and difference where numerical uncertainty is all there is.
 
 use super::common::{Random, participant, time_series};
 use super::{FORCE, anywhere, compared, engine, entry, native, off};

@@ -44,7 +44,7 @@ fn hard_chaos_leaves_nothing_to_act_on() {
     );
 }
 
-/// What an engine's own iterations leave no step takes off: it bounds how sharp a statement may be.
+/// The error that an engine's own iterations leave does not fall with the step: it bounds how sharp a statement may be.
 #[test]
 fn regress_iterations_leave_a_floor() {
     let offset = |floor: f64| {

@@ -5,7 +5,7 @@
 //! ```text
 //! dF = (F_d n.dd + F_v (n.dv + (v.t) t.dd/|d|)) n + F t (t.dd)/|d|,     dd = dH - dC
 //! ```
-//! What gives way, in the support and in the mesh, moves with the offsets as its balance has it.
+//! Deflections of the support and of the mesh move with the offsets as their balance has it.
 
 use arrayvec::ArrayVec;
 use pinwheel_mbs::{BodyState, Jacobian};
@@ -19,7 +19,7 @@ use crate::contacts::pairs::places;
 const OUTPUT: usize = 0;
 const AXES: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
 
-/// What moves in a bearing by one of the coordinates or rates, or by the time.
+/// Motion in a bearing by one of the coordinates or rates, or by the time.
 #[derive(Debug, Clone, Copy, Default)]
 struct Move {
     /// The offset, where nothing gives way, and its rate.
@@ -59,7 +59,7 @@ struct Held {
 struct Sprung {
     held: ArrayVec<Held, WHEELS>,
     seat: [f64; 2],
-    /// What gives way and by how much; `None`: nothing does.
+    /// Springs that deflect and their deflection; `None`: nothing does.
     yields: Option<(Springs, Given)>,
     throw_m: f64,
     per_output: f64,

@@ -45,7 +45,7 @@ use crate::contacts::sleeves::OnPins;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 
-/// What rounding may do to the test of what is outside, in units of R.
+/// Bound of rounding in the test of points outside, in units of R.
 const ROUNDING: f64 = 1e-14;
 
 /// Sleeves at the ends of a window: the one before it, its first, its last, the one after.
@@ -53,7 +53,7 @@ const ENDS: usize = 4;
 /// 1 where these are outside for certain, -1 where they are not, for all lanes of a register.
 const SIGNS: [f64; PADDING / 2] = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0];
 
-/// What does not change, and room for what does.
+/// Constants of the field, and room for its variables.
 #[derive(Debug, Clone)]
 pub(super) struct JointSpace {
     layout: Layout,
@@ -67,7 +67,7 @@ pub(super) struct JointSpace {
     /// H.
     repulsion: f64,
     pins: Option<OnPins>,
-    /// Of external and internal sleeves, m.
+    /// Radii of external and internal sleeves, m.
     sleeve_radii: [f64; 2],
     /// 1/beta of the external sleeves, the first ones again after the last.
     directions: Column,
@@ -76,8 +76,8 @@ pub(super) struct JointSpace {
     angles: Vec<f64>,
     units: Column,
     wheels: Vec<Wheel>,
-    /// Of external and of internal sleeves, two side by side. The former stay while no other sleeve comes near: nothing need
-    /// wait for the test that they hold.
+    /// Segments of external and of internal sleeves, two side by side. The former stay while no other sleeve comes
+    /// near: nothing need wait for the test that they hold.
     segments: [Vec<[Segment; 2]>; 2],
     /// Directions of the sleeves at the [`ENDS`] of the windows, a register a wheel, and whether every wheel has ends.
     ends: Column,
@@ -116,9 +116,9 @@ struct Segment {
 
 /// Sums over all contacts, lane by lane.
 struct Sums<S: Simd> {
-    /// Whether energy is asked for.
+    /// True if energy is requested.
     asked: bool,
-    /// Whether loads on sleeves are.
+    /// True if loads on sleeves are requested.
     on_sleeves: bool,
     /// Moments on input, with `LOADS`, and output.
     on_input: Lanes<S>,
@@ -450,7 +450,7 @@ impl JointSpace {
         true
     }
 
-    /// Of the centres of a pair's wheels, m/s.
+    /// Velocities of the centres of a pair's wheels, m/s.
     #[inline(always)]
     fn velocities<S: Simd>(
         &self,
@@ -595,7 +595,7 @@ impl JointSpace {
         }
     }
 
-    /// The same of the wheels.
+    /// Writes the forces and moments of the wheels to the loads of the bodies.
     #[inline(always)]
     fn scatter_wheels(&self, loads: &mut [Wrench]) {
         for (k, load) in loads[self.layout.wheel_bodies()].iter_mut().enumerate() {

@@ -42,13 +42,13 @@ pub(super) struct LaneField {
     pairs: LanePairs,
     /// Without friction.
     joint_space: Option<JointSpace>,
-    /// Whether no joint holds the wheels.
+    /// True if no joint holds the wheels.
     floats: bool,
     /// For single pairs, where lanes gain nothing.
     scalar: Pairs<Exact>,
 }
 
-/// What a walk needs.
+/// Data that a walk over all pairs needs.
 struct LanePairs {
     layout: Layout,
     shapes: Shapes,

@@ -124,7 +124,7 @@ impl<S: Simd> Group<'_, S> {
     }
 }
 
-/// What is done with touching pairs.
+/// Operation on touching pairs.
 pub(super) trait Sink {
     /// A group of which some lanes touch.
     fn group<S: Simd>(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>);

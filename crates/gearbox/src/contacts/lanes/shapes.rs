@@ -17,7 +17,7 @@ pub(super) struct Touching<S: Simd> {
     pub(super) stiffness: Lanes<S>,
     /// By how much n turns towards t = R90 n as the sleeve's centre moves along t, 1/m.
     pub(super) turning: Lanes<S>,
-    /// Of external sleeves.
+    /// Feet of external sleeves.
     pub(super) foot: Option<LocalFeet<S>>,
 }
 

@@ -12,7 +12,7 @@
 //! A = -K' Y,    dA = -(K'' Y + K'^2 Y_K) d(tau) - K' (Y_delta - b Y) d(delta)    of laws with a force along the profile, Y = dU/dK
 //! moments:  theta: -F ln + T (-W.n) + A lt,   psi: -F ln + T lt,   sigma: T rho
 //! ```
-//! Of a wheel that floats the input moves nothing, and its place x, y does, u being one of the ground's axes:
+//! For a wheel that floats, the input moves nothing; its place x, y does, u being one of the ground's axes:
 //!
 //! ```text
 //! ln = -u.n,  lt = -u.t;    force on the wheel:  F n - (T + A) t
@@ -43,7 +43,8 @@ pub(super) struct Slopes<'a> {
     places: Option<usize>,
 }
 
-/// What moves a contact besides the sleeve's own angle: those of wheel, output and input, or the place of a wheel that floats.
+/// Columns of the motions that move a contact besides the sleeve's own angle: those of wheel, output and input, or the
+/// place of a wheel that floats.
 const WHEEL: usize = 0;
 const CARRIER: usize = 1;
 const INPUT: usize = 2;
@@ -236,7 +237,7 @@ impl Slopes<'_> {
     }
 }
 
-/// What the columns of slopes are by, and where they go.
+/// Variable by which columns are derivatives, with its number in the Jacobian.
 #[derive(Clone, Copy)]
 enum Target {
     Position(usize),

@@ -10,7 +10,7 @@ use crate::contacts::Bearings;
 const STEPS: usize = 60;
 const HALVINGS: usize = 12;
 const SERVES: f64 = 0.2;
-/// What a step of fresh slopes must leave at most to be one that leads anywhere.
+/// Largest ratio of residuals after and before a step with fresh derivatives at which that step counts as progress.
 const SLOW: f64 = 0.9;
 /// Steps at most of a search for where forces do no work along a step, and what may be left of it.
 const WORKS: usize = 40;
@@ -25,7 +25,8 @@ const STILL: f64 = 1e-8;
 const BALANCED: f64 = 1e-10;
 /// A weak spring to the last iterate, as a share of a contact's stiffness: for directions that nothing holds.
 const WEAK: f64 = 1e-9;
-/// The same where a gear snaps through, the weakest that does.
+/// Springs to the last iterate where a gear snaps through, as shares of a contact's stiffness. The weakest that works
+/// is taken.
 const HOLDS: [f64; 6] = [WEAK, 1e-2, 0.1, 1.0, 10.0, 100.0];
 
 impl Statics<'_> {

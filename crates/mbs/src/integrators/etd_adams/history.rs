@@ -101,7 +101,7 @@ pub(super) struct History {
     pub(super) count: usize,
     /// Length of x.
     dimension: usize,
-    /// Of the remainder.
+    /// Length of the remainder.
     width: usize,
     /// x, written where it is needed, then backward differences of the remainder at the newest point, of rising order, one
     /// after the other.

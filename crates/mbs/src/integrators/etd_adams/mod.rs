@@ -78,7 +78,8 @@ const TURNING: f64 = 0.05;
 /// that turn, which are kept new.
 const TURNS: f64 = 3.0;
 const TURNING_TURNS: f64 = 6.0;
-/// The same of any springs where the tolerance is this or looser: the exponential's series loses 1e-11 to rounding there.
+/// Longest step of any springs, as |h| |L|, where the tolerance is [`COARSE`] or looser. The exponential's series loses
+/// 1e-11 to rounding there.
 const COARSE_TURNS: f64 = 12.0;
 const COARSE: f64 = 1e-6;
 /// Shortest step, of those that Dormand-Prince took: a contact that begins takes few of them, which are cheaper than to begin
@@ -127,20 +128,20 @@ pub struct EtdAdams {
     wanted: f64,
     /// Typical step of Dormand-Prince, s.
     explicit: f64,
-    /// Whether its last step ended at a time asked for.
+    /// True if the last step ended at a requested time.
     at_stop: bool,
     /// Steps since the multistep method took over, and since the last look at the Jacobian.
     taken: u64,
     since_look: u64,
     look_after: u64,
-    /// Of the orders, the one of the next step.
+    /// Index of the order of the next step, among the orders.
     which: usize,
     /// Predicted state, at which f was evaluated, padded, and whether it stands for the sample.
     seen: Vec<f64>,
     shown: bool,
     /// f of all rows, and errors; padded.
     f: Vec<f64>,
-    /// What errors of the components count as 1, and the inverses of what they may be; padded.
+    /// Errors of the components that count as 1, then the inverses of the permitted errors; padded.
     scales: Vec<f64>,
     weights: Vec<f64>,
 }
@@ -343,7 +344,7 @@ impl EtdAdams {
         }
     }
 
-    /// What errors at the state seen weigh.
+    /// Updates the weights of errors for the last evaluated state.
     fn weigh<S: OdeSystem>(&mut self, system: &S) {
         let n = self.y.len();
         system.scale(&self.seen[..n], &mut self.f[..n]);

@@ -16,13 +16,13 @@ const KEPT: usize = 4;
 /// A step's matrices.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Step {
-    /// Of x and of differences.
+    /// Propagator of x and of the differences.
     pub(super) propagator: Propagator,
     /// By order: h (Gamma_K+1 - Gamma_K), states by remainders.
     pub(super) errors: [Columns; 2],
 }
 
-/// What exists once the system has told its Jacobian.
+/// State that exists once the system has given its Jacobian.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Multistep {
     pub(super) jacobian: Jacobian,
@@ -32,7 +32,7 @@ pub(super) struct Multistep {
     pub(super) line: Line,
     pub(super) history: History,
     pub(super) steps: Vec<Step>,
-    /// Of the steps, the one last made, and the one last used.
+    /// Indices of the step that was built last, and of the step that was used last.
     pub(super) last_built: usize,
     pub(super) last: usize,
     /// For times inside steps.

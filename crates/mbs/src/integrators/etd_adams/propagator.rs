@@ -68,13 +68,13 @@ pub(super) const POWERS: [[f64; MOST]; MOST] = powers();
 /// L, of systems of second order with the unit matrix in the first rows, which have no remainder g.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Linear {
-    /// Of x.
+    /// Dimension of x.
     pub(super) dimension: usize,
     /// First row with a remainder.
     pub(super) first: usize,
     /// Rows from the first on.
     rows: Columns,
-    /// What brings their entries to units in which all components are alike.
+    /// Factors that convert the entries to units in which all components are alike.
     alike: Columns,
     /// Bound of |L| in these units, in which positions and rates are alike too, 1/s.
     pub(super) size: f64,
@@ -170,14 +170,14 @@ impl Linear {
     }
 }
 
-/// What a time `tau` makes of a state and of a polynomial remainder.
+/// Effect of a time `tau` on a state and on a polynomial remainder.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Propagator {
     /// s; NaN: none.
     pub(super) tau: f64,
     /// Differences of the remainder.
     terms: usize,
-    /// What multiplies x, then what multiplies the differences of the remainder, from the 0th on.
+    /// Factors of x, then those of the differences of the remainder, from the 0th on.
     matrix: Columns,
     /// Upper rows of phi_k+1 and of phi_k, with columns for whole blocks of rates: scratch.
     above: Columns,
@@ -257,7 +257,7 @@ impl Propagator {
         back.solve(x);
     }
 
-    /// What makes of the k-th difference `d` what its term alone does.
+    /// Factors that give the effect of the k-th difference `d` alone.
     pub(super) fn term<'a>(&'a self, linear: &Linear, k: usize, d: &'a [f64]) -> Factors<'a> {
         (&self.matrix, linear.dimension + k * d.len(), d)
     }

@@ -367,7 +367,8 @@ fn idle_bodies_turn_uniformly() {
     assert_eq!((seen.angle, seen.rate), (0.9, 1.0));
 }
 
-/// What the reduced form keeps of a state is told of that state alone, and with its own motion.
+/// An observation of the reduced form is of the requested state alone, and with its own motion, whatever was evaluated
+/// before.
 #[test]
 fn what_is_observed_is_of_the_state_asked_for() {
     let m = carousel(true);
@@ -400,7 +401,7 @@ fn what_is_observed_is_of_the_state_asked_for() {
     assert_relative_eq!(load, -2.0 * 9.81, max_relative = 1e-15);
 }
 
-/// What was settled is not put in place again, unless bodies have been elsewhere since.
+/// A projected state is not put in place again, unless bodies have been elsewhere since.
 #[test]
 fn a_settled_state_is_evaluated_as_any_other() {
     let m = carousel(true);
@@ -448,7 +449,7 @@ fn a_settled_state_is_evaluated_as_any_other() {
     assert_eq!(slopes(&mut system, 0.2, &apart), expected);
 }
 
-/// What no joint holds is where y has it.
+/// A body that no joint holds is where y has it.
 #[test]
 fn free_bodies_are_projected_nowhere() {
     let mut m = carousel(true);

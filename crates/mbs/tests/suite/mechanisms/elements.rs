@@ -17,7 +17,7 @@ pub(crate) struct Anchor {
 /// One applied load.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Element {
-    /// The same acceleration on every body.
+    /// Equal acceleration on every body.
     Gravity {
         /// m/s^2, e.g. `[0.0, -9.81]`.
         acceleration: [f64; 2],

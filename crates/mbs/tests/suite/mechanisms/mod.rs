@@ -27,7 +27,7 @@ pub(crate) struct Problem {
     pub(crate) mechanism: Mechanism,
     /// Applied loads.
     pub(crate) loads: Elements,
-    /// What the published solution gives, from a state.
+    /// Figures of the published solution, from a state.
     pub(crate) read: fn(&Observation<'_>) -> Vec<f64>,
 }
 
@@ -40,7 +40,7 @@ pub(crate) struct Solved {
     pub(crate) energy: Vec<f64>,
     /// Largest joint error at those times, m.
     pub(crate) joint_error: f64,
-    /// What the integrator did.
+    /// Work of the integrator.
     pub(crate) counts: StepCounts,
 }
 

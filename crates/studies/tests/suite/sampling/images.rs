@@ -1,4 +1,4 @@
-//! The same gear written otherwise: in other units, in a mirror, turned as a whole. Every figure is known from its image.
+//! One gear written otherwise: in other units, in a mirror, turned as a whole. Every figure is known from its image.
 
 use std::f64::consts::{PI, TAU};
 
