@@ -103,21 +103,6 @@ fn answer(name: &str, mut cases: Vec<&CaseCheck>) -> Answer {
     }
 }
 
-/// A baseline is for the solvers that made it.
-pub(super) fn same_solvers(baseline: &Baseline, options: &Options) -> Result<(), StudyError> {
-    if baseline.solvers == options.solvers {
-        return Ok(());
-    }
-    Err(StudyError::Input(match baseline.solvers.as_slice() {
-        [] => "this baseline was made by Pinwheel's own solver; leave out --solver, or record one under another name"
-            .to_owned(),
-        recorded => format!(
-            "this baseline was made by {}; name the same by --solver, in this order",
-            recorded.join(", ")
-        ),
-    }))
-}
-
 /// Runs the set and judges it against `baseline`; `here` says what makes the new runs. A case that the baseline does not hold is
 /// not run.
 ///
@@ -129,7 +114,7 @@ pub fn check(
     options: &Options,
     control: &Control<'_>,
 ) -> Result<Check, StudyError> {
-    same_solvers(baseline, options)?;
+    baseline.made_by(&options.solvers)?;
     let every = options.only.is_empty();
     let mut cases = Vec::new();
     let (mut jobs, mut known) = (Vec::new(), Vec::new());

@@ -249,6 +249,24 @@ impl Baseline {
         Ok(found)
     }
 
+    /// Checks that these solvers made it: a baseline is for no others.
+    ///
+    /// # Errors
+    /// Others made it; with the remedy.
+    pub(super) fn made_by(&self, solvers: &[String]) -> Result<(), StudyError> {
+        if self.solvers == solvers {
+            return Ok(());
+        }
+        Err(StudyError::Input(match self.solvers.as_slice() {
+            [] => "this baseline was made by Pinwheel's own solver; leave out --solver, or record one under another name"
+                .to_owned(),
+            recorded => format!(
+                "this baseline was made by {}; name the same by --solver, in this order",
+                recorded.join(", ")
+            ),
+        }))
+    }
+
     /// Returns true for the text of a baseline.
     fn is_ours(content: &[u8]) -> bool {
         std::str::from_utf8(content).is_ok_and(|text| Self::parse(Path::new(FILE), text).is_ok())

@@ -8,7 +8,6 @@ use pinwheel_timeseries::Ending;
 
 use super::Options;
 use super::cases::{SceneCase, Way, scenes};
-use super::check::same_solvers;
 use super::file::{
     Acceptance, Baseline, CaseSnapshot, Converged, FORMAT, Made, QuantitySnapshot, SceneSnapshot,
 };
@@ -51,7 +50,7 @@ pub fn record(
     control: &Control<'_>,
 ) -> Result<Record, StudyError> {
     if let Some(earlier) = &earlier {
-        same_solvers(earlier, options)?;
+        earlier.made_by(&options.solvers)?;
     }
     let chosen = options.scenes()?;
     let mut left_out = Vec::new();
