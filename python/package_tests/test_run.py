@@ -119,7 +119,7 @@ def test_comparison(tmp_path):
     page = found.show(tmp_path / "page.html").read_text()
     assert page.startswith("<!") and "rapier-shared-law" in page
     assert len(found.to_pandas()) == len(found.verdicts) and "<table>" in found._repr_html_()
-    assert "PASS  " in str(found)
+    assert "PASS, ONE CONTACT LAW" in str(found)
 
 
 def test_law_on_arrays():

@@ -383,18 +383,22 @@ fn regress_keys_that_do_nothing_are_named() {
     let (none, shown, _) = summary("contact.damping_n_s_m = [8, 9]", "paper");
     assert!(none.is_null() && !shown.contains("no effect"), "{none}");
 
-    let run = |sets: &str| {
-        let command = format!("run all.toml --out r --set solver.duration_s=0.01 {sets}");
-        let ran = run_in(dir.path(), words(&command));
-        assert_eq!(ran.code, Some(0), "{ran:?}");
-        ran.stderr
+    let with = |command: &str, sets: &str| {
+        let command =
+            format!("{command} all.toml --out r --force --set solver.duration_s=0.01 {sets}");
+        run_in(dir.path(), words(&command)).stderr
     };
-    let told = run("--set contact.restitution=0.3 --set gear.backlash_m=1e-5 --set base=steel");
-    let keys: Vec<&str> = told
-        .lines()
-        .map(|line| line.split(['=', ' ']).nth(2).unwrap())
-        .collect();
-    assert_eq!(keys, ["contact.restitution", "base"], "{told}");
+    let run = |sets: &str| with("run", sets);
+    let compare = "compare --engines native-reduced,native-resolved";
+    let idle = "--set contact.restitution=0.3 --set gear.backlash_m=1e-5 --set base=steel";
+    for command in ["run", compare] {
+        let told = with(command, idle);
+        let keys = told
+            .lines()
+            .map(|line| line.split(['=', ' ']).nth(2).unwrap());
+        let keys: Vec<&str> = keys.collect();
+        assert_eq!(keys, ["contact.restitution", "base"], "{command}: {told}");
+    }
     // Nothing for 2 ms, and then all: it is not the beginning that counts.
     assert_eq!(
         run("--set drive.load_changes=[{time_s=0.005,output_torque_n_m=30}]"),

@@ -9,6 +9,15 @@ use crate::folder::Folder;
 use crate::progress::watched;
 use crate::screen;
 
+/// Names on stderr those of `sets`, by their places, without which `of` is equal to the bit.
+pub(super) fn name_idle(sets: &[String], idle: &[usize], of: &str) {
+    for set in idle.iter().map(|place| &sets[*place]) {
+        screen::show_on_stderr(&format!(
+            "note: --set {set} has no effect on {of}: without it they are equal to the bit"
+        ));
+    }
+}
+
 pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
     let gearbox = args.scene.load()?;
     let scene = &gearbox.scene;
@@ -31,11 +40,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
     })?;
     found.write(folder.path(), &Provenance::here(args::typed()))?;
     let place = folder.publish()?;
-    for set in idle.iter().map(|place| &args.scene.set[*place]) {
-        screen::show_on_stderr(&format!(
-            "note: --set {set} has no effect on the time series of this scene: without it they are equal to the bit"
-        ));
-    }
+    name_idle(
+        args.scene.set.iter(),
+        &idle,
+        "the time series of this scene",
+    );
     let time_series = place.join(single::file(&found.run.ending));
     let time_series = time_series.display();
 
