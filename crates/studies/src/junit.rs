@@ -47,7 +47,7 @@ fn is_ours(content: &[u8]) -> bool {
     head.contains("<testsuites name=\"pinwheel ")
 }
 
-/// Checks that [`write`] may write a file, before anything long is run.
+/// Checks that [`write()`] may write a file, before anything long is run.
 ///
 /// # Errors
 /// It cannot be written, or is not an earlier JUnit file of ours.
