@@ -208,7 +208,7 @@ impl Basis {
 pub struct Estimate {
     /// The uncertainty, in the unit of what was estimated; never negative.
     pub u: f64,
-    /// Evidence for the value.
+    /// Kind of evidence for the value.
     pub basis: Basis,
     /// Order observed from three runs.
     pub observed_order: Option<f64>,
