@@ -4,7 +4,7 @@
 //! * [`Document`]: a TOML file whose keys are in a table of data and not in a type: scenes, and what sweeps vary.
 //! * [`FileError`]: what is wrong, on one line, with its remedy; [`did_you_mean`] for mistyped names.
 //! * [`folder`]: outputs that take their place in one step and replace nothing of others; [`Manifest`]: how they are known.
-//! * [`output`]: the files in them; [`file`]: a file by itself.
+//! * [`output`]: the files in them; [`mod@file`]: a file by itself.
 //! * [`Lock`]: a folder that one process at a time writes.
 
 mod document;
