@@ -43,7 +43,7 @@ impl Quantity {
         }
     }
 
-    /// True if time series have any of its channels.
+    /// True if time series have any channel of the quantity.
     pub(crate) fn is_in(&self, time_series: &TimeSeries) -> bool {
         let mut channels = self.channels.iter();
         channels.any(|name| time_series.channel(name).is_some())

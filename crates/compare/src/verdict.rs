@@ -106,7 +106,7 @@ pub struct Assessment {
     /// Plural name of participants that can bring nothing sharper, e.g. `recordings`; empty for all others.
     #[serde(skip)]
     pub group: &'static str,
-    /// True if it decides about its quantity; others are shown beside those that do.
+    /// True if the verdict decides about its quantity; others are shown beside those that do.
     pub decides: bool,
 }
 

@@ -24,9 +24,9 @@ pub enum What {
     Tolerance,
     /// How the gear is held: a fixed Boolean parameter.
     Flag(Flag),
-    /// Input that holds it.
+    /// Input variable.
     Input(Input),
-    /// Output of the shafts.
+    /// Output variable of the shafts.
     Shaft(Shaft),
     /// A column of a run, by its number: an output.
     Column(usize),
@@ -130,7 +130,7 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// True if it is a Boolean.
+    /// True if the variable is a Boolean.
     #[must_use]
     pub fn is_boolean(&self) -> bool {
         matches!(self.what, What::Flag(_))
@@ -177,7 +177,7 @@ impl Variable {
         Some(size.abs()).filter(|size| *size > 0.0)
     }
 
-    /// True if it is computed.
+    /// True if the variable is computed.
     #[must_use]
     pub fn is_output(&self) -> bool {
         matches!(self.what, What::Shaft(_) | What::Column(_))

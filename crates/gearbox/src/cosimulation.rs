@@ -229,7 +229,7 @@ impl CoSimulation {
         self.gearbox.scene.solver.step_s
     }
 
-    /// True if that error sets the method's steps.
+    /// True if the error of a step sets the method's steps.
     #[must_use]
     pub fn adaptive(&self) -> bool {
         method(self.method().0).is_some_and(|method| method.adaptive)

@@ -265,7 +265,7 @@ struct Entry {
 struct Segment {
     /// Entries kept, the oldest first.
     len: usize,
-    /// True if there were more.
+    /// True if the segment had more entries than are kept.
     cut: bool,
     entries: [Entry; 4],
 }

@@ -97,7 +97,7 @@ pub struct Line {
 /// One predicted frequency.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Frequency {
-    /// Event that happens that often.
+    /// Event that repeats with the frequency.
     pub what: &'static str,
     /// Multiple of the input frequency.
     pub order: f64,

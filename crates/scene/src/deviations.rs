@@ -53,7 +53,7 @@ impl Modification {
 }
 
 impl Errors {
-    /// True if there are none.
+    /// True if no part has an error.
     #[must_use]
     pub fn is_none(&self) -> bool {
         *self == Self::default()

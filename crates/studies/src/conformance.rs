@@ -48,7 +48,7 @@ pub struct Finding {
     /// Outcome of the trial.
     #[serde(flatten)]
     pub state: State,
-    /// Observation, with figures.
+    /// Observation in the trial, with figures.
     pub seen: String,
 }
 
@@ -68,7 +68,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// True if nothing failed.
+    /// True if no trial failed.
     #[must_use]
     pub fn passed(&self) -> bool {
         self.count(&State::Failed) == 0

@@ -26,7 +26,7 @@ pub(crate) struct Patience {
     pub(crate) most: Duration,
     /// Value of the option `--longest` for a run that takes a second, s.
     pub(crate) asks: f64,
-    /// True if this goes for programs of their own too, by wall time: they have limits of their own.
+    /// True if the limit holds for engines in programs of their own too, by wall time: they have limits of their own.
     pub(crate) outside: bool,
 }
 

@@ -25,7 +25,7 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// True if sampling causes more than half of its error.
+    /// True if sampling causes more than half of the figure's uncertainty.
     #[must_use]
     pub fn is_off_by_sampling(&self) -> bool {
         let both = self.sampling.zip(self.uncertainty);

@@ -24,8 +24,9 @@ pub const ORDER_MARGIN: f64 = 0.5;
 /// Two successive differences confirm an order only if they point the same way: the least cosine between them.
 pub const LEAST_ALIGNMENT: f64 = 0.5;
 
-/// Margin about the method's formal order in a scene whose forces [jump](Rough::Jumps), where three runs that show an
-/// order confirm a smooth solution. The order between that of jumps and that of the method comes by chance.
+/// Margin in the order for a scene whose forces [jump](Rough::Jumps): if three runs show the method's formal order
+/// within it, the solution is treated as smooth at these steps. A wider margin would admit orders between that of jumps
+/// and that of the method, which come by chance.
 pub const SMOOTH_MARGIN: f64 = 0.25;
 /// As [`LEAST_ALIGNMENT`] there: differences made by jumps point anywhere. Heun on the paper's gear without a jump in sight has 0.84.
 pub const SMOOTH_ALIGNMENT: f64 = 0.8;
@@ -208,7 +209,7 @@ impl Basis {
 pub struct Estimate {
     /// The uncertainty, in the unit of what was estimated; never negative.
     pub u: f64,
-    /// Evidence for the value.
+    /// Kind of evidence for the value.
     pub basis: Basis,
     /// Order observed from three runs.
     pub observed_order: Option<f64>,

@@ -127,7 +127,7 @@ pub struct EnergyAudit {
     pub damping_j: f64,
     /// Lost by friction, J.
     pub friction_j: f64,
-    /// Part of that in contacts, J; this and the next three are `None` where nothing rubs so.
+    /// Friction losses in contacts, J; this and the next three are `None` where nothing rubs so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_friction_j: Option<f64>,
     /// In the bearings of eccentrics or cranks, J.

@@ -11,7 +11,7 @@ pub struct Language {
     manifest: &'static str,
     /// Name of the file, and its text.
     source: [&'static str; 2],
-    /// True if it includes the header of the law library.
+    /// True if the source includes the header of the law library.
     header: bool,
 }
 

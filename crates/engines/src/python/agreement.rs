@@ -16,7 +16,7 @@ use crate::engine::{Ending, Halt};
 pub struct Agreement {
     /// States compared.
     pub states: usize,
-    /// Number of those in which something touches.
+    /// Number of states in which something touches.
     pub loaded: usize,
     /// Largest force in any state, N.
     pub largest_n: f64,

@@ -9,7 +9,7 @@ use crate::Distance;
 pub struct Level {
     /// Method.
     pub integrator: String,
-    /// Setting that determines its steps, in words.
+    /// Setting that determines the level's steps, in words.
     pub setting: String,
     /// Evaluations of the forces.
     pub evaluations: u64,

@@ -227,7 +227,7 @@ impl Pinned {
         }
     }
 
-    /// Adds the leaves' parts to the right-hand sides, then those of the hubs' solutions.
+    /// Adds the leaves' parts to the right-hand sides, then replaces those of the hubs by their solutions.
     #[inline]
     pub(super) fn eliminate(&self, bodies: &mut [Vector3<f64>], constraints: &mut [Vector3<f64>]) {
         for (body, own) in &self.carriers {

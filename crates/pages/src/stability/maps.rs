@@ -34,7 +34,7 @@ fn shown_step(cell: &Cell) -> String {
 #[derive(Default)]
 struct Place {
     text: String,
-    /// Key by which it is sorted.
+    /// Key by which the places of a map are sorted.
     key: Option<f64>,
     shade: Option<f64>,
     mark: Mark,

@@ -52,7 +52,7 @@ pub struct Study {
     pub tiles: Vec<Tile>,
     /// Blocks below the figures.
     pub below: Vec<Block>,
-    /// Blocks beside all that, if there is something to look at.
+    /// Blocks beside answer and figures, if there is something to look at.
     pub aside: Vec<Block>,
     /// The study itself, in order; each has a link in the top bar.
     pub sections: Vec<Section>,
@@ -203,7 +203,7 @@ pub enum Block {
     Details {
         /// The line.
         summary: String,
-        /// Blocks that appear when it is opened.
+        /// Blocks behind the line.
         blocks: Vec<Block>,
     },
     /// One of a list, folded.
@@ -212,7 +212,7 @@ pub enum Block {
     Later {
         /// The line.
         summary: String,
-        /// Table that appears when it is opened.
+        /// Table behind the line.
         table: Table,
     },
     /// Text as a terminal or a file shows it.
@@ -259,9 +259,9 @@ pub struct Item {
     pub said: String,
     /// Place of the verdict: its quantity and window.
     pub beside: String,
-    /// True if it is unfolded at first.
+    /// True if the item is unfolded at first.
     pub open: bool,
-    /// Blocks that appear when it is opened.
+    /// Blocks behind the item's line.
     pub blocks: Vec<Block>,
 }
 

@@ -26,7 +26,7 @@ pub struct CaseCheck {
     /// Hash of every bit of the new run; 0 where there is none.
     #[serde(skip)]
     pub bits: u64,
-    /// Reason why it cannot be compared: diverged, not in the baseline, gone from the set.
+    /// Reason why the case cannot be compared: diverged, not in the baseline, gone from the set.
     pub trouble: Option<String>,
     /// Verdict on the case.
     pub verdict: Verdict,

@@ -126,7 +126,7 @@ pub struct Listed {
     pub name: String,
     /// Number of its scenes.
     pub scenes: usize,
-    /// Program and machine that made it.
+    /// Program and machine that made the baseline.
     pub made: Made,
     /// Every acceptance, oldest first.
     pub accepted: Vec<Acceptance>,
@@ -360,7 +360,7 @@ fn share(what: &str, value: f64, most: f64) -> Result<(), String> {
     }
 }
 
-/// True if every number in it is finite: TOML knows `inf` and `nan`, and neither can be compared with.
+/// True if every number in `value` is finite: TOML knows `inf` and `nan`, and neither can be compared with.
 fn is_finite(value: &toml::Value) -> bool {
     match value {
         toml::Value::Float(number) => number.is_finite(),

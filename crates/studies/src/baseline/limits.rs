@@ -12,8 +12,9 @@ pub const ROUNDING_MARGIN: f64 = 30.0;
 /// a large share of the error already; a result then counts as the same up to this many times it.
 pub const FLIP_MARGIN: f64 = 3.0;
 
-/// Bound of accumulated rounding, as a share of the quantity's size. A larger difference is such a case (measured:
-/// roundings make 1e-15 to 6e-10, the largest on steel; one step more or less makes 1e-7 and more).
+/// Bound of accumulated rounding, as a share of the quantity's size. A larger difference is due to a rejected step as
+/// for [`FLIP_MARGIN`] (measured: roundings make 1e-15 to 6e-10, the largest on steel; one step more or less makes 1e-7
+/// and more).
 pub const LARGEST_ROUNDING: f64 = 1e-8;
 
 /// No difference below this share counts: 1e4 steps of roundings of 1e-16 each, all one way.

@@ -145,7 +145,7 @@ pub struct Row {
     pub engine: String,
     /// Cases.
     pub cases: usize,
-    /// Number of those covered.
+    /// Number of covered cases.
     pub covered: usize,
     /// Median of u over the error; NaN without cases.
     pub sharpness: f64,

@@ -162,7 +162,7 @@ const ROUNDING: f64 = 1e-6;
 pub struct Largest<'a> {
     /// The engine, or the measured data.
     pub engine: &'a str,
-    /// True if it is measured data.
+    /// True if `engine` is measured data.
     pub measured: bool,
     /// Column or group of columns: the largest force, or the mean torque.
     pub quantity: &'static str,
@@ -172,7 +172,7 @@ pub struct Largest<'a> {
     pub there: f64,
     /// Run with the engine's real contacts, if those are not the scene's law.
     pub twin: Option<&'a Twin>,
-    /// Verdict on the two in it, if they were compared.
+    /// Verdict on the two values, if they were compared.
     pub verdict: Option<Verdict>,
 }
 
@@ -183,7 +183,7 @@ impl Largest<'_> {
         (self.there / self.here - 1.0).abs()
     }
 
-    /// True if there is no difference, or if the engine's own contacts explain it: it agrees with its twin.
+    /// True if the two agree, or if the engine's own contacts explain the difference: the engine agrees with its twin.
     #[must_use]
     pub fn is_explained(&self) -> bool {
         let twin = self.twin.map(|twin| twin.verdict);

@@ -101,11 +101,11 @@ struct Engines<'a> {
     gearbox: Gearbox,
     /// Setting that determines the engine's error.
     knob: Knob,
-    /// Order of the error in a step.
+    /// Order of the engine's error in a step.
     order: f64,
     /// Step (s) or tolerance of the finest run.
     value: f64,
-    /// True if its friction is not ours or explicit: at a prescribed step more may not be asked of it.
+    /// True if the engine's friction is not ours or explicit: at a prescribed step more may not be asked of the engine.
     explicit_friction: bool,
     /// Error that the engine's iterations leave, whatever its step.
     floor: f64,
@@ -218,7 +218,8 @@ impl<'a> Engines<'a> {
         self.gearbox.scene.contact.friction_coefficient > 0.0
     }
 
-    /// True if it is a native form with steps of Dormand-Prince: `etd-adams` takes these where there is no Jacobian.
+    /// True if the engine is a native form with steps of Dormand-Prince: `etd-adams` takes these where there is no
+    /// Jacobian.
     fn is_runge_kutta(&self) -> bool {
         let family = method(&self.gearbox.scene.solver.integrator).map(|method| method.family);
         match self.own.info().form {

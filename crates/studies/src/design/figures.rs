@@ -351,7 +351,7 @@ impl Definition {
 }
 
 impl DesignFigure {
-    /// True if it is a figure of lost motion.
+    /// True if the figure is one of lost motion.
     #[must_use]
     pub fn is_lost_motion(&self) -> bool {
         [LOST_MOTION.key, LOST_MOTION_RUN.key].contains(&self.key)

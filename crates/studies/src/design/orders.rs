@@ -19,7 +19,7 @@ pub struct Harmonic {
     pub output_order: f64,
     /// Amplitude, half of its peak to peak, arcmin.
     pub amplitude_arcmin: f64,
-    /// Source that repeats that often: `external mesh`, `internal mesh`, a multiple of both, or neither.
+    /// Source of the harmonic: `external mesh`, `internal mesh`, a multiple of both, or neither.
     pub of: &'static str,
 }
 
@@ -32,7 +32,7 @@ pub struct ForceHarmonic {
     pub output_order: f64,
     /// Amplitude, half of its peak to peak, N.
     pub amplitude_n: f64,
-    /// Source that repeats that often, as for [`Harmonic`].
+    /// Source of the harmonic, as for [`Harmonic`].
     pub of: &'static str,
 }
 
