@@ -40,11 +40,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
     })?;
     found.write(folder.path(), &Provenance::here(args::typed()))?;
     let place = folder.publish()?;
-    name_idle(
-        args.scene.set.iter(),
-        &idle,
-        "the time series of this scene",
-    );
+    name_idle(&args.scene.set, &idle, "the time series of this scene");
     let time_series = place.join(single::file(&found.run.ending));
     let time_series = time_series.display();
 
