@@ -26,7 +26,9 @@
 //! ```
 
 mod align;
+mod cells;
 mod error;
+mod lines;
 mod map;
 mod read;
 mod resample;

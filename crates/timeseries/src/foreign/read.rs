@@ -1,10 +1,12 @@
 //! Reading a foreign file: columns found, cells converted, bad rows named.
 
-use std::collections::{HashMap, HashSet};
-use std::io::{self, BufRead, BufReader, Cursor, Read};
+use std::collections::HashSet;
+use std::io::Read;
 
+use super::cells::{clock, number};
 use super::error::{ForeignError, first_of, short};
-use super::map::{BadRows, ColumnRef, FileFormat, Map, Twice, Unwrap};
+use super::lines::{Header, Lines};
+use super::map::{BadRows, ColumnRef, Map, Twice, Unwrap};
 use crate::{TimeSeries, columns, group_of, units};
 
 /// Bad rows kept with their reason; the others are counted as one.
@@ -14,9 +16,6 @@ const FEWEST_ROWS: usize = 10;
 
 /// Columns of ours that one of the file may feed: thousands would make a small file a large one in memory.
 const MOST_USES: usize = 16;
-
-/// Columns of a file without a header at most.
-const MOST_COLUMNS: usize = 10_000;
 
 /// Largest magnitude of a value in our units: squares and sums of such stay finite.
 const LARGEST: f64 = 1e100;
@@ -281,129 +280,6 @@ fn once(times: &mut Vec<f64>, values: &mut [Vec<f64>], twice: Twice) -> Option<(
     Some((repeated.len(), first))
 }
 
-/// A number as the file writes it; or why it is none.
-fn number(text: &str, format: &FileFormat) -> Result<f64, String> {
-    let comma = format.decimal == ",";
-    let parsed = |text: &str| text.parse::<f64>().ok().filter(|value| value.is_finite());
-    if let Some(value) = parsed(text).filter(|_| !comma) {
-        return Ok(value);
-    }
-    let decimal = if comma { ',' } else { '.' };
-    let shown = short(text);
-    let plain = match format.thousands.as_deref() {
-        None if comma && text.contains('.') => {
-            return Err(format!(
-                "`{shown}` has a point where file.decimal is a comma: write thousands = \".\" or decimal = \".\" under [file]"
-            ));
-        }
-        None => text.to_owned(),
-        Some(mark) => {
-            let is_mark = |c: char| match mark {
-                " " => c.is_whitespace(),
-                "'" => ['\'', '\u{2019}'].contains(&c),
-                _ => mark.contains(c),
-            };
-            let (whole, rest) = text.split_at(text.find(decimal).unwrap_or(text.len()));
-            let first = whole.find(is_mark).unwrap_or_default();
-            let mut groups = whole.split(is_mark).skip(1);
-            let first = whole[..first].trim_start_matches(['+', '-']).len();
-            if rest.contains(is_mark) || first > 3 || !groups.all(|group| group.len() == 3) {
-                return Err(format!("`{shown}` has marks of thousands elsewhere"));
-            }
-            whole.replace(is_mark, "") + rest
-        }
-    };
-    // Fortran writes 1.5D-03 for a double, some spreadsheets a minus that is no hyphen.
-    let plain = plain.replace(decimal, ".").replace(['D', 'd'], "E");
-    let plain = plain.replace('\u{2212}', "-");
-    parsed(&plain).ok_or_else(|| {
-        if text.contains(':') {
-            format!("`{shown}` is no clock time as it is read: write hh:mm:ss.fff, or seconds")
-        } else if parsed(&text.replace(',', "")).is_some() {
-            format!(
-                "`{shown}` has a comma where file.decimal is a point: write decimal = \",\" or thousands = \",\" under [file]"
-            )
-        } else {
-            format!("`{shown}` is not a number")
-        }
-    })
-}
-
-/// Seconds since midnight of a clock time `hh:mm:ss.fff`, which may have a date before it.
-fn clock(text: &str) -> Option<f64> {
-    let text = text.strip_suffix('Z').unwrap_or(text);
-    let (_, time) = text.rsplit_once([' ', 'T']).unwrap_or(("", text));
-    let mut parts = time.split(':');
-    let (hours, minutes, seconds) = (parts.next()?, parts.next()?, parts.next()?);
-    let whole = |text: &str| text.parse::<u16>().ok().map(f64::from);
-    let (hours, minutes) = (whole(hours)?, whole(minutes)?);
-    let seconds: f64 = seconds.replace(',', ".").parse().ok()?;
-    let sound = parts.next().is_none() && minutes < 60.0 && (0.0..61.0).contains(&seconds);
-    sound.then_some(3600.0 * hours + 60.0 * minutes + seconds)
-}
-
-/// Names of the file's columns.
-struct Header {
-    names: Vec<String>,
-    /// Where each name stands first, and where next; empty without a header, where columns go by number only.
-    places: HashMap<String, (usize, Option<usize>)>,
-}
-
-impl Header {
-    fn name(&self, index: usize) -> String {
-        let name = self.names.get(index).cloned();
-        name.unwrap_or_else(|| (index + 1).to_string())
-    }
-
-    /// Where a column stands, if it does.
-    fn find(&self, key: &str, column: &ColumnRef) -> Result<Option<usize>, ForeignError> {
-        match column {
-            ColumnRef::Name(name) => match self.places.get(name.trim()) {
-                Some((first, Some(second))) => Err(ForeignError(format!(
-                    "`{key}`: the columns {} and {} are both called `{}`; write the number of the one that is meant in the place of \
-                     its name",
-                    first + 1,
-                    second + 1,
-                    short(name)
-                ))),
-                found => Ok(found.map(|(first, _)| *first)),
-            },
-            ColumnRef::Number(number) => {
-                let index = number.checked_sub(1);
-                Ok(index.filter(|index| *index < self.names.len()))
-            }
-        }
-    }
-
-    fn place(&self, key: &str, column: &ColumnRef) -> Result<usize, ForeignError> {
-        self.find(key, column)?.ok_or_else(|| {
-            let names = self.names.iter().map(|name| format!("`{}`", short(name)));
-            let there = match names.collect::<Vec<_>>() {
-                none if none.is_empty() => "none: check file.separator".to_owned(),
-                names => first_of(&names, 12, ", "),
-            };
-            ForeignError(format!(
-                "`{key}`: the file has no column `{column}`; it has {there}"
-            ))
-        })
-    }
-
-    /// The first numbered column of a pattern that stands outside of `numbers`.
-    fn outside(&self, pattern: &ColumnRef, numbers: &std::ops::Range<usize>) -> Option<&str> {
-        let ColumnRef::Name(pattern) = pattern else {
-            return None;
-        };
-        let (head, tail) = pattern.trim().split_once('*')?;
-        let number = |name: &str| {
-            let digits = name.strip_prefix(head)?.strip_suffix(tail)?;
-            let number: usize = digits.parse().ok()?;
-            (number.to_string() == digits).then_some(number)
-        };
-        let mut names = self.names.iter().map(String::as_str);
-        names.find(|name| number(name).is_some_and(|number| !numbers.contains(&number)))
-    }
-}
-
 /// Our columns, `*` written out; a plain name wins over a pattern.
 fn wanted(map: &Map, header: &Header) -> Result<Vec<Wanted>, ForeignError> {
     let mut list: Vec<Wanted> = Vec::new();
@@ -496,137 +372,6 @@ fn wanted(map: &Map, header: &Header) -> Result<Vec<Wanted>, ForeignError> {
         }
     }
     Ok(list)
-}
-
-/// Rows of cells with their line numbers.
-struct Lines<'a> {
-    reader: csv::Reader<Box<dyn BufRead + 'a>>,
-    record: csv::ByteRecord,
-    /// Lines before the reader's first.
-    skipped: usize,
-    /// Any number of blanks stands between cells; comments may be indented then.
-    blanks: bool,
-    comment: Option<u8>,
-}
-
-/// First bytes of files that are no text, and what they are.
-const NO_TEXT: [(&[u8], &str); 6] = [
-    (
-        b"PK\x03\x04",
-        "a zip archive or a workbook of a spreadsheet",
-    ),
-    (b"MATLAB 5", "a MAT-file"),
-    (b"\x89HDF", "an HDF5 file"),
-    (b"TDSm", "a TDMS file"),
-    (b"MDF  ", "an MDF file"),
-    (b"PAR1", "a Parquet file"),
-];
-
-/// The text without its mark, as UTF-8 where its first bytes show UTF-16, which spreadsheets and loggers write.
-fn decoded<'a>(source: impl Read + 'a) -> io::Result<Box<dyn BufRead + 'a>> {
-    let mut source = BufReader::new(source);
-    let start = source.fill_buf()?;
-    let mut kinds = NO_TEXT.iter();
-    if let Some((_, kind)) = kinds.find(|(first, _)| start.starts_with(first)) {
-        return Err(io::Error::other(format!("it is {kind}")));
-    }
-    let pair = match start {
-        [0xff, 0xfe, ..] => u16::from_le_bytes,
-        [0xfe, 0xff, ..] => u16::from_be_bytes,
-        // Without a mark the first letter shows it.
-        [first, 0, ..] if *first > 0 => u16::from_le_bytes,
-        [0, second, ..] if *second > 0 => u16::from_be_bytes,
-        start => {
-            let mark = 3 * usize::from(start.starts_with("\u{feff}".as_bytes()));
-            source.consume(mark);
-            return Ok(Box::new(source));
-        }
-    };
-    let mut bytes = Vec::new();
-    source.read_to_end(&mut bytes)?;
-    let (pairs, _) = bytes.as_chunks::<2>();
-    let units: Vec<u16> = pairs.iter().map(|&bytes| pair(bytes)).collect();
-    let text = String::from_utf16_lossy(&units);
-    let text = text.trim_start_matches('\u{feff}').to_owned();
-    Ok(Box::new(Cursor::new(text.into_bytes())))
-}
-
-impl<'a> Lines<'a> {
-    fn new(source: impl Read + 'a, format: &FileFormat) -> Result<Self, ForeignError> {
-        let mut source = decoded(source).map_err(ForeignError::unreadable)?;
-        for _ in 0..format.skip_lines {
-            source.skip_until(b'\n').map_err(ForeignError::unreadable)?;
-        }
-        let comment = format.comment.as_ref().and_then(|text| text.bytes().next());
-        let separator = format.separator_byte();
-        let reader = csv::ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .delimiter(separator.unwrap_or(b' '))
-            .quoting(separator.is_some())
-            .comment(comment)
-            .from_reader(source);
-        Ok(Self {
-            reader,
-            record: csv::ByteRecord::new(),
-            skipped: format.skip_lines,
-            blanks: separator.is_none(),
-            comment,
-        })
-    }
-
-    /// The next row that is not empty.
-    fn next(&mut self) -> Result<Option<(usize, Vec<String>)>, ForeignError> {
-        let unreadable = ForeignError::unreadable;
-        while (self.reader.read_byte_record(&mut self.record)).map_err(unreadable)? {
-            let mut cells = Vec::new();
-            for cell in &self.record {
-                // Old exports are Latin-1: names and units may hold what is no UTF-8.
-                let cell = String::from_utf8_lossy(cell);
-                if self.blanks {
-                    cells.extend(cell.split_whitespace().map(str::to_owned));
-                } else {
-                    cells.push(cell.into_owned());
-                }
-            }
-            let first = cells.first().and_then(|cell| cell.bytes().next());
-            let is_comment = self.blanks && first.is_some() && first == self.comment;
-            if !cells.is_empty() && !is_comment {
-                let line = self.record.position().map_or(0, csv::Position::line);
-                return Ok(Some((line as usize + self.skipped, cells)));
-            }
-        }
-        Ok(None)
-    }
-
-    fn header(&mut self, format: &FileFormat) -> Result<Header, ForeignError> {
-        if !format.header {
-            return Ok(Header {
-                names: (1..=MOST_COLUMNS)
-                    .map(|number| number.to_string())
-                    .collect(),
-                places: HashMap::new(),
-            });
-        }
-        let (_, cells) = self.next()?.unwrap_or_default();
-        for _ in 0..format.lines_after_header {
-            self.next()?;
-        }
-        let clean = |name: &String| {
-            let name = name.trim().trim_matches('"');
-            name.trim().to_owned()
-        };
-        let names: Vec<String> = cells.iter().map(clean).collect();
-        let mut places: HashMap<String, (usize, Option<usize>)> = HashMap::new();
-        for (index, name) in names.iter().enumerate() {
-            let known = places.entry(name.clone());
-            let place = known.and_modify(|(_, second)| {
-                second.get_or_insert(index);
-            });
-            place.or_insert((index, None));
-        }
-        Ok(Header { names, places })
-    }
 }
 
 #[cfg(test)]
