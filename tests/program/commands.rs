@@ -647,7 +647,7 @@ fn program_fits_a_screen() {
         .map(str::to_owned)
         .to_vec();
     let commands = "run compare bench record explain init design fmu sweep engines stability laws schema paper solver \
-                    baseline calibrate open completions man";
+                    baseline calibrate open completions";
     asked.extend(commands.split_whitespace().map(|c| format!("{c} --help")));
     for words in &asked {
         let outcome = run_in(dir.path(), words.split(' '));
@@ -659,7 +659,7 @@ fn program_fits_a_screen() {
 }
 
 #[test]
-fn program_opens_completes_and_has_a_manual() {
+fn program_opens_and_completes() {
     let dir = tempfile::tempdir().unwrap();
     let nothing = run_in(dir.path(), ["open", "--print"]);
     assert_eq!(nothing.code, Some(2), "{nothing:?}");
@@ -680,14 +680,6 @@ fn program_opens_completes_and_has_a_manual() {
         let script = done(run_in(dir.path(), ["completions", shell]));
         assert!(script.contains("stability"), "{shell}");
     }
-    let page = done(run_in(dir.path(), ["man"]));
-    assert!(page.contains(".TH pinwheel 1"), "{page}");
-    done(run_in(dir.path(), ["man", "--out", "man1"]));
-    let pages = names_in(&dir.path().join("man1"));
-    assert!(
-        pages.iter().any(|name| name == "pinwheel-compare.1"),
-        "{pages:?}"
-    );
 }
 
 /// Pages outlive what they name: links lead to files and headings, commands and their flags are those of this program.

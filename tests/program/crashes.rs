@@ -31,7 +31,7 @@ struct Writer {
 const SWEEP: &str = "name = \"s\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.02\n\
     [vary]\ngear.backlash_m = { from = 0.0, to = 3.0e-4, points = 12 }\n";
 
-const WRITERS: [Writer; 16] = [
+const WRITERS: [Writer; 15] = [
     writer(
         "run paper --set solver.duration_s=0.4 --out out",
         "out",
@@ -92,7 +92,6 @@ const WRITERS: [Writer; 16] = [
     ),
     writer("fmu mine.toml --out gear.fmu", "gear.fmu", &["gear.fmu"]),
     writer("calibrate mine.toml --out out", "out", &[]),
-    writer("man --out out", "out", &["pinwheel.1"]),
     writer("baseline record --dir out new", "out/new", &[]),
 ];
 

@@ -315,11 +315,7 @@ fn regress_what_a_kill_leaves_is_named_and_stays() {
     let remedy = format!("note: a command that was killed left what `rm -r {new}` removes\n");
     let init =
         "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500";
-    for words in [
-        "run paper --set solver.duration_s=0.002 --out o",
-        init,
-        "man --out .",
-    ] {
+    for words in ["run paper --set solver.duration_s=0.002 --out o", init] {
         let outcome = within(
             start(dir.path(), &words.split(' ').collect::<Vec<_>>()),
             60.0,
@@ -356,7 +352,6 @@ fn bad_input_single_files_replace_only_their_like() {
     for (words, file, more) in [
         (format!("{junit} f.xml"), "f.xml", ""),
         ("fmu s.toml --out f.fmu".to_owned(), "f.fmu", ""),
-        ("man --out .".to_owned(), "pinwheel.1", ""),
         (init.to_owned(), "f.toml", " --force"),
     ] {
         let run = |more: &str| run_in(dir.path(), format!("{words}{more}").split(' '));

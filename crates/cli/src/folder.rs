@@ -184,21 +184,10 @@ pub(crate) fn check(path: &Path, ours: Ours<'_>) -> Result<(), Failure> {
 
 /// Writes a file by itself, over none but one that is `ours`; a stop before leaves nothing.
 pub(crate) fn replace(path: &Path, bytes: &[u8], ours: Ours<'_>) -> Result<(), Failure> {
-    replace_all(&[(path.to_owned(), bytes)], ours)
-}
-
-/// Writes files that belong together.
-pub(crate) fn replace_all(
-    files: &[(PathBuf, impl AsRef<[u8]>)],
-    ours: Ours<'_>,
-) -> Result<(), Failure> {
     interrupt::watched();
     interrupt::check()?;
-    files
-        .first()
-        .into_iter()
-        .for_each(|(path, _)| name_leftovers(path));
-    file::replace_all(files, ours).map_err(|error| refused(&error))
+    name_leftovers(path);
+    file::replace(path, bytes, ours).map_err(|error| refused(&error))
 }
 
 /// Checks that verdicts may be written as a JUnit file, before anything long is run.

@@ -61,7 +61,6 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Paper(args) => commands::paper::paper(args),
         Command::Open(args) => commands::open::open(args),
         Command::Completions { shell } => commands::shell::completions(*shell),
-        Command::Man { out } => commands::shell::man(out.as_deref()),
     };
     done.map(|()| 0)
 }

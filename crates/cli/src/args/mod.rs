@@ -140,13 +140,6 @@ pub(crate) enum Command {
         /// Which shell.
         shell: clap_complete::Shell,
     },
-    /// Print the man page, or write those of all commands.
-    #[command(after_help = include_str!("../../help/man.txt").trim_ascii_end())]
-    Man {
-        /// Folder for the pages of the program and all its commands.
-        #[arg(long, short, value_name = "DIR")]
-        out: Option<PathBuf>,
-    },
 }
 
 /// Which scene.
@@ -303,7 +296,6 @@ const GROUPS: [(&str, &[&str]); 4] = [
             "baseline",
             "schema",
             "completions",
-            "man",
         ],
     ),
 ];
