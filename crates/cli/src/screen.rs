@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Write as _};
 use std::path::Path;
 use std::sync::OnceLock;
 
-use pinwheel::report::sanitize::{address, sanitize, shortened};
+use pinwheel::report::sanitize::{sanitize, shortened};
 use pinwheel::report::terminal::{BAD, paragraph, styled};
 use pinwheel::studies::output::reason;
 
@@ -74,20 +74,14 @@ pub(crate) fn show_found(text: &str, folder: &Path, file: &str) -> Result<(), Fa
     Ok(())
 }
 
-/// Writes a study's text or JSON, and where its page is. On terminals that know links, the place is one to click.
+/// Writes a study's text or JSON, then the path of its page.
 pub(crate) fn show_with_page(text: &str, page: &Path) -> Result<(), Failure> {
     let folder = page.parent().unwrap_or(page);
     show_found(text, folder, SUMMARY)?;
     if manner().json {
         return Ok(());
     }
-    let place = page.display().to_string();
-    let place = sanitize(&place, false);
-    let linked = supports_hyperlinks::on(supports_hyperlinks::Stream::Stdout);
-    let line = match address(page).filter(|_| linked) {
-        Some(address) => format!("\u{1b}]8;;{address}\u{1b}\\{place}\u{1b}]8;;\u{1b}\\"),
-        None => place,
-    };
+    let line = sanitize(&page.display().to_string(), false);
     let mut stdout = std::io::stdout().lock();
     // The results are out already.
     let _ = writeln!(stdout, "page: {line}").and_then(|()| stdout.flush());

@@ -1,34 +1,11 @@
-//! Text that steers no terminal, whatever a file or a name holds, and addresses that terminals make links of.
+//! Text that steers no terminal, whatever a file or a name holds.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
 use pinwheel_files::output::steers;
 
 /// Characters of a message at most: less than a screen.
 const LONGEST: usize = 1600;
-
-/// A file as browsers and terminals name it, `file:///...`; nothing but what a link may hold.
-#[must_use]
-pub fn address(file: &Path) -> Option<String> {
-    let file = file.canonicalize().ok()?;
-    let path = file
-        .to_str()?
-        .trim_start_matches(r"\\?\")
-        .replace('\\', "/");
-    let mut address = "file://".to_owned();
-    if !path.starts_with('/') {
-        address.push('/'); // a drive's letter
-    }
-    for byte in path.bytes() {
-        if byte.is_ascii_alphanumeric() || b"/-_.~:".contains(&byte) {
-            address.push(char::from(byte));
-        } else {
-            let _ = write!(address, "%{byte:02X}");
-        }
-    }
-    Some(address)
-}
 
 /// A message without its middle, if it is longer than a screen: what is wrong comes first, the remedy last.
 #[must_use]
@@ -105,17 +82,6 @@ mod tests {
         let json = serde_json::to_string("\u{9b}\u{1b}").unwrap();
         let back: String = serde_json::from_str(&sanitize(&json, true)).unwrap();
         assert_eq!(back, "\u{9b}\u{1b}");
-    }
-
-    #[test]
-    fn links_hold_nothing_that_ends_them() {
-        let dir = tempfile::tempdir().unwrap();
-        let file = dir.path().join("a b\u{e9}%;.html");
-        std::fs::write(&file, "").unwrap();
-        let address = address(&file).unwrap();
-        assert!(address.starts_with("file:///"), "{address}");
-        assert!(address.ends_with("/a%20b%C3%A9%25%3B.html"), "{address}");
-        assert_eq!(super::address(Path::new("/no/such/file")), None);
     }
 
     #[test]
