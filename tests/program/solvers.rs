@@ -121,11 +121,6 @@ fn crossval_python_conforms() {
     conforms("python", "python3");
 }
 
-#[test]
-fn crossval_julia_conforms() {
-    conforms("julia", "julia");
-}
-
 fn time_series(folder: &Path, words: &[&str]) -> TimeSeries {
     let ran = run_in(folder, words);
     assert_eq!(ran.code, Some(0), "{words:?}\n{}", ran.stderr);
