@@ -234,6 +234,64 @@ fn records(fine: &TimeSeries, gain: f64) -> Vec<Record> {
             }),
         ),
         (
+            "n-m",
+            "[columns]\ninput_torque_n_m = { column = \"T\", unit = \"N-m\" }\n",
+            TORQUE,
+            factor(1.0),
+        ),
+        (
+            "kilo",
+            "[columns]\ninput_torque_n_m = { column = \"T\", unit = \"kNm\" }\n",
+            TORQUE,
+            factor(1e3),
+        ),
+        (
+            "lbf-in",
+            "[columns]\ninput_torque_n_m = { column = \"T\", unit = \"lbf*in\" }\n",
+            TORQUE,
+            factor(0.1129848290),
+        ),
+        (
+            "tab",
+            "[file]\nseparator = \"tab\"\n[columns]\ninput_torque_n_m = \"T\"\n",
+            TORQUE,
+            text("time_s\tT", &mut all(), &|k| {
+                format!("{}\t{}", time(k), torque(k))
+            }),
+        ),
+        (
+            "pipe",
+            "[file]\nseparator = \"|\"\n[columns]\ninput_torque_n_m = \"T\"\n",
+            TORQUE,
+            text("time_s|T", &mut all(), &|k| {
+                format!("{}|{}", time(k), torque(k))
+            }),
+        ),
+        (
+            "minutes",
+            "[time]\nunit = \"min\"\n[columns]\ninput_torque_n_m = \"T\"\n",
+            TORQUE,
+            text("time_s,T", &mut all(), &|k| {
+                format!("{},{}", time(k) / 60.0, torque(k))
+            }),
+        ),
+        (
+            "comments",
+            "[file]\ncomment = \"#\"\n[columns]\ninput_torque_n_m = \"T\"\n",
+            TORQUE,
+            text("# rig 7\ntime_s,T", &mut all(), &|k| {
+                format!("{},{}", time(k), torque(k))
+            }),
+        ),
+        (
+            "no-header",
+            "[file]\nheader = false\nskip_lines = 1\n[time]\ncolumn = 2\n[columns]\ninput_torque_n_m = 1\n",
+            TORQUE,
+            text("rig 7", &mut all(), &|k| {
+                format!("{},{}", torque(k), time(k))
+            }),
+        ),
+        (
             "noise",
             "[rows]\nbad = \"skip\"\n[columns]\ninput_torque_n_m = \"T\"\n",
             TORQUE,
