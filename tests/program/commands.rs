@@ -197,6 +197,18 @@ fn program_diverged_run_ends_with_3_and_keeps_what_there_is() {
     assert!(!time_series.is_empty() && time_series.time_s().iter().all(|&t| t <= diverged_at));
 }
 
+/// An engine that was asked for and cannot run the scene is status 3, and then the summary says no pass.
+#[test]
+fn program_a_summary_passes_only_with_status_0() {
+    for (engines, code) in [("", 0), (",rapier-own-contact-colliders", 3)] {
+        let (ended, text, summary) = compared(&words(&format!(
+            "toleranced --engines native-reduced,native-lagrange{engines} --set solver.duration_s=0.004"
+        )));
+        assert_eq!(ended, Some(code), "{text}");
+        assert_eq!(summary["passed"], code == 0, "{text}");
+    }
+}
+
 #[test]
 fn program_compare_goes_on_when_engines_diverge() {
     let dir = tempfile::tempdir().unwrap();

@@ -451,6 +451,10 @@ fn crossval_nothing_shown_of_a_solver_is_no_pass() {
         assert_eq!(done.code, Some(code), "{}{}", done.stdout, done.stderr);
         assert!(top.join(" ").contains(line), "{}", done.stdout);
         if words == compare {
+            // Programs that read the summary see no pass that the status denies.
+            let summary = std::fs::read_to_string(folder.path().join("out/summary.json"));
+            let passed = summary.expect("summary").contains("\"passed\": true");
+            assert_eq!(passed, code == 0, "{line}");
             let junit = std::fs::read_to_string(folder.path().join("junit.xml")).expect("junit");
             assert!(
                 junit.contains(&format!("failures=\"{failures}\"")),

@@ -18,7 +18,7 @@ const MOST: usize = 32;
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Time for who was refused to read why, before what it still sends is cut off.
 const LINGER: Duration = Duration::from_millis(200);
-/// How often a connection is looked at whose question is being answered.
+/// Interval between two looks at a connection whose question is being answered.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// A question, as it was sent.

@@ -59,7 +59,7 @@ pub enum FolderError {
     Output(#[from] OutputError),
 }
 
-/// How a folder is asked for.
+/// Request for an output folder.
 #[derive(Debug, Clone, Default)]
 pub struct Request {
     /// Command for the manifest: one that can be typed again.

@@ -65,7 +65,7 @@ fn fifo(path: &Path) {
     assert!(made.success());
 }
 
-/// How an output may be met again: replaced, kept but for `--force`, or kept whatever is asked for.
+/// Treatment of an earlier output: replaced, kept but for `--force`, or kept always.
 #[derive(Debug, PartialEq)]
 enum Met {
     Replaced,

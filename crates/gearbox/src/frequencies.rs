@@ -77,7 +77,7 @@ impl Frequencies {
 /// up to twice as large. At 2.8 one of a hundred gears had a driver's torque 14 % off with a u of 0.03 %.
 const FOLLOWED: f64 = 1.0;
 
-/// How many times shorter explicit steps must be to follow the friction of a scene; `None` where they do. Longer ones chatter from
+/// Factor by which explicit steps must be shorter to follow the friction of a scene; `None` if they do. Longer ones chatter from
 /// side to side of its ramp: two steps may do that alike, and then agree on a wrong force.
 #[must_use]
 pub fn unfollowed(scene: &Scene, step_s: f64) -> Option<f64> {

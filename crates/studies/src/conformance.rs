@@ -715,7 +715,7 @@ fn in_time(by: &str, begun: Instant, asked_s: f64) -> Seen {
 /// A scene by its name, and what makes it.
 type Case<'a> = (&'a str, &'a dyn Fn(&mut Scene));
 
-/// How the refusal of a scene begins ([`Ending::Unsupported`]).
+/// First words of the refusal of a scene ([`Ending::Unsupported`]).
 const CANNOT: &str = "cannot run this scene";
 
 /// Distance of a run from another.

@@ -32,9 +32,11 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         data: &data,
     };
     let effort = effort(args, &args.scene.scene, scene)?;
-    let found = watched("compare", |control| {
+    let mut found = watched("compare", |control| {
         comparison::run_with(&input, effort, control)
     })?;
+    // An engine that was asked for by name and is left out ends in an error.
+    found.comparison.passed &= found.broken(asked_by_name).is_none();
     let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
     let page = pages::comparison::page(&found, &made, interrupt::flag())?;

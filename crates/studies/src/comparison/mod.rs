@@ -141,7 +141,7 @@ pub fn run_with(
     };
     let comparison = compare(&context, &participants, &rules)?;
     let twins = twins::of(input.gearbox, &comparison, &participants, control)?;
-    Ok(Outcome {
+    let mut outcome = Outcome {
         gearbox: input.gearbox.clone(),
         comparison,
         participants,
@@ -149,7 +149,10 @@ pub fn run_with(
         assumptions: assumptions(scene),
         bands: band::of(input.gearbox, control)?,
         twins,
-    })
+    };
+    // Verdicts of pairs know neither twins nor runs that broke.
+    outcome.comparison.passed = outcome.exit_status() == 0 && outcome.broken(false).is_none();
+    Ok(outcome)
 }
 
 /// Differences of an engine's peaks from this on are explained, or the comparison confirms nothing.

@@ -207,7 +207,7 @@ impl<'a> Engines<'a> {
         plans.iter().filter_map(way).collect()
     }
 
-    /// How many times shorter than `value` its steps must be to follow explicit friction; `None` where they do.
+    /// Factor by which its steps must be shorter than `value` to follow explicit friction; `None` if they do.
     fn chatters(&self, value: f64) -> Option<f64> {
         let explicit = self.is_runge_kutta() || self.own.info().explicit_friction;
         let shorter = unfollowed(&self.gearbox.scene, value);

@@ -117,7 +117,7 @@ pub struct DesignFigure {
     /// Least and largest over the mesh, of what is one figure a pose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over_the_mesh: Option<[f64; 2]>,
-    /// How far either may be off numerically.
+    /// Numerical uncertainty of the least and of the largest value.
     #[serde(
         rename = "over_the_mesh_numerical_uncertainty",
         skip_serializing_if = "Option::is_none"

@@ -40,7 +40,7 @@ const SMALL_OVERLAP: f64 = 0.9;
 pub struct Shift {
     /// To be added to the record's times, s.
     pub seconds: f64,
-    /// How far it may be off, s.
+    /// Uncertainty of the shift, s.
     pub uncertainty_s: f64,
     /// Mean correlation there, at most 1.
     pub correlation: f64,

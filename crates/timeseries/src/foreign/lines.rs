@@ -143,7 +143,7 @@ impl<'a> Lines<'a> {
 /// Names of the file's columns.
 pub(super) struct Header {
     pub(super) names: Vec<String>,
-    /// Where each name stands first, and where next; empty without a header, where columns go by number only.
+    /// Index of each name's first column and of its second; empty without a header, as columns then go by number only.
     places: HashMap<String, (usize, Option<usize>)>,
 }
 
@@ -153,7 +153,7 @@ impl Header {
         name.unwrap_or_else(|| (index + 1).to_string())
     }
 
-    /// Where a column stands, if it does.
+    /// Returns the index of a column, if it is there.
     pub(super) fn find(
         &self,
         key: &str,
