@@ -63,7 +63,7 @@ pub fn native(scene: &Scene, integrator: &str, step_s: f64) -> TimeSeries {
     run("native", &scene)
 }
 
-/// The channels of a quantity: a single one, or one per sleeve.
+/// The channels of a quantity: a single one, or one per pin.
 #[must_use]
 pub fn channels<'a>(time_series: &'a TimeSeries, quantity: &str) -> Vec<&'a [f64]> {
     let group = time_series.group(quantity);

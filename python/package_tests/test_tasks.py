@@ -11,7 +11,7 @@ from conftest import ROOT
 WRONG = """\
 import pinwheel
 pinwheel.Scene("paper", backlsh_m=1)
-pinwheel.Scene("paper", wheels="two")
+pinwheel.Scene("paper", discs="two")
 pinwheel.Scene("paper").with_(law="papr")
 pinwheel.sweep("paper", vary={"backlsh_m": [0.0]})
 pinwheel.sweep("paper", vary={"backlash_m": [0.0]}, stp_s=1e-5)

@@ -49,7 +49,7 @@ def main(place: Path) -> None:
     # 8 A run, and one of its courses
     run = scene.run("native")
     assert run["external_sleeve_force_n"].shape == (41, 16) and dict(run).keys() == set(run)
-    # 9 The sleeve with the largest force, by its angle, in xarray
+    # 9 The pin with the largest force, by its angle, in xarray
     forces = run.to_xarray()["external_sleeve_force_n"]
     assert float(forces.max("time_s").idxmax("external_sleeve")) in range(16) and forces.attrs["units"] == "N"
     # 10 Spectra by way of pandas

@@ -1,7 +1,7 @@
 """Dynamics of cycloidal gearboxes, computed by several engines and compared.
 
-A cycloidal gearbox turns an eccentric input into a slow output: discs with lobes (*wheels*) roll inside a ring of rollers
-(*external sleeves*), and rollers in the discs' holes (*internal sleeves*) carry the load to the output. A `Scene` says which
+A cycloidal gearbox turns an eccentric input into a slow output: discs with lobes (*discs*) roll inside a ring of rollers
+(*ring pins*), and rollers in the discs' holes (*output pins*) carry the load to the output. A `Scene` says which
 gear, load, contact law and solver; an *engine* turns it into time series of forces, torques and angles. All values are SI;
 names of keys and columns end in their unit.
 
@@ -129,7 +129,7 @@ def keys() -> dict[str, str]:
     """Every key of a scene, and what it means.
 
     >>> keys()["gear.backlash_m"]
-    'd: external sleeves sit at R + d'
+    'd: ring pins sit at R + d'
     """
     from pinwheel import _core
 

@@ -213,7 +213,7 @@ def quantity(name: str) -> str:
     """What a column holds, in words, its unit apart.
 
     >>> quantity("input_torque_n_m"), quantity("external_sleeve_force_n_3")
-    ('input torque', 'external sleeve force 3')
+    ('input torque', 'ring pin force 3')
     """
     match = _NUMBERED.fullmatch(name)
     base, end = (match[1], f" {match[2]}") if match else (name, "")

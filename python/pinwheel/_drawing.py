@@ -18,7 +18,7 @@ POINTS_PER_LOBE = 60
 
 
 def draw(scene: Scene, ax: Any) -> Any:
-    """Sleeves and wheels with their holes; the axes."""
+    """Sleeves and discs with their holes; the axes."""
     pyplot = wanted("matplotlib.pyplot", "plot")
     patches = wanted("matplotlib.patches", "plot")
     tables = Tables.from_toml(scene.to_toml())
@@ -40,7 +40,7 @@ def draw(scene: Scene, ax: Any) -> Any:
     turned, at = np.exp(1j * angles[layout.wheel_bodies]), centres[layout.wheel_bodies]
     for wheel, holes in enumerate(1e3 * hole_centres(gear)):
         placed = at[wheel] + turned[wheel] * edge
-        ax.plot(placed.real, placed.imag, color=f"C{wheel}", linewidth=1.0, label=f"wheel {wheel}")
+        ax.plot(placed.real, placed.imag, color=f"C{wheel}", linewidth=1.0, label=f"disc {wheel}")
         circles(at[wheel] + turned[wheel] * holes, gear.hole_radius_m, fill=False, color=f"C{wheel}")
     circles(centres[layout.external_bodies], gear.external_sleeve_radius_m, color="0.6")
     circles(centres[layout.internal_bodies], gear.internal_sleeve_radius_m, color="0.8")

@@ -27,7 +27,7 @@ Track = Literal["shared-law", "own-contact"]
 class Job:
     """One run as a solver of yours sees it.
 
-    Bodies stand in one order everywhere: input shaft, output shaft, wheels, external sleeves, internal sleeves. Every
+    Bodies stand in one order everywhere: input shaft, output shaft, discs, ring pins, output pins. Every
     body turns about its own centre, which its carrier holds, so one absolute angle a body says where all of them are.
     SI, ground frame, angles counter-clockwise.
 
@@ -126,7 +126,7 @@ class Job:
         external_n: Floats,
         internal_n: Floats,
     ) -> None:
-        """Takes the next sample of a solver with contacts of its own: the sizes of all sleeves' forces, N."""
+        """Takes the next sample of a solver with contacts of its own: the sizes of all pins' forces, N."""
         time_s = float(self.times_s[self._recorder.count])
         self._recorder.record_forces(driver_torque_n_m, output_torque_n_m, output_angle_rad, external_n, internal_n)
         if self._stop(time_s):

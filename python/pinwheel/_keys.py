@@ -55,7 +55,7 @@ class Keys(TypedDict, total=False):
     rollers: int
     """its rollers, where they give K after Palmgren"""
     stiffness_n_m: float
-    """K of the bearing that carries a wheel on its eccentric; or give rollers (N/m)"""
+    """K of the bearing that carries a disc on its eccentric; or give rollers (N/m)"""
     input_seal_n_m: float
     """torque of the input shaft's seal against its turning; absent: 0 (N m)"""
     internal_sleeve_stiffness_n_m: float
@@ -65,17 +65,17 @@ class Keys(TypedDict, total=False):
     output_torsion_n_m_rad: float
     """torsional stiffness of carrier and flange; absent: rigid; counts in `design` alone (N m/rad)"""
     sleeve_bore_m: float
-    """bore d of the sleeves, for that moment; thinner rollers turn in grooves, on their own diameter (m)"""
+    """bore d of the pins, for that moment; thinner rollers turn in grooves, on their own diameter (m)"""
     sleeve_friction_coefficient: float
     """friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; absent: 0; in runs where contacts have none"""
     band_laws: str | Sequence[str]
     """laws that may be right for these rollers, whose spread is the band of a figure; absent: those for the materials; []: no band"""
     constant_stiffness_n_m15: float
-    """K of laws with one stiffness for all contacts (N/m^1.5); if left out: after Hertz, of an external sleeve on a flat; used by laws of one stiffness only"""
+    """K of laws with one stiffness for all contacts (N/m^1.5); if left out: after Hertz, of a ring pin on a flat; used by laws of one stiffness only"""
     detection: Literal["exact", "points"]
     """how the contact point is found; if left out 'exact': the closest point of the curve"""
     disc_depth_m: float
-    """how deep a wheel is behind a contact, of the law line-hertz; absent: the wall between a hole and the profile, at least half of the external sleeves' radius (m)"""
+    """how deep a disc is behind a contact, of the law line-hertz; absent: the wall between a hole and the profile, at least half of the ring pins' radius (m)"""
     external_spring_n_m: float
     """k of external contacts under the law linear; absent: the secant of line-hertz under the largest load (N/m)"""
     friction_dynamic_coefficient: float
@@ -99,11 +99,11 @@ class Keys(TypedDict, total=False):
     line_length_m: float
     """length of a line contact (m); if left out: the face width, or 0.15 R; used by laws of rollers and for pressures"""
     pin_poisson: float
-    """Poisson's ratio of the sleeves; absent: that of the wheels"""
+    """Poisson's ratio of the pins; absent: that of the wheels"""
     pin_young_pa: float
-    """E of the sleeves; absent: that of the wheels (Pa)"""
+    """E of the pins; absent: that of the discs (Pa)"""
     poisson: float
-    """Poisson's ratio of the wheels; if left out 0.3: steel"""
+    """Poisson's ratio of the discs; if left out 0.3: steel"""
     ramp_m: float
     """penetration at which S reaches 1 (m); if left out: a tenth of the penetration under the largest static load"""
     restitution: float
@@ -111,15 +111,15 @@ class Keys(TypedDict, total=False):
     stiffness_multiplier: float
     """H: factor on the stiffness after Hertz; if left out 1.0: the full stiffness after Hertz"""
     wheel_points: int
-    """points on a wheel's profile; if left out: 100 a lobe, at least 4000; used by detection points only"""
+    """points on a disc's profile; if left out: 100 a lobe, at least 4000; used by detection points only"""
     young_pa: float
-    """E of the wheels (Pa); if left out 2.1e11: steel"""
+    """E of the discs (Pa); if left out 2.1e11: steel"""
     bore_radius_m: float
-    """a wheel's bore for a crank's eccentric and its bearing (m)"""
+    """a disc's bore for a crank's eccentric and its bearing (m)"""
     circle_radius_m: float
     """circle the cranks stand on (m)"""
     count: int
-    """cranks of an RV reducer, which carry the wheels in the place of one eccentric"""
+    """cranks of an RV reducer, which carry the discs in the place of one eccentric"""
     mesh_stiffness_n_m: float
     """stiffness of the mesh of the sun with a planet along the line of action, without mass; absent: rigid (N/m)"""
     planet_teeth: int
@@ -141,51 +141,51 @@ class Keys(TypedDict, total=False):
     start: Literal["kinematic", "equilibrium"]
     """state at t = 0; if left out 'kinematic': rates of the ideal mesh, load at once"""
     backlash_m: float
-    """d: external sleeves sit at R + d (m); if left out 0.0: no backlash"""
+    """d: ring pins sit at R + d (m); if left out 0.0: no backlash"""
     eccentricity_m: float
     """e (m)"""
     crank_phase_rad: Sequence[float] | npt.NDArray[np.float64]
     """of each crank of an RV gear, how far it stands counter-clockwise of its place (rad)"""
     external_sleeve_radial_m: Sequence[float] | npt.NDArray[np.float64]
-    """of each external sleeve, how far it sits outwards of its place (m)"""
+    """of each ring pin, how far it sits outwards of its place (m)"""
     external_sleeve_radius_m: float
-    """q: radius of an external sleeve (m)"""
+    """q: radius of a ring pin (m)"""
     external_sleeve_tangential_m: Sequence[float] | npt.NDArray[np.float64]
-    """of each external sleeve, how far it sits counter-clockwise of its place (m)"""
+    """of each ring pin, how far it sits counter-clockwise of its place (m)"""
     hole_radial_m: Sequence[float] | npt.NDArray[np.float64]
-    """of each hole, wheel by wheel, how far it sits outwards of its place (m)"""
+    """of each hole, disc by disc, how far it sits outwards of its place (m)"""
     hole_radius_m: float
-    """radius of a wheel's hole (m); if left out: gear.internal_sleeve_radius_m + gear.eccentricity_m: a hole without clearance"""
+    """radius of a disc's hole (m); if left out: gear.internal_sleeve_radius_m + gear.eccentricity_m: a hole without clearance"""
     hole_tangential_m: Sequence[float] | npt.NDArray[np.float64]
-    """of each hole, wheel by wheel, how far it sits counter-clockwise of its place (m)"""
+    """of each hole, disc by disc, how far it sits counter-clockwise of its place (m)"""
     internal_sleeve_radial_m: Sequence[float] | npt.NDArray[np.float64]
-    """of each internal sleeve, how far it sits outwards of its place (m)"""
+    """of each output pin, how far it sits outwards of its place (m)"""
     internal_sleeve_radius_m: float
-    """radius of an internal sleeve (m); if left out: cranks.bore_radius_m - gear.eccentricity_m: a crank's shaft just passes its bore"""
+    """radius of an output pin (m); if left out: cranks.bore_radius_m - gear.eccentricity_m: a crank's shaft just passes its bore"""
     internal_sleeve_tangential_m: Sequence[float] | npt.NDArray[np.float64]
-    """of each internal sleeve, how far it sits counter-clockwise of its place (m)"""
+    """of each output pin, how far it sits counter-clockwise of its place (m)"""
     phase_rad: Sequence[float] | npt.NDArray[np.float64]
-    """of each wheel, how far its eccentric stands counter-clockwise of its place (rad)"""
+    """of each disc, how far its eccentric stands counter-clockwise of its place (rad)"""
     external_sleeves: int
-    """zk: sleeves on the housing; a wheel has one lobe less"""
+    """zk: pins on the housing; a disc has one lobe less"""
     face_width_m: float
-    """thickness of a wheel; for masses that are left out (m)"""
+    """thickness of a disc; for masses that are left out (m)"""
     internal_circle_radius_m: float
-    """circle the internal sleeves sit on (m); if left out: cranks.circle_radius_m"""
+    """circle the output pins sit on (m); if left out: cranks.circle_radius_m"""
     internal_sleeves: int
-    """zi: sleeves on the output shaft; if left out: cranks.count: cranks stand in the place of internal sleeves"""
+    """zi: pins on the output shaft; if left out: cranks.count: cranks stand in the place of output pins"""
     equidistant_m: float
-    """the generating sleeve's radius is larger than q by this: above 0 the wheel's whole edge lies that much further in (m)"""
+    """the generating pin's radius is larger than q by this: above 0 the disc's whole edge lies that much further in (m)"""
     radial_m: float
-    """the generating circle is larger than R by this: below 0 the wheel is smaller (m)"""
+    """the generating circle is larger than R by this: below 0 the disc is smaller (m)"""
     rotational_rad: float
     """both flanks of a lobe are turned towards its middle by this (rad)"""
     pin_circle_radius_m: float
-    """R: circle of the external sleeves without backlash; instead of gear.shortening (m)"""
+    """R: circle of the ring pins without backlash; instead of gear.shortening (m)"""
     shortening: float
     """m: shortening coefficient e zk/R; if left out: e zk/R with R = gear.pin_circle_radius_m"""
     wheels: int
-    """wheels, evenly phased on the eccentric"""
+    """discs, evenly phased on the eccentric"""
     density_kg_m3: float
     """density of all bodies; for masses that are left out (kg/m^3)"""
     name: str
@@ -400,7 +400,7 @@ Vary = TypedDict(
     total=False,
 )
 
-# Columns of a run, and channels; of 40 external and 16 internal sleeves and 3 wheels.
+# Columns of a run, and channels; of 40 external and 16 output pins and 3 discs.
 Column: TypeAlias = Literal[
     "time_s",
     "input_torque_n_m",

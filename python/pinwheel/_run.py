@@ -35,7 +35,7 @@ KNOWN = ("resolution", "numerical_uncertainty", "results", "by_contact_law")
 class Run(Mapping["Column", Floats]):
     """A run: time series, cost, and what is known of their uncertainty.
 
-    `run["external_sleeve_force_n"]` is an array (samples, sleeves); see `Columns` for the shapes and names.
+    `run["external_sleeve_force_n"]` is an array (samples, pins); see `Columns` for the shapes and names.
 
     Attributes:
         scene: what was run
@@ -133,7 +133,7 @@ class Run(Mapping["Column", Floats]):
         return self.columns.to_polars()
 
     def to_xarray(self) -> xarray.Dataset:
-        """A Dataset over `time_s` and the sleeves, each at its angle; its attributes say what was run."""
+        """A Dataset over `time_s` and the pins, each at its angle; its attributes say what was run."""
         found = self.columns.to_xarray()
         for part in ("external", "internal"):
             if (dim := f"{part}_sleeve") in found.sizes:

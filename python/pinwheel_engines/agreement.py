@@ -1,6 +1,6 @@
 """Two implementations of the contact law at the same random states: how far apart, and how much of it is rounding.
 
-Points detection takes the nearest of a wheel's points. Where two are equally near but for rounding, two correct
+Points detection takes the nearest of a disc's points. Where two are equally near but for rounding, two correct
 implementations may take different ones, whose normals differ by a whole spacing: such states are counted and left out.
 """
 
@@ -50,14 +50,14 @@ def tie_m(scene: Scene) -> float:
 
 
 def random_states(scene: Scene, count: int, seed: int) -> Floats:
-    """States near the mesh: any input angle, angles and rates off the ideal ones, sleeves that turn; within the backlash."""
+    """States near the mesh: any input angle, angles and rates off the ideal ones, pins that turn; within the backlash."""
     rng = np.random.default_rng(seed)
     kinematics = Kinematics(scene.gear)
     layout = kinematics.layout
     states = np.empty((count, layout.bodies, 6))
     # One whole cycle of the mesh and more.
     span_s = 2.0 * np.pi * scene.gear.lobes / max(abs(scene.drive.input_speed_rad_s), 1e-3)
-    # About an eighth of a wheel's turn under its nominal force: contacts come and go, and forces are of their own size.
+    # About an eighth of a disc's turn under its nominal force: contacts come and go, and forces are of their own size.
     spread_rad = 0.12 * nominal_penetration_m(scene) / (scene.gear.eccentricity_m * scene.gear.lobes)
     spread_rad_s = 0.03 * nominal_rate_rad_s(scene) * spread_rad / 0.12
     play_rad = (scene.gear.backlash_m + scene.gear.extra_play_m) / (scene.gear.eccentricity_m * scene.gear.lobes)

@@ -5,7 +5,7 @@ penetration delta, are loaded over |x| < sqrt(2 R delta) with depth delta - x^2/
     F = k' (4 sqrt 2/3) sqrt(R) delta^1.5,
 so k' = 3 K0/(4 sqrt 2), with K = K0 sqrt(R) from Eq. 23, reproduces K delta^1.5 and its dependence on the local curvature.
 The ramp S of Eq. 22 has no counterpart. A damper c' a metre gives c' 2 sqrt(2 R delta), which equals C at one penetration
-only: the one under the gear's nominal sleeve force.
+only: the one under the gear's nominal pin force.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def check_own_contact(engine: str, scene: Scene) -> None:
     if gear.rotational_rad != 0.0:
         raise Unsupported(engine, "gear.modification.rotational_rad: its edge is one smooth curve, not the meet of two")
     if gear.has_errors:
-        raise Unsupported(engine, "gear.errors: its sleeves and holes are all alike and stand in their nominal places")
+        raise Unsupported(engine, "gear.errors: its pins and holes are all alike and stand in their nominal places")
 
     # Below the ramp Eq. 20 is a power of 2.5, which neither a bed of springs nor a power of 1.5 resembles.
     nominal = nominal_penetration_m(scene)
@@ -77,12 +77,12 @@ def bed_stiffness(scene: Scene) -> float:
 
 
 def edge_stiffness(scene: Scene) -> float:
-    """K of an external sleeve where the profile is straight (R = q), N/m^1.5."""
+    """K of a ring pin where the profile is straight (R = q), N/m^1.5."""
     return hertz(scene).stiffness_factor * math.sqrt(scene.gear.external_sleeve_radius_m)
 
 
 def nominal_torque_n_m(scene: Scene) -> float:
-    """Largest load on one wheel; of a scene without load what presses a sleeve in by a millionth of R."""
+    """Largest load on one disc; of a scene without load what presses a pin in by a millionth of R."""
     gear, load = scene.gear, float(scene.drive.largest_load_n_m / scene.gear.wheels)
     if load > 0.0:
         return load
@@ -91,15 +91,15 @@ def nominal_torque_n_m(scene: Scene) -> float:
 
 
 def nominal_force_n(scene: Scene) -> float:
-    """Greatest external sleeve force at zero clearance with linear springs, 4 T/(n e zs zk)."""
+    """Greatest ring pin force at zero clearance with linear springs, 4 T/(n e zs zk)."""
     gear = scene.gear
     return float(4.0 * nominal_torque_n_m(scene) / (gear.eccentricity_m * gear.lobes * gear.external_sleeves))
 
 
 def nominal_rate_rad_s(scene: Scene) -> float:
-    """Angular frequency of a wheel on its loaded sleeves with the shafts held, rad/s: what an explicit step must resolve.
+    """Angular frequency of a disc on its loaded pins with the shafts held, rad/s: what an explicit step must resolve.
 
-    Half of the sleeves are loaded, each with the tangent stiffness 1.5 K^(2/3) F^(1/3) at its nominal force and with a
+    Half of the pins are loaded, each with the tangent stiffness 1.5 K^(2/3) F^(1/3) at its nominal force and with a
     lever whose mean square is half the square of its greatest.
     """
     gear, torque = scene.gear, nominal_torque_n_m(scene)
@@ -114,7 +114,7 @@ def nominal_rate_rad_s(scene: Scene) -> float:
 
 
 def nominal_step_s(scene: Scene) -> float:
-    """The own-contact engines' step, s: what the wheel's springs (1.1 radians) or dampers (half a time constant) ask for.
+    """The own-contact engines' step, s: what the disc's springs (1.1 radians) or dampers (half a time constant) ask for.
 
     The explicit methods used are stable to about twice as much.
     """
@@ -127,7 +127,7 @@ def nominal_step_s(scene: Scene) -> float:
 
 
 def nominal_penetration_m(scene: Scene) -> float:
-    """Penetration of an external sleeve under its nominal force where the profile is straight (R = q), m."""
+    """Penetration of a ring pin under its nominal force where the profile is straight (R = q), m."""
     return float((nominal_force_n(scene) / edge_stiffness(scene)) ** (2.0 / 3.0))
 
 
@@ -142,13 +142,13 @@ def bed_damping(scene: Scene) -> float:
 
 
 def springs(scene: Scene, least: int, in_contact: int) -> int:
-    """How many springs an edge needs: `least`, or so many that `in_contact` of them bear a sleeve's nominal force."""
+    """How many springs an edge needs: `least`, or so many that `in_contact` of them bear a pin's nominal force."""
     _, spacing = equal_arcs(scene, least)
     return max(least, math.ceil(least * in_contact * spacing / nominal_width_m(scene)))
 
 
 def equal_arcs(scene: Scene, count: int) -> tuple[Floats, float]:
-    """Parameters of `count` points at equal distances along the wheel's edge, and that distance, m."""
+    """Parameters of `count` points at equal distances along the disc's edge, and that distance, m."""
     curve, q = Epitrochoid.of(scene.gear), scene.gear.edge_offset_m
     # The edge's speed is |C'| (1 - q kappa); the trapezoidal rule is spectrally accurate on a period.
     fine = np.linspace(0.0, 2.0 * math.pi, 200 * scene.gear.lobes * 8 + 1)
@@ -163,8 +163,8 @@ def local_stiffness(scene: Scene, count: int, bead_radius_m: float = 0.0) -> Flo
     """Factors on k' of `count` springs at equal distances, with which the bed carries K delta^1.5 at the nominal force.
 
     The formula above takes a patch for flat. In a pit, where R is ten times q, it is as wide as a third of q: springs at its
-    ends stand aslant and are pressed less, and the pit is not equally curved over it. Beads moreover press like a sleeve
-    that is larger by them. Both together took 7 % of the stiffness of a pit of 40 soft sleeves and gave 4 % to its lobes.
+    ends stand aslant and are pressed less, and the pit is not equally curved over it. Beads moreover press like a pin
+    that is larger by them. Both together took 7 % of the stiffness of a pit of 40 soft pins and gave 4 % to its lobes.
     """
     gear, curve = scene.gear, Epitrochoid.of(scene.gear)
     q, force = gear.external_sleeve_radius_m, nominal_force_n(scene)
@@ -188,6 +188,6 @@ def local_stiffness(scene: Scene, count: int, bead_radius_m: float = 0.0) -> Flo
 
 
 def edge(scene: Scene, a: Floats, inset_m: float = 0.0) -> Points:
-    """Points of the wheel's edge, moved inwards by `inset_m`, in the wheel's frame, m."""
+    """Points of the disc's edge, moved inwards by `inset_m`, in the disc's frame, m."""
     curve = Epitrochoid.of(scene.gear)
     return np.asarray(curve.point(a) - (scene.gear.edge_offset_m + inset_m) * curve.normal(a))

@@ -96,7 +96,7 @@ class StageLaw:
 
 
 def check_bearings(engine: str, scene: Scene, law: LawPointer | None) -> None:
-    """Raises Unsupported where a bearing, sleeve or seal acts and the law is the numpy one, which has none of them."""
+    """Raises Unsupported where a bearing, pin or seal acts and the law is the numpy one, which has none of them."""
     if scene.compiled_only and law is None:
         raise Unsupported(engine, f"{scene.compiled_only}: the numpy law has contacts alone; run it by the Pinwheel program")
 

@@ -35,7 +35,7 @@ ENGINES: dict[str, EngineInfo] = {
     "mujoco-own-contact": EngineInfo(
         "pinwheel_engines.mujoco.own_contact",
         False,
-        "MuJoCo: wheel edges as beds of small spheres, holes as limited tendons, no code of ours in the step",
+        "MuJoCo: disc edges as beds of small spheres, holes as limited tendons, no code of ours in the step",
     ),
     "exudyn-shared-law-explicit": EngineInfo(
         "pinwheel_engines.exudyn.explicit",

@@ -1,10 +1,10 @@
-"""Closest points: the sleeve centre against the epitrochoid, against discrete points, against a hole's circle.
+"""Closest points: the pin centre against the epitrochoid, against discrete points, against a hole's circle.
 
-The epitrochoid C(a) = R e^{ia} + e e^{i zk a} (e zk = m R) is the path of the wheel profile's outward offset by q,
-so its signed distance to a sleeve's centre is minus the penetration (Eq. 1). Points of the plane are complex numbers
-in the wheel's frame, m; arrays are one-dimensional, one entry a point.
+The epitrochoid C(a) = R e^{ia} + e e^{i zk a} (e zk = m R) is the path of the disc profile's outward offset by q,
+so its signed distance to a pin's centre is minus the penetration (Eq. 1). Points of the plane are complex numbers
+in the disc's frame, m; arrays are one-dimensional, one entry a point.
 
-Method for the exact distance. C is star-shaped about the wheel's centre (its polar angle grows with a for any m < 1), so
+Method for the exact distance. C is star-shaped about the disc's centre (its polar angle grows with a for any m < 1), so
 1. the parameter a_b with the point's own polar angle is the only root of a monotone function, bracketed by
    asin(e/R): it tells inside from outside, and C(a_b) gives an upper bound U of the distance;
 2. every curve point nearer than U lies within asin(U/rho) of that polar angle, which bounds a;
@@ -73,7 +73,7 @@ class Epitrochoid:
 
     @staticmethod
     def of(gear: Gear) -> Epitrochoid:
-        """The curve of a gear's wheel, with its modification."""
+        """The curve of a gear's disc, with its modification."""
         return Epitrochoid(gear.generating_radius_m, gear.generating_shortening, gear.external_sleeves)
 
     @property

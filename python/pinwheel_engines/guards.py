@@ -1,8 +1,8 @@
 """Checks that turn a silent blow-up into an error.
 
 No engine here reports that its numbers ran away: MuJoCo resets its state, exudyn returns success with forces of 1e8 N.
-The limits are physical, not tuned: a force that would press a sleeve into its counterpart by its whole radius, and a
-wheel or output that left the mesh by a whole lobe, cannot belong to a working gearbox.
+The limits are physical, not tuned: a force that would press a pin into its counterpart by its whole radius, and a
+disc or output that left the mesh by a whole lobe, cannot belong to a working gearbox.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class Guard:
         gear, law = scene.gear, hertz(scene)
         factor = max(law.stiffness_factor, law.hole_stiffness_factor)
         radius = max(gear.external_sleeve_radius_m, gear.internal_sleeve_radius_m)
-        # Hertz with the sleeve's radius as the reduced radius, pressed in by one radius.
+        # Hertz with the pin's radius as the reduced radius, pressed in by one radius.
         self.force_limit_n = factor * math.sqrt(radius) * radius**1.5
         clearance = max(0.0, gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m)
         free_play = gear.backlash_m * math.sqrt(1.0 - gear.shortening**2) / (gear.eccentricity_m * gear.lobes)
@@ -38,7 +38,7 @@ class Guard:
         clearance += gear.extra_play_m
         lobe = 2.0 * math.pi / gear.lobes
         self.wheel_limit_rad = lobe + free_play
-        # The drivers used here hold the speed to 1e-9 and better; a thousandth of it, or of the speed of a wheel that
+        # The drivers used here hold the speed to 1e-9 and better; a thousandth of it, or of the speed of a disc that
         # swings by its nominal deformation, is no longer a driver.
         swing_rad_s = nominal_rate_rad_s(scene) * nominal_penetration_m(scene) / (gear.eccentricity_m * gear.lobes)
         self.slip_limit_rad_s = 1e-3 * max(abs(scene.drive.input_speed_rad_s), swing_rad_s)
@@ -49,7 +49,7 @@ class Guard:
         return Diverged(self.engine, time_s, quantity)
 
     def check_states(self, time_s: float, angles: Floats, rates: Floats) -> None:
-        """Raises Diverged on a non-finite angle or rate, an input off its speed, a wheel or output out of mesh."""
+        """Raises Diverged on a non-finite angle or rate, an input off its speed, a disc or output out of mesh."""
         for name, values in (("angle", angles), ("rate", rates)):
             bad = np.nonzero(~np.isfinite(values))[0]
             if bad.size:
@@ -75,5 +75,5 @@ class Guard:
         if np.any(bad):
             worst = float(size.flat[int(np.argmax(bad))])
             raise self.diverged(
-                time_s, f"{what} of {worst:.3g} N, above the {self.force_limit_n:.3g} N that press a sleeve in whole"
+                time_s, f"{what} of {worst:.3g} N, above the {self.force_limit_n:.3g} N that press a pin in whole"
             )

@@ -1,18 +1,18 @@
 """The contact law (Eq. 10-24), written a second time from the equations alone, over arrays of states.
 
-A pair is a sleeve (centre P, radius r_s) and a wheel; W is the wheel's point closest to P.
+A pair is a pin (centre P, radius r_s) and a disc; W is the disc's point closest to P.
     n = (W - P)/|W - P|, t = R90 n                              Eq. 10-12
     delta = r_s - |W - P|; pairs with delta <= 0 do nothing
-    v_rel = (sleeve's material velocity at W) - (wheel's), v_n = v_rel . n = d(delta)/dt, v_t = v_rel . t   Eq. 14-19
+    v_rel = (pin's material velocity at W) - (disc's), v_n = v_rel . n = d(delta)/dt, v_t = v_rel . t   Eq. 14-19
     K = 4 H/(3 pi (h_c + h_p)) sqrt(R_c R_p/(R_c + R_p)), h = (1 - nu^2)/(pi E), R_c signed                 Eq. 23, 24
     F_n = max(0, S(delta) (K delta^1.5 + C v_n)), S(x) = clamp(x/ramp, 0, 1)                                Eq. 20, 22
-    F_t = -mu F_n clamp(v_t/v_s, -1, 1) along t on the sleeve                                               Eq. 21, 22
+    F_t = -mu F_n clamp(v_t/v_s, -1, 1) along t on the pin                                               Eq. 21, 22
 Both forces act at W on both bodies, so a pair balances in force and moment.
 
 The law `line-hertz` has F_n = max(0, F + S(delta) C v_n) with F of `line_hertz`, and a third force: A = -dU/dR dR/ds along t
-on the sleeve, where s is the way of P along t. It acts at P on both bodies. Points know no dR/ds: they are for `paper`.
+on the pin, where s is the way of P along t. It acts at P on both bodies. Points know no dR/ds: they are for `paper`.
 
-A pin that bends (k, N/m) takes its part of an internal sleeve's delta: the contact takes x, F_e(x) = k (delta - x) at rest,
+A pin that bends (k, N/m) takes its part of an output pin's delta: the contact takes x, F_e(x) = k (delta - x) at rest,
 and closes at s v_n, s = x/delta; F_n = F_e + s (F_n(x, s v_n) - F_e).
 
 Four slips of the printed equations are put right: n's rate of change (Eq. 16, 17) is not taken from an un-normalised
@@ -40,7 +40,7 @@ Ints = npt.NDArray[np.intp]
 
 # W, n, delta, R and dR/ds of touches, R = R_c R_p/(R_c + R_p).
 Touch = tuple[Points, Points, Floats, Floats, Floats]
-# State, wheel and sleeve of pairs, and their touches.
+# State, disc and pin of pairs, and their touches.
 Pairs = tuple[Ints, Ints, Ints, Points, Points, Floats, Floats, Floats]
 
 LAWS = ("paper", "line-hertz")
@@ -51,11 +51,11 @@ STATES_AT_ONCE = 1024
 
 @dataclass(frozen=True)
 class Contacts:
-    """All touching pairs of a batch of states, one entry a pair, in the order state, wheel, sleeve.
+    """All touching pairs of a batch of states, one entry a pair, in the order state, disc, pin.
 
     Bodies are indices of the layout; points and directions are complex numbers in the ground frame; forces as in the
-    module's equations, so the sleeve takes `-normal_force n + friction t` at the point and `along t` at its centre, the
-    wheel their opposites at the same places.
+    module's equations, so the pin takes `-normal_force n + friction t` at the point and `along t` at its centre, the
+    disc their opposites at the same places.
     """
 
     state: Ints
@@ -75,12 +75,12 @@ class Contacts:
 
     @property
     def force_on_sleeve_n(self) -> Points:
-        """Force on the sleeve at the point, ground frame, N."""
+        """Force on the pin at the point, ground frame, N."""
         return self.normal * (-self.normal_force_n + 1j * self.friction_force_n)
 
     @property
     def force_on_centre_n(self) -> Points:
-        """Force on the sleeve at its centre, ground frame, N."""
+        """Force on the pin at its centre, ground frame, N."""
         return 1j * self.normal * self.along_force_n
 
 
@@ -118,7 +118,7 @@ class ContactLaw:
         self._hole_radii = gear.hole_radius_m + gear.errors("hole_radius_m", self._holes.size).reshape(self._holes.shape)
         self._outer_radii = gear.external_sleeve_radius_m + gear.errors("external_sleeve_radius_m", gear.external_sleeves)
         self._inner_radii = gear.internal_sleeve_radius_m + gear.errors("internal_sleeve_radius_m", gear.internal_sleeves)
-        # A wheel with turned flanks is what two wheels turned by these have in common.
+        # A disc with turned flanks is what two discs turned by these have in common.
         turn = gear.rotational_rad
         self._flanks = [np.exp(1j * turn), np.exp(-1j * turn)] if turn else [complex(1.0)]
         self._corner_parameters = np.array(self._corners()) if turn else np.zeros(2)
@@ -145,7 +145,7 @@ class ContactLaw:
         if np.any(softness <= 0.0):
             raise SceneError(
                 f"`contact.wheel_points` = {count} is too coarse: three neighbouring points make a pit that is narrower "
-                "than the sleeve; take more points"
+                "than the pin; take more points"
             )
         # A circle through points a spacing s apart has a curvature known to 2 ulp/s^2: the finer the points, the less.
         spacing = np.abs(np.roll(self._profile, -1) - self._profile)
@@ -154,7 +154,7 @@ class ContactLaw:
         self._rim = turns(contact.hole_points)
 
     def profile_radius(self, a: Floats, radius: Floats | None = None) -> Floats:
-        """R at the profile's parameter a, m, of a sleeve of that radius (m), by default the nominal one.
+        """R at the profile's parameter a, m, of a pin of that radius (m), by default the nominal one.
 
         With R_c = 1/kappa_C - q': R_c R_p/(R_c + R_p) = r (1 - q' kappa_C)/(1 + (r - q') kappa_C).
         """
@@ -167,7 +167,7 @@ class ContactLaw:
         return np.asarray(self.stiffness_factor * np.sqrt(self.profile_radius(a, radius)))
 
     def _profile_radius_slope(self, a: Floats, radius: Floats, signed: Floats) -> Floats:
-        """dR/ds of sleeves whose centres lie `signed` (m) outside of the curve; no unit.
+        """dR/ds of pins whose centres lie `signed` (m) outside of the curve; no unit.
 
         dR/d kappa = -(r/(1 + (r - q') kappa))^2. With da the centre moves by |C'| (1 + signed kappa) along the curve, and
         t = R90 n, n = -outward, points against it.
@@ -301,7 +301,7 @@ class ContactLaw:
                 loads[:, :, column] += np.bincount(slot, value, count * bodies).reshape(count, bodies)
 
     def _touching_profile(self, states: Floats) -> Pairs:
-        """External sleeves against the wheels' profiles."""
+        """Ring pins against the discs' profiles."""
         state, wheel, sleeve, local, turn = self._sleeves_in_wheel_frame(states, *self._outer)
         radius = self._outer_radii[sleeve - self.layout.external_bodies.start]
         larger = radius - self.scene.gear.edge_offset_m
@@ -309,7 +309,7 @@ class ContactLaw:
         for flank in self._flanks:
             p = local * np.conj(flank)
             inside, a = self.curve.inside(p)
-            # A sleeve that made the edge touches only when its centre is within the epitrochoid (a vertex within its radius
+            # A pin that made the edge touches only when its centre is within the epitrochoid (a vertex within its radius
             # implies it, too), a larger one from a little outside.
             if np.any(larger > 0.0):
                 # The normal leans from the radius by less than asin m + asin(e/R).
@@ -324,9 +324,9 @@ class ContactLaw:
         return _on_ground(states, kept, state, wheel, sleeve, turn, found)
 
     def _on_flanks(self, local: Points, radius: Floats, feet: list[Touch]) -> Touch:
-        """What touches, of the feet on either turned wheel: the nearer one on the edge of their common part, or its corner.
+        """What touches, of the feet on either turned disc: the nearer one on the edge of their common part, or its corner.
 
-        Counter-clockwise of a lobe's middle that edge is the wheel's that is turned clockwise.
+        Counter-clockwise of a lobe's middle that edge is the disc's that is turned clockwise.
         """
         zs = self.curve.lobes
         turned = zip(feet, self._flanks, strict=True)
@@ -364,7 +364,7 @@ class ContactLaw:
         return found
 
     def _on_edge(self, local: Points, a: Floats, radius: Floats) -> Touch:
-        """W, n, delta, R and dR/ds of sleeves centred at `local`; `a`: the curve's parameter at their polar angles."""
+        """W, n, delta, R and dR/ds of pins centred at `local`; `a`: the curve's parameter at their polar angles."""
         if self.points:
             vertex, apart = nearest_vertex(local, self._profile)
             point, softness = self._profile[vertex], 1.0 + radius * self._profile_curvature[vertex]
@@ -379,7 +379,7 @@ class ContactLaw:
         return self.curve.point(a) - q * outward, -outward, (radius - q) - signed, effective, slope
 
     def _touching_holes(self, states: Floats) -> Pairs:
-        """Internal sleeves against the holes."""
+        """Output pins against the holes."""
         state, wheel, sleeve, local, turn = self._sleeves_in_wheel_frame(states, *self._inner)
         which_wheel = wheel - self.layout.wheel_bodies.start
         which_hole = sleeve - self.layout.internal_bodies.start
@@ -406,7 +406,7 @@ class ContactLaw:
 
     @staticmethod
     def _sleeves_in_wheel_frame(states: Floats, wheels: Ints, sleeves: Ints) -> tuple[Ints, Ints, Ints, Points, Points]:
-        """Every pair of every state: indices, the sleeve's centre in the wheel's frame, e^{i wheel angle}."""
+        """Every pair of every state: indices, the pin's centre in the disc's frame, e^{i disc angle}."""
         count = states.shape[0]
         state = np.repeat(np.arange(count), wheels.size)
         wheel, sleeve = np.tile(wheels.ravel(), count), np.tile(sleeves.ravel(), count)
@@ -417,12 +417,12 @@ class ContactLaw:
 
 
 def _radius_in_hole(hole: Floats, sleeve: Floats) -> Floats:
-    """R of sleeves in holes, m: R_c is minus the hole's radius."""
+    """R of pins in holes, m: R_c is minus the hole's radius."""
     return np.asarray(-hole * sleeve / (sleeve - hole))
 
 
 def _on_ground(states: Floats, kept: Ints, state: Ints, wheel: Ints, sleeve: Ints, turn: Points, touch: Touch) -> Pairs:
-    """Turns the touching pairs among `kept` from the wheel's frame into the ground's."""
+    """Turns the touching pairs among `kept` from the disc's frame into the ground's."""
     point, normal, delta, effective, slope = touch
     touching = delta > 0.0
     pair = kept[touching]

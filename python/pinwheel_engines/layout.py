@@ -1,10 +1,10 @@
 """Which body stands where, how the mechanism moves without contact, and how a run starts.
 
-Body order everywhere: input shaft, output shaft, wheels, external sleeves, internal sleeves. One body's state is
+Body order everywhere: input shaft, output shaft, discs, ring pins, output pins. One body's state is
 (x, y, angle, vx, vy, rate) of its centre of mass, one body's load (fx, fy, moment about it), ground frame, SI.
 
-Every body turns about its own centre of mass, which its carrier holds: wheels sit on the input shaft's eccentrics,
-internal sleeves on the output shaft, everything else on the ground. So a state is known from one absolute angle a body,
+Every body turns about its own centre of mass, which its carrier holds: discs sit on the input shaft's eccentrics,
+output pins on the output shaft, everything else on the ground. So a state is known from one absolute angle a body,
 in the order of the bodies; these angles are the *joint angles* `phi` of this package.
 """
 
@@ -39,18 +39,18 @@ class Layout:
 
     @property
     def wheel_bodies(self) -> slice:
-        """All wheels."""
+        """All discs."""
         return slice(2, 2 + self.wheels)
 
     @property
     def external_bodies(self) -> slice:
-        """All external sleeves."""
+        """All ring pins."""
         start = 2 + self.wheels
         return slice(start, start + self.external_sleeves)
 
     @property
     def internal_bodies(self) -> slice:
-        """All internal sleeves."""
+        """All output pins."""
         start = 2 + self.wheels + self.external_sleeves
         return slice(start, start + self.internal_sleeves)
 
@@ -73,7 +73,7 @@ class Layout:
 class Kinematics:
     """Positions and velocities of all bodies from their absolute angles, and loads back to torques on those angles.
 
-    Wheels that float (`floats`) have no carrier; where they are comes from elsewhere.
+    Discs that float (`floats`) have no carrier; where they are comes from elsewhere.
     """
 
     def __init__(self, gear: Gear, floats: bool = False) -> None:
@@ -167,9 +167,9 @@ class Kinematics:
         return moments
 
     def ideal(self, scene: Scene, time_s: float = 0.0) -> tuple[Floats, Floats]:
-        """Absolute angles and rates of the ideal mesh: output and wheels at -omega/zs, with omega of the eccentrics.
+        """Absolute angles and rates of the ideal mesh: output and discs at -omega/zs, with omega of the eccentrics.
 
-        A wheel whose centre stands at e (cos f, sin f) fits at the angle (pi - f)/zs. Internal sleeves turn with the
+        A disc whose centre stands at e (cos f, sin f) fits at the angle (pi - f)/zs. Output pins turn with the
         output, which starts at 0.
         """
         layout, zs, omega = self.layout, self.gear.lobes, scene.drive.input_speed_rad_s
@@ -185,7 +185,7 @@ class Kinematics:
     def output_torque(self, states: Floats, loads: Floats) -> float:
         """What turns the output shaft but its load, N m.
 
-        The internal sleeves' contact forces, which reach it through the pins, and its own moment: of sleeves that rub on
+        The output pins' contact forces, which reach it through the pins, and its own moment: of sleeves that rub on
         their pins, and of a seal.
         """
         inner = self.layout.internal_bodies
@@ -206,7 +206,7 @@ def _placed(gear: Gear, parts: str, radius_m: float, directions: npt.NDArray[np.
 
 
 def wheel_phases(gear: Gear) -> Floats:
-    """f of every wheel at input angle 0, rad: wheels stand evenly on the eccentric, but for their errors."""
+    """f of every disc at input angle 0, rad: discs stand evenly on the eccentric, but for their errors."""
     return _even_phases(gear) + gear.errors("phase_rad", gear.wheels)
 
 
@@ -215,9 +215,9 @@ def _even_phases(gear: Gear) -> Floats:
 
 
 def hole_centres(gear: Gear) -> npt.NDArray[np.complex128]:
-    """Centres of the holes in each wheel's frame, m, shape (wheels, holes).
+    """Centres of the holes in each disc's frame, m, shape (discs, holes).
 
-    At the start hole k stands, seen from its wheel's centre, at angle 2 pi k/zi of the ground, as internal sleeve k does;
+    At the start hole k stands, seen from its disc's centre, at angle 2 pi k/zi of the ground, as output pin k does;
     all of it without errors, and then the hole's own.
     """
     start = (math.pi - _even_phases(gear)) / gear.lobes

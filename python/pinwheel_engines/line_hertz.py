@@ -56,7 +56,7 @@ class LineHertz:
         return self.pin_compliance + self.disc_compliance
 
     def approach_m(self, force_n: Floats, radius_m: Floats, sleeve_m: Floats) -> Floats:
-        """delta under a force, m, where the effective radius is R and the sleeve's own R_p: the sum of both bodies'."""
+        """delta under a force, m, where the effective radius is R and the pin's own R_p: the sum of both bodies'."""
         a = np.sqrt(4.0 * force_n * radius_m * self.compliance)
         pin = self.pin_compliance * force_n * (2.0 * np.log(4.0 * sleeve_m / a) - 1.0)
         nu = self.disc_poisson
@@ -85,21 +85,21 @@ class LineHertz:
         return force * (depth_m / depth), np.where(deep, force / depth, slope)
 
     def along_n(self, force_n: Floats, radius_m: Floats, radius_slope: Floats) -> Floats:
-        """-dU/dR dR/ds, N: the force on the sleeve's centre along s, by which R changes at the rate `radius_slope`."""
+        """-dU/dR dR/ds, N: the force on the pin's centre along s, by which R changes at the rate `radius_slope`."""
         return np.asarray(-0.5 * self.compliance * force_n**2 / radius_m * radius_slope)
 
 
 def disc_depth_m(gear: Gear, contact: Contact) -> float:
-    """h: the scene's, or the wall between a hole and the profile, at least half of an external sleeve's radius, m."""
+    """h: the scene's, or the wall between a hole and the profile, at least half of a ring pin's radius, m."""
     if contact.disc_depth_m is not None:
         return contact.disc_depth_m
     return max(wall_m(gear), 0.5 * float(gear.external_sleeve_radius_m))
 
 
 def wall_m(gear: Gear) -> float:
-    """What is left between a hole and the wheel's edge where it is thinnest, m; negative where a hole leaves the wheel.
+    """What is left between a hole and the disc's edge where it is thinnest, m; negative where a hole leaves the disc.
 
-    The edge is as far from a hole's centre as the curve, less q'; of a wheel with turned flanks the nearer edge counts.
+    The edge is as far from a hole's centre as the curve, less q'; of a disc with turned flanks the nearer edge counts.
     """
     curve, centres = Epitrochoid.of(gear), hole_centres(gear)
     radii = (gear.hole_radius_m + gear.errors("hole_radius_m", centres.size)).ravel()

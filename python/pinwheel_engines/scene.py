@@ -48,7 +48,7 @@ class Gear(Table):
 
     @property
     def lobes(self) -> int:
-        """zs, lobes of a wheel."""
+        """zs, lobes of a disc."""
         return int(self.external_sleeves) - 1
 
     @property
@@ -58,7 +58,7 @@ class Gear(Table):
 
     @property
     def pitch_radius_m(self) -> float:
-        """R = e zk/m: radius of the circle the external sleeves sit on without backlash."""
+        """R = e zk/m: radius of the circle the ring pins sit on without backlash."""
         return float(self.eccentricity_m * self.external_sleeves / self.shortening)
 
     def _modification(self, key: str) -> float:
@@ -66,7 +66,7 @@ class Gear(Table):
 
     @property
     def generating_radius_m(self) -> float:
-        """R' = R + radial modification: the circle on which the sleeve runs that makes the wheels' edge."""
+        """R' = R + radial modification: the circle on which the pin runs that makes the discs' edge."""
         return self.pitch_radius_m + self._modification("radial_m")
 
     @property
@@ -78,7 +78,7 @@ class Gear(Table):
 
     @property
     def edge_offset_m(self) -> float:
-        """q' = q + equidistant modification: the radius of that sleeve."""
+        """q' = q + equidistant modification: the radius of that pin."""
         return float(self.external_sleeve_radius_m) + self._modification("equidistant_m")
 
     @property
@@ -88,7 +88,7 @@ class Gear(Table):
 
     @property
     def has_errors(self) -> bool:
-        """Whether a single sleeve, hole or wheel deviates."""
+        """Whether a single pin, hole or disc deviates."""
         return any(self._keys.get("errors", {}).values())
 
     def errors(self, key: str, count: int) -> npt.NDArray[np.float64]:
@@ -98,7 +98,7 @@ class Gear(Table):
 
     @property
     def extra_play_m(self) -> float:
-        """More than what modification and errors can add to the gap of an external sleeve."""
+        """More than what modification and errors can add to the gap of a ring pin."""
         change = abs(self._modification("equidistant_m")) + abs(self._modification("radial_m"))
         lists = self._keys.get("errors", {}).items()
         largest = sum(max(map(abs, values), default=0.0) for key, values in lists if key.endswith("_m"))
@@ -119,7 +119,7 @@ class Masses(Table):
         )
 
     def driver_kg_m2(self, wheels: float) -> float:
-        """Rotor inertia that stands in for a driver: the power of ten next to so many times a wheel's moment.
+        """Rotor inertia that stands in for a driver: the power of ten next to so many times a disc's moment.
 
         The input's speed is then off by torque * time/(inertia * speed), and inertia * deceleration is the torque.
         """
@@ -211,12 +211,12 @@ class Contact(Table):
 
     @property
     def pin_young_pa(self) -> float:
-        """E of the sleeves, Pa; as the wheels'."""
+        """E of the pins, Pa; as the discs'."""
         return float(self._given("pin_young_pa", self.young_pa))
 
     @property
     def pin_poisson(self) -> float:
-        """Poisson's ratio of the sleeves; as the wheels'."""
+        """Poisson's ratio of the pins; as the discs'."""
         return float(self._given("pin_poisson", self.poisson))
 
     @property
@@ -226,7 +226,7 @@ class Contact(Table):
 
     @property
     def disc_depth_m(self) -> float | None:
-        """How deep a wheel is behind a contact, m; None: the wall between a hole and the profile."""
+        """How deep a disc is behind a contact, m; None: the wall between a hole and the profile."""
         found = self._keys.get("disc_depth_m")
         return None if found is None else float(found)
 
@@ -270,7 +270,7 @@ class Scene:
     drive: Drive
     contact: Contact
     solver: Solver
-    # Wheels are free bodies on elastic bearings, whose forces the compiled law has.
+    # Discs are free bodies on elastic bearings, whose forces the compiled law has.
     floats: bool = False
     # Stiffness of an output pin against bending, in series with its contacts, N/m; None: rigid.
     pin_n_m: float | None = None

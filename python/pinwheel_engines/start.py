@@ -1,6 +1,6 @@
 """How a run starts: the ideal mesh, or the same mesh under its load.
 
-`kinematic`: angles and rates of the ideal mesh. `equilibrium`: the output and the wheels are turned until the contact
+`kinematic`: angles and rates of the ideal mesh. `equilibrium`: the output and the discs are turned until the contact
 forces, without friction and damping, carry the load; the rates are the ideal ones. Both come as absolute angles and
 rates of all bodies (see `layout`).
 """
@@ -43,7 +43,7 @@ def initial_angles(scene: Scene, given: Floats | None = None) -> tuple[Floats, F
 
 
 def initial_states(scene: Scene, given: Floats | None = None) -> Floats:
-    """States (bodies, 6) at the start. Wheels that float stand where the given ones have them, else on their eccentrics."""
+    """States (bodies, 6) at the start. Discs that float stand where the given ones have them, else on their eccentrics."""
     kinematics = Kinematics(scene.gear)
     states = kinematics.states(*initial_angles(scene, given))
     if scene.floats and given is not None:
@@ -53,7 +53,7 @@ def initial_states(scene: Scene, given: Floats | None = None) -> Floats:
 
 
 def _load(scene: Scene, kinematics: Kinematics, angles: Floats, rates: Floats) -> None:
-    """Turns the output and the wheels until the load at time 0 is carried."""
+    """Turns the output and the discs until the load at time 0 is carried."""
     load = scene.drive.load_n_m(0.0)
     if load == 0.0:
         return
@@ -64,7 +64,7 @@ def _load(scene: Scene, kinematics: Kinematics, angles: Floats, rates: Floats) -
     sense = 1.0 if load > 0.0 else -1.0
 
     def torques(turn: float, wheel_turns: Floats) -> Floats:
-        """Restoring torques (points, bodies) at wheel turns (points, wheels): all together, as the law costs hardly more."""
+        """Restoring torques (points, bodies) at disc turns (points, discs): all together, as the law costs hardly more."""
         points = np.empty((len(wheel_turns), angles.size))
         for point, turns in zip(points, wheel_turns, strict=True):
             angles[OUTPUT] = ideal[OUTPUT] + sense * turn
@@ -76,7 +76,7 @@ def _load(scene: Scene, kinematics: Kinematics, angles: Floats, rates: Floats) -
         return sense * np.array(torques)
 
     def settle(turn: float) -> Floats:
-        """Wheel turns at which each wheel is in balance with the output held; the wheels do not touch each other."""
+        """Wheel turns at which each disc is in balance with the output held; the discs do not touch each other."""
         low = np.full(wheels.size, -0.5 * np.pi / scene.gear.lobes)
         width = np.pi / scene.gear.lobes
         shares = np.arange(1, SECTIONS)[:, None] / SECTIONS

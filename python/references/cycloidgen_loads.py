@@ -1,12 +1,12 @@
 """Loads of the zero-clearance mesh on linear springs, by the package cycloidgen.
 
-For each scene named on the command line: one of its wheels, which carries its share of the load torque, at evenly spaced
-poses over the pitch of the external sleeves and over the period of the internal ones. Prints JSON with every pose, or with
+For each scene named on the command line: one of its discs, which carries its share of the load torque, at evenly spaced
+poses over the pitch of the ring pins and over the period of the internal ones. Prints JSON with every pose, or with
 `--toml` the extremes, as `reference/published/cycloidgen.toml` records them. Runs in an environment made from
 `requirements-cycloidgen.txt`, with the folder `python` on the path.
 
-What is printed is in Pinwheel's terms: angles counter-clockwise, sleeve 0 at angle 0 and counted the same way, lengths in m,
-levers above 0 where a sleeve can push.
+What is printed is in Pinwheel's terms: angles counter-clockwise, pin 0 at angle 0 and counted the same way, lengths in m,
+levers above 0 where a pin can push.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ POSES = 48
 # Modification of the profile, equidistant or of the pin circle.
 CLEARANCE_MM = 0.05
 # Modification and line length for the twist under load, where gaps are of the size of the contacts' depths: with larger
-# ones the package's straight levers tell other sleeves to carry.
+# ones the package's straight levers tell other pins to carry.
 GAP_MM = 0.002
 LINE_MM = 10.0
 # Poses over the period of the mesh, and corners a lobe of the polygon that stands for the profile: gaps to a few nanometres.
 TWIST_POSES = 8
 CORNERS = 3000
-# Sleeves on the line of centres have levers of 1e-17 m and forces to match: they carry nothing.
+# Pins on the line of centres have levers of 1e-17 m and forces to match: they carry nothing.
 NOTHING_N = 1e-9
 
 
@@ -110,9 +110,9 @@ def compliance(spec: GearSpec, mode: OffsetMode | None, torque_n_m: float) -> li
 
 
 def ring_pose(spec: GearSpec, phi: float, torque_n_m: float) -> dict[str, Any]:
-    """All external sleeves at one angle of the eccentric, and their sum along and across it.
+    """All ring pins at one angle of the eccentric, and their sum along and across it.
 
-    The package's crank turns the other way (centre at e (cos phi, -sin phi)): its picture is mirrored, sleeve by sleeve.
+    The package's crank turns the other way (centre at e (cos phi, -sin phi)): its picture is mirrored, pin by pin.
     """
     state = contacts(spec, phi)
     forces = state.forces(1e3 * torque_n_m)
@@ -123,13 +123,13 @@ def ring_pose(spec: GearSpec, phi: float, torque_n_m: float) -> dict[str, Any]:
         "input_rad": phi,
         "levers_m": (-1e-3 * state.moment_arms[mirror]).tolist(),
         "forces_n": forces[mirror].tolist(),
-        # Of the sleeves on the disc; mirrored likewise.
+        # Of the pins on the disc; mirrored likewise.
         "bearing_n": [-float(bearing @ along), float(bearing @ [along[1], -along[0]])],
     }
 
 
 def output_pose(spec: GearSpec, phi: float, torque_n_m: float) -> dict[str, Any]:
-    """All internal sleeves at one angle of the eccentric.
+    """All output pins at one angle of the eccentric.
 
     The package loads those whose moment on the disc has the sense of the external ones', where equilibrium wants the
     opposite. Its figures are therefore those of the mirrored pose, which two mirrors make ours but for the angle.

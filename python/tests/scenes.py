@@ -85,7 +85,7 @@ def paper_text(**keys: object) -> str:
 
 
 def random_states(scene: Scene, count: int, seed: int = 1, spread_rad: float = 2e-4) -> Floats:
-    """States near the mesh: random input angles, angles and rates off the ideal ones, sleeves that turn."""
+    """States near the mesh: random input angles, angles and rates off the ideal ones, pins that turn."""
     rng = np.random.default_rng(seed)
     kinematics = Kinematics(scene.gear)
     layout = kinematics.layout

@@ -36,7 +36,7 @@ def test_a_law_that_numpy_does_not_know_is_refused():
 
 
 def test_ties_between_points():
-    # One wheel at rest in the ideal mesh, its hole's points symmetric about the line through the sleeve.
+    # One disc at rest in the ideal mesh, its hole's points symmetric about the line through the pin.
     scene = scenes.scene(scenes.POINTS)
     law = ContactLaw(scene)
     angles, rates = Kinematics(scene.gear).ideal(scene)

@@ -63,7 +63,7 @@ def test_normal_rate_is_the_rate_of_penetration(name):
 
 
 def test_internal_contact_by_hand():
-    # Wheel 0 turned by t from the ideal mesh about its centre: hole k moves by R_w t along its tangent.
+    # Disc 0 turned by t from the ideal mesh about its centre: hole k moves by R_w t along its tangent.
     scene = scenes.scene()
     kinematics = Kinematics(scene.gear)
     layout = kinematics.layout
@@ -73,7 +73,7 @@ def test_internal_contact_by_hand():
     inner = (contacts.wheel == 2) & (contacts.sleeve >= layout.internal_bodies.start)
     k = contacts.sleeve[inner] - layout.internal_bodies.start
     turn = 2.0 * math.pi * k / 8
-    # Sleeve against hole: -e along x (phase 0) and minus the hole's displacement.
+    # Pin against hole: -e along x (phase 0) and minus the hole's displacement.
     away = -0.0028 - 0.038 * np.exp(1j * turn) * (np.exp(1e-3j) - 1.0)
     np.testing.assert_allclose(contacts.penetration_m[inner], np.abs(away) - 0.0028, rtol=1e-9)
     delta = contacts.penetration_m[inner]
@@ -111,7 +111,7 @@ def test_the_sleeves_spin_counts():
     law = ContactLaw(scene)
     a, b = law.contacts(states), law.contacts(spun)
     np.testing.assert_array_equal(a.sleeve, b.sleeve)
-    # W is a radius less the penetration away from the sleeve's centre, along n.
+    # W is a radius less the penetration away from the pin's centre, along n.
     np.testing.assert_allclose(b.tangential_rate_m_s - a.tangential_rate_m_s, 2.0 * (0.006 - a.penetration_m), rtol=1e-9)
     np.testing.assert_allclose(b.normal_rate_m_s, a.normal_rate_m_s, atol=1e-15)
 
@@ -167,7 +167,7 @@ def test_points_converge_to_the_exact_contact():
         points = exact.with_keys("contact", detection="points", wheel_points=count, hole_points=count)
         found = evaluate(points, states)[..., :2]
         errors.append(np.sqrt(np.mean((found - wanted) ** 2) / np.mean(wanted**2)))
-    # The normal's direction is off by up to half a spacing over the sleeve's radius: first order.
+    # The normal's direction is off by up to half a spacing over the pin's radius: first order.
     assert errors[0] > 2.5 * errors[1] > 6.0 * errors[2]
     assert errors[2] < 0.02
 
@@ -224,7 +224,7 @@ def test_the_published_vectors(law):
 
 @pytest.mark.parametrize("text", ["", scenes.MODIFIED, scenes.ERRORS])
 def test_line_forces_come_from_an_energy(text):
-    # The force field over the places of one sleeve, the rest held, has no curl: dFx/dy = dFy/dx.
+    # The force field over the places of one pin, the rest held, has no curl: dFx/dy = dFy/dx.
     scene = scenes.scene(text).with_keys("contact", law="line-hertz", pin_young_pa=5e10, damping_n_s_m=0.0)
     law, h, curls = ContactLaw(scene), 1e-9, []
     for state in scenes.random_states(scene, 6, seed=3, spread_rad=1e-3):
@@ -278,7 +278,7 @@ def test_the_wall_is_the_depth_where_a_scene_has_none():
     deeper = evaluate(plain.with_keys("contact", disc_depth_m=0.02, damping_n_s_m=0.0), states)
     still = evaluate(plain.with_keys("contact", damping_n_s_m=0.0), states)
     assert 0.8 < np.abs(deeper).max() / np.abs(still).max() < 0.95
-    # Holes that leave the wheel leave half a sleeve's radius.
+    # Holes that leave the disc leave half a pin's radius.
     leaving = plain.with_keys("gear", internal_circle_radius_m=0.06)
     assert disc_depth_m(leaving.gear, leaving.contact) == 0.003
 

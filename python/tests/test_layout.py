@@ -44,7 +44,7 @@ def test_the_ideal_mesh_fits_without_clearance(name, time_s):
     kinematics = Kinematics(scene.gear)
     law = ContactLaw(scene)
     states = kinematics.states(*kinematics.ideal(scene, time_s))
-    # Every external sleeve's centre lies on the epitrochoid: turn the wheels a little and each is inside or outside by it.
+    # Every ring pin's centre lies on the epitrochoid: turn the discs a little and each is inside or outside by it.
     for turn in (1e-6, -1e-6):
         off = states.copy()
         off[kinematics.layout.wheel_bodies, 2] += turn
@@ -63,7 +63,7 @@ def test_the_loaded_start_is_in_balance(name, load_n_m):
     kinematics = Kinematics(scene.gear)
     layout = kinematics.layout
     angles, rates = initial_angles(scene)
-    # Without friction: its torque on the wheels is not part of the balance.
+    # Without friction: its torque on the discs is not part of the balance.
     plain = scenes.scene(text.replace("friction_coefficient = 0.1", ""))
     still = kinematics.states(angles, 0.0 * rates)
     torques = kinematics.torques(angles, ContactLaw(plain).loads(still[None])[0])

@@ -45,7 +45,7 @@ def test_bed_damping_is_c_at_the_nominal_force():
     q = scene.gear.external_sleeve_radius_m
     delta = (nominal_force_n(scene) / (ContactLaw(scene).stiffness_factor * math.sqrt(q))) ** (2 / 3)
     assert bed_damping(scene) * 2.0 * math.sqrt(2.0 * q * delta) == pytest.approx(8.0, rel=1e-12)
-    # 4 T/(e zs zk) at 11 N m a wheel.
+    # 4 T/(e zs zk) at 11 N m a disc.
     assert nominal_force_n(scene) == pytest.approx(65.476, rel=1e-4)
     # 1.2 kHz in the transient; the estimate takes the shafts as held.
     assert 1e3 < nominal_rate_rad_s(scene) / (2.0 * math.pi) < 2.5e3
@@ -96,7 +96,7 @@ def test_chords_follow_the_holes_law():
 def test_wheel_damper_is_the_mesh_average():
     scene = scenes.scene()
     kinematics = Kinematics(scene.gear)
-    # Sum of squared levers of the touching sleeves, by turning a wheel a little at many input angles.
+    # Sum of squared levers of the touching pins, by turning a disc a little at many input angles.
     sums = []
     law = ContactLaw(scene)
     for time_s in np.linspace(0.0, 0.12, 40):
@@ -113,7 +113,7 @@ def test_wheel_damper_is_the_mesh_average():
 
 @pytest.mark.parametrize("turn", [-1.0, 0.0, 1.0])
 def test_reachable_segments_cover_the_contact(turn):
-    # A piece of a run keeps few segments; whatever touches meanwhile, with a wheel as far off as it may be, is among them.
+    # A piece of a run keeps few segments; whatever touches meanwhile, with a disc as far off as it may be, is among them.
     scene = scenes.scene()
     segments, gear = exudyn_own._Edge.of(scene, 4000), scene.gear
     middles = 0.5 * (segments.starts + segments.ends)
@@ -123,7 +123,7 @@ def test_reachable_segments_cover_the_contact(turn):
         span = (begin, begin + 0.0075)
         for time_s in np.linspace(*span, 5):
             angles, rates = kinematics.ideal(scene, time_s)
-            # A tenth of what ends a run presses sleeves in as deep as their radius.
+            # A tenth of what ends a run presses pins in as deep as their radius.
             angles[layout.wheel_bodies] += 0.1 * turn * exudyn_own.leeway_rad(scene)
             states = kinematics.states(angles, rates)
             found = law.contacts(states[None])

@@ -49,7 +49,7 @@ pub(crate) fn text(browser: &mut Chromium, script: &str) -> String {
 /// Zoom by dragging, all at a double click, values at the cursor, engines on and off, other quantities and scales.
 pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
     browser.open(page, DESK);
-    assert_eq!(text(browser, DRAWN), "External sleeve force no. 0");
+    assert_eq!(text(browser, DRAWN), "Ring pin force no. 0");
     // A window may be as long as the run.
     let all = text(browser, WINDOW);
     assert!(all.starts_with("all"), "{all}");
@@ -98,7 +98,7 @@ pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
         tip.contains("native-reduced") && !tip.contains("native-lagrange"),
         "{tip}"
     );
-    // Another quantity, another sleeve, signed differences to the other engine.
+    // Another quantity, another pin, signed differences to the other engine.
     let choose = |id: &str, value: usize| {
         format!(
             "(async () => {{ const before = document.body.dataset.drawn; const s = document.getElementById('{id}'); s.value = '{value}'; s.dispatchEvent(new Event('change')); \
@@ -107,11 +107,11 @@ pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
     };
     assert_eq!(
         text(browser, &choose("quantity", 3)),
-        "External sleeve force no. 0"
+        "Ring pin force no. 0"
     );
     assert_eq!(
         text(browser, &choose("channel", 5)),
-        "External sleeve force no. 5"
+        "Ring pin force no. 5"
     );
     browser.evaluate("(() => { const s = document.getElementById('base'); s.value = '1'; s.dispatchEvent(new Event('change')); })()");
     click(browser, "document.querySelector('[data-scale=linear]')");
@@ -290,7 +290,7 @@ pub(crate) fn old_browsers_read_it(browser: &mut Chromium, page: &Path) {
             ""
         });
         browser.open(page, DESK);
-        assert_eq!(text(browser, DRAWN), "External sleeve force no. 0");
+        assert_eq!(text(browser, DRAWN), "Ring pin force no. 0");
         assert_eq!(
             browser.evaluate("typeof DecompressionStream"),
             json!(if lacking { "undefined" } else { "function" })

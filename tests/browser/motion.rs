@@ -160,7 +160,7 @@ pub(crate) fn frames_cost_little(browser: &mut Chromium, page: &Path) {
     for key in ["paths", "texts", "reads"] {
         assert_eq!(number(key), 0.0, "{key}: {seen}");
     }
-    // Two wheels, 8 + 16 sleeves, 32 forces at most: measured 407 points and 58 strokes; with paths built in every frame and
+    // Two discs, 8 + 16 pins, 32 forces at most: measured 407 points and 58 strokes; with paths built in every frame and
     // every part drawn by itself it was 212 strokes, 4 paths made and 3 sizes asked for.
     assert!(number("points") < 600.0, "{seen}");
     assert!(number("paints") < 90.0, "{seen}");

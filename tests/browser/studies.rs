@@ -50,7 +50,7 @@ fn browser_shows_a_sweep() {
     assert!(printed <= 2, "{printed} sheets");
     let seen = browser.evaluate(
         "[document.querySelector('.heat-map').getBoundingClientRect().bottom < 900, document.querySelectorAll('details.depth:not([open])').length, \
-          document.querySelector('.banner .headline').textContent.startsWith('External sleeve force, peak: '), document.body.textContent.includes('did not finish')]",
+          document.querySelector('.banner .headline').textContent.startsWith('Ring pin force, peak: '), document.body.textContent.includes('did not finish')]",
     );
     assert_eq!(seen, serde_json::json!([true, 2, true, false]));
     // Two axes are a map; lines, other axes and figures are a choice away.
@@ -230,17 +230,17 @@ fn browser_shows_two_designs() {
         said.contains("figures differ, most: ") && said.contains('%') || said.contains('\u{d7}'),
         "{said}"
     );
-    // What only one of them has is drawn too: the twelfth sleeve.
+    // What only one of them has is drawn too: the twelfth pin.
     let drawn = browser.evaluate(
         "(async () => {
           const choose = (id, value) => { const s = document.getElementById(id); s.value = value; s.dispatchEvent(new Event('change')); };
-          choose('quantity', [...document.querySelectorAll('#quantity option')].findIndex((o) => o.textContent === 'External sleeve force'));
+          choose('quantity', [...document.querySelectorAll('#quantity option')].findIndex((o) => o.textContent === 'Ring pin force'));
           choose('channel', '13');
           await new Promise((r) => setTimeout(r, 500));
           return document.body.dataset.drawn;
         })()",
     );
-    assert_eq!(drawn, "External sleeve force no. 13");
+    assert_eq!(drawn, "Ring pin force no. 13");
     assert!(
         browser.complaints().is_empty(),
         "{:?}",

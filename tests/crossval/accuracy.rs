@@ -37,7 +37,7 @@ fn crossval_python_shared_law_steady() {
 }
 
 /// The start-up transient, live. Measured at 1e-5 s: 7.4e-6 for Runge-Kutta 4 with the paper's gear, 7.4e-5 with
-/// backlash, where sleeves come into contact with a knock; 2.8e-3 for the implicit trapezoidal rule.
+/// backlash, where pins come into contact with a knock; 2.8e-3 for the implicit trapezoidal rule.
 #[test]
 fn crossval_python_shared_law_transient() {
     for (preset, settings, explicit, constrained) in [

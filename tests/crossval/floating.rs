@@ -1,4 +1,4 @@
-//! Wheels that float: on the bearing of one eccentric, and on the cranks of RV gears.
+//! Discs that float: on the bearing of one eccentric, and on the cranks of RV gears.
 
 use std::time::Duration;
 

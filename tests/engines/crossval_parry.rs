@@ -16,7 +16,7 @@ const VERTICES: usize = 40_000;
 /// the order of a lobe or of its sign, would be 1e-5 m and more.
 const LIMIT_M: f64 = 1e-7;
 
-/// The curve on which sleeve centres stand, as parry sees it. Counter-clockwise: inside is solid.
+/// The curve on which pin centres stand, as parry sees it. Counter-clockwise: inside is solid.
 fn polyline(curve: &Epitrochoid) -> Polyline {
     let point = |i: usize| curve.at(TAU * i as f64 / VERTICES as f64).position;
     let vertices = (0..VERTICES)

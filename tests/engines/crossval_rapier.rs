@@ -103,8 +103,8 @@ fn crossval_rapier_shared_law_transient() {
     assert!((3.8..4.2).contains(&ratio), "{ratio}");
 }
 
-/// Other numbers of sleeves, holes and wheels, and play. Measured 2e-5 to 9e-5 at 2e-6 s,
-/// 3e-4 with play, where every sleeve comes into contact with a knock.
+/// Other numbers of pins, holes and discs, and play. Measured 2e-5 to 9e-5 at 2e-6 s,
+/// 3e-4 with play, where every pin comes into contact with a knock.
 #[test]
 fn crossval_rapier_shared_law_other_gears() {
     for (preset, limit) in [
@@ -123,7 +123,7 @@ fn crossval_rapier_shared_law_other_gears() {
     }
 }
 
-/// Sleeves that rub on their pins and seals of the shafts, with wheels that are held and that float: the driver pays for both.
+/// Sleeves that rub on their pins and seals of the shafts, with discs that are held and that float: the driver pays for both.
 #[test]
 fn crossval_rapier_losses_beside_contacts() {
     let rubs = [
@@ -223,7 +223,7 @@ fn crossval_rapier_hook_with_friction() {
     assert_close(&fine, &reference, &BOTH, (0.0, 0.05), 2e-3);
 }
 
-/// Light sleeves make friction fifty times stiffer: a native run at 2e-7 s is 6 % off in the
+/// Light pins make friction fifty times stiffer: a native run at 2e-7 s is 6 % off in the
 /// driver torque there, one at 2e-8 s is not. The hook at 1e-5 s: measured 9.1e-4 over 0.05 s.
 #[test]
 fn crossval_rapier_hook_with_light_sleeves() {

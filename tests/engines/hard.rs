@@ -20,7 +20,7 @@ fn relative(found: &TimeSeries, reference: &TimeSeries, names: &[&str]) -> f64 {
 
 /// Every hard preset ends in both forms with forces a gear of this load can have, or with an error that says
 /// when and what. Largest force measured among those that end: 2.1 kN (`hard-all-open`, where the
-/// wheels fall through their whole play); ten times that is no gear any more.
+/// discs fall through their whole play); ten times that is no gear any more.
 #[test]
 fn hard_presets_run_or_say_why() {
     let hard: Vec<&str> = PRESETS
@@ -147,7 +147,7 @@ fn hard_steel_by_an_adaptive_method() {
     assert!(adaptive.stats.rhs_calls < heun.stats.rhs_calls);
 }
 
-/// Friction on sleeves of 1e-11 kg m^2: explicit methods let spins jump while the forces look right (Heun: 1e-2
+/// Friction on pins of 1e-11 kg m^2: explicit methods let spins jump while the forces look right (Heun: 1e-2
 /// off). The energy account gives them away: 36 times the energy turned over (RK4), 130 times (Heun), where every right
 /// run of any preset stays below 0.16.
 #[test]

@@ -115,7 +115,7 @@ fn print_histogram(pairs: &[(f64, f64)]) {
     }
 }
 
-/// Of 300 random gears (6 to 60 sleeves, 1 to 4 wheels, backlash, friction, all loads, laws and sizes) none is silently wrong:
+/// Of 300 random gears (6 to 60 pins, 1 to 4 discs, backlash, friction, all loads, laws and sizes) none is silently wrong:
 /// what calls itself resolved to 1e-3 is within 3e-3 of a reference by another method. See `print_histogram`'s table.
 #[test]
 fn crossval_no_random_gear_is_silently_wrong() {

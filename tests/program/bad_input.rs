@@ -146,7 +146,7 @@ fn bad_input_parts_that_do_not_fit() {
         ),
         (
             "gear.internal_circle_radius_m=0.0525",
-            "leave the wheel|would do: gear.internal_circle_radius_m = 0.046",
+            "leave the disc|would do: gear.internal_circle_radius_m = 0.046",
         ),
         (
             "gear.internal_sleeve_radius_m=0.009",
@@ -184,7 +184,7 @@ fn bad_input_a_million_sleeves() {
 }
 
 /// The refusal comes before anything is allocated: 300 MB of address space are enough for it, while
-/// one column of time series for each of a million sleeves would take 48 GB.
+/// one column of time series for each of a million pins would take 48 GB.
 #[cfg(target_os = "linux")]
 #[test]
 fn bad_input_a_million_sleeves_allocates_nothing() {
@@ -198,7 +198,7 @@ fn bad_input_a_million_sleeves_allocates_nothing() {
         .stdin(Stdio::null())
         .output()
         .unwrap();
-    refusal(&output.into(), "a million sleeves in 300 MB");
+    refusal(&output.into(), "a million pins in 300 MB");
 }
 
 #[test]
@@ -206,7 +206,7 @@ fn bad_input_memory_and_time_bounds() {
     for (sets, part) in [
         (
             &["gear.wheels=64", "gear.external_sleeves=1000"][..],
-            "pairs of wheel and sleeve",
+            "pairs of disc and sleeve",
         ),
         (&["solver.sample_s=1e-9"], "samples"),
         (&["solver.step_s=1e-12"], "steps"),

@@ -283,7 +283,7 @@ fn program_two_designs_side_by_side() {
         judged(&found, "differ").contains(&"lost_motion_arcmin"),
         "{found:#}"
     );
-    // A wheel's pins do not know of the play of the others.
+    // A disc's pins do not know of the play of the others.
     assert!(
         judged(&found, "below-uncertainty").contains(&"internal_force_n"),
         "{found:#}"

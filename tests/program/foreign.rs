@@ -229,7 +229,7 @@ fn a_part_is_compared_and_stated_limits_hold() {
         .chain(&lines[3 + 50..3 + 150])
         .copied()
         .collect();
-    // Torques 2 % off, forces of two sleeves only.
+    // Torques 2 % off, forces of two pins only.
     let map = MAP
         .replace("factor = -1.0", "factor = -1.02")
         .replace("\"external_sleeve_force_n_*\" = { magnitude_of = [\"FX_*\", \"FY_*\"], unit = \"kN\", first = 1 }", "external_sleeve_force_n_3 = { magnitude_of = [\"FX_4\", \"FY_4\"], unit = \"kN\" }");

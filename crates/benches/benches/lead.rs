@@ -1,7 +1,7 @@
 //! The native solver against rapier at the same error, in one run:
 //! `cargo bench -p pinwheel-benches --bench lead`.
 //!
-//! Settings that leave 1e-4 (relative L2, all sleeve forces, 0.6 s, start-up included), from `pinwheel bench`: on
+//! Settings that leave 1e-4 (relative L2, all pin forces, 0.6 s, start-up included), from `pinwheel bench`: on
 //! `paper` dopri5 at 8e-6 (saddle-point form 1.6e-6) and rapier at 3.7e-6 s (1e-4 s of sampling divided by
 //! 27). What is compared is the quotient.
 

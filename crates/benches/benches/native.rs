@@ -54,7 +54,7 @@ fn contacts(criterion: &mut Criterion) {
             gearbox.kernel = kernel;
             let mut field = gearbox.contact_field().expect("presets can be modelled");
             let mut bodies = gearbox.initial_states();
-            // Twist every wheel into contact: the free play and 0.3 mrad of load.
+            // Twist every disc into contact: the free play and 0.3 mrad of load.
             let play = 17.003 * gearbox.scene.gear.backlash_m;
             for wheel in gearbox.layout.wheel_bodies() {
                 bodies[wheel].angle += play + 3e-4;
@@ -89,7 +89,7 @@ fn contacts(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// The paper's gear with other numbers of wheels and sleeves: the same teeth on a larger circle, about the same force in
+/// The paper's gear with other numbers of discs and pins: the same teeth on a larger circle, about the same force in
 /// every contact.
 fn gear(wheels: usize, external: usize, internal: usize) -> Scene {
     let mut scene = Scene::paper();
@@ -106,7 +106,7 @@ fn gear(wheels: usize, external: usize, internal: usize) -> Scene {
     scene
 }
 
-/// 2000 steps of Heun's method over the size of the gear: cost grows linearly with wheels times sleeves.
+/// 2000 steps of Heun's method over the size of the gear: cost grows linearly with discs times pins.
 fn sizes(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("gear-size");
     group.sample_size(10);

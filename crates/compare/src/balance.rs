@@ -3,7 +3,7 @@
 //! ```text
 //! mean output torque + load = J (omega_end - omega_start) / T
 //! ```
-//! J holds the shaft and the internal sleeves that it carries. The second difference of an angle is the integral of its
+//! J holds the shaft and the output pins that it carries. The second difference of an angle is the integral of its
 //! acceleration under a triangle, so that their sum is the right-hand side without a derivative. The same triangles over the torque are
 //! (1, 10, 1)/12 of three samples (Numerov). What is left is rounding and that quadrature, whose error every other
 //! sample shows: where contacts open and close, of an order that is not known. One kink may fall where all samples and every

@@ -1,7 +1,7 @@
 //! How far engines with a contact model of their own may be from ours, as they state it.
 //!
 //! These are statements on models, not on scenes: a bed of 4000 springs resolves a contact patch to so much, a
-//! polyline wheel with one linear spring to so much. They hold for any gear; a scene that breaks one is a finding.
+//! polyline disc with one linear spring to so much. They hold for any gear; a scene that breaks one is a finding.
 
 use serde::Serialize;
 

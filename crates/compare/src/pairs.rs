@@ -86,7 +86,7 @@ fn pair_entry(
     };
     let uncertainty = |p: &Participant, common: &TimeSeries| -> Option<QuantityUncertainty> {
         if *quantity != *whole {
-            // A rig has some of the sleeves only: the uncertainty of those.
+            // A rig has some of the pins only: the uncertainty of those.
             let samples = p.time_series.window(window.from_s, window.to_s);
             return uncertainty(p, quantity, window, covered(&[(p, common)], samples), judge);
         }

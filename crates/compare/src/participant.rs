@@ -42,7 +42,7 @@ pub struct Context {
     /// From here on the load is that, s.
     #[serde(skip)]
     pub load_from_s: f64,
-    /// Moment of inertia that contact forces and load turn, kg m^2: the output shaft with its internal sleeves. Without it no
+    /// Moment of inertia that contact forces and load turn, kg m^2: the output shaft with its output pins. Without it no
     /// balance is judged.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub output_inertia_kg_m2: Option<f64>,

@@ -26,7 +26,10 @@ pub struct Quantity {
 impl Quantity {
     fn new(name: &str) -> Self {
         let (stem, unit) = stem_and_unit(name);
-        let words = stem.replace('_', " ");
+        let words = stem
+            .replace("external_sleeve", "ring pin")
+            .replace("internal_sleeve", "output pin")
+            .replace('_', " ");
         let mut letters = words.chars();
         let label = if name == INPUT_TORQUE {
             "Driver torque".to_owned()
@@ -114,7 +117,7 @@ mod tests {
         for (name, label, unit) in [
             ("input_torque_n_m", "Driver torque", "N m"),
             ("output_torque_n_m", "Output torque", "N m"),
-            ("external_sleeve_force_n", "External sleeve force", "N"),
+            ("external_sleeve_force_n", "Ring pin force", "N"),
             ("output_angle_rad", "Output angle", "rad"),
             ("wheel_speed_rad_s", "Wheel speed", "rad/s"),
             (

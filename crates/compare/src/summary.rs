@@ -238,7 +238,7 @@ fn efficiency(
 }
 
 /// The quantity without channels that a measured participant lacks: a rig has force cells on three of
-/// sixteen sleeves. Engines have all channels of a quantity or none.
+/// sixteen pins. Engines have all channels of a quantity or none.
 pub(crate) fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quantity {
     let mut quantity = quantity.clone();
     if participants.iter().any(|p| p.track == Track::Measured) {

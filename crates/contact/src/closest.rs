@@ -9,7 +9,7 @@
 //!   that is smaller by L, that is if `|r|^2 < 2 rho (s - L) + L^2`, P is farther from C than L.
 //! * *foot*: a stationary point with |s| < rho is the closest point of the whole curve.
 //!
-//! Where Newton cannot help (sleeves lifted off a pit by backlash stand near its centre of curvature) a
+//! Where Newton cannot help (pins lifted off a pit by backlash stand near its centre of curvature) a
 //! third test mostly can: C is star-shaped about the origin, so P is outside if the ray through it
 //! leaves the curve earlier.
 
@@ -41,7 +41,7 @@ enum Local {
 
 impl Epitrochoid {
     /// The foot of `p` if its signed distance from the curve is below `limit`, m: 0 for points inside the curve; another
-    /// one for a sleeve whose radius differs from the offset of the edge, which touches elsewhere than on the curve.
+    /// one for a pin whose radius differs from the offset of the edge, which touches elsewhere than on the curve.
     ///
     /// The search begins at e^{ia} and e^{i zk a} of a parameter; the result does not depend on it but for rounding.
     #[must_use]

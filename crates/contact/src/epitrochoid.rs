@@ -1,4 +1,4 @@
-//! The epitrochoid C on which sleeve centres stand in contact.
+//! The epitrochoid C on which pin centres stand in contact.
 //!
 //! ```text
 //! C(a)  = R e^{ia} + e e^{i zk a},           R = e zk/m            (Eq. 1 without the offset q)
@@ -6,7 +6,7 @@
 //! n     = T/|T|            outward unit normal, at angle a + gamma of Eq. 1
 //! kappa = (1 + m^2 zk + m (1 + zk) c) / (R (1 + m^2 + 2 m c)^{3/2})
 //! ```
-//! The wheel's profile is C - q n. A sleeve of radius q penetrates the wheel by exactly minus
+//! The disc's profile is C - q n. A pin of radius q penetrates the disc by exactly minus
 //! the signed distance of its centre from C, so contact is one closest-point problem on this
 //! smooth curve. kappa > 0 where C bulges outwards (lobe), < 0 in a pit.
 
@@ -75,7 +75,7 @@ pub struct Epitrochoid {
 }
 
 impl Epitrochoid {
-    /// The curve of eccentricity `e` (m), `sleeves` = zk external sleeves, 3 or more, and shortening m (0 < m < 1); `None` if
+    /// The curve of eccentricity `e` (m), `sleeves` = zk ring pins, 3 or more, and shortening m (0 < m < 1); `None` if
     /// one of them is out of range or not finite.
     #[must_use]
     pub fn new(eccentricity: f64, sleeves: u32, shortening: f64) -> Option<Self> {
@@ -240,7 +240,7 @@ impl Epitrochoid {
         const PER_LOBE: u32 = 48;
         const LANES: usize = 4;
         let lobes = self.lobes();
-        // Far lobes only matter across the wheel; thinning them keeps huge gears cheap.
+        // Far lobes only matter across the disc; thinning them keeps huge gears cheap.
         let stride = (lobes / 256).max(1);
         let step = std::f64::consts::TAU / f64::from(lobes * PER_LOBE);
         let (mut xs, mut ys) = (Vec::new(), Vec::new());
@@ -302,7 +302,7 @@ mod tests {
     use super::*;
     use approx::assert_relative_eq;
 
-    /// The paper's wheel (Tab. 1).
+    /// The paper's disc (Tab. 1).
     fn paper() -> Epitrochoid {
         Epitrochoid::new(0.0028, 16, 0.7).unwrap()
     }

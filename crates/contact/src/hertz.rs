@@ -3,8 +3,8 @@
 //! ```text
 //! K = 4 H / (3 pi (h_c + h_p)) sqrt(R_c R_p / (R_c + R_p)),   h = (1 - nu^2)/(pi E)
 //! ```
-//! R_c is signed (negative in a pit, where the sleeve lies inside the wheel's curve). For a
-//! profile that is the inward offset of C by the sleeve radius q, R_c = 1/kappa_C - q and the
+//! R_c is signed (negative in a pit, where the pin lies inside the disc's curve). For a
+//! profile that is the inward offset of C by the pin radius q, R_c = 1/kappa_C - q and the
 //! radicand is q (1 - q kappa_C): no singularity at the inflections.
 
 use pinwheel_faults::{Fault, factor};
@@ -33,14 +33,14 @@ impl Material {
 ///
 /// let steel = Material { young: 2e11, poisson: 0.3 };
 /// let k = HertzStiffness::new(steel, steel, 1.0);
-/// // A sleeve of 6 mm in a hole of 8.8 mm is stiffer than one on a plane: R_c R_p/(R_c + R_p) is 18.9 mm and not 6 mm.
+/// // A pin of 6 mm in a hole of 8.8 mm is stiffer than one on a plane: R_c R_p/(R_c + R_p) is 18.9 mm and not 6 mm.
 /// let ratio = k.of_hole(0.006, 0.0088) / k.on_flat(0.006);
 /// assert!((ratio - (0.0088_f64 / 0.0028).sqrt()).abs() < 1e-12);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HertzStiffness {
     coefficient: f64,
-    /// Sleeve radius and power, of laws that a sleeve's radius enters beside R.
+    /// Pin radius and power, of laws that a pin's radius enters beside R.
     sleeve: Option<(f64, f64)>,
     /// Factor in holes.
     internal: f64,
@@ -49,7 +49,7 @@ pub struct HertzStiffness {
 }
 
 impl HertzStiffness {
-    /// Materials of sleeve and wheel, and the multiplier H.
+    /// Materials of pin and disc, and the multiplier H.
     #[must_use]
     pub fn new(sleeve: Material, wheel: Material, multiplier: f64) -> Self {
         let multiplier = multiplier * factor(Fault::Stiffness, 1.01);
@@ -68,7 +68,7 @@ impl HertzStiffness {
         Self { internal, ..self }
     }
 
-    /// K of external and internal sleeves, whatever their radii.
+    /// K of ring and output pins, whatever their radii.
     #[must_use]
     pub fn of_stages(self, stages: [f64; 2]) -> Self {
         Self {
@@ -83,7 +83,7 @@ impl HertzStiffness {
         self.stages.is_none()
     }
 
-    /// With a factor (`radius`/sleeve)^`power` on K: sleeves of that radius (m) have Hertz's.
+    /// With a factor (`radius`/sleeve)^`power` on K: pins of that radius (m) have Hertz's.
     #[must_use]
     pub fn with_sleeve(self, radius: f64, power: f64) -> Self {
         Self {
@@ -98,7 +98,7 @@ impl HertzStiffness {
         self.coefficient
     }
 
-    /// K, N/m^1.5, of a sleeve of radius `sleeve` where R_c R_p/(R_c + R_p) = `radius`, m (both > 0).
+    /// K, N/m^1.5, of a pin of radius `sleeve` where R_c R_p/(R_c + R_p) = `radius`, m (both > 0).
     #[must_use]
     #[inline]
     pub fn of(&self, sleeve: f64, radius: f64) -> f64 {
@@ -110,13 +110,13 @@ impl HertzStiffness {
         }
     }
 
-    /// K of a sleeve on a flat.
+    /// K of a pin on a flat.
     #[must_use]
     pub fn on_flat(&self, sleeve: f64) -> f64 {
         self.of(sleeve, sleeve)
     }
 
-    /// K of a sleeve of radius `sleeve` on the inward offset by `offset` of a curve that bends by `kappa`: with
+    /// K of a pin of radius `sleeve` on the inward offset by `offset` of a curve that bends by `kappa`: with
     /// R_c = 1/kappa - offset the radicand is `sleeve (1 - offset kappa)/(1 + (sleeve - offset) kappa)`.
     #[must_use]
     #[inline]
@@ -125,7 +125,7 @@ impl HertzStiffness {
         self.of(sleeve, radius)
     }
 
-    /// K of a sleeve of radius `sleeve` in a hole of radius `hole` (R_c = -hole).
+    /// K of a pin of radius `sleeve` in a hole of radius `hole` (R_c = -hole).
     #[must_use]
     pub fn of_hole(&self, sleeve: f64, hole: f64) -> f64 {
         match self.stages {
@@ -152,7 +152,7 @@ mod tests {
         let h: f64 = 0.91 / (std::f64::consts::PI * 2.0e11);
         let k = 4.0 * 0.01 / (3.0 * std::f64::consts::PI * 2.0 * h) * (rc * q / (rc + q)).sqrt();
         assert_relative_eq!(steel.of_edge(q, q, kappa), k, max_relative = 1e-14);
-        // A sleeve that did not make the profile.
+        // A pin that did not make the profile.
         let rp = 0.0061;
         let k = k * (rc * rp / (rc + rp) / (rc * q / (rc + q))).sqrt();
         assert_relative_eq!(steel.of_edge(rp, q, kappa), k, max_relative = 1e-14);

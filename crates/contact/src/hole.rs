@@ -1,13 +1,13 @@
-//! A round hole in the wheel with a sleeve inside.
+//! A round hole in the disc with a pin inside.
 
 use crate::Complex;
 
-/// Circle of radius `radius` about `centre` (wheel frame).
+/// Circle of radius `radius` about `centre` (disc frame).
 ///
 /// ```
 /// use pinwheel_contact::{Complex, Hole};
 ///
-/// // 8.8 mm about (38 mm, 0), a sleeve of 6 mm: 2.8 mm of clearance, used up and 0.1 mm more to the right.
+/// // 8.8 mm about (38 mm, 0), a pin of 6 mm: 2.8 mm of clearance, used up and 0.1 mm more to the right.
 /// let hole = Hole { centre: Complex::new(0.038, 0.0), radius: 0.0088 };
 /// let (depth, normal) = hole.penetration(Complex::new(0.0409, 0.0), 0.006).expect("it touches");
 /// assert!((depth - 1e-4).abs() < 1e-15);
@@ -23,8 +23,8 @@ pub struct Hole {
 }
 
 impl Hole {
-    /// Penetration (m, > 0) of a sleeve of radius `sleeve` centred at `p`, and the unit vector from
-    /// the sleeve centre to the hole's closest point. `None` without contact.
+    /// Penetration (m, > 0) of a pin of radius `sleeve` centred at `p`, and the unit vector from
+    /// the pin centre to the hole's closest point. `None` without contact.
     #[must_use]
     #[inline]
     pub fn penetration(&self, p: Complex, sleeve: f64) -> Option<(f64, Complex)> {
@@ -53,7 +53,7 @@ mod tests {
         assert!(hole.penetration(Complex::new(0.0407, 0.0), 0.006).is_none());
         let (depth, normal) = hole.penetration(Complex::new(0.0409, 0.0), 0.006).unwrap();
         assert!((depth - 1e-4).abs() < 1e-15 && normal == Complex::ONE);
-        // A sleeve in the very centre touches nothing, whatever direction that is.
+        // A pin in the very centre touches nothing, whatever direction that is.
         assert!(hole.penetration(hole.centre, 0.006).is_none());
     }
 }

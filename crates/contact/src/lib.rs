@@ -4,15 +4,15 @@
 //! Planar, SI units; vectors are `[x, y]`, rotations unit complex numbers.
 //!
 //! ```text
-//!          curve C of sleeve centres                     hole in the wheel
+//!          curve C of pin centres                     hole in the disc
 //!                  (Epitrochoid)                              (Hole)
 //!
 //!       outside        n ^                                 .-----------.
-//!     -----------._      |  _.---------                  .'   sleeve   '.
+//!     -----------._      |  _.---------                  .'   pin   '.
 //!                  '-.___|-'   C(a)                     /      .---.     \
 //!       inside          delta                          |      (  P--)->W |
 //!                        x P                            \      '---'  n  /
-//!              (sleeve centre, pressed in)               '.           .'
+//!              (pin centre, pressed in)               '.           .'
 //!                                                          '-----------'
 //!
 //!     P, start --> Epitrochoid::foot_within --> Foot: delta, n, kappa
@@ -21,10 +21,10 @@
 //!                F_n, v_t --> Friction --> F_t
 //! ```
 //! [`HolePoints`] and [`ProfilePoints`] replace the exact curves by discrete points, as published. The same search for
-//! several sleeves at once, in vector registers, is [`Epitrochoid::penetrating_feet`] with [`Lanes`]; the scalar one is
+//! several pins at once, in vector registers, is [`Epitrochoid::penetrating_feet`] with [`Lanes`]; the scalar one is
 //! its oracle. [`laws`] lists the laws and says how to add one.
 //!
-//! A sleeve pressed 20 um into the tip of a lobe of the paper's wheel (e = 2.8 mm, zk = 16, m = 0.7), by the program and by
+//! A pin pressed 20 um into the tip of a lobe of the paper's disc (e = 2.8 mm, zk = 16, m = 0.7), by the program and by
 //! hand:
 //! ```
 //! use pinwheel_contact::{Complex, Epitrochoid, HertzStiffness, Law, LawParameters, Material, NormalLaw};
@@ -35,7 +35,7 @@
 //! let foot = curve.foot_within(sleeve_centre, [Complex::ONE; 2], 0.0).expect("it is inside");
 //! assert!((foot.distance + 20e-6).abs() < 1e-15);
 //!
-//! // Sleeve of radius 6 mm, steel, stiffness multiplier 0.01: Eq. 23 with 1/kappa = 15.16 mm.
+//! // Pin of radius 6 mm, steel, stiffness multiplier 0.01: Eq. 23 with 1/kappa = 15.16 mm.
 //! let steel = Material { young: 2e11, poisson: 0.3 };
 //! let stiffness = HertzStiffness::new(steel, steel, 0.01).of_edge(0.006, 0.006, foot.at.curvature);
 //! let h = (1.0 - 0.3_f64.powi(2)) / (std::f64::consts::PI * 2e11);

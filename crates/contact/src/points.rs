@@ -1,24 +1,24 @@
 //! Discrete contact points, as published, without the scan of all of them.
 //!
-//! The paper lists the points of the wheel that lie inside the sleeve and takes the one nearest
-//! to the sleeve's centre. Squared distances from P to the profile C - q n and to C itself are
+//! The paper lists the points of the disc that lie inside the pin and takes the one nearest
+//! to the pin's centre. Squared distances from P to the profile C - q n and to C itself are
 //! stationary at the same parameters (both normals are n), so the nearest vertex is one of the
 //! neighbours of the exact foot, which the closest-point search gives at a cost that does not
 //! depend on the number of points. A downhill walk from there guards coarse rows of points.
 
 use crate::{Complex, Epitrochoid, HertzStiffness};
 
-/// A discrete point of the wheel.
+/// A discrete point of the disc.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vertex {
-    /// Position in the wheel frame, m.
+    /// Position in the disc frame, m.
     pub position: Complex,
     /// 1/R_c of the circle through it and its two neighbours (the paper's approximation of the curvature), 1/m.
     pub curvature: f64,
 }
 
 impl Vertex {
-    /// Contact stiffness K of a sleeve of radius `q` there, N/m^1.5: 1/(R_c R_p/(R_c + R_p)) = 1/R_c + 1/R_p.
+    /// Contact stiffness K of a pin of radius `q` there, N/m^1.5: 1/(R_c R_p/(R_c + R_p)) = 1/R_c + 1/R_p.
     #[must_use]
     #[inline]
     pub fn stiffness(&self, q: f64, hertz: &HertzStiffness) -> f64 {
@@ -34,9 +34,9 @@ pub struct ProfilePoints {
 }
 
 impl ProfilePoints {
-    /// `count` points on the offset of `curve` by `offset` (m) for sleeves up to a radius `q` (m).
+    /// `count` points on the offset of `curve` by `offset` (m) for pins up to a radius `q` (m).
     ///
-    /// `None` if a pit is so coarsely sampled that the circle through three points is smaller than the sleeve: Eq. 23
+    /// `None` if a pit is so coarsely sampled that the circle through three points is smaller than the pin: Eq. 23
     /// then has no real value.
     #[must_use]
     pub fn new(curve: &Epitrochoid, offset: f64, q: f64, count: usize) -> Option<Self> {
@@ -98,7 +98,7 @@ fn circle_curvature(a: Complex, b: Complex, c: Complex) -> f64 {
     2.0 * area2 / ((b - a).norm() * (c - b).norm() * (c - a).norm())
 }
 
-/// Points of a hole at equal angles, the first along the wheel's x axis.
+/// Points of a hole at equal angles, the first along the disc's x axis.
 ///
 /// ```
 /// use pinwheel_contact::{Complex, HolePoints};

@@ -10,11 +10,11 @@ use pinwheel_scene::{Scene, load_course};
 use pinwheel_timeseries::Ending;
 
 #[cfg(any(feature = "rapier", feature = "python"))]
-/// Refuses scenes that an engine cannot honour if it holds its wheels by revolutes.
+/// Refuses scenes that an engine cannot honour if it holds its discs by revolutes.
 pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
     let bearings = &scene.bearings;
     if bearings.eccentric.is_some() {
-        let reason = "it holds wheels by revolutes, and bearings.eccentric lets them float";
+        let reason = "it holds discs by revolutes, and bearings.eccentric lets them float";
         return Err(Ending::unsupported(reason));
     }
     let losses = [
@@ -36,7 +36,7 @@ pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
 }
 
 #[cfg(any(feature = "rapier", feature = "python"))]
-/// Refuses scenes that an engine cannot honour if it has contact springs of its own and holds its wheels.
+/// Refuses scenes that an engine cannot honour if it has contact springs of its own and holds its discs.
 pub(crate) fn pins_are_rigid(scene: &Scene) -> Result<(), Ending> {
     wheels_are_held(scene)?;
     if scene.bearings.internal_sleeve_stiffness_n_m.is_none() {

@@ -114,7 +114,7 @@ pub(crate) static NATIVE_REDUCED: EngineInfo<'static> = EngineInfo {
     short: "reduced",
     colour: Some(0),
     form: Some(Form::Reduced),
-    differences: "One equation per angle that forces can change: wheels, output, and with friction the sleeves. \
+    differences: "One equation per angle that forces can change: discs, output, and with friction the pins. \
         Translations of centre-pinned bodies are eliminated exactly, so there are no joints to drift.",
     ..EngineInfo::own("native-reduced", Track::Native)
 };
@@ -189,12 +189,12 @@ pub(crate) static RAPIER_COLLIDERS: EngineInfo<'static> = EngineInfo {
     stands_in: Some(2),
     own_contact: OwnContact::Springs,
     model: model::COLLIDERS,
-    differences: "Everything in contact is rapier's own. Wheels and holes are closed polylines made from Eq. 1 alone, sleeves are \
-        discs, contacts come from its collision detection (of several segments that touch a sleeve only the nearest \
+    differences: "Everything in contact is rapier's own. Discs and holes are closed polylines made from Eq. 1 alone, pins are \
+        discs, contacts come from its collision detection (of several segments that touch a pin only the nearest \
         counts), friction is exactly Coulomb and implicit. Its contact spring is linear, not K delta^1.5: one frequency \
         serves all pairs, chosen so that its stiffness is right in the mean under the static load, and its implicit \
         integration damps far more than the scene's law. Steps are its own and longer. A linear spring spreads the load \
-        over more sleeves, which raises mean forces and lowers peaks; and having a potential, it takes from the driver \
+        over more pins, which raises mean forces and lowers peaks; and having a potential, it takes from the driver \
         what the load demands, where the paper's law creates energy. So only means are comparable, torques to 1.5 % and \
         forces to 10 %: peaks, wave forms and the start-up are not.",
     ..EngineInfo::own("rapier-own-contact-colliders", Track::OwnContact)
@@ -212,7 +212,7 @@ pub(crate) static MUJOCO_SHARED_LAW: EngineInfo<'static> = EngineInfo {
     differences: "Joints are not constraints but coordinates: every body turns on a hinge relative to its carrier, \
         and MuJoCo's articulated-body equations give the mass matrix. Time integration is its own Runge-Kutta 4 at \
         the scene's step, driven from Python, with our contact law in every stage through a compiled callback: the loop over \
-        steps costs Python time, the law does not. Friction is therefore explicit. The input speed is held by a rotor inertia 1e16 times a wheel's instead of a constraint (some \
+        steps costs Python time, the law does not. Friction is therefore explicit. The input speed is held by a rotor inertia 1e16 times a disc's instead of a constraint (some \
         parts in 1e15), and the driver torque is that inertia times its deceleration. Contact points and contact law are \
         the native solver's own: this comparison cannot find an error in them.",
     ..EngineInfo::own("mujoco-shared-law", Track::SharedLaw)
@@ -230,7 +230,7 @@ pub(crate) static EXUDYN_EXPLICIT: EngineInfo<'static> = EngineInfo {
     differences: "Joints are coordinates, as in MuJoCo, but in exudyn's kinematic tree with exudyn's Runge-Kutta 4 \
         at the scene's step, and our contact law in every stage, called through Python, which is part of its CPU time, though the \
         law behind it is compiled; friction is therefore explicit. The input speed is \
-        held by a rotor inertia 1e16 times a wheel's instead of a constraint (some parts in 1e15). Contact points and \
+        held by a rotor inertia 1e16 times a disc's instead of a constraint (some parts in 1e15). Contact points and \
         contact law are the native solver's own: this comparison cannot find an error in them.",
     ..EngineInfo::own("exudyn-shared-law-explicit", Track::SharedLaw)
 };
@@ -257,7 +257,7 @@ pub(crate) static EXUDYN_CONSTRAINED: EngineInfo<'static> = EngineInfo {
 
 /// See its fields.
 pub(crate) static MUJOCO_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
-    summary: "MuJoCo alone: wheel edges as beds of 4000 small spheres or more, holes as limited tendons",
+    summary: "MuJoCo alone: disc edges as beds of 4000 small spheres or more, holes as limited tendons",
     short: "mujoco-own",
     colour: Some(9),
     feature: Some("crossval"),
@@ -266,11 +266,11 @@ pub(crate) static MUJOCO_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
     stands_in: Some(1),
     own_contact: OwnContact::Balls,
     model: model::BED,
-    differences: "MuJoCo finds the contacts and computes the forces; nothing of ours runs in its step. Each wheel's \
+    differences: "MuJoCo finds the contacts and computes the forces; nothing of ours runs in its step. Each disc's \
         edge is a bed of 4000 spheres or more (seven in a loaded contact) with linear springs, which together give \
         K \u{3b4}^1.5 for a locally circular edge and conserve energy where the paper's law does not: that is most \
         of the difference in the driver torque. Holes are tendons of limited length with a chord approximation of K \u{3b4}^1.5. There is no ramp S \
-        and no friction, and semi-implicit steps are some six a period of a wheel's vibration: steady time series are \
+        and no friction, and semi-implicit steps are some six a period of a disc's vibration: steady time series are \
         comparable, the start-up transient is not.",
     ..EngineInfo::own("mujoco-own-contact", Track::OwnContact)
 };
@@ -286,10 +286,10 @@ pub(crate) static EXUDYN_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
     stands_in: Some(0),
     own_contact: OwnContact::Balls,
     model: model::BED,
-    differences: "exudyn finds the contacts and computes the forces; nothing of ours runs in its step. Each wheel's \
+    differences: "exudyn finds the contacts and computes the forces; nothing of ours runs in its step. Each disc's \
         edge is a bed of 4000 spring segments or more, which conserve energy where the paper's law does not; holes are \
         hollow spheres with exponent 1.5, the law itself but for the ramp S. Damping of the external contacts acts \
-        as a rotational damper on the wheels, because exudyn's own ignores how a body turns. There is no friction: \
+        as a rotational damper on the discs, because exudyn's own ignores how a body turns. There is no friction: \
         steady time series are comparable, the start-up transient is not.",
     ..EngineInfo::own("exudyn-own-contact", Track::OwnContact)
 };

@@ -19,7 +19,7 @@ pub enum Fault {
     PassedBreak,
     /// The Hertzian stiffness is 1 % too large.
     Stiffness,
-    /// The last wheel's eccentric is 0.1 mrad out of phase with its holes and its teeth.
+    /// The last disc's eccentric is 0.1 mrad out of phase with its holes and its teeth.
     WheelPhase,
     /// An engine in Python gets contact loads that hold their value over four calls (MuJoCo only).
     FrozenLoads,

@@ -77,7 +77,7 @@ pub enum Shaft {
     OutputSpeed,
     /// From outside on the output, N m.
     Load,
-    /// On a sleeve, N.
+    /// On a pin, N.
     LargestForce,
 }
 
@@ -98,7 +98,7 @@ const SHAFTS: &[(&str, What, &str)] = rows! {
     "input_speed_rad_s" What::Shaft(Shaft::InputSpeed), "speed of the input shaft, counter-clockwise";
     "output_speed_rad_s" What::Shaft(Shaft::OutputSpeed), "speed of the output shaft, counter-clockwise";
     "total_load_n_m" What::Shaft(Shaft::Load), "torque from outside on the output shaft, the scene's load included, counter-clockwise";
-    "largest_sleeve_force_n" What::Shaft(Shaft::LargestForce), "largest of all sleeve forces";
+    "largest_sleeve_force_n" What::Shaft(Shaft::LargestForce), "largest of all pin forces";
 };
 
 const FLAGS: &[(&str, What, &str)] = rows! {
@@ -112,8 +112,8 @@ const COLUMNS: &[(&str, (), &str)] = rows! {
     "input_torque_n_m" (), "torque of the drive on the input shaft, counter-clockwise";
     "output_torque_n_m" (), "all that turns the output shaft but its load, counter-clockwise";
     "output_angle_rad" (), "angle of the output shaft, counter-clockwise";
-    "external_sleeve_force_n_*" (), "force of all wheels on the external sleeve";
-    "internal_sleeve_force_n_*" (), "force of all wheels on the internal sleeve";
+    "external_sleeve_force_n_*" (), "force of all discs on the ring pin";
+    "internal_sleeve_force_n_*" (), "force of all discs on the output pin";
 };
 
 /// A variable; its value reference is its place in the list.
@@ -373,7 +373,7 @@ fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
 }
 
 /// A numbered column as an element of an array, whose indices begin with 1, and what it is, with its number and the place of its
-/// sleeve at the start.
+/// pin at the start.
 fn element(name: &str, about: &str, scene: &Scene) -> (String, String) {
     let numbered = name.rsplit_once('_');
     let numbered = numbered.and_then(|(array, k)| Some((array, k.parse::<u32>().ok()?)));

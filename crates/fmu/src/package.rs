@@ -135,7 +135,7 @@ impl Unit {
     fn of(name: &str) -> Option<&'static Self> {
         let name = name.split_once('[').map_or(name, |(array, _)| array);
         let numbered = name.trim_end_matches(|c: char| c.is_ascii_digit());
-        // The number of a sleeve or wheel, but not the 2 of m2.
+        // The number of a pin or disc, but not the 2 of m2.
         let bare = numbered.strip_suffix('_').unwrap_or(name);
         UNITS.iter().find(|unit| bare.ends_with(unit.ending))
     }

@@ -118,7 +118,7 @@ fn crossval_a_unit_with_friction_is_the_native_run() {
     }
 }
 
-/// Wheels on needles, output pins that bend, sealed shafts.
+/// Discs on needles, output pins that bend, sealed shafts.
 #[test]
 fn crossval_a_unit_with_floating_wheels_is_the_native_run() {
     for method in ["etd-adams", "dopri5"] {
@@ -377,7 +377,7 @@ fn parameters_and_loads_are_those_of_a_scene_that_has_them() {
     }
 }
 
-/// Nominal values of the paper's gear: 52.34 rad/s, 22 N m, ratio 15, two wheels, e = 2.8 mm, 16 external sleeves, 8
+/// Nominal values of the paper's gear: 52.34 rad/s, 22 N m, ratio 15, two discs, e = 2.8 mm, 16 ring pins, 8
 /// internal at 38 mm.
 const NOMINAL: [(&str, f64); 6] = [
     ("gear.eccentricity_m", 0.0028),
@@ -391,7 +391,7 @@ const NOMINAL: [(&str, f64); 6] = [
     ("internal_sleeve_force_n[1]", 4.0 * 11.0 / (8.0 * 0.038)),
 ];
 
-/// One that does nothing is not offered, and elements of arrays say which sleeve they are of.
+/// One that does nothing is not offered, and elements of arrays say which pin they are of.
 #[test]
 fn variables_do_something_and_say_what() {
     let offers = |sets: &[&str]| {

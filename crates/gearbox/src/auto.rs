@@ -13,13 +13,13 @@ use crate::{Gearbox, GearboxError};
 
 pub use pinwheel_scene::names::AUTO;
 
-/// Numerical uncertainty that `auto` promises: relative L2 of all sleeve forces over the run, and of the driver's torque.
+/// Numerical uncertainty that `auto` promises: relative L2 of all pin forces over the run, and of the driver's torque.
 /// A tenth of what the least certain inputs of such a model (stiffness, friction) are ever known to, so that figures of a run
 /// are the model's own.
 pub const TARGET: f64 = 1e-3;
 
 /// Tolerance of Dormand-Prince for a target, as a share of it. Its error is some 15 times the tolerance on gears whose
-/// contacts stay closed, and up to hundreds of times where wheels bounce.
+/// contacts stay closed, and up to hundreds of times where discs bounce.
 const SMOOTH: f64 = 5e-4;
 /// Longest step of the exponential method, in those that see every contact: it evaluates once a step, at its end.
 const EXPONENTIAL_STEP: f64 = 1.25;
@@ -251,19 +251,19 @@ impl<'a> Planner<'a> {
             )
         } else if rate <= most {
             self.explicit(&format!(
-                "friction relaxes the sleeves' spins at about {rate:.1e} 1/s, {:.0} times in a radian of the contacts' \
+                "friction relaxes the pins' spins at about {rate:.1e} 1/s, {:.0} times in a radian of the contacts' \
                  oscillation: cheaper to follow than to solve",
                 rate / contact
             ))
         } else if is_reduced {
             self.rosenbrock(&format!(
-                "friction relaxes the sleeves' spins at about {rate:.1e} 1/s, {:.0e} times in a radian of the \
+                "friction relaxes the pins' spins at about {rate:.1e} 1/s, {:.0e} times in a radian of the \
                  contacts' oscillation: implicitly to order five, by the exact Jacobian",
                 rate / contact
             ))
         } else {
             self.implicit(&format!(
-                "friction relaxes the sleeves' spins at about {rate:.1e} 1/s, {:.0e} times in a radian of the \
+                "friction relaxes the pins' spins at about {rate:.1e} 1/s, {:.0e} times in a radian of the \
                  contacts' oscillation: implicitly, with steps from a tolerance",
                 rate / contact
             ))
@@ -278,7 +278,7 @@ impl<'a> Planner<'a> {
         let [radians, touches] =
             [contact, self.frequencies.touch_rad_s].map(|rate| solver.duration_s * rate);
         let reason = format!(
-            "without friction wheels and output are oscillators, to {:.0} Hz, which the exact Jacobian describes: about {:.0e} \
+            "without friction discs and output are oscillators, to {:.0} Hz, which the exact Jacobian describes: about {:.0e} \
              evaluations, one a step and sample, where dopri5 would take {:.0e}",
             contact / std::f64::consts::TAU,
             samples.max(touches / EXPONENTIAL_STEP),
@@ -420,7 +420,7 @@ mod tests {
         scene.solver.step_s = 1e-3;
         let stiff = plan(&scene, TARGET);
         assert!((paper.step_s / stiff.step_s / 10.0_f64.cbrt() - 1.0).abs() < 1e-9);
-        // Where sleeves pass faster than contacts swing, they bound the steps.
+        // Where pins pass faster than contacts swing, they bound the steps.
         scene.drive.input_speed_rad_s = 1e4;
         let fast = plan(&scene, TARGET);
         assert_eq!(

@@ -14,7 +14,7 @@ use crate::{Layout, Sleeve};
 /// Minutes of arc of a radian.
 const ARCMIN: f64 = 180.0 * 60.0 / std::f64::consts::PI;
 
-/// Takes a wheel and the sleeve that touches it.
+/// Takes a disc and the pin that touches it.
 pub type Visit<'a> = &'a mut dyn FnMut(usize, Sleeve);
 
 /// Source of the figures of contacts that an engine knows at a sample.
@@ -90,7 +90,7 @@ pub(crate) struct Values {
     found: Vec<Option<PairContact>>,
     /// True if a channel needs the figures of pairs without contact.
     needs_gaps: bool,
-    /// Sleeves that press on each wheel: external, internal.
+    /// Pins that press on each disc: external, internal.
     contacts: Vec<[usize; 2]>,
     needs_contacts: bool,
     needs_losses: bool,
@@ -199,7 +199,7 @@ impl Values {
                         (Some(bearings), Joint::Eccentric) => {
                             Some(bearings.of_wheel(bodies, chosen.number).on_wheel)
                         }
-                        // Wheels that float have no revolute.
+                        // Discs that float have no revolute.
                         (Some(_), _) if body > Layout::OUTPUT => seen
                             .reactions
                             .and_then(|all| all.get(body - self.layout.wheels).copied()),
@@ -277,7 +277,7 @@ impl Values {
     }
 }
 
-/// Number of a pair among those of all wheels and bodies.
+/// Number of a pair among those of all discs and bodies.
 fn number(layout: Layout, (wheel, sleeve): (usize, Sleeve)) -> usize {
     wheel * layout.bodies() + layout.sleeve_body(sleeve)
 }

@@ -105,7 +105,7 @@ pub struct Shafts {
     pub output_speed_rad_s: f64,
     /// Torque from outside on the output shaft, N m.
     pub load_torque_n_m: f64,
-    /// Largest force on a sleeve, N.
+    /// Largest force on a pin, N.
     pub largest_force_n: f64,
 }
 

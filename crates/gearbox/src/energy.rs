@@ -39,13 +39,13 @@ const EQUAL: f64 = 1e-9;
 /// An entry in passing that is nearer to one neighbour than this share of the distance to the other says nothing new.
 const NEAR: f64 = 0.1;
 
-/// driver, load, damping, and friction of contacts, bearings, sleeves and seals: powers, W, or works, J.
+/// driver, load, damping, and friction of contacts, bearings, pins and seals: powers, W, or works, J.
 type Flows = [f64; 7];
 
 /// Works and energies at the samples of a run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EnergyAccount {
-    /// Which of contacts, bearings, sleeves and seals rub.
+    /// Which of contacts, bearings, pins and seals rub.
     rubbing: [bool; 4],
     /// Works up to the segment under way, J.
     before_segment: Flows,

@@ -14,7 +14,7 @@ pub enum GearboxError {
     /// Too few points for the pits.
     #[error(
         "contact.wheel_points = {wheel_points} is too coarse for the pits of this profile: the circle through three \
-         neighbouring points is smaller than the sleeve; use more points"
+         neighbouring points is smaller than the pin; use more points"
     )]
     TooFewPoints {
         /// The scene's value.

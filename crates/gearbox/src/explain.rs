@@ -42,7 +42,7 @@ pub struct Explanation {
     pub constraints: usize,
     /// Velocities that the chosen formulation integrates.
     pub degrees_of_freedom: usize,
-    /// Wheel-sleeve pairs tested at every evaluation.
+    /// Disc-pin pairs tested at every evaluation.
     pub contact_pairs: usize,
     /// Parts of the model.
     pub modelled: Vec<Statement>,
@@ -54,7 +54,7 @@ pub struct Explanation {
     pub channels_available: Vec<Statement>,
 }
 
-/// States the elastic parts that carry the wheels.
+/// States the elastic parts that carry the discs.
 fn bearings(scene: &Scene, modelled: &mut Statements, left_out: &mut Statements) {
     if let Some(law) = BearingLaw::of(scene) {
         let (stiffness, exponent) = (law.stiffness, law.exponent);
@@ -69,12 +69,12 @@ fn bearings(scene: &Scene, modelled: &mut Statements, left_out: &mut Statements)
     if scene.bearings.sleeve_friction_coefficient.is_some() {
         match scene.contact.friction_coefficient > 0.0 {
             false => modelled.add(
-                "sleeves that roll on the wheels and rub on their pins",
+                "sleeves that roll on the discs and rub on their pins",
                 "mu F d/(2 r) against the sliding at a contact",
             ),
             true => left_out.add(
                 "friction of sleeves on their pins in a run",
-                "friction of contacts turns sleeves here; `design` has what they lose if they roll",
+                "friction of contacts turns pins here; `design` has what they lose if they roll",
             ),
         }
     }
@@ -168,17 +168,17 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
         modelled.add(format!("joint stabilisation: {name}"), effect);
     } else {
         let spins = if gearbox.has_friction() {
-            format!(", {sleeves} sleeve spins")
+            format!(", {sleeves} pin spins")
         } else {
             String::new()
         };
         modelled.add(
             match gearbox.floats() {
                 true => format!(
-                    "{} wheels' places and angles, the output angle{spins}",
+                    "{} discs' places and angles, the output angle{spins}",
                     layout.wheels
                 ),
-                false => format!("{} wheel angles, the output angle{spins}", layout.wheels),
+                false => format!("{} disc angles, the output angle{spins}", layout.wheels),
             },
             "all that forces can change",
         );
@@ -194,8 +194,8 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     if !gearbox.has_friction() {
         if !lagrange {
             left_out.add(
-                format!("{sleeves} sleeve spins"),
-                "friction_coefficient = 0: contact forces pass through the sleeve centres and turn no sleeve",
+                format!("{sleeves} pin spins"),
+                "friction_coefficient = 0: contact forces pass through the pin centres and turn no sleeve",
             );
         }
         left_out.add(
@@ -209,8 +209,8 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     };
     let (pairs, law) = (layout.wheels * sleeves, &contact.law);
     modelled.add(
-        format!("{pairs} wheel-sleeve pairs with the law `{law}`"),
-        "every wheel can touch every external sleeve and its own holes",
+        format!("{pairs} disc-pin pairs with the law `{law}`"),
+        "every disc can touch every ring pin and its own holes",
     );
     let (wheel, hole) = (contact.wheel_points, contact.hole_points);
     match contact.detection {
@@ -225,8 +225,8 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
             );
         }
         Detection::Points => modelled.add(
-            format!("{wheel} points a wheel, {hole} a hole"),
-            "contact.detection = \"points\": the nearest point within the sleeve, as published",
+            format!("{wheel} points a disc, {hole} a hole"),
+            "contact.detection = \"points\": the nearest point within the pin, as published",
         ),
     }
     let (coefficient, ramp) = (contact.friction_coefficient, contact.friction_ramp_m_s);
@@ -271,7 +271,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     if scene.gear.backlash_m > 0.0 {
         let backlash_mm = scene.gear.backlash_m * 1e3;
         modelled.add(
-            format!("backlash: external sleeves at R + {backlash_mm} mm"),
+            format!("backlash: ring pins at R + {backlash_mm} mm"),
             "gear.backlash_m",
         );
     }
@@ -302,7 +302,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
         "the plane of motion is horizontal in the paper's model; no force depends on it",
     );
     left_out.add(
-        "contacts between sleeves and shafts",
+        "contacts between pins and shafts",
         "sleeves turn on ideal bearings",
     );
     let mut channels_available = Statements::default();
@@ -333,12 +333,12 @@ fn deviations(gear: &Gear, modelled: &mut Statements) {
         let play = free_play(gear).to_degrees() * 60.0;
         modelled.add(
             format!(
-                "modified profile: generating sleeve q' = q {equidistant}, on the circle R' = R {radial}, flanks turned by {turned} arcmin each"
+                "modified profile: generating pin q' = q {equidistant}, on the circle R' = R {radial}, flanks turned by {turned} arcmin each"
             ),
             format!(
                 "gear.modification: the edge is the offset by q' of the epitrochoid with R', the ring keeps R and q; to first \
-                 order a sleeve at phi from the eccentric stands off by g = (q' - q) + (d - (R' - R)) (1 - m cos phi)/S + \
-                 delta e zs |sin phi|/S with S = sqrt(1 + m^2 - 2 m cos phi), and a wheel turns freely by {play:.4} arcmin to \
+                 order a pin at phi from the eccentric stands off by g = (q' - q) + (d - (R' - R)) (1 - m cos phi)/S + \
+                 delta e zs |sin phi|/S with S = sqrt(1 + m^2 - 2 m cos phi), and a disc turns freely by {play:.4} arcmin to \
                  either side (the least g/l at any angle, l = e zs sin(phi)/S)"
             ),
         );

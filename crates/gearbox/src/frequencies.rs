@@ -12,13 +12,13 @@ use crate::scene::{BodyMass, Scene};
 /// Frequencies and rates of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Frequencies {
-    /// The fastest oscillation of wheels and output on their contacts, and on bearings where wheels float, rad/s.
+    /// The fastest oscillation of discs and output on their contacts, and on bearings where discs float, rad/s.
     pub contact_rad_s: f64,
-    /// Fastest oscillation of wheels and output on their contacts alone, rad/s. Contacts come and go with it.
+    /// Fastest oscillation of discs and output on their contacts alone, rad/s. Contacts come and go with it.
     pub touch_rad_s: f64,
-    /// Sleeves passing a wheel, the faster of both kinds, rad/s.
+    /// Pins passing a disc, the faster of both kinds, rad/s.
     pub mesh_rad_s: f64,
-    /// How fast friction stops a sleeve's slip under the load, 1/s; 0 without friction.
+    /// How fast friction stops a pin's slip under the load, 1/s; 0 without friction.
     pub friction_1_s: f64,
 }
 
@@ -29,7 +29,7 @@ impl Frequencies {
         let gear = &scene.gear;
         let scales = Scales::of(scene);
         let [_, rigid] = scales.modes_rad_s;
-        // A floating wheel on the loaded quarter of its contacts, and on its bearing as well.
+        // A floating disc on the loaded quarter of its contacts, and on its bearing as well.
         let floating = BearingLaw::of(scene).map_or([0.0; 2], |bearing| {
             let sleeves = 0.25 * (gear.external_sleeves + gear.internal_sleeves) as f64;
             let bearings = scene.cranks.map_or(1, |cranks| cranks.count) as f64;
@@ -48,7 +48,7 @@ impl Frequencies {
         }
     }
 
-    /// Depth of the most loaded external sleeve under the scene's own law, as a share of what Hertz' stiffness gives,
+    /// Depth of the most loaded ring pin under the scene's own law, as a share of what Hertz' stiffness gives,
     /// which adaptive methods weigh errors by ([`Gearbox::error_scales`](crate::Gearbox::error_scales)).
     #[must_use]
     pub fn depth_share(scene: &Scene) -> f64 {
@@ -64,7 +64,7 @@ impl Frequencies {
     }
 
     /// Longest step that cannot pass over a contact unseen, s: a third of a touch at the contacts' frequency, and an
-    /// eighth of the time from sleeve to sleeve.
+    /// eighth of the time from pin to pin.
     #[must_use]
     pub fn longest_step_s(&self) -> f64 {
         let mesh = TAU / 8.0 / self.mesh_rad_s.max(f64::MIN_POSITIVE);
@@ -85,8 +85,8 @@ pub fn unfollowed(scene: &Scene, step_s: f64) -> Option<f64> {
     (shorter > 1.0).then_some(shorter)
 }
 
-/// Rate mu F q^2/(v_s J) of the faster kind of sleeve under the largest static force
-/// (4 T/(e zs zk) a wheel, and 4 T/(zi R_w)), 1/s: how fast friction relaxes a spin.
+/// Rate mu F q^2/(v_s J) of the faster kind of pin under the largest static force
+/// (4 T/(e zs zk) a disc, and 4 T/(zi R_w)), 1/s: how fast friction relaxes a spin.
 #[must_use]
 pub fn friction_rate(scene: &Scene) -> f64 {
     let (gear, contact, mass) = (&scene.gear, &scene.contact, &scene.mass);
@@ -125,7 +125,7 @@ mod tests {
         assert_eq!(found.friction_1_s, 0.0);
     }
 
-    /// A third of a touch at the contacts' frequency, or an eighth of the time from sleeve to sleeve, of whichever kind passes more
+    /// A third of a touch at the contacts' frequency, or an eighth of the time from pin to pin, of whichever kind passes more
     /// often.
     #[test]
     fn steps_see_every_sleeve() {
@@ -144,7 +144,7 @@ mod tests {
         );
     }
 
-    /// Each wheel carries its part of the load, which decides where a law is not of Hertz' power.
+    /// Each disc carries its part of the load, which decides where a law is not of Hertz' power.
     #[test]
     fn depths_are_those_of_one_wheel() {
         let share = |wheels: usize, load: f64| {
@@ -159,14 +159,14 @@ mod tests {
         assert!((hertz - 1.0).abs() < 1e-12, "{hertz}");
     }
 
-    /// By hand: 6.5e5 1/s for a sleeve of the paper at 100 N; the static 65 N give two thirds of it.
+    /// By hand: 6.5e5 1/s for a pin of the paper at 100 N; the static 65 N give two thirds of it.
     #[test]
     fn friction_rate_of_the_paper() {
         let mut scene = Scene::paper();
         scene.contact.friction_coefficient = 0.1;
         let rate = friction_rate(&scene);
         assert!((rate / 6.5e5 - 1.0).abs() < 0.5, "{rate}");
-        // Sleeves that weigh next to nothing set it, whichever they are.
+        // Pins that weigh next to nothing set it, whichever they are.
         for kind in [true, false] {
             let mut scene = scene.clone();
             let (gear, mass) = (&scene.gear, &mut scene.mass);

@@ -29,7 +29,7 @@ pub struct Gearbox {
     pub kernel: Kernel,
     /// Initial states other than the ideal mesh's.
     pub(crate) start: Option<Vec<BodyState>>,
-    /// K of an external sleeve on a straight edge, N/m^1.5: finding the wall behind the holes takes longer than a balance.
+    /// K of a ring pin on a straight edge, N/m^1.5: finding the wall behind the holes takes longer than a balance.
     flat_stiffness: f64,
 }
 
@@ -124,7 +124,7 @@ impl Gearbox {
         contacts::field(&scene, &self.geometry, self.kernel)
     }
 
-    /// True when sleeves can be turned by contact forces.
+    /// True when pins can be turned by contact forces.
     #[must_use]
     pub fn has_friction(&self) -> bool {
         self.scene.contact.friction_coefficient > 0.0
@@ -137,7 +137,7 @@ impl Gearbox {
         torsion.map_or(0.0, |stiffness| torque_n_m / stiffness)
     }
 
-    /// True when wheels float on elastic bearings.
+    /// True when discs float on elastic bearings.
     #[must_use]
     pub fn floats(&self) -> bool {
         self.scene.bearings.eccentric.is_some()
@@ -149,10 +149,10 @@ impl Gearbox {
         load_course::piece_at(&self.scene.drive, t).torque(t)
     }
 
-    /// Errors that adaptive methods count as 1: the elastic twist of a wheel under its largest static load, vibrating
+    /// Errors that adaptive methods count as 1: the elastic twist of a disc under its largest static load, vibrating
     /// at the frequency this stiffness gives.
     ///
-    /// The largest static sleeve force is about 4 T/(e zs zk) a wheel (linear springs, no clearance), its
+    /// The largest static pin force is about 4 T/(e zs zk) a disc (linear springs, no clearance), its
     /// penetration (F/K)^(2/3), the twist that over the lever e zs.
     #[must_use]
     pub fn error_scales(&self) -> ErrorScales {
@@ -164,7 +164,7 @@ impl Gearbox {
         let force = 4.0 * torque / (lever * gear.external_sleeves as f64);
         let penetration = (force / self.flat_stiffness).powf(2.0 / 3.0);
         let angle = penetration / lever;
-        // Torsional stiffness of the loaded half of the sleeves against the wheel's inertia.
+        // Torsional stiffness of the loaded half of the pins against the disc's inertia.
         let torsion = 1.5 * torque / angle;
         ErrorScales {
             length: penetration,
@@ -173,7 +173,7 @@ impl Gearbox {
         }
     }
 
-    /// Below this a sleeve carries nothing to speak of, N: Hertz' force at a hundred-thousandth of its radius. What
+    /// Below this a pin carries nothing to speak of, N: Hertz' force at a hundred-thousandth of its radius. What
     /// stands in for the load of a gear without any; it grows and shrinks with the gear.
     #[must_use]
     pub fn least_force_n(&self) -> f64 {
@@ -213,7 +213,7 @@ impl Gearbox {
             .unwrap_or_else(|| self.kinematic_states())
     }
 
-    /// States at t = 0 at the ideal mesh: its rates, external sleeves at rest, internal ones turning with the output.
+    /// States at t = 0 at the ideal mesh: its rates, ring pins at rest, internal ones turning with the output.
     #[must_use]
     pub fn kinematic_states(&self) -> Vec<BodyState> {
         let speed = self.scene.drive.input_speed_rad_s;
@@ -236,7 +236,7 @@ impl Gearbox {
         states
     }
 
-    /// Bodies, revolutes and the driver of the whole gearbox: 28 and 29 for the paper's. Wheels that float have no revolute.
+    /// Bodies, revolutes and the driver of the whole gearbox: 28 and 29 for the paper's. Discs that float have no revolute.
     #[must_use]
     pub fn mechanism(&self) -> Mechanism {
         let (layout, mass) = (self.layout, &self.scene.mass);
@@ -278,12 +278,12 @@ impl Gearbox {
             revolutes.push(pin(Some(Layout::INPUT), [x, y], index));
         }
         for (j, index) in layout.external_bodies().enumerate() {
-            let name = format!("external sleeve {j}");
+            let name = format!("ring pin {j}");
             bodies.push(body(name, mass.external_sleeve, index));
             revolutes.push(pin(None, [starts[index].x, starts[index].y], index));
         }
         for (k, index) in layout.internal_bodies().enumerate() {
-            let name = format!("internal sleeve {k}");
+            let name = format!("output pin {k}");
             bodies.push(body(name, mass.internal_sleeve, index));
             let point = self.geometry.internal_points[k];
             revolutes.push(pin(Some(Layout::OUTPUT), point, index));
@@ -323,7 +323,7 @@ mod tests {
         }
     }
 
-    /// Without a load, errors are measured by a sleeve that is pressed in as deep as the least force does.
+    /// Without a load, errors are measured by a pin that is pressed in as deep as the least force does.
     #[test]
     fn scales_without_a_load_are_those_of_the_least_force() {
         let sets = ["drive.output_torque_n_m=0".parse().unwrap()];

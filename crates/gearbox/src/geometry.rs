@@ -1,11 +1,11 @@
 //! The gear's geometry: where everything sits at the ideal mesh.
 //!
-//! Wheel i of n has its centre at `e e^{i f}`, `f = a + 2 pi i/n` with the eccentrics' angle a, which is the input's but in
+//! Disc i of n has its centre at `e e^{i f}`, `f = a + 2 pi i/n` with the eccentrics' angle a, which is the input's but in
 //! RV gears ([`Geometry::eccentric_angle`]). It
-//! meshes exactly at the angle `(pi - f)/zs`. External sleeve j sits at `(R + d) e^{2 pi i j/zk}`,
-//! internal sleeve k at `R_w e^{i (psi + 2 pi k/zi)}` with the output angle psi; hole k of every wheel
-//! stands around internal sleeve k at t = 0, its centre at `R_w` from the wheel's. Errors of the parts move them from
-//! there; a wheel's edge is that of its modified profile.
+//! meshes exactly at the angle `(pi - f)/zs`. Ring pin j sits at `(R + d) e^{2 pi i j/zk}`,
+//! output pin k at `R_w e^{i (psi + 2 pi k/zi)}` with the output angle psi; hole k of every disc
+//! stands around output pin k at t = 0, its centre at `R_w` from the disc's. Errors of the parts move them from
+//! there; a disc's edge is that of its modified profile.
 
 use std::f64::consts::{PI, TAU};
 
@@ -17,24 +17,24 @@ use pinwheel_scene::{largest_hole_play, largest_play};
 use crate::GearboxError;
 use crate::scene::{Gear, Scene};
 
-/// Derived geometry; wheel-frame points are relative to the wheel's centre.
+/// Derived geometry; disc-frame points are relative to the disc's centre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Geometry {
-    /// C, the path of the generating sleeve's centre; without modification sleeve centres stand on it.
+    /// C, the path of the generating pin's centre; without modification pin centres stand on it.
     pub curve: Epitrochoid,
-    /// q', by which a wheel's edge lies inside C, m.
+    /// q', by which a disc's edge lies inside C, m.
     pub edge_offset_m: f64,
-    /// e^{i delta} of a rotational modification: a wheel is what two such wheels turned by +-delta have in common.
+    /// e^{i delta} of a rotational modification: a disc is what two such discs turned by +-delta have in common.
     pub flanks: Option<Complex>,
-    /// Directions e^{2 pi i j/zk} in which sleeves stand but for their errors.
+    /// Directions e^{2 pi i j/zk} in which pins stand but for their errors.
     pub external_directions: Vec<Complex>,
-    /// Sleeve positions on the housing, m.
+    /// Pin positions on the housing, m.
     pub external_points: Vec<[f64; 2]>,
-    /// Radii of the external sleeves, m.
+    /// Radii of the ring pins, m.
     pub external_radii_m: Vec<f64>,
-    /// Sleeve positions on the output shaft, shaft frame, m.
+    /// Pin positions on the output shaft, shaft frame, m.
     pub internal_points: Vec<[f64; 2]>,
-    /// Radii of the internal sleeves, m.
+    /// Radii of the output pins, m.
     pub internal_radii_m: Vec<f64>,
     /// Angles of the eccentrics from the input's, 2 pi i/n, rad.
     pub wheel_phases: Vec<f64>,
@@ -42,13 +42,13 @@ pub struct Geometry {
     pub eccentricities_m: Vec<f64>,
     /// By how much each crank of an RV gear is out of phase, rad; of other gears none.
     pub crank_phases: Vec<f64>,
-    /// Hole centres of every wheel, wheel frame, m.
+    /// Hole centres of every disc, disc frame, m.
     pub hole_centres: Vec<Vec<Complex>>,
-    /// Radii of the holes of every wheel, m.
+    /// Radii of the holes of every disc, m.
     pub hole_radii_m: Vec<Vec<f64>>,
     /// rho of an RV gear's first stage, teeth of the sun over a planet's; 0 where the input bears the eccentrics.
     pub teeth_ratio: f64,
-    /// How far a wheel turns freely at most, rad.
+    /// How far a disc turns freely at most, rad.
     pub wheel_play_rad: f64,
     /// Largest free rotation of the output in its holes, rad.
     pub hole_play_rad: f64,
@@ -83,7 +83,7 @@ impl Geometry {
         let (wheels, external, internal) =
             (gear.wheels, gear.external_sleeves, gear.internal_sleeves);
         let lobes = gear.external_sleeves as f64 - 1.0;
-        // Holes are cut where eccentrics without errors put their sleeves.
+        // Holes are cut where eccentrics without errors put their pins.
         let start = |i: usize| (PI - TAU * i as f64 / wheels as f64) / lobes;
         let mut wheel_phases: Vec<f64> = (0..wheels).map(|i| gear.phase_of_rad(i)).collect();
         if let (true, Some(last)) = (armed(Fault::WheelPhase), wheel_phases.last_mut()) {
@@ -130,7 +130,7 @@ impl Geometry {
         })
     }
 
-    /// Geometry of a gear whose output has neither sleeves nor holes.
+    /// Geometry of a gear whose output has neither pins nor holes.
     pub(crate) fn without_internal_sleeves(&self) -> Self {
         Self {
             internal_points: Vec::new(),
@@ -141,7 +141,7 @@ impl Geometry {
         }
     }
 
-    /// True if all sleeves and all holes are alike, and no sleeve is larger than the tool radius that cut the profile.
+    /// True if all pins and all holes are alike, and no pin is larger than the tool radius that cut the profile.
     /// The lanes assume this.
     #[must_use]
     pub(crate) fn is_uniform(&self, gear: &Gear) -> bool {
@@ -169,7 +169,7 @@ impl Geometry {
         self.eccentric_per_input * input
     }
 
-    /// Wheel `i` on an eccentric that stands at an angle and turns at a rate (rad, rad/s), itself at its `own`.
+    /// Disc `i` on an eccentric that stands at an angle and turns at a rate (rad, rad/s), itself at its `own`.
     pub(crate) fn wheel_state(&self, i: usize, eccentric: [f64; 2], own: [f64; 2]) -> BodyState {
         let ([turned, speed], [angle, rate]) = (eccentric, own);
         let (s, c) = (turned + self.wheel_phases[i]).sin_cos();
@@ -177,7 +177,7 @@ impl Geometry {
         BodyState::new([e * c, e * s, angle], [-speed * e * s, speed * e * c, rate])
     }
 
-    /// Internal sleeve `k` turning with the output, which stands at an angle and turns at a rate (rad, rad/s).
+    /// Output pin `k` turning with the output, which stands at an angle and turns at a rate (rad, rad/s).
     pub(crate) fn internal_state(&self, k: usize, [psi, rate]: [f64; 2]) -> BodyState {
         let (s, c) = psi.sin_cos();
         let [px, py] = self.internal_points[k];
@@ -185,7 +185,7 @@ impl Geometry {
         BodyState::new([x, y, psi], [-rate * y, rate * x, rate])
     }
 
-    /// Angle of wheel `i` at the ideal mesh, for the input angle `phi`, rad.
+    /// Angle of disc `i` at the ideal mesh, for the input angle `phi`, rad.
     #[must_use]
     pub fn ideal_wheel_angle(&self, i: usize, phi: f64) -> f64 {
         (PI - self.ideal_eccentric_angle(phi) - self.wheel_phases[i]) / self.lobes
@@ -197,7 +197,7 @@ impl Geometry {
         -self.ideal_eccentric_angle(phi) / self.lobes
     }
 
-    /// zs, lobes of a wheel: from one to the next it turns by 2 pi/zs.
+    /// zs, lobes of a disc: from one to the next it turns by 2 pi/zs.
     #[must_use]
     pub fn lobes(&self) -> f64 {
         self.lobes

@@ -1,7 +1,7 @@
 //! Detects runs that diverged although every number is finite.
 //!
-//! A penalty model that blows up often stays finite: wheels jump teeth and the time series look like
-//! data. In a gearbox that works, every wheel follows its ideal mesh within its free play and
+//! A penalty model that blows up often stays finite: discs jump teeth and the time series look like
+//! data. In a gearbox that works, every disc follows its ideal mesh within its free play and
 //! some elastic twist, far below a pitch.
 
 use pinwheel_mbs::BodyState;

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  CheckedScene ─> Gearbox ─┬─> mechanism   bodies, revolutes, driver
-//!                           ├─> contacts    every wheel against every sleeve: points, law, friction
+//!                           ├─> contacts    every disc against every pin: points, law, friction
 //!                           ├─> statics     the loaded gear at rest, also as a start
 //!                           └─> native::run ─> time series, energy account
 //!                               resolve::run_resolved: the same, verified and refined until it is as accurate as asked

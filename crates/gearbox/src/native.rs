@@ -155,7 +155,7 @@ pub(crate) fn reduced<F: Forces>(
 ) -> Result<Reduced<F>, GearboxError> {
     let layout = gearbox.layout;
     let sleeves: Vec<usize> = (layout.external_bodies().start..layout.bodies()).collect();
-    // Without friction nothing turns a sleeve; cranks turn with their planets, which are folded.
+    // Without friction nothing turns a pin; cranks turn with their planets, which are folded.
     let turned = if gearbox.scene.cranks.is_some() {
         layout.external_bodies().len()
     } else {

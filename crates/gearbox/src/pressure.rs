@@ -34,7 +34,7 @@ impl LinePressure {
         }
     }
 
-    /// p0 of a contact, Pa, whose wheel has its centre (m, ground frame) there and is turned by `angle` (rad).
+    /// p0 of a contact, Pa, whose disc has its centre (m, ground frame) there and is turned by `angle` (rad).
     #[must_use]
     pub fn of(
         &self,
@@ -60,13 +60,13 @@ impl LinePressure {
     }
 }
 
-/// Curvature of C at the foot of the sleeve's centre, on the flank that it touches.
+/// Curvature of C at the foot of the pin's centre, on the flank that it touches.
 fn curvature(geometry: &Geometry, contact: &PairContact, centre: [f64; 2], angle: f64) -> f64 {
     let of = |[x, y]: [f64; 2]| Complex::new(x, y);
     let back = Complex::unit(angle).conj();
     let p = (of(contact.centre) - of(centre)) * back;
     let n = of(contact.normal) * back;
-    // Farther than the radius of any sleeve that touches.
+    // Farther than the radius of any pin that touches.
     let (curve, limit) = (&geometry.curve, 0.5 * geometry.curve.pitch_radius());
     let foot = |turn: Complex| {
         let p = p * turn.conj();
@@ -78,7 +78,7 @@ fn curvature(geometry: &Geometry, contact: &PairContact, centre: [f64; 2], angle
     };
     match geometry.flanks {
         None => foot(Complex::ONE).1,
-        // n points inwards from the sleeve, the curve's normal outwards.
+        // n points inwards from the pin, the curve's normal outwards.
         Some(turn) => {
             let [one, other] = [foot(turn), foot(turn.conj())];
             if one.0 < other.0 { one.1 } else { other.1 }
@@ -93,7 +93,7 @@ mod tests {
     use crate::statics::Statics;
     use pinwheel_scene::{Override, Scene};
 
-    /// Pressure of sleeves and holes with individual radii, by 1/R = 1/sleeve + curvature of the edge, and 1/R =
+    /// Pressure of pins and holes with individual radii, by 1/R = 1/sleeve + curvature of the edge, and 1/R =
     /// 1/sleeve - 1/hole; the edge's curvature from three of its points.
     #[test]
     fn published_pressure_of_line_contacts() {

@@ -94,7 +94,7 @@ impl Recorder {
         self.loads = loads;
     }
 
-    /// Records a sample that a formulation tells, where a sleeve's only load is its contacts'. `shafts`: torque of the driver, and the
+    /// Records a sample that a formulation tells, where a pin's only load is its contacts'. `shafts`: torque of the driver, and the
     /// load on the output, N m.
     pub fn record_observed(&mut self, seen: &Observation<'_>, shafts: [f64; 2]) {
         let (head, sleeves) = self.head(seen, shafts);
@@ -114,7 +114,7 @@ impl Recorder {
         }
     }
 
-    /// The columns before the sleeves', and the sleeves' loads.
+    /// The columns before the pins', and the pins' loads.
     fn head<'a>(
         &self,
         seen: &Observation<'a>,
@@ -130,7 +130,7 @@ impl Recorder {
         ([driver_torque, torque, seen.bodies[output].angle], sleeves)
     }
 
-    /// Records a sample whose sleeve forces (ground frame, N, external then internal) are known, and what turns the output beside
+    /// Records a sample whose pin forces (ground frame, N, external then internal) are known, and what turns the output beside
     /// them and its load, N m.
     pub fn record_forces(
         &mut self,
@@ -157,7 +157,7 @@ impl Recorder {
         self.record_known(t, [driver_torque, torque, angle], forces);
     }
 
-    /// Torque of the forces on the internal sleeves, N m.
+    /// Torque of the forces on the output pins, N m.
     fn output_torque(&self, bodies: &[BodyState], forces: &[Wrench]) -> f64 {
         let output = bodies[Layout::OUTPUT];
         let forces = &forces[self.layout.external_sleeves..];
@@ -277,7 +277,7 @@ mod tests {
     use crate::scene::Scene;
     use crate::statics::Statics;
 
-    /// Forces of contacts and loads of sleeves are the same sample, and the last one can be taken out again.
+    /// Forces of contacts and loads of pins are the same sample, and the last one can be taken out again.
     #[test]
     fn contacts_and_loads_are_recorded_alike() {
         let gearbox = Gearbox::new(&Scene::load("paper", &[]).unwrap()).unwrap();

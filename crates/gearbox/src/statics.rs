@@ -1,16 +1,16 @@
 //! Statics: the angles at which a gearbox at rest carries its load, for a given input angle.
 //!
-//! Unknowns are the wheels' angles and the output's; exact geometry and the scene's own law at rate 0, so
-//! without damping and friction. Each wheel must be free of moment about its eccentric, the output
+//! Unknowns are the discs' angles and the output's; exact geometry and the scene's own law at rate 0, so
+//! without damping and friction. Each disc must be free of moment about its eccentric, the output
 //! free of moment together with the load:
 //!
 //! ```text
-//! M_i(theta_i, psi) = 0 for every wheel i,    sum over wheels of M_out,i(theta_i, psi) + M_load = 0
+//! M_i(theta_i, psi) = 0 for every disc i,    sum over discs of M_out,i(theta_i, psi) + M_load = 0
 //! ```
 //! Newton's method finds them in some ten evaluations (`newton`). Where it does not, or the
-//! contacts have no slopes (discrete points), brackets do: contacts restore, so M_i falls with theta_i, and with the wheels in
+//! contacts have no slopes (discrete points), brackets do: contacts restore, so M_i falls with theta_i, and with the discs in
 //! balance M_out falls with psi: two nested roots of falling functions, each bracketed. That needs no good start and copes with
-//! backlash, where everything is 0 over the free play. Wheels that float have unknown places too (`floating`).
+//! backlash, where everything is 0 over the free play. Discs that float have unknown places too (`floating`).
 
 mod floating;
 mod newton;
@@ -34,13 +34,13 @@ const ANGLE: f64 = 2e-15;
 pub struct Equilibrium {
     /// The input angle, rad.
     pub input: f64,
-    /// Wheel angles, rad.
+    /// Disc angles, rad.
     pub wheels: Vec<f64>,
     /// Output angle, rad.
     pub output: f64,
     /// Poses of all bodies, at rest.
     pub bodies: Vec<BodyState>,
-    /// Largest residual of the moments, N m, over those of each wheel and of the output.
+    /// Largest residual of the moments, N m, over those of each disc and of the output.
     pub residual: f64,
 }
 
@@ -65,11 +65,11 @@ pub struct Statics<'a> {
     /// The motion about which moments are taken; see [`Statics::moving`].
     motion: Motion,
     slopes: Jacobian,
-    /// Derivatives of the moments with respect to angles and to the places of wheels that float.
+    /// Derivatives of the moments with respect to angles and to the places of discs that float.
     floating_slopes: Jacobian,
-    /// Bearings on which wheels float. They have no friction, because a balance at rest has none.
+    /// Bearings on which discs float. They have no friction, because a balance at rest has none.
     bearings: Option<Bearings>,
-    /// Last balances of wheels that float, and their loads.
+    /// Last balances of discs that float, and their loads.
     floated: Vec<(Equilibrium, f64)>,
     /// Room for moments that contacts tell without loads, by body.
     told: Vec<f64>,
@@ -84,16 +84,16 @@ pub struct Statics<'a> {
 struct Motion {
     /// Speed of the input, rad/s.
     speed: f64,
-    /// Rate and acceleration of each wheel.
+    /// Rate and acceleration of each disc.
     wheels: Vec<[f64; 2]>,
     /// Speed and acceleration of the output.
     output: [f64; 2],
-    /// Velocity (m/s) and acceleration (m/s^2) of each floating wheel's centre.
+    /// Velocity (m/s) and acceleration (m/s^2) of each floating disc's centre.
     centres: Vec<[[f64; 2]; 2]>,
 }
 
 impl Motion {
-    /// None, of so many wheels.
+    /// None, of so many discs.
     fn none(wheels: usize) -> Self {
         Self {
             speed: 0.0,
@@ -160,7 +160,7 @@ impl<'a> Statics<'a> {
         self.put(phi, wheels, psi);
     }
 
-    /// Turns input, output and wheels there.
+    /// Turns input, output and discs there.
     fn turn(&mut self, phi: f64, wheels: &[f64], psi: f64) {
         let motion = &self.motion;
         let mut turn = |body: usize, angle: f64, rate: f64| {
@@ -192,7 +192,7 @@ impl<'a> Statics<'a> {
         }
     }
 
-    /// Moments on the wheels into `out`, and the moment of the contacts on the output.
+    /// Moments on the discs into `out`, and the moment of the contacts on the output.
     fn moments(&mut self, phi: f64, wheels: &[f64], psi: f64, out: &mut [f64]) -> f64 {
         if let Some(on_output) = self.told(phi, wheels, psi, out) {
             return on_output;
@@ -202,7 +202,7 @@ impl<'a> Statics<'a> {
         self.summed(out)
     }
 
-    /// Moments on the wheels into `out`, and that of the contacts on the output, by contacts that need neither loads
+    /// Moments on the discs into `out`, and that of the contacts on the output, by contacts that need neither loads
     /// nor places for them; else `None`.
     fn told(&mut self, phi: f64, wheels: &[f64], psi: f64, out: &mut [f64]) -> Option<f64> {
         self.turn(phi, wheels, psi);
@@ -219,7 +219,7 @@ impl<'a> Statics<'a> {
         Some(self.less_inertia(out, self.told[Layout::OUTPUT]))
     }
 
-    /// Moments on the wheels into `out`, and that of the contacts on the output, with their derivatives in `slopes`.
+    /// Moments on the discs into `out`, and that of the contacts on the output, with their derivatives in `slopes`.
     /// `None` if the contacts have none.
     pub(super) fn moments_with_slopes(
         &mut self,
@@ -238,7 +238,7 @@ impl<'a> Statics<'a> {
         sloped.then(|| self.summed(out))
     }
 
-    /// Sums the loads: moments on the wheels into `out`, and the moment on the output.
+    /// Sums the loads: moments on the discs into `out`, and the moment on the output.
     fn summed(&self, out: &mut [f64]) -> f64 {
         let layout = self.gearbox.layout;
         for (out, body) in out.iter_mut().zip(layout.wheel_bodies()) {
@@ -251,7 +251,7 @@ impl<'a> Statics<'a> {
         self.less_inertia(out, sleeves.sum())
     }
 
-    /// Takes what wheels and output need for the motion off the moments on them; returns the output's.
+    /// Takes what discs and output need for the motion off the moments on them; returns the output's.
     fn less_inertia(&self, out: &mut [f64], on_output: f64) -> f64 {
         let scene = &self.gearbox.scene;
         for (out, [_, bend]) in out.iter_mut().zip(&self.motion.wheels) {
@@ -260,7 +260,7 @@ impl<'a> Statics<'a> {
         on_output - scene.output_inertia_kg_m2() * self.motion.output[1]
     }
 
-    /// Half widths of the brackets: of a wheel about its ideal mesh, of the output about its own.
+    /// Half widths of the brackets: of a disc about its ideal mesh, of the output about its own.
     fn brackets(&self) -> (f64, f64) {
         let geometry = &self.gearbox.geometry;
         let twist = PITCHES * std::f64::consts::TAU / geometry.lobes();
@@ -268,7 +268,7 @@ impl<'a> Statics<'a> {
         (wheel, wheel + twist + geometry.hole_play_rad)
     }
 
-    /// Balances the wheels for the output at `psi`; returns the moment of the contacts on the output.
+    /// Balances the discs for the output at `psi`; returns the moment of the contacts on the output.
     fn balance_wheels(&mut self, phi: f64, psi: f64, wheels: &mut [f64]) -> f64 {
         let n = wheels.len();
         let half = self.brackets().0;
@@ -362,7 +362,7 @@ impl<'a> Statics<'a> {
         load: f64,
     ) -> Result<Equilibrium, GearboxError> {
         let floats = self.gearbox.floats() && !self.is_rigid;
-        // Where it may rest there is no slope to follow; on rigid cranks wheels have no angles of their own.
+        // Where it may rest there is no slope to follow; on rigid cranks discs have no angles of their own.
         if load == 0.0 || (!floats && self.gearbox.scene.cranks.is_some()) {
             return self.solve(phi, load);
         }
@@ -481,7 +481,7 @@ impl<'a> Statics<'a> {
         pairs
     }
 
-    /// The bearings that cranks of an RV gear carry wheels by, as pairs; of other gears none.
+    /// The bearings that cranks of an RV gear carry discs by, as pairs; of other gears none.
     #[must_use]
     pub fn on_cranks(&self, equilibrium: &Equilibrium) -> Vec<PairContact> {
         let bearings = self.bearings.as_ref();
@@ -494,7 +494,7 @@ impl<'a> Statics<'a> {
     /// Along the equilibria the angles are functions of the input angle, so rates are `omega d/dphi` and
     /// accelerations `omega^2 d^2/dphi^2`, by central differences. A second solution takes the damping at
     /// these rates and the moments these accelerations need into account; its own derivative gives the rates.
-    /// Sleeves spin as at the kinematic start.
+    /// Pins spin as at the kinematic start.
     ///
     /// # Errors
     /// See [`Statics::solve`].

@@ -5,21 +5,21 @@
  *
  * What is modelled
  *   A planar gearbox of rigid bodies. Each body turns about its centre of mass, which is pinned on its carrier:
- *   shafts and external sleeves on the housing, wheels on the eccentrics of the input shaft, internal sleeves on
+ *   shafts and ring pins on the housing, discs on the eccentrics of the input shaft, output pins on
  *   the output shaft. The input shaft turns at a constant rate. What is left to integrate are the angles of the
- *   output shaft, of the wheels, and, with friction, of the sleeves; or all coordinates with joints as constraints.
- *   Where wheels lie on elastic bearings, their carrier is -2: nothing pins them, all three of their coordinates are
+ *   output shaft, of the discs, and, with friction, of the sleeves; or all coordinates with joints as constraints.
+ *   Where discs lie on elastic bearings, their carrier is -2: nothing pins them, all three of their coordinates are
  *   free, and the loads of pinwheel_law_loads hold what their bearings do to them and to the input shaft.
  *
  * Units and frame
  *   SI: m, kg, s, N, N m, rad. The ground frame is right-handed with its origin on the common axis of both shafts;
  *   angles, rates and moments are positive counter-clockwise. At time 0 the input shaft stands at angle 0 and the
- *   eccentric of wheel i of n at the angle 2 pi i/n from the x axis. A wheel's own frame has its x axis through the
+ *   eccentric of disc i of n at the angle 2 pi i/n from the x axis. A disc's own frame has its x axis through the
  *   tip of a lobe; its angle at t = 0 is that of pinwheel_law_start.
  *
  * Order of bodies
- *   0 input shaft, 1 output shaft, then wheels, external sleeves (number 0 at angle 0, counter-clockwise), internal
- *   sleeves. Wheels are the bodies with carrier 0 or -2, internal sleeves those with carrier 1, external sleeves those
+ *   0 input shaft, 1 output shaft, then discs, ring pins (number 0 at angle 0, counter-clockwise), internal
+ *   sleeves. Discs are the bodies with carrier 0 or -2, output pins those with carrier 1, ring pins those
  *   from 2 on with carrier -1.
  *
  * Arrays
@@ -30,12 +30,12 @@
  *
  * What a run must record (columns of courses.csv)
  *   input_torque_n_m    the torque that holds the input shaft's rate. With pinned centres it is minus the contact
- *                       moment on the input (0) minus the sum over the wheels of (x fy - y fx).
- *   output_torque_n_m   moment of the internal sleeves' forces about the output's centre: sum of (x fy - y fx).
+ *                       moment on the input (0) minus the sum over the discs of (x fy - y fx).
+ *   output_torque_n_m   moment of the output pins' forces about the output's centre: sum of (x fy - y fx).
  *   output_angle_rad    angle of body 1.
  *   external_sleeve_force_n_0.., internal_sleeve_force_n_0..   sqrt(fx^2 + fy^2) of each sleeve.
- *   The load torque acts on the output shaft: J alpha = moment + sum of (x fy - y fx) over internal sleeves + load,
- *   where J is the output's moment plus mass times radius squared of each internal sleeve.
+ *   The load torque acts on the output shaft: J alpha = moment + sum of (x fy - y fx) over output pins + load,
+ *   where J is the output's moment plus mass times radius squared of each output pin.
  *
  * Errors
  *   Functions that return an int32_t give 0 (or a count) or one of the negative statuses below; those that return a

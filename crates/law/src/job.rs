@@ -135,10 +135,10 @@ pub fn schema() -> Value {
         "properties": {
             "protocol": { "const": JOB_PROTOCOL, "description": "version of this file and of the exit statuses" },
             "scene": with(scene, "the scene, every key resolved"),
-            "bodies": { "type": "array", "items": body, "description": "input shaft, output shaft, wheels, external sleeves, internal sleeves" },
+            "bodies": { "type": "array", "items": body, "description": "input shaft, output shaft, discs, ring pins, output pins" },
             "rate_rad_s": { "type": "number", "description": "constant rate of the input shaft (rad/s)" },
-            "elastic_twist_rad": { "type": "number", "description": "twist of a wheel under its largest static load: what errors of angles are small against (rad)" },
-            "vibration_rad_s": { "type": "number", "description": "angular frequency of a wheel on its contacts; with the twist, what errors of rates are small against (rad/s)" },
+            "elastic_twist_rad": { "type": "number", "description": "twist of a disc under its largest static load: what errors of angles are small against (rad)" },
+            "vibration_rad_s": { "type": "number", "description": "angular frequency of a disc on its contacts; with the twist, what errors of rates are small against (rad/s)" },
             "samples_s": { "type": "array", "items": { "type": "number" }, "description": "times of the rows of courses.csv (s)" },
             "columns": { "type": "array", "items": { "type": "string" }, "description": "columns of courses.csv: those of every run, then the channels that the scene asks for, which may be left out" },
             "law_library": { "type": ["string", "null"], "description": "path of libpinwheel_law; null where it was not built" },

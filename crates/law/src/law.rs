@@ -132,7 +132,7 @@ impl Law {
         })
     }
 
-    /// Input, output, wheels, external sleeves, internal sleeves.
+    /// Input, output, discs, ring pins, output pins.
     #[must_use]
     pub fn bodies(&self) -> &[Body] {
         &self.bodies
@@ -201,8 +201,8 @@ fn is_text(spec: &str) -> bool {
     spec.contains(['\n', '=', '{'])
 }
 
-/// Every body pinned at its centre: shafts and external sleeves on the housing, wheels on the input shaft unless they float,
-/// internal sleeves on the output shaft.
+/// Every body pinned at its centre: shafts and ring pins on the housing, discs on the input shaft unless they float,
+/// output pins on the output shaft.
 fn bodies(gearbox: &Gearbox) -> Vec<Body> {
     let mechanism = gearbox.mechanism();
     let bodies = mechanism.bodies.into_iter().enumerate();

@@ -77,7 +77,7 @@ fn forces_on_bodies_are_those_of_their_contacts() {
         let [x, y, nx, ny] = [c[0], c[1], c[2], c[3]];
         let (normal, friction, along) = (c[8], c[9], c[10]);
         let centre = &bodies[&format!("{case},{sleeve}")];
-        // t = (-ny, nx); the part along the profile acts at the sleeve's centre, the rest at the point.
+        // t = (-ny, nx); the part along the profile acts at the pin's centre, the rest at the point.
         let mut add = |body: String, at: [f64; 2], fx: f64, fy: f64| {
             let own = &bodies[&body];
             let sum = sums.get_mut(&body).expect("a body");

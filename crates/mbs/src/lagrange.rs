@@ -6,7 +6,7 @@
 //! `gamma = rate_child^2 s_child - rate_parent^2 s_parent`, and for a driver `gamma = f''`.
 //!
 //! Only accelerations are constrained, so positions drift with the integrator's error
-//! (Heun at 1e-5 s: about 1e-9 m on the paper's wheels, but 4e-10 m inside every second stage,
+//! (Heun at 1e-5 s: about 1e-9 m on the paper's discs, but 4e-10 m inside every second stage,
 //! which is 1e-4 of a penetration). [`Stabilisation`] says what is done about it.
 
 mod split;

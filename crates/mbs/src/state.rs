@@ -71,7 +71,7 @@ impl ContactEnergy {
         self.by_cause_w().iter().sum()
     }
 
-    /// By contacts, bearings, sleeves and seals, W.
+    /// By contacts, bearings, pins and seals, W.
     #[inline]
     #[must_use]
     pub fn by_cause_w(&self) -> [f64; 4] {

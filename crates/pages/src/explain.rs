@@ -68,7 +68,7 @@ fn expected(explanation: &Explanation<'_>) -> Vec<[String; 3]> {
     let of = &explanation.derived;
     let (external, internal) = (of.external_ripple_in_phase, of.internal_ripple_in_phase);
     let mut rows = figures(explanation, true);
-    rows.push(phase("wheels at the external sleeves", external));
-    rows.push(phase("wheels at the internal sleeves", internal));
+    rows.push(phase("discs at the ring pins", external));
+    rows.push(phase("discs at the output pins", internal));
     rows
 }

@@ -1,4 +1,4 @@
-//! A contact law of one's own beside the paper's, dropped onto a sleeve's flank at rising speeds:
+//! A contact law of one's own beside the paper's, dropped onto a pin's flank at rising speeds:
 //! `cargo run --release -p pinwheel-dynamics --example own_law`.
 //!
 //! A law that scenes can name stands in the crate `contact`; this is the way to try one before.
@@ -46,7 +46,7 @@ fn restitution(mass: f64, speed: f64, force: impl Fn(f64, f64) -> f64) -> f64 {
 fn main() -> Result<(), Box<dyn Error>> {
     let scene = pinwheel::load("paper", &[])?;
     let (gear, contact) = (&scene.gear, &scene.contact);
-    // Steel with the scene's multiplier, a sleeve in a hole of a wheel.
+    // Steel with the scene's multiplier, a pin in a hole of a disc.
     let steel = Material {
         young: 2.0e11,
         poisson: 0.3,

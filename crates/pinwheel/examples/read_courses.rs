@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Any CSV with a column time_s; names end in their unit, numbered ones make a group.
     let time_series = TimeSeries::load_csv(&file)?;
     println!(
-        "{}: {} samples of {} columns, {} external sleeves",
+        "{}: {} samples of {} columns, {} ring pins",
         file.display(),
         time_series.len(),
         time_series.channels().len(),

@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let torque = time_series.channel("input_torque_n_m").ok_or("no torque")?;
         let driver =
             Statistics::of(&View::new(vec![&torque[steady.clone()]])).ok_or("no samples")?;
-        // One channel a sleeve: external_sleeve_force_n_1, _2, ...
+        // One channel a pin: external_sleeve_force_n_1, _2, ...
         let sleeves = time_series.group("external_sleeve_force_n");
         let sleeves = View::new(
             sleeves
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 .collect(),
         );
         println!(
-            "{name}: driver torque {:.3} N m, largest force of an external sleeve {:.1} N",
+            "{name}: driver torque {:.3} N m, largest force of a ring pin {:.1} N",
             driver.mean,
             sleeves.peak().ok_or("no forces")?
         );

@@ -42,8 +42,8 @@ const PinwheelPicture = (() => {
     const shades = Array.from({ length: SHADES + 1 }, () => []);
     const shade = (force) => Math.min(SHADES, Math.round((SHADES * force) / full));
     let [width, size, scale] = [0, 0, 0];
-    let still = null; // housing and external sleeves
-    let paths = [];   // wheels in their own frames
+    let still = null; // housing and ring pins
+    let paths = [];   // discs in their own frames
 
     function circle(pen, x, y, r) {
       pen.moveTo(x + r, y);
@@ -59,7 +59,7 @@ const PinwheelPicture = (() => {
       pen.stroke();
     }
     const upright = (pen) => pen.setTransform(scale, 0, 0, -scale, size / 2, size / 2);
-    // Plain sleeves, all of a kind in three strokes of the pen.
+    // Plain pins, all of a kind in three strokes of the pen.
     function plain(pen, sleeves, colours) {
       pen.beginPath();
       for (const { x, y, r } of sleeves) circle(pen, x, y, r);
@@ -115,7 +115,7 @@ const PinwheelPicture = (() => {
       pen.fillRect(0, 0, size, size);
     }
 
-    /** The centre of a wheel whose offset from its eccentric is drawn so many times larger; 0: that of its eccentric. */
+    /** The centre of a disc whose offset from its eccentric is drawn so many times larger; 0: that of its eccentric. */
     function centre(i, times) {
       const { x, y, off } = state.bodies[i];
       return [x + (times - 1) * off[0], y + (times - 1) * off[1]];
@@ -133,7 +133,7 @@ const PinwheelPicture = (() => {
       context.strokeStyle = colours.edge[i % 4];
       context.lineWidth = 0.55;
       context.stroke(paths[i]);
-      // A mark that shows how slowly the wheel turns.
+      // A mark that shows how slowly the disc turns.
       context.beginPath();
       circle(context, mark.at, 0, mark.r);
       fill(context, colours.edge[i % 4]);
@@ -183,7 +183,7 @@ const PinwheelPicture = (() => {
       circle(context, 0, 0, 0.8);
       fill(context, colours.ink);
     }
-    // Sleeves take the colour of their load.
+    // Pins take the colour of their load.
     function load(colours) {
       for (const sleeve of state.sleeves) {
         const force = Math.hypot(sleeve.fx, sleeve.fy);
@@ -235,10 +235,10 @@ const PinwheelPicture = (() => {
       });
     }
 
-    /** The state as it is now, with a label at the sleeve `hovered`; see `ground`. */
+    /** The state as it is now, with a label at the pin `hovered`; see `ground`. */
     function draw(colours, hovered, once) {
       ground(colours, once);
-      // The last wheel behind.
+      // The last disc behind.
       for (let i = gear.wheels - 1; i >= 0; i -= 1) if (options.wheels[i]) wheel(i, colours);
       upright(context);
       input(colours);
@@ -272,7 +272,7 @@ const PinwheelPicture = (() => {
       context.textBaseline = 'middle';
       lines.forEach((line, k) => context.fillText(line, x + 8, y + 13 + 18 * k));
     }
-    /** The sleeve under a point of the canvas, CSS pixels from its corner. */
+    /** The pin under a point of the canvas, CSS pixels from its corner. */
     function under([left, top]) {
       const mm = (2 * half) / width;
       const [x, y] = [(left - width / 2) * mm, (width / 2 - top) * mm];

@@ -1,8 +1,8 @@
 // A gearbox at any sample of its courses: where its parts are and what pushes them. Lengths in mm.
 //
 // A view holds the gear's dimensions; its channels are angles (less the ideal mesh's) and
-// the force of every pair of wheel and sleeve. Where a force acts and in which direction is found here
-// on the same curve the solver uses: a sleeve is pushed along the epitrochoid's normal at the point
+// the force of every pair of disc and pin. Where a force acts and in which direction is found here
+// on the same curve the solver uses: a pin is pushed along the epitrochoid's normal at the point
 // closest to its centre.
 'use strict';
 const PinwheelGearbox = (() => {
@@ -111,7 +111,7 @@ const PinwheelGearbox = (() => {
       }
       for (const sleeve of sleeves) { sleeve.fx = 0; sleeve.fy = 0; }
       bodies.forEach((body, i) => {
-        // The wheel's centre: its eccentric's, and what its bearing gives way by.
+        // The disc's centre: its eccentric's, and what its bearing gives way by.
         for (const k of view.offset > 0 ? [0, 1] : []) body.off[k] = between(offsets[2 * i + k], s);
         const x = body.e * Math.cos(turned + body.phase) + body.off[0];
         const y = body.e * Math.sin(turned + body.phase) + body.off[1];

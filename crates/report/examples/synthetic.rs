@@ -110,7 +110,7 @@ fn participants() -> Result<Vec<Participant>, Box<dyn Error>> {
             Track::OwnContact,
             0.11,
             9.7,
-            "Polyline wheels and rapier's own spring, which is linear: wave forms and peaks are not comparable, means are.",
+            "Polyline discs and rapier's own spring, which is linear: wave forms and peaks are not comparable, means are.",
         )?,
     ];
     all[1].cost.joint_drift_m = Some(3.1e-14);
@@ -139,7 +139,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let context = Context {
         scene: "synthetic".to_owned(),
-        description: "Invented courses that resemble the paper's gearbox: 16 external and 8 internal sleeves, 22 N m.".to_owned(),
+        description: "Invented courses that resemble the paper's gearbox: 16 external and 8 output pins, 22 N m.".to_owned(),
         duration_s: 0.6,
         load_n_m: Some(22.0),
         input_speed_rad_s: Some(52.34),

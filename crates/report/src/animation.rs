@@ -32,7 +32,7 @@ pub fn needed(scene: &Scene) -> Vec<String> {
     needed.into_iter().map(str::to_owned).collect()
 }
 
-/// True if wheels move against their eccentrics.
+/// True if discs move against their eccentrics.
 fn floats(scene: &Scene) -> bool {
     scene.bearings.eccentric.is_some()
 }
@@ -41,13 +41,13 @@ fn floats(scene: &Scene) -> bool {
 const DIGITS: i32 = 14;
 /// Bytes that the samples of one gearbox may take as 16-bit numbers, before they are packed.
 const BUDGET: usize = 360_000;
-/// Samples in the time a wheel takes from sleeve to sleeve: forces must not lose their shape.
+/// Samples in the time a disc takes from pin to pin: forces must not lose their shape.
 const PER_SLEEVE: f64 = 24.0;
 /// Forces below this share of the largest are not drawn.
 const LEAST: f64 = 1e-3;
 /// Radians of a minute of arc.
 const ARCMIN: f64 = PI / (180.0 * 60.0);
-/// How far a wheel is drawn off its eccentric at most, as a share of the pins' circle.
+/// How far a disc is drawn off its eccentric at most, as a share of the pins' circle.
 const OFFSET: f64 = 0.02;
 
 fn channels(scene: &Scene) -> usize {
@@ -73,7 +73,7 @@ fn magnified(largest: f64, wanted: f64) -> f64 {
 pub fn sampling(scene: &Scene) -> (f64, f64) {
     let turn = TAU / scene.drive.input_speed_rad_s.abs().max(1e-9);
     let sleeve = turn / scene.gear.external_sleeves as f64;
-    // Vibration of the wheels on their contacts, about 1 kHz, must not be lost either.
+    // Vibration of the discs on their contacts, about 1 kHz, must not be lost either.
     let step = (sleeve / PER_SLEEVE).min(2e-4);
     let samples = BUDGET / (2 * channels(scene));
     (step, step * samples.saturating_sub(1) as f64)
@@ -96,10 +96,10 @@ struct View {
     from: f64,
     step: f64,
     count: usize,
-    /// Force of a full arrow, N: 99 in 100 samples of the loaded sleeves lie below in the second half.
+    /// Force of a full arrow, N: 99 in 100 samples of the loaded pins lie below in the second half.
     full: f64,
     least: f64,
-    /// How many times larger than they are the wheels' offsets from their eccentrics are drawn; 0 where there are none.
+    /// How many times larger than they are the discs' offsets from their eccentrics are drawn; 0 where there are none.
     offset: f64,
     /// How many channels there are, one after the other in `samples`.
     channels: usize,
@@ -110,7 +110,7 @@ struct View {
 struct GearJson {
     e: f64,
     zk: usize,
-    /// R, and m' of the wheels' own curve.
+    /// R, and m' of the discs' own curve.
     r: f64,
     m: f64,
     q: f64,
@@ -122,11 +122,11 @@ struct GearJson {
     rw: f64,
     rh: f64,
     wheels: usize,
-    /// Turns of the eccentrics for one of the input, and the sun's radius where cranks carry the wheels.
+    /// Turns of the eccentrics for one of the input, and the sun's radius where cranks carry the discs.
     per: f64,
     sun: Option<f64>,
     d: f64,
-    /// Where the parts are, errors included: sleeves on the housing, sleeves on the output, wheels.
+    /// Where the parts are, errors included: pins on the housing, pins on the output, discs.
     external: Vec<Place>,
     internal: Vec<Place>,
     bodies: Vec<WheelJson>,
@@ -164,7 +164,7 @@ impl GearJson {
         };
         let lobes = gear.external_sleeves as f64 - 1.0;
         let body = |i: usize| {
-            // Holes are cut where eccentrics without errors put their sleeves.
+            // Holes are cut where eccentrics without errors put their pins.
             let start = (PI - TAU * i as f64 / gear.wheels as f64) / lobes;
             let hole = |k| place(gear.hole_m(i, k, -start), gear.hole_radius_of_m(i, k));
             WheelJson {
@@ -333,7 +333,7 @@ pub fn markup(views: &[Animation], begin_s: f64) -> String {
     let wheels = (0..first.view.gear.wheels).map(|i| {
         let colour = i % 4;
         format!(
-            "<button type=\"button\" data-wheel=\"{i}\" aria-pressed=\"true\"><i style=\"--dot:var(--wheel-{colour});--rim:var(--wheel-{colour}-edge)\"></i>Wheel {i}</button>"
+            "<button type=\"button\" data-wheel=\"{i}\" aria-pressed=\"true\"><i style=\"--dot:var(--wheel-{colour});--rim:var(--wheel-{colour}-edge)\"></i>Disc {i}</button>"
         )
     });
     format!(
@@ -425,7 +425,7 @@ mod tests {
         let by = |a: f64, b: f64| (1e5 * (b - a)).round() / 1e5;
         let between =
             |a: &[Place], b: &[Place], k: usize| [0, 1, 2].map(|axis| by(a[k][axis], b[k][axis]));
-        // Sleeve 0 stands on the x axis.
+        // Pin 0 stands on the x axis.
         assert_eq!(
             between(&nominal.external, &moved.external, 0),
             [0.01, 0.02, -0.003]

@@ -152,7 +152,7 @@ fn banner_follows_the_verdict() {
     broken[1].time_series = time_series(1.0, 3, 250);
     let page = page(&broken);
     assert!(page.contains("1 engine did not finish"));
-    assert!(page.contains("diverged at t = 0.250000 s: wheel angle"));
+    assert!(page.contains("diverged at t = 0.250000 s: disc angle"));
 }
 
 /// An engine that was left out beforehand is no finding, and the terminal says so too.

@@ -40,7 +40,7 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
             (
                 "gear.internal_sleeve_radius_m",
                 gear.internal_sleeve_radius_m,
-                "6 mm because Tab. 2 gives internal and external sleeves the same mass and moment, 5 mm in the author's 2019 optimisation of this gearbox",
+                "6 mm because Tab. 2 gives internal and ring pins the same mass and moment, 5 mm in the author's 2019 optimisation of this gearbox",
             ),
             (
                 "gear.hole_radius_m",
@@ -50,7 +50,7 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
             (
                 "gear.internal_circle_radius_m",
                 gear.internal_circle_radius_m,
-                "38 mm fits the wheel with 6 mm sleeves, the 2019 optimisation used 30 mm",
+                "38 mm fits the disc with 6 mm pins, the 2019 optimisation used 30 mm",
             ),
         ] {
             let reason = format!("Fig. 3 of the paper is not available; {reason}");
@@ -59,7 +59,7 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
         add(
             "contact.friction_coefficient",
             format!("{}", scene.contact.friction_coefficient),
-            "the paper's Eq. 21 has a friction coefficient but no value for it; 0 leaves the sleeves' spin out of play, 0.1 is usual for oiled steel",
+            "the paper's Eq. 21 has a friction coefficient but no value for it; 0 leaves the pins' spin out of play, 0.1 is usual for oiled steel",
         );
     }
     for (key, half) in &scene.uncertain {
@@ -80,12 +80,12 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
         add(
             "mass",
             format!(
-                "wheel {:e}, sleeves {:e} and {:e} kg m^2",
+                "wheel {:e}, pins {:e} and {:e} kg m^2",
                 scene.mass.wheel.moment_kg_m2,
                 scene.mass.external_sleeve.moment_kg_m2,
                 scene.mass.internal_sleeve.moment_kg_m2
             ),
-            "Tab. 2 as printed, though it contradicts the paper's own shapes: its wheel has a radius of gyration of 16 mm where the profile gives about 44 mm, a 6 mm sleeve 15 mm; the preset paper-geometric has computed moments",
+            "Tab. 2 as printed, though it contradicts the paper's own shapes: its disc has a radius of gyration of 16 mm where the profile gives about 44 mm, a 6 mm pin 15 mm; the preset paper-geometric has computed moments",
         );
     }
     list
@@ -144,7 +144,7 @@ fn filled_in(scene: &CheckedScene) -> Vec<Assumption> {
     bases.chain(list).collect()
 }
 
-/// True if Tab. 1 describes this gear (backlash and wheels may differ).
+/// True if Tab. 1 describes this gear (backlash and discs may differ).
 fn is_the_papers(gear: &Gear) -> bool {
     let paper = Scene::paper().gear;
     gear.eccentricity_m == paper.eccentricity_m

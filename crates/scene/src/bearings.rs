@@ -1,7 +1,7 @@
-//! The bearing between an eccentric and its wheel.
+//! The bearing between an eccentric and its disc.
 //!
 //! ```text
-//! d = r_wheel - C,  C = e u(phi + phi_i)      F = [K max(0, |d| - g)^p + c |d|'] d/|d|  on the eccentric, at the wheel's centre
+//! d = r_wheel - C,  C = e u(phi + phi_i)      F = [K max(0, |d| - g)^p + c |d|'] d/|d|  on the eccentric, at the disc's centre
 //! ```
 //! Rollers after Palmgren (Palmgren, *Ball and Roller Bearing Engineering*, 3rd ed., 1959): an approach of
 //! delta = 7.68e-5 Q^0.9/l^0.8 (mm, N) under the most loaded roller's Q = 4.08 F/Z.
@@ -38,7 +38,7 @@ impl Bearings {
         *self == Self::default()
     }
 
-    /// Friction of a rolling sleeve of this radius, as a share of the force on it: mu d/(2 r); `None`: it has no
+    /// Friction of a rolling pin of this radius, as a share of the force on it: mu d/(2 r); `None`: it has no
     /// friction. A roller thinner than the bore d turns in a groove and rubs on its own diameter, so that this is mu at
     /// most.
     #[must_use]
@@ -84,12 +84,12 @@ impl Scene {
 }
 
 impl EccentricBearing {
-    /// Share of critical damping of a wheel on its bearing under the largest load, where no damping is given.
+    /// Share of critical damping of a disc on its bearing under the largest load, where no damping is given.
     pub const DAMPING_SHARE: f64 = 0.05;
 }
 
 impl BearingLaw {
-    /// Law of a scene whose wheels float; `None`: eccentrics hold them rigidly.
+    /// Law of a scene whose discs float; `None`: eccentrics hold them rigidly.
     #[must_use]
     pub fn of(scene: &Scene) -> Option<Self> {
         let bearing = scene.bearings.eccentric?;
@@ -163,7 +163,7 @@ impl BearingLaw {
         ]
     }
 
-    /// Moment of the friction on the wheel, N m, under a force (N) while the wheel turns at `rate` rad/s against its eccentric.
+    /// Moment of the friction on the disc, N m, under a force (N) while the disc turns at `rate` rad/s against its eccentric.
     #[must_use]
     #[inline]
     pub fn drag(&self, force: f64, rate: f64) -> f64 {
@@ -200,7 +200,7 @@ impl BearingLaw {
     }
 }
 
-/// Load of a bearing under the largest load, N: about the load on one wheel over the lever of its lobes; of cranks its
+/// Load of a bearing under the largest load, N: about the load on one disc over the lever of its lobes; of cranks its
 /// share, and the force that turns the output.
 #[must_use]
 pub fn typical_force(scene: &Scene) -> f64 {
@@ -220,7 +220,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
                 Some(_) => "bearings.sleeve_friction_coefficient",
                 None => "bearings.sleeve_bore_m",
             }],
-            "is missing; a sleeve's friction has a coefficient and a bore".to_owned(),
+            "is missing; a pin's friction has a coefficient and a bore".to_owned(),
             "give both or none",
         ));
     }

@@ -27,7 +27,7 @@ impl Shape {
         self.polar_m4 / self.area_m2
     }
 
-    /// A wheel: the area inside its profile less its holes and its bore.
+    /// A disc: the area inside its profile less its holes and its bore.
     pub(crate) fn wheel(gear: &Gear) -> Self {
         let profile = Self::profile(gear);
         let hole = Self::disc(gear.hole_radius_m);

@@ -4,7 +4,7 @@
 //!  catalogue ─> dimensions, each given or suggested ─> text of a scene with comments ─> checked like any other scene
 //! ```
 //!
-//! Suggestions follow three rules. The shortening coefficient e zk/R is 0.65, less where the pins would undercut the wheel:
+//! Suggestions follow three rules. The shortening coefficient e zk/R is 0.65, less where the pins would undercut the disc:
 //! high values carry more and bend the profile sharply. Pins leave a third of their pitch free. Holes leave walls of a
 //! tenth of their radius, and the largest pins that fit are taken. They are where a design starts, not where it ends.
 
@@ -58,7 +58,7 @@ pub struct Catalogue {
     pub ratio: usize,
     /// Cranks of an RV gear; `None`: one eccentric and output pins.
     pub cranks: Option<usize>,
-    /// Circle of the pins (external sleeves), m.
+    /// Circle of the pins (ring pins), m.
     pub pin_circle_diameter_m: f64,
     /// Rated torque of the output, N m.
     pub torque_n_m: f64,
@@ -72,7 +72,7 @@ pub struct Catalogue {
     pub eccentricity_m: Option<f64>,
     /// Cycloidal discs.
     pub wheels: Option<usize>,
-    /// Output pins (internal sleeves).
+    /// Output pins (output pins).
     pub output_pins: Option<usize>,
     /// Output pin, m.
     pub output_pin_diameter_m: Option<f64>,
@@ -120,7 +120,7 @@ pub const ARGUMENTS: &[(&str, &str)] = &[
 const IN_METRES: f64 = 3e-3;
 /// Shortening coefficient that is suggested, and the least one.
 const SHORTENING: [f64; 2] = [0.65, 0.35];
-/// Largest pin as a share of half the pitch, and of the radius at which the wheel is undercut.
+/// Largest pin as a share of half the pitch, and of the radius at which the disc is undercut.
 const PIN: [f64; 2] = [0.65, 0.8];
 /// Wall beside a hole as a share of its radius, at the least.
 const WALL: f64 = 0.1;
@@ -415,7 +415,7 @@ impl Catalogue {
             return Err(Fault::new(
                 &["gear.internal_sleeve_radius_m"],
                 format!(
-                    "finds no place: the wheel's pits leave a radius of {} mm for holes of pin + 2 e and their walls",
+                    "finds no place: the disc's pits leave a radius of {} mm for holes of pin + 2 e and their walls",
                     millimetres(pit)
                 ),
                 "give smaller or fewer output pins, another circle for them, or a smaller eccentricity",
@@ -492,7 +492,7 @@ impl Catalogue {
         if self.cranks.is_none() {
             lines! {
                 "gear.internal_sleeves" gear.internal_sleeves.to_string(), "output pins";
-                "gear.internal_sleeve_radius_m" m(gear.internal_sleeve_radius_m), "radius of an output pin with its sleeve; holes are larger by e";
+                "gear.internal_sleeve_radius_m" m(gear.internal_sleeve_radius_m), "radius of an output pin with its pin; holes are larger by e";
                 "gear.internal_circle_radius_m" circle, "circle of the output pins";
             }
         } else if let Some([pins, sun, planet]) = first_stage(self.ratio) {
@@ -554,7 +554,7 @@ fn with_what_follows(mut text: String, scene: &CheckedScene) -> String {
     let _ = writeln!(
         text,
         "# From the shapes: a disc has {} kg, the input shaft {} kg, the output shaft {} kg without its pins. Real ones differ:\n\
-         # state what you know as input_shaft, output_shaft, wheel, internal_sleeve, external_sleeve = {{ mass_kg = .., moment_kg_m2 = .. }}",
+         # state what you know as input_shaft, output_shaft, disc, internal_sleeve, external_sleeve = {{ mass_kg = .., moment_kg_m2 = .. }}",
         short(mass.wheel.mass_kg),
         short(mass.input_shaft.mass_kg),
         short(mass.output_shaft.mass_kg),

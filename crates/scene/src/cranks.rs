@@ -1,6 +1,6 @@
-//! RV reducers: cranks in the place of one eccentric and of the internal sleeves.
+//! RV reducers: cranks in the place of one eccentric and of the output pins.
 //!
-//! A sun on the input drives planets, each on a crank; the cranks stand in the output and carry the wheels. With phi the
+//! A sun on the input drives planets, each on a crank; the cranks stand in the output and carry the discs. With phi the
 //! input's angle, psi the output's and rho = z_sun/z_planet a crank turns by
 //!
 //! ```text
@@ -104,7 +104,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
         Err(Fault::new(
             &[key],
             format!(
-                "is {is}, but cranks stand in the place of internal sleeves and {by} makes it {wanted}"
+                "is {is}, but cranks stand in the place of output pins and {by} makes it {wanted}"
             ),
             "leave it out",
         ))
@@ -173,7 +173,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     if scene.bearings.eccentric.is_none() {
         return Err(Fault::new(
             &["bearings.eccentric.stiffness_n_m"],
-            "is missing; wheels on several rigid cranks are held more often than they can move, so that no forces follow".to_owned(),
+            "is missing; discs on several rigid cranks are held more often than they can move, so that no forces follow".to_owned(),
             "give stiffness_n_m, or rollers and roller_length_m",
         ));
     }
@@ -195,7 +195,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     if let Some((key, _)) = of_sleeves.iter().find(|(_, is_given)| *is_given) {
         return Err(Fault::new(
             &[key],
-            "is for internal sleeves, and an RV gear has none".to_owned(),
+            "is for output pins, and an RV gear has none".to_owned(),
             "leave it out",
         ));
     }
@@ -233,11 +233,11 @@ mod tests {
             ("cranks.bore_radius_m", "0.001", "cranks.bore_radius_m"),
             ("cranks.count", "1", "cranks.count"),
             ("gear.errors.hole_radius_m", "[-1e-6,0,0,0]", "clearance"),
-            ("contact.internal_spring_n_m", "1e8", "internal sleeves"),
+            ("contact.internal_spring_n_m", "1e8", "output pins"),
             (
                 "bearings.internal_sleeve_stiffness_n_m",
                 "1e8",
-                "internal sleeves",
+                "output pins",
             ),
         ] {
             let said = told(key, value);

@@ -23,42 +23,42 @@ pub struct Derived {
     pub tip_curvature_radius_m: f64,
     /// Radius of curvature of the profile in a pit, m; negative where the profile is concave.
     pub pit_curvature_radius_m: f64,
-    /// Smallest convex radius of the sleeve centre's path, m; a larger sleeve undercuts the wheel.
+    /// Smallest convex radius of the pin centre's path, m; a larger pin undercuts the disc.
     pub smallest_convex_radius_m: f64,
-    /// Largest and smallest distance of the profile from the wheel centre, m.
+    /// Largest and smallest distance of the profile from the disc centre, m.
     pub profile_radii_m: [f64; 2],
     /// Thickness of the material between holes, profile and pins.
     pub walls: Walls,
-    /// Play of a sleeve in its hole beyond the orbit: hole - sleeve - e, m.
+    /// Play of a pin in its hole beyond the orbit: hole - pin - e, m.
     pub hole_clearance_m: f64,
-    /// How far a wheel turns freely to one side because of backlash and modification, rad
+    /// How far a disc turns freely to one side because of backlash and modification, rad
     /// ([`scales::free_play`]).
     pub free_play_rad: f64,
     /// Driver torque if no energy is lost or created: load/ratio, N m; of a load that changes the last one.
     pub ideal_input_torque_n_m: f64,
-    /// Largest force of an external sleeve on a wheel, rigid and without clearance, N:
-    /// about 4 T/(e zs zk) with T the largest load on one wheel.
+    /// Largest force of a ring pin on a disc, rigid and without clearance, N:
+    /// about 4 T/(e zs zk) with T the largest load on one disc.
     pub external_force_estimate_n: f64,
-    /// Largest force of an internal sleeve on a wheel, rigid and without clearance, N: 4 T/(zi Rw).
+    /// Largest force of an output pin on a disc, rigid and without clearance, N: 4 T/(zi Rw).
     pub internal_force_estimate_n: f64,
     /// Frequencies at which a course may oscillate.
     pub frequencies: Vec<Frequency>,
-    /// True if the wheels' mesh ripples at the external sleeves coincide.
+    /// True if the discs' mesh ripples at the ring pins coincide.
     pub external_ripple_in_phase: bool,
-    /// True if the wheels' ripples at the internal sleeves coincide.
+    /// True if the discs' ripples at the output pins coincide.
     pub internal_ripple_in_phase: bool,
 }
 
 /// Thinnest places, m.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Walls {
-    /// Wall of a wheel, between a hole and the profile.
+    /// Wall of a disc, between a hole and the profile.
     pub hole_to_profile_m: f64,
-    /// Wall of a wheel, between neighbouring holes.
+    /// Wall of a disc, between neighbouring holes.
     pub hole_to_hole_m: f64,
-    /// Wall of a wheel, between a hole and the bore that masses are computed with: 0.6 (circle - hole).
+    /// Wall of a disc, between a hole and the bore that masses are computed with: 0.6 (circle - hole).
     pub hole_to_bore_m: f64,
-    /// Gap between neighbouring external sleeves.
+    /// Gap between neighbouring ring pins.
     pub sleeve_to_sleeve_m: f64,
 }
 
@@ -129,30 +129,30 @@ impl Derived {
         let walls = self.walls;
         let mut lines = lines! {
             "ratio" self.ratio, "", direction;
-            "circle of the external sleeves" circle, "m", "R + d, R = e zk/m";
+            "circle of the ring pins" circle, "m", "R + d, R = e zk/m";
             "profile from" pits, "m", "pits";
             "profile to" tips, "m", "lobe tips";
             "radius of curvature, lobe tip" self.tip_curvature_radius_m, "m", "";
             "radius of curvature, pit" self.pit_curvature_radius_m, "m", "negative: concave";
-            "largest external sleeve" self.smallest_convex_radius_m, "m", "a larger one undercuts the wheel";
-            "clearance in the holes" self.hole_clearance_m, "m", "hole - sleeve - eccentricity";
+            "largest ring pin" self.smallest_convex_radius_m, "m", "a larger one undercuts the disc";
+            "clearance in the holes" self.hole_clearance_m, "m", "hole - pin - eccentricity";
             "wall, hole to profile" walls.hole_to_profile_m, "m", "thinnest place of all holes";
             "wall, hole to hole" walls.hole_to_hole_m, "m", "";
-            "gap, external sleeves" walls.sleeve_to_sleeve_m, "m", "between neighbours";
+            "gap, ring pins" walls.sleeve_to_sleeve_m, "m", "between neighbours";
             "free play to one side" self.free_play_rad, "rad", "d sqrt(1 - m^2)/(e zs), at the wheel";
             "driver torque, ideal" self.ideal_input_torque_n_m, "N m", expected;
-            "largest external sleeve force" self.external_force_estimate_n, "N", "a wheel, springs all alike, without clearance: 4 T/(e zs zk); the contact law and play move it, see `pinwheel design`";
-            "largest internal sleeve force" self.internal_force_estimate_n, "N", "a wheel, likewise: 4 T/(zi Rw)";
+            "largest ring pin force" self.external_force_estimate_n, "N", "a disc, springs all alike, without clearance: 4 T/(e zs zk); the contact law and play move it, see `pinwheel design`";
+            "largest output pin force" self.internal_force_estimate_n, "N", "a disc, likewise: 4 T/(zi Rw)";
         };
         if scene.cranks.is_some() {
-            let of_sleeves = ["clearance in the holes", "largest internal sleeve force"];
+            let of_sleeves = ["clearance in the holes", "largest output pin force"];
             lines.retain(|line| !of_sleeves.contains(&line.what));
         }
         lines
     }
 }
 
-/// hole - sleeve - e, m; 0 where only rounding is left.
+/// hole - pin - e, m; 0 where only rounding is left.
 fn hole_clearance(gear: &Gear) -> f64 {
     let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
     if clearance.abs() < 1e-12 * gear.hole_radius_m {
@@ -182,15 +182,15 @@ pub fn derived(scene: &Scene) -> Derived {
     match scene.cranks {
         Some(_) => frequencies.push(frequency("cranks turn", turning)),
         None => frequencies.extend([
-            frequency("a given internal sleeve is loaded", zk / zs),
+            frequency("a given output pin is loaded", zk / zs),
             frequency(
-                "a wheel passes from internal sleeve to internal sleeve",
+                "a disc passes from output pin to output pin",
                 zi * zk / zs,
             ),
         ]),
     }
     frequencies.push(frequency(
-        "a wheel passes from external sleeve to external sleeve",
+        "a disc passes from ring pin to ring pin",
         zk * turning,
     ));
     Derived {
@@ -208,7 +208,7 @@ pub fn derived(scene: &Scene) -> Derived {
         external_force_estimate_n: scales::external_force(gear, wheel_torque),
         internal_force_estimate_n: scales::internal_force(gear, wheel_torque),
         frequencies,
-        // Wheel i is the first wheel 2 pi i/n of input later; a ripple of order p per turn repeats
+        // Disc i is the first disc 2 pi i/n of input later; a ripple of order p per turn repeats
         // in phase when p i/n is whole for every i.
         external_ripple_in_phase: gear.external_sleeves.is_multiple_of(gear.wheels),
         internal_ripple_in_phase: gear.internal_sleeves.is_multiple_of(gear.wheels),

@@ -1,14 +1,14 @@
 //! Deviations of a gear from the ideal one: its profile's modification, and the individual errors of its parts.
 //!
-//! The wheel's edge is the inward offset by q' = q + equidistant of the epitrochoid with R' = R + radial and the gear's own e,
-//! so that m' = e zk/R'; the ring keeps R and q. With a rotational modification it is what two such wheels have in
-//! common, turned by +delta and -delta. A sleeve at the angle phi from the eccentric then stands off the wheel at the
+//! The disc's edge is the inward offset by q' = q + equidistant of the epitrochoid with R' = R + radial and the gear's own e,
+//! so that m' = e zk/R'; the ring keeps R and q. With a rotational modification it is what two such discs have in
+//! common, turned by +delta and -delta. A pin at the angle phi from the eccentric then stands off the disc at the
 //! ideal mesh, to first order in all modifications and in the backlash d, by
 //!
 //! ```text
 //! g = equidistant + (d - radial) (1 - m cos phi)/S + delta e zs |sin phi|/S,    S = sqrt(1 + m^2 - 2 m cos phi)
 //! ```
-//! and its normal has the lever l = e zs sin(phi)/S about the wheel's centre. [`pinwheel_scene::free_play`](crate::free_play)
+//! and its normal has the lever l = e zs sin(phi)/S about the disc's centre. [`pinwheel_scene::free_play`](crate::free_play)
 //! is the least g/l. Signs, sources and what engines make of it: `docs/modification.md`.
 
 use std::f64::consts::TAU;
@@ -62,9 +62,9 @@ impl Errors {
     /// Every list with its key and the entries it should have.
     #[must_use]
     pub fn lists(&self, gear: &Gear) -> [ErrorList<'_>; 12] {
-        let external = ("external sleeves", gear.external_sleeves);
-        let internal = ("internal sleeves", gear.internal_sleeves);
-        let holes = ("holes, wheel by wheel", gear.internal_sleeves * gear.wheels);
+        let external = ("ring pins", gear.external_sleeves);
+        let internal = ("output pins", gear.internal_sleeves);
+        let holes = ("holes, disc by wheel", gear.internal_sleeves * gear.wheels);
         let wheels = ("wheels", gear.wheels);
         macro_rules! lists {
             ($($field:ident $parts:ident;)*) => {
@@ -107,13 +107,13 @@ impl Errors {
         lengths + largest(phases) * gear.eccentricity_m
     }
 
-    /// By how much a gap between wheel and external sleeve is larger than nominal at most, m.
+    /// By how much a gap between disc and ring pin is larger than nominal at most, m.
     #[must_use]
     pub fn largest_of_mesh_m(&self, gear: &Gear) -> f64 {
         self.largest_m(gear, &["external", "eccentricity"])
     }
 
-    /// Largest excess over nominal of the gap between hole and internal sleeve, m.
+    /// Largest excess over nominal of the gap between hole and output pin, m.
     #[must_use]
     pub fn largest_of_holes_m(&self, gear: &Gear) -> f64 {
         self.largest_m(gear, &["internal", "hole", "eccentricity"])
@@ -121,13 +121,13 @@ impl Errors {
 }
 
 impl Gear {
-    /// R', m: radius of the circle on which the generating sleeve runs.
+    /// R', m: radius of the circle on which the generating pin runs.
     #[must_use]
     pub fn generating_radius_m(&self) -> f64 {
         self.pitch_radius_m() + self.modification.radial_m
     }
 
-    /// m' = e zk/R' of the wheels' epitrochoid.
+    /// m' = e zk/R' of the discs' epitrochoid.
     #[must_use]
     pub fn generating_shortening(&self) -> f64 {
         if self.modification.radial_m == 0.0 {
@@ -136,7 +136,7 @@ impl Gear {
         self.eccentricity_m * self.external_sleeves as f64 / self.generating_radius_m()
     }
 
-    /// q', m: by how much a wheel's edge lies inside its epitrochoid.
+    /// q', m: by how much a disc's edge lies inside its epitrochoid.
     #[must_use]
     pub fn edge_offset_m(&self) -> f64 {
         self.external_sleeve_radius_m + self.modification.equidistant_m
@@ -148,7 +148,7 @@ impl Gear {
         self.errors.is_none() && self.modification.rotational_rad == 0.0
     }
 
-    /// Where external sleeve `j` sits, ground frame, m.
+    /// Where ring pin `j` sits, ground frame, m.
     #[must_use]
     pub fn external_sleeve_m(&self, j: usize) -> [f64; 2] {
         let errors = &self.errors;
@@ -160,26 +160,26 @@ impl Gear {
         )
     }
 
-    /// Radius of external sleeve `j`, m.
+    /// Radius of ring pin `j`, m.
     #[must_use]
     pub fn external_sleeve_radius_of_m(&self, j: usize) -> f64 {
         self.external_sleeve_radius_m + entry(&self.errors.external_sleeve_radius_m, j)
     }
 
-    /// Radius of internal sleeve `k`, m.
+    /// Radius of output pin `k`, m.
     #[must_use]
     pub fn internal_sleeve_radius_of_m(&self, k: usize) -> f64 {
         self.internal_sleeve_radius_m + entry(&self.errors.internal_sleeve_radius_m, k)
     }
 
-    /// Radius of hole `k` of a wheel, m.
+    /// Radius of hole `k` of a disc, m.
     #[must_use]
     pub fn hole_radius_of_m(&self, wheel: usize, k: usize) -> f64 {
         let number = wheel * self.internal_sleeves + k;
         self.hole_radius_m + entry(&self.errors.hole_radius_m, number)
     }
 
-    /// Where internal sleeve `k` sits on the output, its frame, m.
+    /// Where output pin `k` sits on the output, its frame, m.
     #[must_use]
     pub fn internal_sleeve_m(&self, k: usize) -> [f64; 2] {
         placed(
@@ -190,7 +190,7 @@ impl Gear {
         )
     }
 
-    /// The centre of hole `k` of a wheel about the wheel's, m, in directions in which the wheel is turned by `turned` rad
+    /// The centre of hole `k` of a disc about the disc's, m, in directions in which the disc is turned by `turned` rad
     /// from where hole 0 stands on the x axis.
     #[must_use]
     pub fn hole_m(&self, wheel: usize, k: usize, turned: f64) -> [f64; 2] {
@@ -203,13 +203,13 @@ impl Gear {
         )
     }
 
-    /// Eccentricity of a wheel, m.
+    /// Eccentricity of a disc, m.
     #[must_use]
     pub fn eccentricity_of_m(&self, wheel: usize) -> f64 {
         self.eccentricity_m + entry(&self.errors.eccentricity_m, wheel)
     }
 
-    /// Angle of a wheel's eccentric from the input's, rad: 2 pi i/n and its error.
+    /// Angle of a disc's eccentric from the input's, rad: 2 pi i/n and its error.
     #[must_use]
     pub fn phase_of_rad(&self, wheel: usize) -> f64 {
         TAU * wheel as f64 / self.wheels as f64 + entry(&self.errors.phase_rad, wheel)
@@ -221,7 +221,7 @@ impl Gear {
         entry(&self.errors.crank_phase_rad, k)
     }
 
-    /// The gear without its internal sleeves and holes, whose lists of errors become empty.
+    /// The gear without its output pins and holes, whose lists of errors become empty.
     #[must_use]
     pub fn without_internal_sleeves(&self) -> Self {
         let mut gear = self.clone();
@@ -241,8 +241,8 @@ impl Gear {
         gear
     }
 
-    /// The gap of an external sleeve that stands at the angle `phi` (rad) from the eccentric at the ideal mesh, to first
-    /// order, m, and the lever of its normal about the wheel's centre, m; below 0 they overlap.
+    /// The gap of a ring pin that stands at the angle `phi` (rad) from the eccentric at the ideal mesh, to first
+    /// order, m, and the lever of its normal about the disc's centre, m; below 0 they overlap.
     #[must_use]
     pub fn initial_gap_m(&self, phi: f64) -> (f64, f64) {
         let m = self.shortening;
@@ -304,7 +304,7 @@ pub(crate) fn check(gear: &Gear) -> Result<(), Fault> {
         return Err(Fault::new(
             &[key],
             format!(
-                "has {value} {unit}, more than half of the eccentricity or of a sleeve's radius: that is another gear"
+                "has {value} {unit}, more than half of the eccentricity or of a pin's radius: that is another gear"
             ),
             format!("give at most {most} {unit}"),
         ));
@@ -316,7 +316,7 @@ pub(crate) fn check(gear: &Gear) -> Result<(), Fault> {
             return Err(Fault::new(
                 &["gear.eccentricity_m", "gear.pin_circle_radius_m"],
                 format!(
-                    "is so large that the wheel's profile crosses itself: e zk/R is {shortening} on a circle of {radius} m"
+                    "is so large that the disc's profile crosses itself: e zk/R is {shortening} on a circle of {radius} m"
                 ),
                 "make it smaller, or the circle larger",
             ));
@@ -324,7 +324,7 @@ pub(crate) fn check(gear: &Gear) -> Result<(), Fault> {
         return Err(Fault::new(
             &["gear.modification.radial_m"],
             format!(
-                "leaves a generating circle of {radius} m, on which the wheel's profile crosses itself: e zk/R' is {shortening}"
+                "leaves a generating circle of {radius} m, on which the disc's profile crosses itself: e zk/R' is {shortening}"
             ),
             "make it larger, or the eccentricity smaller",
         ));

@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use crate::Gear;
 
-/// Body indices: input, output, wheels, external sleeves, internal sleeves.
+/// Body indices: input, output, discs, ring pins, output pins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
-    /// Number of wheels.
+    /// Number of discs.
     pub wheels: usize,
     /// zk.
     pub external_sleeves: usize,
@@ -31,20 +31,20 @@ impl Layout {
         }
     }
 
-    /// All wheels.
+    /// All discs.
     #[must_use]
     pub fn wheel_bodies(&self) -> Range<usize> {
         2..2 + self.wheels
     }
 
-    /// All external sleeves.
+    /// All ring pins.
     #[must_use]
     pub fn external_bodies(&self) -> Range<usize> {
         let from = 2 + self.wheels;
         from..from + self.external_sleeves
     }
 
-    /// All internal sleeves.
+    /// All output pins.
     #[must_use]
     pub fn internal_bodies(&self) -> Range<usize> {
         let from = 2 + self.wheels + self.external_sleeves;
@@ -57,7 +57,7 @@ impl Layout {
         self.internal_bodies().end
     }
 
-    /// Body index of a sleeve.
+    /// Body index of a pin.
     #[must_use]
     pub fn sleeve_body(&self, sleeve: Sleeve) -> usize {
         match sleeve {
@@ -67,7 +67,7 @@ impl Layout {
     }
 }
 
-/// One sleeve, by kind and number.
+/// One pin, by kind and number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sleeve {
     /// On the housing, 0 at angle 0, counter-clockwise.

@@ -27,7 +27,7 @@ pub struct Scene {
     /// Compliance beside that of the contacts; without it only contacts deflect under the load.
     #[serde(default, skip_serializing_if = "Bearings::is_none")]
     pub bearings: Bearings,
-    /// The cranks of an RV reducer; without it one eccentric carries the wheels.
+    /// The cranks of an RV reducer; without it one eccentric carries the discs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cranks: Option<Cranks>,
     /// Formulation, integrator and sampling.
@@ -46,31 +46,31 @@ pub struct Scene {
 pub struct Gear {
     /// e, m.
     pub eccentricity_m: f64,
-    /// zk; a wheel has zs = zk - 1 lobes.
+    /// zk; a disc has zs = zk - 1 lobes.
     pub external_sleeves: usize,
     /// m, short-width coefficient, 0 < m < 1.
     pub shortening: f64,
     /// q, m.
     pub external_sleeve_radius_m: f64,
-    /// zi, sleeves on the output shaft.
+    /// zi, pins on the output shaft.
     pub internal_sleeves: usize,
-    /// Radius of an internal sleeve, m. Fig. 3 is not available: an assumption.
+    /// Radius of an output pin, m. Fig. 3 is not available: an assumption.
     pub internal_sleeve_radius_m: f64,
-    /// Radius of the circle the internal sleeves sit on, m. An assumption.
+    /// Radius of the circle the output pins sit on, m. An assumption.
     pub internal_circle_radius_m: f64,
-    /// Radius of a wheel's hole, m (sleeve radius + e without clearance). An assumption.
+    /// Radius of a disc's hole, m (pin radius + e without clearance). An assumption.
     pub hole_radius_m: f64,
-    /// Wheels, evenly phased on the eccentric.
+    /// Discs, evenly phased on the eccentric.
     pub wheels: usize,
-    /// d, m: external sleeves sit at R + d.
+    /// d, m: ring pins sit at R + d.
     pub backlash_m: f64,
-    /// Thickness of a wheel, m; only masses that a scene leaves out need it.
+    /// Thickness of a disc, m; only masses that a scene leaves out need it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub face_width_m: Option<f64>,
-    /// How the wheels' profile departs from the one that fits the ring.
+    /// How the discs' profile departs from the one that fits the ring.
     #[serde(default, skip_serializing_if = "Modification::is_none")]
     pub modification: Modification,
-    /// Deviations of single sleeves, holes and wheels.
+    /// Deviations of single pins, holes and discs.
     #[serde(default, skip_serializing_if = "Errors::is_none")]
     pub errors: Errors,
 }
@@ -94,13 +94,13 @@ pub struct Masses {
     pub density_kg_m3: Option<f64>,
     /// The driven shaft with its eccentrics.
     pub input_shaft: BodyMass,
-    /// The loaded shaft without its sleeves.
+    /// The loaded shaft without its pins.
     pub output_shaft: BodyMass,
-    /// One cycloidal wheel.
+    /// One cycloidal disc.
     pub wheel: BodyMass,
-    /// One sleeve on the output shaft.
+    /// One pin on the output shaft.
     pub internal_sleeve: BodyMass,
-    /// One sleeve on the housing.
+    /// One pin on the housing.
     pub external_sleeve: BodyMass,
 }
 
@@ -108,7 +108,7 @@ pub struct Masses {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Start {
-    /// Rates of the ideal mesh, load at once: external sleeves at rest, internal sleeves turn with the output.
+    /// Rates of the ideal mesh, load at once: ring pins at rest, output pins turn with the output.
     Kinematic,
     /// Statically loaded: no start-up transient.
     Equilibrium,
@@ -173,14 +173,14 @@ pub struct Contact {
     /// Names of the laws whose spread is the band of a figure; `None`: those that may be right for the materials.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band_laws: Option<Vec<String>>,
-    /// E of the wheels, Pa.
+    /// E of the discs, Pa.
     pub young_pa: f64,
-    /// Poisson's ratio of the wheels.
+    /// Poisson's ratio of the discs.
     pub poisson: f64,
-    /// E of the sleeves, Pa; `None`: as the wheels'.
+    /// E of the pins, Pa; `None`: as the discs'.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pin_young_pa: Option<f64>,
-    /// Poisson's ratio of the sleeves; `None`: as the wheels'.
+    /// Poisson's ratio of the pins; `None`: as the discs'.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pin_poisson: Option<f64>,
     /// H, factor on the Hertzian stiffness.
@@ -216,12 +216,12 @@ pub struct Contact {
     pub impact_speed_m_s: f64,
     /// Length of the line of a line contact, m.
     pub line_length_m: f64,
-    /// How deep a wheel is behind a contact, m; `None`: the wall between a hole and the profile.
+    /// How deep a disc is behind a contact, m; `None`: the wall between a hole and the profile.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disc_depth_m: Option<f64>,
     /// How the contact point is found.
     pub detection: Detection,
-    /// Points on a wheel's profile (points detection only).
+    /// Points on a disc's profile (points detection only).
     pub wheel_points: usize,
     /// Points on a hole (points detection only).
     pub hole_points: usize,
@@ -231,19 +231,19 @@ pub struct Contact {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bearings {
-    /// Bearing that carries each wheel on its eccentric; `None`: a rigid revolute.
+    /// Bearing that carries each disc on its eccentric; `None`: a rigid revolute.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub eccentric: Option<EccentricBearing>,
-    /// Stiffness of an output pin against bending at its sleeve, N/m; `None`: rigid.
+    /// Stiffness of an output pin against bending at its pin, N/m; `None`: rigid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub internal_sleeve_stiffness_n_m: Option<f64>,
-    /// Torsional stiffness of carrier and flange beyond the internal sleeves, N m/rad; `None`: rigid.
+    /// Torsional stiffness of carrier and flange beyond the output pins, N m/rad; `None`: rigid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub output_torsion_n_m_rad: Option<f64>,
     /// Friction of a sleeve on its pin, with its bore: in runs where contacts have none; `None`: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sleeve_friction_coefficient: Option<f64>,
-    /// Bore of the sleeves, m.
+    /// Bore of the pins, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sleeve_bore_m: Option<f64>,
     /// Torque of the seal on the input shaft, N m; `None`: none.
@@ -254,7 +254,7 @@ pub struct Bearings {
     pub output_seal_n_m: Option<f64>,
 }
 
-/// The elastic bearing between an eccentric and its wheel: F = K max(0, d - g)^p along the offset d of their centres, and
+/// The elastic bearing between an eccentric and its disc: F = K max(0, d - g)^p along the offset d of their centres, and
 /// damping. Either K is given, or rollers after Palmgren.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -288,8 +288,8 @@ pub struct EccentricBearing {
     pub dynamic_rating_n: Option<f64>,
 }
 
-/// The first stage and the cranks of an RV reducer: a sun drives planets, each on a crank whose eccentrics carry the wheels.
-/// Cranks stand in the place of internal sleeves: on a circle of the output, which carries them.
+/// The first stage and the cranks of an RV reducer: a sun drives planets, each on a crank whose eccentrics carry the discs.
+/// Cranks stand in the place of output pins: on a circle of the output, which carries them.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cranks {
@@ -297,7 +297,7 @@ pub struct Cranks {
     pub count: usize,
     /// Radius of the circle they stand on, m.
     pub circle_radius_m: f64,
-    /// Radius of a wheel's bore for a crank's eccentric and its bearing, m.
+    /// Radius of a disc's bore for a crank's eccentric and its bearing, m.
     pub bore_radius_m: f64,
     /// Teeth of the sun on the input shaft.
     pub sun_teeth: usize,
@@ -382,7 +382,7 @@ impl Scene {
         PAPER.clone()
     }
 
-    /// Moment of inertia of the output shaft with what it carries on its circle, internal sleeves or cranks, kg m^2.
+    /// Moment of inertia of the output shaft with what it carries on its circle, output pins or cranks, kg m^2.
     #[must_use]
     pub fn output_inertia_kg_m2(&self) -> f64 {
         let (gear, mass) = (&self.gear, &self.mass);
@@ -392,19 +392,19 @@ impl Scene {
 }
 
 impl Gear {
-    /// zs, lobes of a wheel.
+    /// zs, lobes of a disc.
     #[must_use]
     pub fn lobes(&self) -> usize {
         self.external_sleeves - 1
     }
 
-    /// e zs, m: the lever of a sleeve's force about a wheel's centre at most.
+    /// e zs, m: the lever of a pin's force about a disc's centre at most.
     #[must_use]
     pub fn lever_m(&self) -> f64 {
         self.eccentricity_m * self.lobes() as f64
     }
 
-    /// R = e zk/m, m: radius of the circle the external sleeves sit on without backlash.
+    /// R = e zk/m, m: radius of the circle the ring pins sit on without backlash.
     #[must_use]
     pub fn pitch_radius_m(&self) -> f64 {
         self.eccentricity_m * self.external_sleeves as f64 / self.shortening
@@ -445,13 +445,13 @@ impl PlusMinus {
     }
 }
 
-/// How the wheels' profile departs from the one that fits the ring.
+/// How the discs' profile departs from the one that fits the ring.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Modification {
-    /// By how much the generating sleeve is larger than the ring's, m: above 0 the whole edge lies that much further in.
+    /// By how much the generating pin is larger than the ring's, m: above 0 the whole edge lies that much further in.
     pub equidistant_m: f64,
-    /// By how much the generating circle is larger than R, m: below 0 the wheel is smaller.
+    /// By how much the generating circle is larger than R, m: below 0 the disc is smaller.
     pub radial_m: f64,
     /// delta, rad: the angle by which both flanks of a lobe are turned towards its middle.
     pub rotational_rad: f64,
@@ -462,40 +462,40 @@ pub struct Modification {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Errors {
-    /// External sleeves, outwards, m.
+    /// Ring pins, outwards, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub external_sleeve_radial_m: Vec<f64>,
-    /// External sleeves, counter-clockwise, m.
+    /// Ring pins, counter-clockwise, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub external_sleeve_tangential_m: Vec<f64>,
-    /// Radii of external sleeves, m.
+    /// Radii of ring pins, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub external_sleeve_radius_m: Vec<f64>,
-    /// Internal sleeves, outwards from the output's axis, m.
+    /// Output pins, outwards from the output's axis, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub internal_sleeve_radial_m: Vec<f64>,
-    /// Internal sleeves, counter-clockwise, m.
+    /// Output pins, counter-clockwise, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub internal_sleeve_tangential_m: Vec<f64>,
-    /// Radii of internal sleeves, m.
+    /// Radii of output pins, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub internal_sleeve_radius_m: Vec<f64>,
-    /// Holes, outwards from their wheel's centre, m; wheel by wheel.
+    /// Holes, outwards from their disc's centre, m; disc by disc.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub hole_radial_m: Vec<f64>,
-    /// Holes, counter-clockwise, m; wheel by wheel.
+    /// Holes, counter-clockwise, m; disc by disc.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub hole_tangential_m: Vec<f64>,
-    /// Radii of holes, m; wheel by wheel.
+    /// Radii of holes, m; disc by disc.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub hole_radius_m: Vec<f64>,
     /// Error of the angle of each crank of an RV gear, rad.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub crank_phase_rad: Vec<f64>,
-    /// Error of each wheel's eccentric, m.
+    /// Error of each disc's eccentric, m.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub eccentricity_m: Vec<f64>,
-    /// Error of the angle of each wheel's eccentric, rad.
+    /// Error of the angle of each disc's eccentric, rad.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub phase_rad: Vec<f64>,
 }

@@ -65,7 +65,7 @@ impl Gear {
             let mirrored = half[1..half.len() - 1].iter().rev();
             edge_m.extend(mirrored.map(|&[x, y]| turned([x, -y], turn + pitch)));
         }
-        // Holes are cut where eccentrics without errors put their sleeves.
+        // Holes are cut where eccentrics without errors put their pins.
         let start = (PI - TAU * wheel as f64 / self.wheels as f64) / lobes as f64;
         let hole = |k| {
             (

@@ -1,6 +1,6 @@
-//! The curve C the external sleeve centres touch, as far as the checks need it.
+//! The curve C the ring pin centres touch, as far as the checks need it.
 //!
-//! C(a) = R e^{ia} + e e^{i zk a} with R = e zk/m (Eq. 1 without its q terms). The wheel profile is
+//! C(a) = R e^{ia} + e e^{i zk a} with R = e zk/m (Eq. 1 without its q terms). The disc profile is
 //! the inward offset of C by q (R and q with their modifications, [`crate::deviations`]), so what can go wrong with a profile is read off C:
 //! with c = cos(zs a), curvature kappa(c) = (1 + m^2 zk + m (1 + zk) c) / (R (1 + m^2 + 2 m c)^1.5).
 
@@ -32,7 +32,7 @@ impl Profile {
         self.pins - 1.0
     }
 
-    /// C(a), m, in the wheel's frame.
+    /// C(a), m, in the disc's frame.
     pub(super) fn point(&self, a: f64) -> [f64; 2] {
         let (sin, cos) = a.sin_cos();
         let (sin_k, cos_k) = (self.pins * a).sin_cos();
@@ -42,7 +42,7 @@ impl Profile {
         ]
     }
 
-    /// The profile C - q n, m, in the wheel's frame.
+    /// The profile C - q n, m, in the disc's frame.
     pub(super) fn offset_point(&self, a: f64) -> [f64; 2] {
         let tangent = self.tangent(a);
         let scale = self.offset / tangent[0].hypot(tangent[1]);
@@ -72,7 +72,7 @@ impl Profile {
             / (self.radius * (1.0 + m * m + 2.0 * m * c).powf(1.5))
     }
 
-    /// Smallest convex radius of C, m: a larger sleeve undercuts the wheel.
+    /// Smallest convex radius of C, m: a larger pin undercuts the disc.
     ///
     /// kappa is largest at an end of c in [-1, 1] or where its derivative vanishes,
     /// c = ((1 + zk)(1 + m^2) - 3 - 3 m^2 zk)/(m (1 + zk)); there the radius is
@@ -87,7 +87,7 @@ impl Profile {
         1.0 / kappa
     }
 
-    /// Radius of the profile's pits, its smallest distance from the wheel centre, m.
+    /// Radius of the profile's pits, its smallest distance from the disc centre, m.
     pub(super) fn pit_radius(&self) -> f64 {
         self.radius - self.eccentricity - self.offset
     }

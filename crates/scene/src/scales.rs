@@ -1,10 +1,10 @@
 //! The characteristic sizes of a gear under its largest static load: forces, penetrations, frequencies.
 //!
 //! They set error scales, steps, samples and windows, so that a gear of millimetres and one of metres are treated
-//! alike. Linear springs without clearance: the most loaded sleeve of a stage carries about F = 4 T/(l z) (T: load on one
-//! wheel, l: lever, e zs or R_w, z: sleeves). The scene's own law tells how far it is pressed in by that, and its tangent
-//! stiffness k. A quarter of all sleeves, weighted by their levers, make
-//! the torsional stiffness k l^2 z/4. All wheels in phase and the output are then two masses on two springs:
+//! alike. Linear springs without clearance: the most loaded pin of a stage carries about F = 4 T/(l z) (T: load on one
+//! disc, l: lever, e zs or R_w, z: pins). The scene's own law tells how far it is pressed in by that, and its tangent
+//! stiffness k. A quarter of all pins, weighted by their levers, make
+//! the torsional stiffness k l^2 z/4. All discs in phase and the output are then two masses on two springs:
 //!
 //! ```text
 //! I_w theta'' = -A theta - B (theta - psi),    I_o psi'' = -w B (psi - theta)
@@ -27,19 +27,19 @@ use crate::model::Scene;
 /// See the module. SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scales {
-    /// Load torque on one wheel, N m: the largest of the run, or where there is none what makes the [`least_depth`].
+    /// Load torque on one disc, N m: the largest of the run, or where there is none what makes the [`least_depth`].
     pub wheel_torque_n_m: f64,
-    /// Largest static force of an external sleeve on a wheel, N.
+    /// Largest static force of a ring pin on a disc, N.
     pub external_force_n: f64,
     /// Penetration under the external force, m.
     pub penetration_m: f64,
     /// Tangent stiffness of an external contact under its largest force, N/m.
     pub contact_stiffness_n_m: f64,
-    /// Slowest and fastest mode of the wheels and the output together, rad/s.
+    /// Slowest and fastest mode of the discs and the output together, rad/s.
     pub modes_rad_s: [f64; 2],
 }
 
-/// Least depth of contact that anything is measured by, as a share of the external sleeves' radius: what stands in for the
+/// Least depth of contact that anything is measured by, as a share of the ring pins' radius: what stands in for the
 /// load of a gear without any. The paper's unloaded gear is then measured by 1.4 mN.
 const LEAST_DEPTH: f64 = 1e-5;
 
@@ -192,19 +192,19 @@ impl Spring {
     }
 }
 
-/// 4 T/(e zs zk): the largest force of an external sleeve on a wheel under the torque T, N.
+/// 4 T/(e zs zk): the largest force of a ring pin on a disc under the torque T, N.
 #[must_use]
 pub fn external_force(gear: &crate::Gear, wheel_torque_n_m: f64) -> f64 {
     4.0 * wheel_torque_n_m / (gear.lever_m() * gear.external_sleeves as f64)
 }
 
-/// 4 T/(zi R_w): the largest force of an internal sleeve on a wheel under the torque T, N.
+/// 4 T/(zi R_w): the largest force of an output pin on a disc under the torque T, N.
 #[must_use]
 pub fn internal_force(gear: &crate::Gear, wheel_torque_n_m: f64) -> f64 {
     4.0 * wheel_torque_n_m / (gear.internal_sleeves as f64 * gear.internal_circle_radius_m)
 }
 
-/// How far a wheel turns freely to one side because of backlash and modification, rad, among sleeves without errors at all
+/// How far a disc turns freely to one side because of backlash and modification, rad, among pins without errors at all
 /// angles: d sqrt(1 - m^2)/(e zs) of a backlash alone, 0 where they overlap.
 #[must_use]
 pub fn free_play(gear: &crate::Gear) -> f64 {
@@ -212,7 +212,7 @@ pub fn free_play(gear: &crate::Gear) -> f64 {
     if gear.modification.is_none() {
         return gear.backlash_m * (1.0 - m * m).sqrt() / gear.lever_m();
     }
-    // Where all that makes play is positive, the sleeve with the longest lever (cos phi = m) closes it.
+    // Where all that makes play is positive, the pin with the longest lever (cos phi = m) closes it.
     let share = |cos: f64| {
         let (gap, lever) = gear.initial_gap_m(cos.acos());
         gap / lever
@@ -221,7 +221,7 @@ pub fn free_play(gear: &crate::Gear) -> f64 {
     tried.fold(share(m), f64::min).max(0.0)
 }
 
-/// How far a wheel turns freely at most, rad: what [`free_play`] is, and what individual errors may add.
+/// How far a disc turns freely at most, rad: what [`free_play`] is, and what individual errors may add.
 #[must_use]
 pub fn largest_play(gear: &crate::Gear) -> f64 {
     free_play(gear) + gear.errors.largest_of_mesh_m(gear) / gear.lever_m()
@@ -238,17 +238,17 @@ pub fn largest_hole_play(gear: &crate::Gear) -> f64 {
 /// solver add. 1.0e-9 N for the paper's gear.
 const ROUNDING: f64 = 1e-11;
 
-/// An external sleeve on a wheel at rest.
+/// A ring pin on a disc at rest.
 fn outer(scene: &Scene, hertz: &HertzStiffness) -> Spring {
     Spring::of(scene, hertz.on_flat(scene.gear.external_sleeve_radius_m))
 }
 
-/// Load torque on one wheel, N m: the largest of the run, or where there is none what makes the [`least_depth`].
+/// Load torque on one disc, N m: the largest of the run, or where there is none what makes the [`least_depth`].
 pub(crate) fn wheel_torque_n_m(scene: &Scene) -> f64 {
     wheel_torque_of(scene, &outer(scene, &hertz(scene)))
 }
 
-/// Load torque on one wheel for known springs, N m: the largest of the run, but at least a quarter of that of the
+/// Load torque on one disc for known springs, N m: the largest of the run, but at least a quarter of that of the
 /// unloaded contacts.
 fn wheel_torque_of(scene: &Scene, outer: &Spring) -> f64 {
     let gear = &scene.gear;
@@ -258,7 +258,7 @@ fn wheel_torque_of(scene: &Scene, outer: &Spring) -> f64 {
 }
 
 impl Scales {
-    /// Force above which a contact presses, N: less is the rounding of sleeves that only just touch, as all of them do in
+    /// Force above which a contact presses, N: less is the rounding of pins that only just touch, as all of them do in
     /// the ideal mesh of a gear without backlash.
     #[must_use]
     pub fn pressing_n(&self) -> f64 {
@@ -326,7 +326,7 @@ impl Scales {
     }
 }
 
-/// Frequencies of [[n I, 0], [0, J]] with [[n (k + c), -n c], [-n c, n c]]: the wheels with the output and against it.
+/// Frequencies of [[n I, 0], [0, J]] with [[n (k + c), -n c], [-n c, n c]]: the discs with the output and against it.
 fn modes(scene: &Scene, housing: f64, coupling: f64) -> [f64; 2] {
     let (gear, mass) = (&scene.gear, &scene.mass);
     let radius = gear.internal_circle_radius_m;

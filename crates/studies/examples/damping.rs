@@ -5,7 +5,7 @@
 //!
 //! - detection by 600 points instead of the exact curve;
 //! - the law without the clamp (Eq. 20 as printed: contacts may pull);
-//! - the velocity of Q as printed: Eq. 16 and 17 multiply the sleeve's radius, a number of metres, by a
+//! - the velocity of Q as printed: Eq. 16 and 17 multiply the pin's radius, a number of metres, by a
 //!   velocity that was not normalised, so that v_n comes out as (1 - R) times what it is. For a law
 //!   linear in v_n that is the damping (1 - R) C, and so it is modelled;
 //! - the step of 1e-5 s instead of a converged run.
@@ -54,7 +54,7 @@ impl Switch {
         match self {
             Self::Converged => "nothing: our model, converged",
             Self::Step => "the paper's method and step",
-            Self::Points => "600 points a wheel, 20 a hole",
+            Self::Points => "600 points a disc, 20 a hole",
             Self::Unclamped => "no clamp (Eq. 20 as printed)",
             Self::PrintedVelocity => "velocity of Q as printed (Eq. 16, 17)",
             Self::Everything => "all of them, at the paper's step",
@@ -92,7 +92,7 @@ const SWITCHES: [Switch; 7] = [
 
 /// Dampings of the study, N s/m: the paper's, and what lies above.
 const DAMPINGS: [f64; 6] = [8.0, 16.0, 32.0, 64.0, 200.0, 512.0];
-/// Points on a wheel and on a hole: the paper's rough analysis.
+/// Points on a disc and on a hole: the paper's rough analysis.
 const POINTS: (usize, usize) = (600, 20);
 /// Friction coefficient where there is friction.
 const FRICTION: f64 = 0.1;

@@ -203,7 +203,7 @@ const TRIALS: &[Trial] = &[
     ),
     (
         "contacts",
-        "damping, wheels that are cut, and play give what the native solver gives",
+        "damping, discs that are cut, and play give what the native solver gives",
         |t| t.contacts(),
     ),
     (
@@ -722,7 +722,7 @@ const CANNOT: &str = "cannot run this scene";
 struct Apart {
     /// Relative L2 of the quantity that is farthest off, all its columns together; the output's angle is left out, as it grows.
     off: f64,
-    /// Column and time of that quantity's largest difference, in words; and of the sleeves', where it is another.
+    /// Column and time of that quantity's largest difference, in words; and of the pins', where it is another.
     place: String,
 }
 

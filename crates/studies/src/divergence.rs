@@ -1,7 +1,7 @@
 //! How long two runs stay together that differ by one rounding.
 //!
-//! The moment of inertia of the wheels is moved to the next representable number. Where the
-//! difference of the sleeve forces then grows to a visible share, time series can no longer be compared
+//! The moment of inertia of the discs is moved to the next representable number. Where the
+//! difference of the pin forces then grows to a visible share, time series can no longer be compared
 //! point by point; beyond that horizon only statistics can.
 //!
 //! Both runs take the same fixed steps: a step control turns a rounding into another sequence of steps,

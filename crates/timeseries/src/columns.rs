@@ -13,17 +13,17 @@
 pub const TIME: &str = "time_s";
 /// Torque the driver exerts on the input shaft, N m, counter-clockwise positive.
 pub const INPUT_TORQUE: &str = "input_torque_n_m";
-/// All that turns the output shaft but its load, N m, counter-clockwise positive: forces of the internal sleeves, and where given
+/// All that turns the output shaft but its load, N m, counter-clockwise positive: forces of the output pins, and where given
 /// couples of sleeves on their pins and a seal.
 pub const OUTPUT_TORQUE: &str = "output_torque_n_m";
 /// Angle of the output shaft, rad, 0 at the start, counter-clockwise positive.
 pub const OUTPUT_ANGLE: &str = "output_angle_rad";
-/// Group: magnitude of all wheels' force on an external sleeve, N.
+/// Group: magnitude of all discs' force on a ring pin, N.
 pub const EXTERNAL_FORCE: &str = "external_sleeve_force_n";
-/// Group: magnitude of all wheels' force on an internal sleeve, N.
+/// Group: magnitude of all discs' force on an output pin, N.
 pub const INTERNAL_FORCE: &str = "internal_sleeve_force_n";
 
-/// Columns before the sleeves'.
+/// Columns before the pins'.
 pub const HEAD: [&str; 3] = [INPUT_TORQUE, OUTPUT_TORQUE, OUTPUT_ANGLE];
 
 /// Column `number` of a group.

@@ -37,7 +37,7 @@ pub const SMOOTH_ALIGNMENT: f64 = 0.8;
 pub enum Rough {
     /// Contacts open and close with a force of penetration^1.5: a step over such a kink is off by h^2.5.
     Kinks,
-    /// A force sets in within less than a step: damping over a ramp that a wheel crosses faster. Such a step is off by h times a
+    /// A force sets in within less than a step: damping over a ramp that a disc crosses faster. Such a step is off by h times a
     /// factor of where in it that falls. Steps as short as the ramp see its two kinks: h^2.
     Jumps,
     /// Forces jump from point to point all the time.

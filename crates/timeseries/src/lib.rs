@@ -3,7 +3,7 @@
 //! ```text
 //!  time_s | input_torque_n_m | output_torque_n_m | output_angle_rad | external_sleeve_force_n_0 .. | channels asked for
 //!  -------+------------------+-------------------+------------------+------------------------------+-------------------
-//!  0      | ...              |                   |                  | a group: one column a sleeve |
+//!  0      | ...              |                   |                  | a group: one column a pin |
 //! ```
 //!
 //! ```

@@ -46,7 +46,7 @@ impl<'a> View<'a> {
         channels.map(Self::new)
     }
 
-    /// All forces of sleeves over the samples `window`.
+    /// All forces of pins over the samples `window`.
     #[must_use]
     pub fn forces(time_series: &'a TimeSeries, window: Range<usize>) -> Self {
         let groups = FORCES.iter().flat_map(|prefix| time_series.group(prefix));
@@ -163,7 +163,7 @@ pub fn rows_at<'a>(times: &'a [f64], whole: &'a [f64]) -> impl Iterator<Item = O
 /// Loads that a gear does not notice: distances are shares of no less.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Least {
-    /// Force of a sleeve, N.
+    /// Force of a pin, N.
     pub force_n: f64,
     /// The driver's torque, N m.
     pub torque_n_m: f64,
@@ -172,11 +172,11 @@ pub struct Least {
 /// Relative distances of two runs of a gearbox.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Distance {
-    /// All sleeve forces together, L2.
+    /// All pin forces together, L2.
     pub forces: f64,
     /// The driver's torque, L2.
     pub driver_torque: f64,
-    /// The largest of a sleeve force at a sample, over the largest force: what bounds an extreme, which the root of a mean does not.
+    /// The largest of a pin force at a sample, over the largest force: what bounds an extreme, which the root of a mean does not.
     #[serde(default)]
     pub force_at_most: f64,
     /// Largest difference of the driver's torque at a sample, over the largest torque.
@@ -259,7 +259,7 @@ impl Distance {
 /// How large the loads of a run are.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Level {
-    /// Largest sleeve force, N.
+    /// Largest pin force, N.
     pub peak_force_n: f64,
     /// Mean of the driver's torque, N m.
     pub mean_torque_n_m: f64,

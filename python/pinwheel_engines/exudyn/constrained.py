@@ -111,7 +111,7 @@ def run(
                 raise Cancelled
 
         def adjust(settings: Any) -> None:
-            # The matrix is renewed only when an iteration gains less than a factor of two. Light sleeves take some 30
+            # The matrix is renewed only when an iteration gains less than a factor of two. Light pins take some 30
             # iterations a step on average and hundreds in single ones.
             newton = settings.timeIntegration.newton
             newton.useModifiedNewton, newton.maxIterations = True, 2000
@@ -208,7 +208,7 @@ def _add_mechanism(
 
 
 def _held(scene: Scene, kinematics: Kinematics) -> list[int]:
-    """The bodies that a revolute holds: all but wheels that float."""
+    """The bodies that a revolute holds: all but discs that float."""
     layout = kinematics.layout
     wheels = range(layout.bodies)[layout.wheel_bodies] if scene.floats else range(0)
     return [body for body in range(layout.bodies) if body not in wheels]
@@ -249,7 +249,7 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
         speed = np.maximum(np.abs(found.tangential_rate_m_s), ramp)
         slope = np.where(found.sleeve < rubbing, coefficient * found.normal_force_n / speed, 0.0)
         tangent = 1j * found.normal
-        # v_t = rows . velocities, one row a pair: the sleeve's part and the wheel's.
+        # v_t = rows . velocities, one row a pair: the pin's part and the disc's.
         rows = np.zeros((slope.size, size))
         pair = np.arange(slope.size)
         for body, turned, sign in ((found.sleeve, turned_by[found.sleeve], 1.0), (found.wheel, found.wheel, -1.0)):

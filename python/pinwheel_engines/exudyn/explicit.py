@@ -1,7 +1,7 @@
 """exudyn, shared law, explicit: one kinematic tree of revolute joints, classical Runge-Kutta of order 4.
 
 exudyn supplies the tree's mass matrix and the integration; contact torques enter through the tree's force user function,
-which runs in every stage. Explicit solvers of exudyn ignore constraints, so the driver is a rotor inertia of 1e16 wheels
+which runs in every stage. Explicit solvers of exudyn ignore constraints, so the driver is a rotor inertia of 1e16 discs
 on the input link and its torque is -inertia * acceleration, from the acceleration at the end of the step.
 The user function's coordinates include the reference coordinates, which are 0 here.
 """
@@ -31,7 +31,7 @@ Floats = npt.NDArray[np.float64]
 
 NAME = "exudyn-shared-law-explicit"
 
-# Rotor inertia of the driver in moments of inertia of a wheel.
+# Rotor inertia of the driver in moments of inertia of a disc.
 DRIVER_WHEELS = 1.0e16
 
 
@@ -50,7 +50,7 @@ def run(
     check_bearings(NAME, scene, law)
     kinematics = Kinematics(scene.gear, scene.floats)
     wheels = kinematics.layout.wheel_bodies
-    # Slides of wheels that float, x and y of each in turn, come before all revolute joints.
+    # Slides of discs that float, x and y of each in turn, come before all revolute joints.
     sliding = 2 * scene.gear.wheels if scene.floats else 0
     stage_law = StageLaw(scene, law)
     guard = Guard(NAME, scene)
@@ -140,7 +140,7 @@ def run(
 
 
 def _add_tree(system: Any, scene: Scene, kinematics: Kinematics, node: Any, force: Callable[..., Any]) -> None:
-    """The mechanism as one kinematic tree: massless slides of wheels that float, then links in the order of `layout`."""
+    """The mechanism as one kinematic tree: massless slides of discs that float, then links in the order of `layout`."""
     layout = kinematics.layout
     sliding = 2 * layout.wheels if kinematics.floats else 0
     offsets = kinematics.offsets.copy()

@@ -1,17 +1,17 @@
-"""exudyn, own contact: sphere in hollow sphere for the internal sleeves, circles on a polygon for the external ones.
+"""exudyn, own contact: sphere in hollow sphere for the output pins, circles on a polygon for the external ones.
 
 exudyn finds the contacts and computes their forces; no code of ours runs in the step.
-- Internal sleeves: `ObjectContactSphereSphere`, hollow, exponent 1.5, linear damping: the law itself but for its ramp S.
-- External sleeves: `ObjectContactCurveCircles`, for each wheel and sleeve one of all segments of the edge that are
-  equally stiff, to a percent: each is a linear spring of the bed (see `bed`). Only those that can reach the sleeve during
+- Output pins: `ObjectContactSphereSphere`, hollow, exponent 1.5, linear damping: the law itself but for its ramp S.
+- Ring pins: `ObjectContactCurveCircles`, for each disc and pin one of all segments of the edge that are
+  equally stiff, to a percent: each is a linear spring of the bed (see `bed`). Only those that can reach the pin during
   the run are given to it. A segment is pressed as its nearest point is, so that whole ones would be pressed deeper than the
   edge (by 10 % of the force with 14 in a contact): they are a hundredth as long as they are apart, and as much stiffer.
   exudyn looks at each in every stage, so that a run is made of pieces, each of a system that knows the near segments alone.
 - The curve contact's damping leaves out the curve's rotation, so it stays off. The external contacts' damping is put where
-  it acts: with the edge's normal rate v_n = l_j (wheel rate - ideal rate) and C v_n at every loaded sleeve, the wheel feels
+  it acts: with the edge's normal rate v_n = l_j (disc rate - ideal rate) and C v_n at every loaded pin, the disc feels
   a rotational damper of C times the mean sum of l_j^2 about the ideal speed (l_j: lever of the normal).
-Kinematic trees (input with wheels, output with its sleeves, every external sleeve by itself: a short tree makes cheap
-markers, and a curve contact fails on a ground marker), Runge-Kutta 4; the driver is a rotor inertia of 1e16 wheels.
+Kinematic trees (input with discs, output with its pins, every ring pin by itself: a short tree makes cheap
+markers, and a curve contact fails on a ground marker), Runge-Kutta 4; the driver is a rotor inertia of 1e16 discs.
 """
 
 from __future__ import annotations
@@ -55,27 +55,27 @@ Span = tuple[float, float]
 
 NAME = "exudyn-own-contact"
 
-# Rotor inertia of the driver in moments of inertia of a wheel.
+# Rotor inertia of the driver in moments of inertia of a disc.
 DRIVER_WHEELS = 1.0e16
 # Least springs along an edge, and within the nominal contact.
 SEGMENTS, SEGMENTS_IN_CONTACT = 4000, 7
 # Length of a segment as a share of the distance to the next.
 LENGTH = 0.01
-# Steps in which the local stiffness is followed, as a share: each costs one more contact a wheel and sleeve.
+# Steps in which the local stiffness is followed, as a share: each costs one more contact a disc and pin.
 STIFFNESS_STEP = 0.02
 # Pieces of a run a turn of the input.
 PIECES = 16
-# How far a wheel may be from the ideal mesh: at least this share of half a lobe, its free play so many times and its nominal
+# How far a disc may be from the ideal mesh: at least this share of half a lobe, its free play so many times and its nominal
 # contact's twist so many times.
 SHARE_OF_LOBE, PLAYS, TWISTS = 0.03, 2.0, 50.0
-# Widths of the nominal contact and arcs of that turn that a sleeve may touch beside its foot at the ideal mesh.
+# Widths of the nominal contact and arcs of that turn that a pin may touch beside its foot at the ideal mesh.
 WIDTHS, AHEAD = 2.0, 2.0
 
 
 def wheel_damper(scene: Scene) -> float:
-    """N m s/rad on a wheel's rate against its ideal one: C times the mean over a mesh of the sum of squared levers.
+    """N m s/rad on a disc's rate against its ideal one: C times the mean over a mesh of the sum of squared levers.
 
-    The lever of sleeve i is e zs sin(phi_i)/sqrt(1 + m^2 - 2 m cos(phi_i)), and the half of the sleeves is loaded.
+    The lever of pin i is e zs sin(phi_i)/sqrt(1 + m^2 - 2 m cos(phi_i)), and the half of the pins is loaded.
     """
     gear = scene.gear
     phi = (np.arange(2000) + 0.5) * math.pi / 2000
@@ -85,7 +85,7 @@ def wheel_damper(scene: Scene) -> float:
 
 
 def leeway_rad(scene: Scene) -> float:
-    """How far a wheel may turn from the ideal mesh, at most half of half a lobe and its free play."""
+    """How far a disc may turn from the ideal mesh, at most half of half a lobe and its free play."""
     gear = scene.gear
     half, lever = math.pi / gear.lobes, gear.eccentricity_m * gear.lobes
     play = (gear.backlash_m + gear.extra_play_m) / lever
@@ -101,7 +101,7 @@ class _Edge:
     ends: Complexes
     parameters: Floats
     local: Floats
-    # Segments that a sleeve may touch on either side of its foot at the ideal mesh.
+    # Segments that a pin may touch on either side of its foot at the ideal mesh.
     margin: float
 
     @staticmethod
@@ -112,12 +112,12 @@ class _Edge:
         along = np.roll(middles, -1) - np.roll(middles, 1)
         reach = 0.5 * LENGTH * spacing * along / np.abs(along)
         local = STIFFNESS_STEP * np.round(local_stiffness(scene, segments) / STIFFNESS_STEP)
-        # Contacts in pits are wider than on straight edges, and feet run ahead of a wheel's turn.
+        # Contacts in pits are wider than on straight edges, and feet run ahead of a disc's turn.
         margin = WIDTHS * nominal_width_m(scene) + AHEAD * leeway_rad(scene) * scene.gear.pitch_radius_m
         return _Edge(middles - reach, middles + reach, a, local, margin / spacing)
 
     def reachable(self, scene: Scene, wheel: int, sleeve: int, span_s: Span) -> npt.NDArray[np.bool_]:
-        """Which segments can come under a sleeve meanwhile: its foot at the ideal mesh is followed along the edge."""
+        """Which segments can come under a pin meanwhile: its foot at the ideal mesh is followed along the edge."""
         gear, count = scene.gear, self.parameters.size
         f = wheel_phases(gear)[wheel] + scene.drive.input_speed_rad_s * np.linspace(*span_s, 200)
         foot = 2.0 * math.pi * sleeve / gear.external_sleeves - (math.pi - f) / gear.lobes
@@ -208,7 +208,7 @@ class _Machine:
         )
 
     def _add_dampers(self) -> None:
-        """The external contacts' damping as a damper on every wheel, about its ideal speed; and the load."""
+        """The external contacts' damping as a damper on every disc, about its ideal speed; and the load."""
         ideal = -self.scene.drive.input_speed_rad_s / self.scene.gear.lobes
         still = self._ground_marker(0j)
         for link in range(1, len(self.drive_side)):
@@ -226,7 +226,7 @@ class _Machine:
         self.system.AddLoad(items.LoadTorqueVector(markerNumber=self._link_marker(self.load_tree, 0, 0j), **load))
 
     def _add_edges(self) -> list[list[list[Any]]]:
-        """Curve contacts, one list of wheels for every sleeve, one list of stiffnesses for every wheel."""
+        """Curve contacts, one list of discs for every pin, one list of stiffnesses for every disc."""
         scene, gear, of = self.scene, self.scene.gear, self.edge
         table = np.column_stack([of.starts.real, of.starts.imag, of.ends.real, of.ends.imag])
         stiffness = bed_stiffness(scene) / LENGTH
@@ -241,7 +241,7 @@ class _Machine:
         return contacts
 
     def _add_curve(self, wheel: int, sleeve: int, seat: Any, segments: Floats, stiffness: float) -> Any:
-        """One curve contact: some segments of a wheel's edge against a sleeve."""
+        """One curve contact: some segments of a disc's edge against a pin."""
         return self.system.AddObject(
             items.ObjectContactCurveCircles(
                 markerNumbers=[self._link_marker(self.drive_tree, 1 + wheel, 0j), seat],
@@ -269,7 +269,7 @@ class _Machine:
         )
 
     def _add_holes(self) -> list[list[Any]]:
-        """Hollow-sphere contacts, one list of wheels for every internal sleeve."""
+        """Hollow-sphere contacts, one list of discs for every output pin."""
         scene, gear = self.scene, self.scene.gear
         holes, seats = hole_centres(gear), self.kinematics.offsets[self.layout.internal_bodies]
         stiffness, layout = hertz(scene).hole_stiffness, self.layout
@@ -313,7 +313,7 @@ class _Machine:
         return found[0], found[1]
 
     def forces(self, angles: Floats) -> tuple[Complexes, Complexes]:
-        """Contact force on every external and internal sleeve, vector sums over the wheels, N, ground frame."""
+        """Contact force on every ring and output pin, vector sums over the discs, N, ground frame."""
         gear, system, kinds = self.scene.gear, self.system, exu.OutputVariableType
         turns = np.exp(1j * angles[self.layout.wheel_bodies])
         outer = np.zeros(gear.external_sleeves, dtype=np.complex128)
@@ -321,7 +321,7 @@ class _Machine:
         for sleeve, contacts in enumerate(self.outer):
             for turn, alike in zip(turns, contacts, strict=True):
                 for contact in alike:
-                    # x and y of every segment's force in the wheel's frame, with the sign of the equations' left-hand side.
+                    # x and y of every segment's force in the disc's frame, with the sign of the equations' left-hand side.
                     parts = np.asarray(system.GetObjectOutput(contact, kinds.ForceLocal)).reshape(-1, 2).sum(axis=0)
                     outer[sleeve] -= complex(parts[0], parts[1]) * turn
         for sleeve, contacts in enumerate(self.inner):
@@ -342,7 +342,7 @@ def run(
     initial: Floats | None = None,
     segments: int | None = None,
 ) -> Result:
-    """Runs a scene without friction. `segments`: springs along each wheel's edge, by default as many as it needs.
+    """Runs a scene without friction. `segments`: springs along each disc's edge, by default as many as it needs.
 
     `step_s`: by default `bed.nominal_step_s`.
     Raises Diverged with the courses until then, Cancelled, EngineFailed, Unsupported.
@@ -350,7 +350,7 @@ def run(
     check_own_contact(NAME, scene)
     segments = segments or springs(scene, SEGMENTS, SEGMENTS_IN_CONTACT)
     guard = Guard(NAME, scene)
-    # Beyond it a wheel would run out of the segments that were kept for it.
+    # Beyond it a disc would run out of the segments that were kept for it.
     guard.wheel_limit_rad = min(guard.wheel_limit_rad, leeway_rad(scene))
     wanted = nominal_step_s(scene) if step_s is None else step_s
     kept = Kept()
@@ -395,7 +395,7 @@ def run(
                 degrees_of_freedom=layout.bodies,
                 bodies=layout.bodies,
                 step_s=actual_step_s(recorder.times_s, wanted),
-                settings=f"KinematicTree, RK44, {segments} segments an edge, wheel damper {wheel_damper(scene):.4g} "
+                settings=f"KinematicTree, RK44, {segments} segments an edge, disc damper {wheel_damper(scene):.4g} "
                 "N m s/rad for the external contacts' damping",
                 versions={"exudyn": VERSION, "numpy": np.__version__},
                 notes=["the ramp S of the contact law and contact.detection have no counterpart in exudyn's contacts"],

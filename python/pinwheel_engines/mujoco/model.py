@@ -16,7 +16,7 @@ from pinwheel_engines.scene import Scene
 def tree_xml(scene: Scene, armature_kg_m2: float, content: Callable[[int], str] = lambda _body: "") -> str:
     """Bodies b0, b1, ... with hinges j0, j1, ... in the order of `layout`; `content` adds geoms and sites to a body.
 
-    Wheels that float slide along x0, x1, ... and y0, y1, ... beside.
+    Discs that float slide along x0, x1, ... and y0, y1, ... beside.
 
     The input's hinge carries `armature_kg_m2`, which makes it the driver. Only moments about z count in the plane; the
     other two are set alike because MuJoCo wants a possible solid.
@@ -56,7 +56,7 @@ def coordinates(kinematics: Kinematics, model: mujoco.MjModel) -> npt.NDArray[np
 
 
 def slides(scene: Scene, model: mujoco.MjModel) -> npt.NDArray[np.intp]:
-    """Index of the slides of every wheel in qpos and qvel, shape (wheels, 2); none where no wheel floats."""
+    """Index of the slides of every disc in qpos and qvel, shape (discs, 2); none where no disc floats."""
     wheels = range(scene.gear.wheels if scene.floats else 0)
     found = [[model.joint(f"{axis}{wheel}").qposadr[0] for axis in "xy"] for wheel in wheels]
     return np.array(found, dtype=np.intp).reshape(-1, 2)

@@ -1,14 +1,14 @@
-"""MuJoCo, own contact: the wheel's edge as a bed of small spheres, the holes as limited tendons.
+"""MuJoCo, own contact: the disc's edge as a bed of small spheres, the holes as limited tendons.
 
 MuJoCo finds the contacts and computes their forces; no code of ours runs in the step. Its soft constraint gives
     f = -(k r + b v + a1)/R,  R = (1 - d)/d W,
 with the constraint's acceleration a1, impedance d and inverse mass W. With W set to a large number after compiling, a1/R
 vanishes and solref = -(K, C)(1 - d) W makes it a spring K and a damper C in newtons: MuJoCo's usual scaling with the
 touching bodies' masses is out.
-- External sleeves: spheres of 0.1 mm or less along the edge at equal distances, each a spring of the bed (see `bed`).
-- Internal sleeves: the distance of sleeve and hole centre is a tendon limited to their difference in radius. Several
+- Ring pins: spheres of 0.1 mm or less along the edge at equal distances, each a spring of the bed (see `bed`).
+- Output pins: the distance of pin and hole centre is a tendon limited to their difference in radius. Several
   tendons a pair, each limited a little further out, add up to a chord approximation of K delta^1.5.
-The driver is a rotor inertia of 1e10 wheels on the input hinge (1e16 would drown the rest in the solver's tolerance).
+The driver is a rotor inertia of 1e10 discs on the input hinge (1e16 would drown the rest in the solver's tolerance).
 """
 
 from __future__ import annotations
@@ -48,16 +48,16 @@ Floats = npt.NDArray[np.float64]
 
 NAME = "mujoco-own-contact"
 
-# Rotor inertia of the driver in moments of inertia of a wheel.
+# Rotor inertia of the driver in moments of inertia of a disc.
 DRIVER_WHEELS = 1.0e10
-# Least beads along an edge, and within the nominal contact; their radius in sleeve radii and m, the lesser counts.
+# Least beads along an edge, and within the nominal contact; their radius in pin radii and m, the lesser counts.
 BEADS, BEADS_IN_CONTACT = 4000, 7
 BEAD_SHARE, BEAD_RADIUS_M = 0.04, 1.0e-4
-# Impedance d, and the inverse mass W, which replaces MuJoCo's, in those of a wheel: R = W/d, so a1/R is some 1e-8 of the
-# force that gives a wheel the acceleration a1.
+# Impedance d, and the inverse mass W, which replaces MuJoCo's, in those of a disc: R = W/d, so a1/R is some 1e-8 of the
+# force that gives a disc the acceleration a1.
 IMPEDANCE = 1.0e-4
 INVERSE_MASSES = 4.0e3
-# Tendons a sleeve and hole, and how far, in nominal penetrations, their chords follow K delta^1.5.
+# Tendons a pin and hole, and how far, in nominal penetrations, their chords follow K delta^1.5.
 CHORDS = 32
 REACH = 4.0
 
@@ -83,7 +83,7 @@ def chords(scene: Scene) -> list[tuple[float, float]]:
 
 
 def model_xml(scene: Scene, step_s: float, beads: int) -> str:
-    """The mechanism with beads on the wheels' edges and tendons in their holes."""
+    """The mechanism with beads on the discs' edges and tendons in their holes."""
     gear, kinematics = scene.gear, Kinematics(scene.gear)
     layout = kinematics.layout
     a, spacing = equal_arcs(scene, beads)
@@ -157,11 +157,11 @@ class _Machine:
         self.data.qpos[self.coordinate] = self.kinematics.relative(angles)
         self.data.qvel[self.coordinate] = self.kinematics.relative(rates)
         gear, layout = scene.gear, self.kinematics.layout
-        # Which external sleeve a geom belongs to, -1 for a bead.
+        # Which ring pin a geom belongs to, -1 for a bead.
         first = layout.external_bodies.start
         sleeve_of_body = {self.model.body(f"b{first + j}").id: j for j in range(gear.external_sleeves)}
         self.sleeve_of_geom = np.array([sleeve_of_body.get(int(b), -1) for b in self.model.geom_bodyid])
-        # Wheel and sleeve of every tendon.
+        # Disc and pin of every tendon.
         self.tendon_wheel = np.repeat(np.arange(gear.wheels), gear.internal_sleeves * CHORDS)
         self.tendon_sleeve = np.tile(np.repeat(np.arange(gear.internal_sleeves), CHORDS), gear.wheels)
         self.hole_sites = np.array(
@@ -179,7 +179,7 @@ class _Machine:
         self.data.qfrc_applied[self.coordinate[OUTPUT]] = self.load.load_n_m(time_s)
 
     def forces(self) -> tuple[npt.NDArray[np.complex128], npt.NDArray[np.complex128]]:
-        """Contact force on every external and internal sleeve, vector sums over the wheels, N, ground frame."""
+        """Contact force on every ring and output pin, vector sums over the discs, N, ground frame."""
         gear, data = self.scene.gear, self.data
         outer = np.zeros(gear.external_sleeves, dtype=np.complex128)
         contact = data.contact
@@ -210,7 +210,7 @@ def run(
     initial: Floats | None = None,
     beads: int | None = None,
 ) -> Result:
-    """Runs a scene without friction. `beads`: springs along each wheel's edge, by default as many as it needs.
+    """Runs a scene without friction. `beads`: springs along each disc's edge, by default as many as it needs.
 
     `step_s`: by default `bed.nominal_step_s`; MuJoCo's step is explicit in springs and dampers.
 

@@ -1,7 +1,7 @@
 """MuJoCo, shared law: 28 hinges as a tree, RK4, contact torques in every stage through `mjcb_passive`.
 
 MuJoCo supplies bodies, joints, the mass matrix and the integration; its own contact is off. Joint angles are relative to
-the carrier. The driver is a rotor inertia (armature) of 1e16 wheels on the input hinge: it holds the speed to some parts in
+the carrier. The driver is a rotor inertia (armature) of 1e16 discs on the input hinge: it holds the speed to some parts in
 1e15 and its own deceleration tells the driver's torque, -armature * acceleration. After an RK4 step MuJoCo's
 accelerations belong to the fourth stage, so each sample is taken from a forward evaluation at the sample's own state.
 """
@@ -31,7 +31,7 @@ Floats = npt.NDArray[np.float64]
 
 NAME = "mujoco-shared-law"
 
-# Rotor inertia of the driver in moments of inertia of a wheel.
+# Rotor inertia of the driver in moments of inertia of a disc.
 DRIVER_WHEELS = 1.0e16
 
 

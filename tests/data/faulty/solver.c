@@ -72,7 +72,7 @@ static void touch(int wheel, int sleeve, point w, point n, double depth, double 
     turning[sleeve] += cross(w - place[sleeve], pull), turning[wheel] -= cross(w - place[wheel], pull);
 }
 
-/* The profile against an external sleeve, whose centre is p in the wheel's frame. */
+/* The profile against a ring pin, whose centre is p in the wheel's frame. */
 static void on_profile(int wheel, int sleeve, point p)
 {
     static double e, big, m, q, cut;

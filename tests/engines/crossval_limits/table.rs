@@ -63,7 +63,7 @@ const CONTRACT: &str = "*_sleeve_force_n|input_torque_n_m|output_torque_n_m|outp
 
 /// These, and the channels that follow the forces as closely (measured: nowhere twice as far apart).
 /// Not among them are what divides by a power that passes through zero (efficiency), small differences
-/// of large numbers (relative velocities, losses, the shafts' bearings between wheels in phase), counts,
+/// of large numbers (relative velocities, losses, the shafts' bearings between discs in phase), counts,
 /// and friction on single pairs.
 const FOLLOWING: &str = "*_sleeve_force_n|input_torque_n_m|output_torque_n_m|output_angle_rad|*_arcmin|\
      eccentric_bearing_*|*_pin_force_*|input_power_w|wheel_*_penetration_m|wheel_*_stiffness_n_m15|\
@@ -161,15 +161,15 @@ pub(crate) const TABLE: &[Limit] = rows! {
     "own-contact", "mujoco*|exudyn*", None, "native*", None, Without, Steady, columns::OUTPUT_TORQUE, RelativeL2, 1e-2, Some(4.8e-3),
     "Ripple about the same mean; times 2.";
     "own-contact", "mujoco*|exudyn*", None, "native*", None, Without, Steady, columns::EXTERNAL_FORCE, RelativeL2, 4.5e-2, Some(3.8e-2),
-    "A bed of 4000 springs or 8000 segments: 2.8 % for the paper's gear, 3.8 % with forty thin sleeves; falls with their number.";
+    "A bed of 4000 springs or 8000 segments: 2.8 % for the paper's gear, 3.8 % with forty thin pins; falls with their number.";
     "own-contact", "mujoco*|exudyn*", None, "native*", None, Without, Steady, columns::INTERNAL_FORCE, RelativeL2, 1.5e-2, Some(8.8e-3),
     "The law itself but for the ramp S, under external forces that differ: 0.4 to 0.9 % for four gears; times 1.7.";
 
-    // rapier, colliders: polyline wheels and rapier's own spring; wave forms are not comparable.
+    // rapier, colliders: polyline discs and rapier's own spring; wave forms are not comparable.
     "own-contact", "rapier*collider*", None, "native*", None, With, Steady, "*_torque_n_m", Mean, 2.5e-2, Some(1.8e-2),
-    "As without friction, and its Coulomb friction holds sleeves that the regularised one lets creep.";
+    "As without friction, and its Coulomb friction holds pins that the regularised one lets creep.";
     "own-contact", "rapier*collider*", None, "native*", None, Any, Steady, "*_torque_n_m", Mean, 1.5e-2, Some(1e-2),
     "Measured 1 to 1.5 %: rapier's spring is linear and its stiffness depends on pairwise masses.";
     "own-contact", "rapier*collider*", None, "native*", None, Any, Steady, "*_force_n", Mean, 1e-1, Some(1e-1),
-    "Measured about 10 %: the load spreads over the sleeves otherwise under a linear spring.";
+    "Measured about 10 %: the load spreads over the pins otherwise under a linear spring.";
 };

@@ -48,7 +48,7 @@ pub(crate) struct InitArgs {
     /// Number of output pins.
     #[arg(long, value_parser = clap::value_parser!(u16).range(3..=1000))]
     output_pins: Option<u16>,
-    /// Diameter of an output pin with its sleeve; holes are larger by twice the eccentricity.
+    /// Diameter of an output pin with its pin; holes are larger by twice the eccentricity.
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
     output_pin_diameter_mm: Option<f64>,
     /// Diameter of the circle on which the output pins stand.

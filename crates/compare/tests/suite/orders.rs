@@ -492,7 +492,7 @@ fn regress_ramps_within_a_step_are_jumps() {
     let steps = [(2.0, 1.0), (2.0, 16.0)];
     let [jumps, kinks] = [Rough::Jumps, Rough::Kinks].map(|rough| of(4.0, rough, steps, 0.96));
     assert_eq!((jumps.u, jumps.order), (kinks.u, kinks.order));
-    // A large step hides one: leapfrog on a gear whose wheels meet once, all steps wrong along one line.
+    // A large step hides one: leapfrog on a gear whose discs meet once, all steps wrong along one line.
     let steps = [(8.0, 2.6e-3), (2.0, 8.1e-3)];
     assert!(of(2.0, Rough::Jumps, steps, 0.99).u > 4.8e-4);
     assert!(of(2.0, Rough::Kinks, steps, 0.99).u < 1e-4);

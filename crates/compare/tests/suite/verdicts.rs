@@ -202,7 +202,7 @@ fn unfinished_runs_are_listed_not_judged() {
     assert_eq!((comparison.unfinished, comparison.pairs.len()), (1, 1));
     assert_eq!(
         comparison.engines[0].status.reason().unwrap(),
-        "diverged at t = 0.010000 s: wheel angle NaN"
+        "diverged at t = 0.010000 s: disc angle NaN"
     );
     let alone = [participant("x", Track::Native, TimeSeries::default())].map(|mut p| {
         p.status = Status::Failed {

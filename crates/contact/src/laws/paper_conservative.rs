@@ -3,10 +3,10 @@
 //! ```text
 //! U(a, delta) = K(a) I(delta),   I = integral of S(x) x^1.5 from 0 to delta
 //! normal:      max(0, dU/d(delta) + S C v)                                 as in the paper
-//! along:       -dU/da / (|C'| (1 - delta kappa_C))   on the sleeve, along the profile
+//! along:       -dU/da / (|C'| (1 - delta kappa_C))   on the pin, along the profile
 //! ```
-//! U depends only on where the sleeve's centre is in the wheel's frame, so its whole gradient acts at
-//! that centre, with its reaction on the wheel at the same point; the part along the profile is what
+//! U depends only on where the pin's centre is in the disc's frame, so its whole gradient acts at
+//! that centre, with its reaction on the disc at the same point; the part along the profile is what
 //! the paper leaves out. It needs dK/da, so it exists for exact detection only.
 
 use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, paper};

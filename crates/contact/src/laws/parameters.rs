@@ -26,7 +26,7 @@ pub struct LawParameters {
     pub disc: Material,
     /// Depth of a disc behind a contact, m; `contact.disc_depth_m`.
     pub disc_depth: f64,
-    /// Radius of the external sleeves, m; `gear.external_sleeve_radius_m`.
+    /// Radius of the ring pins, m; `gear.external_sleeve_radius_m`.
     pub sleeve_radius: f64,
     /// c of the hysteresis laws, 0 < c <= 1; `contact.restitution`.
     pub restitution: f64,

@@ -23,7 +23,7 @@ const STEPS: usize = 10;
 /// Shorter steps, as a share of x, tell no slope.
 const TELLING: f64 = 1e-7;
 
-/// The normal law of a gear, and what the pins of its internal sleeves add to it.
+/// The normal law of a gear, and what the pins of its output pins add to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PinLaw {
     /// Law of every contact without the pin's bending.
@@ -33,7 +33,7 @@ pub struct PinLaw {
 }
 
 impl PinLaw {
-    /// The law of sleeves that sit on nothing that bends, as external ones do.
+    /// The law of pins that sit on nothing that bends, as external ones do.
     #[must_use]
     #[inline(always)]
     pub fn on_rigid_pin(self) -> Self {

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 const ECCENTRICITY: f64 = 0.0028;
 
-/// A gear and where its wheel stands: behind the ideal mesh by `lag` pitches, and shifted from its orbit.
+/// A gear and where its disc stands: behind the ideal mesh by `lag` pitches, and shifted from its orbit.
 #[derive(Debug, Clone, Copy)]
 struct Pose {
     zk: u32,
@@ -26,7 +26,7 @@ impl Pose {
         Epitrochoid::new(ECCENTRICITY, self.zk, self.m).unwrap()
     }
 
-    /// This pose and others of the same gear, the wheel at other places of its orbit.
+    /// This pose and others of the same gear, the disc at other places of its orbit.
     fn turned(self, count: u32) -> impl Iterator<Item = Self> {
         (0..count).map(move |k| Self {
             input: self.input + f64::from(k),
@@ -35,7 +35,7 @@ impl Pose {
     }
 }
 
-/// Sleeves about a wheel, as its frame sees them.
+/// Pins about a disc, as its frame sees them.
 struct Mesh<'a> {
     curve: &'a Epitrochoid,
     points: Vec<Complex>,
@@ -64,7 +64,7 @@ impl<'a> Mesh<'a> {
         }
     }
 
-    /// Depths of all sleeves by the scalar search; 0 outside.
+    /// Depths of all pins by the scalar search; 0 outside.
     fn depths(&self) -> Vec<f64> {
         self.points
             .iter()
@@ -204,7 +204,7 @@ proptest! {
         prop_assert!((foot.distance + brute::depth(&curve, p)).abs() < 1e-9 * scale, "{foot:?}");
     }
 
-    /// All sleeves of any gear: inside exactly when brute force says so, and then with its depth.
+    /// All pins of any gear: inside exactly when brute force says so, and then with its depth.
     #[test]
     fn penetration_is_global(pose in poses(3..121, 0.2..0.95)) {
         let curve = pose.curve();
@@ -234,7 +234,7 @@ proptest! {
     }
 }
 
-/// Sleeves on the curve to rounding: what is inside has a depth above 0, of which laws take roots.
+/// Pins on the curve to rounding: what is inside has a depth above 0, of which laws take roots.
 #[test]
 fn regress_sleeves_on_the_curve() {
     for zk in [5, 16, 61] {
@@ -254,7 +254,7 @@ fn regress_sleeves_on_the_curve() {
     }
 }
 
-/// Sleeves anywhere inside, far beyond the depth at which a foot is certain: the lanes ask the scalar search.
+/// Pins anywhere inside, far beyond the depth at which a foot is certain: the lanes ask the scalar search.
 #[test]
 fn hard_lanes_of_deep_sleeves() {
     let mut deep = 0;
@@ -284,7 +284,7 @@ fn hard_lanes_of_deep_sleeves() {
     assert!(deep > 500, "{deep}");
 }
 
-/// Sleeves larger than the edge's offset touch outside the curve, too: found where the search over the whole curve finds them,
+/// Pins larger than the edge's offset touch outside the curve, too: found where the search over the whole curve finds them,
 /// and nowhere else, from starts beside the ideal mesh's.
 #[test]
 fn feet_within_a_limit_are_those_of_the_whole_curve() {

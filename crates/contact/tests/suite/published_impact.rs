@@ -1,4 +1,4 @@
-//! A sleeve dropped on the fixed profile: Hertz impact in closed form, and the restitution of hysteresis laws.
+//! A pin dropped on the fixed profile: Hertz impact in closed form, and the restitution of hysteresis laws.
 //!
 //! Undamped, `m a = -k delta^1.5` from the speed v: greatest depth `(5 m v^2/(4 k))^(2/5)`, force k times its power 1.5,
 //! contact time 2.9432 times depth over v [Johnson 1985, 11.1; the number is (4/5) sqrt(pi) Gamma(2/5)/Gamma(9/10)].
@@ -18,7 +18,7 @@ use pinwheel_contact::{
     PaperLaw, Ramp,
 };
 
-/// The paper's sleeve, kg.
+/// The paper's pin, kg.
 const MASS: f64 = 0.048;
 /// 4/5 sqrt(pi) Gamma(2/5)/Gamma(9/10).
 const TIME: f64 = 2.943_275_184;
@@ -30,7 +30,7 @@ struct Impact {
     speed_out: f64,
 }
 
-/// Drops the sleeve along the normal at the parameter `a` of the paper's wheel with the speed `v`, RK4.
+/// Drops the pin along the normal at the parameter `a` of the paper's disc with the speed `v`, RK4.
 fn drop_on_profile(law: impl NormalLaw, a: f64, v: f64) -> Impact {
     let curve = Epitrochoid::new(0.0028, 16, 0.7).unwrap();
     let hertz = paper();
@@ -72,7 +72,7 @@ fn drop_on_profile(law: impl NormalLaw, a: f64, v: f64) -> Impact {
             seen.speed_out = w;
             return seen;
         }
-        assert!(t < 0.1, "the sleeve stays");
+        assert!(t < 0.1, "the pin stays");
     }
 }
 
@@ -144,7 +144,7 @@ fn energy_lost_grows_with_damping_as_it_must() {
     assert!(lost(16.0) > lost(8.0) && lost(8.0) > lost(0.04));
 }
 
-/// Dropped at the reference speed, a sleeve leaves with the restitution of the family's closed form, and
+/// Dropped at the reference speed, a pin leaves with the restitution of the family's closed form, and
 /// that is the one put in as far as the law's domain goes.
 #[test]
 fn hysteresis_laws_keep_their_restitution() {

@@ -63,7 +63,7 @@ pub struct Honours {
     pub friction: bool,
     /// Scenes whose load changes during the run.
     pub load_changes: bool,
-    /// Wheels that float on elastic bearings: bodies whose carrier is -2.
+    /// Discs that float on elastic bearings: bodies whose carrier is -2.
     pub free_wheels: bool,
 }
 
@@ -251,7 +251,7 @@ impl Manifest {
         }
         if scene.bearings.eccentric.is_some() && !self.honours.free_wheels {
             return Some(
-                "its manifest does not honour wheels on elastic bearings (honours.free_wheels)"
+                "its manifest does not honour discs on elastic bearings (honours.free_wheels)"
                     .to_owned(),
             );
         }

@@ -29,7 +29,7 @@ pub struct Agreement {
     pub worst_over_rounding: f64,
     /// Largest difference of any moment over (largest force of its state times the largest lever), relative.
     pub worst_moment_relative: f64,
-    /// States left out because two points of a wheel are equally near to within rounding (points detection).
+    /// States left out because two points of a disc are equally near to within rounding (points detection).
     pub ambiguous: usize,
 }
 

@@ -1,4 +1,4 @@
-//! rapier all by itself: polyline wheels and holes, round sleeves, its own collision detection,
+//! rapier all by itself: polyline discs and holes, round pins, its own collision detection,
 //! its own contact spring and its own Coulomb friction.
 
 use std::ops::Range;
@@ -22,7 +22,7 @@ use super::world::{World, in_frame_of};
 use crate::engine::{Ending, Halt, Prepared, prepared};
 use crate::own_contact::pins_are_rigid;
 
-/// Points of a wheel's edge, and fewest on a lobe: a gear of 39 lobes has its mean forces right to
+/// Points of a disc's edge, and fewest on a lobe: a gear of 39 lobes has its mean forces right to
 /// 0.8 % with 103 points a lobe, against 267.
 const EDGE_POINTS: usize = 4000;
 const LOBE_POINTS: usize = 100;
@@ -94,7 +94,7 @@ pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
             None => "the scene's masses, right in the mean of both stages",
         };
         let settings = format!(
-            "impulse revolutes, 1 substep, {SWEEPS} constraint sweeps, warm start; {} corners a wheel, {} a hole; contact \
+            "impulse revolutes, 1 substep, {SWEEPS} constraint sweeps, warm start; {} corners a disc, {} a hole; contact \
              springs of {external:.2e} N/m outside, {internal:.2e} N/m inside, {frequency:.0} Hz, {masses}",
             corners.wheel, corners.hole
         );
@@ -174,7 +174,7 @@ fn step_s(scene: &Scene, frequency: f64) -> f64 {
     sample_s / (sample_s / longest * (1.0 - 1e-9)).ceil().max(1.0)
 }
 
-/// A collider on a wheel and the sleeve it meets.
+/// A collider on a disc and the pin it meets.
 struct Meeting {
     edge: ColliderHandle,
     ball: ColliderHandle,
@@ -188,7 +188,7 @@ struct Solid {
     meetings: Vec<Meeting>,
 }
 
-/// Which colliders may meet: edges external sleeves, and each hole its own sleeve.
+/// Which colliders may meet: edges ring pins, and each hole its own pin.
 const EDGES: Group = Group::GROUP_1;
 const EXTERNALS: Group = Group::GROUP_2;
 const HOLES: Group = Group::GROUP_3;
@@ -198,7 +198,7 @@ impl Solid {
     fn new(gearbox: &Gearbox, world: &mut World, step_s: f64, corners: Corners) -> Self {
         let (layout, gear, geometry) = (gearbox.layout, &gearbox.scene.gear, &gearbox.geometry);
         let friction = gearbox.scene.contact.friction_coefficient;
-        // The tag of a hole and of its sleeve is the sleeve's number.
+        // The tag of a hole and of its pin is the pin's number.
         let mut add =
             |shape: ColliderBuilder, body: usize, own: Group, other: Group, tag: usize| {
                 let collider = shape
@@ -242,7 +242,7 @@ impl Solid {
             for (k, &ball) in internals.iter().enumerate() {
                 let sleeve = Sleeve::Internal(k);
                 let centre = if gear.errors.is_none() {
-                    // It stands to its wheel's centre as its sleeve to the output's, at the origin, at t = 0.
+                    // It stands to its disc's centre as its pin to the output's, at the origin, at t = 0.
                     let wheel = BodyState {
                         angle: starts[body].angle,
                         ..BodyState::default()
@@ -301,7 +301,7 @@ impl Contacts for Solid {
 }
 
 impl Meeting {
-    /// Visits the impulses of the last step: the normal one's size, and the whole on the sleeve.
+    /// Visits the impulses of the last step: the normal one's size, and the whole on the pin.
     fn impulses(&self, world: &World, visit: &mut dyn FnMut(f64, Vector)) {
         let contacts = world
             .physics
@@ -357,11 +357,11 @@ impl PairSource for Own<'_> {
     }
 }
 
-/// Keeps only the nearest of the segments that touch a sleeve: the others are the same contact. Pairs that do not touch
+/// Keeps only the nearest of the segments that touch a pin: the others are the same contact. Pairs that do not touch
 /// are not looked at: their boxes overlap with hundreds of segments each.
 struct Nearest;
 
-/// The edge of a pair, its polyline, and the sleeve.
+/// The edge of a pair, its polyline, and the pin.
 fn edge_and_ball<'a>(
     first: &'a Collider,
     second: &'a Collider,
@@ -373,7 +373,7 @@ fn edge_and_ball<'a>(
     }
 }
 
-/// The sleeve's centre in the edge's frame.
+/// The pin's centre in the edge's frame.
 fn centre(edge: &Collider, ball: &Collider) -> Vector {
     let centre = ball.position().translation;
     edge.position().inverse_transform_point(centre)

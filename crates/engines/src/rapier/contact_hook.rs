@@ -1,5 +1,5 @@
-//! Our normal force, rapier's contact solver: proxy colliders raise one contact per wheel and
-//! sleeve, and a hook writes the exact point, normal and load into it.
+//! Our normal force, rapier's contact solver: proxy colliders raise one contact per disc and
+//! pin, and a hook writes the exact point, normal and load into it.
 //!
 //! rapier's contact is a spring of stiffness k = m w^2 with m the pair's effective mass. Implicit
 //! in time, it gives the impulse h k (depth - h v) over a step. With w so small that (h w)^2 is
@@ -20,7 +20,7 @@ use super::world::World;
 use crate::engine::{Ending, Halt, Prepared, prepared};
 use crate::own_contact::wheels_are_held;
 
-/// Gauss-Seidel sweeps a step. Friction couples the sleeves through the shafts: in the driver
+/// Gauss-Seidel sweeps a step. Friction couples the pins through the shafts: in the driver
 /// torque five leave 1.6e-2, ten 1.0e-3, twenty 8.9e-4, forty 8.6e-4 (mu = 0.1, steady, 1e-5 s).
 const SWEEPS: usize = 20;
 
@@ -28,7 +28,7 @@ const SWEEPS: usize = 20;
 /// the depth it asks for still leaves the contact point exact to 1e-12 m.
 const STEP_TIMES_FREQUENCY: f64 = 1e-4;
 
-/// Contacts of less depth than this share of the circle of the external sleeves are left out: rapier's own rounding, of
+/// Contacts of less depth than this share of the circle of the ring pins are left out: rapier's own rounding, of
 /// coordinates of that size, could turn them into gaps, and it closes gaps with a rigid contact. In the paper's gear at
 /// 1e-5 s this is 1e-9 m and carries 3e-9 N.
 const LEAST_DEPTH: f64 = 1.6e-8;
@@ -56,11 +56,11 @@ struct Hooked {
     /// See [`LEAST_DEPTH`].
     least_depth_m: f64,
     step_s: f64,
-    /// One per wheel.
+    /// One per disc.
     wheels: Vec<ColliderHandle>,
-    /// External, then internal sleeves.
+    /// External, then output pins.
     sleeves: Vec<ColliderHandle>,
-    /// At wheel * sleeves + sleeve; `None` where nothing touches.
+    /// At disc * pins + pin; `None` where nothing touches.
     table: Vec<Option<Load>>,
 }
 
@@ -82,7 +82,7 @@ impl Hooked {
         let (layout, gear) = (gearbox.layout, &gearbox.scene.gear);
         world.contact_spring(STEP_TIMES_FREQUENCY / (step_s * std::f64::consts::TAU));
 
-        // A wheel's proxy covers every sleeve wherever a run may take it: every pair always meets.
+        // A disc's proxy covers every pin wherever a run may take it: every pair always meets.
         let reach = 2.0 * (gear.pitch_radius_m() + gear.backlash_m + gear.external_sleeve_radius_m);
         let (wheel, sleeve) = (Group::GROUP_1, Group::GROUP_2);
         let mut proxy = |body: usize, radius: f64, member: Group, filter: Group, tag: usize| {
@@ -145,7 +145,7 @@ impl Hooked {
             .filter(|manifold| !manifold.data.solver_contacts.is_empty())
             .and_then(|manifold| manifold.points.first());
         // rapier's friction impulse is on the first body, along that body's normal force turned
-        // by 90 degrees: t on a wheel, where the sleeve takes the opposite, or -t on a sleeve.
+        // by 90 degrees: t on a disc, where the pin takes the opposite, or -t on a pin.
         let (normal, friction) = point.map_or((0.0, 0.0), |point| {
             (point.data.impulse, -point.data.tangent_impulse.x)
         });
@@ -241,7 +241,7 @@ impl Contacts for Hooked {
 }
 
 /// rapier's contacts know no force along the profile: that of laws which have one is a load, at the
-/// sleeve's centre.
+/// pin's centre.
 fn add_along_force(layout: Layout, now: &[BodyState], pair: &PairContact, loads: &mut [Wrench]) {
     let [nx, ny] = pair.normal;
     let (fx, fy) = (-pair.along_force_n * ny, pair.along_force_n * nx);
@@ -292,7 +292,7 @@ impl PhysicsHooks for Hook<'_> {
             contact.solver_contacts.clear();
             return;
         };
-        // rapier's normal points out of the first body: out of the wheel it is -n.
+        // rapier's normal points out of the first body: out of the disc it is -n.
         let n = Vector::new(pair.normal[0], pair.normal[1]);
         let normal = if wheel_first { -n } else { n };
         *contact.normal = normal;

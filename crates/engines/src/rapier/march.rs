@@ -151,7 +151,7 @@ pub(super) fn march(
                 recorder.record_channels(&mut Seen {
                     bodies: &now,
                     driver_torque_n_m,
-                    // Of floating wheels, which no joint carries, they are another list.
+                    // Of floating discs, which no joint carries, they are another list.
                     reactions: (!gearbox.floats()).then_some(&joints[..]),
                     contacts: contacts.seen(&world, share).as_mut(),
                 });

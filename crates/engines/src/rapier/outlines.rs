@@ -1,4 +1,4 @@
-//! Outlines of wheels and holes as closed polylines, from the published formula alone (Eq. 1):
+//! Outlines of discs and holes as closed polylines, from the published formula alone (Eq. 1):
 //! the collider engine shares no contact geometry with the native solver.
 
 use std::f64::consts::TAU;
@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use pinwheel_scene::Gear;
 use rapier2d_f64::prelude::{Rotation, Vector};
 
-/// About `count` points of a wheel's edge, counter-clockwise, in the wheel's frame, m: all chords miss the edge by as much
+/// About `count` points of a disc's edge, counter-clockwise, in the disc's frame, m: all chords miss the edge by as much
 /// ([`sag_of_corners`]), along each flank where flanks are turned.
 pub(super) fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
     let turn = gear.modification.rotational_rad;
@@ -27,7 +27,7 @@ pub(super) fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
         let point = edge_point(gear, a);
         point.y.atan2(point.x)
     };
-    // From the tip at 0 to the pit: the flank of a wheel turned back by `turn`, up to the middle of tip and pit.
+    // From the tip at 0 to the pit: the flank of a disc turned back by `turn`, up to the middle of tip and pit.
     let at = |angle: f64| {
         let (mut low, mut high) = (angle - half, angle + half);
         for _ in 0..60 {
@@ -58,12 +58,12 @@ pub(super) fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
         .collect()
 }
 
-/// How many corners a wheel's edge needs for chords that miss it by `sag_m`.
+/// How many corners a disc's edge needs for chords that miss it by `sag_m`.
 pub(super) fn corners_for_sag(gear: &Gear, sag_m: f64) -> f64 {
     whole(gear) / (8.0 * sag_m).sqrt()
 }
 
-/// By how much the chords between so many corners miss a wheel's edge, m: `c^2 |kappa|/8` of a chord c.
+/// By how much the chords between so many corners miss a disc's edge, m: `c^2 |kappa|/8` of a chord c.
 pub(super) fn sag_of_corners(gear: &Gear, count: usize) -> f64 {
     (whole(gear) / count as f64).powi(2) / 8.0
 }
@@ -85,7 +85,7 @@ struct Lobe {
 
 /// Steps of a stretch.
 const STEPS: usize = 2000;
-/// Least curvature that counts, as a share of one over the wheel's radius: chords on straight pieces stay short.
+/// Least curvature that counts, as a share of one over the disc's radius: chords on straight pieces stay short.
 const LEAST_CURVATURE: f64 = 3.0;
 
 impl Lobe {
@@ -173,7 +173,7 @@ mod tests {
             .sum()
     }
 
-    /// Without its eight holes of 8.8 mm the paper's wheel covers 8710.1 mm^2
+    /// Without its eight holes of 8.8 mm the paper's disc covers 8710.1 mm^2
     /// (reference/scenes/paper-geometric.toml).
     #[test]
     fn wheel_edge_encloses_the_known_area_counter_clockwise() {
@@ -182,7 +182,7 @@ mod tests {
         assert!((area - 8710.1e-6).abs() < 0.05e-6, "{area}");
     }
 
-    /// Against the wheel turned to either side: every point of the common edge lies on one and within the other.
+    /// Against the disc turned to either side: every point of the common edge lies on one and within the other.
     #[test]
     fn turned_flanks_bound_what_both_wheels_have_in_common() {
         let mut gear = Scene::paper().gear;

@@ -11,7 +11,7 @@ use super::world::World;
 use crate::engine::{Ending, Halt, Prepared, prepared};
 
 /// Gauss-Seidel sweeps a step. Ten leave the joints an error below that of the time step: four
-/// double the error of the internal sleeves, forty change nothing.
+/// double the error of the output pins, forty change nothing.
 const SWEEPS: usize = 10;
 
 pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {

@@ -5,8 +5,8 @@
 //! static load (of a load that changes the last one), with the secant stiffness k = F/delta of the scene's law: of each stage
 //! the mean over its touching pairs, weighted by their forces, of k and of 1/m. w^2 = k/m of the internal stage.
 //!
-//! Without friction the sleeves' masses move nothing: external ones turn about fixed points, internal ones are carried by the
-//! output, whose moment of inertia can hold them. So internal sleeves are made so light that m hardly depends on the lever of a
+//! Without friction the pins' masses move nothing: external ones turn about fixed points, internal ones are carried by the
+//! output, whose moment of inertia can hold them. So output pins are made so light that m hardly depends on the lever of a
 //! pair, and external ones get the mass that makes m w^2 the external stage's k. With friction, w^2 is the mean of k/m
 //! over all pairs.
 
@@ -21,13 +21,13 @@ use pinwheel_scene::{Layout, Sleeve, load_course};
 pub(super) struct ContactSpring {
     /// f = w/(2 pi), Hz.
     pub(super) frequency_hz: f64,
-    /// Masses of external and internal sleeves that make it right for both stages, kg; `None`: the scene's.
+    /// Masses of ring and output pins that make it right for both stages, kg; `None`: the scene's.
     pub(super) masses_kg: Option<[f64; 2]>,
     /// k of external and internal contacts, N/m.
     pub(super) stiffness_n_m: [f64; 2],
 }
 
-/// How much more a light sleeve gives way than a wheel does.
+/// How much more a light pin gives way than a disc does.
 const LIGHT: f64 = 30.0;
 
 /// Means over a stage, weighted by forces.
@@ -35,7 +35,7 @@ const LIGHT: f64 = 30.0;
 struct Stage {
     weight: f64,
     stiffness: f64,
-    /// Without the sleeve's own.
+    /// Without the pin's own.
     inverse_mass: f64,
     square: f64,
 }
@@ -58,7 +58,7 @@ pub(super) fn contact_spring(
     let start = states.clone();
     let limit = 0.25 * std::f64::consts::TAU / gearbox.geometry.lobes();
 
-    // The load turns the output, that the wheels, and those lean on the external sleeves.
+    // The load turns the output, that the discs, and those lean on the ring pins.
     let wheels_at = |twist: f64, states: &mut [BodyState]| {
         for wheel in layout.wheel_bodies() {
             states[wheel].angle = start[wheel].angle + twist;
@@ -84,7 +84,7 @@ pub(super) fn contact_spring(
     };
     let further = balance(torque, limit, |further| {
         output_at(twist + further, &mut states);
-        // On the wheels it is the opposite of what it is on the output.
+        // On the discs it is the opposite of what it is on the output.
         -moment(field, &states, |pair| match pair.sleeve {
             Sleeve::External(_) => None,
             Sleeve::Internal(_) => Some(start[Layout::OUTPUT]),
@@ -100,7 +100,7 @@ pub(super) fn contact_spring(
     field.touching(&states, &mut |pair| {
         let wheel = &states[layout.wheel_bodies().start + pair.wheel];
         let number = usize::from(matches!(pair.sleeve, Sleeve::Internal(_)));
-        // The normal passes through the sleeve's centre: only its mass counts.
+        // The normal passes through the pin's centre: only its mass counts.
         let lever = cross(
             pair.point[0] - wheel.x,
             pair.point[1] - wheel.y,
@@ -124,7 +124,7 @@ pub(super) fn contact_spring(
     let [external, internal] = stages.map(|stage| stage.stiffness / stage.weight);
     let light = (LIGHT * most).recip().min(sleeves[1]);
     let own = internal * (of_wheel[1] + 1.0 / light);
-    // What the external sleeve has to bring so that its stage is right at that frequency.
+    // What the ring pin has to bring so that its stage is right at that frequency.
     let brought = own / external - of_wheel[0];
     let moves_nothing = gearbox.scene.contact.friction_coefficient == 0.0;
     let (square, masses_kg) = if moves_nothing && brought.is_finite() && brought > 0.0 {
@@ -164,20 +164,20 @@ enum Fault {
 }
 
 impl Fault {
-    /// In words; `play`: the key and the value, m, of what leaves these sleeves their play.
+    /// In words; `play`: the key and the value, m, of what leaves these pins their play.
     fn told(&self, sleeves: &str, play: &str, value: f64) -> String {
         match self {
             Self::Play => format!(
-                "its {sleeves} sleeves have so much play that a quarter of a pitch brings none to bear on the load; make \
+                "its {sleeves} pins have so much play that a quarter of a pitch brings none to bear on the load; make \
                  {play} smaller than {value} m{}",
                 if sleeves == "internal" {
-                    ": a hole without play has the radius of its sleeve and the eccentricity together"
+                    ": a hole without play has the radius of its pin and the eccentricity together"
                 } else {
                     ""
                 }
             ),
             Self::Soft => format!(
-                "the contacts of its {sleeves} sleeves are too soft to carry drive.output_torque_n_m within a quarter of a \
+                "the contacts of its {sleeves} pins are too soft to carry drive.output_torque_n_m within a quarter of a \
                  pitch; raise contact.stiffness_multiplier or lower the load"
             ),
         }
@@ -204,7 +204,7 @@ fn balance(torque: f64, limit: f64, mut resisting: impl FnMut(f64) -> f64) -> Re
     Ok(sign * high)
 }
 
-/// Moment of the contact forces on the sleeves, about the centre that `about` gives for a pair
+/// Moment of the contact forces on the pins, about the centre that `about` gives for a pair
 /// (`None`: not counted), N m.
 fn moment(
     field: &mut dyn ContactField,
@@ -238,7 +238,7 @@ mod tests {
         Ok(spring.frequency_hz)
     }
 
-    /// Both stages have the law's secants: k m w^2 with the mass that external sleeves get.
+    /// Both stages have the law's secants: k m w^2 with the mass that ring pins get.
     #[test]
     fn both_stages_are_as_stiff_as_the_law() {
         let gearbox = Gearbox::new(&Scene::paper().check().unwrap()).unwrap();
@@ -252,7 +252,7 @@ mod tests {
     }
 
     /// K delta^1.5 at a given force: k = K^(2/3) F^(1/3), so f ~ K^(1/3), where S(delta) = 1, as
-    /// nearly everywhere here. The shares of the sleeves shift a little with the stiffness.
+    /// nearly everywhere here. The shares of the pins shift a little with the stiffness.
     #[test]
     fn follows_the_hertzian_exponent() {
         let soft = frequency(|scene| scene.contact.stiffness_multiplier = 1e-2).unwrap();
@@ -261,8 +261,8 @@ mod tests {
         assert!((ratio - 4.0_f64.cbrt()).abs() < 0.02 * ratio, "{ratio}");
     }
 
-    /// The secant stiffness of an internal sleeve at half its largest static force is 1e6 to 1e7 N/m
-    /// and the effective masses of light sleeves are about 3 g: some 4000 Hz.
+    /// The secant stiffness of an output pin at half its largest static force is 1e6 to 1e7 N/m
+    /// and the effective masses of light pins are about 3 g: some 4000 Hz.
     #[test]
     fn of_the_paper_is_some_kilohertz() {
         let f = frequency(|_| ()).unwrap();

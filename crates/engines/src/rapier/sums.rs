@@ -6,13 +6,13 @@ use pinwheel_scene::{Layout, Sleeve};
 /// Contact forces in the ground frame, N, summed over the pairs.
 pub(super) struct Sums {
     layout: Layout,
-    /// On each sleeve, external then internal.
+    /// On each pin, external then internal.
     pub(super) sleeves: Vec<[f64; 2]>,
-    /// On each wheel.
+    /// On each disc.
     wheels: Vec<[f64; 2]>,
-    /// Moment on the input shaft of what does not come through wheels that it holds, N m.
+    /// Moment on the input shaft of what does not come through discs that it holds, N m.
     input_n_m: f64,
-    /// Moment on the output shaft of what does not come through its sleeves, N m.
+    /// Moment on the output shaft of what does not come through its pins, N m.
     pub(super) output_n_m: f64,
 }
 
@@ -27,7 +27,7 @@ impl Sums {
         }
     }
 
-    /// Adds the force of a pair on its sleeve; the wheel takes the opposite.
+    /// Adds the force of a pair on its pin; the disc takes the opposite.
     pub(super) fn add(&mut self, wheel: usize, sleeve: Sleeve, force: [f64; 2]) {
         let slot = sleeve_slot(self.layout, sleeve);
         let [fx, fy] = force;
@@ -75,8 +75,8 @@ impl Sums {
     }
 
     /// Torque the driver exerts on the input shaft, N m, by virtual work: each eccentric hands its
-    /// wheel's contact force F on to the shaft, T = -sum E x F. The wheel's own inertia force
-    /// points along E and does no work at constant speed. Of wheels that `float` bearings load the shaft.
+    /// disc's contact force F on to the shaft, T = -sum E x F. The disc's own inertia force
+    /// points along E and does no work at constant speed. Of discs that `float` bearings load the shaft.
     pub(super) fn driver_torque(&self, bodies: &[BodyState], float: bool) -> f64 {
         let shaft = &bodies[Layout::INPUT];
         let wheels = self.layout.wheel_bodies().zip(&self.wheels);
@@ -88,7 +88,7 @@ impl Sums {
     }
 }
 
-/// Place of a sleeve among all sleeves, external before internal.
+/// Place of a pin among all pins, external before internal.
 pub(super) fn sleeve_slot(layout: Layout, sleeve: Sleeve) -> usize {
     match sleeve {
         Sleeve::External(j) => j,
@@ -109,7 +109,7 @@ mod tests {
         });
         let mut bodies = vec![BodyState::default(); sums.layout.bodies()];
         (bodies[2].x, bodies[3].x) = (0.5, -0.5);
-        // 10 N upwards on the sleeves: the wheels are pushed down, 5 N m each way, then one of them less.
+        // 10 N upwards on the pins: the discs are pushed down, 5 N m each way, then one of them less.
         sums.add(0, Sleeve::External(1), [0.0, 10.0]);
         sums.add(1, Sleeve::Internal(1), [0.0, 10.0]);
         assert_eq!(sums.driver_torque(&bodies, false), 0.0);

@@ -289,7 +289,7 @@ fn unwrapped(wrapped: f64, near: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A gearbox free to coast: output and wheels keep their rates, joints hold.
+    /// A gearbox free to coast: output and discs keep their rates, joints hold.
     #[test]
     fn coasts_along_the_ideal_motion() {
         let gearbox =

@@ -1,7 +1,7 @@
 //! How far engines with a contact model of their own may be from ours, as they state it.
 //!
 //! These are statements on models, not on scenes: a bed of 4000 springs resolves a contact patch to so much, a
-//! polyline wheel with one linear spring to so much. They hold for any gear; a scene that breaks one is a finding.
+//! polyline disc with one linear spring to so much. They hold for any gear; a scene that breaks one is a finding.
 
 use pinwheel_compare::limits::Friction;
 use pinwheel_compare::model::{ModelTolerance, Prediction};
@@ -23,7 +23,7 @@ macro_rules! statements {
 
 const STEADY: Option<WindowKind> = Some(WindowKind::Steady);
 
-/// Wheel edges as beds of springs, holes by the law itself.
+/// Disc edges as beds of springs, holes by the law itself.
 pub(super) const BED: &[ModelTolerance] = statements! {
     Without, STEADY, "input_torque_n_m", Mean, LawEnergy, 5e-3,
     "A bed of springs conserves energy; what the law creates is predicted, its edges and damping are not.";
@@ -46,13 +46,13 @@ pub(super) const HOOK: &[ModelTolerance] = statements! {
 /// rapier's own contacts.
 pub(super) const COLLIDERS: &[ModelTolerance] = statements! {
     With, STEADY, "input_torque_n_m", Mean, LawEnergy, 2.5e-2,
-    "Linear spring, polyline wheels; Coulomb friction holds sleeves that the regularised one lets creep.";
+    "Linear spring, polyline discs; Coulomb friction holds pins that the regularised one lets creep.";
     Without, STEADY, "input_torque_n_m", Mean, LawEnergy, 1.5e-2,
-    "Linear spring of a stiffness that depends on pairs of masses, polyline wheels.";
+    "Linear spring of a stiffness that depends on pairs of masses, polyline discs.";
     Any, STEADY, "output_torque_n_m", Mean, Same, 1.5e-2,
     "In the mean both carry the load; their own samples alias the ripple.";
     Any, STEADY, "*_force_n", Mean, Same, 1e-1,
-    "Under a linear spring the load spreads over the sleeves otherwise.";
+    "Under a linear spring the load spreads over the pins otherwise.";
 };
 
 #[test]

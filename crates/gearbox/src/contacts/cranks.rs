@@ -1,7 +1,7 @@
-//! The bearings of wheels on the cranks of an RV reducer.
+//! The bearings of discs on the cranks of an RV reducer.
 //!
 //! ```text
-//! H_ij = r_i + bore j of wheel i          C_ij = S_j + s_j + e_i u(gamma_j + phi_i),  gamma_j = (1 + rho) psi - rho phi
+//! H_ij = r_i + bore j of disc i          C_ij = S_j + s_j + e_i u(gamma_j + phi_i),  gamma_j = (1 + rho) psi - rho phi
 //! d = H - C,   F = [K max(0, |d| - g)^p + c |d|'] d/|d|  on the crank
 //! elastic support   sum_i F_ij = k s_j         elastic mesh   a_i = e_i u(gamma_j + phi_i) + t_j R90 e_i u(gamma_j + phi_i),
 //! (both at rest)                                               sum_i (R90 e_i u(gamma_j + phi_i)).F_ij = k_m r^2 t_j
@@ -24,9 +24,9 @@ use crate::Layout;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 
-/// Wheels at most: as many as a scene may have.
+/// Discs at most: as many as a scene may have.
 const WHEELS: usize = 64;
-/// A crank's bearings, one a wheel.
+/// A crank's bearings, one a disc.
 pub(super) type OfCrank = ArrayVec<CrankBearing, WHEELS>;
 /// Steps of Newton's method for the place of a crank, halvings of one, and what may be left of the forces.
 const STEPS: usize = 40;
@@ -45,20 +45,20 @@ pub(super) struct Cranks {
     throw_m: f64,
     /// Angles by which cranks are out of phase, rad.
     phases: Vec<f64>,
-    /// Eccentrics of each wheel on all cranks, m, for a crank's angle of 0.
+    /// Eccentrics of each disc on all cranks, m, for a crank's angle of 0.
     eccentrics: Vec<[f64; 2]>,
-    /// Bores of each wheel in its frame, m, and their clearance beyond that of the bearing, m.
+    /// Bores of each disc in its frame, m, and their clearance beyond that of the bearing, m.
     bores: Vec<Vec<([f64; 2], f64)>>,
 }
 
-/// A crank's bearing in one wheel.
+/// A crank's bearing in one disc.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct CrankBearing {
     /// Its force at the bore's centre; the offset is that centre less the eccentric's.
     pub(super) load: BearingLoad,
     /// The offset's velocity where the support is rigid, m/s.
     velocity: [f64; 2],
-    /// Bore's centre from the wheel's, and the eccentric's from the crank's, m, ground frame.
+    /// Bore's centre from the disc's, and the eccentric's from the crank's, m, ground frame.
     pub(super) arm: [f64; 2],
     eccentric: [f64; 2],
     /// How far the eccentric moves as its crank turns in an elastic mesh, by the largest eccentricity.
@@ -135,7 +135,7 @@ fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 impl Cranks {
-    /// `None`: one eccentric carries the wheels.
+    /// `None`: one eccentric carries the discs.
     pub(super) fn of(scene: &Scene, geometry: &Geometry) -> Option<Self> {
         let cranks = scene.cranks.as_ref()?;
         let wheels = geometry.wheel_phases.iter().zip(&geometry.eccentricities_m);
@@ -187,7 +187,7 @@ impl Cranks {
         self.phases.len()
     }
 
-    /// The bearings of one crank, of every wheel, and how far the crank gives way.
+    /// The bearings of one crank, of every disc, and how far the crank gives way.
     pub(super) fn crank(
         &self,
         law: &BearingLaw,

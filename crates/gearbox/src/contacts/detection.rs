@@ -10,12 +10,12 @@ use crate::GearboxError;
 use crate::geometry::Geometry;
 use crate::scene::{self, Scene};
 
-/// A touching pair in the wheel's frame.
+/// A touching pair in the disc's frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Touch {
-    /// W, m from the wheel's centre.
+    /// W, m from the disc's centre.
     pub(super) point: Complex,
-    /// n, from the sleeve centre to W.
+    /// n, from the pin centre to W.
     pub(super) normal: Complex,
     /// delta, m; above 0 but for [`Detection::profile_gap`] and [`Detection::hole_gap`].
     pub(super) penetration: f64,
@@ -26,7 +26,7 @@ pub(super) struct Touch {
 }
 
 impl Touch {
-    /// A sleeve of that radius, its centre in `p`, touches a point; K there.
+    /// A pin of that radius, its centre in `p`, touches a point; K there.
     pub(super) fn at_point(p: Complex, point: Complex, radius: f64, stiffness: f64) -> Self {
         let arm = point - p;
         Self {
@@ -38,12 +38,12 @@ impl Touch {
         }
     }
 
-    /// True if a sleeve of that radius is pressed in, and not by more than that.
+    /// True if a pin of that radius is pressed in, and not by more than that.
     fn presses(&self, radius: f64) -> bool {
         self.penetration > 0.0 && self.penetration < radius
     }
 
-    /// The touch of a wheel that is turned by e^{i angle} = `by`.
+    /// The touch of a disc that is turned by e^{i angle} = `by`.
     pub(super) fn turned(self, by: Complex) -> Self {
         Self {
             point: self.point * by,
@@ -67,32 +67,32 @@ pub(super) struct Slopes {
 /// Parameter by which the stiffness is looked at beside a foot, rad.
 const BESIDE: f64 = 1e-5;
 
-/// Finds the contact of one sleeve centre `p` (wheel frame) with the wheel.
+/// Finds the contact of one pin centre `p` (disc frame) with the disc.
 pub(super) trait Detection: Send + 'static {
     /// True if the detection has derivatives ([`Slopes`]). Nearest points have none, because they jump.
     const HAS_SLOPES: bool;
 
-    /// External sleeve `j`: e^{i a0} and e^{i zk a0} start the search. With e^{ia} of the foot.
+    /// Ring pin `j`: e^{i a0} and e^{i zk a0} start the search. With e^{ia} of the foot.
     fn profile(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<(Touch, Complex)>;
-    /// Internal sleeve in hole `k` of `wheel`.
+    /// Output pin in hole `k` of `wheel`.
     fn hole(&self, wheel: usize, k: usize, p: Complex) -> Option<Touch>;
-    /// Closest points of an external sleeve that [`profile`](Self::profile) finds without contact.
+    /// Closest points of a ring pin that [`profile`](Self::profile) finds without contact.
     fn profile_gap(&self, j: usize, p: Complex) -> Touch;
-    /// Closest points of an internal sleeve that [`hole`](Self::hole) finds without contact.
+    /// Closest points of an output pin that [`hole`](Self::hole) finds without contact.
     fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch;
-    /// Radius of external sleeve `j`, and its K where the curve bends by `kappa`.
+    /// Radius of ring pin `j`, and its K where the curve bends by `kappa`.
     fn sleeve(&self, j: usize, kappa: f64) -> (f64, f64);
-    /// How a touch of external sleeve `j` changes, e^{ia} = `unit` at its foot.
+    /// How a touch of ring pin `j` changes, e^{ia} = `unit` at its foot.
     fn profile_slopes(&self, _j: usize, _touch: &Touch, _unit: Complex) -> Slopes {
         Slopes::default()
     }
-    /// Derivatives of a touch of internal sleeve `k`.
+    /// Derivatives of a touch of output pin `k`.
     fn hole_slopes(&self, _wheel: usize, _k: usize, _touch: &Touch) -> Slopes {
         Slopes::default()
     }
 }
 
-/// An external sleeve.
+/// A ring pin.
 #[derive(Debug, Clone, Copy)]
 struct External {
     radius: f64,
@@ -100,7 +100,7 @@ struct External {
     larger: f64,
 }
 
-/// A hole and its sleeve.
+/// A hole and its pin.
 #[derive(Debug, Clone)]
 struct Internal {
     hole: Hole,
@@ -109,7 +109,7 @@ struct Internal {
 }
 
 impl Internal {
-    /// The sleeve at the hole's exact edge, pressed in along `normal`.
+    /// The pin at the hole's exact edge, pressed in along `normal`.
     #[inline]
     fn touch(&self, penetration: f64, normal: Complex) -> Touch {
         Touch {
@@ -166,7 +166,7 @@ impl Shapes {
         (radius, self.hertz.of_edge(radius, self.offset, kappa))
     }
 
-    /// The foot of external sleeve `j` where it is pressed in.
+    /// The foot of ring pin `j` where it is pressed in.
     #[inline]
     fn foot(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<Foot> {
         self.curve.foot_within(p, start, self.external[j].larger)
@@ -188,7 +188,7 @@ impl Shapes {
     }
 }
 
-/// Closest point of the exact curve: delta is minus the signed distance of P from C, and what the sleeve is larger than the
+/// Closest point of the exact curve: delta is minus the signed distance of P from C, and what the pin is larger than the
 /// one that made the edge.
 /// The second field: whether the slope of K is wanted.
 pub(super) struct Exact(Shapes, bool);
@@ -232,7 +232,7 @@ impl Exact {
     }
 }
 
-/// Direction of an offset from a hole's centre; the wheel's x axis in the centre itself.
+/// Direction of an offset from a hole's centre; the disc's x axis in the centre itself.
 fn outwards(offset: Complex) -> Complex {
     let distance = offset.norm();
     if distance > 0.0 {
@@ -301,7 +301,7 @@ impl Detection for Exact {
     }
 }
 
-/// The paper's points: W is the vertex nearest to P, delta = sleeve radius - |W - P|.
+/// The paper's points: W is the vertex nearest to P, delta = pin radius - |W - P|.
 ///
 /// Vertices lie on the exact curves and are never closer to P than these, so the exact test
 /// decides first whether any can touch, and its foot tells which.
@@ -330,7 +330,7 @@ impl Points {
         })
     }
 
-    /// External sleeve `j` at the vertex of the edge that is nearest to `p`, whose foot is given.
+    /// Ring pin `j` at the vertex of the edge that is nearest to `p`, whose foot is given.
     #[inline]
     fn vertex(&self, j: usize, p: Complex, foot: &Foot) -> Touch {
         let (vertex, _) = self.profile.nearest(p, foot.parameter());
@@ -339,7 +339,7 @@ impl Points {
         Touch::at_point(p, vertex.position, radius, stiffness)
     }
 
-    /// An internal sleeve at the point of its hole that is nearest to `p`; the points start along the wheel's x axis.
+    /// An output pin at the point of its hole that is nearest to `p`; the points start along the disc's x axis.
     #[inline]
     fn rim(&self, internal: &Internal, p: Complex) -> Touch {
         let Hole { centre, radius } = internal.hole;

@@ -9,39 +9,39 @@ use super::seals::Seals;
 use super::sleeves::OnPins;
 use crate::Sleeve;
 
-/// One pair of wheel and sleeve at its closest points.
+/// One pair of disc and pin at its closest points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PairContact {
-    /// Wheel number (0, 1, ...), not a body index.
+    /// Disc number (0, 1, ...), not a body index.
     pub wheel: usize,
-    /// The sleeve.
+    /// The pin.
     pub sleeve: Sleeve,
-    /// W, the wheel's point closest to the sleeve centre; both forces act here. Ground frame, m.
+    /// W, the disc's point closest to the pin centre; both forces act here. Ground frame, m.
     pub point: [f64; 2],
-    /// n, unit vector from the sleeve centre P to W. Ground frame.
+    /// n, unit vector from the pin centre P to W. Ground frame.
     pub normal: [f64; 2],
     /// delta, m: above 0 where they touch, below 0 a gap. Of a sleeve on a pin that bends, contact and bending together.
     pub penetration_m: f64,
     /// v_n = d(delta)/dt, m/s.
     pub normal_rate_m_s: f64,
-    /// v_t along t = R90 n, sleeve relative to wheel, m/s.
+    /// v_t along t = R90 n, pin relative to disc, m/s.
     pub tangential_rate_m_s: f64,
     /// K, N/m^1.5.
     pub stiffness: f64,
-    /// F_n >= 0, N: pushes the sleeve along -n, the wheel along +n.
+    /// F_n >= 0, N: pushes the pin along -n, the disc along +n.
     pub normal_force_n: f64,
-    /// Force along t on the sleeve, N (opposite sign to v_t); the wheel takes its reaction.
+    /// Force along t on the pin, N (opposite sign to v_t); the disc takes its reaction.
     pub friction_force_n: f64,
-    /// Force along t **at the sleeve's centre** on the sleeve, N, its reaction on the wheel at the same point:
+    /// Force along t **at the pin's centre** on the pin, N, its reaction on the disc at the same point:
     /// the part of an energy's gradient that lies along the profile; 0 for laws that are normal only.
     pub along_force_n: f64,
-    /// The sleeve's centre P. Ground frame, m.
+    /// The pin's centre P. Ground frame, m.
     pub centre: [f64; 2],
 }
 
 impl PairContact {
-    /// Force on the sleeve in the ground frame, N. The wheel takes the opposite; all of it acts at W but
-    /// [`along_force_n`](Self::along_force_n), which acts at the sleeve's centre.
+    /// Force on the pin in the ground frame, N. The disc takes the opposite; all of it acts at W but
+    /// [`along_force_n`](Self::along_force_n), which acts at the pin's centre.
     #[must_use]
     pub fn force_on_sleeve(&self) -> [f64; 2] {
         let [nx, ny] = self.normal;
@@ -86,10 +86,10 @@ pub trait ContactField: Send {
     /// [`Forces::evaluate`](pinwheel_mbs::Forces::evaluate).
     ///
     /// Slopes are those where the input turns at a constant rate. Free are all bodies but the input, in their order, and
-    /// without friction the output and the wheels alone.
+    /// without friction the output and the discs alone.
     fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool;
 
-    /// Visits every touching pair (penetration > 0), wheel by wheel, external before internal.
+    /// Visits every touching pair (penetration > 0), disc by disc, external before internal.
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact));
 
     /// One pair, touching or not; without contact its forces are 0 and its penetration is minus the gap.
@@ -99,7 +99,7 @@ pub trait ContactField: Send {
     /// The law of all pairs.
     fn law(&self) -> &PinLaw;
 
-    /// The bearings that wheels float on; `None`: eccentrics hold them rigidly.
+    /// The bearings that discs float on; `None`: eccentrics hold them rigidly.
     fn bearings(&self) -> Option<&Bearings> {
         None
     }

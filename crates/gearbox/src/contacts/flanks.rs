@@ -1,9 +1,9 @@
-//! A wheel whose flanks are turned towards the middle of their lobes: what two wheels, turned by +delta and -delta, have in
+//! A disc whose flanks are turned towards the middle of their lobes: what two discs, turned by +delta and -delta, have in
 //! common.
 //!
-//! From the middle of a lobe counter-clockwise to the middle of a pit its edge is that of the wheel turned by -delta, from there
-//! to the next lobe that of the other one. They meet in corners, which stand out everywhere: a sleeve touches the nearer of the
-//! feet that lie on the wheel's edge, and where none does the corner between them. A corner has no radius of its own; it is as
+//! From the middle of a lobe counter-clockwise to the middle of a pit its edge is that of the disc turned by -delta, from there
+//! to the next lobe that of the other one. They meet in corners, which stand out everywhere: a pin touches the nearer of the
+//! feet that lie on the disc's edge, and where none does the corner between them. A corner has no radius of its own; it is as
 //! stiff as the flanks that end there.
 
 use std::f64::consts::PI;
@@ -24,13 +24,13 @@ pub(super) struct Flanks {
 
 #[derive(Clone, Copy)]
 struct Corner {
-    /// From the wheel's centre, m.
+    /// From the disc's centre, m.
     radius: f64,
     /// kappa of the curve that either flank belongs to, 1/m.
     curvature: f64,
 }
 
-/// Where on the profile a sleeve touches.
+/// Where on the profile a pin touches.
 #[derive(Clone, Copy)]
 pub(super) enum Seat {
     /// Beside the curve's point e^{ia}.
@@ -73,12 +73,12 @@ impl Flanks {
         })
     }
 
-    /// By how much the wheels are turned whose common part it is.
+    /// By how much the discs are turned whose common part it is.
     pub(super) fn turns(&self) -> [Complex; 2] {
         [self.turn, self.turn.conj()]
     }
 
-    /// Chooses from the feet on either wheel, in the order of [`turns`](Self::turns), the touch of a sleeve centred at
+    /// Chooses from the feet on either disc, in the order of [`turns`](Self::turns), the touch of a pin centred at
     /// `p`; `stiffness` is K where the curve bends by a kappa.
     pub(super) fn touch(
         &self,
@@ -88,7 +88,7 @@ impl Flanks {
         stiffness: impl Fn(f64) -> f64,
     ) -> (Touch, Seat) {
         let [ccw, cw] = feet;
-        // Counter-clockwise of a lobe's middle lies the wheel that is turned clockwise.
+        // Counter-clockwise of a lobe's middle lies the disc that is turned clockwise.
         let side = |touch: &Touch| (self.lobes * touch.point.arg()).sin();
         match (side(&ccw.0) <= 0.0, side(&cw.0) >= 0.0) {
             (true, true) if cw.0.penetration > ccw.0.penetration => cw,
@@ -110,7 +110,7 @@ mod tests {
     use super::*;
     use crate::scene::Scene;
 
-    /// In the middle of a pit a sleeve may lie on both flanks: the deeper one counts.
+    /// In the middle of a pit a pin may lie on both flanks: the deeper one counts.
     #[test]
     fn of_two_flanks_the_nearer_is_touched() {
         let mut scene = Scene::paper();

@@ -1,4 +1,4 @@
-//! Contacts of wheels that float on elastic bearings: those of the law, and the bearings' forces on wheels and input.
+//! Contacts of discs that float on elastic bearings: those of the law, and the bearings' forces on discs and input.
 
 use pinwheel_contact::PinLaw;
 use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums, Wrench};
@@ -19,20 +19,20 @@ pub struct Bearings {
     layout: Layout,
     /// Centre of every eccentric, in the input's frame, m.
     seats: Vec<[f64; 2]>,
-    /// Cranks that carry wheels in the place of one eccentric.
+    /// Cranks that carry discs in the place of one eccentric.
     cranks: Option<Cranks>,
 }
 
 /// One bearing at a state.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct BearingLoad {
-    /// On the wheel at its centre, N, ground frame.
+    /// On the disc at its centre, N, ground frame.
     pub on_wheel: [f64; 2],
-    /// Wheel's centre less the eccentric's, m, ground frame.
+    /// Disc's centre less the eccentric's, m, ground frame.
     pub offset_m: [f64; 2],
-    /// Friction on the wheel, N m.
+    /// Friction on the disc, N m.
     pub drag_n_m: f64,
-    /// How fast the wheel turns against the eccentric, rad/s.
+    /// How fast the disc turns against the eccentric, rad/s.
     pub(super) turning: f64,
     /// How fast the offset grows, m/s.
     pub(super) rate: f64,
@@ -76,7 +76,7 @@ impl BearingLoad {
 }
 
 impl Bearings {
-    /// Bearings of a scene whose wheels float; `None`: eccentrics hold them rigidly.
+    /// Bearings of a scene whose discs float; `None`: eccentrics hold them rigidly.
     #[must_use]
     pub fn of(scene: &Scene, geometry: &Geometry) -> Option<Self> {
         let seats = geometry.wheel_phases.iter().zip(&geometry.eccentricities_m);
@@ -115,7 +115,7 @@ impl Bearings {
         }
     }
 
-    /// Load of the bearing that carries a wheel, or of those of all cranks together, whose offset is their mean.
+    /// Load of the bearing that carries a disc, or of those of all cranks together, whose offset is their mean.
     #[must_use]
     pub fn of_wheel(&self, bodies: &[BodyState], wheel: usize) -> BearingLoad {
         if self.cranks.is_none() {
@@ -134,14 +134,14 @@ impl Bearings {
         all
     }
 
-    /// The bearing of a crank of an RV gear in a wheel, whose offset is the bore's centre from the eccentric's; of other gears
+    /// The bearing of a crank of an RV gear in a disc, whose offset is the bore's centre from the eccentric's; of other gears
     /// nothing.
     #[must_use]
     pub fn of_crank(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> BearingLoad {
         self.in_bore(bodies, wheel, crank).0
     }
 
-    /// Load of a crank's bearing in a wheel, and the bore's centre, m, ground frame.
+    /// Load of a crank's bearing in a disc, and the bore's centre, m, ground frame.
     fn in_bore(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> (BearingLoad, [f64; 2]) {
         let mut found = OfCrank::new();
         let Some(cranks) = &self.cranks else {
@@ -155,7 +155,7 @@ impl Bearings {
         (found[wheel].load, [body.x + x, body.y + y])
     }
 
-    /// Load of a crank's bearing in a wheel as a pair of wheel and crank.
+    /// Load of a crank's bearing in a disc as a pair of disc and crank.
     fn crank_pair(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> PairContact {
         let (load, point) = self.in_bore(bodies, wheel, crank);
         let ([dx, dy], [fx, fy]) = (load.offset_m, load.on_wheel);
@@ -202,7 +202,7 @@ impl Bearings {
         self.law.clearance_m + own.unwrap_or_default()
     }
 
-    /// The bearing of a wheel on its one eccentric.
+    /// The bearing of a disc on its one eccentric.
     fn load(&self, bodies: &[BodyState], wheel: usize) -> BearingLoad {
         let (input, hub) = (
             &bodies[Layout::INPUT],
@@ -211,7 +211,7 @@ impl Bearings {
         self.load_at(input, hub, self.seats[wheel], input.angle.sin_cos())
     }
 
-    /// Load of the bearing of a wheel on its one eccentric from the states of input and wheel and the seat, with sine
+    /// Load of the bearing of a disc on its one eccentric from the states of input and disc and the seat, with sine
     /// and cosine of the input's angle.
     #[inline(always)]
     fn load_at(
@@ -228,7 +228,7 @@ impl Bearings {
         BearingLoad::of(&self.law, [dx, dy], [ux, uy], turning)
     }
 
-    /// Adds all of them, and their moments to `moments`: input and wheels turn about their centres of mass. Cranks tell no moments.
+    /// Adds all of them, and their moments to `moments`: input and discs turn about their centres of mass. Cranks tell no moments.
     #[inline]
     pub(crate) fn add_loads(
         &self,
@@ -270,7 +270,7 @@ impl Bearings {
     /// n, e the eccentric and omega the input's rate:
     ///
     /// ```text
-    /// force on the wheel  -F n,    dF = F_d n.dd + F_v (n.dd' + (d'.t) t.dd/|d|),    dn = t (t.dd)/|d|
+    /// force on the disc  -F n,    dF = F_d n.dd + F_v (n.dd' + (d'.t) t.dd/|d|),    dn = t (t.dd)/|d|
     /// by the time:        dd = -C' dt,  dd' = omega^2 e dt
     /// ```
     pub(crate) fn add_slopes(&self, bodies: &[BodyState], slopes: &mut Jacobian) {
@@ -373,7 +373,7 @@ impl ContactField for Floating {
 
     fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
         match (&self.bearings.cranks, sleeve) {
-            // A crank's bearing stands in the place of a sleeve in its hole.
+            // A crank's bearing stands in the place of a pin in its hole.
             (Some(_), Sleeve::Internal(crank)) => self.bearings.crank_pair(bodies, wheel, crank),
             _ => self.contacts.nearest(bodies, wheel, sleeve),
         }

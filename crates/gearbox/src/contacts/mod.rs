@@ -1,4 +1,4 @@
-//! Contacts between wheels and sleeves: detection, law and friction put together for a scene.
+//! Contacts between discs and pins: detection, law and friction put together for a scene.
 
 mod cranks;
 mod detection;
@@ -75,7 +75,7 @@ fn at_most_avx2() -> pulp::Arch {
     pulp::Arch::Scalar
 }
 
-/// The contact field of a scene, with the bearings that its wheels float on, sleeves that rub on their pins, and seals of its shafts.
+/// The contact field of a scene, with the bearings that its discs float on, sleeves that rub on their pins, and seals of its shafts.
 pub(crate) fn field(
     scene: &Scene,
     geometry: &Geometry,
@@ -116,7 +116,7 @@ pub(crate) fn contacts(
         }
         None => (scene, geometry),
     };
-    // Lanes take all sleeves, and all holes, for alike.
+    // Lanes take all pins, and all holes, for alike.
     let in_lanes = kernel != Kernel::Scalar
         && scene.contact.friction_law == FrictionLaw::Regularised
         && geometry.is_uniform(&scene.gear);

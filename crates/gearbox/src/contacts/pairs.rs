@@ -1,7 +1,7 @@
-//! All pairs of wheels and sleeves: the scalar, readable contact loop.
+//! All pairs of discs and pins: the scalar, readable contact loop.
 //!
-//! Everything happens in the wheel's frame, where curve and holes stand still: one rotation per
-//! wheel brings the sleeves in, one brings the sum of forces back. Forces of a pair act at W on
+//! Everything happens in the disc's frame, where curve and holes stand still: one rotation per
+//! disc brings the pins in, one brings the sum of forces back. Forces of a pair act at W on
 //! both bodies, so action and reaction balance in force and in moment.
 
 use pinwheel_contact::{AdamsFriction, Complex, Friction, NormalLaw, PinLaw, RegularisedCoulomb};
@@ -28,13 +28,13 @@ pub(super) struct Pairs<D> {
     flanks: Option<Flanks>,
 }
 
-/// A wheel's frame and motion.
+/// A disc's frame and motion.
 #[derive(Clone, Copy)]
 pub(super) struct WheelFrame {
     pub(super) centre: Complex,
-    /// e^{i theta}, wheel frame to ground.
+    /// e^{i theta}, disc frame to ground.
     pub(super) turn: Complex,
-    /// Velocity of the centre in the wheel's directions.
+    /// Velocity of the centre in the disc's directions.
     pub(super) velocity: Complex,
     pub(super) rate: f64,
 }
@@ -56,7 +56,7 @@ impl WheelFrame {
     }
 }
 
-/// Rates and forces of a touch, still in the wheel's frame.
+/// Rates and forces of a touch, still in the disc's frame.
 #[derive(Clone, Copy)]
 pub(super) struct Loaded {
     pub(super) touch: Touch,
@@ -70,13 +70,13 @@ pub(super) struct Loaded {
 }
 
 impl Loaded {
-    /// Force on the sleeve at its centre, along the profile.
+    /// Force on the pin at its centre, along the profile.
     #[inline]
     fn at_centre(&self) -> Complex {
         self.touch.normal.turned().scale(self.along_force)
     }
 
-    /// Force on the sleeve at W.
+    /// Force on the pin at W.
     #[inline]
     fn on_sleeve(&self) -> Complex {
         self.touch.normal.turned().scale(self.friction_force)
@@ -140,7 +140,7 @@ impl<D: Detection> Pairs<D> {
         }
     }
 
-    /// External sleeve `j` against the wheel.
+    /// Ring pin `j` against the disc.
     #[inline]
     fn profile(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<(Touch, Seat)> {
         let Some(flanks) = &self.flanks else {
@@ -180,7 +180,7 @@ impl<D: Detection> Pairs<D> {
         flanks.touch(p, radius, feet, |kappa| self.detection.sleeve(j, kappa).1)
     }
 
-    /// v_rel = (sleeve's material velocity at W, spin included) - (wheel's at W), then Eq. 20 and 21.
+    /// v_rel = (pin's material velocity at W, spin included) - (disc's at W), then Eq. 20 and 21.
     #[inline]
     fn load(
         &self,
@@ -211,7 +211,7 @@ impl<D: Detection> Pairs<D> {
         }
     }
 
-    /// F of a sleeve of that kind.
+    /// F of a pin of that kind.
     #[inline]
     fn force(&self, kind: Sleeve, stiffness: f64, depth: f64, rate: f64) -> f64 {
         match kind {
@@ -220,7 +220,7 @@ impl<D: Detection> Pairs<D> {
         }
     }
 
-    /// Visits every touching pair of one wheel: sleeve, its body, the pair, and where it touches.
+    /// Visits every touching pair of one disc: pin, its body, the pair, and where it touches.
     #[inline]
     fn wheel_pairs(
         &self,
@@ -229,7 +229,7 @@ impl<D: Detection> Pairs<D> {
         frame: &WheelFrame,
         mut visit: impl FnMut(Sleeve, usize, &Loaded, Seat),
     ) {
-        // The ideal mesh has the foot of sleeve j at a0 = beta_j - theta, and zk beta_j is a whole turn.
+        // The ideal mesh has the foot of pin j at a0 = beta_j - theta, and zk beta_j is a whole turn.
         let back = frame.turn.conj();
         let multiple = back.powu(self.external_sleeves);
         let first = self.layout.external_bodies().start;
@@ -256,7 +256,7 @@ impl<D: Detection> Pairs<D> {
 /// Number of the output among the free bodies, which are all but the first.
 pub(super) const OUTPUT: usize = Layout::OUTPUT - 1;
 
-/// Number of the first place of wheels that float, among all that is free.
+/// Number of the first place of discs that float, among all that is free.
 pub(super) fn places(layout: Layout, slopes: &Jacobian) -> usize {
     slopes.rate.dimension().saturating_sub(2 * layout.wheels)
 }
@@ -265,10 +265,10 @@ pub(super) const STIFFNESS_SHARE: f64 = 1e-4;
 pub(super) const PENETRATION_SHARE: f64 = 1e-5;
 pub(super) const CLOSING: f64 = 1e-6;
 
-/// Slopes of what a pair does: moments on its wheel, on the output and on the sleeve, and the force on the wheel, ground frame.
+/// Slopes of what a pair does: moments on its disc, on the output and on the pin, and the force on the disc, ground frame.
 type Rows = [f64; 5];
 
-/// Motion by which derivatives are taken: it moves the sleeve's centre P against the wheel.
+/// Motion by which derivatives are taken: it moves the pin's centre P against the disc.
 #[derive(Clone, Copy)]
 struct Move {
     /// d(delta), d(tau): the way of P along n and along t.
@@ -277,13 +277,13 @@ struct Move {
     drift: [f64; 2],
     /// How z changes: its moment on n, and along n.
     arm: [f64; 2],
-    /// By how much the wheel turns.
+    /// By how much the disc turns.
     turn: f64,
     /// Derivative of the sliding speed with respect to the motion's rate.
     slip: f64,
 }
 
-/// Reaction of the sleeves on a wheel, in its frame.
+/// Reaction of the pins on a disc, in its frame.
 #[derive(Default)]
 struct Reaction {
     force: Complex,
@@ -301,8 +301,8 @@ impl Reaction {
 }
 
 impl<D: Detection> Pairs<D> {
-    /// How what a pair does changes with the angles of wheel and output, then with the input's, or with the place of a wheel that
-    /// floats, and with their rates; then with the sleeve's own rate, which friction alone feels. In the notation of
+    /// How what a pair does changes with the angles of disc and output, then with the input's, or with the place of a disc that
+    /// floats, and with their rates; then with the pin's own rate, which friction alone feels. In the notation of
     /// [`slopes`](super::lanes), whose formulas these are for one pair.
     fn columns(
         &self,
@@ -373,7 +373,7 @@ impl<D: Detection> Pairs<D> {
         let drag = drag_by_force * pressed;
 
         let (across, along) = (p.cross(n), p.dot(n));
-        // A wheel that is carried swings with the input, one that floats goes its own way.
+        // A disc that is carried swings with the input, one that floats goes its own way.
         let turned = |way: [f64; 2], turn: f64| {
             let (by_centre, beside) = (c.dot(n) * turn, c.cross(n) * turn);
             Move {
@@ -461,7 +461,7 @@ impl<D: Detection> Pairs<D> {
 }
 
 impl<D: Detection> Pairs<D> {
-    /// Adds what a pair does to its sleeve, and what that leaves on the wheel.
+    /// Adds what a pair does to its pin, and what that leaves on the disc.
     #[inline]
     fn add_load(&self, pair: &Loaded, frame: &WheelFrame, load: &mut Wrench, left: &mut Reaction) {
         let on_sleeve = pair.on_sleeve();
@@ -479,7 +479,7 @@ impl<D: Detection> Pairs<D> {
         load.moment += pair.arm.cross(on_sleeve);
     }
 
-    /// The friction that slopes must know, if any, and whether wheels float; `None`: this field has none of the slopes asked for.
+    /// The friction that slopes must know, if any, and whether discs float; `None`: this field has none of the slopes asked for.
     fn sloped_friction(&self, slopes: &Jacobian) -> Option<(Option<RegularisedCoulomb>, bool)> {
         let free = slopes.rate.dimension();
         let places = 2 * self.layout.wheels;
@@ -494,7 +494,7 @@ impl<D: Detection> Pairs<D> {
         (D::HAS_SLOPES && slopes.position.is_some()).then_some((friction, floats))
     }
 
-    /// Adds how what one pair does changes; `at`: its wheel, sleeve, the sleeve's body and where it touches.
+    /// Adds how what one pair does changes; `at`: its disc, pin, the pin's body and where it touches.
     #[inline]
     fn add_slopes_of(
         &self,
@@ -524,7 +524,7 @@ impl<D: Detection> Pairs<D> {
         let place = first_place + 2 * wheel;
         let rows = [1 + wheel, OUTPUT, body - 1, place, place + 1];
         for (k, &row) in rows.iter().enumerate() {
-            // Sleeves are free where something rubs.
+            // Pins are free where something rubs.
             if k == 2 && friction.is_none() || k > 2 && !floats {
                 continue;
             }

@@ -1,9 +1,9 @@
-//! Sleeves that roll on the wheels and rub on their pins, where no friction of contacts turns them.
+//! Sleeves that roll on the discs and rub on their pins, where no friction of contacts turns them.
 //!
 //! ```text
 //! T = mu F_n min(d/(2 r), 1) clamp(v_t/(r slow), -1, 1)      against the sliding of a sleeve that does not turn on its pin, at the contact
 //! ```
-//! A sleeve that rolls at v_t/r on a pin of diameter d loses mu F_n d/2 times that, and T takes as much from the wheel. The couple T r on
+//! A sleeve that rolls at v_t/r on a pin of diameter d loses mu F_n d/2 times that, and T takes as much from the disc. The couple T r on
 //! the pin is its carrier's. A roller thinner than d turns in a groove, on its own diameter. slow = 1 rad/s. Slopes leave T out: it is some thousandths of F_n.
 
 use pinwheel_contact::Real;
@@ -23,7 +23,7 @@ pub struct OnPins {
     layout: Layout,
 }
 
-/// T on a sleeve.
+/// T on a pin.
 pub(super) struct Drag {
     pub(super) force: [f64; 2],
     /// Couple on its pin, N m.
@@ -32,7 +32,7 @@ pub(super) struct Drag {
 }
 
 impl OnPins {
-    /// `None` where it is not given, or friction of contacts turns sleeves as it will.
+    /// `None` where it is not given, or friction of contacts turns pins as it will.
     pub(super) fn of(scene: &Scene) -> Option<Self> {
         let bearings = &scene.bearings;
         let friction_coefficient = bearings.sleeve_friction_coefficient?;
@@ -45,7 +45,7 @@ impl OnPins {
         })
     }
 
-    /// T along t on a sleeve that `force` presses, whose centre is `radius` from the contact, where the wheel passes a sleeve that does not
+    /// T along t on a pin that `force` presses, whose centre is `radius` from the contact, where the disc passes a sleeve that does not
     /// turn on its pin.
     #[inline(always)]
     pub(super) fn along<R: Real>(&self, force: R, radius: R, passing: R) -> R {

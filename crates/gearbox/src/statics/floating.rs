@@ -1,15 +1,15 @@
-//! Balances of a gear whose wheels float on elastic bearings.
+//! Balances of a gear whose discs float on elastic bearings.
 //!
-//! Unknowns are the output's angle and three coordinates of every wheel; each body must be free of force and moment. With
+//! Unknowns are the output's angle and three coordinates of every disc; each body must be free of force and moment. With
 //! clearance there are states that nothing holds, so no bracket and no cold start can be relied upon. A continuation can: it
-//! begins at the balance of rigid eccentrics, displaces each wheel by a small share s of what its bearing gives way under the
+//! begins at the balance of rigid eccentrics, displaces each disc by a small share s of what its bearing gives way under the
 //! force found there, and takes the bearing's offsets from s to all of themselves:
 //!
 //! ```text
 //! offset of the bearing under F:   s (g + (F/K)^(1/p)),   s -> 1
 //! ```
 //! Newton's method balances every step, with differences where contacts have no slopes. A light load is approached from the scene's largest, by parts of it:
-//! near no load nothing but the last balance tells where a wheel floats. Without a load wheels rest at the middle of their
+//! near no load nothing but the last balance tells where a disc floats. Without a load discs rest at the middle of their
 //! clearance.
 
 mod descent;
@@ -42,13 +42,13 @@ const BISECTIONS: usize = 200;
 const LEFT: f64 = 1e-9;
 /// How much more of bearings' offsets a balance turns the output by at most than they would if all were across the eccentric.
 const GIVEN_WAY: f64 = 4.0;
-/// Roundings of a wheel's place that may be left as a force of its bearing.
+/// Roundings of a disc's place that may be left as a force of its bearing.
 const ROUNDINGS: f64 = 4.0;
-/// Why points may leave a wheel without a balance.
-const POINTS: &str = "contact.detection = \"points\": forces jump from point to point, and between two of them a wheel on an \
+/// Why points may leave a disc without a balance.
+const POINTS: &str = "contact.detection = \"points\": forces jump from point to point, and between two of them a disc on an \
                       elastic bearing has no balance; use detection = \"exact\"";
 
-/// Unknowns of a wheel, from its body.
+/// Unknowns of a disc, from its body.
 pub(super) const OF_A_WHEEL: usize = 3;
 
 /// Scales of forces and places.
@@ -96,9 +96,9 @@ impl Statics<'_> {
     /// The bearings, which the rigid solution leaves out.
     ///
     /// # Errors
-    /// No wheel floats.
+    /// No disc floats.
     fn bearings(&self) -> Result<Bearings, GearboxError> {
-        let none = || GearboxError::Geometry("no wheel floats".to_owned());
+        let none = || GearboxError::Geometry("no disc floats".to_owned());
         self.bearings.clone().ok_or_else(none)
     }
 
@@ -176,7 +176,7 @@ impl Statics<'_> {
         left
     }
 
-    /// Adds the contacts' loads on the wheels; those on the output's sleeves too, unless they tell their moment, which is returned.
+    /// Adds the contacts' loads on the discs; those on the output's pins too, unless they tell their moment, which is returned.
     fn add_contacts(&mut self) -> f64 {
         self.told.fill(0.0);
         let mut sums = Sums {
@@ -286,7 +286,7 @@ impl Statics<'_> {
         }
     }
 
-    /// The balance of floating wheels at the input angle `phi`.
+    /// The balance of floating discs at the input angle `phi`.
     pub(super) fn float(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         if load == 0.0 {
             return self.float_from_rigid(phi, load);
@@ -324,7 +324,7 @@ impl Statics<'_> {
         }
     }
 
-    /// The equilibrium of floating wheels without a known one near by.
+    /// The equilibrium of floating discs without a known one near by.
     fn float_afresh(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         let heavy = load_course::largest(&self.gearbox.scene.drive).copysign(load);
         if load.abs() >= LIGHTER * heavy.abs() {
@@ -358,7 +358,7 @@ impl Statics<'_> {
         Ok(here)
     }
 
-    /// The equilibrium of floating wheels by continuation from that of rigid eccentrics.
+    /// The equilibrium of floating discs by continuation from that of rigid eccentrics.
     fn float_from_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         let (rigid, bearings) = (self.solve_rigid(phi, load)?, self.bearings()?);
         let mut u = self.unknowns(&rigid.bodies, rigid.output);
@@ -386,7 +386,7 @@ impl Statics<'_> {
             }
         }
         let none = || GearboxError::NoEquilibrium { load_n_m: load };
-        // Several bearings a wheel do not all give way along the forces found: their clearance comes last.
+        // Several bearings a disc do not all give way along the forces found: their clearance comes last.
         let tight = if self.gearbox.scene.cranks.is_some() {
             0.0
         } else {
@@ -428,7 +428,7 @@ impl Statics<'_> {
         }
     }
 
-    /// From the balance on bearings without clearance to that with all of it: each step moves wheels on by what their bearings
+    /// From the balance on bearings without clearance to that with all of it: each step moves discs on by what their bearings
     /// give way more, along the offsets that they have.
     fn loosened(
         &mut self,
@@ -464,7 +464,7 @@ impl Statics<'_> {
         (share >= 1.0).then_some((u, left?))
     }
 
-    /// Where bearings sit from a wheel's centre, m, and what each will have to carry of `contacts`, N: of cranks the least that
+    /// Where bearings sit from a disc's centre, m, and what each will have to carry of `contacts`, N: of cranks the least that
     /// holds force and moment, evenly.
     fn carried(
         &self,
@@ -490,7 +490,7 @@ impl Statics<'_> {
         (seats, forces)
     }
 
-    /// The balance of an RV gear all of whose cranks' bearings are rigid: wheels turn with the output, and one angle is free.
+    /// The balance of an RV gear all of whose cranks' bearings are rigid: discs turn with the output, and one angle is free.
     pub(super) fn solve_on_cranks(
         &mut self,
         phi: f64,
@@ -537,7 +537,7 @@ impl Statics<'_> {
         })
     }
 
-    /// Unknowns with the wheels' offsets from their eccentrics times `factor`, and of cranks their turns against the
+    /// Unknowns with the discs' offsets from their eccentrics times `factor`, and of cranks their turns against the
     /// output.
     fn stretched(&mut self, phi: f64, u: &[f64], factor: f64) -> Vec<f64> {
         let mut there = u.to_vec();
@@ -579,7 +579,7 @@ impl Statics<'_> {
         Some(self.floating_equilibrium(phi, &u, &left))
     }
 
-    /// As [`Statics::compliance`], of wheels that float. To first order in the rates the shape of the deflection is that at rest.
+    /// As [`Statics::compliance`], of discs that float. To first order in the rates the shape of the deflection is that at rest.
     pub(super) fn floating_compliance(&mut self, at: &Equilibrium) -> Option<[f64; 2]> {
         let bearings = self.bearings().ok()?;
         let load = self.gearbox.scene.drive.output_torque_n_m;
@@ -599,7 +599,7 @@ impl Statics<'_> {
     }
 }
 
-/// True if an unknown is a place of a wheel, and no angle.
+/// True if an unknown is a place of a disc, and no angle.
 fn is_length(unknown: usize) -> bool {
     unknown > 0 && !unknown.is_multiple_of(OF_A_WHEEL)
 }

@@ -1,6 +1,6 @@
 //! Newton's method for the angles in balance.
 //!
-//! A wheel's moment depends on its own angle and the output's, so with a_i = dM_i/d theta_i, b_i = dM_i/d psi,
+//! A disc's moment depends on its own angle and the output's, so with a_i = dM_i/d theta_i, b_i = dM_i/d psi,
 //! c_i = dM_out/d theta_i and d = dM_out/d psi the step is
 //!
 //! ```text
@@ -23,30 +23,30 @@ const TWIST: f64 = 2.0;
 /// Steps that no longer shrink have ended at rounding if they are shorter than this, rad.
 const ROUNDING: f64 = 1e-12;
 
-/// Share of a step in the one before by which a wheel gives itself away that will carry nothing: a force like delta^n falls to
+/// Share of a step in the one before by which a disc gives itself away that will carry nothing: a force like delta^n falls to
 /// it by 1 - 1/n a step, for as long as one likes. Of the laws n is from 10/9 to 5/2.
 const IDLE: std::ops::Range<f64> = 0.05..0.75;
-/// The output then moves less than this of what the wheel does.
+/// The output then moves less than this of what the disc does.
 const ALONE: f64 = 1e-3;
 /// Share of the last step up to which slopes are kept: so they err by less than this, and take a step more at most.
 const KEPT: f64 = 0.1;
-/// Such a wheel is turned to where its steps lead together, and by this more, so that it touches nothing.
+/// Such a disc is turned to where its steps lead together, and by this more, so that it touches nothing.
 const BEYOND: f64 = 1.001;
 
-/// Number of the output among the free bodies; the wheels follow.
+/// Number of the output among the free bodies; the discs follow.
 const OUTPUT: usize = Layout::OUTPUT - 1;
 
-/// Jacobian of wheels and output, as they are free without friction.
+/// Jacobian of discs and output, as they are free without friction.
 pub(super) fn slopes(free: usize) -> Jacobian {
     let is_leaf = vec![false; free];
     Jacobian::new(&Structure::SecondOrder { is_leaf }, 2 * free)
 }
 
 impl Statics<'_> {
-    /// Stiffness, N m/rad, and damping, N m s/rad, of the output about a balance, the input locked and the wheels following.
+    /// Stiffness, N m/rad, and damping, N m s/rad, of the output about a balance, the input locked and the discs following.
     /// `None`: the contacts have no slopes.
     ///
-    /// With s the rate of change all slopes are K + s D. Wheels that follow are eliminated as in a step of Newton's method; what
+    /// With s the rate of change all slopes are K + s D. Discs that follow are eliminated as in a step of Newton's method; what
     /// is left is taken to first order in s.
     pub fn compliance(&mut self, at: &Equilibrium) -> Option<[f64; 2]> {
         if self.gearbox.floats() {
@@ -97,7 +97,7 @@ impl Statics<'_> {
             let (slopes, of) = (self.slopes.position.as_mut()?, OUTPUT + turned);
             slopes.add(OUTPUT, of, (there - on_output) * over);
             for (i, (beside, here)) in beside.iter().zip(out).enumerate() {
-                // Wheels do not feel each other.
+                // Discs do not feel each other.
                 if turned == 0 || turned == i + 1 {
                     slopes.add(OUTPUT + 1 + i, of, (beside - here) * over);
                 }
@@ -106,7 +106,7 @@ impl Statics<'_> {
         Some(())
     }
 
-    /// Newton's step of the output where `output` and `moments` are left, the wheels' into `steps`. `None`: slopes do not lead to
+    /// Newton's step of the output where `output` and `moments` are left, the discs' into `steps`. `None`: slopes do not lead to
     /// a balance.
     fn step(&self, output: f64, moments: &[f64], steps: &mut [f64]) -> Option<f64> {
         let slopes = self.slopes.position.as_ref()?;
@@ -114,7 +114,7 @@ impl Statics<'_> {
         let hubs = OUTPUT + 1..;
         for (hub, own) in hubs.clone().zip(moments) {
             let own_slope = slopes.entry(hub, hub);
-            // A wheel that touches nothing carries nothing, wherever in its play it is.
+            // A disc that touches nothing carries nothing, wherever in its play it is.
             if own_slope == 0.0 && *own == 0.0 {
                 continue;
             }
@@ -135,7 +135,7 @@ impl Statics<'_> {
         falls.then_some(turned)
     }
 
-    /// The output's angle in balance, the wheels' in `wheels`, which holds the ideal mesh on entry. `None`: the contacts have no
+    /// The output's angle in balance, the discs' in `wheels`, which holds the ideal mesh on entry. `None`: the contacts have no
     /// slopes, or the way led out of the brackets.
     pub(super) fn newton(&mut self, phi: f64, load: f64, wheels: &mut [f64]) -> Option<f64> {
         let geometry = &self.gearbox.geometry;
@@ -261,7 +261,7 @@ mod tests {
         }
     }
 
-    /// By differences: what the wheels leave of K + s D at small s.
+    /// By differences: what the discs leave of K + s D at small s.
     #[test]
     fn damping_is_the_slope_of_what_the_wheels_leave() {
         for preset in ["paper", "toleranced"] {

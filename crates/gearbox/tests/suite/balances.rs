@@ -206,7 +206,7 @@ fn newton_finds_what_brackets_find() {
         let mut worst: f64 = 0.0;
         for (a, b) in fast.iter().zip(&slow) {
             worst = worst.max((a.output - b.output).abs());
-            // Under next to no load one wheel may be anywhere in its play.
+            // Under next to no load one disc may be anywhere in its play.
             for (a, b) in a.wheels.iter().zip(&b.wheels).filter(|_| !light) {
                 worst = worst.max((a - b).abs());
             }
@@ -306,7 +306,7 @@ fn points_are_balanced_by_brackets() {
     assert!((points / exact - 1.0).abs() < 1e-2, "{points} {exact}");
 }
 
-/// One sleeve that is too large presses a gear without load off its ideal mesh; a gear as drawn rests there.
+/// One pin that is too large presses a gear without load off its ideal mesh; a gear as drawn rests there.
 #[test]
 fn errors_press_without_a_load() {
     let drawn = paper(&[]);

@@ -35,7 +35,7 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
     let square = |values: &mut dyn Iterator<Item = f64>| values.map(|x| x * x).sum::<f64>();
     let difference = square(&mut a.iter().zip(b).map(|(a, b)| a - b));
     let larger = square(&mut a.iter().copied()).max(square(&mut b.iter().copied()));
-    // Two wheels in phase leave nothing but rounding on the shafts' bearings.
+    // Two discs in phase leave nothing but rounding on the shafts' bearings.
     if larger < 1e-18 * a.len() as f64 {
         return 0.0;
     }
@@ -47,7 +47,7 @@ fn apart(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Reactions from multipliers (28 bodies) and by Newton's law (reduced), and everything else, agree:
-/// three wheels of another gear and friction included.
+/// three discs of another gear and friction included.
 #[test]
 fn both_formulations_give_the_same_channels() {
     for (preset, sets) in [
@@ -146,7 +146,7 @@ fn channels_fit_together() {
             let radial = cos * of("force_x_n") + sin * of("force_y_n");
             near(of("radial_force_n"), radial, 1e3, "radial");
         }
-        // An external sleeve's pin holds it against its contacts.
+        // A ring pin's pin holds it against its contacts.
         for j in 0..external_sleeves {
             let pin = at(&format!("external_pin_force_n_{j}"));
             near(pin, at(&format!("external_sleeve_force_n_{j}")), 1e3, "pin");
@@ -221,7 +221,7 @@ fn channels_fit_together() {
             }
         }
     }
-    // The load turns the wheels in their mesh, and the output as much again in the holes.
+    // The load turns the discs in their mesh, and the output as much again in the holes.
     for own in of_wheels {
         let share = own / twist;
         assert!((0.3..0.6).contains(&share), "{share}");
@@ -265,7 +265,7 @@ fn velocity_is_the_rate_of_the_penetration() {
 }
 
 /// Moments about the eccentric: the tangential part of the eccentric bearing's force is T_wheel/(e zs) for a law with a
-/// potential, and the mean of the contact ratio of the paper's gear is 8 to 9 of 16 sleeves.
+/// potential, and the mean of the contact ratio of the paper's gear is 8 to 9 of 16 pins.
 #[test]
 fn published_bearing_force_and_contact_ratio() {
     let channels = ["eccentric_bearing_*", "external_contact_ratio_*"];

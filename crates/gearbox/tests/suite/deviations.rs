@@ -35,7 +35,7 @@ fn ideal(gearbox: &Gearbox, input: f64, twist: f64) -> Vec<BodyState> {
     bodies
 }
 
-/// The gaps of a wheel's external sleeves with their angles from the eccentric, at the ideal mesh.
+/// The gaps of a disc's ring pins with their angles from the eccentric, at the ideal mesh.
 fn gaps(gearbox: &Gearbox, input: f64, wheel: usize) -> Vec<(f64, f64)> {
     let bodies = ideal(gearbox, input, 0.0);
     let mut field = gearbox.contact_field().unwrap();
@@ -95,7 +95,7 @@ fn published_initial_gaps_of_modifications() {
     }
 }
 
-/// Initial gaps after the wheel was turned until its sleeve with the longest lever (cos phi = m) would touch, as books on
+/// Initial gaps after the disc was turned until its pin with the longest lever (cos phi = m) would touch, as books on
 /// cycloidal drives print them: dr (1 - sin phi/S) - dR (1 - m cos phi - sqrt(1 - m^2) sin phi)/S.
 #[test]
 fn published_gaps_of_a_wheel_in_touch() {
@@ -188,7 +188,7 @@ fn published_gaps_of_errors() {
             });
             let psi = off.geometry.ideal_output_angle(input);
             let out = Complex::unit(psi + TAU * k as f64 / zi as f64);
-            // From the hole's centre to its sleeve's.
+            // From the hole's centre to its pin's.
             let inwards = -Complex::unit(input + plain.geometry.wheel_phases[wheel]);
             let wanted = match key {
                 "hole radial" => inwards.dot(out),
@@ -196,7 +196,7 @@ fn published_gaps_of_errors() {
                 "hole radius" => 1.0,
                 "sleeve tangential" => -inwards.dot(out.turned()),
                 "sleeve radius" => -1.0,
-                // The wheel turns by -1/(e zs) of the way that its centre moves across, and its hole with it.
+                // The disc turns by -1/(e zs) of the way that its centre moves across, and its hole with it.
                 _ => {
                     let turned = out
                         .turned()
@@ -260,7 +260,7 @@ fn without_deviations_all_is_as_ever() {
     }
 }
 
-/// Points of the edge of a wheel, from the printed equation of the profile alone, and only those that both turned wheels
+/// Points of the edge of a disc, from the printed equation of the profile alone, and only those that both turned discs
 /// have in common.
 fn edge(scene: &CheckedScene, count: usize) -> Vec<Complex> {
     let gear = &scene.gear;
@@ -284,7 +284,7 @@ fn edge(scene: &CheckedScene, count: usize) -> Vec<Complex> {
     if turn == 0.0 {
         return points;
     }
-    // Wheels are star-shaped: what two have in common reaches, in every direction, as far as the shorter of both.
+    // Discs are star-shaped: what two have in common reaches, in every direction, as far as the shorter of both.
     let reach = |angle: f64| {
         let angle = angle.rem_euclid(TAU);
         let after = points.partition_point(|p| p.arg().rem_euclid(TAU) <= angle);
@@ -336,9 +336,9 @@ proptest! {
                 // Points lie 1 to 5 um apart: (5 um)^2/(2 * 0.5 mm) at the sharpest.
                 // At the corners of turned flanks also half of 5 um times their slope, 0.02.
                 let bound = if gearbox.scene.gear.modification.rotational_rad > 0.0 { 1e-7 } else { 3e-8 };
-                prop_assert!((found - wanted).abs() < bound, "wheel {wheel}, sleeve {j}: {found:e} {wanted:e}");
+                prop_assert!((found - wanted).abs() < bound, "wheel {wheel}, pin {j}: {found:e} {wanted:e}");
                 let touches = touching.iter().any(|pair| pair.wheel == wheel && pair.sleeve == Sleeve::External(j));
-                prop_assert!(touches == (found > 0.0), "wheel {wheel}, sleeve {j}: {found:e}");
+                prop_assert!(touches == (found > 0.0), "wheel {wheel}, pin {j}: {found:e}");
             }
         }
     }
@@ -384,7 +384,7 @@ fn crossval_points_of_a_modified_profile() {
 }
 
 /// Between small torques to either side a stiff gear turns by what its modification leaves free: the least gap over lever of
-/// the sleeves there are, to either side, of the wheel that is first.
+/// the pins there are, to either side, of the disc that is first.
 #[test]
 fn published_play_of_a_modified_gear() {
     for shares in [

@@ -1,4 +1,4 @@
-//! Wheels on elastic bearings.
+//! Discs on elastic bearings.
 
 use pinwheel_gearbox::energy::EnergyAudit;
 use pinwheel_gearbox::statics::Statics;
@@ -82,7 +82,7 @@ fn both_forms_agree() {
     }
 }
 
-/// Every wheel and the output are free of force and moment, whatever the load, the clearance and the pose.
+/// Every disc and the output are free of force and moment, whatever the load, the clearance and the pose.
 #[test]
 fn balances_are_balances() {
     for (preset, bearing) in [
@@ -146,7 +146,7 @@ fn bearings_soften_the_gear_and_clearance_loosens_it() {
 }
 
 /// On equal linear springs a pin adds its own to each: the twist grows by T/(w k zi R^2/4), half of the zi pins on the circle R
-/// carrying w wheels, whatever the contacts.
+/// carrying w discs, whatever the contacts.
 #[test]
 fn published_pins_bend_in_series() {
     let twist = |pin: f64| {
@@ -272,7 +272,7 @@ fn pins_store_what_they_bend() {
     assert!(off.forces < 1e-6, "{off:?}");
 }
 
-/// Without a load a wheel rests in the middle of its clearance, and a run with neither load nor speed stays there.
+/// Without a load a disc rests in the middle of its clearance, and a run with neither load nor speed stays there.
 #[test]
 fn hard_clearance_without_load_rests() {
     let sets = [&LOOSE[..], &["drive.output_torque_n_m=0"]].concat();
@@ -421,7 +421,7 @@ fn friction_of_bearings_is_lost_power() {
     let coefficient = |value: f64| format!("bearings.eccentric.friction_coefficient={value}");
     let [none, some] = [0.0, 0.002].map(|value| run(&coefficient(value)));
     assert_eq!(none.friction_j, 0.0);
-    // Force of some 600 N on either wheel, at 53.6 rad/s against its eccentric.
+    // Force of some 600 N on either disc, at 53.6 rad/s against its eccentric.
     let scale = 2.0 * 0.5 * 0.002 * 0.02 * 600.0 * 53.6 * 0.02;
     assert!(
         (0.5..2.0).contains(&(some.friction_j / scale)),
@@ -577,7 +577,7 @@ fn hard_cranks_with_errors_balance() {
         "{alike} {loose} {turned}"
     );
 }
-/// Seals take their torques times the rates from the driver, in the account too, by whatever method and with floating wheels or
+/// Seals take their torques times the rates from the driver, in the account too, by whatever method and with floating discs or
 /// held ones.
 #[test]
 fn seals_are_lost_power() {
@@ -606,7 +606,7 @@ fn seals_are_lost_power() {
     }
 }
 
-/// Sleeves that rub on their pins take from the driver what they lose, with wheels that float or are held, and by any method.
+/// Sleeves that rub on their pins take from the driver what they lose, with discs that float or are held, and by any method.
 #[test]
 fn sleeves_on_their_pins_are_lost_power() {
     for (bearing, method) in [
@@ -637,7 +637,7 @@ fn sleeves_on_their_pins_are_lost_power() {
     }
 }
 
-/// Cost of a run by `auto` with floating wheels over held ones, in evaluations. A wheel swings faster on its bearing
+/// Cost of a run by `auto` with floating discs over held ones, in evaluations. A disc swings faster on its bearing
 /// than on its contacts, times: the ring 1.0, `paper` 2.6, `eleven-pins` 8.8 on needles and 3.1 on 5e7 N/m. Bearings
 /// are linear enough that steps follow contacts alone, as long as the linear part is kept new: `paper`'s driver torque
 /// is then 3.4e-4 off, and would be 1.6e-3.

@@ -21,7 +21,7 @@ fn ideal(gearbox: &Gearbox) -> Vec<BodyState> {
     bodies
 }
 
-/// Free play by hand: a wheel turns d sqrt(1 - m^2)/(e zs) within its backlash d, the output by the clearance of its
+/// Free play by hand: a disc turns d sqrt(1 - m^2)/(e zs) within its backlash d, the output by the clearance of its
 /// holes over their circle's radius more.
 #[test]
 fn hard_free_play_is_allowed_and_a_quarter_pitch_more() {

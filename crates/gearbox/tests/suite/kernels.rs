@@ -103,7 +103,7 @@ fn held(
     known.then_some((moments, loads, energy))
 }
 
-/// The moments about the pins of input, output and wheels that these loads have.
+/// The moments about the pins of input, output and discs that these loads have.
 fn moments(gearbox: &Gearbox, bodies: &[BodyState], loads: &[Wrench]) -> Vec<f64> {
     let mut moments: Vec<f64> = loads.iter().map(|load| load.moment).collect();
     for body in gearbox.layout.internal_bodies() {
@@ -118,7 +118,7 @@ fn moments(gearbox: &Gearbox, bodies: &[BodyState], loads: &[Wrench]) -> Vec<f64
     moments
 }
 
-/// Initial states turned on by the input angle, every wheel and the output twisted by up to `twist`.
+/// Initial states turned on by the input angle, every disc and the output twisted by up to `twist`.
 fn states(gearbox: &Gearbox, input: f64, twist: f64, rates: &[f64]) -> Vec<BodyState> {
     let mut bodies = gearbox.initial_states();
     let (layout, geometry) = (gearbox.layout, &gearbox.geometry);
@@ -158,7 +158,7 @@ fn states(gearbox: &Gearbox, input: f64, twist: f64, rates: &[f64]) -> Vec<BodyS
     bodies
 }
 
-/// Depth of every external sleeve in every wheel by brute force, 0 where they do not touch, against the pairs of a loop.
+/// Depth of every ring pin in every disc by brute force, 0 where they do not touch, against the pairs of a loop.
 fn check_depths(gearbox: &Gearbox, bodies: &[BodyState], pairs: &[PairContact]) {
     let (layout, curve) = (gearbox.layout, &gearbox.geometry.curve);
     let larger = gearbox.scene.gear.external_sleeve_radius_m - gearbox.geometry.edge_offset_m;
@@ -176,14 +176,14 @@ fn check_depths(gearbox: &Gearbox, bodies: &[BodyState], pairs: &[PairContact]) 
             let rounding = 4e-15 * curve.pitch_radius();
             assert!(
                 (found - depth).abs() <= rounding,
-                "wheel {wheel}, sleeve {j}: {found} {depth}"
+                "wheel {wheel}, pin {j}: {found} {depth}"
             );
         }
     }
 }
 
-/// Poses where the lanes' Newton steps run out on a sleeve that touches nothing; it was once taken for a contact, up to
-/// 14 mm deep. Gears of (zk, m, backlash), wheels at the input angle and behind the ideal mesh by the lag, rad.
+/// Poses where the lanes' Newton steps run out on a pin that touches nothing; it was once taken for a contact, up to
+/// 14 mm deep. Gears of (zk, m, backlash), discs at the input angle and behind the ideal mesh by the lag, rad.
 #[test]
 fn regress_lanes_out_of_steps_touch_nothing() {
     for (zk, m, backlash, input, lag) in [
@@ -267,7 +267,7 @@ proptest! {
         scene.gear.external_sleeve_radius_m = 0.004;
         scene.contact.friction_coefficient = if friction { 0.1 } else { 0.0 };
         scene.contact.law = ["paper", "paper-conservative", "line-hertz", "linear"][law].to_owned();
-        // Holes may leave the wheel: the kernels do not mind.
+        // Holes may leave the disc: the kernels do not mind.
         let gearbox = Gearbox::new(&CheckedScene::unchecked(scene.clone())).unwrap();
         let bodies = states(&gearbox, input, twist, &rates);
         let (fast, slow) = (loads(&gearbox, kernel, &bodies), loads(&gearbox, Kernel::Scalar, &bodies));
@@ -288,7 +288,7 @@ proptest! {
         let moment = force * gearbox.geometry.curve.pitch_radius();
         let (mut listed, mut oracle) = (pairs(&gearbox, kernel, &bodies), pairs(&gearbox, Kernel::Scalar, &bodies));
         check_depths(&gearbox, &bodies, &oracle.0);
-        // Rounding decides whether sleeves touch that only just do.
+        // Rounding decides whether pins touch that only just do.
         for list in [&mut listed.0, &mut oracle.0] {
             list.retain(|pair| pair.penetration_m > 100.0 * ulps);
         }
@@ -371,7 +371,7 @@ fn levers_serve_every_law() {
     }
 }
 
-/// Wheels that float: the loads by levers are those of the scalar loop, wherever the wheels are, with any bearing and pin.
+/// Discs that float: the loads by levers are those of the scalar loop, wherever the discs are, with any bearing and pin.
 #[test]
 fn levers_know_wheels_that_float() {
     let bearings = [
@@ -483,7 +483,7 @@ fn fields_know_no_history() {
     }
 }
 
-/// No sleeve that touches is left out, and none that does not is found: forces on every external sleeve against the scalar
+/// No pin that touches is left out, and none that does not is found: forces on every ring pin against the scalar
 /// loop, over random gears and poses. `PINWHEEL_POSES=10000000` runs as many.
 #[test]
 fn hard_levers_find_what_touches() {
@@ -506,7 +506,7 @@ fn hard_levers_find_what_touches() {
         scene.gear.external_sleeve_radius_m = 0.001;
         scene.gear.wheels = random(1.0, 3.999) as usize;
         scene.gear.backlash_m = random(-4e-4, 1.4e-3).max(0.0);
-        // A quarter of the wheels are ground larger or smaller.
+        // A quarter of the discs are ground larger or smaller.
         scene.gear.modification.radial_m = if random(0.0, 1.0) < 0.25 {
             random(-4e-4, 1e-4)
         } else {

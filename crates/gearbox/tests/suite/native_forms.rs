@@ -28,7 +28,7 @@ fn forces(run: &NativeRun) -> Vec<&[f64]> {
     all
 }
 
-/// Sleeve forces and the torque on the output.
+/// Pin forces and the torque on the output.
 fn with_load(run: &NativeRun) -> Vec<&[f64]> {
     let mut all = forces(run);
     all.extend(run.time_series.channel(OUTPUT_TORQUE));
@@ -48,7 +48,7 @@ fn relative_l2(found: &[&[f64]], reference: &[&[f64]]) -> f64 {
     (difference / square).sqrt()
 }
 
-/// The gears of the paper and two unlike it: odd numbers, three wheels, one wheel, backlash.
+/// The gears of the paper and two unlike it: odd numbers, three discs, one disc, backlash.
 fn gears() -> Vec<Scene> {
     let paper = scene(0.05);
     let mut eleven = scene(0.05);
@@ -85,12 +85,12 @@ fn both_formulations_give_the_same_time_series() {
             let lagrange = solve(&scene);
             let off = relative_l2(&forces(&lagrange), &forces(&reduced));
             println!(
-                "{} sleeves, mu {friction}: {off:.1e}",
+                "{} pins, mu {friction}: {off:.1e}",
                 scene.gear.external_sleeves
             );
             assert!(
                 off < 1e-9,
-                "{} sleeves, mu {friction}: {off:e}",
+                "{} pins, mu {friction}: {off:e}",
                 scene.gear.external_sleeves
             );
             let torque =
@@ -175,7 +175,7 @@ fn sampling_does_not_change_the_run() {
 }
 
 /// Steel at the paper's step blows up; the numbers must not pass for time series. The energy account shows it first
-/// (3.4 ms), two samples before the wheels leave their mesh.
+/// (3.4 ms), two samples before the discs leave their mesh.
 #[test]
 fn divergence_is_an_ending_that_keeps_what_there_was() {
     let mut scene = scene(0.1);
@@ -195,7 +195,7 @@ fn divergence_is_an_ending_that_keeps_what_there_was() {
     assert!(partial.whole().is_err());
 }
 
-/// A wheel that jumped a tooth, and an output off its holes, are told by name; free play is none.
+/// A disc that jumped a tooth, and an output off its holes, are told by name; free play is none.
 #[test]
 fn bodies_off_their_mesh_are_told() {
     let gearbox = Gearbox::new(&scene(0.1).clone().check().unwrap()).unwrap();
@@ -285,11 +285,11 @@ fn explanations_say_what_is_so() {
         (
             &[],
             &[
-                "2 wheel angles, the output angle:",
+                "2 disc angles, the output angle:",
                 "N m on the output shaft: from the start",
             ],
             &[
-                "24 sleeve spins",
+                "24 pin spins",
                 "tangential contact velocities",
                 "56 translations",
             ],
@@ -297,7 +297,7 @@ fn explanations_say_what_is_so() {
         ),
         (
             &[friction],
-            &["angle, 24 sleeve spins", "Coulomb"],
+            &["angle, 24 pin spins", "Coulomb"],
             &["56 translations"],
             &["tangential"],
         ),
@@ -325,7 +325,7 @@ fn explanations_say_what_is_so() {
         ),
         (
             &["gear.backlash_m=1e-4"],
-            &["backlash: external sleeves at R + 0.1 mm"],
+            &["backlash: ring pins at R + 0.1 mm"],
             &[],
             &[],
         ),
@@ -337,7 +337,7 @@ fn explanations_say_what_is_so() {
         ),
         (
             &["gear.modification.equidistant_m=1e-5"],
-            &["modified profile: generating sleeve q' = q +10.000 um"],
+            &["modified profile: generating pin q' = q +10.000 um"],
             &[],
             &["errors of"],
         ),

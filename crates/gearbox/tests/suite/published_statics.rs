@@ -143,7 +143,7 @@ fn closed_forms_have_their_values() {
         1e-6,
         "radius",
     );
-    // From sleeve to pitch point every force pushes: their sum by plain geometry, on a circle of radius 1.
+    // From pin to pitch point every force pushes: their sum by plain geometry, on a circle of radius 1.
     let mesh = LinearMesh::of(&gear);
     let [mut along, mut across] = [0.0; 2];
     for (k, force) in mesh.forces(0.1, 11.0).into_iter().enumerate() {
@@ -246,7 +246,7 @@ fn mean_driver_torque(law: &str) -> f64 {
     scene.contact.law = law.into();
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
     let mut statics = Statics::new(&gearbox).unwrap();
-    // The internal stage repeats eight times in this, the two wheels alike.
+    // The internal stage repeats eight times in this, the two discs alike.
     let poses = 960_u32;
     let mut sum = 0.0;
     for k in 0..poses {
@@ -255,7 +255,7 @@ fn mean_driver_torque(law: &str) -> f64 {
         let (mut output, mut driver, mut across) = (0.0, 0.0, 0.0);
         for pair in &statics.touching(&found) {
             let ([fx, fy], [x, y]) = (pair.force_on_sleeve(), pair.centre);
-            // The wheel takes the reaction and hands it to the eccentric; the driver holds against it.
+            // The disc takes the reaction and hands it to the eccentric; the driver holds against it.
             let (s, c) = (phi + gearbox.geometry.wheel_phases[pair.wheel]).sin_cos();
             let tangential = fx * s - fy * c;
             driver -= 0.0028 * tangential;

@@ -217,7 +217,7 @@ fn bad_input_a_budget_too_small_is_told() {
     assert!(uncertainty.sentence().contains("Not resolved"));
 }
 
-/// Feather-light sleeves, on which explicit methods never end: the chain begins with the one that does.
+/// Feather-light pins, on which explicit methods never end: the chain begins with the one that does.
 #[test]
 fn hard_auto_ends_where_one_method_does() {
     for name in [

@@ -26,7 +26,7 @@ fn lanes_equal_contact_by_contact() {
         ("paper-friction", "0.001", "4", none),
         ("forty-pins", "0.001", "2", none),
         ("backlash-0.6", "0.002", "2", none),
-        // Whole registers of sleeves part and touch again.
+        // Whole registers of pins part and touch again.
         (
             "forty-pins",
             "0.006",
@@ -63,7 +63,7 @@ fn lanes_equal_contact_by_contact() {
                 worst = worst.max((a - b).abs() / largest);
             }
         }
-        println!("{preset}, {wheels} wheels, {more:?}: {worst:.1e}");
-        assert!(worst < 1e-10, "{preset}, {wheels} wheels: {worst:e}");
+        println!("{preset}, {wheels} discs, {more:?}: {worst:.1e}");
+        assert!(worst < 1e-10, "{preset}, {wheels} discs: {worst:e}");
     }
 }

@@ -42,7 +42,7 @@ fn one_by_one(gearbox: &Gearbox) -> Reduced<Contacts> {
     reduced(&gearbox)
 }
 
-/// Angles at the ideal mesh of time `t` with a twist, and rates near it; wheels that float near their eccentrics.
+/// Angles at the ideal mesh of time `t` with a twist, and rates near it; discs that float near their eccentrics.
 fn state(gearbox: &Gearbox, t: f64, twist: f64, noise: &[f64], free: &[usize]) -> Vec<f64> {
     let (layout, geometry) = (gearbox.layout, &gearbox.geometry);
     let omega = gearbox.input_motion().rate;
@@ -116,7 +116,7 @@ fn quotient(
     (slope, bend)
 }
 
-/// A gear of so many external sleeves, this shortening, so many internal sleeves and wheels.
+/// A gear of so many ring pins, this shortening, so many output pins and discs.
 fn gear((zk, m, zi, wheels): (usize, f64, usize, usize), backlash: f64) -> Scene {
     let mut scene = Scene::paper();
     scene.gear.external_sleeves = zk;

@@ -39,7 +39,7 @@ fn loads(law: *mut PinwheelLaw, states: &[f64]) -> (i32, Vec<f64>) {
     (status, loads)
 }
 
-/// The presets without any friction, with it, with points, with another law, with more bodies and with wheels that float.
+/// The presets without any friction, with it, with points, with another law, with more bodies and with discs that float.
 #[test]
 fn crossval_forces_are_the_native_ones_to_the_bit() {
     for (scene, sets) in [

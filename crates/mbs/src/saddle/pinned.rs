@@ -1,6 +1,6 @@
 //! Bodies that leave the system in closed form, before anything is factored.
 //!
-//! **Leaves** are bodies that nothing but one revolute holds, at their centre of mass (sleeves, wheels). With m and I
+//! **Leaves** are bodies that nothing but one revolute holds, at their centre of mass (pins, discs). With m and I
 //! theirs, D_p the revolute's rows for its parent, and the parent's rows of the system:
 //!
 //! ```text

@@ -3,7 +3,7 @@
 //! Given normal forces and positions, implicit Euler for regularised Coulomb friction is the
 //! optimality condition of a strictly convex function of the velocities. That has one solution,
 //! found by Newton's method from anywhere; the stiffness of the friction (1e6 1/s and more on a
-//! light sleeve) does not enter the step.
+//! light pin) does not enter the step.
 
 mod arrowhead;
 mod contact;

@@ -114,7 +114,7 @@ proptest! {
     }
 }
 
-/// Two wheels on fixed axles, pressed against each other: the first brakes against the second.
+/// Two discs on fixed axles, pressed against each other: the first brakes against the second.
 struct Brake {
     normal: f64,
     coefficient: f64,

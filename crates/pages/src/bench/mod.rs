@@ -56,7 +56,7 @@ fn verdict(study: &WorkPrecision, ranking: &Ranking) -> Option<Verdict> {
             },
         ),
         detail: format!(
-            "{} takes {} of CPU time, {} takes {}; relative L2 error of all sleeve forces over the whole {} s, \
+            "{} takes {} of CPU time, {} takes {}; relative L2 error of all pin forces over the whole {} s, \
              start-up included; interpolated between runs in the log-log plane.{}",
             lead.native,
             figures::cpu(lead.native_cpu_s),

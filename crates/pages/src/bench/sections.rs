@@ -50,7 +50,7 @@ fn costs(study: &WorkPrecision, rankings: &[Ranking]) -> Section {
         });
     let blocks = [
         Block::Text(format!(
-            "CPU time at which each series reaches a relative L2 error of {} in all sleeve forces, window by window; \
+            "CPU time at which each series reaches a relative L2 error of {} in all pin forces, window by window; \
              after that, over the whole run, ten times that error and a tenth of it. Costs are interpolated on the \
              front of each series in the log-log plane; `\u{2264}` says that the coarsest run is already better, `>` \
              that the finest is still worse.",

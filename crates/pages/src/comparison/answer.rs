@@ -230,7 +230,7 @@ impl<'a> Answer<'a> {
         (engines, programs)
     }
 
-    /// `external sleeve force 479 N here, 303 N by rapier-colliders`.
+    /// `ring pin force 479 N here, 303 N by rapier-colliders`.
     fn apart(&self, most: &Largest<'_>) -> String {
         let quantity = self.found.comparison.quantities.iter();
         let mut quantity = quantity.filter(|q| q.name == most.quantity);
@@ -270,7 +270,7 @@ impl<'a> Answer<'a> {
         entries.max_by(|(_, a), (_, b)| size(&a.result).total_cmp(&size(&b.result)))
     }
 
-    /// `reduced and exudyn-constrained, internal sleeve force, D = 2e-4 (U 4e-3)`.
+    /// `reduced and exudyn-constrained, output pin force, D = 2e-4 (U 4e-3)`.
     fn who(&self, pair: &Pair, entry: &'a PairEntry) -> String {
         let result = &entry.result;
         let [a, b] = [&pair.a, &pair.b].map(|name| words::short(name));

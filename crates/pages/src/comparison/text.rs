@@ -303,11 +303,11 @@ fn brief_number(value: f64) -> String {
     format!("{value:.0e}")
 }
 
-/// `external_sleeve_force_n` as `external sleeve force`.
+/// `external_sleeve_force_n` as `ring pin force`.
 fn brief(quantity: &str) -> String {
     let (stem, _) = pinwheel_timeseries::stem_and_unit(quantity);
-    stem.replace("external_sleeve", "ext")
-        .replace("internal_sleeve", "int")
+    stem.replace("external_sleeve", "ring pin")
+        .replace("internal_sleeve", "output pin")
         .replace('_', " ")
 }
 

@@ -6,15 +6,15 @@ use pinwheel_timeseries::table::Table;
 
 use super::{Drawn, SHOWN, chart, degrees, figure, line, of_design};
 
-/// Name of the parts that carry wheels on the output's side.
+/// Name of the parts that carry discs on the output's side.
 fn inner(found: &DesignResult) -> &'static str {
     match found.scene.cranks {
         Some(_) => "Crank bearings",
-        None => "Internal pins",
+        None => "Output pins",
     }
 }
 
-/// Force over place, of external pins, and of internal ones or crank bearings.
+/// Force over place, of ring pins, and of internal ones or crank bearings.
 pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
     let of = |(stage, title): (usize, &str)| {
         let series = designs.iter().enumerate().map(|(k, (_, found))| {
@@ -28,8 +28,8 @@ pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
             [(_, found)] => {
                 let touching = figure(found.sharing[stage].touching.mean);
                 match (stage, found.scene.cranks) {
-                    (1, Some(_)) => format!("{touching} bearings of a wheel carry on average."),
-                    _ => format!("{touching} pins touch a wheel on average."),
+                    (1, Some(_)) => format!("{touching} bearings of a disc carry on average."),
+                    _ => format!("{touching} pins touch a disc on average."),
                 }
             }
             _ => String::new(),
@@ -42,8 +42,8 @@ pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
     };
     let inner = designs
         .first()
-        .map_or("Internal pins", |(_, found)| inner(found));
-    let stages = ["External pins", inner].into_iter().enumerate();
+        .map_or("Output pins", |(_, found)| inner(found));
+    let stages = ["Ring pins", inner].into_iter().enumerate();
     stages.map(of).collect()
 }
 
@@ -77,9 +77,9 @@ pub(super) fn sharing(found: &DesignResult) -> Section {
         "Load sharing and pressure",
         [
             Block::text(
-                "Forces of all wheels and poses under the rated load, by where the pin stands from the wheel's eccentric. Pressure is that of a \
-                 line contact after Hertz over the face width; the edges of wheels and pins are left out, and press harder. Sliding is that of the \
-                 wheel on pins that do not turn.",
+                "Forces of all discs and poses under the rated load, by where the pin stands from the disc's eccentric. Pressure is that of a \
+                 line contact after Hertz over the face width; the edges of discs and pins are left out, and press harder. Sliding is that of the \
+                 disc on pins that do not turn.",
             ),
             Block::Charts(sharing_charts(&[("", found)])),
             contacts.done().into(),
@@ -103,7 +103,7 @@ pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
         }
     }
     chart(
-        "Force on the wheel's bearing",
+        "Force on the disc's bearing",
         "Input angle (degrees)",
         "Force (N)",
         series,
@@ -130,11 +130,11 @@ pub(super) fn bearings(found: &DesignResult) -> Section {
     let (title, carried) = match found.scene.cranks {
         Some(_) => (
             "Force on a wheel",
-            "What the contacts press on a wheel, the bearings of its cranks carry together, beside what turns the output.",
+            "What the contacts press on a disc, the bearings of its cranks carry together, beside what turns the output.",
         ),
         None => (
             "Bearing of the eccentric",
-            "What the contacts press on a wheel, its bearing carries on the eccentric. The part around the axis makes the driver's torque; \
+            "What the contacts press on a disc, its bearing carries on the eccentric. The part around the axis makes the driver's torque; \
              the part away from it only loads the bearing.",
         ),
     };
@@ -143,7 +143,7 @@ pub(super) fn bearings(found: &DesignResult) -> Section {
         title,
         [
             Block::Text(format!(
-                "{carried} Wheel {} of {}; {}.",
+                "{carried} Disc {} of {}; {}.",
                 found.most_loaded().map_or(0, |bearing| bearing.wheel),
                 found.bearings.len(),
                 match found.scene.gear.errors.is_none() {

@@ -81,7 +81,7 @@ fn motion(cancel: &AtomicBool) -> Result<Option<Section>, Cancelled> {
         return Ok(None);
     };
     let both = [("without backlash", &paper), ("0.6 mm of backlash", &wide)];
-    let about = "One turn of the input, from 0.24 to 0.36 s, as our solver computes it: with backlash fewer external sleeves carry \
+    let about = "One turn of the input, from 0.24 to 0.36 s, as our solver computes it: with backlash fewer ring pins carry \
                  the same load, each with a higher force.";
     let motion = animation::beside(both, TURN, step, TURN.0, cancel)?;
     Ok(motion.map(|motion| Section::new("motion", "Motion", [Block::text(about), motion])))
@@ -178,7 +178,7 @@ fn costs(found: &PaperResult) -> Section {
     let blocks = [
         Block::text(
             "Wall time of 0.6 s of the gearbox, 60 000 steps of 1e-5 s by Heun's method, on one core. The paper's machine is not \
-             named, so the ratio compares program and machine together. The paper scans all points for every sleeve; only points \
+             named, so the ratio compares program and machine together. The paper scans all points for every pin; only points \
              near the ideal mesh can touch, so their number need not cost time. Adams took over an hour.",
         ),
         table.done().into(),

@@ -164,7 +164,7 @@ pub(super) fn sections(atlas: &Atlas) -> Vec<Section> {
             "errors",
             "Errors",
             format!(
-                "At a step of {step_s} (or the tolerance), against the converged run: forces of all sleeves / driver torque, \
+                "At a step of {step_s} (or the tolerance), against the converged run: forces of all pins / driver torque, \
                  relative L2 over the whole run, start-up included. Darker is worse."
             ),
             map(atlas, &format!("Errors at {step_s}, forces / driver torque"), error),

@@ -1,17 +1,17 @@
 //! Every channel that a scene can ask for: names, numbers, what they are.
 //!
 //! A channel is asked for by the name of its column. A name ends in its unit and, where there are
-//! several of a kind, in a number (the sleeve's or the wheel's); a pair of wheel and sleeve begins
-//! with the wheel's. `*` stands for any characters.
+//! several of a kind, in a number (the pin's or the disc's); a pair of disc and pin begins
+//! with the disc's. `*` stands for any characters.
 
 use pinwheel_files::fits;
 
 use crate::layout::{Layout, Sleeve};
 
-/// Quantity of a pair of wheel and sleeve that a column can hold.
+/// Quantity of a pair of disc and pin that a column can hold.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PairQuantity {
-    /// Sleeve radius less distance, m.
+    /// Pin radius less distance, m.
     Penetration,
     /// Rate of the penetration, m/s.
     NormalVelocity,
@@ -19,15 +19,15 @@ pub enum PairQuantity {
     TangentialVelocity,
     /// K of the law.
     Stiffness,
-    /// The wheel's closest point, x, m.
+    /// The disc's closest point, x, m.
     PointX,
     /// Its y, m.
     PointY,
     /// F_n, N.
     NormalForce,
-    /// Friction on the sleeve along R90 n, N.
+    /// Friction on the pin along R90 n, N.
     FrictionForce,
-    /// All of the force on the wheel, x, N.
+    /// All of the force on the disc, x, N.
     ForceX,
     /// Its y, N.
     ForceY,
@@ -44,11 +44,11 @@ pub enum Joint {
     Input,
     /// Output shaft on the housing.
     Output,
-    /// Wheel on its eccentric.
+    /// Disc on its eccentric.
     Eccentric,
-    /// External sleeve on its pin.
+    /// Ring pin on its pin.
     ExternalPin,
-    /// Internal sleeve on its pin.
+    /// Output pin on its pin.
     InternalPin,
 }
 
@@ -67,7 +67,7 @@ pub enum Part {
     Tangential,
 }
 
-/// Numbers of the whole gearbox or of a wheel.
+/// Numbers of the whole gearbox or of a disc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Whole {
     /// Output power over input power.
@@ -82,26 +82,26 @@ pub enum Whole {
     FrictionLoss,
     /// Output angle less the ideal mesh's, arcmin.
     TransmissionError,
-    /// A wheel's angle less the ideal mesh's, arcmin.
+    /// A disc's angle less the ideal mesh's, arcmin.
     WheelTransmissionError,
-    /// Offset of a wheel's centre from its eccentric's, x and y.
+    /// Offset of a disc's centre from its eccentric's, x and y.
     BearingOffsetX,
     /// Its y.
     BearingOffsetY,
-    /// External sleeves that press.
+    /// Ring pins that press.
     ExternalContacts,
-    /// Internal sleeves that press.
+    /// Output pins that press.
     InternalContacts,
 }
 
 /// Content of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum What {
-    /// Quantity of a pair of wheel and sleeve.
+    /// Quantity of a pair of disc and pin.
     Pair(PairQuantity),
     /// Force of a revolute.
     Joint(Joint, Part),
-    /// Quantity of the gearbox or a wheel.
+    /// Quantity of the gearbox or a disc.
     Whole(Whole),
 }
 
@@ -134,7 +134,7 @@ pub struct Chosen {
     pub name: String,
     /// Content of the column.
     pub what: What,
-    /// Wheel and sleeve of a pair.
+    /// Disc and pin of a pair.
     pub pair: Option<(usize, Sleeve)>,
     /// Number within the family, for what is no pair.
     pub number: usize,
@@ -167,8 +167,8 @@ pub const FAMILIES: &[Family] = families! {
     "friction_loss_w" One What::Whole(W::FrictionLoss), "power lost by sliding";
     "transmission_error_arcmin" One What::Whole(W::TransmissionError), "output angle less the ideal mesh's, counter-clockwise";
     "wheel_transmission_error_arcmin_*" Wheels What::Whole(W::WheelTransmissionError), "wheel angle less the ideal mesh's, counter-clockwise";
-    "external_contact_ratio_*" Wheels What::Whole(W::ExternalContacts), "external sleeves that press on the wheel; the mean is the contact ratio";
-    "internal_contact_ratio_*" Wheels What::Whole(W::InternalContacts), "internal sleeves that press on the wheel; the mean is the contact ratio";
+    "external_contact_ratio_*" Wheels What::Whole(W::ExternalContacts), "ring pins that press on the disc; the mean is the contact ratio";
+    "internal_contact_ratio_*" Wheels What::Whole(W::InternalContacts), "output pins that press on the disc; the mean is the contact ratio";
     "input_bearing_force_n" One What::Joint(J::Input, X::Magnitude), "force of the housing on the input shaft";
     "input_bearing_force_x_n" One What::Joint(J::Input, X::X), "its x, ground frame";
     "input_bearing_force_y_n" One What::Joint(J::Input, X::Y), "its y, ground frame";
@@ -179,36 +179,36 @@ pub const FAMILIES: &[Family] = families! {
     "eccentric_bearing_force_x_n_*" Wheels What::Joint(J::Eccentric, X::X), "its x, ground frame";
     "eccentric_bearing_force_y_n_*" Wheels What::Joint(J::Eccentric, X::Y), "its y, ground frame";
     "eccentric_bearing_radial_force_n_*" Wheels What::Joint(J::Eccentric, X::Radial), "its part away from the input's axis";
-    "eccentric_bearing_tangential_force_n_*" Wheels What::Joint(J::Eccentric, X::Tangential), "its part counter-clockwise about the input's axis: times e, the torque this wheel takes";
-    "eccentric_bearing_offset_x_m_*" Wheels What::Whole(W::BearingOffsetX), "the wheel's centre less its eccentric's, x, ground frame; 0 without `[bearings]`";
+    "eccentric_bearing_tangential_force_n_*" Wheels What::Joint(J::Eccentric, X::Tangential), "its part counter-clockwise about the input's axis: times e, the torque this disc takes";
+    "eccentric_bearing_offset_x_m_*" Wheels What::Whole(W::BearingOffsetX), "the disc's centre less its eccentric's, x, ground frame; 0 without `[bearings]`";
     "eccentric_bearing_offset_y_m_*" Wheels What::Whole(W::BearingOffsetY), "its y";
-    "external_pin_force_n_*" External What::Joint(J::ExternalPin, X::Magnitude), "force of the housing's pin on the external sleeve";
+    "external_pin_force_n_*" External What::Joint(J::ExternalPin, X::Magnitude), "force of the housing's pin on the ring pin";
     "external_pin_force_x_n_*" External What::Joint(J::ExternalPin, X::X), "its x, ground frame";
     "external_pin_force_y_n_*" External What::Joint(J::ExternalPin, X::Y), "its y, ground frame";
-    "internal_pin_force_n_*" Internal What::Joint(J::InternalPin, X::Magnitude), "force of the output shaft's pin on the internal sleeve";
+    "internal_pin_force_n_*" Internal What::Joint(J::InternalPin, X::Magnitude), "force of the output shaft's pin on the output pin";
     "internal_pin_force_x_n_*" Internal What::Joint(J::InternalPin, X::X), "its x, ground frame";
     "internal_pin_force_y_n_*" Internal What::Joint(J::InternalPin, X::Y), "its y, ground frame";
-    "wheel_*_external_penetration_m_*" WheelsExternal What::Pair(P::Penetration), "sleeve radius less the distance of its centre from the wheel; negative: the gap";
+    "wheel_*_external_penetration_m_*" WheelsExternal What::Pair(P::Penetration), "sleeve radius less the distance of its centre from the disc; negative: the gap";
     "wheel_*_external_normal_velocity_m_s_*" WheelsExternal What::Pair(P::NormalVelocity), "rate of the penetration";
-    "wheel_*_external_tangential_velocity_m_s_*" WheelsExternal What::Pair(P::TangentialVelocity), "sliding of the sleeve against the wheel at the contact point, along R90 n";
+    "wheel_*_external_tangential_velocity_m_s_*" WheelsExternal What::Pair(P::TangentialVelocity), "sliding of the pin against the disc at the contact point, along R90 n";
     "wheel_*_external_stiffness_n_m15_*" WheelsExternal What::Pair(P::Stiffness), "K of the law at the contact point";
-    "wheel_*_external_contact_x_m_*" WheelsExternal What::Pair(P::PointX), "the wheel's point closest to the sleeve's centre, ground frame";
+    "wheel_*_external_contact_x_m_*" WheelsExternal What::Pair(P::PointX), "the disc's point closest to the pin's centre, ground frame";
     "wheel_*_external_contact_y_m_*" WheelsExternal What::Pair(P::PointY), "its y";
     "wheel_*_external_normal_force_n_*" WheelsExternal What::Pair(P::NormalForce), "F_n";
-    "wheel_*_external_friction_force_n_*" WheelsExternal What::Pair(P::FrictionForce), "friction on the sleeve along R90 n";
-    "wheel_*_external_force_x_n_*" WheelsExternal What::Pair(P::ForceX), "force of the sleeve on the wheel, friction with it, x, ground frame";
+    "wheel_*_external_friction_force_n_*" WheelsExternal What::Pair(P::FrictionForce), "friction on the pin along R90 n";
+    "wheel_*_external_force_x_n_*" WheelsExternal What::Pair(P::ForceX), "force of the pin on the disc, friction with it, x, ground frame";
     "wheel_*_external_force_y_n_*" WheelsExternal What::Pair(P::ForceY), "its y";
     "wheel_*_external_pressure_pa_*" WheelsExternal What::Pair(P::Pressure), "p0 of a line contact over the face width";
     "wheel_*_external_pressure_sliding_w_m2_*" WheelsExternal What::Pair(P::PressureSliding), "p0 times the sliding speed";
     "wheel_*_internal_penetration_m_*" WheelsInternal What::Pair(P::Penetration), "sleeve radius less the distance of its centre from the hole; negative: the gap";
     "wheel_*_internal_normal_velocity_m_s_*" WheelsInternal What::Pair(P::NormalVelocity), "rate of the penetration";
-    "wheel_*_internal_tangential_velocity_m_s_*" WheelsInternal What::Pair(P::TangentialVelocity), "sliding of the sleeve against the wheel at the contact point, along R90 n";
+    "wheel_*_internal_tangential_velocity_m_s_*" WheelsInternal What::Pair(P::TangentialVelocity), "sliding of the pin against the disc at the contact point, along R90 n";
     "wheel_*_internal_stiffness_n_m15_*" WheelsInternal What::Pair(P::Stiffness), "K of the law";
-    "wheel_*_internal_contact_x_m_*" WheelsInternal What::Pair(P::PointX), "the hole's point closest to the sleeve's centre, ground frame";
+    "wheel_*_internal_contact_x_m_*" WheelsInternal What::Pair(P::PointX), "the hole's point closest to the pin's centre, ground frame";
     "wheel_*_internal_contact_y_m_*" WheelsInternal What::Pair(P::PointY), "its y";
     "wheel_*_internal_normal_force_n_*" WheelsInternal What::Pair(P::NormalForce), "F_n";
-    "wheel_*_internal_friction_force_n_*" WheelsInternal What::Pair(P::FrictionForce), "friction on the sleeve along R90 n";
-    "wheel_*_internal_force_x_n_*" WheelsInternal What::Pair(P::ForceX), "force of the sleeve, or of the crank's bearing, on the wheel, friction with it, x, ground frame";
+    "wheel_*_internal_friction_force_n_*" WheelsInternal What::Pair(P::FrictionForce), "friction on the pin along R90 n";
+    "wheel_*_internal_force_x_n_*" WheelsInternal What::Pair(P::ForceX), "force of the pin, or of the crank's bearing, on the disc, friction with it, x, ground frame";
     "wheel_*_internal_force_y_n_*" WheelsInternal What::Pair(P::ForceY), "its y";
     "wheel_*_internal_pressure_pa_*" WheelsInternal What::Pair(P::Pressure), "p0 of a line contact over the face width";
     "wheel_*_internal_pressure_sliding_w_m2_*" WheelsInternal What::Pair(P::PressureSliding), "p0 times the sliding speed";

@@ -3,8 +3,8 @@
 //! They are evaluated at sample times only, from states that the run has anyway: what is not asked
 //! for is not computed, and what is asked for changes neither a step nor a right-hand side.
 //!
-//! Signs and frames (docs/physics.md): n points from the sleeve's centre to the wheel's closest point W,
-//! velocities are the sleeve's less the wheel's at W, `t = R90 n`. A pair is described at its
+//! Signs and frames (docs/physics.md): n points from the pin's centre to the disc's closest point W,
+//! velocities are the pin's less the disc's at W, `t = R90 n`. A pair is described at its
 //! closest points whether or not it touches: a negative penetration is the gap. Forces of joints are
 //! those on the body that the joint carries, in the ground frame.
 

@@ -82,9 +82,9 @@ fn unknown(typed: &str, layout: Layout) -> Fault {
         let (wheels, external) = (last(layout.wheels), last(layout.external_sleeves));
         let internal = last(layout.internal_sleeves);
         return fault(
-            format!("has no `{typed}`: no such wheel or sleeve"),
+            format!("has no `{typed}`: no such disc or sleeve"),
             format!(
-                "wheels are 0 to {wheels}, external sleeves 0 to {external}, internal sleeves 0 to {internal}"
+                "wheels are 0 to {wheels}, ring pins 0 to {external}, output pins 0 to {internal}"
             ),
         );
     }
@@ -136,7 +136,7 @@ mod tests {
         assert_eq!(names(&["wheel_*_external_penetration_m_3"]).len(), 2);
         // Recorded anyway.
         assert!(names(&["input_torque_n_m"]).is_empty());
-        // The whole, wheels, shafts' bearings, eccentrics', pins, pairs.
+        // The whole, discs, shafts' bearings, eccentrics', pins, pairs.
         let all = 6 + 2 * 3 + 2 * 3 + 2 * 7 + 24 * 3 + 2 * 24 * 12;
         assert_eq!(names(&["*"]).len(), all);
     }
@@ -153,7 +153,7 @@ mod tests {
         );
         assert_eq!(remedy("eficiency"), "did you mean `efficiency`?");
         assert!(remedy("wheel_2_external_penetration_m_3").contains("wheels are 0 to 1"));
-        assert!(remedy("external_sleeve_force_n_16").contains("external sleeves 0 to 15"));
+        assert!(remedy("external_sleeve_force_n_16").contains("ring pins 0 to 15"));
         assert!(remedy("").contains("pinwheel explain"));
         assert!(remedy(&"x".repeat(1000)).contains('*'));
         let many = vec!["*".to_owned(); MOST_PATTERNS + 1];

@@ -12,14 +12,14 @@ const MOST_SAMPLES: f64 = 5e6;
 const MOST_VALUES: f64 = 2e8;
 /// Steps at most: at a microsecond each about three hours.
 const MOST_STEPS: f64 = 1e10;
-/// Wheel-sleeve pairs at most: each keeps its closest point, and each is visited in every step.
+/// Disc-pin pairs at most: each keeps its closest point, and each is visited in every step.
 const MOST_PAIRS: usize = 20_000;
 
 pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
     let (gear, solver) = (&scene.gear, &scene.solver);
 
     let sleeves = gear.external_sleeves + gear.internal_sleeves;
-    // The ranges are checked before: at most 64 wheels and 2000 sleeves, no overflow.
+    // The ranges are checked before: at most 64 discs and 2000 pins, no overflow.
     let (wheels, pairs) = (gear.wheels, gear.wheels * sleeves);
     if pairs > MOST_PAIRS {
         return Err(Fault::new(
@@ -29,9 +29,9 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
                 "gear.internal_sleeves",
             ],
             format!(
-                "makes {wheels} x {sleeves} = {pairs} pairs of wheel and sleeve, more than memory and time are planned for"
+                "makes {wheels} x {sleeves} = {pairs} pairs of disc and pin, more than memory and time are planned for"
             ),
-            format!("keep wheels x (external + internal sleeves) at or below {MOST_PAIRS}"),
+            format!("keep discs x (external + output pins) at or below {MOST_PAIRS}"),
         ));
     }
 
@@ -61,7 +61,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
         ));
     }
 
-    // Time, torques and angle beside the sleeves, and what is asked for.
+    // Time, torques and angle beside the pins, and what is asked for.
     let channels = select(&scene.output.channels, Layout::of(gear))?;
     let columns = (sleeves + 4 + channels.len()) as f64;
     let most = MOST_SAMPLES.min(MOST_VALUES / columns);

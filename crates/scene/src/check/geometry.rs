@@ -1,4 +1,4 @@
-//! Check that the parts fit together: profile, sleeves, holes.
+//! Check that the parts fit together: profile, pins, holes.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,7 +11,7 @@ use crate::number::{above, below, short};
 /// Relative slack for values that meet exactly in decimal but not in binary (6 + 2.8 = 8.8 mm).
 const ROUNDING: f64 = 1e-12;
 
-/// Share of a pit's radius beyond the generating sleeve's that a larger sleeve may take: it touches the pit's sides together
+/// Share of a pit's radius beyond the generating pin's that a larger pin may take: it touches the pit's sides together
 /// where it takes all.
 const TIGHT: f64 = 0.8;
 
@@ -23,7 +23,7 @@ pub(super) fn whole(gear: &Gear) -> Result<(), Fault> {
     holes_inside_the_wheel(gear)
 }
 
-/// Checks the external stage: profile and external sleeves.
+/// Checks the external stage: profile and ring pins.
 pub(super) fn outside(gear: &Gear) -> Result<(), Fault> {
     deviations::check(gear)?;
     profile(gear)?;
@@ -31,12 +31,12 @@ pub(super) fn outside(gear: &Gear) -> Result<(), Fault> {
     backlash(gear)
 }
 
-/// Half the distance of neighbouring external sleeves' centres, m.
+/// Half the distance of neighbouring ring pins' centres, m.
 pub(super) fn half_pitch(gear: &Gear) -> f64 {
     (gear.pitch_radius_m() + gear.backlash_m) * (PI / gear.external_sleeves as f64).sin()
 }
 
-/// Neighbouring external sleeves must not touch on their circle of radius R + d.
+/// Neighbouring ring pins must not touch on their circle of radius R + d.
 fn external_sleeves(gear: &Gear) -> Result<(), Fault> {
     let q = gear.external_sleeve_radius_m;
     let half_pitch = half_pitch(gear);
@@ -53,7 +53,7 @@ fn external_sleeves(gear: &Gear) -> Result<(), Fault> {
                 "gear.shortening",
             ],
             format!(
-                "is {q} m, so that neighbouring external sleeves overlap: {count} of them on a circle of {circle} m leave {half_pitch} m each"
+                "is {q} m, so that neighbouring ring pins overlap: {count} of them on a circle of {circle} m leave {half_pitch} m each"
             ),
             format!("make it smaller than {below} m, or the pitch circle e zk/m larger"),
         ));
@@ -61,7 +61,7 @@ fn external_sleeves(gear: &Gear) -> Result<(), Fault> {
     Ok(())
 }
 
-/// With their individual errors, too, sleeves and holes must not overlap, and sleeves fit into their holes.
+/// With their individual errors, too, pins and holes must not overlap, and pins fit into their holes.
 fn neighbours(gear: &Gear) -> Result<(), Fault> {
     let errors = &gear.errors;
     if errors.is_none() {
@@ -93,7 +93,7 @@ fn neighbours(gear: &Gear) -> Result<(), Fault> {
             true => "gear.errors.external_sleeve_tangential_m",
             false => "gear.errors.external_sleeve_radius_m",
         };
-        apart(part(j), part(next), ("external sleeves", j, next), key)?;
+        apart(part(j), part(next), ("ring pins", j, next), key)?;
     }
     for wheel in 0..gear.wheels {
         for (k, next) in around(gear.internal_sleeves) {
@@ -109,7 +109,7 @@ fn neighbours(gear: &Gear) -> Result<(), Fault> {
                         "gear.errors.hole_radius_m",
                     ],
                     format!(
-                        "makes internal sleeve {k} {sleeve} m, larger than its hole of {hole} m in wheel {wheel}"
+                        "makes output pin {k} {sleeve} m, larger than its hole of {hole} m in disc {wheel}"
                     ),
                     "make the errors smaller, or gear.hole_radius_m larger",
                 ));
@@ -119,9 +119,9 @@ fn neighbours(gear: &Gear) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The wheel's edge, the inward offset of C by q, must not fold (undercut).
+/// The disc's edge, the inward offset of C by q, must not fold (undercut).
 ///
-/// Nor can it then cross itself elsewhere: with q below the smallest convex radius and sleeves that do not
+/// Nor can it then cross itself elsewhere: with q below the smallest convex radius and pins that do not
 /// overlap, no two flanks come within 2 q (measured for zk from 3 up; a property test holds it).
 fn profile(gear: &Gear) -> Result<(), Fault> {
     let q = gear.edge_offset_m();
@@ -144,7 +144,7 @@ fn profile(gear: &Gear) -> Result<(), Fault> {
                 "gear.modification.radial_m",
             ],
             format!(
-                "makes the generating sleeve {shown_q} m, so that the wheel profile is undercut: its centre's path bends with a radius of {shown_smallest} m"
+                "makes the generating pin {shown_q} m, so that the disc profile is undercut: its centre's path bends with a radius of {shown_smallest} m"
             ),
             format!("make gear.modification.equidistant_m smaller than {most} m"),
         ));
@@ -161,7 +161,7 @@ fn profile(gear: &Gear) -> Result<(), Fault> {
                 "gear.errors.external_sleeve_radius_m",
             ],
             format!(
-                "leaves external sleeves {larger} m larger than the generating one, and the wheel's pits are only {pit} m wider than that"
+                "leaves ring pins {larger} m larger than the generating one, and the disc's pits are only {pit} m wider than that"
             ),
             format!("leave them at most {most} m larger"),
         ));
@@ -176,7 +176,7 @@ fn profile(gear: &Gear) -> Result<(), Fault> {
                 "gear.external_sleeves",
             ],
             format!(
-                "is {shown_q} m, so that the wheel profile is undercut: the sleeve centre's path bends with a radius of {shown_smallest} m"
+                "is {shown_q} m, so that the disc profile is undercut: the pin centre's path bends with a radius of {shown_smallest} m"
             ),
             format!("make it smaller than {most} m, or e zk/m larger, or the shortening smaller"),
         ));
@@ -184,7 +184,7 @@ fn profile(gear: &Gear) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Lobes reach 2 e between the sleeves; a backlash of half of e already leaves a quarter of that unused.
+/// Lobes reach 2 e between the pins; a backlash of half of e already leaves a quarter of that unused.
 fn backlash(gear: &Gear) -> Result<(), Fault> {
     let most = 0.5 * gear.eccentricity_m.min(gear.external_sleeve_radius_m);
     if gear.backlash_m > most {
@@ -192,7 +192,7 @@ fn backlash(gear: &Gear) -> Result<(), Fault> {
         return Err(Fault::new(
             &["gear.backlash_m"],
             format!(
-                "is {backlash} m, more than half of the eccentricity or of the external sleeve radius: the lobes would hardly reach the sleeves"
+                "is {backlash} m, more than half of the eccentricity or of the ring pin radius: the lobes would hardly reach the sleeves"
             ),
             format!("give at most {most} m (the paper's largest is 0.0006)"),
         ));
@@ -200,9 +200,9 @@ fn backlash(gear: &Gear) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Sleeves in their holes, holes beside each other.
+/// Pins in their holes, holes beside each other.
 ///
-/// Sleeves that overlap need no check of their own: each is smaller than its hole.
+/// Pins that overlap need no check of their own: each is smaller than its hole.
 fn internal_sleeves(gear: &Gear) -> Result<(), Fault> {
     let (sleeve, hole) = (gear.internal_sleeve_radius_m, gear.hole_radius_m);
     let circle = gear.internal_circle_radius_m;
@@ -215,7 +215,7 @@ fn internal_sleeves(gear: &Gear) -> Result<(), Fault> {
             &["gear.internal_sleeve_radius_m", "gear.hole_radius_m"],
             format!("is {sleeve} m, larger than its hole of {shown} m"),
             format!(
-                "make the sleeve smaller or gear.hole_radius_m at least sleeve + eccentricity = {least} m"
+                "make the pin smaller or gear.hole_radius_m at least pin + eccentricity = {least} m"
             ),
         ));
     }
@@ -228,7 +228,7 @@ fn internal_sleeves(gear: &Gear) -> Result<(), Fault> {
                 "gear.eccentricity_m",
             ],
             format!(
-                "is {shown} m, smaller than internal sleeve + eccentricity = {sum} m: the wheel could not orbit"
+                "is {shown} m, smaller than output pin + eccentricity = {sum} m: the disc could not orbit"
             ),
             format!("give {least} m or more (exactly that much leaves no clearance)"),
         ));
@@ -251,7 +251,7 @@ fn internal_sleeves(gear: &Gear) -> Result<(), Fault> {
         return Err(Fault::new(
             &["gear.hole_radius_m", "gear.internal_circle_radius_m"],
             format!(
-                "is {shown} m, so that the holes on a circle of {shown_circle} m reach the wheel's centre"
+                "is {shown} m, so that the holes on a circle of {shown_circle} m reach the disc's centre"
             ),
             "make the holes smaller or their circle larger",
         ));
@@ -277,7 +277,7 @@ fn holes_inside_the_wheel(gear: &Gear) -> Result<(), Fault> {
     Err(Fault::new(
         &["gear.hole_radius_m", "gear.internal_circle_radius_m"],
         format!(
-            "is {hole} m, so that holes on a circle of {circle} m leave the wheel: its edge is {free} m from a hole's centre"
+            "is {hole} m, so that holes on a circle of {circle} m leave the disc: its edge is {free} m from a hole's centre"
         ),
         format!(
             "make gear.hole_radius_m smaller or gear.internal_circle_radius_m at most {most} m"
@@ -285,9 +285,9 @@ fn holes_inside_the_wheel(gear: &Gear) -> Result<(), Fault> {
     ))
 }
 
-/// Wall between a hole and the wheel's edge, m, of the hole nearest to it; negative where one leaves the wheel.
+/// Wall between a hole and the disc's edge, m, of the hole nearest to it; negative where one leaves the disc.
 ///
-/// Each hole of each wheel is measured where it stands between lobe and pit.
+/// Each hole of each disc is measured where it stands between lobe and pit.
 pub(crate) fn hole_to_profile_m(gear: &Gear) -> f64 {
     let curve = Profile::of(gear);
     let (circle, hole) = (gear.internal_circle_radius_m, gear.hole_radius_m);
@@ -306,7 +306,7 @@ pub(crate) fn hole_to_profile_m(gear: &Gear) -> f64 {
             // All lobes are alike: only the place between two of them counts.
             let angle = angle.rem_euclid(pitch);
             let needed = gear.hole_radius_of_m(wheel, k) + gear.edge_offset_m();
-            // What two turned wheels have in common is as far away as the nearer of both edges.
+            // What two turned discs have in common is as far away as the nearer of both edges.
             for flank in flanks(gear) {
                 let centre = gear.hole_m(wheel, k, angle + flank - nominal);
                 // The nearest part of C lies within a lobe's pitch on either side, or half a turn for very few lobes.
@@ -322,7 +322,7 @@ pub(crate) fn hole_to_profile_m(gear: &Gear) -> f64 {
     least
 }
 
-/// By how much the wheels are turned whose common part a wheel is, rad.
+/// By how much the discs are turned whose common part a disc is, rad.
 fn flanks(gear: &Gear) -> impl Iterator<Item = f64> {
     let turn = gear.modification.rotational_rad;
     [turn, -turn]
@@ -349,7 +349,7 @@ mod tests {
     use super::*;
     use crate::Scene;
 
-    /// Points of the profile, and the polar angle of hole k of wheel i in the wheel's frame.
+    /// Points of the profile, and the polar angle of hole k of disc i in the disc's frame.
     fn hole_angles(gear: &Gear) -> Vec<f64> {
         let zs = gear.lobes() as f64;
         (0..gear.wheels)
@@ -455,7 +455,7 @@ mod tests {
     /// A hole beyond the circle of the pits is fine where a lobe covers it, and not where a pit is.
     #[test]
     fn holes_are_measured_where_they_stand() {
-        // Eight lobes, eight holes: those of wheel 1 stand in the pits' directions.
+        // Eight lobes, eight holes: those of disc 1 stand in the pits' directions.
         let mut gear = gear(9, 8, 1, 0.7, 0.5, 0.6);
         let pit = Profile::of(&gear).pit_radius();
         gear.hole_radius_m = 0.01;

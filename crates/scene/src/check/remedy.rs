@@ -1,7 +1,7 @@
 //! Remedies for a gear that cannot be built: values that were tried, and not a rule that another check refuses.
 //!
 //! Each value of a gear is moved away from where it is, to both sides, until the whole gear can be built, and then back as far as
-//! it goes. Whether holes follow from sleeve and eccentricity is not known here: what is offered holds either way. Of R and m the
+//! it goes. Whether holes follow from pin and eccentricity is not known here: what is offered holds either way. Of R and m the
 //! one that the scene gives is named.
 
 use super::geometry;
@@ -18,7 +18,7 @@ const HALVINGS: usize = 12;
 const ANOTHER_GEAR: f64 = 1.6;
 /// Ways that are offered at most.
 const OFFERED: usize = 3;
-/// Holes of all wheels at most: each is measured at every trial.
+/// Holes of all discs at most: each is measured at every trial.
 const MOST_HOLES: usize = 100;
 
 type Value = (&'static str, fn(&mut Gear) -> &mut f64);
@@ -189,7 +189,7 @@ fn said(gear: &Gear, gives_circle: bool, key: &str, value: f64) -> String {
     format!("gear.pin_circle_radius_m = {}", nearest(radius, 6))
 }
 
-/// The profile anew: no modification, an m that is usual, and sleeves and a play that fit.
+/// The profile anew: no modification, an m that is usual, and pins and a play that fit.
 fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
     const USUAL: f64 = 0.7;
     let mut fitting = gear.clone();
@@ -216,7 +216,7 @@ fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
     })
 }
 
-/// Sleeves and holes anew on the circle there is or on another one, and where they have no room an eccentricity that leaves it.
+/// Pins and holes anew on the circle there is or on another one, and where they have no room an eccentricity that leaves it.
 fn output_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
     let smaller = (0..30).map(|k| {
         if k == 0 {

@@ -68,7 +68,7 @@ pub(super) fn unknown(
     SceneError::key(&place, &key, "is no key of a scene", remedy)
 }
 
-/// True if a word means the circle of the external sleeves, for which the field has many names.
+/// True if a word means the circle of the ring pins, for which the field has many names.
 fn is_pitch(name: &str) -> bool {
     [
         "pitch_",
@@ -88,7 +88,7 @@ fn pitch_remedy(table: &Table) -> String {
         .zip(number(table, "gear.external_sleeves"))
         .map(|(e, zk)| format!(", here {:.6} over that radius", e * zk));
     format!(
-        "the circle of the external sleeves is `gear.pin_circle_radius_m` (m), or gear.shortening = e zk/R{}",
+        "the circle of the ring pins is `gear.pin_circle_radius_m` (m), or gear.shortening = e zk/R{}",
         product.unwrap_or_default()
     )
 }

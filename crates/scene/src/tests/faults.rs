@@ -290,7 +290,7 @@ fn parts_that_do_not_fit() {
         (&["gear.external_sleeve_radius_m=0.0132"][..], "undercut"),
         (
             &["gear.external_sleeve_radius_m=0.0131"],
-            "external sleeves overlap",
+            "ring pins overlap",
         ),
         (&["gear.shortening=0.98"], "undercut"),
         (&["gear.backlash_m=0.0015"], "hardly reach"),
@@ -540,12 +540,12 @@ fn bad_input_errors_of_parts() {
         (
             "external_sleeve_radius_m",
             list(15, "1e-6"),
-            &["has 15 entries", "16 external sleeves", "give 16 numbers"],
+            &["has 15 entries", "16 ring pins", "give 16 numbers"],
         ),
         (
             "hole_radial_m",
             list(8, "1e-6"),
-            &["has 8 entries", "16 holes, wheel by wheel"],
+            &["has 8 entries", "16 holes, disc by wheel"],
         ),
         (
             "phase_rad",
@@ -576,13 +576,13 @@ fn bad_input_errors_of_parts() {
             assert!(line.contains(part), "{key}: {line}");
         }
     }
-    // Sleeves so large that neighbours meet: half a pitch is 12.486 mm.
+    // Pins so large that neighbours meet: half a pitch is 12.486 mm.
     let line = refused_deviation(&format!(
         "gear.external_sleeve_radius_m = 0.0124\ngear.errors.external_sleeve_radius_m = {}",
         list(16, "9e-5")
     ));
-    assert!(line.contains("external sleeves 0 and 1 overlap"), "{line}");
-    // One hole smaller than its sleeve.
+    assert!(line.contains("ring pins 0 and 1 overlap"), "{line}");
+    // One hole smaller than its pin.
     let line = refused_deviation(&format!(
         "gear.eccentricity_m = 0.0014\ngear.hole_radius_m = 0.0074\ngear.external_sleeve_radius_m = 0.002\n\
          gear.errors.hole_radius_m = {}\ngear.errors.internal_sleeve_radius_m = {}",
@@ -592,7 +592,7 @@ fn bad_input_errors_of_parts() {
     assert!(line.contains("larger than its hole"), "{line}");
 }
 
-/// Modified and unmodified walls: a smaller wheel leaves less between hole and edge.
+/// Modified and unmodified walls: a smaller disc leaves less between hole and edge.
 #[test]
 fn walls_follow_the_modification() {
     let wall = |lines: &str| {

@@ -33,7 +33,7 @@ fn what_is_left_out_is_derived_and_told() {
     assert_eq!(scene.contact.stiffness_multiplier, 1.0);
     assert_eq!(scene.solver.integrator, "auto");
     assert_eq!(scene.drive.start, Start::Kinematic);
-    // A wheel of steel 7.8 mm thick and about 100 mm across weighs some hundred grams.
+    // A disc of steel 7.8 mm thick and about 100 mm across weighs some hundred grams.
     assert!(
         (0.2..0.6).contains(&scene.mass.wheel.mass_kg),
         "{:?}",

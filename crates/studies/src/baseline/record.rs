@@ -159,8 +159,8 @@ fn converged_jobs(scene: &Scene) -> [Job; 2] {
     })
 }
 
-/// Jobs that repeat the run with other vector instructions and the scalar loop, with the wheels' inertia one digit up
-/// and down, and with the external sleeves' radius one digit up and down. The inertia leaves statics alone; the radius
+/// Jobs that repeat the run with other vector instructions and the scalar loop, with the discs' inertia one digit up
+/// and down, and with the ring pins' radius one digit up and down. The inertia leaves statics alone; the radius
 /// moves where a start in equilibrium is found, which without load is known to little more than a rounding of the
 /// dimensions.
 fn roundings(plain: &Job) -> Vec<Job> {

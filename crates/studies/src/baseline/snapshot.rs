@@ -23,9 +23,9 @@ pub enum Quantity {
     OutputTorque,
     /// Output angle less that of the ideal mesh, rad: angles grow to radians, the twist is a milliradian.
     OutputTwist,
-    /// Forces on the external sleeves, N.
+    /// Forces on the ring pins, N.
     ExternalForce,
-    /// Forces on the internal sleeves, N.
+    /// Forces on the output pins, N.
     InternalForce,
     /// Works of driver and load, changes of kinetic and stored energy, losses by damping and friction, J.
     Energy,
@@ -41,8 +41,8 @@ impl Quantity {
             Self::DriverTorque => "driver torque",
             Self::OutputTorque => "output torque",
             Self::OutputTwist => "output angle against the ideal ratio",
-            Self::ExternalForce => "external sleeve forces",
-            Self::InternalForce => "internal sleeve forces",
+            Self::ExternalForce => "ring pin forces",
+            Self::InternalForce => "output pin forces",
             Self::Energy => "energy account",
             Self::JointDrift => "largest joint error",
         }

@@ -21,9 +21,9 @@ pub struct Span {
 /// Relative errors in one window; dimensionless.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Errors {
-    /// L2, all sleeve forces together.
+    /// L2, all pin forces together.
     pub force_l2: f64,
-    /// Linf, all sleeve forces together.
+    /// Linf, all pin forces together.
     pub force_max: f64,
     /// L2, driver torque.
     pub torque_l2: f64,

@@ -40,12 +40,12 @@ const FAULTS: [Fault; 6] = [
         |_| {},
     ),
     (
-        "one sleeve 1 um smaller",
+        "one pin 1 um smaller",
         |_| {},
         |gearbox| gearbox.geometry.external_radii_m[0] -= 1e-6,
     ),
     (
-        "a wheel 0.1 mrad out of phase",
+        "a disc 0.1 mrad out of phase",
         |_| {},
         |gearbox| *gearbox.geometry.wheel_phases.last_mut().unwrap() += 1e-4,
     ),

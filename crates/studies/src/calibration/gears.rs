@@ -60,7 +60,7 @@ fn geometry(rng: &mut Rng) -> Gear {
     let shortening = rng.between(0.4, 0.9);
     let eccentricity = shortening * pitch_radius / zk as f64;
     let k = zk as f64;
-    // Smallest convex radius of the sleeve centre's path as its formula has it, where that is not at an end.
+    // Smallest convex radius of the pin centre's path as its formula has it, where that is not at an end.
     let bend = pitch_radius
         * (27.0 * (1.0 - shortening * shortening) * (k - 1.0) / (k + 1.0).powi(3)).sqrt();
     let pitch = pitch_radius * (PI / k).sin();
@@ -138,7 +138,7 @@ fn material(rng: &mut Rng, scene: &mut Scene) {
     contact.line_length_m = 0.15 * scene.gear.pitch_radius_m();
 }
 
-/// Hertz' stiffness of an external sleeve, N/m^1.5.
+/// Hertz' stiffness of a ring pin, N/m^1.5.
 fn hertz(scene: &Scene) -> f64 {
     let contact = &scene.contact;
     2.0 / 3.0 * contact.stiffness_multiplier * contact.young_pa
@@ -150,14 +150,14 @@ fn hertz(scene: &Scene) -> f64 {
 fn drive(rng: &mut Rng, scene: &mut Scene) {
     let gear = &scene.gear;
     let sleeve = gear.external_sleeve_radius_m;
-    // The load presses the most loaded sleeve in by this share of its radius.
+    // The load presses the most loaded pin in by this share of its radius.
     let depth = sleeve * rng.spread(1e-4, 1e-2);
     let force = hertz(scene) * depth.powf(1.5);
     let lever = gear.eccentricity_m * gear.lobes() as f64;
     let load = 0.25 * force * lever * gear.external_sleeves as f64 * gear.wheels as f64;
     let kind = rng.share();
     let drive = &mut scene.drive;
-    // The wheel's edge at 0.1 to 10 m/s.
+    // The disc's edge at 0.1 to 10 m/s.
     drive.input_speed_rad_s = rng.sign() * rng.spread(0.05, 5.0) / gear.pitch_radius_m();
     drive.output_torque_n_m = if kind < 0.04 { 0.0 } else { rng.sign() * load };
     drive.start = if rng.chance(0.3) {
@@ -255,7 +255,7 @@ fn cranks(rng: &mut Rng, scene: &mut Scene) {
     scene.drive.input_speed_rad_s /= scene.eccentric_per_input().abs();
 }
 
-/// Penetration of the most loaded sleeve, m, and the frequency of a wheel on its sleeves, rad/s, at the load; of a load
+/// Penetration of the most loaded pin, m, and the frequency of a disc on its pins, rad/s, at the load; of a load
 /// of a hundredth of that without any.
 fn twist(scene: &Scene) -> (f64, f64) {
     let gear = &scene.gear;

@@ -45,11 +45,11 @@ definitions! {
     INTERNAL_FORCE = "internal_force_n", "largest pin force, internal", "N",
         "largest of a pose";
     CRANK_FORCE = "crank_bearing_force_n", "crank bearing, largest force", "N",
-        "largest of a pose, of all wheels and cranks";
-    EXTERNAL_TOUCHING = "external_touching", "external pins that carry", "",
-        "touch a wheel, on average";
-    INTERNAL_TOUCHING = "internal_touching", "internal pins that carry", "",
-        "touch a wheel, on average";
+        "largest of a pose, of all discs and cranks";
+    EXTERNAL_TOUCHING = "external_touching", "ring pins that carry", "",
+        "touch a disc, on average";
+    INTERNAL_TOUCHING = "internal_touching", "output pins that carry", "",
+        "touch a disc, on average";
     EXTERNAL_PRESSURE = "external_pressure_mpa", "largest pressure, external", "MPa",
         "line contact over the face width, edges left out";
     INTERNAL_PRESSURE = "internal_pressure_mpa", "largest pressure, internal", "MPa",
@@ -60,7 +60,7 @@ definitions! {
         "largest of a pose, of all wheels";
 
     BEARING_LIFE = "eccentric_bearing_life_h", "eccentric bearing, basic rating life", "h",
-        "L10h after ISO 281 of the most loaded wheel, rated speed and load throughout";
+        "L10h after ISO 281 of the most loaded disc, rated speed and load throughout";
 
     BEARING_LOSS = "eccentric_bearing_loss_percent", "eccentric bearings, friction loss", "%",
         "mu F d/2 against their turning, of the rated output power";
@@ -92,9 +92,9 @@ definitions! {
     JOINT_VISCOUS = "joint_viscous_n_m_s_per_rad", "friction, viscous", "N m s/rad",
         "likewise; in proportion to the output's speed";
     JOINT_INPUT_INERTIA = "joint_input_inertia_kg_m2", "inertia at the input", "kg m^2",
-        "input shaft, and the wheels' masses on its eccentrics";
+        "input shaft, and the discs' masses on its eccentrics";
     JOINT_OUTPUT_INERTIA = "joint_output_inertia_kg_m2", "inertia at the output", "kg m^2",
-        "output with its pins, and the wheels, which turn with it";
+        "output with its pins, and the discs, which turn with it";
     JOINT_REFLECTED_INERTIA = "joint_reflected_inertia_kg_m2", "both, seen from the output", "kg m^2",
         "the input's times the ratio squared, and the output's";
 }
@@ -137,7 +137,7 @@ pub struct DesignFigure {
 pub(super) struct Balances {
     /// Parts that the poses are made of.
     pub(super) parts: usize,
-    /// Cranks carry the wheels, as in an RV gear.
+    /// Cranks carry the discs, as in an RV gear.
     pub(super) on_cranks: bool,
     /// Lost motion, arcmin.
     pub(super) lost: Vec<f64>,
@@ -161,7 +161,7 @@ pub(super) struct Summed {
     bearing_force: Spread,
     /// Peak to peak of the transmission error, rated and unloaded, arcmin.
     pub(super) error: [f64; 2],
-    /// Change of the mean number of touching pins by one pin at one wheel in one pose.
+    /// Change of the mean number of touching pins by one pin at one disc in one pose.
     quantum: f64,
 }
 
@@ -216,7 +216,7 @@ impl Balances {
         }
     }
 
-    /// Forces of each wheel's bearing over some of the poses, N. On cranks those of all: in the next period each crank
+    /// Forces of each disc's bearing over some of the poses, N. On cranks those of all: in the next period each crank
     /// stands where its neighbour does in this one.
     fn carried(&self, scene: &Scene, every: usize, of: usize) -> Vec<Vec<f64>> {
         let Some(cranks) = scene.cranks else {
@@ -282,7 +282,7 @@ impl Balances {
         parted(self.parts, of).swap_remove(0)
     }
 
-    /// Loss by the friction of all sleeves on their pins at the rated speed and load, if they roll on the wheels.
+    /// Loss by the friction of all sleeves on their pins at the rated speed and load, if they roll on the discs.
     pub(super) fn sleeve_loss(&self, scene: &Scene) -> Option<DesignFigure> {
         let (bearings, gear) = (&scene.bearings, &scene.gear);
         let external = bearings.sleeve_drag(gear.external_sleeve_radius_m)?;

@@ -8,10 +8,10 @@
 //! ```
 //! * **k**: springs in parallel, each with its dead band. They pass through the balances at [`LEVELS`] of the rated torque, mean
 //!   over the mesh and both directions, as the steepening curve below which none of them lies. Free play is the first dead band.
-//! * **c**: damping of the contacts about the balance under the rated load, wheels following ([`Statics::compliance`]).
+//! * **c**: damping of the contacts about the balance under the rated load, discs following ([`Statics::compliance`]).
 //! * **friction**: what runs lose, as a torque on the output, fitted by a constant, a part that grows with the load and one that
 //!   grows with the speed. None of them below 0. Without runs it is not known, and left out.
-//! * **J_in**: the input shaft and the wheels' masses on its eccentrics. **J_out**: the output with its pins, and the wheels, which
+//! * **J_in**: the input shaft and the discs' masses on its eccentrics. **J_out**: the output with its pins, and the discs, which
 //!   turn with it.
 //!
 //! Properties that the joint has not: transmission error, and the change of stiffness and play over the mesh (their

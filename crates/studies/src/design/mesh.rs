@@ -12,9 +12,9 @@ use serde::Serialize;
 use super::Spread;
 use super::orders::ForceHarmonic;
 
-/// Poses for one passage of a sleeve.
+/// Poses for one passage of a pin.
 const PER_MESH: usize = 16;
-/// Poses at most, of which a passage has four at least where sleeves of a gear with errors meet again after many.
+/// Poses at most, of which a passage has four at least where pins of a gear with errors meet again after many.
 const MOST: usize = 4096;
 /// Poses at most of any gear. Those of a large one with errors meet passages at places that differ from one to the next, and what
 /// parts of them differ by is in the +-.
@@ -24,7 +24,7 @@ const PLACES: usize = 180;
 
 /// The poses of one period.
 ///
-/// With angles of the eccentrics, which are the input's but in RV gears: from the eccentric an external sleeve follows the other after 2 pi/zk of the input, an internal one after
+/// With angles of the eccentrics, which are the input's but in RV gears: from the eccentric a ring pin follows the other after 2 pi/zk of the input, an internal one after
 /// 2 pi zs/(zi zk). Both come round together after 2 pi zs/(g zk), g = gcd(zs, zi): less than a turn of the input. Parts with
 /// errors of their own meet again only when the output has turned once.
 pub(super) struct Poses {
@@ -35,7 +35,7 @@ pub(super) struct Poses {
     wheels: usize,
     /// Period of the input, rad.
     pub(super) period: f64,
-    /// Passages of external and internal sleeves in it.
+    /// Passages of ring and output pins in it.
     pub(super) meshes: [usize; 2],
     /// Periods per turn of the input.
     pub(super) per_turn: f64,
@@ -47,7 +47,7 @@ pub(super) struct Poses {
 const LEAST_PART: usize = 9;
 
 /// At least so many angles at equal distances over a period, in equal parts that take turns, and the number of parts. Every part
-/// and all together meet either mesh of every wheel at as many different places as they have angles, because neither number
+/// and all together meet either mesh of every disc at as many different places as they have angles, because neither number
 /// has a factor in common with the passages.
 fn spread(period: f64, meshes: [usize; 2], least: usize) -> (Vec<f64>, usize) {
     let alone = |n: &usize| meshes.iter().all(|mesh| gcd(*n, *mesh) == 1);
@@ -76,7 +76,7 @@ impl Poses {
         }
     }
 
-    /// Numbers of all poses, in an order in which sleeves of both kinds stand nearly as at the one before: a balance begins at
+    /// Numbers of all poses, in an order in which pins of both kinds stand nearly as at the one before: a balance begins at
     /// the last.
     pub(super) fn walk(&self) -> impl Iterator<Item = usize> + use<> {
         let count = self.angles.len();
@@ -91,7 +91,7 @@ impl Poses {
         (0..count).map(move |k| k * stride % count)
     }
 
-    /// Passages of both kinds of sleeves at all wheels.
+    /// Passages of both kinds of pins at all discs.
     fn passages(&self) -> [usize; 2] {
         self.meshes.map(|mesh| mesh * self.wheels)
     }
@@ -125,7 +125,7 @@ impl Poses {
     }
 }
 
-/// Which sleeves.
+/// Which pins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Stage {
@@ -147,14 +147,14 @@ impl Stage {
     }
 }
 
-/// A touching pair of a balance; of an RV gear a crank's bearing stands for that of an internal sleeve.
+/// A touching pair of a balance; of an RV gear a crank's bearing stands for that of an output pin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pair {
-    /// Wheel.
+    /// Disc.
     pub wheel: usize,
-    /// Sleeve.
+    /// Pin.
     pub sleeve: Sleeve,
-    /// Where the sleeve stands from the wheel's eccentric about the gear's axis, -pi to pi, rad.
+    /// Where the pin stands from the disc's eccentric about the gear's axis, -pi to pi, rad.
     pub place_rad: f64,
     /// F_n, N.
     pub force_n: f64,
@@ -162,7 +162,7 @@ pub struct Pair {
     pub penetration_m: f64,
     /// p0 of the line contact, Pa.
     pub pressure_pa: f64,
-    /// Sliding speed of the wheel on a pin that does not turn, m/s.
+    /// Sliding speed of the disc on a pin that does not turn, m/s.
     pub sliding_m_s: f64,
 }
 
@@ -171,7 +171,7 @@ pub(super) struct Pose {
     /// Output angle less the ideal mesh's, rad.
     pub(super) error_rad: f64,
     pub(super) pairs: Vec<Pair>,
-    /// Force of the contacts on every wheel, N: away from the input's axis, and counter-clockwise about it.
+    /// Force of the contacts on every disc, N: away from the input's axis, and counter-clockwise about it.
     pub(super) bearings: Vec<[f64; 2]>,
 }
 
@@ -244,12 +244,12 @@ fn from_eccentric(angle: f64, eccentric: f64) -> f64 {
     (angle - eccentric + PI).rem_euclid(TAU) - PI
 }
 
-/// Place, pressure and sliding of a contact; `eccentric` and `angle`: of the wheel's eccentric and of the wheel, rad.
+/// Place, pressure and sliding of a contact; `eccentric` and `angle`: of the disc's eccentric and of the disc, rad.
 fn pair(gearbox: &Gearbox, eccentric: f64, angle: f64, contact: &PairContact) -> Pair {
     let [x, y] = contact.centre;
     let geometry = &gearbox.geometry;
     let pressure = LinePressure::new(&gearbox.scene.contact);
-    // Velocity of the wheel at W: about its centre at -omega/zs, and with it along the eccentric's circle.
+    // Velocity of the disc at W: about its centre at -omega/zs, and with it along the eccentric's circle.
     let omega = gearbox.scene.eccentric_speed_rad_s();
     let rate = -omega / geometry.lobes();
     let (s, c) = eccentric.sin_cos();
@@ -278,11 +278,11 @@ fn pair(gearbox: &Gearbox, eccentric: f64, angle: f64, contact: &PairContact) ->
 /// Who carries the load.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Sharing {
-    /// Which sleeves.
+    /// Which pins.
     pub stage: Stage,
     /// Largest force of a pair in a pose, N.
     pub largest_force_n: Spread,
-    /// Touching pairs of a wheel.
+    /// Touching pairs of a disc.
     pub touching: Spread,
     /// Places around the eccentric, degrees: -180 to 180.
     pub place_deg: Vec<f64>,
@@ -318,7 +318,7 @@ impl Sharing {
 /// Pressure and sliding over the poses.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Pressure {
-    /// Which sleeves.
+    /// Which pins.
     pub stage: Stage,
     /// Largest p0, Pa.
     pub largest_pa: f64,
@@ -352,16 +352,16 @@ impl Pressure {
     }
 }
 
-/// Force of the contacts on a wheel, which its bearing on the eccentric carries.
+/// Force of the contacts on a disc, which its bearing on the eccentric carries.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Bearing {
-    /// Wheel.
+    /// Disc.
     pub wheel: usize,
     /// Its size, N.
     pub force_n: Spread,
     /// Away from the input's axis, N, over the period.
     pub radial_n: Vec<f64>,
-    /// Counter-clockwise about the input's axis, N, over the period: times e, the torque this wheel takes.
+    /// Counter-clockwise about the input's axis, N, over the period: times e, the torque this disc takes.
     pub tangential_n: Vec<f64>,
     /// The largest harmonics of the part away from the axis, largest first.
     pub radial_harmonics: Vec<ForceHarmonic>,

@@ -15,7 +15,7 @@
 //! * **Transmission error**: output angle less the ideal mesh's, arcmin; its harmonics in cycles per turn of the input.
 //! * **Pressure**: of a line contact after Hertz over the face width, p0 = sqrt(F E*/(pi L R)) with E* = E/(2 (1 - nu^2))
 //!   (K. L. Johnson, Contact Mechanics, 1985, section 4.2). Edges are left out.
-//! * **Sliding**: of the wheel on pins that do not turn. Sleeves that turn slide on their own pins instead.
+//! * **Sliding**: of the disc on pins that do not turn. Sleeves that turn slide on their own pins instead.
 //!
 //! The rated torque is the largest load of the scene, the rated speed its input speed.
 
@@ -182,7 +182,7 @@ pub struct DesignResult {
     pub sharing: [Sharing; 2],
     /// Pressure and sliding under the rated load.
     pub pressure: [Pressure; 2],
-    /// Force on the eccentric's bearing of every wheel.
+    /// Force on the eccentric's bearing of every disc.
     pub bearings: Vec<Bearing>,
     /// The hysteresis loop of a slow run; `None` if runs were not asked for.
     pub cycle: Option<Cycle>,
@@ -536,7 +536,7 @@ impl DesignResult {
         Ok(())
     }
 
-    /// The eccentric bearing with the largest force; the first of wheels that carry alike.
+    /// The eccentric bearing with the largest force; the first of discs that carry alike.
     #[must_use]
     pub fn most_loaded(&self) -> Option<&Bearing> {
         let more = |a: &Bearing, b: &Bearing| b.force_n.max > a.force_n.max * (1.0 + ALIKE);

@@ -1,4 +1,4 @@
-//! Figs. 11 to 13: backlash, and the sleeve forces it makes.
+//! Figs. 11 to 13: backlash, and the pin forces it makes.
 
 use pinwheel_contact::Complex;
 use pinwheel_gearbox::Geometry;
@@ -13,7 +13,7 @@ use crate::control::of_scene;
 /// As numbers name the backlashes.
 pub(super) const NAMES: [&str; 3] = ["0", "0.3_mm", "0.6_mm"];
 
-/// The smallest turn of a wheel from its ideal mesh to the first touch, rad, found on the curve itself.
+/// The smallest turn of a disc from its ideal mesh to the first touch, rad, found on the curve itself.
 fn turn_to_touch(scene: &Scene, backlash: f64) -> Result<f64, StudyError> {
     let mut loose = scene.clone();
     loose.gear.backlash_m = backlash;
@@ -57,9 +57,9 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         cases.plot([key, &title, "Force (N)"], &format!("{group}_0"), window)
     };
     let (ours, points) = (Model::Ours, Model::FINE);
-    let of_external = "Force on external sleeve 0";
-    let of_internal = "Force on internal sleeve 0";
-    let start = "The start: force on internal sleeve 0";
+    let of_external = "Force on ring pin 0";
+    let of_internal = "Force on output pin 0";
+    let start = "The start: force on output pin 0";
     let mut twelve = numbers("external_peak", &NAMES, &external, "N");
     twelve.extend([
         growth("growth", &external),
@@ -110,7 +110,7 @@ fn eleven() -> Result<Measured, StudyError> {
         Curve::points("first touch on the curve", found),
         Curve::line("closed form", closed),
     ];
-    let title = "Free turn of an unloaded wheel to one side";
+    let title = "Free turn of an unloaded disc to one side";
     let words = ["fig-11", title, "Tolerance d (mm)", "Free play (mrad)"];
     let plot = Plot::new(words, x, curves);
     Ok(Measured::new("fig-11", numbers, vec![plot]))

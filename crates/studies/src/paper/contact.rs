@@ -1,4 +1,4 @@
-//! Figs. 5, 6, 17 and 18: one contact of a wheel with an external sleeve, without and with backlash.
+//! Figs. 5, 6, 17 and 18: one contact of a disc with a ring pin, without and with backlash.
 
 use std::ops::Range;
 use std::rc::Rc;
@@ -11,7 +11,7 @@ use super::read::{STEADY, largest, mean, range, roughness};
 use super::runs::{BACKLASHES, Model, Run, Runs, backlash};
 use crate::StudyError;
 
-/// Distance of samples, s: sixteen in a swing of a wheel on its contacts (1.2 kHz).
+/// Distance of samples, s: sixteen in a swing of a disc on its contacts (1.2 kHz).
 const SAMPLE: f64 = 5e-5;
 /// Where the paper's contact begins, s (it speaks of 0.24 to 0.246 s).
 const BEGINS: f64 = 0.24;
@@ -25,14 +25,14 @@ const STIFFNESS: &str = "wheel_0_external_stiffness_n_m15";
 const NORMAL: &str = "wheel_0_external_normal_velocity_m_s";
 const TANGENTIAL: &str = "wheel_0_external_tangential_velocity_m_s";
 
-/// One contact: the sleeve and the samples in which it touches.
+/// One contact: the pin and the samples in which it touches.
 #[derive(Debug, Clone)]
 struct Contact {
     sleeve: usize,
     samples: Range<usize>,
 }
 
-/// Wheel 0 and all external sleeves.
+/// Disc 0 and all ring pins.
 fn run(runs: &Runs<'_>, model: Model, backlash: f64) -> Result<Rc<Run>, StudyError> {
     runs.get(model, |s| {
         s.gear.backlash_m = backlash;
@@ -49,7 +49,7 @@ fn course<'a>(time_series: &'a TimeSeries, name: &str, contact: &Contact) -> &'a
     values.unwrap_or(&[])
 }
 
-/// All contacts of wheel 0 that begin after `from` and have ended in the run. Gaps of a few samples, a sleeve
+/// All contacts of disc 0 that begin after `from` and have ended in the run. Gaps of a few samples, a pin
 /// bouncing at its start, do not end a contact.
 fn contacts(time_series: &TimeSeries, from: f64) -> Vec<Contact> {
     let start = time_series.time_s().partition_point(|t| *t < from);
@@ -98,7 +98,7 @@ fn swings(normal: &[f64]) -> [f64; 2] {
 fn missing() -> StudyError {
     StudyError::Reference {
         scene: "paper".to_owned(),
-        reason: "has no contact of wheel 0 with an external sleeve near 0.24 s".to_owned(),
+        reason: "has no contact of disc 0 with a ring pin near 0.24 s".to_owned(),
     }
 }
 
@@ -117,7 +117,7 @@ struct Touches {
 }
 
 impl Touches {
-    /// Touches of the contact of wheel 0 that is nearest to the paper's in the first of the runs.
+    /// Touches of the contact of disc 0 that is nearest to the paper's in the first of the runs.
     fn find(runs: impl Iterator<Item = (String, Rc<Run>)>) -> Result<Self, StudyError> {
         let mut list: Vec<(String, Rc<Run>, Contact)> = Vec::new();
         for (label, run) in runs {
@@ -149,7 +149,7 @@ impl Touches {
     fn plot(&self, [key, what, y_label]: [&str; 3], name: &str) -> Plot {
         let (_, run, contact) = &self.list[0];
         let sleeve = contact.sleeve;
-        let title = format!("{what}, wheel 0 with external sleeve {sleeve}");
+        let title = format!("{what}, disc 0 with ring pin {sleeve}");
         let curve = |(label, run, contact): &(String, Rc<Run>, Contact)| {
             let values = course(&run.time_series, name, contact);
             Curve::line(label, spread(values, &contact.samples, &self.shown))

@@ -1,4 +1,4 @@
-//! Figs. 7 and 8, and section 5: torques and sleeve forces at several contact dampings.
+//! Figs. 7 and 8, and section 5: torques and pin forces at several contact dampings.
 
 use pinwheel_scene::{Scene, scales};
 
@@ -33,8 +33,8 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let input = ["fig-07a", "Torque at the input shaft", "Input torque (N m)"];
     let title = "Torque at the output shaft";
     let output = ["fig-07b", title, "Output torque (N m)"];
-    let internal = ["fig-08a", "Force on internal sleeve 0", "Force (N)"];
-    let external = ["fig-08b", "Force on external sleeve 0", "Force (N)"];
+    let internal = ["fig-08a", "Force on output pin 0", "Force (N)"];
+    let external = ["fig-08b", "Force on ring pin 0", "Force (N)"];
     let [i, e] = [INTERNAL, EXTERNAL].map(|group| format!("{group}_0"));
     let mut seven = ranges("input_range", INPUT);
     seven.extend(ranges("output_range", OUTPUT));

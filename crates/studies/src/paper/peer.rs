@@ -128,10 +128,10 @@ fn suspects() -> [Suspect; 5] {
     [
         ("one stiffness for all contacts, Adams' IMPACT", impact),
         ("the same with 40 times the stiffness", stiff),
-        ("a faceted wheel, 600 vertices", |s| facets(s, 600)),
-        ("a faceted wheel, 300 vertices", |s| facets(s, 300)),
+        ("a faceted disc, 600 vertices", |s| facets(s, 600)),
+        ("a faceted disc, 300 vertices", |s| facets(s, 300)),
         (
-            "a faceted wheel, 300 vertices, IMPACT of 40 times the stiffness",
+            "a faceted disc, 300 vertices, IMPACT of 40 times the stiffness",
             |s| {
                 stiff(s);
                 facets(s, 300);
@@ -210,7 +210,7 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         ];
         let other = |peer: &Peer| Curve::line(&peer.name, on_grid(&peer.time_series, &channel, &x));
         curves.extend(runs.peer.map(other));
-        let title = format!("Force on {kind} sleeve 0");
+        let title = format!("Force on {kind} pin 0");
         let words = [key, &title, "Force (N)"];
         found.plots.push(Plot::over_time(words, x, curves));
     }

@@ -22,7 +22,7 @@ pub(super) const BACKLASHES: [f64; 3] = [0.0, 3e-4, 6e-4];
 pub(super) enum Model {
     /// Ours, converged: the exact profile, Runge-Kutta 4.
     Ours,
-    /// The paper's: so many points on a wheel (and 20 or 100 on a hole), Heun.
+    /// The paper's: so many points on a disc (and 20 or 100 on a hole), Heun.
     Points(usize),
 }
 

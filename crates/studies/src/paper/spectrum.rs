@@ -12,8 +12,8 @@ use crate::StudyError;
 use crate::fourier::moduli;
 use pinwheel_scene::{Scene, derived};
 
-/// Input turns until the start has died down, and turns analysed: 15, in which a wheel turns once, so that every
-/// order a wheel can make is a bin.
+/// Input turns until the start has died down, and turns analysed: 15, in which a disc turns once, so that every
+/// order a disc can make is a bin.
 const TURNS: (usize, usize) = (3, 15);
 /// Samples in a turn: up to order 256.
 const SAMPLES: usize = 512;

@@ -48,7 +48,7 @@ const MEAN_SHARE: f64 = 0.1;
 const JOINT_SHARE: f64 = 0.0015;
 /// Forces may be off by this much: beyond half, a course has nothing to do with the right one.
 const COURSE_ERROR: f64 = 0.5;
-/// Shares of the largest static force of a sleeve and of a wheel's load below which nothing is judged: an idle gear has none
+/// Shares of the largest static force of a pin and of a disc's load below which nothing is judged: an idle gear has none
 /// to speak of. 1 N and 0.01 N m for the paper's gear.
 const FORCE_SHARE: f64 = 0.015;
 const TORQUE_SHARE: f64 = 1e-3;

@@ -51,7 +51,7 @@ fn crossval_stated_uncertainties_cover_true_errors() {
     }
 }
 
-/// A gear of ratio 29 whose three wheels cross the ramp of their damping in less than a step of the Lagrange form: its runs at 5e-6
+/// A gear of ratio 29 whose three discs cross the ramp of their damping in less than a step of the Lagrange form: its runs at 5e-6
 /// and 5e-7 were wrong alike, by 1.6e-3 where 3e-4 was stated, and 20 of 68 comparisons were false alarms.
 #[test]
 fn hard_runs_that_are_wrong_alike_raise_no_false_alarm() {
@@ -116,7 +116,7 @@ sample_s = 2e-5
     assert_eq!((agree, found.exit_status()), (60, 0));
 }
 
-/// A sleeve whose radius is smaller by c is pressed in by c less; the others as before.
+/// A pin whose radius is smaller by c is pressed in by c less; the others as before.
 #[test]
 fn a_small_sleeve_is_pressed_in_less() {
     let mut gearbox = Gearbox::new(&Scene::paper().check().unwrap()).unwrap();

@@ -34,7 +34,7 @@ fn run(settings: &[(&str, &str)]) -> NativeRun {
         .unwrap()
 }
 
-/// Relative L2 distance of all sleeve forces.
+/// Relative L2 distance of all pin forces.
 fn off(found: &TimeSeries, reference: &TimeSeries) -> f64 {
     let (mut difference, mut size) = (0.0, 0.0);
     for kind in ["external_sleeve_force_n", "internal_sleeve_force_n"] {

@@ -60,7 +60,7 @@ fn claims(found: &PaperResult, expected: &[&str]) {
             ("backlash-50", ClaimVerdict::Holds) => {
                 near(0, 100.4, 0.3) && near(1, 154.1, 0.5) && near(2, 0.54, 0.01)
             }
-            // One wheel with half the load touches a sleeve 51, 24 and 20 % of 0.12 s.
+            // One disc with half the load touches a pin 51, 24 and 20 % of 0.12 s.
             ("backlash-contact-time", ClaimVerdict::Holds) => {
                 near(0, 61.0, 2.0) && near(1, 29.0, 1.0) && near(2, 24.0, 1.0)
             }

@@ -216,7 +216,7 @@ fn deviate(scene: &mut Scene) {
 }
 
 /// Figures of random gears are the same when sampled twice and ten times as often, in a mirror with the order of all
-/// parts reversed, turned as a whole with another first wheel, in other units, and by the Lagrange form. Every other
+/// parts reversed, turned as a whole with another first disc, in other units, and by the Lagrange form. Every other
 /// gear has errors of its parts.
 #[test]
 fn hard_figures_hang_on_nothing_else() {
@@ -259,7 +259,7 @@ fn hard_figures_hang_on_nothing_else() {
             let seen = Seen::of(units.scene(&scene), &Native::REDUCED)?;
             Some(Seen { units, ..seen })
         };
-        // Points of a hole start along the wheel's x axis, which a mirror and a turn leave behind: their image has other points.
+        // Points of a hole start along the disc's x axis, which a mirror and a turn leave behind: their image has other points.
         let is_exact = scene.contact.detection == Detection::Exact;
         // Without load any place within the play is an equilibrium.
         let is_free =

@@ -93,7 +93,7 @@ fn an_atlas_goes_on_where_it_stopped() {
     assert_eq!(again, whole);
 }
 
-/// Twice the step tells a run that is not resolved (Heun on wheels that fall through 1 mm of play: measured
+/// Twice the step tells a run that is not resolved (Heun on discs that fall through 1 mm of play: measured
 /// 0.56, and 0.36 off) from one that is (`paper`: 1.5e-2, and 5e-3 off).
 #[test]
 fn hard_unresolved_runs_are_told() {
@@ -208,8 +208,8 @@ fn joints_drift_unless_they_are_kept() {
     );
 }
 
-/// Lost motion that `design` gives for a modified profile: an equidistant modification dq leaves the wheel of a rigid
-/// gear 2 dq/(e zs) of play where a sleeve stands at cos(phi) = m, and more elsewhere; statics and the closed form have
+/// Lost motion that `design` gives for a modified profile: an equidistant modification dq leaves the disc of a rigid
+/// gear 2 dq/(e zs) of play where a pin stands at cos(phi) = m, and more elsewhere; statics and the closed form have
 /// nothing in common but the gap.
 #[test]
 fn published_lost_motion_of_a_modified_profile() {
@@ -224,7 +224,7 @@ fn published_lost_motion_of_a_modified_profile() {
     let (plain, modified) = (lost(0.0), lost(1e-5));
     let gear = &modified.scene.gear;
     let arcmin = 10_800.0 / std::f64::consts::PI;
-    // The least over the sleeves of gap over lever, of either side and the wheel that is first, over the mesh.
+    // The least over the pins of gap over lever, of either side and the disc that is first, over the mesh.
     let free = |input: f64| {
         let play = |sign: f64, wheel: usize, j: usize| {
             let phi = std::f64::consts::TAU * j as f64 / 16.0
@@ -256,7 +256,7 @@ fn published_lost_motion_of_a_modified_profile() {
     assert_eq!(figure.value, Some(found.max));
     assert_eq!(figure.over_the_mesh, Some([found.min, found.max]));
     assert_eq!(figure.mean_over_the_mesh, Some(found.mean));
-    // The elastic part at 3 % is that of the plain gear or somewhat more: fewer sleeves carry.
+    // The elastic part at 3 % is that of the plain gear or somewhat more: fewer pins carry.
     let elastic = plain.torsion.lost_motion_arcmin.unwrap().mean;
     assert!(elastic < 0.02 * mean, "{elastic}");
     assert!((found.mean / mean - 1.0).abs() < 0.02, "{found:?} {mean}");
@@ -265,7 +265,7 @@ fn published_lost_motion_of_a_modified_profile() {
         found.min > least && found.min < 1.1 * least,
         "{found:?} {least}"
     );
-    // Fewer sleeves carry, so that the gear is softer.
+    // Fewer pins carry, so that the gear is softer.
     let [stiff, soft] =
         [&plain, &modified].map(|found| found.torsion.stiffness_n_m_per_arcmin.mean);
     assert!(soft < 0.95 * stiff, "{soft} {stiff}");
@@ -312,12 +312,12 @@ fn errors_show_at_their_own_orders() {
         near.map(|harmonic| harmonic.amplitude_arcmin).sum::<f64>()
     };
     assert_eq!(harmonic(0.0), 0.0);
-    // The ring displaced by v against the axis turns the wheel by up to about v/(e zs): 5 um in 42 mm are 0.41 arcmin.
+    // The ring displaced by v against the axis turns the disc by up to about v/(e zs): 5 um in 42 mm are 0.41 arcmin.
     let found = harmonic(5e-6);
     assert!((0.2..0.6).contains(&found), "{found}");
 }
 
-/// All wheels turned alike against the ideal mesh are the same gear at another angle of the input: every figure stays within
+/// All discs turned alike against the ideal mesh are the same gear at another angle of the input: every figure stays within
 /// the uncertainties of both. 24 poses that met few places of the mesh were off by up to 3e6 of them.
 #[test]
 fn regress_a_shift_of_all_phases_changes_no_figure() {
@@ -398,7 +398,7 @@ fn hard_loads_that_are_rounding_are_none() {
     }
 }
 
-/// The second wheel of a gear with errors carries most: 970 N, where the first has 577. Its least and largest over the
+/// The second disc of a gear with errors carries most: 970 N, where the first has 577. Its least and largest over the
 /// mesh are known to its +-, at all poses and at few of them.
 #[test]
 fn regress_figures_of_several_wheels_are_of_the_most_loaded() {
@@ -428,8 +428,8 @@ fn regress_figures_of_several_wheels_are_of_the_most_loaded() {
     assert!(ends > 4, "{ends}");
 }
 
-/// Random gears with floating wheels on which damped Newton steps led nowhere: loads so light that contacts come and go (9340, and
-/// 9356 under Hertz' line contact), and a wheel that snaps through as its mesh goes on (9345).
+/// Random gears with floating discs on which damped Newton steps led nowhere: loads so light that contacts come and go (9340, and
+/// 9356 under Hertz' line contact), and a disc that snaps through as its mesh goes on (9345).
 #[test]
 fn hard_floating_wheels_balance_where_contacts_come_and_go() {
     for (seed, law, lost_arcmin) in [
@@ -446,7 +446,7 @@ fn hard_floating_wheels_balance_where_contacts_come_and_go() {
         let lost = found.torsion.lost_motion_arcmin.unwrap().max;
         assert!((lost / lost_arcmin - 1.0).abs() < 0.01, "{seed}: {lost}");
     }
-    // Forces that jump from point to point may hold a wheel nowhere between two of them; it says so.
+    // Forces that jump from point to point may hold a disc nowhere between two of them; it says so.
     let points = Gearbox::new(&gears::gear(9253).unwrap().check().unwrap()).unwrap();
     let error = design::run(&points, false, &Control::quiet()).unwrap_err();
     assert!(

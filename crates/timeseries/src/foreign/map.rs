@@ -539,7 +539,7 @@ impl Source {
         require(
             stars(name) <= 1,
             "has more than one `*`",
-            "one stands for the sleeve's or wheel's number",
+            "one stands for the pin's or disc's number",
         )?;
         require(
             full.columns().iter().all(|(column, _)| alike(column)),

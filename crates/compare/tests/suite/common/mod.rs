@@ -23,7 +23,7 @@ pub(crate) fn participant(name: &str, track: Track, time_series: TimeSeries) -> 
     }
 }
 
-/// 0.6 s in steps of 1e-3 s; every sleeve force and the driver torque are `scale` times as large.
+/// 0.6 s in steps of 1e-3 s; every pin force and the driver torque are `scale` times as large.
 pub(crate) fn time_series(scale: f64) -> TimeSeries {
     let time: Vec<f64> = (0..=600).map(|k| f64::from(k) * 1e-3).collect();
     let mut time_series = TimeSeries::new(time.clone()).unwrap();

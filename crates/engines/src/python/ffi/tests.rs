@@ -17,7 +17,7 @@ fn publish(gearbox: &Gearbox) -> Published {
     Published::new(gearbox).unwrap()
 }
 
-/// Loaded states: the output and wheels turned a little out of the ideal mesh.
+/// Loaded states: the output and discs turned a little out of the ideal mesh.
 fn states(gearbox: &Gearbox) -> Vec<f64> {
     let mut bodies = gearbox.kinematic_states();
     for body in gearbox.layout.wheel_bodies() {

@@ -15,7 +15,7 @@ use super::{Cranks, Given, OfCrank, Springs, WHEELS, cross, pressed};
 use crate::Layout;
 use crate::contacts::pairs::places;
 
-/// Place of the output among the free bodies; wheels follow.
+/// Place of the output among the free bodies; discs follow.
 const OUTPUT: usize = 0;
 const AXES: [[f64; 2]; 2] = [[1.0, 0.0], [0.0, 1.0]];
 
@@ -25,11 +25,11 @@ struct Move {
     /// The offset, where nothing gives way, and its rate.
     way: [f64; 2],
     faster: [f64; 2],
-    /// The bore from the wheel's centre.
+    /// The bore from the disc's centre.
     arm: [f64; 2],
     /// The crank, rad.
     turned: f64,
-    /// How fast wheel and crank turn against each other.
+    /// How fast disc and crank turn against each other.
     turning: f64,
 }
 
@@ -63,7 +63,7 @@ struct Sprung {
     yields: Option<(Springs, Given)>,
     throw_m: f64,
     per_output: f64,
-    /// Row of the first wheel's place.
+    /// Row of the first disc's place.
     first: usize,
 }
 
@@ -81,7 +81,7 @@ fn sum(a: f64, p: [f64; 2], b: f64, q: [f64; 2]) -> [f64; 2] {
 }
 
 impl Sprung {
-    /// Visits the rows that something moves, with the slope of their force or moment: all wheels do through what gives way.
+    /// Visits the rows that something moves, with the slope of their force or moment: all discs do through what gives way.
     fn moved(
         &self,
         cranks: &Cranks,

@@ -1,4 +1,4 @@
-//! States and loads of the sleeves as columns, padded to whole groups of lanes.
+//! States and loads of the pins as columns, padded to whole groups of lanes.
 
 use pinwheel_contact::{Complex, ComplexLanes, Lanes, Mask};
 use pinwheel_mbs::{BodyState, Wrench};
@@ -40,7 +40,7 @@ impl Column {
     }
 }
 
-/// Sleeves of one kind: states in, loads out.
+/// Pins of one kind: states in, loads out.
 #[derive(Debug, Clone)]
 pub(super) struct Sleeves {
     first: usize,
@@ -99,7 +99,7 @@ impl Sleeves {
         }
     }
 
-    /// Starts of the groups, with the mask of lanes that are sleeves.
+    /// Starts of the groups, with the mask of lanes that are pins.
     #[inline(always)]
     pub(super) fn groups<S: Simd>(
         &self,

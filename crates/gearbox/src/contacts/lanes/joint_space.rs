@@ -1,34 +1,34 @@
 //! Contacts of a gear whose bodies stand where their joints hold them: angles and rates are all there is to know, and the places
-//! of wheels that float.
+//! of discs that float.
 //!
-//! With phi, psi, theta the angles of input, output and wheel, f the phase of the wheel's eccentric, b how far sleeves
-//! stand outside of C (the backlash, less a radial modification), a0 the place where the ideal mesh has the foot of a sleeve in direction beta, and E = e^{i zs a0}, that sleeve's centre stands at
+//! With phi, psi, theta the angles of input, output and disc, f the phase of the disc's eccentric, b how far pins
+//! stand outside of C (the backlash, less a radial modification), a0 the place where the ideal mesh has the foot of a pin in direction beta, and E = e^{i zs a0}, that pin's centre stands at
 //! the offset q from C(a0), in directions turned by a0 (see [`local_feet`](pinwheel_contact::Epitrochoid::local_feet)):
 //!
 //! ```text
 //! q = b + k E,   k = -e (1 + e^{i (phi + f + zs theta)}),   E = e^{-i zs theta} / beta
 //! ```
-//! k is 0 at the ideal mesh. Rates and moments follow from levers alone, n pointing from the sleeve's centre P to the wheel, z
+//! k is 0 at the ideal mesh. Rates and moments follow from levers alone, n pointing from the pin's centre P to the disc, z
 //! = P + c from the origin, c the eccentric:
 //!
 //! ```text
-//! d(delta)/dt = ln.(theta', psi', phi'),    ln = (-P x n, z x n (internal sleeves), -c x n),    moments = -F ln
+//! d(delta)/dt = ln.(theta', psi', phi'),    ln = (-P x n, z x n (output pins), -c x n),    moments = -F ln
 //! external, T and g those of the foot:   P x n = -e zs sin(zs a)/sqrt(g),   c x n = -(R + b) Im T/sqrt(g) - P x n
-//! internal, h the hole's centre, s the sleeve's place on the output:
+//! internal, h the hole's centre, s the pin's place on the output:
 //!   n = o/|o|,  o = s e^{i psi} - h e^{i theta} - c,   P x n = h e^{i theta} x n,   c x n = z x n - P x n
 //! ```
 //!
-//! A wheel that floats has its centre for c in k, `k = -e - c e^{i zs theta}`, and closes its contacts with its own velocity v in
+//! A disc that floats has its centre for c in k, `k = -e - c e^{i zs theta}`, and closes its contacts with its own velocity v in
 //! place of the input's: -v.n for -c x n phi'.
 //!
-//! **Which sleeves can touch.** P is outside for certain where `H |q|^2 < q.(1 + m E)` (`local_feet`), in units of R. Both
+//! **Which pins can touch.** P is outside for certain where `H |q|^2 < q.(1 + m E)` (`local_feet`), in units of R. Both
 //! sides are the first harmonic of the place along the ring, as |E| = 1:
 //!
 //! ```text
 //! X + Re((Y + i Z) E) > 0,   X = b + m Re k - H (b^2 + |k|^2),   Y + i Z = k + m b - 2 H b k
 //! ```
-//! so the sleeves that are not outside for certain are neighbours. They are taken a register at a time, and two registers,
-//! of whatever wheels, side by side.
+//! so the pins that are not outside for certain are neighbours. They are taken a register at a time, and two registers,
+//! of whatever discs, side by side.
 
 mod internal;
 
@@ -48,7 +48,7 @@ use crate::scene::Scene;
 /// Bound of rounding in the test of points outside, in units of R.
 const ROUNDING: f64 = 1e-14;
 
-/// Sleeves at the ends of a window: the one before it, its first, its last, the one after.
+/// Pins at the ends of a window: the one before it, its first, its last, the one after.
 const ENDS: usize = 4;
 /// 1 where these are outside for certain, -1 where they are not, for all lanes of a register.
 const SIGNS: [f64; PADDING / 2] = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0];
@@ -57,7 +57,7 @@ const SIGNS: [f64; PADDING / 2] = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0];
 #[derive(Debug, Clone)]
 pub(super) struct JointSpace {
     layout: Layout,
-    /// e e^{if} of every wheel, m.
+    /// e e^{if} of every disc, m.
     eccentrics: Vec<Complex>,
     eccentricity: f64,
     backlash: f64,
@@ -67,26 +67,26 @@ pub(super) struct JointSpace {
     /// H.
     repulsion: f64,
     pins: Option<OnPins>,
-    /// Radii of external and internal sleeves, m.
+    /// Radii of ring and output pins, m.
     sleeve_radii: [f64; 2],
-    /// 1/beta of the external sleeves, the first ones again after the last.
+    /// 1/beta of the ring pins, the first ones again after the last.
     directions: Column,
-    /// Internal sleeves on the output, m.
+    /// Output pins on the output, m.
     points: Column,
     angles: Vec<f64>,
     units: Column,
     wheels: Vec<Wheel>,
-    /// Segments of external and of internal sleeves, two side by side. The former stay while no other sleeve comes
+    /// Segments of external and of output pins, two side by side. The former stay while no other pin comes
     /// near: nothing need wait for the test that they hold.
     segments: [Vec<[Segment; 2]>; 2],
-    /// Directions of the sleeves at the [`ENDS`] of the windows, a register a wheel, and whether every wheel has ends.
+    /// Directions of the pins at the [`ENDS`] of the windows, a register a disc, and whether every disc has ends.
     ends: Column,
     is_bounded: bool,
-    /// On the sleeves, N, ground frame; external ones as their directions. 0 between two evaluations.
+    /// On the pins, N, ground frame; external ones as their directions. 0 between two evaluations.
     forces: [Column; 2],
 }
 
-/// A wheel at the angles of the moment.
+/// A disc at the angles of the moment.
 #[derive(Debug, Clone, Copy, Default)]
 struct Wheel {
     /// c, m.
@@ -105,7 +105,7 @@ struct Wheel {
     moment: f64,
 }
 
-/// At most a register of neighbouring sleeves at a wheel.
+/// At most a register of neighbouring pins at a disc.
 #[derive(Debug, Clone, Copy)]
 struct Segment {
     wheel: usize,
@@ -118,12 +118,12 @@ struct Segment {
 struct Sums<S: Simd> {
     /// True if energy is requested.
     asked: bool,
-    /// True if loads on sleeves are requested.
+    /// True if loads on pins are requested.
     on_sleeves: bool,
     /// Moments on input, with `LOADS`, and output.
     on_input: Lanes<S>,
     on_output: Lanes<S>,
-    /// Couple of the internal sleeves on their pins.
+    /// Couple of the output pins on their pins.
     on_pins: Lanes<S>,
     /// Where energy is asked for.
     stored: Lanes<S>,
@@ -149,7 +149,7 @@ fn gap<S: Simd>(direction: ComplexLanes<S>, swing: ComplexLanes<S>, x: Lanes<S>)
     direction.re.mul_add(swing.re, imaginary)
 }
 
-/// Pushes what a run of `count` sleeves from `from` on takes, in registers, beside a last one that has none beside it.
+/// Pushes what a run of `count` pins from `from` on takes, in registers, beside a last one that has none beside it.
 #[inline(always)]
 fn split<S: Simd>(
     segments: &mut Vec<[Segment; 2]>,
@@ -196,7 +196,7 @@ fn fold(values: &mut [f64], count: usize) {
     }
 }
 
-/// Takes the sums of what acts on two segments of sleeves from their wheels.
+/// Takes the sums of what acts on two segments of pins from their discs.
 #[inline(always)]
 fn react<S: Simd>(wheels: &mut [Wheel], pair: [Segment; 2], push: ComplexLanes<S>) {
     let (x, y) = (push.re.sums(), push.im.sums());
@@ -253,7 +253,7 @@ impl JointSpace {
                 .map(|&f| Complex::unit(f).scale(gear.eccentricity_m))
                 .collect(),
             eccentricity: gear.eccentricity_m,
-            // How far sleeves stand outside of C, which a radial modification makes larger or smaller.
+            // How far pins stand outside of C, which a radial modification makes larger or smaller.
             backlash: gear.pitch_radius_m() + gear.backlash_m - geometry.curve.pitch_radius(),
             radius: geometry.curve.pitch_radius(),
             lobes: f64::from(geometry.curve.lobes()),
@@ -273,8 +273,8 @@ impl JointSpace {
         }
     }
 
-    /// Forces at the angles and rates of `bodies`, whose places are not looked at but those of wheels that float. Moments are those of wheels and output,
-    /// with `LOADS` the input's and all bodies' loads, too; those on wheels and sleeves are written. Nothing rubs.
+    /// Forces at the angles and rates of `bodies`, whose places are not looked at but those of discs that float. Moments are those of discs and output,
+    /// with `LOADS` the input's and all bodies' loads, too; those on discs and pins are written. Nothing rubs.
     #[inline(always)]
     pub(super) fn run<S: Simd, const LOADS: bool, const FLOATS: bool>(
         &mut self,
@@ -370,7 +370,7 @@ impl JointSpace {
         units.at(1)
     }
 
-    /// Lists the external sleeves that are not outside for certain.
+    /// Lists the ring pins that are not outside for certain.
     #[inline(always)]
     fn list_external<S: Simd>(&mut self, simd: S) {
         let count = self.layout.external_sleeves;
@@ -414,7 +414,7 @@ impl JointSpace {
         self.segments[0] = segments;
     }
 
-    /// Which of the external sleeves from `from` on are outside of a wheel for certain.
+    /// Which of the ring pins from `from` on are outside of a disc for certain.
     #[inline(always)]
     fn outside<S: Simd>(&self, simd: S, wheel: &Wheel, from: usize) -> Mask<S> {
         let directions = self.directions.load(simd, from);
@@ -423,7 +423,7 @@ impl JointSpace {
         Lanes::splat(simd, 0.0).less(gap)
     }
 
-    /// True if the same sleeves are near as when they were listed: those that were the first and the last still are, and
+    /// True if the same pins are near as when they were listed: those that were the first and the last still are, and
     /// those beside them are not. As the near ones are neighbours, these four tell of all.
     #[inline(always)]
     fn stays<S: Simd>(&self, simd: S) -> bool {
@@ -450,7 +450,7 @@ impl JointSpace {
         true
     }
 
-    /// Velocities of the centres of a pair's wheels, m/s.
+    /// Velocities of the centres of a pair's discs, m/s.
     #[inline(always)]
     fn velocities<S: Simd>(
         &self,
@@ -570,7 +570,7 @@ impl JointSpace {
         }
     }
 
-    /// Forces of the sleeves to the bodies; here they are 0 again.
+    /// Forces of the pins to the bodies; here they are 0 again.
     #[inline(always)]
     fn scatter(&mut self, loads: &mut [Wrench]) {
         let layout = &self.layout;
@@ -595,7 +595,7 @@ impl JointSpace {
         }
     }
 
-    /// Writes the forces and moments of the wheels to the loads of the bodies.
+    /// Writes the forces and moments of the discs to the loads of the bodies.
     #[inline(always)]
     fn scatter_wheels(&self, loads: &mut [Wrench]) {
         for (k, load) in loads[self.layout.wheel_bodies()].iter_mut().enumerate() {

@@ -9,7 +9,7 @@ use super::pair_loop::{Group, Sink, Wheel};
 use crate::Layout;
 use crate::contacts::sleeves::OnPins;
 
-/// Adds forces (Eq. 20, 21) to the sleeves' columns and to the wheels' loads, and what they store and dissipate to `energy`.
+/// Adds forces (Eq. 20, 21) to the pins' columns and to the discs' loads, and what they store and dissipate to `energy`.
 pub(super) struct Loads<'a> {
     pub(super) law: PinLaw,
     pub(super) friction: RegularisedCoulomb,

@@ -1,6 +1,6 @@
-//! All pairs of wheels and sleeves, several at a time: the fast form of [`pairs`](super::pairs).
+//! All pairs of discs and pins, several at a time: the fast form of [`pairs`](super::pairs).
 //!
-//! Exact detection only. Sleeve states stand in structure-of-arrays columns, padded to whole groups
+//! Exact detection only. Pin states stand in structure-of-arrays columns, padded to whole groups
 //! of lanes whose surplus is masked. Formulas, signs and frames are those of the scalar loop, which
 //! stays as the oracle (tests: equal to 1e-13 relative). The vector instructions are chosen when the
 //! program runs, by what the processor has.
@@ -42,7 +42,7 @@ pub(super) struct LaneField {
     pairs: LanePairs,
     /// Without friction.
     joint_space: Option<JointSpace>,
-    /// True if no joint holds the wheels.
+    /// True if no joint holds the discs.
     floats: bool,
     /// For single pairs, where lanes gain nothing.
     scalar: Pairs<Exact>,
@@ -197,7 +197,7 @@ impl ContactField for LaneField {
                 (true, false) => self.sum_in_joint_space::<true, false>(bodies, sums),
                 (false, false) => self.sum_in_joint_space::<false, false>(bodies, sums),
                 (true, true) => self.sum_in_joint_space::<true, true>(bodies, sums),
-                // Forces move such wheels, and moments are not all.
+                // Forces move such discs, and moments are not all.
                 (false, true) => return false,
             }
             return true;

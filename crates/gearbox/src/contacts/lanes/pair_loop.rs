@@ -1,4 +1,4 @@
-//! The walk over all pairs of wheels and sleeves, a group of lanes at a time.
+//! The walk over all pairs of discs and pins, a group of lanes at a time.
 
 use pinwheel_contact::{Complex, ComplexLanes, Lanes, NormalLaw, PinLaw};
 use pinwheel_mbs::BodyState;
@@ -8,11 +8,11 @@ use super::LanePairs;
 use super::columns::Sleeves;
 use super::shapes::{Shapes, Touching};
 
-/// A wheel's frame, and what its contacts add up to (in that frame).
+/// A disc's frame, and what its contacts add up to (in that frame).
 pub(super) struct Wheel<S: Simd> {
     pub(super) number: usize,
     pub(super) centre: ComplexLanes<S>,
-    /// e^{i theta}, wheel frame to ground.
+    /// e^{i theta}, disc frame to ground.
     pub(super) turn: ComplexLanes<S>,
     /// Its inverse.
     pub(super) back: ComplexLanes<S>,
@@ -41,7 +41,7 @@ impl<S: Simd> Wheel<S> {
     }
 
     /// Takes the reactions of the force `on_sleeve` at `point`, 0 where nothing touches, and of the law's force along the
-    /// profile at the sleeves' centres; returns what the sleeves receive in all.
+    /// profile at the pins' centres; returns what the pins receive in all.
     #[inline(always)]
     pub(super) fn push(
         &mut self,
@@ -65,11 +65,11 @@ impl<S: Simd> Wheel<S> {
 
 /// Lanes of one group, some of which touch.
 pub(super) struct Group<'a, S: Simd> {
-    /// External sleeves (else internal).
+    /// Ring pins (else internal).
     pub(super) external: bool,
-    /// Number of the group's first sleeve.
+    /// Number of the group's first pin.
     pub(super) from: usize,
-    /// Sleeve centres in the wheel's frame.
+    /// Pin centres in the disc's frame.
     pub(super) p: ComplexLanes<S>,
     pub(super) touching: Touching<S>,
     pub(super) shapes: &'a Shapes,
@@ -93,7 +93,7 @@ impl<S: Simd> Group<'_, S> {
         }
     }
 
-    /// Force on the sleeves at their centres along t, N, in lanes that touch, and 0 in others; `None` where there is none.
+    /// Force on the pins at their centres along t, N, in lanes that touch, and 0 in others; `None` where there is none.
     #[inline(always)]
     pub(super) fn along(&self, law: &PinLaw) -> Option<Lanes<S>> {
         let touching = &self.touching;
@@ -103,8 +103,8 @@ impl<S: Simd> Group<'_, S> {
         Some(-(slopes.along * along).only(touching.mask))
     }
 
-    /// Velocity of the sleeves relative to the wheel at W, in the wheel's frame; see `Pairs::load`.
-    /// A sleeve's spin moves W across the normal only: without friction it may be left out.
+    /// Velocity of the pins relative to the disc at W, in the disc's frame; see `Pairs::load`.
+    /// A pin's spin moves W across the normal only: without friction it may be left out.
     #[inline(always)]
     pub(super) fn relative_velocity(
         &self,
@@ -129,16 +129,16 @@ pub(super) trait Sink {
     /// A group of which some lanes touch.
     fn group<S: Simd>(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>);
 
-    /// All groups of a wheel (body index `body`) were seen.
+    /// All groups of a disc (body index `body`) were seen.
     #[inline(always)]
     fn end<S: Simd>(&mut self, _body: usize, _wheel: &Wheel<S>) {}
 
-    /// All wheels were seen; `sleeves`: external and internal, with what was left in their columns.
+    /// All discs were seen; `sleeves`: external and internal, with what was left in their columns.
     #[inline(always)]
     fn finish(&mut self, _sleeves: [&Sleeves; 2]) {}
 }
 
-/// Visits every group with a touching pair: wheel by wheel, external sleeves before internal ones.
+/// Visits every group with a touching pair: disc by disc, ring pins before internal ones.
 #[inline(always)]
 pub(super) fn pair_loop<S: Simd>(
     simd: S,
@@ -156,7 +156,7 @@ pub(super) fn pair_loop<S: Simd>(
     internal.gather(bodies);
     for (i, body) in layout.wheel_bodies().enumerate() {
         let mut wheel = Wheel::new(simd, i, &bodies[body]);
-        // The ideal mesh has the foot of sleeve j at a0 = beta_j - theta, and zk beta_j is a whole turn.
+        // The ideal mesh has the foot of pin j at a0 = beta_j - theta, and zk beta_j is a whole turn.
         let multiple = wheel.back.lane(0).powu(shapes.zk);
         let multiple = ComplexLanes::splat(simd, multiple);
         for (from, present) in external.groups(simd) {

@@ -1,4 +1,4 @@
-//! Where sleeves touch, several at a time, in the wheel's frame.
+//! Where pins touch, several at a time, in the disc's frame.
 
 use pinwheel_contact::{ComplexLanes, Epitrochoid, Lanes, LocalFeet, Mask, Real};
 use pinwheel_scene::scales::hertz;
@@ -8,22 +8,22 @@ use super::columns::Column;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 
-/// Touching lanes of a group in the wheel's frame.
+/// Touching lanes of a group in the disc's frame.
 pub(super) struct Touching<S: Simd> {
     pub(super) mask: Mask<S>,
     pub(super) point: ComplexLanes<S>,
     pub(super) normal: ComplexLanes<S>,
     pub(super) penetration: Lanes<S>,
     pub(super) stiffness: Lanes<S>,
-    /// By how much n turns towards t = R90 n as the sleeve's centre moves along t, 1/m.
+    /// By how much n turns towards t = R90 n as the pin's centre moves along t, 1/m.
     pub(super) turning: Lanes<S>,
-    /// Feet of external sleeves.
+    /// Feet of ring pins.
     pub(super) foot: Option<LocalFeet<S>>,
 }
 
-/// How K changes where sleeves touch the profile.
+/// How K changes where pins touch the profile.
 pub(super) struct StiffnessSlopes<S: Simd> {
-    /// dK by the way of the sleeve's centre along t = R90 n, N/m^2.5.
+    /// dK by the way of the pin's centre along t = R90 n, N/m^2.5.
     pub(super) along: Lanes<S>,
     /// And how that changes along t, N/m^3.5.
     pub(super) bend: Lanes<S>,
@@ -38,7 +38,7 @@ pub(super) struct Shapes {
     pub(super) zk: u32,
     /// q', by which the edge lies inside of C, m.
     edge: f64,
-    /// q - q', by which sleeves are larger than what cut the edge, m: never above 0.
+    /// q - q', by which pins are larger than what cut the edge, m: never above 0.
     larger: f64,
     /// q, q' and q - q', or 0 where K does not change with the curvature.
     bending: [f64; 3],
@@ -48,7 +48,7 @@ pub(super) struct Shapes {
     hole_radius: f64,
     pub(super) clearance: f64,
     pub(super) directions: Column,
-    /// Hole centres in the wheel's frame, by wheel.
+    /// Hole centres in the disc's frame, by disc.
     pub(super) holes: Vec<Column>,
 }
 
@@ -78,7 +78,7 @@ impl Shapes {
         }
     }
 
-    /// External sleeves centred at `p` (wheel frame) against the profile.
+    /// Ring pins centred at `p` (disc frame) against the profile.
     #[inline(always)]
     pub(super) fn profile<S: Simd>(
         &self,
@@ -104,7 +104,7 @@ impl Shapes {
         }
     }
 
-    /// Which external sleeves are pressed in, and how deep.
+    /// Which ring pins are pressed in, and how deep.
     #[inline(always)]
     pub(super) fn pressed<S: Simd>(&self, foot: &LocalFeet<S>) -> (Mask<S>, Lanes<S>) {
         if self.larger == 0.0 {
@@ -115,7 +115,7 @@ impl Shapes {
         (foot.inside.and(pressed), penetration)
     }
 
-    /// How K changes, where external sleeves touch: with c and s the cosine and sine of zs a at the foot,
+    /// How K changes, where ring pins touch: with c and s the cosine and sine of zs a at the foot,
     /// g = 1 + m^2 + 2 m c, and ' by the way along C,
     ///
     /// ```text
@@ -124,7 +124,7 @@ impl Shapes {
     /// K' = -K q kappa'/(2 r),    K'' = -K q (kappa'' + (q' - 3 l + 4 q' l kappa) kappa'^2/(2 r))/(2 r)
     /// r = (1 - q' kappa)(1 + l kappa),    l = q - q'
     /// ```
-    /// The sleeve's centre moves along t by -(1 - delta kappa) times the foot's way.
+    /// The pin's centre moves along t by -(1 - delta kappa) times the foot's way.
     #[inline(always)]
     pub(super) fn stiffness_slopes<S: Simd>(
         &self,
@@ -179,7 +179,7 @@ impl Shapes {
         curvature.like(self.profile_stiffness) * radicand.sqrt()
     }
 
-    /// Internal sleeves centred at `p` (wheel frame) in their holes.
+    /// Output pins centred at `p` (disc frame) in their holes.
     #[inline(always)]
     pub(super) fn hole<S: Simd>(
         &self,

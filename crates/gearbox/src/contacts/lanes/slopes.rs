@@ -1,7 +1,7 @@
 //! How the contacts' moments change with angles, rates and time: the exact derivative of [`loads`](super::loads).
 //!
-//! In the wheel's frame, with z the sleeve's centre P, c the wheel's centre about the origin, n and t = R90 n at the contact,
-//! rho = q - delta (W - P = rho n), theta, psi, sigma and phi the angles of wheel, output, sleeve and input:
+//! In the disc's frame, with z the pin's centre P, c the disc's centre about the origin, n and t = R90 n at the contact,
+//! rho = q - delta (W - P = rho n), theta, psi, sigma and phi the angles of disc, output, pin and input:
 //!
 //! ```text
 //! P moves by     d(delta) n + d(tau) t,    d(delta) = sum ln dq,  d(tau) = sum lt dq
@@ -12,10 +12,10 @@
 //! A = -K' Y,    dA = -(K'' Y + K'^2 Y_K) d(tau) - K' (Y_delta - b Y) d(delta)    of laws with a force along the profile, Y = dU/dK
 //! moments:  theta: -F ln + T (-W.n) + A lt,   psi: -F ln + T lt,   sigma: T rho
 //! ```
-//! For a wheel that floats, the input moves nothing; its place x, y does, u being one of the ground's axes:
+//! For a disc that floats, the input moves nothing; its place x, y does, u being one of the ground's axes:
 //!
 //! ```text
-//! ln = -u.n,  lt = -u.t;    force on the wheel:  F n - (T + A) t
+//! ln = -u.n,  lt = -u.t;    force on the disc:  F n - (T + A) t
 //! ```
 //! and the moments are differentiated by the product rule. The slopes of the normal law are differences of the law itself,
 //! right to 1e-9, so that a law needs none of its own. Where friction or law have a kink, one side's slope counts.
@@ -37,14 +37,14 @@ pub(super) struct Slopes<'a> {
     time: &'a mut [f64],
     input_rate: f64,
     output_rate: f64,
-    /// Sleeves' first body, external and internal.
+    /// Pins' first body, external and internal.
     first: [usize; 2],
-    /// Where the wheels' places begin, if they float.
+    /// Where the discs' places begin, if they float.
     places: Option<usize>,
 }
 
-/// Columns of the motions that move a contact besides the sleeve's own angle: those of wheel, output and input, or the
-/// place of a wheel that floats.
+/// Columns of the motions that move a contact besides the pin's own angle: those of disc, output and input, or the
+/// place of a disc that floats.
 const WHEEL: usize = 0;
 const CARRIER: usize = 1;
 const INPUT: usize = 2;
@@ -92,7 +92,7 @@ struct Pressure<S: Simd> {
     centre: Option<Centre<S>>,
 }
 
-/// The force that some laws have on the sleeves' centres along t, and its slopes by the way along t and by the depth.
+/// The force that some laws have on the pins' centres along t, and its slopes by the way along t and by the depth.
 struct Centre<S: Simd> {
     force: Lanes<S>,
     by_path: Lanes<S>,
@@ -144,7 +144,7 @@ impl<S: Simd> Pressure<S> {
             by_path: c(0.0),
             centre: None,
         };
-        // All holes of a wheel are as stiff.
+        // All holes of a disc are as stiff.
         let Some(foot) = touching.foot.as_ref() else {
             return all;
         };
@@ -171,10 +171,10 @@ impl<S: Simd> Pressure<S> {
     }
 }
 
-/// Slopes of the three moments of a contact: on the wheel, on the output, on the sleeve.
+/// Slopes of the three moments of a contact: on the disc, on the output, on the pin.
 type Moments<S> = [Lanes<S>; 3];
 
-/// Slopes of the force on a wheel that floats, along n and along t.
+/// Slopes of the force on a disc that floats, along n and along t.
 type Force<S> = [Lanes<S>; 2];
 
 impl Slopes<'_> {
@@ -205,7 +205,7 @@ impl Slopes<'_> {
         }
     }
 
-    /// Adds those of the force on a wheel that floats.
+    /// Adds those of the force on a disc that floats.
     #[inline(always)]
     fn add_force<S: Simd>(
         &mut self,
@@ -230,7 +230,7 @@ impl Slopes<'_> {
         }
     }
 
-    /// Place of lane `k`'s sleeve among the free bodies.
+    /// Place of lane `k`'s pin among the free bodies.
     #[inline(always)]
     fn sleeve<S: Simd>(&self, group: &Group<'_, S>, k: usize) -> usize {
         self.first[usize::from(!group.external)] - 1 + group.from + k
@@ -263,7 +263,7 @@ impl Sink for Slopes<'_> {
         } else {
             self.output_rate
         };
-        // Of the sleeve's carrier against wheel and input.
+        // Of the pin's carrier against disc and input.
         let (over_wheel, over_input) = (zero.like(carrier) - wheel.rate, carrier - self.input_rate);
 
         // P' and the relative velocity at W.
@@ -303,7 +303,7 @@ impl Sink for Slopes<'_> {
             }
         }
         let turns = [-one, zero, one];
-        // What the sliding speed depends on the wheel's rate with: W instead of P.
+        // What the sliding speed depends on the disc's rate with: W instead of P.
         let wheel_lever = -(along + rho);
         for k in 0..if floats { PLACE + 2 } else { INPUT + 1 } {
             if k == CARRIER && group.external {
@@ -328,7 +328,7 @@ impl Sink for Slopes<'_> {
                 faster = over_wheel * depth + centre_across * turn * one.like(over_input);
             }
             if floats && k == WHEEL {
-                // Seen from the wheel all velocities turn.
+                // Seen from the disc all velocities turn.
                 slower = passing + tilt * passing;
                 faster = -closing;
             }

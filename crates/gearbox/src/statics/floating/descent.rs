@@ -152,7 +152,7 @@ mod tests {
     use crate::scene::{Scene, Sleeve};
     use crate::{Gearbox, Layout};
 
-    /// The largest turn of a wheel from its ideal mesh at any evaluation, rad, as bits.
+    /// The largest turn of a disc from its ideal mesh at any evaluation, rad, as bits.
     static FARTHEST_SEEN: AtomicU64 = AtomicU64::new(0);
 
     struct Watched(Box<dyn ContactField>, Gearbox);
@@ -182,7 +182,7 @@ mod tests {
         }
     }
 
-    /// In play nothing bounds steps under a light load: they went through many teeth, where every sleeve is searched for along the
+    /// In play nothing bounds steps under a light load: they went through many teeth, where every pin is searched for along the
     /// whole profile, and balances took 25 times as long.
     #[test]
     fn hard_steps_through_play_stay_within_a_tooth() {

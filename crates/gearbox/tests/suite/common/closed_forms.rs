@@ -1,11 +1,11 @@
 //! Closed forms of the loaded mesh, against which the solver is checked.
 //!
-//! A rigid wheel without backlash on equal linear springs shares its torque by the levers of the contact normals:
+//! A rigid disc without backlash on equal linear springs shares its torque by the levers of the contact normals:
 //!
 //! ```text
-//! l_i = e zs sin(phi_i)/sqrt(1 + m^2 - 2 m cos(phi_i)),    F_i = T l_i/sum of l_k^2 over the loaded sleeves (l_k > 0)
+//! l_i = e zs sin(phi_i)/sqrt(1 + m^2 - 2 m cos(phi_i)),    F_i = T l_i/sum of l_k^2 over the loaded pins (l_k > 0)
 //! ```
-//! phi_i is the angle of sleeve i from the line through the centres of gear and wheel. Sources: M. Lehmann,
+//! phi_i is the angle of pin i from the line through the centres of gear and disc. Sources: M. Lehmann,
 //! Berechnung und Messung der Kraefte in einem Zykloiden-Kurvenscheiben-Getriebe, thesis, TU Muenchen 1976;
 //! J. Malhotra, M. A. Parameswaran, Mech. Mach. Theory 18 (1983) 491-499.
 
@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 use pinwheel_scene::Gear;
 
-/// One wheel at zero clearance on linear springs.
+/// One disc at zero clearance on linear springs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LinearMesh {
     /// e, m.
@@ -34,20 +34,20 @@ impl LinearMesh {
         }
     }
 
-    /// Lever of the normal at the sleeve that stands at `angle` from the eccentric, about the wheel's centre, m.
+    /// Lever of the normal at the pin that stands at `angle` from the eccentric, about the disc's centre, m.
     pub(crate) fn lever(&self, angle: f64) -> f64 {
         let (m, zs) = (self.shortening, self.sleeves as f64 - 1.0);
         self.eccentricity * zs * angle.sin() / (1.0 + m * m - 2.0 * m * angle.cos()).sqrt()
     }
 
-    /// Forces on all sleeves, N, for a torque of `torque` N m on the wheel, the first sleeve standing at
-    /// `first` rad from the eccentric. Sleeves that only could pull have 0.
+    /// Forces on all pins, N, for a torque of `torque` N m on the disc, the first pin standing at
+    /// `first` rad from the eccentric. Pins that only could pull have 0.
     pub(crate) fn forces(&self, first: f64, torque: f64) -> Vec<f64> {
         let angle = |k| first + TAU * k as f64 / self.sleeves as f64;
         shared((0..self.sleeves).map(|k| self.lever(angle(k))), torque)
     }
 
-    /// Force of all sleeves on the wheel, N: along the eccentric (away from the gear's centre), and across it.
+    /// Force of all pins on the disc, N: along the eccentric (away from the gear's centre), and across it.
     ///
     /// Every normal passes through the pitch point, e zk from the gear's centre, so the part across is T/(e zs) exactly.
     pub(crate) fn bearing(&self, first: f64, torque: f64) -> [f64; 2] {
@@ -63,7 +63,7 @@ impl LinearMesh {
         sum
     }
 
-    /// Largest force of any sleeve at each of `positions` poses over one pitch: (least, largest) of these, N.
+    /// Largest force of any pin at each of `positions` poses over one pitch: (least, largest) of these, N.
     pub(crate) fn peak(&self, torque: f64, positions: usize) -> (f64, f64) {
         let pitch = TAU / self.sleeves as f64;
         (0..positions)
@@ -77,11 +77,11 @@ impl LinearMesh {
     }
 }
 
-/// One wheel on its internal sleeves, at zero clearance on linear springs.
+/// One disc on its output pins, at zero clearance on linear springs.
 ///
-/// Seen from the output shaft a wheel moves on a circle of radius e without turning, so all normals are parallel to the
-/// eccentric and `l_k = rw sin(beta_k)`, beta_k the angle of sleeve k from the eccentric. They share the torque like the
-/// external sleeves and on the same side: a wheel is pressed inward by these and towards the gear's centre by those.
+/// Seen from the output shaft a disc moves on a circle of radius e without turning, so all normals are parallel to the
+/// eccentric and `l_k = rw sin(beta_k)`, beta_k the angle of pin k from the eccentric. They share the torque like the
+/// ring pins and on the same side: a disc is pressed inward by these and towards the gear's centre by those.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LinearOutput {
     /// rw, m.
@@ -99,8 +99,8 @@ impl LinearOutput {
         }
     }
 
-    /// Forces on all sleeves, N, for a torque of `torque` N m on the wheel, the first sleeve standing at
-    /// `first` rad from the eccentric. Sleeves that only could pull have 0.
+    /// Forces on all pins, N, for a torque of `torque` N m on the disc, the first pin standing at
+    /// `first` rad from the eccentric. Pins that only could pull have 0.
     pub(crate) fn forces(&self, first: f64, torque: f64) -> Vec<f64> {
         let lever = |k| (first + TAU * k as f64 / self.sleeves as f64).sin();
         shared(

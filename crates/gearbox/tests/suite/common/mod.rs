@@ -15,7 +15,7 @@ pub(crate) fn run(preset: &str, kernel: Kernel, sets: &[(&str, &str)]) -> Native
         .unwrap()
 }
 
-/// Relative L2 distance of all sleeve forces together.
+/// Relative L2 distance of all pin forces together.
 pub(crate) fn distance(a: &NativeRun, b: &NativeRun) -> f64 {
     let (mut difference, mut size) = (0.0, 0.0);
     for channel in b.time_series.channels() {

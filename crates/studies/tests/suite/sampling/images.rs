@@ -83,7 +83,7 @@ fn ordered(list: &mut Vec<f64>, sign: f64, from: impl Fn(usize) -> usize) {
     *list = (0..list.len()).map(|k| sign * list[from(k)]).collect();
 }
 
-/// All lists in another order: sleeves and pins by the number they come from, and wheels. What lies across a radius takes `sign`.
+/// All lists in another order: sleeves and pins by the number they come from, and discs. What lies across a radius takes `sign`.
 fn permuted(
     gear: &mut Gear,
     sign: f64,
@@ -130,7 +130,7 @@ pub(crate) fn deviate(gear: &mut Gear, size: f64) {
     };
 }
 
-/// The gear in a mirror along the x axis: what was at an angle is at its negative, so that wheels, sleeves, pins and holes come in
+/// The gear in a mirror along the x axis: what was at an angle is at its negative, so that discs, sleeves, pins and holes come in
 /// reverse order.
 pub(crate) fn mirrored(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
@@ -154,7 +154,7 @@ pub(crate) fn mirrored(scene: &Scene) -> Scene {
     scene
 }
 
-/// The gear turned as a whole by as many sleeves and pins as fall on each other, with the wheels counted from another one, and
+/// The gear turned as a whole by as many sleeves and pins as fall on each other, with the discs counted from another one, and
 /// what is left of the turn in all `phase_rad` alike; `None` if no such turn leaves less than a radian.
 pub(crate) fn turned(scene: &Scene) -> Option<Scene> {
     let gear = &scene.gear;

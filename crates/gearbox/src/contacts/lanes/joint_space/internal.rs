@@ -1,4 +1,4 @@
-//! The sleeves of the output in the holes.
+//! The pins of the output in the holes.
 
 use pinwheel_contact::{Complex, ComplexLanes, Lanes, PinLaw, Real};
 use pinwheel_mbs::BodyState;
