@@ -75,7 +75,7 @@ impl Chromium {
                 std::env::var_os("PINWHEEL_REQUIRE_BROWSER").is_none(),
                 "PINWHEEL_REQUIRE_BROWSER is set and there is no Chromium: install it, or name it in PINWHEEL_CHROMIUM"
             );
-            // Straight to the stream: what a passing test prints is not shown.
+            // LinearSignal to the stream: what a passing test prints is not shown.
             let _ = std::io::stderr().write_all(
                 b"SKIPPED: no Chromium, so the pages were not looked at; install it (Debian: apt-get install chromium) \
                   or name it in PINWHEEL_CHROMIUM\n",

@@ -109,10 +109,7 @@ pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
         text(browser, &choose("quantity", 3)),
         "Ring pin force no. 0"
     );
-    assert_eq!(
-        text(browser, &choose("channel", 5)),
-        "Ring pin force no. 5"
-    );
+    assert_eq!(text(browser, &choose("channel", 5)), "Ring pin force no. 5");
     browser.evaluate("(() => { const s = document.getElementById('base'); s.value = '1'; s.dispatchEvent(new Event('change')); })()");
     click(browser, "document.querySelector('[data-scale=linear]')");
     let said = text(
@@ -135,7 +132,7 @@ pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
     browser.key("ArrowRight");
     let said = text(
         browser,
-        "document.querySelector('#chart .plot + .unseen').textContent",
+        "document.querySelector('#chart .plot + .shared_error').textContent",
     );
     assert!(said.contains("native-reduced"), "nothing is said: {said}");
     browser.key("+");

@@ -67,7 +67,7 @@ const LOOK_AT: &str = r#"(async () => {
   const room = document.documentElement.clientWidth;
   const wide = [...document.querySelectorAll('main *, header *, footer *')].filter((e) => {
     const box = e.getBoundingClientRect();
-    return box.width > 0 && box.right > room + 1 && !e.closest('.scroll, pre, nav, .unseen, svg');
+    return box.width > 0 && box.right > room + 1 && !e.closest('.scroll, pre, nav, .shared_error, svg');
   }).slice(0, 5).map((e) => e.outerHTML.slice(0, 120));
   return {
     canvases: canvases.length, blank, wide,

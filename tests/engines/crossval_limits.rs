@@ -8,7 +8,7 @@ use pinwheel_compare::limits::{Friction, fits};
 use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::quantities::derive;
 use pinwheel_compare::windows::{SETTLING_S, windows};
-use pinwheel_compare::{Metric, Track};
+use pinwheel_compare::{Metric, SharedModel};
 use pinwheel_engines::{Control, Engine, by_name, recorded};
 use pinwheel_scene::{CheckedScene, Scene};
 use pinwheel_timeseries::TimeSeries;
@@ -18,7 +18,7 @@ use table::{Limit, TABLE};
 /// One engine's run of a preset.
 struct Ran {
     name: String,
-    track: Track,
+    track: SharedModel,
     step_s: f64,
     time_series: TimeSeries,
 }
@@ -34,10 +34,10 @@ fn ran(engine: &dyn Engine, scene: &CheckedScene) -> Ran {
 }
 
 /// What two engines are compared on; `None` where they must not be.
-fn track_of(a: &Ran, b: &Ran) -> Option<Track> {
+fn track_of(a: &Ran, b: &Ran) -> Option<SharedModel> {
     match (a.track, b.track) {
         (a, b) if a == b => Some(a),
-        (Track::Native, other) | (other, Track::Native) => Some(other),
+        (SharedModel::Native, other) | (other, SharedModel::Native) => Some(other),
         _ => None,
     }
 }
@@ -68,10 +68,10 @@ fn limit(rows: &[&Limit], scene: &CheckedScene, a: &Ran, b: &Ran) -> Option<f64>
     let own = rows
         .clone()
         .find(|row| about(row, a, b) || about(row, b, a));
-    let foreign = [a, b].iter().all(|run| run.track != Track::Native);
+    let foreign = [a, b].iter().all(|run| run.track != SharedModel::Native);
     let to_native = |engine: &Ran| {
         let about = |row: &&&Limit| {
-            fits(row.against, Track::Native.as_str())
+            fits(row.against, SharedModel::Native.as_str())
                 && fits(row.engine, &engine.name)
                 && row.against_step_at_most_s.is_none()
                 && step_suits(engine, row.step_at_most_s)

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 
 use crate::metrics::PairMetrics;
-use crate::participant::{Context, Cost, Status, Track};
+use crate::participant::{Context, Cost, SharedModel, Status};
 use crate::quantities::Quantity;
 use crate::shown::Finding;
 use crate::uncertainty::{Evidence, Method, Norm, QuantityUncertainty, Source};
@@ -64,8 +64,8 @@ impl Comparison {
 pub struct EngineSummary {
     /// Name.
     pub name: String,
-    /// Track.
-    pub track: Track,
+    /// SharedModel.
+    pub track: SharedModel,
     /// Version.
     pub version: String,
     /// One line on what it is.
@@ -203,7 +203,7 @@ pub struct Pair {
     /// Second engine.
     pub b: String,
     /// The foreign engine's track, or `native` for two native runs.
-    pub track: Track,
+    pub track: SharedModel,
     /// One entry per window and quantity.
     pub entries: Vec<PairEntry>,
 }
@@ -228,8 +228,8 @@ pub struct PairEntry {
 /// All engines of a track against each other in one window.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Matrix {
-    /// Track; native engines stand in every matrix.
-    pub track: Track,
+    /// SharedModel; native engines stand in every matrix.
+    pub track: SharedModel,
     /// Window.
     pub window: WindowKind,
     /// Names of rows and columns.

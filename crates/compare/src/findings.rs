@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::comparison::{EngineSummary, Pair, PairEntry};
 use crate::judge::Negligible;
 use crate::limits::{StatedLimit, fits};
-use crate::participant::Track;
+use crate::participant::SharedModel;
 use crate::quantities::{INPUT_TORQUE, Quantity};
 use crate::rules::Rules;
 use crate::shown::{Finding, Kind, Named};
@@ -53,7 +53,7 @@ pub(crate) fn of(
 /// Evidence for a solver or a record.
 fn participant(engine: &EngineSummary, entries: &Entries<'_>, quantities: &[Quantity]) -> Finding {
     let kind = match engine.track {
-        Track::Measured => Kind::Record,
+        SharedModel::Measured => Kind::Record,
         _ => Kind::Solver,
     };
     let of = |verdict| {
@@ -203,11 +203,15 @@ fn together(
         });
         each.reduce(|a, b| Some(a?.max(b?))).flatten()
     };
-    let pairs_of_engines = || pairs.iter().filter(|pair| pair.track != Track::Measured);
+    let pairs_of_engines = || {
+        pairs
+            .iter()
+            .filter(|pair| pair.track != SharedModel::Measured)
+    };
     let agreeing = pairs_of_engines().filter_map(|pair| Some((pair, bound(pair)?)));
     // Two native runs show least.
     let best = agreeing.min_by(|(a, to_a), (b, to_b)| {
-        let own = |pair: &Pair| pair.track == Track::Native;
+        let own = |pair: &Pair| pair.track == SharedModel::Native;
         own(a).cmp(&own(b)).then(to_a.total_cmp(to_b))
     });
     if let Some((pair, bound)) = best {
@@ -224,7 +228,7 @@ fn together(
             format!("{what}; run two that share a law, e.g. native-resolved and native-lagrange")
         }
         false => {
-            let one_law = pairs_of_engines().any(|pair| pair.track != Track::OwnContact);
+            let one_law = pairs_of_engines().any(|pair| pair.track != SharedModel::OwnContact);
             let remedy = match one_law {
                 true => "",
                 false => "; add a second engine with the scene's law, e.g. native-lagrange",

@@ -6,7 +6,7 @@ use crate::balance;
 use crate::limits::{NEGLIGIBLE_SHARE, fits};
 use crate::metrics::{Metric, PairMetrics};
 use crate::model::{self, ModelTolerance, Prediction};
-use crate::participant::{Context, Participant, Track};
+use crate::participant::{Context, Participant, SharedModel};
 use crate::quantities::Quantity;
 use crate::rules::Rules;
 use crate::uncertainty::{Estimate, QuantityUncertainty, Uncertainty, Unresolved};
@@ -75,7 +75,7 @@ impl Negligible {
 /// Two engines and the track they are compared on.
 #[derive(Clone, Copy)]
 pub(crate) struct Sides<'a> {
-    pub(crate) track: Track,
+    pub(crate) track: SharedModel,
     pub(crate) a: &'a Participant,
     pub(crate) b: &'a Participant,
 }
@@ -152,15 +152,15 @@ impl Judge<'_> {
             ))];
         }
         let (found, otherwise) = match case.sides.track {
-            Track::Measured => (
+            SharedModel::Measured => (
                 [self.limits(case), self.measured(case)].concat(),
                 "measured data: its map states neither `[[limits]]` nor `uncertainty` for this quantity and window",
             ),
             _ if self.rules.evidence.is_empty() => {
                 (Vec::new(), "no numerical uncertainties are given")
             }
-            Track::OwnContact => (self.models(case), ""),
-            Track::Native | Track::SharedLaw => (self.one_law(case), ""),
+            SharedModel::OwnContact => (self.models(case), ""),
+            SharedModel::Native | SharedModel::SharedLaw => (self.one_law(case), ""),
         };
         let settled = found.into_iter();
         let settled = settled.map(|one| self.settled(one, case.pointwise));
@@ -225,7 +225,9 @@ impl Judge<'_> {
         };
         let mut found = Vec::new();
         for metric in case.metrics() {
-            let own = [a, b].into_iter().filter(|p| p.track != Track::Native);
+            let own = [a, b]
+                .into_iter()
+                .filter(|p| p.track != SharedModel::Native);
             let Some(tolerances) = own
                 .map(|p| tolerance(p, metric))
                 .collect::<Option<Vec<&ModelTolerance>>>()
@@ -270,8 +272,8 @@ impl Judge<'_> {
     fn measured(&self, case: &Case<'_>) -> Vec<Assessment> {
         // E = S - D. Place of the simulation, and the sign of a difference a - b in that.
         let (simulation, sign) = match [case.sides.a, case.sides.b].map(|p| p.track) {
-            [Track::Measured, Track::Measured] => return Vec::new(),
-            [Track::Measured, _] => (1, -1.0),
+            [SharedModel::Measured, SharedModel::Measured] => return Vec::new(),
+            [SharedModel::Measured, _] => (1, -1.0),
             _ => (0, 1.0),
         };
         let data = &[case.sides.b, case.sides.a][simulation].name;

@@ -49,7 +49,7 @@
 //!     };
 //!     let participant = Participant {
 //!         name: name.to_owned(),
-//!         track: Track::SharedLaw,
+//!         track: SharedModel::SharedLaw,
 //!         version: String::new(),
 //!         summary: String::new(),
 //!         differences: String::new(),
@@ -103,7 +103,9 @@ pub use comparison::Comparison;
 pub use error::CompareError;
 pub use limits::StatedLimit;
 pub use metrics::Metric;
-pub use participant::{Context, Cost, Divergence, Energy, Participant, Scales, Status, Track};
+pub use participant::{
+    Context, Cost, Divergence, Energy, Participant, Scales, SharedModel, Status,
+};
 pub use quantities::Quantity;
 pub use rules::{RESOLUTION, Rules};
 pub use uncertainty::{Evidence, Level, RefinementStudy, Uncertainty};

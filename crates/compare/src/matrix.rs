@@ -8,16 +8,16 @@ use std::collections::BTreeSet;
 
 use crate::comparison::{Cell, Matrix, Pair};
 use crate::metrics::Metric;
-use crate::participant::{Participant, Track};
+use crate::participant::{Participant, SharedModel};
 use crate::quantities::Quantity;
 use crate::verdict::Assessment;
 use crate::windows::Window;
 
 /// The track two engines are compared on; `None` if they must not be.
-pub(crate) fn track_of(a: &Participant, b: &Participant) -> Option<Track> {
+pub(crate) fn track_of(a: &Participant, b: &Participant) -> Option<SharedModel> {
     match (a.track, b.track) {
         (a, b) if a == b => Some(a),
-        (Track::Native, other) | (other, Track::Native) => Some(other),
+        (SharedModel::Native, other) | (other, SharedModel::Native) => Some(other),
         _ => None,
     }
 }
@@ -30,14 +30,16 @@ pub(crate) fn matrices(
     windows: &[Window],
 ) -> Vec<Matrix> {
     let foreign = finished.iter().map(|p| p.track);
-    let mut tracks: BTreeSet<Track> = foreign.filter(|track| *track != Track::Native).collect();
+    let mut tracks: BTreeSet<SharedModel> = foreign
+        .filter(|track| *track != SharedModel::Native)
+        .collect();
     if tracks.is_empty() {
-        tracks.insert(Track::Native);
+        tracks.insert(SharedModel::Native);
     }
     let mut matrices = Vec::new();
     for track in tracks {
         let engines = finished.iter();
-        let engines = engines.filter(|p| p.track == track || p.track == Track::Native);
+        let engines = engines.filter(|p| p.track == track || p.track == SharedModel::Native);
         let engines: Vec<String> = engines.map(|p| p.name.clone()).collect();
         if engines.len() < 2 {
             continue;

@@ -1,7 +1,9 @@
 //! Inputs of a comparison: runs of several engines on one scene, and the known facts of the scene.
 
 use pinwheel_timeseries::TimeSeries;
-pub use pinwheel_timeseries::{Ending as Status, EnergyAudit as Energy, RunStats as Cost, Track};
+pub use pinwheel_timeseries::{
+    Ending as Status, EnergyAudit as Energy, RunStats as Cost, SharedModel,
+};
 use serde::Serialize;
 
 use crate::windows::Window;
@@ -12,7 +14,7 @@ pub struct Participant {
     /// Engine name, unique within a comparison.
     pub name: String,
     /// Which comparison it belongs to.
-    pub track: Track,
+    pub track: SharedModel,
     /// Version of the engine.
     pub version: String,
     /// One line on what it is.
@@ -113,7 +115,7 @@ impl Participant {
     pub(crate) fn that_cost(cost: Cost) -> Self {
         Self {
             name: "a".to_owned(),
-            track: Track::Native,
+            track: SharedModel::Native,
             version: String::new(),
             summary: String::new(),
             differences: String::new(),

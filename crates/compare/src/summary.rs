@@ -12,7 +12,7 @@ use pinwheel_timeseries::{
 use crate::comparison::{EngineEntry, EngineSummary, Figures, RefinementSummary};
 use crate::judge::Judge;
 use crate::model;
-use crate::participant::{Context, Participant, Track};
+use crate::participant::{Context, Participant, SharedModel};
 use crate::quantities::{OUTPUT_TORQUE, Quantity};
 use crate::uncertainty::{
     Basis, Estimate, Evidence, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved,
@@ -131,7 +131,7 @@ pub(crate) fn engine_summary(
             .filter_map(|q| uncertainty(participant, q, window, samples.clone(), judge))
             .collect();
         if let Some(of_output) = judge.context.output(window)
-            && participant.track != Track::Measured
+            && participant.track != SharedModel::Measured
             && quantities.iter().any(|q| q.name == OUTPUT_TORQUE)
         {
             let u = found.iter().find(|u| u.quantity == OUTPUT_TORQUE);
@@ -241,7 +241,10 @@ fn efficiency(
 /// sixteen pins. Engines have all channels of a quantity or none.
 pub(crate) fn shared(quantity: &Quantity, participants: &[&Participant]) -> Quantity {
     let mut quantity = quantity.clone();
-    if participants.iter().any(|p| p.track == Track::Measured) {
+    if participants
+        .iter()
+        .any(|p| p.track == SharedModel::Measured)
+    {
         quantity.channels.retain(|name| {
             let has = |p: &&Participant| p.time_series.channel(name).is_some();
             participants.iter().all(has)
@@ -255,7 +258,7 @@ pub(crate) fn covered(
     participants: &[(&Participant, &TimeSeries)],
     mut samples: Range<usize>,
 ) -> Range<usize> {
-    let measured = |p: &&(&Participant, &TimeSeries)| p.0.track == Track::Measured;
+    let measured = |p: &&(&Participant, &TimeSeries)| p.0.track == SharedModel::Measured;
     for (_, time_series) in participants.iter().filter(measured) {
         let channels = time_series.channels();
         let there = |k: usize| {

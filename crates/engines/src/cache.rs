@@ -46,9 +46,9 @@ pub(crate) fn unless_stopped(cancel: &AtomicBool, failure: Halt) -> Halt {
 
 /// Caches a resource, or the reason why it is unavailable, for the life of the process, so that every engine of a
 /// comparison need not retry. A stop by the user is not cached.
-pub(crate) struct Kept<T>(Mutex<Option<Result<T, Halt>>>);
+pub(crate) struct Memo<T>(Mutex<Option<Result<T, Halt>>>);
 
-impl<T: Clone> Kept<T> {
+impl<T: Clone> Memo<T> {
     pub(crate) const fn new() -> Self {
         Self(Mutex::new(None))
     }
@@ -89,7 +89,7 @@ pub(crate) fn laid_out<N: AsRef<str>>(name: &str, files: &[(N, &str)]) -> Result
 }
 
 /// Something to make.
-pub(crate) struct Made<'a, T> {
+pub(crate) struct CachedBuild<'a, T> {
     /// Its folder's name, which depends on all it is made of.
     pub(crate) name: &'a str,
     /// For whoever waits.
@@ -100,7 +100,7 @@ pub(crate) struct Made<'a, T> {
     pub(crate) build: &'a dyn Fn(&Path, &Note) -> Result<(), Halt>,
 }
 
-impl<T> Made<'_, T> {
+impl<T> CachedBuild<'_, T> {
     /// Finds it below `cache`, or makes it under a lock.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! The one interface of all engines.
 
-pub use pinwheel_timeseries::{Ending, RunStats, Track};
+pub use pinwheel_timeseries::{Ending, RunStats, SharedModel};
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::resolve::Uncertainty;
@@ -106,7 +106,7 @@ pub(crate) fn settled(ran: Result<Run, Halt>) -> Result<Run, Cancelled> {
 
 /// Setting that is made smaller for more accuracy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Knob {
+pub enum AccuracySetting {
     /// `solver.step_s`.
     #[serde(rename(serialize = "step-s", deserialize = "solver.step_s"))]
     Step,
@@ -115,7 +115,7 @@ pub enum Knob {
     Tolerance,
 }
 
-impl Knob {
+impl AccuracySetting {
     /// That of an integrator of ours.
     #[must_use]
     pub fn of(method: &str) -> Self {
@@ -149,7 +149,7 @@ impl Knob {
 pub struct Refinement {
     /// Setting that is made smaller.
     #[serde(rename = "key")]
-    pub knob: Knob,
+    pub knob: AccuracySetting,
     /// Order of the error in it.
     pub order: f64,
 }
@@ -159,7 +159,7 @@ impl Refinement {
     #[must_use]
     pub const fn step(order: f64) -> Self {
         Self {
-            knob: Knob::Step,
+            knob: AccuracySetting::Step,
             order,
         }
     }
@@ -168,7 +168,7 @@ impl Refinement {
     #[must_use]
     pub const fn tolerance(order: f64) -> Self {
         Self {
-            knob: Knob::Tolerance,
+            knob: AccuracySetting::Tolerance,
             order,
         }
     }
@@ -180,7 +180,7 @@ impl Refinement {
 ///
 /// ```
 /// use pinwheel_engines::{
-///     Cancelled, Control, Ending, Engine, EngineInfo, Halt, Prepared, Run, RunStats, Track,
+///     Cancelled, Control, Ending, Engine, EngineInfo, Halt, Prepared, Run, RunStats, SharedModel,
 /// };
 /// use pinwheel_gearbox::{Gearbox, Recorder};
 /// use pinwheel_scene::Scene;
@@ -189,7 +189,7 @@ impl Refinement {
 ///
 /// impl Engine for Frozen {
 ///     fn info(&self) -> EngineInfo<'_> {
-///         EngineInfo::own("frozen", Track::SharedLaw)
+///         EngineInfo::own("frozen", SharedModel::SharedLaw)
 ///     }
 ///     fn version(&self) -> String { "1".into() }
 ///
@@ -243,7 +243,7 @@ pub trait Engine: Send + Sync {
     }
 
     /// Parts that the engine shares with the native solver.
-    fn track(&self) -> Track {
+    fn track(&self) -> SharedModel {
         self.info().track
     }
 

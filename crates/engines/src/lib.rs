@@ -42,7 +42,9 @@ mod solvers;
 mod stopping;
 
 pub use control::{Cancelled, Control, Progress};
-pub use engine::{Ending, Engine, Halt, Knob, Prepared, Refinement, Run, RunStats, Track};
+pub use engine::{
+    AccuracySetting, Ending, Engine, Halt, Prepared, Refinement, Run, RunStats, SharedModel,
+};
 pub use own_contact::OwnContact;
 pub use registry::{
     EngineInfo, Form, Native, by_name, family, full_name, info, known, lacking, registry,

@@ -5,7 +5,7 @@
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::scales::{self, Spring};
-use pinwheel_scene::{Scene, load_course};
+use pinwheel_scene::{Scene, load_profile};
 #[cfg(any(feature = "rapier", feature = "python"))]
 use pinwheel_timeseries::Ending;
 
@@ -134,7 +134,7 @@ fn balls(mut scene: Scene) -> Scene {
         plain.contact.internal_stiffness_multiplier,
     ) = (1.0, None);
     let full = scales::hertz(&plain);
-    let torque = load_course::largest(&scene.drive) / gear.wheels as f64;
+    let torque = load_profile::largest(&scene.drive) / gear.wheels as f64;
     let least = scales::least_depth(&scene);
     let multiplier = |own: f64, full: f64, force: f64| {
         let spring = Spring::of(&scene, own);

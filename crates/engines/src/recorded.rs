@@ -13,7 +13,7 @@ use pinwheel_timeseries::{RecordedUncertainty, TimeSeries};
 use serde::{Deserialize, Serialize};
 
 use crate::control::Cancelled;
-use crate::engine::{Ending, Engine, Halt, Knob, Prepared, Run, RunStats, prepared};
+use crate::engine::{AccuracySetting, Ending, Engine, Halt, Prepared, Run, RunStats, prepared};
 use crate::registry::{self, EngineInfo};
 
 /// The recordings' files: path below their folder, text.
@@ -157,7 +157,8 @@ impl Recording {
     /// scene, belong to the native solver, or choose samples.
     fn is_of(&self, scene: &Scene) -> bool {
         let refinement = registry::info(&self.engine).and_then(|info| info.refinement);
-        let by_tolerance = refinement.is_some_and(|refined| refined.knob == Knob::Tolerance);
+        let by_tolerance =
+            refinement.is_some_and(|refined| refined.knob == AccuracySetting::Tolerance);
         let setting = |own: &Solver| {
             let mut solver = Scene::paper().solver;
             if by_tolerance {

@@ -8,7 +8,7 @@ use pinwheel_compare::model::ModelTolerance;
 use pinwheel_mbs::integrators::UNSEEN;
 use pinwheel_scene::Scene;
 
-use crate::engine::{Engine, Refinement, Track};
+use crate::engine::{Engine, Refinement, SharedModel};
 use crate::own_contact::OwnContact;
 pub use native::Native;
 
@@ -31,7 +31,7 @@ pub struct EngineInfo<'a> {
     /// The name where what it shares is said beside it.
     pub short: &'a str,
     /// Parts that the engine shares with the native solver.
-    pub track: Track,
+    pub track: SharedModel,
     /// One line.
     pub summary: &'a str,
     /// How it differs from the native solver, in plain words, for the report.
@@ -42,7 +42,7 @@ pub struct EngineInfo<'a> {
     /// Relative error of the forces that its iterations leave, whatever the step.
     pub floor: f64,
     /// Error that none of its coarser runs show, as a share of its tolerance.
-    pub unseen: f64,
+    pub shared_error: f64,
     /// Contacts that the engine has in place of the scene's contact law.
     pub own_contact: OwnContact,
     /// How far a contact model of its own is from ours.
@@ -71,7 +71,7 @@ pub struct EngineInfo<'a> {
 impl<'a> EngineInfo<'a> {
     /// An engine of which nothing else is known.
     #[must_use]
-    pub const fn own(name: &'a str, track: Track) -> Self {
+    pub const fn own(name: &'a str, track: SharedModel) -> Self {
         Self {
             name,
             short: name,
@@ -80,7 +80,7 @@ impl<'a> EngineInfo<'a> {
             differences: "",
             refinement: None,
             floor: 0.0,
-            unseen: UNSEEN,
+            shared_error: UNSEEN,
             own_contact: OwnContact::SceneLaw,
             model: &[],
             explicit_friction: false,
@@ -116,7 +116,7 @@ pub(crate) static NATIVE_REDUCED: EngineInfo<'static> = EngineInfo {
     form: Some(Form::Reduced),
     differences: "One equation per angle that forces can change: discs, output, and with friction the pins. \
         Translations of centre-pinned bodies are eliminated exactly, so there are no joints to drift.",
-    ..EngineInfo::own("native-reduced", Track::Native)
+    ..EngineInfo::own("native-reduced", SharedModel::Native)
 };
 
 /// See its fields.
@@ -128,7 +128,7 @@ pub(crate) static NATIVE_LAGRANGE: EngineInfo<'static> = EngineInfo {
     differences: "Three coordinates per body and multipliers for every joint, as the paper writes it. The saddle-point \
         system is factored along the joints; positions are put back onto the constraints at every stage \
         unless the scene says otherwise.",
-    ..EngineInfo::own("native-lagrange", Track::Native)
+    ..EngineInfo::own("native-lagrange", SharedModel::Native)
 };
 
 /// See its fields.
@@ -141,7 +141,7 @@ pub(crate) static NATIVE_RESOLVED: EngineInfo<'static> = EngineInfo {
         scene's frequencies and are refined until two runs show the forces to be within 1e-7 (with friction or points \
         1e-5) of the exact solution; the notes say what was reached. Its distance from native-reduced is the error of the \
         scene's own integrator.",
-    ..EngineInfo::own("native-resolved", Track::Native)
+    ..EngineInfo::own("native-resolved", SharedModel::Native)
 };
 
 /// See its fields.
@@ -159,7 +159,7 @@ pub(crate) static RAPIER_SHARED_LAW: EngineInfo<'static> = EngineInfo {
         friction included, so friction is explicit. The driver torque follows from the virtual work of the contact \
         forces on the eccentrics. Contact points and contact law are the native solver's own: this comparison \
         cannot find an error in them.",
-    ..EngineInfo::own("rapier-shared-law", Track::SharedLaw)
+    ..EngineInfo::own("rapier-shared-law", SharedModel::SharedLaw)
 };
 
 /// See its fields.
@@ -177,7 +177,7 @@ pub(crate) static RAPIER_HOOK: EngineInfo<'static> = EngineInfo {
         ramp speed (contact.friction_ramp_m_s is not used). Normal and friction forces are read from the impulses \
         rapier applied, so a sample averages over one step: an instant at which a contact begins to stick or slide \
         can differ visibly in the driver torque, for one step.",
-    ..EngineInfo::own("rapier-own-contact-hook", Track::OwnContact)
+    ..EngineInfo::own("rapier-own-contact-hook", SharedModel::OwnContact)
 };
 
 /// See its fields.
@@ -197,7 +197,7 @@ pub(crate) static RAPIER_COLLIDERS: EngineInfo<'static> = EngineInfo {
         over more pins, which raises mean forces and lowers peaks; and having a potential, it takes from the driver \
         what the load demands, where the paper's law creates energy. So only means are comparable, torques to 1.5 % and \
         forces to 10 %: peaks, wave forms and the start-up are not.",
-    ..EngineInfo::own("rapier-own-contact-colliders", Track::OwnContact)
+    ..EngineInfo::own("rapier-own-contact-colliders", SharedModel::OwnContact)
 };
 
 /// See its fields.
@@ -215,7 +215,7 @@ pub(crate) static MUJOCO_SHARED_LAW: EngineInfo<'static> = EngineInfo {
         steps costs Python time, the law does not. Friction is therefore explicit. The input speed is held by a rotor inertia 1e16 times a disc's instead of a constraint (some \
         parts in 1e15), and the driver torque is that inertia times its deceleration. Contact points and contact law are \
         the native solver's own: this comparison cannot find an error in them.",
-    ..EngineInfo::own("mujoco-shared-law", Track::SharedLaw)
+    ..EngineInfo::own("mujoco-shared-law", SharedModel::SharedLaw)
 };
 
 /// See its fields.
@@ -232,7 +232,7 @@ pub(crate) static EXUDYN_EXPLICIT: EngineInfo<'static> = EngineInfo {
         law behind it is compiled; friction is therefore explicit. The input speed is \
         held by a rotor inertia 1e16 times a disc's instead of a constraint (some parts in 1e15). Contact points and \
         contact law are the native solver's own: this comparison cannot find an error in them.",
-    ..EngineInfo::own("exudyn-shared-law-explicit", Track::SharedLaw)
+    ..EngineInfo::own("exudyn-shared-law-explicit", SharedModel::SharedLaw)
 };
 
 /// See its fields.
@@ -252,7 +252,7 @@ pub(crate) static EXUDYN_CONSTRAINED: EngineInfo<'static> = EngineInfo {
         iterations, our contact law in each of them; friction is implicit. Its error at the scene's step is that of \
         the trapezoidal rule, far above the Runge-Kutta methods', and falls four times when the step is halved. \
         Contact points and contact law are the native solver's own: this comparison cannot find an error in them.",
-    ..EngineInfo::own("exudyn-shared-law-constrained", Track::SharedLaw)
+    ..EngineInfo::own("exudyn-shared-law-constrained", SharedModel::SharedLaw)
 };
 
 /// See its fields.
@@ -272,7 +272,7 @@ pub(crate) static MUJOCO_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
         of the difference in the driver torque. Holes are tendons of limited length with a chord approximation of K \u{3b4}^1.5. There is no ramp S \
         and no friction, and semi-implicit steps are some six a period of a disc's vibration: steady time series are \
         comparable, the start-up transient is not.",
-    ..EngineInfo::own("mujoco-own-contact", Track::OwnContact)
+    ..EngineInfo::own("mujoco-own-contact", SharedModel::OwnContact)
 };
 
 /// See its fields.
@@ -291,7 +291,7 @@ pub(crate) static EXUDYN_OWN_CONTACT: EngineInfo<'static> = EngineInfo {
         hollow spheres with exponent 1.5, the law itself but for the ramp S. Damping of the external contacts acts \
         as a rotational damper on the discs, because exudyn's own ignores how a body turns. There is no friction: \
         steady time series are comparable, the start-up transient is not.",
-    ..EngineInfo::own("exudyn-own-contact", Track::OwnContact)
+    ..EngineInfo::own("exudyn-own-contact", SharedModel::OwnContact)
 };
 
 /// See its fields.
@@ -303,14 +303,14 @@ pub(crate) static SIMBODY: EngineInfo<'static> = EngineInfo {
     package: "simbody",
     refinement: Some(Refinement::tolerance(0.9)),
     // Where samples, at which its steps end, set their length: at 1e-6 off by 5e-9 on a gear in balance, at every tolerance.
-    unseen: 0.02,
+    shared_error: 0.02,
     differences: "A program in C++ of its own, which loads our contact law as a library. Every body turns on a pin relative \
         to its carrier, and Simbody's recursive equations give the accelerations; the input shaft follows a prescribed \
         motion, and the driver torque is the force that motion takes. Steps are chosen by error control, to \
         solver.tolerance times the elastic twist: Runge-Kutta-Merson without friction, and with friction CPodes, a BDF \
         method of variable order with Newton iterations. Contact points and contact law are the native solver's own: \
         this comparison cannot find an error in them.",
-    ..EngineInfo::own("simbody-shared-law", Track::SharedLaw)
+    ..EngineInfo::own("simbody-shared-law", SharedModel::SharedLaw)
 };
 
 /// See its fields.
@@ -323,7 +323,7 @@ pub(crate) static IDA: EngineInfo<'static> = EngineInfo {
     refinement: Some(Refinement::tolerance(0.7)),
     // Its steps hang on rounding: at 1e-6 one processor's output angle is off by 1.7e-7, another's by 3.7e-7. Over kinks of a light
     // gear its runs at 1e-3 and 1e-4 are both off by 1.9e-4, and within 4e-5 of each other.
-    unseen: 2.0,
+    shared_error: 2.0,
     digits: 8,
     differences: "The published formulation, three coordinates a body and a multiplier for every constraint, given to a \
         general solver of differential-algebraic equations. Constraints hold at position and at velocity level (the form \
@@ -331,7 +331,7 @@ pub(crate) static IDA: EngineInfo<'static> = EngineInfo {
         solver.tolerance times the elastic twist, friction included, with Newton iterations on the whole system. Its \
         multipliers are not used: the driver torque is computed from the accelerations that positions and velocities \
         demand. Contact points and contact law are the native solver's own: this comparison cannot find an error in them.",
-    ..EngineInfo::own("ida-shared-law", Track::SharedLaw)
+    ..EngineInfo::own("ida-shared-law", SharedModel::SharedLaw)
 };
 
 /// Makes an engine; `None` where this build or this Python lacks it.

@@ -13,7 +13,7 @@ use pinwheel_mbs::BodyState;
 
 use crate::Gearbox;
 use crate::energy::EnergyAudit;
-use crate::load_course;
+use crate::load_profile;
 
 /// Largest remainder as a share of what was turned over. Measured over all presets with `rk2`, `rk4` and
 /// `imex2` at 1e-5 s: runs that are right stay below 0.16 (the first 0.1 ms of steel, whose 5.6 kHz the
@@ -63,7 +63,7 @@ fn elastic_j(gearbox: &Gearbox) -> f64 {
     let scales = gearbox.error_scales();
     // Without load the scales are those of the least force.
     let least = gearbox.least_force_n() * scales.length / scales.angle;
-    load_course::largest(&gearbox.scene.drive).max(least) * scales.angle
+    load_profile::largest(&gearbox.scene.drive).max(least) * scales.angle
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use pinwheel_scene::Scales;
 use pinwheel_scene::channels::{Channels, Chosen, Joint, PairQuantity, Part, What, Whole};
 
 use crate::Gearbox;
-use crate::contacts::{Bearings, ContactEnergy, ContactField, PairContact};
+use crate::contacts::{ContactEnergy, ContactField, EccentricBearings, PairContact};
 use crate::geometry::Geometry;
 use crate::pressure::LinePressure;
 use crate::{Layout, Sleeve};
@@ -97,7 +97,7 @@ pub(crate) struct Values {
     /// Force above which a pair counts as pressing, N.
     pressing_n: f64,
     pressure: LinePressure,
-    bearings: Option<Bearings>,
+    bearings: Option<EccentricBearings>,
     layout: Layout,
     geometry: Geometry,
 }
@@ -147,7 +147,7 @@ impl Values {
             needs_losses: asks(&[Whole::DampingLoss, Whole::FrictionLoss]),
             pressing_n: Scales::of(&gearbox.scene).pressing_n(),
             pressure: LinePressure::new(&gearbox.scene.contact),
-            bearings: Bearings::of(&gearbox.scene, &gearbox.geometry),
+            bearings: EccentricBearings::of(&gearbox.scene, &gearbox.geometry),
             layout: gearbox.layout,
             geometry: gearbox.geometry.clone(),
             list: list.clone(),

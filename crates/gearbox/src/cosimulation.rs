@@ -9,7 +9,7 @@
 //! it stays what it was, the method goes on with its own steps and its history, so that the error is that of a run.
 //!
 //! The usual gear (speed in, torque out) takes the same forces as a run. Where the input is free or the output is not, moments
-//! are summed over all bodies and slopes are differences: more evaluations, the same motion.
+//! are summed over all bodies and derivatives are differences: more evaluations, the same motion.
 
 use pinwheel_mbs::integrators::{Segments, StepCounts, Stepper, method};
 use pinwheel_mbs::{BodyState, Driver, Formulation, Motion, OdeSystem as _, Reduced};
@@ -19,7 +19,7 @@ use crate::auto::{self, AUTO};
 use crate::channels::{LawPairs, Seen};
 use crate::contacts::ContactField;
 use crate::forces::GearForces;
-use crate::load_course;
+use crate::load_profile;
 use crate::native::{reduced, segments};
 use crate::scene::{self, Drive};
 use crate::{Gearbox, GearboxError, Layout, Recorder, guard};
@@ -48,7 +48,7 @@ impl Prescribed {
 
 /// A quantity that is straight in time: value + slope (t - from).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub(crate) struct Straight {
+pub(crate) struct LinearSignal {
     /// At `from_s`.
     value: f64,
     /// Its change a second.
@@ -57,7 +57,7 @@ pub(crate) struct Straight {
     from_s: f64,
 }
 
-impl Straight {
+impl LinearSignal {
     /// Its value at time `t`, s.
     pub(crate) fn at(&self, t: f64) -> f64 {
         self.value + self.slope * (t - self.from_s)
@@ -120,7 +120,7 @@ pub struct CoSimulation {
     field: Box<dyn ContactField>,
     recorder: Recorder,
     /// Prescribed signals of the input and the output.
-    prescribed: [Straight; 2],
+    prescribed: [LinearSignal; 2],
     /// Prescribed motions, in the order of the mechanism's drivers: input, output.
     motions: Vec<Motion>,
     time: f64,
@@ -132,7 +132,7 @@ pub struct CoSimulation {
 struct State {
     time: f64,
     y: Vec<f64>,
-    prescribed: [Straight; 2],
+    prescribed: [LinearSignal; 2],
     motions: Vec<Motion>,
     segment_s: f64,
     stepper: Vec<u8>,
@@ -185,12 +185,12 @@ impl CoSimulation {
         let mut forces = GearForces::new(&loaded)?;
         forces.usual = (setup.input, setup.output) == (Prescribed::BySpeed, Prescribed::ByTorque);
         let system = reduced(&gearbox, mechanism, forces)?;
-        let breaks = load_course::breaks(&loaded.scene.drive);
+        let breaks = load_profile::breaks(&loaded.scene.drive);
         let y = system.initial();
         let stepper = segments(&gearbox, 0.0, &y, &breaks, longest_step_s)?;
-        let held = |side: Prescribed, speed: f64| Straight {
+        let held = |side: Prescribed, speed: f64| LinearSignal {
             value: side.choose(speed, 0.0),
-            ..Straight::default()
+            ..LinearSignal::default()
         };
         let [input, output] = setup.speeds_rad_s;
         let prescribed = [held(setup.input, input), held(setup.output, output)];
@@ -245,13 +245,14 @@ impl CoSimulation {
     /// second.
     pub fn prescribe(&mut self, prescribed: [(f64, f64); 2]) {
         let t = self.time;
-        let goes_on =
-            |now: &Straight, (value, slope): (f64, f64)| now.slope == slope && now.at(t) == value;
+        let goes_on = |now: &LinearSignal, (value, slope): (f64, f64)| {
+            now.slope == slope && now.at(t) == value
+        };
         let mut sides = self.prescribed.iter().zip(prescribed);
         if sides.all(|(now, next)| goes_on(now, next)) {
             return;
         }
-        self.prescribed = prescribed.map(|(value, slope)| Straight {
+        self.prescribed = prescribed.map(|(value, slope)| LinearSignal {
             value,
             slope,
             from_s: t,
@@ -277,7 +278,7 @@ impl CoSimulation {
             self.system.set_motion(driver, *motion);
         }
         let [input, output] = self.prescribed;
-        let none = Straight::default();
+        let none = LinearSignal::default();
         self.system.forces_mut().held = [
             self.setup.input.choose(none, input),
             self.setup.output.choose(none, output),
@@ -437,7 +438,7 @@ fn start(gearbox: &Gearbox, setup: &Setup) -> Result<Vec<BodyState>, GearboxErro
 
 #[cfg(test)]
 mod tests {
-    use pinwheel_mbs::{Forces as _, Jacobian, Pose, Sums};
+    use pinwheel_mbs::{Evaluation, Forces as _, Jacobian, Pose};
 
     use super::*;
     use crate::native;
@@ -542,7 +543,7 @@ mod tests {
         }
     }
 
-    /// Slopes of a torque that is held and rises, beside those of the gear.
+    /// Derivatives of a torque that is held and rises, beside those of the gear.
     #[test]
     fn held_torques_have_slopes() {
         let gear = gearbox(&[], &[]);
@@ -553,10 +554,10 @@ mod tests {
         let by_time = |slope: f64, usual: bool| {
             let mut forces = GearForces::new(&gear).unwrap();
             (forces.held[1].slope, forces.usual) = (slope, usual);
-            let mut slopes = Jacobian::new(&structure, 6);
-            let mut sums = Sums::of_slopes(&mut slopes);
+            let mut derivatives = Jacobian::new(&structure, 6);
+            let mut sums = Evaluation::of_slopes(&mut derivatives);
             let known = forces.evaluate(0.1, &bodies, Pose::Prescribed, &mut sums);
-            known.then(|| slopes.time[0])
+            known.then(|| derivatives.time[0])
         };
         let (level, rising) = (by_time(0.0, true).unwrap(), by_time(500.0, true).unwrap());
         assert!((rising - level - 500.0).abs() < 1e-9, "{level} {rising}");

@@ -289,10 +289,10 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
         bearings(scene, &mut modelled, &mut left_out);
     }
     let given = &scene.bearings;
-    let gives_way = given.eccentric.is_some() || given.internal_sleeve_stiffness_n_m.is_some();
+    let deflection = given.eccentric.is_some() || given.internal_sleeve_stiffness_n_m.is_some();
     left_out.add(
         "bending, bearings and housing",
-        match gives_way {
+        match deflection {
             true => "rigid bodies on ideal revolutes but for what [bearings] gives",
             false => "rigid bodies on ideal revolutes, as in the paper",
         },

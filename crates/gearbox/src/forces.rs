@@ -1,12 +1,12 @@
 //! Contact forces and the load as the mechanism's applied forces, whole or with the friction told apart.
 
 use pinwheel_mbs::sliding::Contact;
-use pinwheel_mbs::{BodyState, Forces, Pose, Sums, Wrench, add_pair};
+use pinwheel_mbs::{BodyState, Evaluation, Forces, Pose, Wrench, add_pair};
 
 use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
-use crate::cosimulation::Straight;
-use crate::load_course::{self, LoadPiece};
+use crate::cosimulation::LinearSignal;
+use crate::load_profile::{self, LoadSegment};
 use crate::scene::{Contact as Contacts, Drive};
 use crate::{Gearbox, GearboxError};
 
@@ -17,11 +17,11 @@ pub(crate) struct GearForces {
     drive: Drive,
     field: Box<dyn ContactField>,
     /// The load of this segment.
-    load: LoadPiece,
+    load: LoadSegment,
     /// Torques that are held on input and output besides, N m.
-    pub(crate) held: [Straight; 2],
+    pub(crate) held: [LinearSignal; 2],
     /// Speed in, torque out: what the short cuts are made for.
-    pub(crate) usual: bool,
+    pub(crate) speed_in_torque_out: bool,
     /// Touching pairs of the last listing.
     pairs: Vec<PairContact>,
 }
@@ -35,9 +35,9 @@ impl GearForces {
             contact: gearbox.scene.contact.clone(),
             drive: gearbox.scene.drive.clone(),
             field: gearbox.contact_field()?,
-            load: load_course::piece_at(&gearbox.scene.drive, 0.0),
-            held: [Straight::default(); 2],
-            usual: true,
+            load: load_profile::piece_at(&gearbox.scene.drive, 0.0),
+            held: [LinearSignal::default(); 2],
+            speed_in_torque_out: true,
             pairs: Vec::with_capacity(most),
         })
     }
@@ -61,13 +61,20 @@ impl GearForces {
 
 impl Forces for GearForces {
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
-        self.evaluate(time, bodies, Pose::Any, &mut Sums::of_loads(loads));
+        self.evaluate(time, bodies, Pose::Any, &mut Evaluation::of_loads(loads));
     }
 
-    fn evaluate(&mut self, t: f64, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
+    fn evaluate(
+        &mut self,
+        t: f64,
+        bodies: &[BodyState],
+        pose: Pose,
+        sums: &mut Evaluation<'_>,
+    ) -> bool {
         // Moments alone lack those of the input, where that is free.
-        let is_partial = sums.slopes.is_some() || sums.moments.is_some() && sums.loads.is_none();
-        if is_partial && !self.usual || !self.field.evaluate(bodies, pose, sums) {
+        let is_partial =
+            sums.derivatives.is_some() || sums.moments.is_some() && sums.loads.is_none();
+        if is_partial && !self.speed_in_torque_out || !self.field.evaluate(bodies, pose, sums) {
             return false;
         }
         let torque = self.load.torque(t);
@@ -81,13 +88,13 @@ impl Forces for GearForces {
             moments[Layout::INPUT] += input.at(t);
             moments[Layout::OUTPUT] += output.at(t);
         }
-        if let Some(slopes) = &mut sums.slopes {
+        if let Some(derivatives) = &mut sums.derivatives {
             let load = &self.load;
             // The output is the first of the free bodies.
             if (load.from_s..load.settled_s()).contains(&t) {
-                slopes.time[0] += (load.after_n_m - load.before_n_m) / load.ramp_s;
+                derivatives.time[0] += (load.after_n_m - load.before_n_m) / load.ramp_s;
             }
-            slopes.time[0] += output.slope;
+            derivatives.time[0] += output.slope;
         }
         true
     }
@@ -137,7 +144,7 @@ impl Forces for GearForces {
     }
 
     fn restart_at(&mut self, from: f64) {
-        self.load = load_course::piece_at(&self.drive, from);
+        self.load = load_profile::piece_at(&self.drive, from);
     }
 
     fn normal_force(&self, index: usize, listed: f64, rate: f64) -> f64 {
@@ -182,7 +189,7 @@ mod tests {
             let (mut whole, mut seen, mut rest) = (zeros.clone(), zeros.clone(), zeros);
             let mut contacts = Vec::new();
             forces.apply(0.1, &bodies, &mut whole);
-            let mut sums = Sums::of_loads(&mut seen).with_energy();
+            let mut sums = Evaluation::of_loads(&mut seen).with_energy();
             assert!(forces.evaluate(0.1, &bodies, Pose::Any, &mut sums));
             let energy = sums.energy.unwrap();
             assert_eq!(whole, seen);
@@ -245,13 +252,16 @@ mod tests {
         let structure = Structure::SecondOrder {
             is_leaf: vec![false; 3],
         };
-        let slopes = |forces: &mut GearForces, time: f64| {
-            let mut slopes = Jacobian::new(&structure, 6);
-            let mut sums = Sums::of_slopes(&mut slopes);
+        let derivatives = |forces: &mut GearForces, time: f64| {
+            let mut derivatives = Jacobian::new(&structure, 6);
+            let mut sums = Evaluation::of_slopes(&mut derivatives);
             assert!(forces.evaluate(time, &bodies, Pose::Prescribed, &mut sums));
-            slopes.time
+            derivatives.time
         };
-        let (rising, risen) = (slopes(&mut forces, 0.005), slopes(&mut forces, 0.02));
+        let (rising, risen) = (
+            derivatives(&mut forces, 0.005),
+            derivatives(&mut forces, 0.02),
+        );
         assert!(
             (rising[0] - risen[0] - 2000.0).abs() < 1e-6,
             "{rising:?} {risen:?}"
@@ -261,7 +271,10 @@ mod tests {
         assert!((torque(&mut forces, 0.03) - 20.0).abs() < 1e-12);
         assert!((torque(&mut forces, 0.05) - 5.0).abs() < 1e-12);
         assert_eq!(forces.segment_s(), 0.03);
-        let (falling, fallen) = (slopes(&mut forces, 0.031), slopes(&mut forces, 0.05));
+        let (falling, fallen) = (
+            derivatives(&mut forces, 0.031),
+            derivatives(&mut forces, 0.05),
+        );
         assert!(
             (falling[0] - fallen[0] + 1500.0).abs() < 1e-6,
             "{falling:?}"

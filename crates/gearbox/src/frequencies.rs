@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use pinwheel_scene::bearings::{BearingLaw, typical_force};
 use pinwheel_scene::scales::{Scales, Spring, external_force, hertz, internal_force, least_depth};
 
-use crate::load_course;
+use crate::load_profile;
 use crate::scene::{BodyMass, Scene};
 
 /// Frequencies and rates of a scene.
@@ -55,7 +55,7 @@ impl Frequencies {
         let gear = &scene.gear;
         let force = external_force(
             gear,
-            load_course::largest(&scene.drive) / gear.wheels as f64,
+            load_profile::largest(&scene.drive) / gear.wheels as f64,
         );
         let stiffness = hertz(scene).on_flat(gear.external_sleeve_radius_m);
         let least = least_depth(scene);
@@ -63,7 +63,7 @@ impl Frequencies {
         Spring::of(scene, stiffness).depth(force, least) / plain
     }
 
-    /// Longest step that cannot pass over a contact unseen, s: a third of a touch at the contacts' frequency, and an
+    /// Longest step that cannot pass over a contact shared_error, s: a third of a touch at the contacts' frequency, and an
     /// eighth of the time from pin to pin.
     #[must_use]
     pub fn longest_step_s(&self) -> f64 {
@@ -90,7 +90,7 @@ pub fn unfollowed(scene: &Scene, step_s: f64) -> Option<f64> {
 #[must_use]
 pub fn friction_rate(scene: &Scene) -> f64 {
     let (gear, contact, mass) = (&scene.gear, &scene.contact, &scene.mass);
-    let torque = load_course::largest(&scene.drive) / gear.wheels as f64;
+    let torque = load_profile::largest(&scene.drive) / gear.wheels as f64;
     let external = external_force(gear, torque);
     let internal = internal_force(gear, torque);
     let rate = |force: f64, radius: f64, body: BodyMass| {

@@ -8,7 +8,7 @@ use crate::Layout;
 use crate::contacts::{self, ContactField, Kernel};
 use crate::error::GearboxError;
 use crate::geometry::Geometry;
-use crate::load_course;
+use crate::load_profile;
 use crate::scene::{BodyMass, CheckedScene, Fault, Solver, Start};
 use crate::statics::Statics;
 use pinwheel_scene::channels::Channels;
@@ -146,7 +146,7 @@ impl Gearbox {
     /// Load torque on the output shaft at time `t`, N m (counter-clockwise positive); at a jump what it jumps to.
     #[must_use]
     pub fn load_torque(&self, t: f64) -> f64 {
-        load_course::piece_at(&self.scene.drive, t).torque(t)
+        load_profile::piece_at(&self.scene.drive, t).torque(t)
     }
 
     /// Errors that adaptive methods count as 1: the elastic twist of a disc under its largest static load, vibrating
@@ -159,7 +159,7 @@ impl Gearbox {
         let gear = &self.scene.gear;
         let lever = gear.lever_m();
         let per_force = 0.25 * lever * gear.external_sleeves as f64;
-        let torque = (load_course::largest(&self.scene.drive) / gear.wheels as f64)
+        let torque = (load_profile::largest(&self.scene.drive) / gear.wheels as f64)
             .max(self.least_force_n() * per_force);
         let force = 4.0 * torque / (lever * gear.external_sleeves as f64);
         let penetration = (force / self.flat_stiffness).powf(2.0 / 3.0);
@@ -226,8 +226,8 @@ impl Gearbox {
             let own = [self.geometry.ideal_wheel_angle(i, 0.0), slow];
             states[body] = self.geometry.wheel_state(i, [0.0, turning], own);
         }
-        let seats = self.geometry.external_points.iter();
-        for (&[x, y], body) in seats.zip(self.layout.external_bodies()) {
+        let eccentric_centres = self.geometry.external_points.iter();
+        for (&[x, y], body) in eccentric_centres.zip(self.layout.external_bodies()) {
             (states[body].x, states[body].y) = (x, y);
         }
         for (k, body) in self.layout.internal_bodies().enumerate() {

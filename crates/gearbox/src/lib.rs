@@ -45,7 +45,7 @@ pub mod resolve;
 mod run_limits;
 pub mod statics;
 
-use pinwheel_scene::{self as scene, Layout, Sleeve, load_course};
+use pinwheel_scene::{self as scene, Layout, Sleeve, load_profile};
 
 pub use efficiency::Efficiency;
 pub use error::GearboxError;

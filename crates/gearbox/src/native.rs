@@ -12,7 +12,7 @@ use crate::contacts::{ContactEnergy, ContactField};
 use crate::energy::EnergyAccount;
 use crate::events::Event;
 use crate::forces::GearForces;
-use crate::load_course;
+use crate::load_profile;
 use crate::run_limits::{Limits, Pace};
 use crate::scene;
 use crate::{Gearbox, GearboxError, Recorder, auto, guard};
@@ -70,7 +70,7 @@ const BAUMGARTE_PER_STEP: f64 = 0.1;
 
 /// Steps of the scene's, or of the plan's of 0.125 rad of the fastest oscillation, from one that is looked at to the next: of all
 /// those the methods take each costs a twentieth of a fast run.
-const SEEN_STEPS: f64 = 3.0;
+const EXTREMA_STRIDE: f64 = 3.0;
 
 /// Runs the scene; `watch` receives the simulated time at every sample and every 1000 steps and returns true to stop.
 /// With the integrator `auto` this is one run as [`auto::plan`] has it; [`resolve::run_resolved`](crate::resolve::run_resolved) verifies it.
@@ -81,7 +81,7 @@ pub fn run(
     gearbox: &Gearbox,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
-    run_looked_at(gearbox, false, watch)
+    run_sampling(gearbox, false, watch)
 }
 
 /// Runs the scene like [`run`], but evaluates nothing between samples: no extremes and no energy balance. Methods with
@@ -93,10 +93,10 @@ pub fn run_at_samples(
     gearbox: &Gearbox,
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<NativeRun, NativeError> {
-    run_looked_at(gearbox, true, watch)
+    run_sampling(gearbox, true, watch)
 }
 
-fn run_looked_at(
+fn run_sampling(
     gearbox: &Gearbox,
     samples_alone: bool,
     watch: &mut dyn FnMut(f64) -> bool,
@@ -194,9 +194,9 @@ fn integrate<F: Formulation>(
 ) -> Result<NativeRun, NativeError> {
     let solver = &gearbox.scene.solver;
     let mut y = system.initial();
-    let breaks = load_course::breaks(&gearbox.scene.drive);
+    let breaks = load_profile::breaks(&gearbox.scene.drive);
     let mut stepper = segments(gearbox, 0.0, &y, &breaks, limits.longest_step_s)?;
-    let mut load = load_course::piece_at(&gearbox.scene.drive, 0.0);
+    let mut load = load_profile::piece_at(&gearbox.scene.drive, 0.0);
     let mut field = gearbox.contact_field()?;
     let times = solver.sample_times_s();
     let whole = !limits.samples_alone;
@@ -227,14 +227,14 @@ fn integrate<F: Formulation>(
                 while stepper.time() < until {
                     advance(&mut stepper, &mut system, limits, &mut pace, watch)?;
                     let (at, seen) = (stepper.time(), stepper.seen());
-                    if let Some(seen) = seen.and_then(|y| system.observe_at_hand(at, y))
+                    if let Some(seen) = seen.and_then(|y| system.cached_observation(at, y))
                         && at < until
                     {
                         recorder.record_between(&seen, [seen.driver_torques[0], load.torque(at)]);
                         if let Some(contacts) = &seen.energy {
                             energy.pass(load.torque(at), &seen, contacts);
                         }
-                        system.pass_until(at + SEEN_STEPS * solver.step_s);
+                        system.pass_until(at + EXTREMA_STRIDE * solver.step_s);
                     }
                 }
                 stepper.interpolate(&mut system, time, &mut y);
@@ -248,7 +248,7 @@ fn integrate<F: Formulation>(
                 }
                 if let Event::Break(_, from) = due {
                     stepper.enter(&mut system);
-                    load = load_course::piece_at(&gearbox.scene.drive, from);
+                    load = load_profile::piece_at(&gearbox.scene.drive, from);
                     energy.restart_at();
                 }
             }

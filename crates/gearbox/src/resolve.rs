@@ -111,7 +111,7 @@ impl Search<'_> {
         let Some(refinement) = Refinement::of(plan, &self.gearbox.scene) else {
             return Ok(false);
         };
-        let unseen = method(plan.integrator).map_or(0.0, |method| method.unseen);
+        let shared_error = method(plan.integrator).map_or(0.0, |method| method.shared_error);
         let mut plan = plan.finer(1.0 / refinement.first);
         let mut factor = refinement.first;
         let mut before: Option<Rc<NativeRun>> = None;
@@ -158,7 +158,7 @@ impl Search<'_> {
                         let (coarser, finer) = (&coarser.time_series, &run.time_series);
                         let moved = self.gearbox.distance(coarser, finer);
                         let error = refinement.error(moved, factor, last);
-                        let error = error.at_least(unseen * plan.tolerance);
+                        let error = error.at_least(shared_error * plan.tolerance);
                         self.levels[found.level].moved = Some(moved);
                         found.error = Some(error);
                         found.holds = holds(self.target, error, moved, last.map(|(d, _)| d));

@@ -8,7 +8,7 @@
 //! M_i(theta_i, psi) = 0 for every disc i,    sum over discs of M_out,i(theta_i, psi) + M_load = 0
 //! ```
 //! Newton's method finds them in some ten evaluations (`newton`). Where it does not, or the
-//! contacts have no slopes (discrete points), brackets do: contacts restore, so M_i falls with theta_i, and with the discs in
+//! contacts have no derivatives (discrete points), brackets do: contacts restore, so M_i falls with theta_i, and with the discs in
 //! balance M_out falls with psi: two nested roots of falling functions, each bracketed. That needs no good start and copes with
 //! backlash, where everything is 0 over the free play. Discs that float have unknown places too (`floating`).
 
@@ -18,10 +18,10 @@ mod newton;
 use floating::OF_A_WHEEL;
 use newton::NEAR_STEPS;
 
-use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums, Wrench};
+use pinwheel_mbs::{BodyState, Evaluation, Jacobian, Pose, Wrench};
 
 use crate::Layout;
-use crate::contacts::{Bearings, ContactField, PairContact};
+use crate::contacts::{ContactField, EccentricBearings, PairContact};
 use crate::{Gearbox, GearboxError};
 
 /// Elastic twist allowed beyond the free play, in pitches (2 pi/zs): the guard of dynamic runs is 0.25.
@@ -64,15 +64,15 @@ pub struct Statics<'a> {
     loads: Vec<Wrench>,
     /// The motion about which moments are taken; see [`Statics::moving`].
     motion: Motion,
-    slopes: Jacobian,
+    derivatives: Jacobian,
     /// Derivatives of the moments with respect to angles and to the places of discs that float.
     floating_slopes: Jacobian,
     /// Bearings on which discs float. They have no friction, because a balance at rest has none.
-    bearings: Option<Bearings>,
+    bearings: Option<EccentricBearings>,
     /// Last balances of discs that float, and their loads.
     floated: Vec<(Equilibrium, f64)>,
     /// Room for moments that contacts tell without loads, by body.
-    told: Vec<f64>,
+    moments_by_body: Vec<f64>,
     /// Bearings do not give way.
     is_rigid: bool,
     /// Evaluations of all contacts so far.
@@ -129,11 +129,12 @@ impl<'a> Statics<'a> {
             loads: vec![Wrench::default(); gearbox.layout.bodies()],
             gearbox,
             motion: Motion::none(gearbox.layout.wheels),
-            slopes: newton::slopes(1 + gearbox.layout.wheels),
-            floating_slopes: newton::slopes(1 + OF_A_WHEEL * gearbox.layout.wheels),
-            bearings: Bearings::of(&gearbox.scene, &gearbox.geometry).map(Bearings::frictionless),
+            derivatives: newton::derivatives(1 + gearbox.layout.wheels),
+            floating_slopes: newton::derivatives(1 + OF_A_WHEEL * gearbox.layout.wheels),
+            bearings: EccentricBearings::of(&gearbox.scene, &gearbox.geometry)
+                .map(EccentricBearings::frictionless),
             floated: Vec::new(),
-            told: vec![0.0; gearbox.layout.bodies()],
+            moments_by_body: vec![0.0; gearbox.layout.bodies()],
             is_rigid: false,
             evaluations: 0,
         })
@@ -194,7 +195,7 @@ impl<'a> Statics<'a> {
 
     /// Moments on the discs into `out`, and the moment of the contacts on the output.
     fn moments(&mut self, phi: f64, wheels: &[f64], psi: f64, out: &mut [f64]) -> f64 {
-        if let Some(on_output) = self.told(phi, wheels, psi, out) {
+        if let Some(on_output) = self.moments_by_body(phi, wheels, psi, out) {
             return on_output;
         }
         self.place(phi, wheels, psi);
@@ -204,10 +205,16 @@ impl<'a> Statics<'a> {
 
     /// Moments on the discs into `out`, and that of the contacts on the output, by contacts that need neither loads
     /// nor places for them; else `None`.
-    fn told(&mut self, phi: f64, wheels: &[f64], psi: f64, out: &mut [f64]) -> Option<f64> {
+    fn moments_by_body(
+        &mut self,
+        phi: f64,
+        wheels: &[f64],
+        psi: f64,
+        out: &mut [f64],
+    ) -> Option<f64> {
         self.turn(phi, wheels, psi);
-        self.told.fill(0.0);
-        let mut sums = Sums::of_moments(&mut self.told);
+        self.moments_by_body.fill(0.0);
+        let mut sums = Evaluation::of_moments(&mut self.moments_by_body);
         if !self
             .field
             .evaluate(&self.bodies, Pose::AnglesOnly, &mut sums)
@@ -215,11 +222,11 @@ impl<'a> Statics<'a> {
             return None;
         }
         self.evaluations += 1;
-        out.copy_from_slice(&self.told[self.gearbox.layout.wheel_bodies()]);
-        Some(self.less_inertia(out, self.told[Layout::OUTPUT]))
+        out.copy_from_slice(&self.moments_by_body[self.gearbox.layout.wheel_bodies()]);
+        Some(self.less_inertia(out, self.moments_by_body[Layout::OUTPUT]))
     }
 
-    /// Moments on the discs into `out`, and that of the contacts on the output, with their derivatives in `slopes`.
+    /// Moments on the discs into `out`, and that of the contacts on the output, with their derivatives in `derivatives`.
     /// `None` if the contacts have none.
     pub(super) fn moments_with_slopes(
         &mut self,
@@ -229,16 +236,16 @@ impl<'a> Statics<'a> {
         out: &mut [f64],
     ) -> Option<f64> {
         self.place(phi, wheels, psi);
-        self.slopes.clear();
-        let mut sums = Sums {
-            slopes: Some(&mut self.slopes),
-            ..Sums::of_loads(&mut self.loads)
+        self.derivatives.clear();
+        let mut sums = Evaluation {
+            derivatives: Some(&mut self.derivatives),
+            ..Evaluation::of_loads(&mut self.loads)
         };
         let sloped = self.field.evaluate(&self.bodies, Pose::Any, &mut sums);
         sloped.then(|| self.summed(out))
     }
 
-    /// Sums the loads: moments on the discs into `out`, and the moment on the output.
+    /// Evaluation the loads: moments on the discs into `out`, and the moment on the output.
     fn summed(&self, out: &mut [f64]) -> f64 {
         let layout = self.gearbox.layout;
         for (out, body) in out.iter_mut().zip(layout.wheel_bodies()) {
@@ -327,7 +334,7 @@ impl<'a> Statics<'a> {
     /// [`GearboxError::NoEquilibrium`]: the load is more than the teeth carry before they jump.
     pub fn solve(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         if self.gearbox.floats() && !self.is_rigid {
-            return self.float(phi, load);
+            return self.solve_floating(phi, load);
         }
         self.solve_rigid(phi, load)
     }
@@ -367,7 +374,7 @@ impl<'a> Statics<'a> {
             return self.solve(phi, load);
         }
         if floats {
-            return match self.float_near(near, phi, load) {
+            return match self.continue_from(near, phi, load) {
                 Some(found) => Ok(found),
                 None => self.solve(phi, load),
             };
@@ -391,7 +398,7 @@ impl<'a> Statics<'a> {
     ///
     /// # Errors
     /// As [`Statics::solve`].
-    pub fn follow<'e>(
+    pub fn track<'e>(
         &mut self,
         last: &'e mut Option<Equilibrium>,
         phi: f64,
@@ -513,21 +520,21 @@ impl<'a> Statics<'a> {
                 self.solve_near(&here, -h, load)?,
                 self.solve_near(&here, h, load)?,
             ];
-            let slopes = |a: f64, m: f64, b: f64| {
+            let derivatives = |a: f64, m: f64, b: f64| {
                 let bend = speed * speed * (a - 2.0 * m + b) / (h * h);
                 [speed * (b - a) / (2.0 * h), bend]
             };
             let wheels = before.wheels.iter().zip(&here.wheels).zip(&after.wheels);
             let centre = |body: usize| {
                 let [b, m, a] = [&before, &here, &after].map(|at| at.bodies[body]);
-                let ([vx, ax], [vy, ay]) = (slopes(b.x, m.x, a.x), slopes(b.y, m.y, a.y));
+                let ([vx, ax], [vy, ay]) = (derivatives(b.x, m.x, a.x), derivatives(b.y, m.y, a.y));
                 [[vx, vy], [ax, ay]]
             };
             self.motion = Motion {
                 centres: self.gearbox.layout.wheel_bodies().map(centre).collect(),
                 speed,
-                wheels: wheels.map(|((a, m), b)| slopes(*a, *m, *b)).collect(),
-                output: slopes(before.output, here.output, after.output),
+                wheels: wheels.map(|((a, m), b)| derivatives(*a, *m, *b)).collect(),
+                output: derivatives(before.output, here.output, after.output),
             };
             here = self.solve_near(&here, 0.0, load)?;
         }

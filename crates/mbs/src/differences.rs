@@ -29,7 +29,7 @@ impl Differences {
         }
     }
 
-    /// Writes all slopes at (t, y), for a step of `h` (s); returns the number of evaluations.
+    /// Writes all derivatives at (t, y), for a step of `h` (s); returns the number of evaluations.
     pub(crate) fn write<S: OdeSystem>(
         &mut self,
         system: &mut S,
@@ -55,8 +55,8 @@ impl Differences {
                 Some(position) if k < first => (position, k),
                 _ => (&mut jacobian.rate, k - first),
             };
-            let slopes = self.ahead[first..].iter().zip(&self.behind[first..]);
-            for (row, (ahead, behind)) in slopes.enumerate() {
+            let derivatives = self.ahead[first..].iter().zip(&self.behind[first..]);
+            for (row, (ahead, behind)) in derivatives.enumerate() {
                 part.add(row, column, (ahead - behind) * inverse);
             }
         }
@@ -64,8 +64,8 @@ impl Differences {
         system.derivative(late, y, &mut self.ahead);
         system.derivative(early, y, &mut self.behind);
         let inverse = (late - early).recip();
-        let slopes = self.ahead[first..].iter().zip(&self.behind[first..]);
-        for (time, (ahead, behind)) in jacobian.time.iter_mut().zip(slopes) {
+        let derivatives = self.ahead[first..].iter().zip(&self.behind[first..]);
+        for (time, (ahead, behind)) in jacobian.time.iter_mut().zip(derivatives) {
             *time = (ahead - behind) * inverse;
         }
         2 * (y.len() as u64 + 1)

@@ -17,7 +17,7 @@ pub enum Pose {
 
 /// Outputs that an evaluation of the forces adds to; those that are `None` are not requested.
 #[derive(Debug, Default)]
-pub struct Sums<'a> {
+pub struct Evaluation<'a> {
     /// Loads on all bodies, in their order: ground frame, N and N m about the centre of mass. With a prescribed pose they
     /// hold 0 on entry.
     pub loads: Option<&'a mut [Wrench]>,
@@ -29,14 +29,14 @@ pub struct Sums<'a> {
     /// How these moments change with the free angles (N m/rad), the free rates (N m s/rad) and the time (N m/s), in the order
     /// of [`Reduced::free_bodies`](crate::Reduced::free_bodies); then the forces on bodies that no joint holds, x and y of one
     /// after the other, all by their places and velocities too.
-    pub slopes: Option<&'a mut Jacobian>,
+    pub derivatives: Option<&'a mut Jacobian>,
     /// True if the energy of the contacts is requested.
     pub wants_energy: bool,
     /// That energy: written where it is asked for and known.
     pub energy: Option<ContactEnergy>,
 }
 
-impl<'a> Sums<'a> {
+impl<'a> Evaluation<'a> {
     /// Loads alone.
     pub fn of_loads(loads: &'a mut [Wrench]) -> Self {
         Self {
@@ -54,9 +54,9 @@ impl<'a> Sums<'a> {
     }
 
     /// Slopes alone.
-    pub fn of_slopes(slopes: &'a mut Jacobian) -> Self {
+    pub fn of_slopes(derivatives: &'a mut Jacobian) -> Self {
         Self {
-            slopes: Some(slopes),
+            derivatives: Some(derivatives),
             ..Self::default()
         }
     }
@@ -78,12 +78,18 @@ pub trait Forces {
     /// for loads of bodies that are in place, which all forces know.
     ///
     /// By default forces know their loads, and those alone.
-    fn evaluate(&mut self, t: f64, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
+    fn evaluate(
+        &mut self,
+        t: f64,
+        bodies: &[BodyState],
+        pose: Pose,
+        sums: &mut Evaluation<'_>,
+    ) -> bool {
         match sums {
-            Sums {
+            Evaluation {
                 loads: Some(loads),
                 moments: None,
-                slopes: None,
+                derivatives: None,
                 ..
             } if pose != Pose::AnglesOnly => {
                 self.apply(t, bodies, loads);

@@ -191,7 +191,7 @@ fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
     }
 }
 
-/// The slopes of a system's f, and the factors of s I - df/dy.
+/// The derivatives of a system's f, and the factors of s I - df/dy.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Jacobian {
     /// K of a mechanical system in the order of v, 1/s^2; `None` of a system of first order.

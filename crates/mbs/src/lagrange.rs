@@ -16,7 +16,7 @@ use std::iter::zip;
 
 use nalgebra::Vector3;
 
-use crate::forces::{Forces, Pose, Sums};
+use crate::forces::{Evaluation, Forces, Pose};
 use crate::mechanism::{Mechanism, MechanismError};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem, own_scale};
 use crate::pinned::PinnedContacts;
@@ -343,9 +343,9 @@ impl<F: Forces> Lagrange<F> {
         } else {
             Pose::Any
         };
-        let mut sums = Sums {
+        let mut sums = Evaluation {
             wants_energy,
-            ..Sums::of_loads(&mut self.loads)
+            ..Evaluation::of_loads(&mut self.loads)
         };
         self.forces.evaluate(t, &self.bodies, pose, &mut sums);
         sums.energy

@@ -57,7 +57,7 @@ pub mod sliding;
 mod state;
 mod tree;
 
-pub use forces::{Forces, Pose, Sums};
+pub use forces::{Evaluation, Forces, Pose};
 pub use jacobian::{Arrow, Jacobian, Structure};
 pub use lagrange::{Lagrange, Stabilisation};
 pub use mechanism::{Body, Driver, Mechanism, MechanismError, Motion, Revolute};

@@ -19,7 +19,7 @@ pub trait OdeSystem {
     }
 
     /// Writes f(t, y) of a state at the end of a step that goes on, of which only loads are looked at
-    /// ([`Formulation::observe_at_hand`]).
+    /// ([`Formulation::cached_observation`]).
     fn derivative_in_passing(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.derivative(t, y, dydt);
     }
@@ -43,7 +43,7 @@ pub trait OdeSystem {
 
     /// Adds df/dy and df/dt at (t, y) to `jacobian`, which has this system's [`structure`](Self::structure) and holds 0.
     ///
-    /// False, the default, and nothing was added: the slopes are not known, and methods take differences. They must be
+    /// False, the default, and nothing was added: the derivatives are not known, and methods take differences. They must be
     /// exact: Rosenbrock methods lose their order with the digits of the Jacobian.
     fn jacobian(&mut self, _t: f64, _y: &[f64], _jacobian: &mut Jacobian) -> bool {
         false
@@ -131,7 +131,7 @@ pub trait Formulation: OdeSystem {
 
     /// Returns the observation of the state of the last evaluation without the contacts' energy, if it takes no new
     /// evaluation. That evaluation was [`OdeSystem::derivative_in_passing`].
-    fn observe_at_hand(&mut self, _t: f64, _y: &[f64]) -> Option<Observation<'_>> {
+    fn cached_observation(&mut self, _t: f64, _y: &[f64]) -> Option<Observation<'_>> {
         None
     }
 

@@ -16,7 +16,7 @@
 //! Friction may be treated implicitly ([`OdeSystem::split_stage`]): a contact's sliding speed is
 //! linear in the free rates, `u = offset + J v`, and `-J' F_t` is what its friction does to them.
 
-use crate::forces::{Forces, Pose, Sums};
+use crate::forces::{Evaluation, Forces, Pose};
 use crate::jacobian::{Jacobian, Structure};
 use crate::mechanism::{Mechanism, MechanismError, Motion};
 use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem, own_scale};
@@ -303,7 +303,7 @@ impl<F: Forces> Reduced<F> {
         self.evaluated.placed = false;
         self.moments.fill(0.0);
         self.loads.fill(Wrench::default());
-        let mut sums = Sums::of_loads(&mut self.loads);
+        let mut sums = Evaluation::of_loads(&mut self.loads);
         sums.wants_energy = wants_energy;
         sums.moments = Some(&mut self.moments);
         let (forces, bodies) = (&mut self.forces, &self.bodies);
@@ -311,7 +311,7 @@ impl<F: Forces> Reduced<F> {
             self.evaluated.energy = sums.energy;
         } else {
             self.put(t);
-            let mut sums = Sums::of_loads(&mut self.loads);
+            let mut sums = Evaluation::of_loads(&mut self.loads);
             sums.wants_energy = wants_energy;
             let (forces, bodies) = (&mut self.forces, &self.bodies);
             forces.evaluate(t, bodies, Pose::Prescribed, &mut sums);
@@ -488,7 +488,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.turn(t, y);
         self.moments.fill(0.0);
-        let mut sums = Sums::of_moments(&mut self.moments);
+        let mut sums = Evaluation::of_moments(&mut self.moments);
         if !self.floating.is_empty() {
             self.loads.fill(Wrench::default());
             sums.loads = Some(&mut self.loads);
@@ -548,7 +548,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
 
     fn jacobian(&mut self, t: f64, y: &[f64], jacobian: &mut Jacobian) -> bool {
         self.place(t, y);
-        let mut sums = Sums::of_slopes(jacobian);
+        let mut sums = Evaluation::of_slopes(jacobian);
         let (forces, bodies) = (&mut self.forces, &self.bodies);
         let known = forces.evaluate(t, bodies, Pose::Prescribed, &mut sums);
         if known {
@@ -592,7 +592,7 @@ impl<F: Forces> Formulation for Reduced<F> {
         self.see(t)
     }
 
-    fn observe_at_hand(&mut self, t: f64, y: &[f64]) -> Option<Observation<'_>> {
+    fn cached_observation(&mut self, t: f64, y: &[f64]) -> Option<Observation<'_>> {
         self.evaluated.is_of(t, y, false).then(|| self.see(t))
     }
 

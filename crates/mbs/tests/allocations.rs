@@ -2,8 +2,8 @@
 
 use pinwheel_mbs::integrators::{METHODS, StepSettings, Stepper, start};
 use pinwheel_mbs::{
-    Body, BodyState, Driver, Forces, Formulation, Lagrange, Mechanism, Motion, Pose, Reduced,
-    Revolute, Stabilisation, Sums, Wrench,
+    Body, BodyState, Driver, Evaluation, Forces, Formulation, Lagrange, Mechanism, Motion, Pose,
+    Reduced, Revolute, Stabilisation, Wrench,
 };
 
 /// A spring on every angle.
@@ -17,15 +17,21 @@ impl Forces for Springs {
         }
     }
 
-    /// Near enough: methods that ask for slopes shall use them.
-    fn evaluate(&mut self, t: f64, bodies: &[BodyState], _: Pose, sums: &mut Sums<'_>) -> bool {
+    /// Near enough: methods that ask for derivatives shall use them.
+    fn evaluate(
+        &mut self,
+        t: f64,
+        bodies: &[BodyState],
+        _: Pose,
+        sums: &mut Evaluation<'_>,
+    ) -> bool {
         if let Some(loads) = &mut sums.loads {
             self.apply(t, bodies, loads);
         }
-        let Some(slopes) = &mut sums.slopes else {
+        let Some(derivatives) = &mut sums.derivatives else {
             return sums.moments.is_none();
         };
-        let Some(position) = &mut slopes.position else {
+        let Some(position) = &mut derivatives.position else {
             return false;
         };
         for k in 0..position.dimension() {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use pinwheel::engines::python::UserEngine;
-use pinwheel::engines::{Engine, Track};
+use pinwheel::engines::{Engine, SharedModel};
 use pinwheel::scene::Scene;
 use pinwheel::studies::choice;
 use pyo3::prelude::*;
@@ -35,8 +35,8 @@ impl Asked {
         };
         let text = |name: &str| -> PyResult<String> { engine.getattr(name)?.extract() };
         let track = match text("track")?.as_str() {
-            "own-contact" => Track::OwnContact,
-            _ => Track::SharedLaw,
+            "own-contact" => SharedModel::OwnContact,
+            _ => SharedModel::SharedLaw,
         };
         Ok(Self::Own(UserEngine {
             name: text("name")?,

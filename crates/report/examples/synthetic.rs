@@ -6,7 +6,7 @@
 use std::error::Error;
 
 use pinwheel_compare::uncertainty::Source;
-use pinwheel_compare::{Context, Cost, Evidence, Participant, Rules, Status, Track, compare};
+use pinwheel_compare::{Context, Cost, Evidence, Participant, Rules, SharedModel, Status, compare};
 use pinwheel_report::comparison::study;
 use pinwheel_report::study::{Study, render};
 use pinwheel_timeseries::TimeSeries;
@@ -53,7 +53,7 @@ fn time_series(error: f64, seed: f64, samples: u32) -> Result<TimeSeries, Box<dy
 }
 
 fn participants() -> Result<Vec<Participant>, Box<dyn Error>> {
-    let one = |name: &str, track: Track, error: f64, wall_s: f64, differences: &str| {
+    let one = |name: &str, track: SharedModel, error: f64, wall_s: f64, differences: &str| {
         Ok::<_, Box<dyn Error>>(Participant {
             name: name.to_owned(),
             track,
@@ -79,35 +79,35 @@ fn participants() -> Result<Vec<Participant>, Box<dyn Error>> {
     let mut all = vec![
         one(
             "native-reduced",
-            Track::Native,
+            SharedModel::Native,
             0.0,
             0.41,
             "The base of nothing: it is compared like all others.",
         )?,
         one(
             "native-lagrange",
-            Track::Native,
+            SharedModel::Native,
             2e-11,
             1.32,
             "84 coordinates and 57 multipliers; the same contact law and method.",
         )?,
         one(
             "rapier-shared-law",
-            Track::SharedLaw,
+            SharedModel::SharedLaw,
             2.1e-5,
             3.9,
             "Impulse joints and semi-implicit Euler raised to second order; forces of the shared law, held over a step.",
         )?,
         one(
             "rapier-own-contact-hook",
-            Track::OwnContact,
+            SharedModel::OwnContact,
             1.3e-4,
             5.2,
             "rapier resolves contact and friction; exact normals and depths are handed to it.",
         )?,
         one(
             "rapier-own-contact-colliders",
-            Track::OwnContact,
+            SharedModel::OwnContact,
             0.11,
             9.7,
             "Polyline discs and rapier's own spring, which is linear: wave forms and peaks are not comparable, means are.",
@@ -119,7 +119,7 @@ fn participants() -> Result<Vec<Participant>, Box<dyn Error>> {
         .cost
         .notes
         .push("Stabilisation iterations 0.".to_owned());
-    let mut broken = one("mujoco-shared-law", Track::SharedLaw, 0.02, 0.3, "")?;
+    let mut broken = one("mujoco-shared-law", SharedModel::SharedLaw, 0.02, 0.3, "")?;
     broken.time_series = time_series(0.02, 1.0, 1200)?;
     broken.status = Status::Diverged {
         time_s: 0.12,

@@ -10,7 +10,7 @@
 use std::fmt::Write as _;
 
 use pinwheel_compare::comparison::Comparison;
-use pinwheel_compare::{Participant, Quantity, Track, Verdict, quantities};
+use pinwheel_compare::{Participant, Quantity, SharedModel, Verdict, quantities};
 use pinwheel_files::output::steers;
 use pinwheel_timeseries::columns;
 use serde::Serialize;
@@ -149,7 +149,7 @@ fn drawn<'a>(
     list.sort_by_key(|(place, p)| {
         let finished = p.status.is_finished();
         let samples = usize::MAX - p.time_series.len();
-        let native = p.track == Track::Native;
+        let native = p.track == SharedModel::Native;
         (!finished, samples, !native, *place)
     });
     let Some(&(_, base)) = list.first() else {
@@ -282,7 +282,7 @@ fn spaced(at: Vec<f64>) -> Spaced {
 /// Quantity, channel and engine to look at first: measured data against the first engine; else what differs, else
 /// external forces, else the first quantity.
 fn first(comparison: &Comparison, drawn: &[Drawn<'_>], quantities: &[ChartQuantity]) -> [usize; 3] {
-    let rig = |d: &Drawn<'_>| d.participant.track == Track::Measured;
+    let rig = |d: &Drawn<'_>| d.participant.track == SharedModel::Measured;
     let measured = drawn.iter().position(rig);
     if let Some(engine) = measured {
         let shown = quantities.iter().enumerate().find_map(|(q, quantity)| {
@@ -330,7 +330,7 @@ fn bands(comparison: &Comparison, drawn: &[Drawn<'_>], quantity: &str) -> Vec<(u
 fn quantity(quantity: &Quantity, drawn: &[Drawn<'_>], plan: Plan) -> ChartQuantity {
     // What was measured is always there.
     let measured = |name: &String| {
-        let rig = |d: &&Drawn<'_>| d.participant.track == Track::Measured;
+        let rig = |d: &&Drawn<'_>| d.participant.track == SharedModel::Measured;
         let has = |d: &Drawn<'_>| d.participant.time_series.channel(name).is_some();
         drawn.iter().filter(rig).any(has)
     };
@@ -500,14 +500,19 @@ mod tests {
         assert!(kept(&base, &none, 100_000).is_empty());
     }
 
-    fn engine(name: &str, track: Track, scale: f64, every: usize) -> Participant {
+    fn engine(name: &str, track: SharedModel, scale: f64, every: usize) -> Participant {
         let time: Vec<f64> = (0..601).step_by(every).map(|k| k as f64 * 1e-3).collect();
         let of = |k: usize| move |t: &f64| scale * (2.0 + (90.0 * t + k as f64).sin());
         let values = |k| time.iter().map(of(k)).collect();
         participant(name, track, &time, (0..3).map(values).collect())
     }
 
-    fn participant(name: &str, track: Track, time: &[f64], forces: Vec<Vec<f64>>) -> Participant {
+    fn participant(
+        name: &str,
+        track: SharedModel,
+        time: &[f64],
+        forces: Vec<Vec<f64>>,
+    ) -> Participant {
         let mut time_series = pinwheel_timeseries::TimeSeries::new(time.to_vec()).unwrap();
         for (k, values) in forces.into_iter().enumerate() {
             time_series
@@ -528,7 +533,7 @@ mod tests {
 
     #[test]
     fn time_series_can_be_read_back() {
-        let mut rig = engine("rig", Track::Measured, 1.02, 1);
+        let mut rig = engine("rig", SharedModel::Measured, 1.02, 1);
         let mut gapped = rig.time_series.clone();
         let late = pinwheel_timeseries::TimeSeries::new(gapped.time_s().to_vec()).unwrap();
         let whole = std::mem::replace(&mut gapped, late);
@@ -538,13 +543,13 @@ mod tests {
             gapped.push(channel.name.clone(), values).unwrap();
         }
         rig.time_series = gapped;
-        let mut recorded = engine("mujoco-own-contact", Track::OwnContact, 1.01, 10);
+        let mut recorded = engine("mujoco-own-contact", SharedModel::OwnContact, 1.01, 10);
         recorded.cost.recorded = Some("recorded".to_owned());
         let participants = [
             rig,
             recorded,
-            engine("native-reduced", Track::Native, 1.0, 1),
-            engine("rapier-shared-law", Track::SharedLaw, 1.0 + 1e-6, 1),
+            engine("native-reduced", SharedModel::Native, 1.0, 1),
+            engine("rapier-shared-law", SharedModel::SharedLaw, 1.0 + 1e-6, 1),
         ];
         let data = data(&participants);
         let names: Vec<&Value> = data.engines.iter().map(|e| &e["name"]).collect();
@@ -611,7 +616,7 @@ mod tests {
             (0..60).map(column).collect()
         };
         let participants = ["native-reduced", "a", "b", "c"]
-            .map(|name| participant(name, Track::Native, &time, forces()));
+            .map(|name| participant(name, SharedModel::Native, &time, forces()));
         let found = data(&participants);
         let channels = &found.quantities[0].channels;
         let size: usize = channels.iter().map(|c| c.packed.len()).sum();
@@ -628,8 +633,8 @@ mod tests {
     fn what_only_some_have_is_drawn_too() {
         let time: Vec<f64> = (0..601).map(|k| f64::from(k) * 1e-3).collect();
         let forces = |count: usize| vec![time.clone(); count];
-        let few = participant("a", Track::Native, &time, forces(2));
-        let found = data(&[few, participant("b", Track::Native, &time, forces(3))]);
+        let few = participant("a", SharedModel::Native, &time, forces(2));
+        let found = data(&[few, participant("b", SharedModel::Native, &time, forces(3))]);
         let engines = found.quantities[0]
             .channels
             .iter()

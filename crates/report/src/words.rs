@@ -1,7 +1,7 @@
 //! Verdicts in words, for pages and terminals alike.
 
 use pinwheel_compare::comparison::{Pair, PairEntry};
-use pinwheel_compare::{Against, Assessment, Comparison, Track, Verdict};
+use pinwheel_compare::{Against, Assessment, Comparison, SharedModel, Verdict};
 use pinwheel_engines::info;
 
 /// The entry of a pair that says most against it, and among equals the one that uses most of its bound. `None` where nothing
@@ -102,7 +102,7 @@ pub fn of_windows(comparison: &Comparison) -> impl Iterator<Item = String> {
 /// Remarks on measured data, each with its name.
 pub fn of_measured(comparison: &Comparison) -> impl Iterator<Item = String> {
     let rigs = comparison.engines.iter();
-    let rigs = rigs.filter(|e| e.track == Track::Measured);
+    let rigs = rigs.filter(|e| e.track == SharedModel::Measured);
     rigs.flat_map(|e| {
         e.cost
             .notes

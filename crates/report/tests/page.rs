@@ -2,7 +2,7 @@
 
 use pinwheel_compare::uncertainty::Source;
 use pinwheel_compare::{
-    Comparison, Context, Cost, Evidence, Participant, Rules, Status, Track, compare,
+    Comparison, Context, Cost, Evidence, Participant, Rules, SharedModel, Status, compare,
 };
 use pinwheel_report::comparison::study;
 use pinwheel_report::study::{Study, render};
@@ -50,7 +50,7 @@ fn rough(channels: usize, samples: u32) -> TimeSeries {
     rough
 }
 
-fn participant(name: &str, track: Track, scale: f64) -> Participant {
+fn participant(name: &str, track: SharedModel, scale: f64) -> Participant {
     Participant {
         name: name.to_owned(),
         track,
@@ -117,8 +117,8 @@ fn page(participants: &[Participant]) -> String {
 
 fn two(scale: f64) -> [Participant; 2] {
     [
-        participant("native-reduced", Track::Native, 1.0),
-        participant("rapier-shared-law", Track::SharedLaw, scale),
+        participant("native-reduced", SharedModel::Native, 1.0),
+        participant("rapier-shared-law", SharedModel::SharedLaw, scale),
     ]
 }
 
@@ -159,7 +159,7 @@ fn banner_follows_the_verdict() {
 #[test]
 fn who_is_left_out_breaks_nothing() {
     let [one, other] = two(1.0);
-    let mut out = participant("slow", Track::OwnContact, 1.0);
+    let mut out = participant("slow", SharedModel::OwnContact, 1.0);
     out.status = Status::Unsupported {
         reason: "give it more time".to_owned(),
     };
@@ -231,11 +231,11 @@ fn nothing_breaks_out() {
     participants[1].summary = HOSTILE.to_owned();
     participants[1].cost.settings = HOSTILE.to_owned();
     participants[1].cost.notes = vec![HOSTILE.to_owned()];
-    let mut lost = participant("lost", Track::SharedLaw, 1.0);
+    let mut lost = participant("lost", SharedModel::SharedLaw, 1.0);
     lost.status = Status::Failed {
         reason: HOSTILE.to_owned(),
     };
-    let mut other = participant("other", Track::OwnContact, 1.0);
+    let mut other = participant("other", SharedModel::OwnContact, 1.0);
     other.time_series.push(HOSTILE, vec![1.0; 601]).unwrap();
     let participants = [participants.to_vec(), vec![lost, other]].concat();
     let mut context = context(HOSTILE);
@@ -263,7 +263,7 @@ fn many_sleeves_stay_below_two_megabytes() {
 
 #[test]
 fn nobody_finished() {
-    let mut lost = participant("lost", Track::Native, 1.0);
+    let mut lost = participant("lost", SharedModel::Native, 1.0);
     lost.status = Status::Unsupported {
         reason: "no friction".to_owned(),
     };

@@ -48,7 +48,7 @@ pub enum Source {
     /// From the scene that the file names as its base.
     Base(String),
     /// A usual value, and why.
-    Usual(&'static str),
+    Constant(&'static str),
     /// By this formula.
     Formula(&'static str),
 }
@@ -59,7 +59,7 @@ impl Source {
     pub fn words(&self) -> String {
         match self {
             Self::Base(base) => format!("from the base {base}"),
-            Self::Usual(why) => (*why).to_owned(),
+            Self::Constant(why) => (*why).to_owned(),
             Self::Formula(formula) => (*formula).to_owned(),
         }
     }

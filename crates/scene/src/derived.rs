@@ -8,7 +8,7 @@ use super::model::{Gear, Scene};
 use super::profile::Profile;
 use crate::body::bore_radius_m;
 use crate::check::hole_to_profile_m;
-use crate::{load_course, scales};
+use crate::{load_profile, scales};
 
 /// Figures that follow from a checked scene without a run. SI units.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -171,7 +171,7 @@ pub fn derived(scene: &Scene) -> Derived {
     let (zk, zs) = (gear.external_sleeves as f64, gear.lobes() as f64);
     let turning = scene.eccentric_per_input().abs();
     let zi = gear.internal_sleeves as f64;
-    let wheel_torque = load_course::largest(&scene.drive) / gear.wheels as f64;
+    let wheel_torque = load_profile::largest(&scene.drive) / gear.wheels as f64;
     let input_hertz = scene.drive.input_speed_rad_s.abs() / TAU;
     let frequency = |what, order: f64| Frequency {
         what,
@@ -183,10 +183,7 @@ pub fn derived(scene: &Scene) -> Derived {
         Some(_) => frequencies.push(frequency("cranks turn", turning)),
         None => frequencies.extend([
             frequency("a given output pin is loaded", zk / zs),
-            frequency(
-                "a disc passes from output pin to output pin",
-                zi * zk / zs,
-            ),
+            frequency("a disc passes from output pin to output pin", zi * zk / zs),
         ]),
     }
     frequencies.push(frequency(

@@ -7,7 +7,7 @@ use crate::check;
 use crate::checked::{Origin, Source};
 use crate::error::Fault;
 use crate::formulas::Given;
-use crate::keys::{self, Key, Kind, Otherwise};
+use crate::keys::{self, DefaultValue, Key, Kind};
 use crate::model::Scene;
 use crate::scales;
 use crate::table::{insert, lookup, usual};
@@ -44,17 +44,17 @@ pub(crate) fn fill(table: &mut Table) -> Result<Vec<Origin>, Gap> {
     for row in gaps {
         let new_part = row.name.split('.').next().unwrap_or_default();
         let (value, source) = match row.otherwise {
-            Otherwise::Required => {
+            DefaultValue::Required => {
                 missing.push(row.name);
                 continue;
             }
-            Otherwise::Needed if lookup(table, new_part).is_some() => {
+            DefaultValue::Needed if lookup(table, new_part).is_some() => {
                 missing.push(row.name);
                 continue;
             }
-            Otherwise::Nothing | Otherwise::Needed => continue,
-            Otherwise::Usual(text, why) => (usual(text), Source::Usual(why)),
-            Otherwise::Follows(formula, words) => {
+            DefaultValue::Nothing | DefaultValue::Needed => continue,
+            DefaultValue::Constant(text, why) => (usual(text), Source::Constant(why)),
+            DefaultValue::Formula(formula, words) => {
                 if new_part != part || stale {
                     (part, stale) = (new_part, false);
                     refresh(&mut scene, table);

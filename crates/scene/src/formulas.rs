@@ -160,7 +160,7 @@ fn turn(given: &Given<'_>, scales: &Scales) -> Option<f64> {
 pub(crate) fn duration(given: &Given<'_>) -> Option<f64> {
     let scales = given.scales()?;
     let turn = turn(given, &scales)?;
-    let last = crate::load_course::last_change_s(given.scene).unwrap_or(0.0);
+    let last = crate::load_profile::last_change_s(given.scene).unwrap_or(0.0);
     let settled = scales.settling_s(given.scene.contact.damping_n_s_m);
     let quiet = settled.map_or(10.0 * turn, |settled| settled + 2.0 * turn);
     Some(short(last + quiet.clamp(3.0 * turn, 10.0 * turn)))

@@ -42,7 +42,7 @@ pub enum Range {
 
 /// Source of the value of a key that is left out.
 #[derive(Clone, Copy)]
-pub enum Otherwise {
+pub enum DefaultValue {
     /// Nothing can: an error that names the key.
     Required,
     /// Nothing can where its table is there: an error that names the key.
@@ -50,9 +50,9 @@ pub enum Otherwise {
     /// Nothing has to: the key asks for something.
     Nothing,
     /// A usual value, as TOML, and why it is one.
-    Usual(&'static str, &'static str),
+    Constant(&'static str, &'static str),
     /// A value that follows from others, and its formula; `None` where they are missing.
-    Follows(fn(&Given<'_>) -> Option<f64>, &'static str),
+    Formula(fn(&Given<'_>) -> Option<f64>, &'static str),
 }
 
 /// One key.
@@ -63,7 +63,7 @@ pub struct Key {
     /// Kind of value that the key holds.
     pub kind: Kind,
     /// Source of the key's value where it is left out.
-    pub otherwise: Otherwise,
+    pub otherwise: DefaultValue,
     /// Meaning of the key.
     pub about: &'static str,
     /// Help for who gave a wrong value.
@@ -148,8 +148,8 @@ pub fn key(name: &str) -> Option<&'static Key> {
     KEYS.iter().find(|key| key.name == name)
 }
 
+use DefaultValue::{Constant, Formula, Needed, Nothing, Required};
 use Kind::{Choice, Choices, Count, Number, Numbers, Tables, Text, Texts};
-use Otherwise::{Follows, Needed, Nothing, Required, Usual};
 use Range::{Between, From};
 
 const METRES: &str = "lengths are in metres: 6 mm is 0.006";
@@ -182,9 +182,9 @@ macro_rules! keys {
 
 /// One change of the load.
 pub(crate) const CHANGE: &[Key] = keys! {
-    "time_s" Number(From(crate::load_course::APART_S, LONGEST_S)), Required, "when it begins", SECONDS;
+    "time_s" Number(From(crate::load_profile::APART_S, LONGEST_S)), Required, "when it begins", SECONDS;
     "output_torque_n_m" TORQUE, Required, "the load from then on", LOAD;
-    "ramp_s" TIME, Usual("0.0", "at once"), "it is reached linearly over this time; 0: at once", SECONDS;
+    "ramp_s" TIME, Constant("0.0", "at once"), "it is reached linearly over this time; 0: at once", SECONDS;
 };
 
 /// All keys.
@@ -195,14 +195,14 @@ pub const KEYS: &[Key] = keys! {
     "gear.eccentricity_m" Number(From(1e-7, 1.0)), Required, "e", METRES;
     "gear.external_sleeves" Count(3, 1000), Required, "zk: pins on the housing; a disc has one lobe less", "a disc has one lobe less and needs at least two; above 1000 no real gear exists and memory would grow without use";
     "gear.pin_circle_radius_m" LENGTH, Nothing, "R: circle of the ring pins without backlash; instead of gear.shortening", METRES;
-    "gear.shortening" Number(Between(1e-3, 1.0)), Follows(formulas::shortening, "e zk/R with R = gear.pin_circle_radius_m"), "m: shortening coefficient e zk/R", "it is e zk/R, usually 0.5 to 0.9; at 1 and above the disc's profile crosses itself";
+    "gear.shortening" Number(Between(1e-3, 1.0)), Formula(formulas::shortening, "e zk/R with R = gear.pin_circle_radius_m"), "m: shortening coefficient e zk/R", "it is e zk/R, usually 0.5 to 0.9; at 1 and above the disc's profile crosses itself";
     "gear.external_sleeve_radius_m" LENGTH, Required, "q: radius of a ring pin", METRES;
-    "gear.internal_sleeves" Count(2, 1000), Follows(formulas::cranks, "cranks.count: cranks stand in the place of output pins"), "zi: pins on the output shaft", "three hold an output shaft, two as cranks alone; more than 1000 no real gear has";
-    "gear.internal_sleeve_radius_m" LENGTH, Follows(formulas::crank_shaft, "cranks.bore_radius_m - gear.eccentricity_m: a crank's shaft just passes its bore"), "radius of an output pin", METRES;
-    "gear.internal_circle_radius_m" LENGTH, Follows(formulas::crank_circle, "cranks.circle_radius_m"), "circle the output pins sit on", METRES;
-    "gear.hole_radius_m" LENGTH, Follows(formulas::hole_radius, "gear.internal_sleeve_radius_m + gear.eccentricity_m: a hole without clearance"), "radius of a disc's hole", METRES;
+    "gear.internal_sleeves" Count(2, 1000), Formula(formulas::cranks, "cranks.count: cranks stand in the place of output pins"), "zi: pins on the output shaft", "three hold an output shaft, two as cranks alone; more than 1000 no real gear has";
+    "gear.internal_sleeve_radius_m" LENGTH, Formula(formulas::crank_shaft, "cranks.bore_radius_m - gear.eccentricity_m: a crank's shaft just passes its bore"), "radius of an output pin", METRES;
+    "gear.internal_circle_radius_m" LENGTH, Formula(formulas::crank_circle, "cranks.circle_radius_m"), "circle the output pins sit on", METRES;
+    "gear.hole_radius_m" LENGTH, Formula(formulas::hole_radius, "gear.internal_sleeve_radius_m + gear.eccentricity_m: a hole without clearance"), "radius of a disc's hole", METRES;
     "gear.wheels" Count(1, 64), Required, "discs, evenly phased on the eccentric", "most gears have one to three discs; every disc meets every pin, so memory and time grow with it";
-    "gear.backlash_m" Number(From(0.0, 1.0)), Usual("0.0", "no backlash"), "d: ring pins sit at R + d", METRES;
+    "gear.backlash_m" Number(From(0.0, 1.0)), Constant("0.0", "no backlash"), "d: ring pins sit at R + d", METRES;
     "gear.face_width_m" LENGTH, Nothing, "thickness of a disc; for masses that are left out", METRES;
 
     "gear.modification.equidistant_m" Number(DEVIATION), Nothing, "the generating pin's radius is larger than q by this: above 0 the disc's whole edge lies that much further in", METRES;
@@ -223,45 +223,45 @@ pub const KEYS: &[Key] = keys! {
 
     "drive.input_speed_rad_s" Number(From(-1e6, 1e6)), Required, "omega", "500 rpm is 52.36 rad/s";
     "drive.output_torque_n_m" TORQUE, Required, "load on the output shaft, counter-clockwise; positive opposes the motion of a positive input speed, of an RV gear that of a negative one", LOAD;
-    "drive.start" Choice("start", || vec!["kinematic", "equilibrium"]), Usual("\"kinematic\"", "rates of the ideal mesh, load at once"), "state at t = 0", "\"kinematic\": rates of the ideal mesh; \"equilibrium\": statically loaded";
-    "drive.load_ramp_s" TIME, Usual("0.0", "the load acts at once"), "the load rises linearly over this time; 0: at once", SECONDS;
+    "drive.start" Choice("start", || vec!["kinematic", "equilibrium"]), Constant("\"kinematic\"", "rates of the ideal mesh, load at once"), "state at t = 0", "\"kinematic\": rates of the ideal mesh; \"equilibrium\": statically loaded";
+    "drive.load_ramp_s" TIME, Constant("0.0", "the load acts at once"), "the load rises linearly over this time; 0: at once", SECONDS;
     "drive.load_changes" Tables(CHANGE), Nothing, "what the load becomes during the run", "write it like [{ time_s = 0.3, output_torque_n_m = -22.0 }]";
 
-    "contact.law" Choice("contact law", names::laws), Usual("\"line-hertz\"", "rollers on a line, both bodies elastic; creates no energy"), "normal law", "see `pinwheel laws`";
+    "contact.law" Choice("contact law", names::laws), Constant("\"line-hertz\"", "rollers on a line, both bodies elastic; creates no energy"), "normal law", "see `pinwheel laws`";
     "contact.band_laws" Choices("contact law", names::laws), Nothing, "laws that may be right for these rollers, whose spread is the band of a figure; absent: those for the materials; []: no band", "see `pinwheel laws`";
-    "contact.young_pa" Number(From(1e5, 1e13)), Usual("2.1e11", "steel"), "E of the wheels", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
-    "contact.poisson" Number(Between(-1.0, 0.5)), Usual("0.3", "steel"), "Poisson's ratio of the wheels", "steel has 0.3; outside these bounds no isotropic material is stable";
+    "contact.young_pa" Number(From(1e5, 1e13)), Constant("2.1e11", "steel"), "E of the wheels", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
+    "contact.poisson" Number(Between(-1.0, 0.5)), Constant("0.3", "steel"), "Poisson's ratio of the wheels", "steel has 0.3; outside these bounds no isotropic material is stable";
     "contact.pin_young_pa" Number(From(1e5, 1e13)), Nothing, "E of the pins; absent: that of the wheels", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
     "contact.pin_poisson" Number(Between(-1.0, 0.5)), Nothing, "Poisson's ratio of the pins; absent: that of the wheels", "steel has 0.3; outside these bounds no isotropic material is stable";
-    "contact.stiffness_multiplier" Number(From(1e-9, 1e6)), Usual("1.0", "the full stiffness after Hertz"), "H: factor on the stiffness after Hertz", "1 is the Hertzian stiffness, the paper uses 0.01";
+    "contact.stiffness_multiplier" Number(From(1e-9, 1e6)), Constant("1.0", "the full stiffness after Hertz"), "H: factor on the stiffness after Hertz", "1 is the Hertzian stiffness, the paper uses 0.01";
     "contact.internal_stiffness_multiplier" Number(From(1e-9, 1e6)), Nothing, "H of internal contacts, of laws of balls; absent: that of all", "1 is the Hertzian stiffness";
     "contact.external_spring_n_m" Number(From(1.0, 1e15)), Nothing, "k of external contacts under the law linear; absent: the secant of line-hertz under the largest load", "steel rollers have 1e8 to 1e9 N/m";
     "contact.internal_spring_n_m" Number(From(1.0, 1e15)), Nothing, "k of internal contacts, likewise", "steel rollers have 1e8 to 1e9 N/m";
 
     "mass.density_kg_m3" Number(From(1.0, 1e5)), Nothing, "density of all bodies; for masses that are left out", "densities are in kg/m^3: steel has 7850";
-    "mass.input_shaft.mass_kg" MASS, Follows(formulas::input_shaft_mass, "a cylinder through the bores, as long as all discs, bores of 0.6 (internal circle - hole radius)"), "mass of the driven shaft with its eccentrics", KILOGRAMS;
-    "mass.input_shaft.moment_kg_m2" MOMENT, Follows(formulas::input_shaft_moment, "mass times radius^2/2 of that cylinder"), "moment of inertia of the driven shaft", MOMENTS;
-    "mass.output_shaft.mass_kg" MASS, Follows(formulas::output_shaft_mass, "a disc out to the output pins' edge, as thick as a wheel"), "mass of the loaded shaft without its sleeves", KILOGRAMS;
-    "mass.output_shaft.moment_kg_m2" MOMENT, Follows(formulas::output_shaft_moment, "mass times radius^2/2 of that disc"), "moment of inertia of the loaded shaft", MOMENTS;
-    "mass.wheel.mass_kg" MASS, Follows(formulas::wheel_mass, "density times face width times the area inside the profile less holes and bore"), "mass of one wheel", KILOGRAMS;
-    "mass.wheel.moment_kg_m2" MOMENT, Follows(formulas::wheel_moment, "mass times the radius of gyration^2 of that area"), "moment of inertia of one disc about its centre", MOMENTS;
-    "mass.internal_sleeve.mass_kg" MASS, Follows(formulas::internal_sleeve_mass, "a solid cylinder, as long as all wheels"), "mass of a pin on the output shaft; of an RV gear that of a crank with its planet", KILOGRAMS;
-    "mass.internal_sleeve.moment_kg_m2" MOMENT, Follows(formulas::internal_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a pin on the output shaft, or of a crank with its planet", MOMENTS;
-    "mass.external_sleeve.mass_kg" MASS, Follows(formulas::external_sleeve_mass, "a solid cylinder, as long as all wheels"), "mass of a pin on the housing", KILOGRAMS;
-    "mass.external_sleeve.moment_kg_m2" MOMENT, Follows(formulas::external_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a pin on the housing", MOMENTS;
+    "mass.input_shaft.mass_kg" MASS, Formula(formulas::input_shaft_mass, "a cylinder through the bores, as long as all discs, bores of 0.6 (internal circle - hole radius)"), "mass of the driven shaft with its eccentrics", KILOGRAMS;
+    "mass.input_shaft.moment_kg_m2" MOMENT, Formula(formulas::input_shaft_moment, "mass times radius^2/2 of that cylinder"), "moment of inertia of the driven shaft", MOMENTS;
+    "mass.output_shaft.mass_kg" MASS, Formula(formulas::output_shaft_mass, "a disc out to the output pins' edge, as thick as a wheel"), "mass of the loaded shaft without its sleeves", KILOGRAMS;
+    "mass.output_shaft.moment_kg_m2" MOMENT, Formula(formulas::output_shaft_moment, "mass times radius^2/2 of that disc"), "moment of inertia of the loaded shaft", MOMENTS;
+    "mass.wheel.mass_kg" MASS, Formula(formulas::wheel_mass, "density times face width times the area inside the profile less holes and bore"), "mass of one wheel", KILOGRAMS;
+    "mass.wheel.moment_kg_m2" MOMENT, Formula(formulas::wheel_moment, "mass times the radius of gyration^2 of that area"), "moment of inertia of one disc about its centre", MOMENTS;
+    "mass.internal_sleeve.mass_kg" MASS, Formula(formulas::internal_sleeve_mass, "a solid cylinder, as long as all wheels"), "mass of a pin on the output shaft; of an RV gear that of a crank with its planet", KILOGRAMS;
+    "mass.internal_sleeve.moment_kg_m2" MOMENT, Formula(formulas::internal_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a pin on the output shaft, or of a crank with its planet", MOMENTS;
+    "mass.external_sleeve.mass_kg" MASS, Formula(formulas::external_sleeve_mass, "a solid cylinder, as long as all wheels"), "mass of a pin on the housing", KILOGRAMS;
+    "mass.external_sleeve.moment_kg_m2" MOMENT, Formula(formulas::external_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a pin on the housing", MOMENTS;
 
-    "contact.constant_stiffness_n_m15" Number(From(1e-6, 1e15)), Follows(formulas::constant_stiffness, "after Hertz, of a ring pin on a flat; used by laws of one stiffness only"), "K of laws with one stiffness for all contacts", "the paper's contacts have 5e7 to 2e8 N/m^1.5";
-    "contact.line_length_m" Number(From(1e-6, 10.0)), Follows(formulas::face_width, "the face width, or 0.15 R; used by laws of rollers and for pressures"), "length of a line contact", METRES;
+    "contact.constant_stiffness_n_m15" Number(From(1e-6, 1e15)), Formula(formulas::constant_stiffness, "after Hertz, of a ring pin on a flat; used by laws of one stiffness only"), "K of laws with one stiffness for all contacts", "the paper's contacts have 5e7 to 2e8 N/m^1.5";
+    "contact.line_length_m" Number(From(1e-6, 10.0)), Formula(formulas::face_width, "the face width, or 0.15 R; used by laws of rollers and for pressures"), "length of a line contact", METRES;
     "contact.disc_depth_m" Number(From(1e-6, 10.0)), Nothing, "how deep a disc is behind a contact, of the law line-hertz; absent: the wall between a hole and the profile, at least half of the ring pins' radius", METRES;
-    "contact.damping_n_s_m" Number(From(0.0, 1e9)), Follows(formulas::damping, "5 % of critical damping of the fastest mode under the largest static load; gear meshes have 3 to 17 %"), "C: damping of a contact", "the paper uses 8; negative damping would feed energy in";
-    "contact.ramp_m" Number(From(1e-15, 1e-2)), Follows(formulas::ramp, "a tenth of the penetration under the largest static load"), "penetration at which S reaches 1", "the paper uses 1e-5, the penetration at which the force is fully on";
-    "contact.friction_coefficient" Number(From(0.0, 10.0)), Usual("0.0", "no friction"), "mu; 0: no friction", "0 switches friction off; dry steel has 0.1 to 0.2";
-    "contact.friction_ramp_m_s" Number(From(1e-18, 1e3)), Follows(formulas::friction_ramp, "a thousandth of omega e"), "sliding speed at which friction reaches mu F_n", "the paper uses 5e-5, the sliding speed at which friction is fully on";
-    "contact.friction_law" Choice("friction law", || vec!["regularised", "adams"]), Usual("\"regularised\"", "Coulomb with a linear ramp"), "form of the friction", "\"regularised\" or \"adams\"";
-    "contact.friction_dynamic_coefficient" Number(From(0.0, 10.0)), Usual("0.0", "used by the friction law adams only"), "mu_d of the friction law adams", "the coefficient of fast sliding, at most contact.friction_coefficient";
-    "contact.friction_dynamic_speed_m_s" Number(From(1e-18, 1e3)), Follows(formulas::friction_dynamic_speed, "20 times contact.friction_ramp_m_s; used by the friction law adams only"), "sliding speed from which mu_d holds", "the sliding speed from which the dynamic coefficient holds";
-    "contact.restitution" Number(From(1e-3, 1.0)), Usual("0.9", "used by the hysteresis laws only"), "c of the hysteresis laws", "the share of the impact speed that is left after an impact, 1 without loss";
-    "contact.impact_speed_m_s" Number(From(1e-9, 1e3)), Usual("0.01", "used by the hysteresis laws only"), "speed of an impact with that restitution", "the impact speed at which the restitution holds; 0.01 is usual in a gearbox";
+    "contact.damping_n_s_m" Number(From(0.0, 1e9)), Formula(formulas::damping, "5 % of critical damping of the fastest mode under the largest static load; gear meshes have 3 to 17 %"), "C: damping of a contact", "the paper uses 8; negative damping would feed energy in";
+    "contact.ramp_m" Number(From(1e-15, 1e-2)), Formula(formulas::ramp, "a tenth of the penetration under the largest static load"), "penetration at which S reaches 1", "the paper uses 1e-5, the penetration at which the force is fully on";
+    "contact.friction_coefficient" Number(From(0.0, 10.0)), Constant("0.0", "no friction"), "mu; 0: no friction", "0 switches friction off; dry steel has 0.1 to 0.2";
+    "contact.friction_ramp_m_s" Number(From(1e-18, 1e3)), Formula(formulas::friction_ramp, "a thousandth of omega e"), "sliding speed at which friction reaches mu F_n", "the paper uses 5e-5, the sliding speed at which friction is fully on";
+    "contact.friction_law" Choice("friction law", || vec!["regularised", "adams"]), Constant("\"regularised\"", "Coulomb with a linear ramp"), "form of the friction", "\"regularised\" or \"adams\"";
+    "contact.friction_dynamic_coefficient" Number(From(0.0, 10.0)), Constant("0.0", "used by the friction law adams only"), "mu_d of the friction law adams", "the coefficient of fast sliding, at most contact.friction_coefficient";
+    "contact.friction_dynamic_speed_m_s" Number(From(1e-18, 1e3)), Formula(formulas::friction_dynamic_speed, "20 times contact.friction_ramp_m_s; used by the friction law adams only"), "sliding speed from which mu_d holds", "the sliding speed from which the dynamic coefficient holds";
+    "contact.restitution" Number(From(1e-3, 1.0)), Constant("0.9", "used by the hysteresis laws only"), "c of the hysteresis laws", "the share of the impact speed that is left after an impact, 1 without loss";
+    "contact.impact_speed_m_s" Number(From(1e-9, 1e3)), Constant("0.01", "used by the hysteresis laws only"), "speed of an impact with that restitution", "the impact speed at which the restitution holds; 0.01 is usual in a gearbox";
     "bearings.eccentric.stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "K of the bearing that carries a disc on its eccentric; or give rollers", STIFF;
     "bearings.eccentric.exponent" Number(From(1.0, 3.0)), Nothing, "p of its force K d^p; absent: 1, or 10/9 of rollers", "rollers have 10/9, balls 3/2";
     "bearings.eccentric.rollers" Count(3, 10_000), Nothing, "its rollers, where they give K after Palmgren", "count the rollers of one row";
@@ -284,17 +284,17 @@ pub const KEYS: &[Key] = keys! {
     "cranks.planet_teeth" Count(3, 10_000), Needed, "teeth of a planet, one on each crank", "with the sun's it makes the ratio 1 + zk planet/sun";
     "cranks.support_stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "stiffness of what holds a crank in the output; absent: rigid", "a pair of tapered roller bearings has 4e8 to 1e9 N/m";
     "cranks.mesh_stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "stiffness of the mesh of the sun with a planet along the line of action, without mass; absent: rigid", "about 1.4e10 N/m by metre of face width (ISO 6336)";
-    "contact.detection" Choice("detection", || vec!["exact", "points"]), Usual("\"exact\"", "the closest point of the curve"), "how the contact point is found", "\"exact\" or \"points\"";
-    "contact.wheel_points" Count(24, 1_000_000), Follows(formulas::wheel_points, "100 a lobe, at least 4000; used by detection points only"), "points on a disc's profile", "the paper uses 600 and 4000; more than a million costs memory and gains nothing over detection = \"exact\"";
-    "contact.hole_points" Count(8, 1_000_000), Usual("100", "used by detection points only"), "points on a hole", "the paper uses 20 to 100; more than a million costs memory and gains nothing over detection = \"exact\"";
+    "contact.detection" Choice("detection", || vec!["exact", "points"]), Constant("\"exact\"", "the closest point of the curve"), "how the contact point is found", "\"exact\" or \"points\"";
+    "contact.wheel_points" Count(24, 1_000_000), Formula(formulas::wheel_points, "100 a lobe, at least 4000; used by detection points only"), "points on a disc's profile", "the paper uses 600 and 4000; more than a million costs memory and gains nothing over detection = \"exact\"";
+    "contact.hole_points" Count(8, 1_000_000), Constant("100", "used by detection points only"), "points on a hole", "the paper uses 20 to 100; more than a million costs memory and gains nothing over detection = \"exact\"";
 
-    "solver.formulation" Choice("formulation", || vec!["reduced", "lagrange"]), Usual("\"reduced\"", "centre-pinned bodies eliminated exactly"), "which equations are integrated", "\"reduced\" or \"lagrange\"";
-    "solver.integrator" Choice("integrator", names::integrators), Usual("\"auto\"", "the method that the scene's forces ask for"), "name of the integrator", "\"auto\" takes the method that the scene asks for";
-    "solver.duration_s" Number(From(1e-9, LONGEST_S)), Follows(formulas::duration, "until the start-up has died away and two turns of the input more; 3 to 10 turns"), "end time", SECONDS;
-    "solver.sample_s" Number(From(1e-12, LONGEST_S)), Follows(formulas::sample, "40 a mesh period and 4 a period of the fastest mode, at most 20000 in all"), "samples stand this far apart", SECONDS;
-    "solver.step_s" Number(From(1e-12, 1.0)), Follows(formulas::step, "about 50 a period of the fastest mode under the largest static load"), "step of fixed-step methods", SECONDS;
-    "solver.tolerance" Number(Between(1e-14, 1e-1)), Usual("1e-6", "relative error a step of adaptive methods"), "relative error a step of adaptive methods", "1e-6 is a good start; below 1e-14 there are no digits left";
-    "solver.stabilisation" Choice("stabilisation", || vec!["projection", "baumgarte", "none"]), Usual("\"projection\"", "of the Lagrange form"), "how the Lagrange form keeps its constraints", "\"projection\", \"baumgarte\" or \"none\"";
+    "solver.formulation" Choice("formulation", || vec!["reduced", "lagrange"]), Constant("\"reduced\"", "centre-pinned bodies eliminated exactly"), "which equations are integrated", "\"reduced\" or \"lagrange\"";
+    "solver.integrator" Choice("integrator", names::integrators), Constant("\"auto\"", "the method that the scene's forces ask for"), "name of the integrator", "\"auto\" takes the method that the scene asks for";
+    "solver.duration_s" Number(From(1e-9, LONGEST_S)), Formula(formulas::duration, "until the start-up has died away and two turns of the input more; 3 to 10 turns"), "end time", SECONDS;
+    "solver.sample_s" Number(From(1e-12, LONGEST_S)), Formula(formulas::sample, "40 a mesh period and 4 a period of the fastest mode, at most 20000 in all"), "samples stand this far apart", SECONDS;
+    "solver.step_s" Number(From(1e-12, 1.0)), Formula(formulas::step, "about 50 a period of the fastest mode under the largest static load"), "step of fixed-step methods", SECONDS;
+    "solver.tolerance" Number(Between(1e-14, 1e-1)), Constant("1e-6", "relative error a step of adaptive methods"), "relative error a step of adaptive methods", "1e-6 is a good start; below 1e-14 there are no digits left";
+    "solver.stabilisation" Choice("stabilisation", || vec!["projection", "baumgarte", "none"]), Constant("\"projection\"", "of the Lagrange form"), "how the Lagrange form keeps its constraints", "\"projection\", \"baumgarte\" or \"none\"";
 
     "output.channels" Texts, Nothing, "columns beyond those every run has; `*` stands for any characters", "write it like [\"efficiency\"]";
 };

@@ -11,7 +11,7 @@
 //! * [`CheckedScene`]: the only door to building and running; [`CheckedScene::origins`] says which values nobody wrote.
 //! * [`Scales`]: sizes and frequencies that follow from a scene, by which steps and tolerances are chosen.
 //! * [`catalogue`]: from a data sheet to a scene, with suggestions for what it leaves out.
-//! * [`load_course`], [`channels`], [`schema`]: the load over time, columns on request, the JSON schema for editors.
+//! * [`load_profile`], [`channels`], [`schema`]: the load over time, columns on request, the JSON schema for editors.
 //!
 //! # A gear in ten lines
 //!
@@ -48,7 +48,7 @@ mod json;
 pub mod keys;
 mod layout;
 mod load;
-pub mod load_course;
+pub mod load_profile;
 mod model;
 pub mod names;
 mod number;

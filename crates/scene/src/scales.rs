@@ -21,7 +21,7 @@ use pinwheel_contact::{
 
 use crate::bearings::{BearingLaw, typical_force};
 use crate::check::hole_to_profile_m;
-use crate::load_course;
+use crate::load_profile;
 use crate::model::Scene;
 
 /// See the module. SI units.
@@ -58,7 +58,7 @@ fn springs(scene: &Scene) -> [f64; 2] {
     let (contact, gear) = (&scene.contact, &scene.gear);
     let mut rollers = scene.clone();
     "line-hertz".clone_into(&mut rollers.contact.law);
-    let (hertz, load) = (hertz(&rollers), load_course::largest(&scene.drive));
+    let (hertz, load) = (hertz(&rollers), load_profile::largest(&scene.drive));
     let torque = load / gear.wheels as f64;
     let secant = |stiffness: f64, force: f64| {
         let spring = Spring::of(&rollers, stiffness);
@@ -253,7 +253,7 @@ pub(crate) fn wheel_torque_n_m(scene: &Scene) -> f64 {
 fn wheel_torque_of(scene: &Scene, outer: &Spring) -> f64 {
     let gear = &scene.gear;
     let unloaded = outer.force(least_depth(scene));
-    let load = load_course::largest(&scene.drive) / gear.wheels as f64;
+    let load = load_profile::largest(&scene.drive) / gear.wheels as f64;
     load.max(0.25 * unloaded * gear.lever_m() * gear.external_sleeves as f64)
 }
 
@@ -283,7 +283,7 @@ impl Scales {
         let inner = Spring::of(scene, hertz.of_hole(sleeve, hole));
         let lever = gear.lever_m();
         let least = least_depth(scene);
-        let load = load_course::largest(&scene.drive) / gear.wheels as f64;
+        let load = load_profile::largest(&scene.drive) / gear.wheels as f64;
         let torque = wheel_torque_of(scene, &outer);
         let torsion = |spring: Spring, pin: Option<f64>, lever: f64, sleeves: usize| {
             let sleeves = sleeves as f64;

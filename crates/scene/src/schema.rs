@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::keys::{KEYS, Key, Kind, Otherwise, Range};
+use crate::keys::{DefaultValue, KEYS, Key, Kind, Range};
 
 /// JSON schema (draft 2020-12) of a scene file.
 ///
@@ -66,7 +66,7 @@ fn of(row: &Key) -> Value {
             }
             let needed = rows
                 .iter()
-                .filter(|row| matches!(row.otherwise, Otherwise::Required));
+                .filter(|row| matches!(row.otherwise, DefaultValue::Required));
             item["required"] = needed.map(|row| row.name).collect();
             json!({ "type": "array", "items": item })
         }
@@ -75,15 +75,15 @@ fn of(row: &Key) -> Value {
     .cloned()
     .unwrap_or_default();
     match row.otherwise {
-        Otherwise::Required | Otherwise::Needed | Otherwise::Nothing => {}
-        Otherwise::Usual(text, why) => {
+        DefaultValue::Required | DefaultValue::Needed | DefaultValue::Nothing => {}
+        DefaultValue::Constant(text, why) => {
             about = format!("{about}; if left out {text}: {why}");
             let value: Option<toml::Value> = text.parse().ok();
             if let Some(value) = value.and_then(|value| serde_json::to_value(value).ok()) {
                 schema.insert("default".to_owned(), value);
             }
         }
-        Otherwise::Follows(_, formula) => about = format!("{about}; if left out: {formula}"),
+        DefaultValue::Formula(_, formula) => about = format!("{about}; if left out: {formula}"),
     }
     schema.insert("description".to_owned(), Value::String(about));
     Value::Object(schema)

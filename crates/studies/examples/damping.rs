@@ -20,7 +20,7 @@ use std::error::Error;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::native::{self, NativeRun};
 use pinwheel_scene::{CheckedScene, Detection, Scene};
-use pinwheel_timeseries::norms::{Distance, Least, Level};
+use pinwheel_timeseries::norms::{Distance, Level, LoadFloor};
 use pinwheel_timeseries::{Ending, TimeSeries, TimeSeriesError, columns};
 
 /// Feature of the model that is switched on.
@@ -112,7 +112,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             match run(&switched(&scene, damping, switch))? {
                 Ok(found) => {
                     let found = steady(&found.time_series)?;
-                    let error = Distance::between(&found, &converged, Least::default()).forces;
+                    let error = Distance::between(&found, &converged, LoadFloor::default()).forces;
                     println!(
                         "{damping:5} {:48} {error:.1e} {:.1e}",
                         switch.words(),

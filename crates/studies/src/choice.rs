@@ -1,6 +1,8 @@
 //! Which engines a name means.
 
-use pinwheel_engines::{Engine, Track, by_name, family, full_name, known, recorded, registry};
+use pinwheel_engines::{
+    Engine, SharedModel, by_name, family, full_name, known, recorded, registry,
+};
 use pinwheel_scene::{Scene, did_you_mean};
 
 /// Why there is no such engine.
@@ -89,7 +91,7 @@ pub struct Listed {
     /// As users type it.
     pub name: String,
     /// Which comparison it belongs to.
-    pub track: Track,
+    pub track: SharedModel,
     /// Version of the engine behind it.
     pub version: String,
     /// One line.

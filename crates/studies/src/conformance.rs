@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use pinwheel_compare::quantities::derive;
 use pinwheel_contact::laws;
 use pinwheel_engines::external::Solver;
-use pinwheel_engines::{Cancelled, Ending, Engine, Knob, Native, Run, Track};
+use pinwheel_engines::{AccuracySetting, Cancelled, Ending, Engine, Native, Run, SharedModel};
 use pinwheel_gearbox::{Frequencies, Gearbox};
 use pinwheel_scene::{CheckedScene, Override, Scene};
 use pinwheel_timeseries::convergence::{self, KINKS, Method, ORDER_MARGIN, Rough, Step};
@@ -60,7 +60,7 @@ pub struct Outcome {
     /// Its version.
     pub version: String,
     /// Its track.
-    pub track: Track,
+    pub track: SharedModel,
     /// One line on the solver: agrees, or differs and where.
     pub answer: String,
     /// One a trial, in their order.
@@ -285,12 +285,12 @@ pub fn check(solver: &Solver, control: &Control<'_>) -> Result<Outcome, StudyErr
 }
 
 /// Says in a line what the findings come to.
-fn answer(findings: &[Finding], track: Track) -> String {
+fn answer(findings: &[Finding], track: SharedModel) -> String {
     let with = |state: State| findings.iter().filter(move |f| f.state == state);
     if let Some(first) = with(State::Failed).next() {
         return format!("differs: {}: {}", first.name, first.seen);
     }
-    if track != Track::SharedLaw {
+    if track != SharedModel::SharedLaw {
         return format!(
             "conforms in {} trials; `pinwheel compare paper --solver` judges the figures of contacts of its own",
             with(State::Passed).count()
@@ -310,7 +310,7 @@ impl Trials<'_> {
     }
 
     fn shares_the_law(&self) -> bool {
-        self.solver.track() == Track::SharedLaw
+        self.solver.track() == SharedModel::SharedLaw
     }
 
     /// A run that must finish.
@@ -346,7 +346,7 @@ impl Trials<'_> {
         let solver = &self.scene.solver;
         let refinement = self.solver.info().refinement;
         let least = solver.duration_s / solver.step_s * (1.0 - 1e-6);
-        if refinement.is_some_and(|refine| refine.knob == Knob::Step)
+        if refinement.is_some_and(|refine| refine.knob == AccuracySetting::Step)
             && (1..least as u64).contains(&steps)
         {
             return failed(format!(
@@ -442,11 +442,11 @@ impl Trials<'_> {
         };
         let (knob, stated) = (refinement.knob, refinement.order);
         let (finest, ratio, method): (f64, f64, _) = match knob {
-            Knob::Step => {
+            AccuracySetting::Step => {
                 let (order, rough) = (stated, Some(Rough::Kinks));
                 (5e-6, 2.0, Method::Step { order, rough })
             }
-            Knob::Tolerance => (1e-7, 10.0, Method::Tolerance { order: KINKS }),
+            AccuracySetting::Tolerance => (1e-7, 10.0, Method::Tolerance { order: KINKS }),
         };
         let run = |coarser: i32| {
             let setting = finest * ratio.powi(coarser);
@@ -516,14 +516,14 @@ impl Trials<'_> {
         };
         let knob = refinement.knob;
         let (ratio, method): (f64, _) = match knob {
-            Knob::Step => (
+            AccuracySetting::Step => (
                 4.0,
                 Method::Step {
                     order: refinement.order,
                     rough: Some(Rough::Jumps),
                 },
             ),
-            Knob::Tolerance => (10.0, Method::Tolerance { order: KINKS }),
+            AccuracySetting::Tolerance => (10.0, Method::Tolerance { order: KINKS }),
         };
         for level in 1..LEVELS {
             if apart.off <= RIGHT {
@@ -648,7 +648,7 @@ impl Trials<'_> {
             ending => return failed(format!("broken job: it {ending}")),
         };
         let refinement = self.solver.info().refinement;
-        if refinement.is_none_or(|refinement| refinement.knob != Knob::Step) {
+        if refinement.is_none_or(|refinement| refinement.knob != AccuracySetting::Step) {
             return Ok(format!("broken job: {broken}"));
         }
         let scene = self.changed(|scene| {

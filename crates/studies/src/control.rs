@@ -6,7 +6,7 @@ use std::thread::Thread;
 use std::time::{Duration, Instant};
 
 use cpu_time::ProcessTime;
-use pinwheel_engines::{Cancelled, Ending, Engine, Knob, Run, by_name};
+use pinwheel_engines::{AccuracySetting, Cancelled, Ending, Engine, Run, by_name};
 pub use pinwheel_engines::{Control, Progress};
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
 use pinwheel_gearbox::{Gearbox, GearboxError};
@@ -21,16 +21,16 @@ const LOOK: Duration = Duration::from_millis(1);
 
 /// How long a run may take.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Patience {
+pub(crate) struct TimeLimit {
     /// Time of a whole run.
     pub(crate) most: Duration,
     /// Value of the option `--longest` for a run that takes a second, s.
-    pub(crate) asks: f64,
+    pub(crate) suggested_limit_s: f64,
     /// True if the limit holds for engines in programs of their own too, by wall time: they have limits of their own.
     pub(crate) outside: bool,
 }
 
-impl Patience {
+impl TimeLimit {
     /// Runs the scene of `gearbox` on an engine, but gives it up once its pace says that it will take too long: it is then
     /// timed out, with what it would take as the reason.
     pub(crate) fn run(
@@ -96,7 +96,7 @@ impl Patience {
                     time_s,
                     reason: format!(
                         "one run of it would take about {needs_s:.0} s here; give it more time (--longest {:.0})",
-                        (needs_s * self.asks).ceil()
+                        (needs_s * self.suggested_limit_s).ceil()
                     ),
                 }))
             }
@@ -125,7 +125,7 @@ pub(crate) fn reduced_by(scene: &Scene, method: &str, setting: f64) -> Scene {
     let mut scene = scene.clone();
     scene.solver.formulation = Formulation::Reduced;
     method.clone_into(&mut scene.solver.integrator);
-    Knob::of(method).set(&mut scene, setting);
+    AccuracySetting::of(method).set(&mut scene, setting);
     scene
 }
 

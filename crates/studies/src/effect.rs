@@ -1,6 +1,6 @@
 //! Settings that do nothing: a run made again without each of them.
 
-use pinwheel_engines::{Cancelled, Engine, Run, Track};
+use pinwheel_engines::{Cancelled, Engine, Run, SharedModel};
 use pinwheel_scene::{CheckedScene, Override, Scene};
 
 use crate::control::{Control, Progress};
@@ -24,7 +24,7 @@ pub fn idle(
     control: &Control<'_>,
 ) -> Result<Vec<usize>, Cancelled> {
     let takes_long = outcome.run.stats.wall_s > LONGEST_S;
-    if takes_long || outcome.track != Track::Native || !outcome.run.ending.is_finished() {
+    if takes_long || outcome.track != SharedModel::Native || !outcome.run.ending.is_finished() {
         return Ok(Vec::new());
     }
     let at = control.piece(Progress::new(0, 1, "without single settings"));

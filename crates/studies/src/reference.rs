@@ -12,11 +12,11 @@
 //! upper estimate for the reference. Where what is judged ran by another method than dopri5, the second run with regularised
 //! friction is one of dopri5 too (1e-10 and 1e-8): sharper, and still no run of its own.
 
-use pinwheel_engines::Knob;
+use pinwheel_engines::AccuracySetting;
 use pinwheel_gearbox::Frequencies;
 use pinwheel_scene::{Detection, FrictionLaw, Scene};
 use pinwheel_timeseries::TimeSeries;
-use pinwheel_timeseries::norms::{Distance, Least};
+use pinwheel_timeseries::norms::{Distance, LoadFloor};
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
@@ -68,9 +68,9 @@ pub fn settings(scene: &Scene, by: &str) -> [Setting; 2] {
 
 /// The scene in the reduced form with such a setting.
 pub(crate) fn scene(scene: &Scene, (integrator, setting): Setting) -> Scene {
-    let setting = match Knob::of(integrator) {
-        Knob::Step => setting / Frequencies::of(scene).contact_rad_s,
-        Knob::Tolerance => setting,
+    let setting = match AccuracySetting::of(integrator) {
+        AccuracySetting::Step => setting / Frequencies::of(scene).contact_rad_s,
+        AccuracySetting::Tolerance => setting,
     };
     reduced_by(scene, integrator, setting)
 }
@@ -88,7 +88,7 @@ pub fn solve(
     let run = complete(&scene, control)?;
     let method = scene.solver.integrator.clone();
     let solution = Solution {
-        setting: Knob::of(&method).get(&scene),
+        setting: AccuracySetting::of(&method).get(&scene),
         method,
         rhs_calls: run.counts.evaluations,
     };
@@ -114,7 +114,7 @@ pub(crate) fn run(
     let reference = Reference {
         solution,
         second,
-        apart: Distance::between(&other, &own, Least::default()),
+        apart: Distance::between(&other, &own, LoadFloor::default()),
     };
     Ok((reference, [own, other]))
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Duration;
 
-use pinwheel_engines::{Engine, Form, Halt, Run, RunStats, Track};
+use pinwheel_engines::{Engine, Form, Halt, Run, RunStats, SharedModel};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::auto::AUTO;
 use pinwheel_gearbox::resolve::{self, Uncertainty};
@@ -64,8 +64,8 @@ const TRIED_WITHIN: Duration = Duration::from_secs(1);
 /// Remedy for a run that diverged or whose step does not resolve its scene: `auto`, tried first where that costs under
 /// a second, as one says it after a semicolon.
 #[must_use]
-pub fn remedy(gearbox: &Gearbox, track: Track) -> String {
-    if track != Track::Native {
+pub fn remedy(gearbox: &Gearbox, track: SharedModel) -> String {
+    if track != SharedModel::Native {
         return "try a smaller solver.step_s, or the engine native-resolved".to_owned();
     }
     resolve::remedy(&gearbox.scene, TRIED_WITHIN).unwrap_or_else(|| {
@@ -120,7 +120,7 @@ pub struct Outcome {
     /// Its version.
     pub version: String,
     /// Which comparison it belongs to.
-    pub track: Track,
+    pub track: SharedModel,
     /// The scene as run.
     pub scene: CheckedScene,
     /// Time series, cost and ending; of a run that diverged, until then.
@@ -265,7 +265,7 @@ impl Outcome {
 impl<'a> RunRecord<'a> {
     /// The record of a run of `engine` (name, version, track).
     pub(crate) fn new(
-        (engine, version, track): (&'a str, &'a str, Track),
+        (engine, version, track): (&'a str, &'a str, SharedModel),
         scene: &'a CheckedScene,
         ending: &'a Ending,
         stats: &'a RunStats,

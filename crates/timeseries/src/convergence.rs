@@ -59,7 +59,7 @@ impl Rough {
 
 /// The order that runs which see the ramp of a [jump](Rough::Jumps) fall with.
 const RAMPS: f64 = 2.0;
-/// Least uncertainty of the finest run with a step that does not follow its friction, as a share of its distance to the
+/// LoadFloor uncertainty of the finest run with a step that does not follow its friction, as a share of its distance to the
 /// next run: steps that
 /// chatter part as far as they err, however much finer one is, and the order that such differences show is none. Measured by
 /// `rk4` and rapier on `one-wheel` with friction, steps 1e-5 to 8e-8 s, ratios 2 to 8: of 528 errors 516 covered without it, 527 with.
@@ -181,7 +181,7 @@ pub enum Basis {
     /// Three runs converge, with another order than stated: Fs = 3 with the lower of both orders. Or contacts open and close, or
     /// forces jump, which a method of a higher order than theirs cannot confirm: Fs = 3 with theirs.
     Unconfirmed,
-    /// Two runs: the order is the stated one, unseen. What both runs miss alike cannot be seen.
+    /// Two runs: the order is the stated one, shared_error. What both runs miss alike cannot be seen.
     TwoLevels,
     /// Runs at several tolerances: the error was taken as proportional to the tolerance, Fs = 3.
     Tolerance,
@@ -402,7 +402,7 @@ pub fn estimate(
         return Ok(spread());
     }
     let guarded = method.unconfirmed_safety();
-    let (unseen, lowest) = match method {
+    let (shared_error, lowest) = match method {
         Method::Step { .. } => (Basis::TwoLevels, Basis::Rounding),
         // Its floor is what all its runs may miss alike, which nothing shows.
         Method::Tolerance { .. } => (Basis::Tolerance, Basis::Tolerance),
@@ -411,7 +411,7 @@ pub fn estimate(
         return known(lowest, None, method.allowed_order(), SAFETY_UNCONFIRMED);
     }
     let (Some(observed), Some(&coarse)) = (observed, steps.get(1)) else {
-        return known(unseen, None, method.allowed_order(), guarded);
+        return known(shared_error, None, method.allowed_order(), guarded);
     };
     if !(observed >= method.least_order()) {
         if matches!(method, Method::Tolerance { .. }) {

@@ -40,7 +40,7 @@ pub use error::TimeSeriesError;
 #[cfg(feature = "parquet")]
 pub use parquet_file::{ParquetFault, read_time_series, save_time_series};
 pub use run::{
-    ABOVE_ONE, CREATED, Ending, EnergyAudit, NO_LOSS, RecordedUncertainty, RunStats, Track,
+    ABOVE_ONE, CREATED, Ending, EnergyAudit, NO_LOSS, RecordedUncertainty, RunStats, SharedModel,
     efficiency, mean_powers,
 };
 pub use store::{Channel, TimeSeries, group_of};

@@ -162,7 +162,7 @@ pub fn rows_at<'a>(times: &'a [f64], whole: &'a [f64]) -> impl Iterator<Item = O
 
 /// Loads that a gear does not notice: distances are shares of no less.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Least {
+pub struct LoadFloor {
     /// Force of a pin, N.
     pub force_n: f64,
     /// The driver's torque, N m.
@@ -188,7 +188,7 @@ impl Distance {
     /// Distance of `a` from the reference `b`, over the samples that both have. Where `a` is sampled less often, its
     /// times must be among those of `b`. See [`relative_l2`].
     #[must_use]
-    pub fn between(a: &TimeSeries, b: &TimeSeries, least: Least) -> Self {
+    pub fn between(a: &TimeSeries, b: &TimeSeries, least: LoadFloor) -> Self {
         let rows: Vec<usize> = rows_at(a.time_s(), b.time_s())
             .map_while(|row| row)
             .collect();
@@ -258,7 +258,7 @@ impl Distance {
 
 /// How large the loads of a run are.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Level {
+pub struct LoadMagnitude {
     /// Largest pin force, N.
     pub peak_force_n: f64,
     /// Mean of the driver's torque, N m.
@@ -267,7 +267,7 @@ pub struct Level {
     pub rms_torque_n_m: f64,
 }
 
-impl Level {
+impl LoadMagnitude {
     /// Over the whole run; NaN for what is not there or not finite.
     #[must_use]
     pub fn of(time_series: &TimeSeries) -> Self {
@@ -369,7 +369,7 @@ impl Statistics {
     #[must_use]
     pub fn of(view: &View<'_>) -> Option<Self> {
         let [min, max] = extremes(&view.channels)?;
-        // Sums and squares of values over a power of two near the largest magnitude neither overflow nor vanish.
+        // Evaluation and squares of values over a power of two near the largest magnitude neither overflow nor vanish.
         let peak = max.max(-min);
         let scale = power_of_two_below(peak);
         let (mut sum, mut squares) = (0.0, 0.0);
@@ -465,7 +465,7 @@ mod tests {
 
     #[test]
     fn what_is_nothing_is_measured_by_the_least_load() {
-        let least = Least {
+        let least = LoadFloor {
             force_n: 0.5,
             torque_n_m: 2e-3,
         };
@@ -478,13 +478,13 @@ mod tests {
             assert!((found / expected - 1.0).abs() < 1e-12, "{off:?}");
         }
         let something = time_series(&times, 1.0, 1.0);
-        let against_nothing = Distance::between(&something, &nothing, Least::default());
+        let against_nothing = Distance::between(&something, &nothing, LoadFloor::default());
         assert_eq!(
             (against_nothing.forces, against_nothing.worst()),
             (1.0, 1.0)
         );
         assert_eq!(
-            Distance::between(&nothing, &nothing, Least::default()).worst(),
+            Distance::between(&nothing, &nothing, LoadFloor::default()).worst(),
             0.0
         );
     }
@@ -494,8 +494,11 @@ mod tests {
     fn samples_are_compared_at_their_times() {
         let fine = time_series(&[0.0, 1.0, 2.0, 3.0, 4.0], 100.0, 10.0);
         for coarse in [[0.0, 2.0, 4.0], [0.0, 2.0 + 1e-9, 4.0 - 1e-9]] {
-            let off =
-                Distance::between(&time_series(&coarse, 110.0, 10.0), &fine, Least::default());
+            let off = Distance::between(
+                &time_series(&coarse, 110.0, 10.0),
+                &fine,
+                LoadFloor::default(),
+            );
             assert!((off.forces - 0.1).abs() < 1e-8, "{off:?}");
             assert!(off.driver_torque < 1e-8, "{off:?}");
             assert!((off.force_at_most - 0.1).abs() < 1e-8 && off.torque_at_most < 1e-8);

@@ -9,7 +9,7 @@ use crate::{TimeSeries, columns};
 /// Which comparison an engine belongs to. Tracks are never mixed in one table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Track {
+pub enum SharedModel {
     /// Pinwheel's own solver; stands in the tables of every other track.
     Native,
     /// Foreign bodies, joints and time integration; contact forces from our law inside the engine's step.
@@ -21,7 +21,7 @@ pub enum Track {
     Measured,
 }
 
-impl Track {
+impl SharedModel {
     /// The word used in reports and files.
     #[must_use]
     pub const fn as_str(self) -> &'static str {
@@ -44,7 +44,7 @@ impl Track {
     }
 }
 
-impl std::fmt::Display for Track {
+impl std::fmt::Display for SharedModel {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.pad(self.as_str())
     }

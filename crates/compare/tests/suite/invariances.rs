@@ -4,7 +4,7 @@ use super::common;
 
 use common::{context, participant, time_series};
 use pinwheel_compare::metrics::PairMetrics;
-use pinwheel_compare::{Rules, Track, compare};
+use pinwheel_compare::{Rules, SharedModel, compare};
 use pinwheel_timeseries::norms::{Statistics, View};
 use proptest::prelude::*;
 
@@ -126,8 +126,8 @@ proptest! {
 
     #[test]
     fn the_order_of_engines_changes_no_verdict(scale in 0.9999..1.0001f64) {
-        let native = participant("native", Track::Native, time_series(1.0));
-        let rapier = participant("rapier", Track::SharedLaw, time_series(scale));
+        let native = participant("native", SharedModel::Native, time_series(1.0));
+        let rapier = participant("rapier", SharedModel::SharedLaw, time_series(scale));
         let one = compare(&context(), &[native.clone(), rapier.clone()], &Rules::default()).unwrap();
         let other = compare(&context(), &[rapier, native], &Rules::default()).unwrap();
         prop_assert_eq!(one.counts, other.counts);

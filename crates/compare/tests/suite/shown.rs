@@ -3,7 +3,7 @@
 use super::common::{context, participant, time_series};
 use pinwheel_compare::shown::{Kind, Shown};
 use pinwheel_compare::{
-    Comparison, Evidence, Metric, Participant, Rules, StatedLimit, Status, Track, WindowKind,
+    Comparison, Evidence, Metric, Participant, Rules, SharedModel, StatedLimit, Status, WindowKind,
     compare,
 };
 use pinwheel_timeseries::TimeSeries;
@@ -27,11 +27,11 @@ fn judged(participants: &[Participant], evidence: &[Evidence], brought: &[&str])
 }
 
 fn native(name: &str) -> Participant {
-    participant(name, Track::Native, time_series(1.0))
+    participant(name, SharedModel::Native, time_series(1.0))
 }
 
 fn mine(scale: f64) -> Participant {
-    participant("mine", Track::SharedLaw, time_series(scale))
+    participant("mine", SharedModel::SharedLaw, time_series(scale))
 }
 
 /// Two native runs agree in everything, so that only what is shown of the solver decides.
@@ -105,7 +105,7 @@ fn engines_alone_need_a_pair_that_agrees() {
     );
     let own = [
         native("a"),
-        participant("own", Track::OwnContact, time_series(1.0)),
+        participant("own", SharedModel::OwnContact, time_series(1.0)),
     ];
     for (participants, evidence) in [
         (&pair[..1], known(&["a"], 1e-6)),
@@ -148,7 +148,7 @@ fn a_limit_has_to_be_judged() {
             values[..missing].fill(f64::NAN);
             part.push(channel.name.clone(), values).unwrap();
         }
-        participant("rig", Track::Measured, part)
+        participant("rig", SharedModel::Measured, part)
     };
     for (samples, scale, limits, status, words) in [
         (

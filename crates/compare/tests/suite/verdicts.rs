@@ -4,8 +4,8 @@ use super::common;
 
 use common::{context, participant, time_series};
 use pinwheel_compare::{
-    CompareError, Comparison, Context, Metric, Participant, Rules, StatedLimit, Status, Track,
-    Verdict, WindowKind, compare,
+    CompareError, Comparison, Context, Metric, Participant, Rules, SharedModel, StatedLimit,
+    Status, Verdict, WindowKind, compare,
 };
 use pinwheel_timeseries::TimeSeries;
 
@@ -22,15 +22,15 @@ fn limit(limit: f64) -> StatedLimit {
 }
 
 fn native() -> Participant {
-    participant("native", Track::Native, time_series(1.0))
+    participant("native", SharedModel::Native, time_series(1.0))
 }
 
 fn foreign(scale: f64) -> Participant {
-    participant("foreign", Track::SharedLaw, time_series(scale))
+    participant("foreign", SharedModel::SharedLaw, time_series(scale))
 }
 
 fn rig(scale: f64) -> Participant {
-    participant("rig", Track::Measured, time_series(scale))
+    participant("rig", SharedModel::Measured, time_series(scale))
 }
 
 fn held(participants: &[Participant], stated: &[StatedLimit]) -> Comparison {
@@ -76,10 +76,13 @@ fn not_finite_is_beyond_every_limit() {
     }
     let pair = [
         native(),
-        participant("rig", Track::Measured, spoiled.clone()),
+        participant("rig", SharedModel::Measured, spoiled.clone()),
     ];
     assert_eq!(verdict(&pair, &[limit(10.0)]), Verdict::Differ);
-    let pair = [native(), participant("foreign", Track::SharedLaw, spoiled)];
+    let pair = [
+        native(),
+        participant("foreign", SharedModel::SharedLaw, spoiled),
+    ];
     let comparison = compare(&context(), &pair, &Rules::default()).unwrap();
     let judged = &comparison.engines[1].judged;
     assert_eq!(
@@ -92,7 +95,7 @@ fn not_finite_is_beyond_every_limit() {
 #[test]
 fn forces_that_are_only_rounding_are_not_judged() {
     let pair = [
-        participant("native", Track::Native, time_series(1e-13)),
+        participant("native", SharedModel::Native, time_series(1e-13)),
         rig(-1e-13),
     ];
     assert_eq!(verdict(&pair, &[limit(0.1)]), Verdict::NotCompared);
@@ -146,7 +149,7 @@ fn efficiency() {
 
 #[test]
 fn tracks_are_never_mixed() {
-    let own = participant("own", Track::OwnContact, time_series(0.9));
+    let own = participant("own", SharedModel::OwnContact, time_series(0.9));
     let all = [native(), own, foreign(0.99)];
     let comparison = compare(&context(), &all, &Rules::default()).unwrap();
     let pairs: Vec<_> = comparison
@@ -157,8 +160,8 @@ fn tracks_are_never_mixed() {
     assert_eq!(
         pairs,
         [
-            ("native", "own", Track::OwnContact),
-            ("native", "foreign", Track::SharedLaw)
+            ("native", "own", SharedModel::OwnContact),
+            ("native", "foreign", SharedModel::SharedLaw)
         ]
     );
     let tables: Vec<_> = comparison
@@ -169,14 +172,18 @@ fn tracks_are_never_mixed() {
     assert_eq!(
         tables[0],
         (
-            Track::SharedLaw,
+            SharedModel::SharedLaw,
             WindowKind::Steady,
             "native foreign".into()
         )
     );
     assert_eq!(
         tables[2],
-        (Track::OwnContact, WindowKind::Steady, "native own".into())
+        (
+            SharedModel::OwnContact,
+            WindowKind::Steady,
+            "native own".into()
+        )
     );
     let cell = comparison.matrices[0].cell(0, 1).unwrap();
     assert!(
@@ -188,7 +195,7 @@ fn tracks_are_never_mixed() {
 
 #[test]
 fn unfinished_runs_are_listed_not_judged() {
-    let mut broken = participant("broken", Track::Native, TimeSeries::default());
+    let mut broken = participant("broken", SharedModel::Native, TimeSeries::default());
     broken.status = Status::Diverged {
         time_s: 0.01,
         quantity: "wheel angle NaN".into(),
@@ -204,7 +211,7 @@ fn unfinished_runs_are_listed_not_judged() {
         comparison.engines[0].status.reason().unwrap(),
         "diverged at t = 0.010000 s: disc angle NaN"
     );
-    let alone = [participant("x", Track::Native, TimeSeries::default())].map(|mut p| {
+    let alone = [participant("x", SharedModel::Native, TimeSeries::default())].map(|mut p| {
         p.status = Status::Failed {
             reason: "not installed".into(),
         };
@@ -222,7 +229,7 @@ fn missing_channels_are_named() {
     let mut few = TimeSeries::new(time_series(1.0).time_s().to_vec()).unwrap();
     few.push("external_sleeve_force_n_0", vec![1.0; 601])
         .unwrap();
-    let pair = [native(), participant("few", Track::SharedLaw, few)];
+    let pair = [native(), participant("few", SharedModel::SharedLaw, few)];
     let comparison = compare(&context(), &pair, &Rules::default()).unwrap();
     let reasons: Vec<_> = comparison.pairs[0]
         .entries
@@ -238,8 +245,13 @@ fn missing_channels_are_named() {
 
 #[test]
 fn faults() {
-    let grid =
-        |times: Vec<f64>| participant("other", Track::Native, TimeSeries::new(times).unwrap());
+    let grid = |times: Vec<f64>| {
+        participant(
+            "other",
+            SharedModel::Native,
+            TimeSeries::new(times).unwrap(),
+        )
+    };
     let mut times = time_series(1.0).time_s().to_vec();
     times[17] += 1e-5;
     let error = compare(
@@ -282,7 +294,7 @@ fn a_recording_is_compared_at_its_own_samples() {
     let rows: Vec<usize> = (0..whole.len()).step_by(3).collect();
     let mut recording = participant(
         "mujoco-x",
-        Track::SharedLaw,
+        SharedModel::SharedLaw,
         time_series(1.001).select(&rows),
     );
     let refused = compare(
@@ -357,7 +369,7 @@ fn published_a_swinging_shaft_is_in_balance() {
         let mut series = TimeSeries::new(time).unwrap();
         series.push("output_torque_n_m", torque).unwrap();
         series.push("output_angle_rad", angle).unwrap();
-        let one = [participant("native", Track::Native, series)];
+        let one = [participant("native", SharedModel::Native, series)];
         let found = compare(&context, &one, &Rules::default()).unwrap();
         let judged = found.engines[0].judged.iter();
         judged.map(|j| j.result.clone()).collect::<Vec<_>>()
@@ -409,7 +421,7 @@ fn regress_kinks_between_samples_are_no_imbalance() {
         series.push("output_torque_n_m", values).unwrap();
         let values = time.iter().map(angle).collect();
         series.push("output_angle_rad", values).unwrap();
-        let one = [participant("native", Track::Native, series)];
+        let one = [participant("native", SharedModel::Native, series)];
         let found = compare(&context, &one, &Rules::default()).unwrap();
         let judged = found.engines[0].judged.iter();
         judged.map(|j| j.result.verdict).collect::<Vec<_>>()
@@ -445,7 +457,7 @@ fn regress_the_load_balance_has_a_sign() {
         let values = channel.values.iter().map(|v| sign * v).collect();
         flipped.push(channel.name.clone(), values).unwrap();
     }
-    let wrong = participant("native", Track::Native, flipped);
+    let wrong = participant("native", SharedModel::Native, flipped);
     let comparison = compare(&context(), &[wrong], &Rules::default()).unwrap();
     assert_eq!(comparison.counts.differ, 2);
     assert!((comparison.engines[0].judged[0].result.difference.unwrap() - 2.0).abs() < 1e-12);
@@ -457,7 +469,11 @@ fn regress_the_slack_of_the_grid() {
     let moved = |by: f64| {
         let mut times = time_series(1.0).time_s().to_vec();
         times[17] += by * 1e-3;
-        let other = participant("other", Track::Native, TimeSeries::new(times).unwrap());
+        let other = participant(
+            "other",
+            SharedModel::Native,
+            TimeSeries::new(times).unwrap(),
+        );
         compare(&context(), &[native(), other], &Rules::default()).is_ok()
     };
     assert!(moved(0.5e-6) && moved(-0.5e-6));
@@ -472,7 +488,7 @@ fn regress_the_slack_of_the_grid() {
         let mut other = times.clone();
         other[0] += by * 1e-3;
         let [a, b] = [("a", times), ("b", other)]
-            .map(|(name, t)| participant(name, Track::Native, TimeSeries::new(t).unwrap()));
+            .map(|(name, t)| participant(name, SharedModel::Native, TimeSeries::new(t).unwrap()));
         compare(&context(), &[a, b], &Rules::default()).is_ok()
     };
     assert!(late(0.5e-6) && !late(2e-6));
@@ -486,7 +502,7 @@ fn regress_the_slack_of_the_grid() {
         let mut other: Vec<f64> = times.iter().copied().step_by(2).collect();
         other[row] += by * 1e-3;
         let [a, mut b] = [("a", times), ("b", other)]
-            .map(|(name, t)| participant(name, Track::Native, TimeSeries::new(t).unwrap()));
+            .map(|(name, t)| participant(name, SharedModel::Native, TimeSeries::new(t).unwrap()));
         b.cost.recorded = Some("earlier".to_owned());
         compare(&context(), &[a, b], &Rules::default()).is_ok()
     };
@@ -500,7 +516,7 @@ fn regress_the_slack_of_the_grid() {
 fn regress_small_loads_are_judged() {
     let at = |size: f64| {
         let pair = [
-            participant("native", Track::Native, time_series(size)),
+            participant("native", SharedModel::Native, time_series(size)),
             rig(-size),
         ];
         verdict(&pair, &[limit(0.1)])
@@ -526,8 +542,8 @@ fn regress_a_gear_that_stands_still_is_not_compared() {
             ..limit(0.1)
         };
         let pair = [
-            participant("native", Track::Native, turned(by)),
-            participant("rig", Track::Measured, turned(-by)),
+            participant("native", SharedModel::Native, turned(by)),
+            participant("rig", SharedModel::Measured, turned(-by)),
         ];
         let comparison = held(&pair, &[limit]);
         let steady = |e: &&pinwheel_compare::comparison::PairEntry| e.window == WindowKind::Steady;

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use pinwheel_files::{Broken, FileError, fits, read_text, require};
 use pinwheel_scene::{JOB_PROTOCOL, Scene, names};
-use pinwheel_timeseries::Track;
+use pinwheel_timeseries::SharedModel;
 use serde::Deserialize;
 
 use crate::engine::Refinement;
@@ -28,7 +28,7 @@ pub struct Manifest {
     /// The solver's own.
     pub version: String,
     /// `shared-law`: contact forces from our library; `own-contact`: its own.
-    pub track: Track,
+    pub track: SharedModel,
     /// One line.
     pub summary: String,
     /// How it differs from the native solver, in plain words, for the report.
@@ -165,7 +165,7 @@ impl Manifest {
             require(!empty, format!("{key} is empty"), "reports show it")?;
         }
         require(
-            matches!(self.track, Track::SharedLaw | Track::OwnContact),
+            matches!(self.track, SharedModel::SharedLaw | SharedModel::OwnContact),
             format!("track = {:?} is not one of a solver", self.track.as_str()),
             "write \"shared-law\" or \"own-contact\"",
         )?;
@@ -210,7 +210,7 @@ impl Manifest {
             )?;
         }
         require(
-            self.model.is_empty() || self.track == Track::OwnContact,
+            self.model.is_empty() || self.track == SharedModel::OwnContact,
             "[model] states differences of an own contact model, but the track is \"shared-law\"",
             "leave [model] out",
         )?;

@@ -8,9 +8,9 @@
 //! where the user names it. What the program writes is not trusted.
 
 mod library;
+mod log;
 mod manifest;
 mod result;
-mod said;
 pub mod scaffold;
 
 use std::ffi::{OsStr, OsString};
@@ -24,15 +24,17 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_law::job;
 
 use crate::control::{Cancelled, Control};
-use crate::engine::{Ending, Engine, Halt, Knob, Prepared, Run, RunStats, prepared, settled};
+use crate::engine::{
+    AccuracySetting, Ending, Engine, Halt, Prepared, Run, RunStats, prepared, settled,
+};
 pub use crate::process::end_all;
 use crate::process::{self, End, Ended};
 use crate::registry::EngineInfo;
 pub use library::{fmu_library, law_library};
+use log::{Limits, SolverLog, WORDS, plain};
 pub use manifest::{Honours, Manifest, Stated};
 pub use pinwheel_law::job::{schema as job_schema, write as write_job};
-use result::{Found, JobFolder, Told};
-use said::{Heard, Limits, WORDS, plain};
+use result::{Found, JobFolder, Reply};
 
 /// Exit status of a run whose numbers ran away.
 const DIVERGED: i32 = 3;
@@ -173,7 +175,7 @@ impl Solver {
             .env("PYTHONDONTWRITEBYTECODE", "1")
             .env("PYTHONUNBUFFERED", "1")
             .envs(library.as_deref().and_then(library_path));
-        let (begun, mut heard) = (Instant::now(), Heard::default());
+        let (begun, mut heard) = (Instant::now(), SolverLog::default());
         let mut looked = begun;
         let ended = process::run(&mut command, Some(folder.path()), &mut |piece| {
             if let Some(piece) = piece {
@@ -226,7 +228,7 @@ impl Solver {
         gearbox: &Gearbox,
         folder: &JobFolder,
         ended: &Ended,
-        heard: &Heard,
+        heard: &SolverLog,
         said: Option<String>,
     ) -> Result<Run, Halt> {
         let said_in = |before: &str, after: &str| match &said {
@@ -293,12 +295,12 @@ impl Solver {
         gearbox: &Gearbox,
         folder: &JobFolder,
         ended: &Ended,
-        heard: &Heard,
-        told: &Told,
+        heard: &SolverLog,
+        told: &Reply,
     ) -> RunStats {
         let solver = &gearbox.scene.solver;
         let refine = self.manifest.refine;
-        let by_step = refine.is_some_and(|refine| refine.knob == Knob::Step);
+        let by_step = refine.is_some_and(|refine| refine.knob == AccuracySetting::Step);
         let mean = solver.duration_s / told.steps.max(1) as f64;
         let mut notes = heard.notes.clone();
         notes.extend(told.notes.iter().take(20).map(|note| plain(note, WORDS)));

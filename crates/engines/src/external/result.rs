@@ -17,7 +17,7 @@ const NUMBER: u64 = 64;
 /// Facts of its run that a solver may give.
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(default)]
-pub(super) struct Told {
+pub(super) struct Reply {
     pub(super) steps: u64,
     pub(super) rejected_steps: u64,
     /// Evaluations of the contact forces; the library's own count stands above it.
@@ -127,11 +127,11 @@ impl JobFolder {
     }
 
     /// Facts of the run that the solver gives; the default if it gives none.
-    pub(super) fn told(&self) -> Result<Told, String> {
+    pub(super) fn told(&self) -> Result<Reply, String> {
         let Some(text) = self.text(job::RESULT_FILE, SMALL)? else {
-            return Ok(Told::default());
+            return Ok(Reply::default());
         };
-        let mut told: Told = serde_json::from_str(&text)
+        let mut told: Reply = serde_json::from_str(&text)
             .map_err(|error| format!("{} is not as documented: {error}", job::RESULT_FILE))?;
         let sound = |x: &f64| x.is_finite() && *x >= 0.0;
         told.joint_drift_m = told.joint_drift_m.filter(sound);

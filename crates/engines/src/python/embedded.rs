@@ -13,12 +13,12 @@ use super::convert::text_of;
 use super::environment::{ENGINES, ENVIRONMENT, Environment, environment};
 use super::host::{PACKAGE, package};
 use super::pins::{LIST, installed, pins};
-use crate::cache::{self, Kept};
+use crate::cache::{self, Memo};
 use crate::engine::{Ending, Halt};
 
 /// The package's files: path below its folder, text.
 const SOURCES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/sources.rs"));
-static READY: Kept<()> = Kept::new();
+static READY: Memo<()> = Memo::new();
 
 /// Makes the environment if need be, starts Python and loads the package, once per process.
 ///

@@ -12,7 +12,7 @@ use super::mujoco::{Addresses, Attached, Place, attach, detach};
 use super::watch::hosted;
 use super::{convert, ffi, host, pins};
 use crate::control::Control;
-use crate::engine::{Ending, Engine, Halt, Prepared, Run, Track, prepared};
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, SharedModel, prepared};
 use crate::own_contact::pins_are_rigid;
 use crate::registry::EngineInfo;
 
@@ -23,7 +23,7 @@ pub(super) struct PythonEngine(pub(super) &'static EngineInfo<'static>);
 impl PythonEngine {
     fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, Halt> {
         host::ready(control.cancel)?;
-        let law = (self.0.track == Track::SharedLaw).then(|| Published::new(gearbox));
+        let law = (self.0.track == SharedModel::SharedLaw).then(|| Published::new(gearbox));
         let scene_toml = gearbox.scene.to_toml();
         let (ran, _) = hosted(gearbox, control, law.transpose()?, |options, law| {
             let package = host::package(options.py())?;
@@ -99,7 +99,7 @@ impl Engine for PythonEngine {
         gearbox.contact_field().map_err(Ending::unsupported)?;
         let mut gearbox = gearbox.clone();
         // The law is ours: what the native solver can do, it can do.
-        if self.0.track != Track::SharedLaw {
+        if self.0.track != SharedModel::SharedLaw {
             pins_are_rigid(&gearbox.scene)?;
             let given = self.0.own_contact.given(Scene::clone(&gearbox.scene));
             if given != *gearbox.scene {

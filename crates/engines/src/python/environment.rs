@@ -167,7 +167,7 @@ fn ensure(
     wheels: Option<&Path>,
     cancel: &AtomicBool,
 ) -> Result<Environment, Halt> {
-    let made = cache::Made {
+    let made = cache::CachedBuild {
         name: &name_of(requirements, interpreter),
         title: "Python packages (once)",
         whole: &|folder: &Path| whole(folder, requirements, cancel),

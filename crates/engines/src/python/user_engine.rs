@@ -19,7 +19,7 @@ use pyo3::types::PyCFunction;
 use super::law::{Published, locked};
 use super::watch::hosted;
 use crate::control::Control;
-use crate::engine::{Ending, Engine, Halt, Prepared, Refinement, Run, Track, prepared};
+use crate::engine::{Ending, Engine, Halt, Prepared, Refinement, Run, SharedModel, prepared};
 use crate::registry::EngineInfo;
 
 /// A solver of the user's.
@@ -28,7 +28,7 @@ pub struct UserEngine {
     /// Name as typed by users.
     pub name: String,
     /// Which comparison it belongs to.
-    pub track: Track,
+    pub track: SharedModel,
     /// Version; what it computes must not change under one version.
     pub version: String,
     /// One line.

@@ -10,14 +10,14 @@ use pinwheel_gearbox::contacts::{ContactEnergy, PairContact};
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::Sleeve;
 use pinwheel_scene::scales::{Scales, external_force, internal_force};
-use pinwheel_scene::{CheckedScene, Detection, Scene, Start, load_course};
+use pinwheel_scene::{CheckedScene, Detection, Scene, Start, load_profile};
 use rapier2d_f64::parry::query::PointQuery;
 use rapier2d_f64::prelude::*;
 
 use super::march::{Contacts, Grid, friction_is_plain, march};
 use super::outlines::{closed, corners_for_sag, hole_edge, sag_of_corners, wheel_edge};
 use super::spring::{contact_spring, spring_load};
-use super::sums::Sums;
+use super::sums::Evaluation;
 use super::world::{World, in_frame_of};
 use crate::engine::{Ending, Halt, Prepared, prepared};
 use crate::own_contact::pins_are_rigid;
@@ -141,7 +141,7 @@ impl Corners {
         let depth = |stage: usize| forces[stage] / stiffness_n_m[stage];
         let fewest = EDGE_POINTS.max(LOBE_POINTS * gear.lobes());
         // Without a load contacts have no depth that an outline could miss.
-        if load_course::largest(&scene.drive) == 0.0 {
+        if load_profile::largest(&scene.drive) == 0.0 {
             return Ok(Self {
                 wheel: fewest,
                 hole: HOLE_POINTS,
@@ -281,7 +281,7 @@ impl Contacts for Solid {
         world.advance(&Nearest)
     }
 
-    fn forces(&mut self, world: &World, _now: &[BodyState], share: f64, sums: &mut Sums) {
+    fn forces(&mut self, world: &World, _now: &[BodyState], share: f64, sums: &mut Evaluation) {
         let per_impulse = 1.0 / (share * self.step_s);
         for meeting in &self.meetings {
             meeting.impulses(world, &mut |_, impulse| {

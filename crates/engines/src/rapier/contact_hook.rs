@@ -15,7 +15,7 @@ use pinwheel_scene::{Layout, Sleeve};
 use rapier2d_f64::prelude::*;
 
 use super::march::{Contacts, Grid, friction_is_plain, march};
-use super::sums::{Sums, sleeve_slot};
+use super::sums::{Evaluation, sleeve_slot};
 use super::world::World;
 use crate::engine::{Ending, Halt, Prepared, prepared};
 use crate::own_contact::wheels_are_held;
@@ -225,7 +225,7 @@ impl Contacts for Hooked {
         })
     }
 
-    fn forces(&mut self, world: &World, _now: &[BodyState], share: f64, sums: &mut Sums) {
+    fn forces(&mut self, world: &World, _now: &[BodyState], share: f64, sums: &mut Evaluation) {
         self.transmitted(world, share, &mut |pair| {
             sums.add(pair.wheel, pair.sleeve, pair.force_on_sleeve());
         });

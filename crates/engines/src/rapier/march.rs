@@ -10,10 +10,10 @@ use pinwheel_gearbox::channels::{PairSource, Seen};
 use pinwheel_gearbox::{Gearbox, Recorder, guard};
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::{FrictionLaw, Scene};
-use pinwheel_scene::{Layout, load_course};
+use pinwheel_scene::{Layout, load_profile};
 
 use super::reactions::reactions;
-use super::sums::Sums;
+use super::sums::Evaluation;
 use super::world::World;
 use crate::control::{Cancelled, Control};
 use crate::engine::{Ending, Halt, Run, RunStats};
@@ -34,7 +34,7 @@ pub(super) trait Contacts {
 
     /// Adds up the contact forces at t_n; asked right after the step from t_n. `now`: the states
     /// at t_n, velocities centred. `share`: of the step, see [`World::share`].
-    fn forces(&mut self, world: &World, now: &[BodyState], share: f64, sums: &mut Sums);
+    fn forces(&mut self, world: &World, now: &[BodyState], share: f64, sums: &mut Evaluation);
 
     /// Figures of single contacts at t_n, for channels; read where [`forces`](Self::forces) are.
     fn seen<'a>(&'a mut self, world: &'a World, share: f64) -> Box<dyn PairSource + 'a>;
@@ -107,7 +107,7 @@ pub(super) fn march(
     let (wall, cpu) = (Instant::now(), ThreadTime::now());
     let layout = gearbox.layout;
     let mut recorder = Recorder::new(gearbox);
-    let mut sums = Sums::new(layout);
+    let mut sums = Evaluation::new(layout);
     let mut now: Vec<BodyState> = Vec::with_capacity(layout.bodies());
     let mut loads = vec![Wrench::default(); layout.bodies()];
     let mut samples = grid.samples.iter().peekable();
@@ -195,7 +195,7 @@ fn load(gearbox: &Gearbox, time_s: f64, step_s: f64) -> f64 {
         return gearbox.load_torque(time_s);
     }
     let (from, to) = ((time_s - 0.5 * step_s).max(0.0), time_s + 0.5 * step_s);
-    load_course::mean(drive, from, to)
+    load_profile::mean(drive, from, to)
 }
 
 #[cfg(test)]

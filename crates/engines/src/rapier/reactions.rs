@@ -7,12 +7,17 @@
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Layout;
 
-use super::sums::Sums;
+use super::sums::Evaluation;
 use super::world::World;
 
 /// Force of the revolute that carries each body, N, ground frame, in [`Layout`] order; the samples'
 /// contact forces are `sums`, the step just taken is centred at the sample.
-pub(super) fn reactions(gearbox: &Gearbox, world: &World, sums: &Sums, into: &mut Vec<[f64; 2]>) {
+pub(super) fn reactions(
+    gearbox: &Gearbox,
+    world: &World,
+    sums: &Evaluation,
+    into: &mut Vec<[f64; 2]>,
+) {
     let layout = gearbox.layout;
     into.clear();
     into.resize(layout.bodies(), [0.0; 2]);

@@ -6,7 +6,7 @@ use pinwheel_gearbox::contacts::ContactField;
 use pinwheel_mbs::{BodyState, Wrench};
 
 use super::march::{Contacts, Grid, march};
-use super::sums::Sums;
+use super::sums::Evaluation;
 use super::world::World;
 use crate::engine::{Ending, Halt, Prepared, prepared};
 
@@ -48,7 +48,7 @@ impl Contacts for Law {
         world.advance(&())
     }
 
-    fn forces(&mut self, _world: &World, now: &[BodyState], _share: f64, sums: &mut Sums) {
+    fn forces(&mut self, _world: &World, now: &[BodyState], _share: f64, sums: &mut Evaluation) {
         self.loads.fill(Wrench::default());
         self.field.add_loads(now, &mut self.loads);
         sums.take(&self.loads);

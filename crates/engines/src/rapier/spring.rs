@@ -14,7 +14,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactField, PairContact};
 use pinwheel_mbs::BodyState;
 use pinwheel_scene::Scene;
-use pinwheel_scene::{Layout, Sleeve, load_course};
+use pinwheel_scene::{Layout, Sleeve, load_profile};
 
 /// Spring that stands for the law.
 #[derive(Debug, Clone, Copy)]
@@ -147,9 +147,9 @@ pub(super) fn contact_spring(
 /// The load for which the spring is right, N m: what the scene ends with, as only settled means are compared, or if
 /// that is none the largest it has.
 pub(super) fn spring_load(scene: &Scene) -> f64 {
-    let last = load_course::final_load(scene);
+    let last = load_profile::final_load(scene);
     if last == 0.0 {
-        load_course::largest(&scene.drive)
+        load_profile::largest(&scene.drive)
     } else {
         last
     }

@@ -4,7 +4,7 @@ use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::{Layout, Sleeve};
 
 /// Contact forces in the ground frame, N, summed over the pairs.
-pub(super) struct Sums {
+pub(super) struct Evaluation {
     layout: Layout,
     /// On each pin, external then internal.
     pub(super) sleeves: Vec<[f64; 2]>,
@@ -16,7 +16,7 @@ pub(super) struct Sums {
     pub(super) output_n_m: f64,
 }
 
-impl Sums {
+impl Evaluation {
     pub(super) fn new(layout: Layout) -> Self {
         Self {
             layout,
@@ -102,7 +102,7 @@ mod tests {
 
     #[test]
     fn driver_torque_is_the_virtual_work_of_the_wheels() {
-        let mut sums = Sums::new(Layout {
+        let mut sums = Evaluation::new(Layout {
             wheels: 2,
             external_sleeves: 3,
             internal_sleeves: 2,

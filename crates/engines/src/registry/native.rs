@@ -5,7 +5,7 @@ use pinwheel_gearbox::native::{self, NativeError};
 use pinwheel_gearbox::resolve::{self, BUDGET, Uncertainty};
 use pinwheel_gearbox::{Gearbox, auto};
 use pinwheel_mbs::integrators::method;
-use pinwheel_scene::{Detection, Fault, Formulation, Scene, load_course};
+use pinwheel_scene::{Detection, Fault, Formulation, Scene, load_profile};
 
 use super::{EngineInfo, Form, NATIVE_LAGRANGE, NATIVE_REDUCED, NATIVE_RESOLVED};
 use crate::control::{Cancelled, Control};
@@ -110,7 +110,7 @@ impl Native {
             NativeError::Ended(ending) => ending.into(),
         })?;
         let uncertainty = uncertainty.filter(|_| run.ending.is_finished());
-        let late = load_course::unreached(scene);
+        let late = load_profile::unreached(scene);
         let notes = uncertainty.iter().flat_map(Uncertainty::notes);
         let counts = run.counts;
         let stats = RunStats {
@@ -170,7 +170,7 @@ fn settings(scene: &Scene, uncertainty: Option<&Uncertainty>) -> String {
 fn windows(scene: &Scene) -> [(f64, f64); 2] {
     let duration = scene.solver.duration_s;
     let half = 0.5 * duration;
-    let changed = load_course::last_change_s(scene).map_or(half, |last| half.max(last));
+    let changed = load_profile::last_change_s(scene).map_or(half, |last| half.max(last));
     let from = if changed < duration { changed } else { half };
     [(0.0, duration), (from, duration)]
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_gearbox::Gearbox;
 
 use super::{ida, simbody};
-use crate::cache::Kept;
+use crate::cache::Memo;
 use crate::engine::{Ending, Engine, Halt, Prepared, prepared};
 use crate::external::{Solver, law_library};
 use crate::registry::{self, EngineInfo};
@@ -26,7 +26,7 @@ pub(crate) struct Shipped {
     version: fn() -> String,
     /// Makes it ready.
     make: fn(&AtomicBool) -> Result<Ready, Halt>,
-    made: Kept<Ready>,
+    made: Memo<Ready>,
     /// Its manifest for scenes without friction, and with.
     manifests: [&'static str; 2],
 }
@@ -35,7 +35,7 @@ pub(crate) static SIMBODY: Shipped = Shipped {
     info: &registry::SIMBODY,
     version: simbody::version,
     make: simbody::ready,
-    made: Kept::new(),
+    made: Memo::new(),
     manifests: simbody::MANIFESTS,
 };
 
@@ -43,7 +43,7 @@ pub(crate) static IDA: Shipped = Shipped {
     info: &registry::IDA,
     version: ida::version,
     make: ida::ready,
-    made: Kept::new(),
+    made: Memo::new(),
     manifests: [ida::MANIFEST; 2],
 };
 

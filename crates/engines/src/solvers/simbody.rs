@@ -8,7 +8,7 @@ use std::{env, fs};
 use pinwheel_files::Fnv;
 
 use super::shipped::Ready;
-use crate::cache::{self, Made, Note, call, fingerprint, storage, unless_stopped};
+use crate::cache::{self, CachedBuild, Note, call, fingerprint, storage, unless_stopped};
 use crate::engine::{Ending, Halt};
 use crate::external::scaffold::HEADER;
 
@@ -127,7 +127,7 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Halt> {
         let seal = fs::read_to_string(folder.join(SEAL)).ok()?;
         (sum(folder)? == seal).then(|| folder.to_owned())
     };
-    let made = Made {
+    let made = CachedBuild {
         name: &format!("simbody-{:016x}", fingerprint(&key)),
         title: "Simbody's program (once)",
         whole: &whole,

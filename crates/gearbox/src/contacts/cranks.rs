@@ -12,7 +12,7 @@
 //! bodies; dampers bridge them. The planets' mesh turns the output by a force across S_j at the crank, so that what a crank
 //! carries, and hands to the output, is one force at its centre.
 
-mod slopes;
+mod derivatives;
 
 use arrayvec::ArrayVec;
 use pinwheel_mbs::{BodyState, Wrench};
@@ -66,7 +66,7 @@ pub(super) struct CrankBearing {
 }
 
 /// How far a crank gives way, m: in its support, and at the largest eccentricity by its turn in the mesh.
-type Given = [f64; 3];
+type Deflection = [f64; 3];
 
 /// A symmetric matrix of springs, N/m: rows and columns of the support, then of the mesh.
 #[derive(Debug, Clone, Copy)]
@@ -88,7 +88,7 @@ impl Springs {
     }
 
     /// How far they give way under a force.
-    fn solve(&self, [x, y, turning]: Given) -> Given {
+    fn solve(&self, [x, y, turning]: Deflection) -> Deflection {
         let ([xx, xy, yy], [a, b], c) = (self.support, self.both, self.mesh);
         let (xx, xy, yy) = (xx - a * a / c, xy - a * b / c, yy - b * b / c);
         let (x, y) = (x - a * turning / c, y - b * turning / c);
@@ -108,7 +108,7 @@ impl CrankBearing {
     }
 }
 
-/// Force at rest of a bearing at an offset, N, and its slopes xx, xy, yy, N/m.
+/// Force at rest of a bearing at an offset, N, and its derivatives xx, xy, yy, N/m.
 fn pressed(law: &BearingLaw, [dx, dy]: [f64; 2]) -> ([f64; 2], [f64; 3]) {
     let offset = dx.hypot(dy);
     let beyond = offset - law.clearance_m;
@@ -118,12 +118,12 @@ fn pressed(law: &BearingLaw, [dx, dy]: [f64; 2]) -> ([f64; 2], [f64; 3]) {
     let [nx, ny] = [dx / offset, dy / offset];
     let force = law.elastic(beyond);
     let (along, across) = (law.exponent * force / beyond, force / offset);
-    let slopes = [
+    let derivatives = [
         along * nx * nx + across * ny * ny,
         (along - across) * nx * ny,
         along * ny * ny + across * nx * nx,
     ];
-    ([force * nx, force * ny], slopes)
+    ([force * nx, force * ny], derivatives)
 }
 
 fn turned([x, y]: [f64; 2], (s, c): (f64, f64)) -> [f64; 2] {
@@ -195,7 +195,7 @@ impl Cranks {
         bodies: &[BodyState],
         crank: usize,
         out: &mut OfCrank,
-    ) -> Given {
+    ) -> Deflection {
         let (input, output) = (&bodies[Layout::INPUT], &bodies[Layout::OUTPUT]);
         let place = &bodies[layout.internal_bodies().start + crank];
         let rho = self.teeth_ratio;
@@ -228,7 +228,7 @@ impl Cranks {
         }
         let given = match (self.support, self.mesh) {
             (None, None) => [0.0; 3],
-            _ => self.gives_way(law, crank, out),
+            _ => self.deflection(law, crank, out),
         };
         let [x, y, turned] = given;
         for (i, found) in out.iter_mut().enumerate() {
@@ -252,7 +252,7 @@ impl Cranks {
     }
 
     /// A matrix of springs in which what is rigid stays where it is, and the force that it leaves.
-    fn held(&self, mut springs: Springs, [x, y, turning]: Given) -> (Springs, Given) {
+    fn held(&self, mut springs: Springs, [x, y, turning]: Deflection) -> (Springs, Deflection) {
         let is_held = [self.support.is_none(), self.mesh.is_none()];
         if is_held[0] {
             springs.support = [1.0, 0.0, 1.0];
@@ -283,11 +283,11 @@ impl Cranks {
     }
 
     /// How far a crank gives way: the one balance of a convex potential, from rest by Newton's method.
-    fn gives_way(&self, law: &BearingLaw, crank: usize, bearings: &[CrankBearing]) -> Given {
+    fn deflection(&self, law: &BearingLaw, crank: usize, bearings: &[CrankBearing]) -> Deflection {
         let own = self.springs();
         let ([support, ..], mesh) = (own.support, own.mesh);
-        // Force that is left, its slopes, and the sum of the forces' sizes.
-        let left = |[x, y, turned]: Given| {
+        // Force that is left, its derivatives, and the sum of the forces' sizes.
+        let left = |[x, y, turned]: Deflection| {
             let (mut force, mut springs, mut size) = (
                 [-support * x, -support * y, -mesh * turned],
                 own,
@@ -298,15 +298,15 @@ impl Cranks {
                 let [ax, ay] = bearing.across;
                 let [dx, dy] = bearing.load.offset_m;
                 let offset = [dx - x - turned * ax, dy - y - turned * ay];
-                let ([fx, fy], slopes) = pressed(&law, offset);
+                let ([fx, fy], derivatives) = pressed(&law, offset);
                 force = [force[0] + fx, force[1] + fy, force[2] + ax * fx + ay * fy];
-                springs.add(slopes, bearing.across);
+                springs.add(derivatives, bearing.across);
                 size += fx.hypot(fy);
             }
             let (springs, force) = self.held(springs, force);
             (force, springs, size)
         };
-        let length = |[x, y, turning]: Given| x.hypot(y).hypot(turning);
+        let length = |[x, y, turning]: Deflection| x.hypot(y).hypot(turning);
         let mut given = [0.0; 3];
         let (mut force, mut springs, mut size) = left(given);
         for _ in 0..STEPS {

@@ -55,7 +55,7 @@ impl Touch {
 
 /// How a touch changes as P moves along t.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Slopes {
+pub(super) struct Derivatives {
     /// By how much n turns towards t, 1/m.
     pub(super) turning: f64,
     /// dK, N/m^2.5.
@@ -69,7 +69,7 @@ const BESIDE: f64 = 1e-5;
 
 /// Finds the contact of one pin centre `p` (disc frame) with the disc.
 pub(super) trait Detection: Send + 'static {
-    /// True if the detection has derivatives ([`Slopes`]). Nearest points have none, because they jump.
+    /// True if the detection has derivatives ([`Derivatives`]). Nearest points have none, because they jump.
     const HAS_SLOPES: bool;
 
     /// Ring pin `j`: e^{i a0} and e^{i zk a0} start the search. With e^{ia} of the foot.
@@ -83,12 +83,12 @@ pub(super) trait Detection: Send + 'static {
     /// Radius of ring pin `j`, and its K where the curve bends by `kappa`.
     fn sleeve(&self, j: usize, kappa: f64) -> (f64, f64);
     /// How a touch of ring pin `j` changes, e^{ia} = `unit` at its foot.
-    fn profile_slopes(&self, _j: usize, _touch: &Touch, _unit: Complex) -> Slopes {
-        Slopes::default()
+    fn profile_slopes(&self, _j: usize, _touch: &Touch, _unit: Complex) -> Derivatives {
+        Derivatives::default()
     }
     /// Derivatives of a touch of output pin `k`.
-    fn hole_slopes(&self, _wheel: usize, _k: usize, _touch: &Touch) -> Slopes {
-        Slopes::default()
+    fn hole_slopes(&self, _wheel: usize, _k: usize, _touch: &Touch) -> Derivatives {
+        Derivatives::default()
     }
 }
 
@@ -273,7 +273,7 @@ impl Detection for Exact {
         self.0.sleeve(j, kappa)
     }
 
-    fn profile_slopes(&self, j: usize, touch: &Touch, unit: Complex) -> Slopes {
+    fn profile_slopes(&self, j: usize, touch: &Touch, unit: Complex) -> Derivatives {
         let distance = self.0.external[j].larger - touch.penetration;
         let slope = |foot: &Foot| self.0.stiffness_slope(j, foot, self.stiffness(j, foot));
         let foot = self.foot_at(unit, distance);
@@ -285,18 +285,18 @@ impl Detection for Exact {
         } else {
             0.0
         };
-        Slopes {
+        Derivatives {
             turning: -foot.at.curvature / closer,
             stiffening: slope(&foot),
             bend,
         }
     }
 
-    fn hole_slopes(&self, wheel: usize, k: usize, touch: &Touch) -> Slopes {
+    fn hole_slopes(&self, wheel: usize, k: usize, touch: &Touch) -> Derivatives {
         let Internal { hole, sleeve, .. } = &self.0.internal[wheel][k];
-        Slopes {
+        Derivatives {
             turning: 1.0 / (hole.radius - sleeve + touch.penetration),
-            ..Slopes::default()
+            ..Derivatives::default()
         }
     }
 }

@@ -2,11 +2,11 @@
 
 use pinwheel_contact::{NormalLaw, PinLaw};
 pub use pinwheel_mbs::ContactEnergy;
-use pinwheel_mbs::{BodyState, Pose, Sums, Wrench};
+use pinwheel_mbs::{BodyState, Evaluation, Pose, Wrench};
 
-use super::floating::Bearings;
+use super::floating::EccentricBearings;
+use super::pin_friction::PinFriction;
 use super::seals::Seals;
-use super::sleeves::OnPins;
 use crate::Sleeve;
 
 /// One pair of disc and pin at its closest points.
@@ -81,13 +81,13 @@ impl PairContact {
 /// Implementations keep no history: the same states give the same bits.
 pub trait ContactField: Send {
     /// Adds to what `sums` holds: loads (force, and moment about the centre of mass), moments about the pins and their
-    /// slopes, and writes what the contacts store and dissipate. False: this field cannot tell it from such a pose, and
+    /// derivatives, and writes what the contacts store and dissipate. False: this field cannot tell it from such a pose, and
     /// nothing was added. Loads of bodies in place are known to all; moments need no friction. See
     /// [`Forces::evaluate`](pinwheel_mbs::Forces::evaluate).
     ///
-    /// Slopes are those where the input turns at a constant rate. Free are all bodies but the input, in their order, and
+    /// Derivatives are those where the input turns at a constant rate. Free are all bodies but the input, in their order, and
     /// without friction the output and the discs alone.
-    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool;
+    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool;
 
     /// Visits every touching pair (penetration > 0), disc by disc, external before internal.
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact));
@@ -100,7 +100,7 @@ pub trait ContactField: Send {
     fn law(&self) -> &PinLaw;
 
     /// The bearings that discs float on; `None`: eccentrics hold them rigidly.
-    fn bearings(&self) -> Option<&Bearings> {
+    fn bearings(&self) -> Option<&EccentricBearings> {
         None
     }
 
@@ -110,13 +110,13 @@ pub trait ContactField: Send {
     }
 
     /// The sleeves that rub on their pins.
-    fn on_pins(&self) -> Option<OnPins> {
+    fn on_pins(&self) -> Option<PinFriction> {
         None
     }
 
     /// Adds every body's contact load to `loads`.
     fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
-        self.evaluate(bodies, Pose::Any, &mut Sums::of_loads(loads));
+        self.evaluate(bodies, Pose::Any, &mut Evaluation::of_loads(loads));
     }
 
     /// Energy that the contacts store, and powers that they dissipate, at these states.

@@ -1,24 +1,24 @@
 //! Contacts of discs that float on elastic bearings: those of the law, and the bearings' forces on discs and input.
 
 use pinwheel_contact::PinLaw;
-use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums, Wrench};
+use pinwheel_mbs::{BodyState, Evaluation, Jacobian, Pose, Wrench};
 use pinwheel_scene::bearings::BearingLaw;
 
 use super::cranks::{Cranks, OfCrank};
 use super::field::{ContactEnergy, ContactField, PairContact};
 use super::pairs::places;
-use super::sleeves::OnPins;
+use super::pin_friction::PinFriction;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
 
 /// The bearings of all eccentrics.
 #[derive(Debug, Clone)]
-pub struct Bearings {
+pub struct EccentricBearings {
     pub(crate) law: BearingLaw,
     layout: Layout,
     /// Centre of every eccentric, in the input's frame, m.
-    seats: Vec<[f64; 2]>,
+    eccentric_centres: Vec<[f64; 2]>,
     /// Cranks that carry discs in the place of one eccentric.
     cranks: Option<Cranks>,
 }
@@ -75,15 +75,15 @@ impl BearingLoad {
     }
 }
 
-impl Bearings {
+impl EccentricBearings {
     /// Bearings of a scene whose discs float; `None`: eccentrics hold them rigidly.
     #[must_use]
     pub fn of(scene: &Scene, geometry: &Geometry) -> Option<Self> {
-        let seats = geometry.wheel_phases.iter().zip(&geometry.eccentricities_m);
+        let eccentric_centres = geometry.wheel_phases.iter().zip(&geometry.eccentricities_m);
         Some(Self {
             law: BearingLaw::of(scene)?,
             layout: Layout::of(&scene.gear),
-            seats: seats
+            eccentric_centres: eccentric_centres
                 .map(|(phase, e)| [e * phase.cos(), e * phase.sin()])
                 .collect(),
             cranks: Cranks::of(scene, geometry),
@@ -208,7 +208,12 @@ impl Bearings {
             &bodies[Layout::INPUT],
             &bodies[self.layout.wheel_bodies()][wheel],
         );
-        self.load_at(input, hub, self.seats[wheel], input.angle.sin_cos())
+        self.load_at(
+            input,
+            hub,
+            self.eccentric_centres[wheel],
+            input.angle.sin_cos(),
+        )
     }
 
     /// Load of the bearing of a disc on its one eccentric from the states of input and disc and the seat, with sine
@@ -244,7 +249,7 @@ impl Bearings {
         let first = self.layout.wheel_bodies().start;
         let mut on_input = Wrench::default();
         let hubs = bodies[first..].iter().zip(&mut loads[first..]);
-        for (k, (&seat, (hub, load))) in self.seats.iter().zip(hubs).enumerate() {
+        for (k, (&seat, (hub, load))) in self.eccentric_centres.iter().zip(hubs).enumerate() {
             let bearing = self.load_at(input, hub, seat, turn);
             let ([fx, fy], drag) = (bearing.on_wheel, bearing.drag_n_m);
             load.fx += fx;
@@ -273,12 +278,12 @@ impl Bearings {
     /// force on the disc  -F n,    dF = F_d n.dd + F_v (n.dd' + (d'.t) t.dd/|d|),    dn = t (t.dd)/|d|
     /// by the time:        dd = -C' dt,  dd' = omega^2 e dt
     /// ```
-    pub(crate) fn add_slopes(&self, bodies: &[BodyState], slopes: &mut Jacobian) {
+    pub(crate) fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Jacobian) {
         if let Some(cranks) = &self.cranks {
-            return cranks.add_slopes(&self.law, self.layout, bodies, slopes);
+            return cranks.add_jacobian(&self.law, self.layout, bodies, derivatives);
         }
-        let first = places(self.layout, slopes);
-        let Some(position) = &mut slopes.position else {
+        let first = places(self.layout, derivatives);
+        let Some(position) = &mut derivatives.position else {
             return;
         };
         let input = bodies[Layout::INPUT];
@@ -286,7 +291,7 @@ impl Bearings {
             let load = self.load(bodies, wheel);
             let [dx, dy] = load.offset_m;
             let offset = dx.hypot(dy);
-            let [force, by_offset, by_rate] = self.law.slopes(offset, load.rate);
+            let [force, by_offset, by_rate] = self.law.derivatives(offset, load.rate);
             if force == 0.0 {
                 continue;
             }
@@ -310,19 +315,19 @@ impl Bearings {
             for (k, axis) in [[1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
                 for (matrix, (push, moment)) in [
                     (&mut *position, moved(axis, [0.0; 2])),
-                    (&mut slopes.rate, moved([0.0; 2], axis)),
+                    (&mut derivatives.rate, moved([0.0; 2], axis)),
                 ] {
                     matrix.add(rows[0], rows[k], push[0]);
                     matrix.add(rows[1], rows[k], push[1]);
                     matrix.add(hub, rows[k], moment);
                 }
             }
-            slopes.rate.add(hub, hub, drag_by_rate);
+            derivatives.rate.add(hub, hub, drag_by_rate);
             let squared = input.rate * input.rate;
             let (push, moment) = moved(of_seat.map(|v| -v), e.map(|x| squared * x));
-            slopes.time[rows[0]] += push[0];
-            slopes.time[rows[1]] += push[1];
-            slopes.time[hub] += moment;
+            derivatives.time[rows[0]] += push[0];
+            derivatives.time[rows[1]] += push[1];
+            derivatives.time[hub] += moment;
         }
     }
 
@@ -337,25 +342,25 @@ impl Bearings {
 }
 
 /// See the module.
-pub(super) struct Floating {
+pub(super) struct FloatingField {
     pub(super) contacts: Box<dyn ContactField>,
-    pub(super) bearings: Bearings,
+    pub(super) bearings: EccentricBearings,
 }
 
-impl ContactField for Floating {
-    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
+impl ContactField for FloatingField {
+    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool {
         // Cranks stand where their bodies do, and have no levers.
         let pose = match &self.bearings.cranks {
             Some(_) if pose == Pose::AnglesOnly || sums.moments.is_some() => return false,
-            Some(_) if sums.slopes.is_some() => pose,
+            Some(_) if sums.derivatives.is_some() => pose,
             Some(_) => Pose::Any,
             None => pose,
         };
         if !self.contacts.evaluate(bodies, pose, sums) {
             return false;
         }
-        if let Some(slopes) = sums.slopes.as_deref_mut() {
-            self.bearings.add_slopes(bodies, slopes);
+        if let Some(derivatives) = sums.derivatives.as_deref_mut() {
+            self.bearings.add_jacobian(bodies, derivatives);
         }
         if let Some(loads) = sums.loads.as_deref_mut() {
             let moments = sums.moments.as_deref_mut();
@@ -389,11 +394,11 @@ impl ContactField for Floating {
         sum
     }
 
-    fn bearings(&self) -> Option<&Bearings> {
+    fn bearings(&self) -> Option<&EccentricBearings> {
         Some(&self.bearings)
     }
 
-    fn on_pins(&self) -> Option<OnPins> {
+    fn on_pins(&self) -> Option<PinFriction> {
         self.contacts.on_pins()
     }
 }

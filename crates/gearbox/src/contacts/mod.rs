@@ -7,16 +7,16 @@ mod flanks;
 mod floating;
 mod lanes;
 mod pairs;
+mod pin_friction;
 mod seals;
-mod sleeves;
 
 use pinwheel_contact::NormalLaw as _;
 use pinwheel_scene::scales::{law_parameters, pin_law};
 
 pub use field::{ContactEnergy, ContactField, PairContact};
-pub use floating::{BearingLoad, Bearings};
+pub use floating::{BearingLoad, EccentricBearings};
+pub use pin_friction::PinFriction;
 pub use seals::Seals;
-pub use sleeves::OnPins;
 
 use crate::GearboxError;
 use crate::geometry::Geometry;
@@ -82,8 +82,8 @@ pub(crate) fn field(
     kernel: Kernel,
 ) -> Result<Box<dyn ContactField>, GearboxError> {
     let contacts = contacts(scene, geometry, kernel)?;
-    let inner = match Bearings::of(scene, geometry) {
-        Some(bearings) => Box::new(floating::Floating { contacts, bearings }),
+    let inner = match EccentricBearings::of(scene, geometry) {
+        Some(bearings) => Box::new(floating::FloatingField { contacts, bearings }),
         None => contacts,
     };
     Ok(seals::with_seals(scene, inner))

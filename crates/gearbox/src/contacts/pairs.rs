@@ -6,12 +6,12 @@
 
 use pinwheel_contact::{AdamsFriction, Complex, Friction, NormalLaw, PinLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
-use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums, Wrench};
+use pinwheel_mbs::{BodyState, Evaluation, Jacobian, Pose, Wrench};
 
-use super::detection::{Detection, Slopes, Touch};
+use super::detection::{Derivatives, Detection, Touch};
 use super::field::{ContactEnergy, ContactField, PairContact};
 use super::flanks::{Flanks, Seat};
-use super::sleeves::OnPins;
+use super::pin_friction::PinFriction;
 use crate::geometry::Geometry;
 use crate::scene::{self, FrictionLaw, Scene};
 use crate::{Layout, Sleeve};
@@ -22,7 +22,7 @@ pub(super) struct Pairs<D> {
     law: PinLaw,
     detection: D,
     friction: Friction,
-    pins: Option<OnPins>,
+    pins: Option<PinFriction>,
     external_directions: Vec<Complex>,
     external_sleeves: u32,
     flanks: Option<Flanks>,
@@ -133,7 +133,7 @@ impl<D: Detection> Pairs<D> {
             law,
             detection,
             friction: friction(&scene.contact),
-            pins: OnPins::of(scene),
+            pins: PinFriction::of(scene),
             external_directions: geometry.external_directions.clone(),
             external_sleeves: scene.gear.external_sleeves as u32,
             flanks: Flanks::of(geometry),
@@ -257,15 +257,18 @@ impl<D: Detection> Pairs<D> {
 pub(super) const OUTPUT: usize = Layout::OUTPUT - 1;
 
 /// Number of the first place of discs that float, among all that is free.
-pub(super) fn places(layout: Layout, slopes: &Jacobian) -> usize {
-    slopes.rate.dimension().saturating_sub(2 * layout.wheels)
+pub(super) fn places(layout: Layout, derivatives: &Jacobian) -> usize {
+    derivatives
+        .rate
+        .dimension()
+        .saturating_sub(2 * layout.wheels)
 }
 /// Shares of stiffness and penetration, and the closing speed (m/s), by which the law's differences go to either side.
 pub(super) const STIFFNESS_SHARE: f64 = 1e-4;
 pub(super) const PENETRATION_SHARE: f64 = 1e-5;
 pub(super) const CLOSING: f64 = 1e-6;
 
-/// Slopes of what a pair does: moments on its disc, on the output and on the pin, and the force on the disc, ground frame.
+/// Derivatives of what a pair does: moments on its disc, on the output and on the pin, and the force on the disc, ground frame.
 type Rows = [f64; 5];
 
 /// Motion by which derivatives are taken: it moves the pin's centre P against the disc.
@@ -303,14 +306,14 @@ impl Reaction {
 impl<D: Detection> Pairs<D> {
     /// How what a pair does changes with the angles of disc and output, then with the input's, or with the place of a disc that
     /// floats, and with their rates; then with the pin's own rate, which friction alone feels. In the notation of
-    /// [`slopes`](super::lanes), whose formulas these are for one pair.
+    /// [`derivatives`](super::lanes), whose formulas these are for one pair.
     fn columns(
         &self,
         bodies: &[BodyState],
         frame: &WheelFrame,
         (sleeve, body): (Sleeve, &BodyState),
         pair: &Loaded,
-        slopes: &Slopes,
+        derivatives: &Derivatives,
         (friction, floats): (Option<RegularisedCoulomb>, bool),
     ) -> ([(Rows, Rows); 4], Rows) {
         let (law, touch) = (&self.law.law, &pair.touch);
@@ -339,12 +342,12 @@ impl<D: Detection> Pairs<D> {
         });
         let by_closing = either(CLOSING, &|h| force(stiffness, depth, closing + h));
         let pressed = force(stiffness, depth, closing);
-        let Slopes {
+        let Derivatives {
             turning,
             stiffening,
             bend,
-        } = *slopes;
-        // A = -K' Y, and its slopes by the way along t and by the depth; K' itself grows with the depth by -turning.
+        } = *derivatives;
+        // A = -K' Y, and its derivatives by the way along t and by the depth; K' itself grows with the depth by -turning.
         let along = law.along(stiffness, depth).filter(|_| !is_internal);
         let [at_centre, along_by_path, along_by_depth] = along.map_or([0.0; 3], |along| {
             let rise = either(PENETRATION_SHARE * depth, &|h| {
@@ -360,7 +363,7 @@ impl<D: Detection> Pairs<D> {
             ]
         });
 
-        // T = -mu F g, and its slopes by F and by v_t.
+        // T = -mu F g, and its derivatives by F and by v_t.
         let (rho, spin) = (pair.arm.dot(n), body.rate - frame.rate);
         let [mut drag_by_force, mut drag_by_slip] = [0.0; 2];
         if let Some(RegularisedCoulomb { coefficient, ramp }) = friction {
@@ -479,9 +482,12 @@ impl<D: Detection> Pairs<D> {
         load.moment += pair.arm.cross(on_sleeve);
     }
 
-    /// The friction that slopes must know, if any, and whether discs float; `None`: this field has none of the slopes asked for.
-    fn sloped_friction(&self, slopes: &Jacobian) -> Option<(Option<RegularisedCoulomb>, bool)> {
-        let free = slopes.rate.dimension();
+    /// The friction that derivatives must know, if any, and whether discs float; `None`: this field has none of the derivatives asked for.
+    fn sloped_friction(
+        &self,
+        derivatives: &Jacobian,
+    ) -> Option<(Option<RegularisedCoulomb>, bool)> {
+        let free = derivatives.rate.dimension();
         let places = 2 * self.layout.wheels;
         let [rubbing, smooth] = [self.layout.bodies() - 1, 1 + self.layout.wheels];
         let (friction, floats) = match self.friction {
@@ -491,7 +497,7 @@ impl<D: Detection> Pairs<D> {
             _ if free == smooth || free == smooth + places => (None, free > smooth),
             _ => return None,
         };
-        (D::HAS_SLOPES && slopes.position.is_some()).then_some((friction, floats))
+        (D::HAS_SLOPES && derivatives.position.is_some()).then_some((friction, floats))
     }
 
     /// Adds how what one pair does changes; `at`: its disc, pin, the pin's body and where it touches.
@@ -503,19 +509,19 @@ impl<D: Detection> Pairs<D> {
         frame: &WheelFrame,
         pair: &Loaded,
         (friction, floats): (Option<RegularisedCoulomb>, bool),
-        slopes: &mut Jacobian,
+        derivatives: &mut Jacobian,
     ) {
-        let first_place = places(self.layout, slopes);
-        let Some(position) = &mut slopes.position else {
+        let first_place = places(self.layout, derivatives);
+        let Some(position) = &mut derivatives.position else {
             return;
         };
         let touch = match (sleeve, seat) {
             (Sleeve::External(j), Seat::Foot(unit)) => {
                 self.detection.profile_slopes(j, &pair.touch, unit)
             }
-            (Sleeve::External(_), Seat::Corner) => Slopes {
+            (Sleeve::External(_), Seat::Corner) => Derivatives {
                 turning: -1.0 / pair.arm.norm(),
-                ..Slopes::default()
+                ..Derivatives::default()
             },
             (Sleeve::Internal(k), _) => self.detection.hole_slopes(wheel, k, &pair.touch),
         };
@@ -531,23 +537,23 @@ impl<D: Detection> Pairs<D> {
             let free = [rows[0], rows[1], place, place + 1];
             for (of, (by_place, by_rate)) in free.iter().zip(&by).take(if floats { 4 } else { 2 }) {
                 position.add(row, *of, by_place[k]);
-                slopes.rate.add(row, *of, by_rate[k]);
+                derivatives.rate.add(row, *of, by_rate[k]);
             }
             if !floats {
-                slopes.time[row] += by[2].0[k] * bodies[Layout::INPUT].rate;
+                derivatives.time[row] += by[2].0[k] * bodies[Layout::INPUT].rate;
             }
             if friction.is_some() {
-                slopes.rate.add(row, body - 1, by_spin[k]);
+                derivatives.rate.add(row, body - 1, by_spin[k]);
             }
         }
     }
 }
 
 impl<D: Detection> ContactField for Pairs<D> {
-    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
-        let friction = match &sums.slopes {
+    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool {
+        let friction = match &sums.derivatives {
             None => Some((None, false)),
-            Some(slopes) => self.sloped_friction(slopes),
+            Some(derivatives) => self.sloped_friction(derivatives),
         };
         let is_told = sums.moments.is_none() && pose != Pose::AnglesOnly;
         let Some(friction) = friction.filter(|_| is_told) else {
@@ -564,9 +570,9 @@ impl<D: Detection> ContactField for Pairs<D> {
                 if let Some(loads) = &mut sums.loads {
                     self.add_load(pair, &frame, &mut loads[body], &mut reaction);
                 }
-                if let Some(slopes) = &mut sums.slopes {
+                if let Some(derivatives) = &mut sums.derivatives {
                     let at = (wheel, sleeve, body, seat);
-                    self.add_slopes_of(at, bodies, &frame, pair, friction, slopes);
+                    self.add_slopes_of(at, bodies, &frame, pair, friction, derivatives);
                 }
                 if !sums.wants_energy && pins.is_none() {
                     return;
@@ -595,7 +601,7 @@ impl<D: Detection> ContactField for Pairs<D> {
         &self.law
     }
 
-    fn on_pins(&self) -> Option<OnPins> {
+    fn on_pins(&self) -> Option<PinFriction> {
         self.pins
     }
 

@@ -6,12 +6,12 @@
 //! with slow = 1 rad/s at the input, and as much less at the output as that turns slower.
 
 use pinwheel_contact::PinLaw;
-use pinwheel_mbs::{BodyState, Jacobian, Pose, Sums};
+use pinwheel_mbs::{BodyState, Evaluation, Jacobian, Pose};
 
 use super::field::{ContactEnergy, ContactField, PairContact};
-use super::floating::Bearings;
+use super::floating::EccentricBearings;
 use super::pairs::OUTPUT;
-use super::sleeves::OnPins;
+use super::pin_friction::PinFriction;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
 
@@ -63,11 +63,11 @@ impl Seals {
     }
 
     /// Adds how the output's fades where it turns slowly; the input's rate is constant.
-    pub(super) fn add_slopes(&self, bodies: &[BodyState], slopes: &mut Jacobian) {
+    pub(super) fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Jacobian) {
         let [_, output] = self.0;
         if bodies[output.body].rate.abs() < output.slow_rad_s {
             let slope = -output.torque_n_m / output.slow_rad_s;
-            slopes.rate.add(OUTPUT, OUTPUT, slope);
+            derivatives.rate.add(OUTPUT, OUTPUT, slope);
         }
     }
 
@@ -92,7 +92,7 @@ pub(super) fn with_seals(scene: &Scene, inner: Box<dyn ContactField>) -> Box<dyn
 }
 
 impl ContactField for Sealed {
-    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
+    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool {
         if !self.inner.evaluate(bodies, pose, sums) {
             return false;
         }
@@ -106,8 +106,8 @@ impl ContactField for Sealed {
         if let Some(energy) = &mut sums.energy {
             energy.seal_friction_w += seals.lost_w(bodies);
         }
-        if let Some(slopes) = sums.slopes.as_deref_mut() {
-            seals.add_slopes(bodies, slopes);
+        if let Some(derivatives) = sums.derivatives.as_deref_mut() {
+            seals.add_jacobian(bodies, derivatives);
         }
         true
     }
@@ -130,11 +130,11 @@ impl ContactField for Sealed {
         sum
     }
 
-    fn bearings(&self) -> Option<&Bearings> {
+    fn bearings(&self) -> Option<&EccentricBearings> {
         self.inner.bearings()
     }
 
-    fn on_pins(&self) -> Option<OnPins> {
+    fn on_pins(&self) -> Option<PinFriction> {
         self.inner.on_pins()
     }
 

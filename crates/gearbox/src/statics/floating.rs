@@ -8,18 +8,18 @@
 //! ```text
 //! offset of the bearing under F:   s (g + (F/K)^(1/p)),   s -> 1
 //! ```
-//! Newton's method balances every step, with differences where contacts have no slopes. A light load is approached from the scene's largest, by parts of it:
+//! Newton's method balances every step, with differences where contacts have no derivatives. A light load is approached from the scene's largest, by parts of it:
 //! near no load nothing but the last balance tells where a disc floats. Without a load discs rest at the middle of their
 //! clearance.
 
 mod descent;
 
 use nalgebra::{DMatrix, DVector};
-use pinwheel_mbs::{BodyState, Pose, Sums, Wrench};
+use pinwheel_mbs::{BodyState, Evaluation, Pose, Wrench};
 
 use super::{ANGLE, Equilibrium, Statics, next_root};
-use crate::contacts::Bearings;
-use crate::{GearboxError, Layout, load_course, scene::Detection};
+use crate::contacts::EccentricBearings;
+use crate::{GearboxError, Layout, load_profile, scene::Detection};
 
 /// Difference steps, and the first share s, in the depths and twists of contacts under the load.
 const DIFFERENCE: f64 = 1e-4;
@@ -77,12 +77,12 @@ impl Size {
         }
     }
 
-    /// The slopes with springs to the last iterate, as a share of a contact's stiffness.
-    fn held(self, mut slopes: DMatrix<f64>, share: f64) -> DMatrix<f64> {
-        for k in 0..slopes.nrows() {
-            slopes[(k, k)] -= share * (self.of_load(k) / self.of_place(k));
+    /// The derivatives with springs to the last iterate, as a share of a contact's stiffness.
+    fn held(self, mut derivatives: DMatrix<f64>, share: f64) -> DMatrix<f64> {
+        for k in 0..derivatives.nrows() {
+            derivatives[(k, k)] -= share * (self.of_load(k) / self.of_place(k));
         }
-        slopes
+        derivatives
     }
 
     /// The largest share of their sizes that values of all unknowns have.
@@ -97,16 +97,16 @@ impl Statics<'_> {
     ///
     /// # Errors
     /// No disc floats.
-    fn bearings(&self) -> Result<Bearings, GearboxError> {
+    fn bearings(&self) -> Result<EccentricBearings, GearboxError> {
         let none = || GearboxError::Geometry("no disc floats".to_owned());
         self.bearings.clone().ok_or_else(none)
     }
 
-    fn size(&self, load: f64, bearings: &Bearings) -> Size {
+    fn size(&self, load: f64, bearings: &EccentricBearings) -> Size {
         let (scales, gear) = (self.gearbox.error_scales(), &self.gearbox.scene.gear);
         let least = self.gearbox.least_force_n();
         let moment = load.abs().max(least * gear.lever_m());
-        let largest = load_course::largest(&self.gearbox.scene.drive).max(moment);
+        let largest = load_profile::largest(&self.gearbox.scene.drive).max(moment);
         let share = (moment / largest).max(LEAST_SIZE);
         // Places are known to their rounding, and so are forces, however light the load.
         let moment = share * largest;
@@ -154,7 +154,7 @@ impl Statics<'_> {
         &mut self,
         phi: f64,
         load: f64,
-        bearings: &Bearings,
+        bearings: &EccentricBearings,
         u: &[f64],
         velocities: Option<&[f64]>,
     ) -> DVector<f64> {
@@ -179,10 +179,10 @@ impl Statics<'_> {
     /// Adds the contacts' loads on the discs; those on the output's pins too, unless they tell their moment, which is returned.
     fn add_contacts(&mut self) -> f64 {
         self.told.fill(0.0);
-        let mut sums = Sums {
+        let mut sums = Evaluation {
             floating_alone: true,
             moments: Some(&mut self.told),
-            ..Sums::of_loads(&mut self.loads)
+            ..Evaluation::of_loads(&mut self.loads)
         };
         if self
             .field
@@ -199,18 +199,18 @@ impl Statics<'_> {
         &mut self,
         phi: f64,
         load: f64,
-        bearings: &Bearings,
+        bearings: &EccentricBearings,
         (u, here): (&[f64], &DVector<f64>),
         size: Size,
     ) -> DMatrix<f64> {
         self.begin();
         self.place_floating(phi, u, None);
         self.floating_slopes.clear();
-        let mut sums = Sums::of_slopes(&mut self.floating_slopes);
+        let mut sums = Evaluation::of_slopes(&mut self.floating_slopes);
         if !self.field.evaluate(&self.bodies, Pose::Any, &mut sums) {
             return self.differences(phi, load, bearings, (u, here), size);
         }
-        bearings.add_slopes(&self.bodies, &mut self.floating_slopes);
+        bearings.add_jacobian(&self.bodies, &mut self.floating_slopes);
         let wheels = self.gearbox.layout.wheels;
         // Angles first, then places.
         let free = |unknown: usize| match unknown {
@@ -224,7 +224,7 @@ impl Statics<'_> {
             }
         };
         let position = self.floating_slopes.position.as_ref();
-        let entry = |i, j| position.map_or(0.0, |slopes| slopes.entry(free(i), free(j)));
+        let entry = |i, j| position.map_or(0.0, |derivatives| derivatives.entry(free(i), free(j)));
         DMatrix::from_fn(u.len(), u.len(), entry)
     }
 
@@ -233,7 +233,7 @@ impl Statics<'_> {
         &mut self,
         phi: f64,
         load: f64,
-        bearings: &Bearings,
+        bearings: &EccentricBearings,
         (u, here): (&[f64], &DVector<f64>),
         size: Size,
     ) -> DMatrix<f64> {
@@ -255,10 +255,10 @@ impl Statics<'_> {
         &mut self,
         phi: f64,
         load: f64,
-        bearings: &Bearings,
+        bearings: &EccentricBearings,
         u: &mut Vec<f64>,
     ) -> Option<DVector<f64>> {
-        let left = self.settle(phi, load, bearings, u)?;
+        let left = self.newton(phi, load, bearings, u)?;
         let gear = &self.gearbox.scene.gear;
         let force = load.abs() / (gear.lever_m() * gear.wheels as f64);
         let given_way = bearings.law.offset_under(force) / gear.lever_m();
@@ -287,7 +287,11 @@ impl Statics<'_> {
     }
 
     /// The balance of floating discs at the input angle `phi`.
-    pub(super) fn float(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+    pub(super) fn solve_floating(
+        &mut self,
+        phi: f64,
+        load: f64,
+    ) -> Result<Equilibrium, GearboxError> {
         if load == 0.0 {
             return self.float_from_rigid(phi, load);
         }
@@ -304,7 +308,7 @@ impl Statics<'_> {
         let found = match found {
             Some(found) => found,
             None => self
-                .float_afresh(phi, load)
+                .solve_cold(phi, load)
                 .map_err(|error| self.why(error))?,
         };
         if self.floated.len() == REMEMBERED {
@@ -325,8 +329,8 @@ impl Statics<'_> {
     }
 
     /// The equilibrium of floating discs without a known one near by.
-    fn float_afresh(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
-        let heavy = load_course::largest(&self.gearbox.scene.drive).copysign(load);
+    fn solve_cold(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+        let heavy = load_profile::largest(&self.gearbox.scene.drive).copysign(load);
         if load.abs() >= LIGHTER * heavy.abs() {
             return self.float_from_rigid(phi, load);
         }
@@ -347,7 +351,7 @@ impl Statics<'_> {
                 true => load.signum() * (at * part).abs().max(load.abs()),
                 false => load.signum() * (at / part).abs().min(load.abs()),
             };
-            match self.float_near(&here, phi, next) {
+            match self.continue_from(&here, phi, next) {
                 Some(found) => (here, at) = (found, next),
                 None => part = f64::min(next / at, at / next).sqrt(),
             }
@@ -364,7 +368,7 @@ impl Statics<'_> {
         let mut u = self.unknowns(&rigid.bodies, rigid.output);
         // Forces of the contacts alone: what the bearings will have to carry.
         let contacts = self.left(phi, load, &bearings, &u, None);
-        let (seats, forces) = self.carried(&rigid.bodies, contacts.as_slice());
+        let (eccentric_centres, forces) = self.carried(&rigid.bodies, contacts.as_slice());
         let most = forces.iter().flatten().map(|[x, y]| x.hypot(*y));
         let most = most.fold(0.0, f64::max);
         if most <= LEFT * self.size(load, &bearings).force {
@@ -373,11 +377,11 @@ impl Statics<'_> {
         let whole = bearings.law.offset_under(most);
         let mut share = (FIRST * self.size(load, &bearings).length / whole).min(1.0);
         for (wheel, forces) in u[1..].chunks_mut(OF_A_WHEEL).zip(&forces) {
-            for (&[sx, sy], &[fx, fy]) in seats.iter().zip(forces) {
+            for (&[sx, sy], &[fx, fy]) in eccentric_centres.iter().zip(forces) {
                 let size = fx.hypot(fy);
                 if size > 0.0 {
                     let offset = share * bearings.law.offset_under(size) / size;
-                    let offset = offset / seats.len() as f64;
+                    let offset = offset / eccentric_centres.len() as f64;
                     wheel[0] += offset * fx;
                     wheel[1] += offset * fy;
                     let lever = (sx * sx + sy * sy).max(f64::MIN_POSITIVE);
@@ -434,7 +438,7 @@ impl Statics<'_> {
         &mut self,
         phi: f64,
         load: f64,
-        bearings: &Bearings,
+        bearings: &EccentricBearings,
         mut u: Vec<f64>,
     ) -> Option<(Vec<f64>, DVector<f64>)> {
         let (mut share, mut step, mut left) = (0.0, 1.0, None);
@@ -471,23 +475,23 @@ impl Statics<'_> {
         bodies: &[BodyState],
         contacts: &[f64],
     ) -> (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>) {
-        let seats: Vec<[f64; 2]> = match self.gearbox.scene.cranks {
+        let eccentric_centres: Vec<[f64; 2]> = match self.gearbox.scene.cranks {
             Some(_) => {
                 let cranks = bodies[self.gearbox.layout.internal_bodies()].iter();
                 cranks.map(|crank| [crank.x, crank.y]).collect()
             }
             None => vec![[0.0; 2]],
         };
-        let polar: f64 = seats.iter().map(|[x, y]| x * x + y * y).sum();
-        let share = 1.0 / seats.len() as f64;
+        let polar: f64 = eccentric_centres.iter().map(|[x, y]| x * x + y * y).sum();
+        let share = 1.0 / eccentric_centres.len() as f64;
         let of_wheel = |loads: &[f64]| {
             let turn = if polar > 0.0 { loads[2] / polar } else { 0.0 };
             let at =
                 |&[x, y]: &[f64; 2]| [share * loads[0] - turn * y, share * loads[1] + turn * x];
-            seats.iter().map(at).collect()
+            eccentric_centres.iter().map(at).collect()
         };
         let forces = contacts[1..].chunks(OF_A_WHEEL).map(of_wheel).collect();
-        (seats, forces)
+        (eccentric_centres, forces)
     }
 
     /// The balance of an RV gear all of whose cranks' bearings are rigid: discs turn with the output, and one angle is free.
@@ -558,7 +562,7 @@ impl Statics<'_> {
     }
 
     /// The balance near another one; `None`: it leads nowhere.
-    pub(super) fn float_near(
+    pub(super) fn continue_from(
         &mut self,
         near: &Equilibrium,
         phi: f64,

@@ -28,7 +28,7 @@ const ROUNDING: f64 = 1e-12;
 const IDLE: std::ops::Range<f64> = 0.05..0.75;
 /// The output then moves less than this of what the disc does.
 const ALONE: f64 = 1e-3;
-/// Share of the last step up to which slopes are kept: so they err by less than this, and take a step more at most.
+/// Share of the last step up to which derivatives are kept: so they err by less than this, and take a step more at most.
 const KEPT: f64 = 0.1;
 /// Such a disc is turned to where its steps lead together, and by this more, so that it touches nothing.
 const BEYOND: f64 = 1.001;
@@ -37,16 +37,16 @@ const BEYOND: f64 = 1.001;
 const OUTPUT: usize = Layout::OUTPUT - 1;
 
 /// Jacobian of discs and output, as they are free without friction.
-pub(super) fn slopes(free: usize) -> Jacobian {
+pub(super) fn derivatives(free: usize) -> Jacobian {
     let is_leaf = vec![false; free];
     Jacobian::new(&Structure::SecondOrder { is_leaf }, 2 * free)
 }
 
 impl Statics<'_> {
     /// Stiffness, N m/rad, and damping, N m s/rad, of the output about a balance, the input locked and the discs following.
-    /// `None`: the contacts have no slopes.
+    /// `None`: the contacts have no derivatives.
     ///
-    /// With s the rate of change all slopes are K + s D. Discs that follow are eliminated as in a step of Newton's method; what
+    /// With s the rate of change all derivatives are K + s D. Discs that follow are eliminated as in a step of Newton's method; what
     /// is left is taken to first order in s.
     pub fn compliance(&mut self, at: &Equilibrium) -> Option<[f64; 2]> {
         if self.gearbox.floats() {
@@ -54,7 +54,7 @@ impl Statics<'_> {
         }
         let mut moments = vec![0.0; at.wheels.len()];
         self.moments_with_slopes(at.input, &at.wheels, at.output, &mut moments)?;
-        let (k, d) = (self.slopes.position.as_ref()?, &self.slopes.rate);
+        let (k, d) = (self.derivatives.position.as_ref()?, &self.derivatives.rate);
         let (mut stiffness, mut damping) = (k.entry(OUTPUT, OUTPUT), d.entry(OUTPUT, OUTPUT));
         for hub in OUTPUT + 1..=OUTPUT + at.wheels.len() {
             let (to, from, own) = (
@@ -73,7 +73,7 @@ impl Statics<'_> {
         Some([-stiffness, -damping])
     }
 
-    /// Slopes by the angles of the moments that contacts tell, `out` and `on_output` there, to four digits at least: by
+    /// Derivatives by the angles of the moments that contacts tell, `out` and `on_output` there, to four digits at least: by
     /// differences, in a quarter of the time that their own take. `None`: contacts tell none.
     fn differ(
         &mut self,
@@ -83,7 +83,7 @@ impl Statics<'_> {
         out: &[f64],
         on_output: f64,
     ) -> Option<()> {
-        self.slopes.clear();
+        self.derivatives.clear();
         // Rounding of the angles weighs as much as the bend over the twist that the load makes.
         let step = (ANGLE * self.gearbox.error_scales().angle).sqrt();
         let mut angles = [&[psi], wheels].concat();
@@ -94,41 +94,41 @@ impl Statics<'_> {
             let there = self.told(phi, &angles[1..], angles[0], &mut beside)?;
             let over = (angles[turned] - angle).recip();
             angles[turned] = angle;
-            let (slopes, of) = (self.slopes.position.as_mut()?, OUTPUT + turned);
-            slopes.add(OUTPUT, of, (there - on_output) * over);
+            let (derivatives, of) = (self.derivatives.position.as_mut()?, OUTPUT + turned);
+            derivatives.add(OUTPUT, of, (there - on_output) * over);
             for (i, (beside, here)) in beside.iter().zip(out).enumerate() {
                 // Discs do not feel each other.
                 if turned == 0 || turned == i + 1 {
-                    slopes.add(OUTPUT + 1 + i, of, (beside - here) * over);
+                    derivatives.add(OUTPUT + 1 + i, of, (beside - here) * over);
                 }
             }
         }
         Some(())
     }
 
-    /// Newton's step of the output where `output` and `moments` are left, the discs' into `steps`. `None`: slopes do not lead to
+    /// Newton's step of the output where `output` and `moments` are left, the discs' into `steps`. `None`: derivatives do not lead to
     /// a balance.
     fn step(&self, output: f64, moments: &[f64], steps: &mut [f64]) -> Option<f64> {
-        let slopes = self.slopes.position.as_ref()?;
-        let (mut slope, mut moment) = (slopes.entry(OUTPUT, OUTPUT), output);
+        let derivatives = self.derivatives.position.as_ref()?;
+        let (mut slope, mut moment) = (derivatives.entry(OUTPUT, OUTPUT), output);
         let hubs = OUTPUT + 1..;
         for (hub, own) in hubs.clone().zip(moments) {
-            let own_slope = slopes.entry(hub, hub);
+            let own_slope = derivatives.entry(hub, hub);
             // A disc that touches nothing carries nothing, wherever in its play it is.
             if own_slope == 0.0 && *own == 0.0 {
                 continue;
             }
-            let share = slopes.entry(OUTPUT, hub) / own_slope;
-            slope -= share * slopes.entry(hub, OUTPUT);
+            let share = derivatives.entry(OUTPUT, hub) / own_slope;
+            slope -= share * derivatives.entry(hub, OUTPUT);
             moment -= share * own;
         }
         let turned = -moment / slope;
         let mut falls = slope < 0.0;
         for ((hub, own), step) in hubs.zip(moments).zip(steps) {
-            let own_slope = slopes.entry(hub, hub);
+            let own_slope = derivatives.entry(hub, hub);
             *step = 0.0;
             if own_slope != 0.0 {
-                *step = -(own + slopes.entry(hub, OUTPUT) * turned) / own_slope;
+                *step = -(own + derivatives.entry(hub, OUTPUT) * turned) / own_slope;
                 falls &= own_slope < 0.0;
             }
         }
@@ -136,7 +136,7 @@ impl Statics<'_> {
     }
 
     /// The output's angle in balance, the discs' in `wheels`, which holds the ideal mesh on entry. `None`: the contacts have no
-    /// slopes, or the way led out of the brackets.
+    /// derivatives, or the way led out of the brackets.
     pub(super) fn newton(&mut self, phi: f64, load: f64, wheels: &mut [f64]) -> Option<f64> {
         let geometry = &self.gearbox.geometry;
         let twist = TWIST * self.gearbox.error_scales().angle;
@@ -171,7 +171,7 @@ impl Statics<'_> {
                 None => self.moments_with_slopes(phi, wheels, psi, &mut moments)?,
             };
             let mut step = self.step(output + load, &moments, &mut turns);
-            // Slopes of a step before serve while steps shrink fast.
+            // Derivatives of a step before serve while steps shrink fast.
             let is_short =
                 |step: &f64| last.is_some_and(|last| largest(*step, &turns) < KEPT * last);
             let is_kept = told.is_some() && step.as_ref().is_some_and(is_short);
@@ -221,7 +221,7 @@ mod tests {
     use crate::Gearbox;
     use crate::scene::Scene;
 
-    /// Differences of moments against the contacts' own slopes, each over what turns the output.
+    /// Differences of moments against the contacts' own derivatives, each over what turns the output.
     #[test]
     fn stiffness_by_differences_is_that_of_the_slopes() {
         for (preset, share) in [
@@ -246,7 +246,7 @@ mod tests {
                         .moments_with_slopes(phi, wheels, psi, &mut left)
                         .unwrap();
                 }
-                statics.slopes.position.clone().unwrap()
+                statics.derivatives.position.clone().unwrap()
             };
             let (found, wanted) = (all(true), all(false));
             let mut worst: f64 = 0.0;
@@ -270,8 +270,8 @@ mod tests {
             let at = statics.solve(0.3, 22.0).unwrap();
             let found = statics.compliance(&at).unwrap();
             let (k, d) = (
-                statics.slopes.position.as_ref().unwrap(),
-                &statics.slopes.rate,
+                statics.derivatives.position.as_ref().unwrap(),
+                &statics.derivatives.rate,
             );
             let left = |s: f64| {
                 let of = |i, j| k.entry(i, j) + s * d.entry(i, j);

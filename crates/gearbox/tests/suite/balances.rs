@@ -289,7 +289,7 @@ fn paper(sets: &[(&str, &str)]) -> Gearbox {
     Gearbox::new(&Scene::load("paper", &sets).unwrap()).unwrap()
 }
 
-/// Discrete points have no slopes: brackets find their balance, which is nearly that of the exact profile.
+/// Discrete points have no derivatives: brackets find their balance, which is nearly that of the exact profile.
 #[test]
 fn points_are_balanced_by_brackets() {
     let twist = |detection: &str| {

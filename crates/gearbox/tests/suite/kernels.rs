@@ -6,7 +6,7 @@ mod brute;
 use pinwheel_contact::Complex;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactEnergy, ContactField, Kernel, PairContact};
-use pinwheel_mbs::{BodyState, Pose, Sums, Wrench};
+use pinwheel_mbs::{BodyState, Evaluation, Pose, Wrench};
 use pinwheel_scene::{CheckedScene, Layout, Override, Scene, Sleeve};
 use proptest::prelude::*;
 
@@ -50,7 +50,7 @@ fn both(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> (Vec<Wrench>
     gearbox.kernel = kernel;
     let mut loads = vec![Wrench::default(); bodies.len()];
     let mut field = gearbox.contact_field().unwrap();
-    let mut sums = Sums::of_loads(&mut loads).with_energy();
+    let mut sums = Evaluation::of_loads(&mut loads).with_energy();
     field.evaluate(bodies, Pose::Any, &mut sums);
     let energy = sums.energy.unwrap();
     (loads, energy)
@@ -63,9 +63,9 @@ fn from_angles(
     moments: &mut [f64],
     loads: &mut [Wrench],
 ) -> Option<ContactEnergy> {
-    let mut sums = Sums {
+    let mut sums = Evaluation {
         moments: Some(moments),
-        ..Sums::of_loads(loads).with_energy()
+        ..Evaluation::of_loads(loads).with_energy()
     };
     field.evaluate(bodies, Pose::AnglesOnly, &mut sums);
     sums.energy
@@ -82,9 +82,9 @@ fn held(
     let mut field = gearbox.contact_field().unwrap();
     let mut loads = vec![Wrench::default(); bodies.len()];
     let mut moments = vec![0.0; bodies.len()];
-    let mut sums = Sums::of_moments(&mut moments);
+    let mut sums = Evaluation::of_moments(&mut moments);
     let known = field.evaluate(bodies, Pose::AnglesOnly, &mut sums);
-    let mut sums = Sums::of_loads(&mut loads).with_energy();
+    let mut sums = Evaluation::of_loads(&mut loads).with_energy();
     field.evaluate(bodies, Pose::Prescribed, &mut sums);
     let energy = sums.energy.unwrap();
     let (mut all, mut written) = (vec![0.0; bodies.len()], loads.clone());
@@ -537,7 +537,7 @@ fn hard_levers_find_what_touches() {
             bodies[Layout::OUTPUT].angle = 0.0;
             let mut found = [0; 2].map(|_| vec![Wrench::default(); bodies.len()]);
             fields[0].add_loads(&bodies, &mut found[0]);
-            let mut sums = Sums::of_loads(&mut found[1]);
+            let mut sums = Evaluation::of_loads(&mut found[1]);
             fields[1].evaluate(&bodies, Pose::Prescribed, &mut sums);
             for body in gearbox.layout.external_bodies() {
                 let [a, b] = [0, 1].map(|k| found[k][body].fx.hypot(found[k][body].fy));

@@ -3,6 +3,7 @@
 mod balances;
 mod channels;
 mod common;
+mod derivatives;
 mod deviations;
 mod exponential;
 mod floating;
@@ -15,4 +16,3 @@ mod published_stiffness;
 mod resolve;
 mod rosenbrock;
 mod sliding;
-mod slopes;

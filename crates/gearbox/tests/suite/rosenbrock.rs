@@ -37,7 +37,7 @@ fn hard_friction_is_resolved_in_fewer_evaluations() {
     }
 }
 
-/// The scalar loop has no slopes, so differences stand in for them; so do they in the Lagrange form.
+/// The scalar loop has no derivatives, so differences stand in for them; so do they in the Lagrange form.
 #[test]
 fn differences_give_the_same_run() {
     let sets = [

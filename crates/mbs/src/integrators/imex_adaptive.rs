@@ -81,8 +81,8 @@ impl ImexAdaptive {
         let (from, to) = (&self.now, &self.next);
         let mut worst: f64 = 0.0;
         for k in 0..to.y.len() {
-            let slopes = (from.e[k] + from.i[k]) + (to.e[k] + to.i[k]);
-            let error = (from.y[k] - to.y[k] + 0.5 * h * slopes).abs();
+            let derivatives = (from.e[k] + from.i[k]) + (to.e[k] + to.i[k]);
+            let error = (from.y[k] - to.y[k] + 0.5 * h * derivatives).abs();
             let scaled = error / self.scale[k];
             // f64::max would drop a NaN.
             if !(scaled <= worst) {

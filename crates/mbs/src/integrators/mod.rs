@@ -198,7 +198,7 @@ pub struct MethodInfo {
     pub adaptive: bool,
     /// Error that runs at different tolerances may share, so that their differences do not show it: a share of the finest
     /// tolerance, relative to the quantity. 0 for a fixed step.
-    pub unseen: f64,
+    pub shared_error: f64,
     /// Steps from a tolerance grow with this power of it.
     pub step_power: f64,
     /// A tolerance that any scene can be tried with.
@@ -212,7 +212,7 @@ const FIXED: MethodInfo = MethodInfo {
     order: 1,
     family: Family::Explicit,
     adaptive: false,
-    unseen: 0.0,
+    shared_error: 0.0,
     step_power: 0.0,
     usual_tolerance: 1e-6,
 };
@@ -223,12 +223,12 @@ const FIXED: MethodInfo = MethodInfo {
 /// differences said 1.5e-10.
 const ADAPTIVE: MethodInfo = MethodInfo {
     adaptive: true,
-    unseen: UNSEEN,
+    shared_error: UNSEEN,
     step_power: 0.2,
     ..FIXED
 };
 
-/// [`MethodInfo::unseen`] of error control.
+/// [`MethodInfo::shared_error`] of error control.
 pub const UNSEEN: f64 = 2e-3;
 
 /// The method of this name.

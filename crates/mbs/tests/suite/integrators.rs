@@ -191,7 +191,7 @@ fn unknown_methods_are_refused() {
     assert!(start::<Smooth>("euler", settings, 0.0, &[0.0, 1.0]).is_none());
 }
 
-/// Smooth's slopes, with a note of what was asked for and with errors counted in another unit.
+/// Smooth's derivatives, with a note of what was asked for and with errors counted in another unit.
 struct Noted {
     calls: u64,
     settled: Vec<f64>,

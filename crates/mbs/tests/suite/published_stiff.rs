@@ -8,7 +8,7 @@ use super::published;
 use bounds::holds;
 use published::{number, numbers, table, worst};
 
-/// Van der Pol's equation as one of second order, with or without its own slopes.
+/// Van der Pol's equation as one of second order, with or without its own derivatives.
 struct VanDerPol {
     epsilon: f64,
     knows_its_slopes: bool,
@@ -70,8 +70,8 @@ fn published_van_der_pol() {
         let mut y = start_y;
         run.interpolate(&mut system, end, &mut y);
         let (error, counts) = (worst(&y, &exact), run.counts());
-        println!("{tolerance:e}, own slopes {knows_its_slopes}: {error:.1e}, {counts:?}");
-        let what = format!("own slopes {knows_its_slopes}, tolerance {tolerance:e}");
+        println!("{tolerance:e}, own derivatives {knows_its_slopes}: {error:.1e}, {counts:?}");
+        let what = format!("own derivatives {knows_its_slopes}, tolerance {tolerance:e}");
         holds(rodas5p(), &format!("{what}: error"), error, ..limit);
         // An explicit method needs more than 1e6 steps: epsilon of the time each.
         holds(

@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::integrators::{StepSettings, start};
 use pinwheel_mbs::sliding::{Arrowhead, Contact, Row, SlidingProblem, Slip};
 use pinwheel_mbs::{
-    Body, BodyState, Forces, Formulation, Mechanism, OdeSystem, Pose, Reduced, Revolute, Sums,
-    Wrench,
+    Body, BodyState, Evaluation, Forces, Formulation, Mechanism, OdeSystem, Pose, Reduced,
+    Revolute, Wrench,
 };
 use proptest::prelude::*;
 
@@ -132,11 +132,17 @@ impl Forces for Brake {
         loads[1].moment += 2.0 * RADIUS * friction;
     }
 
-    fn evaluate(&mut self, t: f64, bodies: &[BodyState], _: Pose, sums: &mut Sums<'_>) -> bool {
+    fn evaluate(
+        &mut self,
+        t: f64,
+        bodies: &[BodyState],
+        _: Pose,
+        sums: &mut Evaluation<'_>,
+    ) -> bool {
         if let Some(loads) = &mut sums.loads {
             self.apply(t, bodies, loads);
         }
-        let Some(slopes) = &mut sums.slopes else {
+        let Some(derivatives) = &mut sums.derivatives else {
             return sums.moments.is_none();
         };
         let levers = [RADIUS, 2.0 * RADIUS];
@@ -144,7 +150,7 @@ impl Forces for Brake {
         if sliding.abs() < self.ramp {
             for (row, a) in levers.iter().enumerate() {
                 for (column, b) in levers.iter().enumerate() {
-                    slopes.rate.add(
+                    derivatives.rate.add(
                         row,
                         column,
                         -self.coefficient * self.normal / self.ramp * a * b,

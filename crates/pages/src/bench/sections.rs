@@ -1,6 +1,6 @@
 //! The sections: costs at given errors, work-precision plots, the reference, what is unequal, all points.
 
-use pinwheel_engines::{Knob, Track};
+use pinwheel_engines::{AccuracySetting, SharedModel};
 use pinwheel_report::colours;
 use pinwheel_report::format::{NONE, limit, plain};
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Style};
@@ -137,8 +137,8 @@ fn chart(study: &WorkPrecision, window: usize, measure: Measure, saddle_point: b
         let (x, y): (Vec<f64>, Vec<f64>) = series.points(window, measure).into_iter().unzip();
         let finished = series.points.iter().filter(|p| !p.errors.is_empty());
         let name = match series.knob {
-            Knob::Step => "step",
-            Knob::Tolerance => "tolerance",
+            AccuracySetting::Step => "step",
+            AccuracySetting::Tolerance => "tolerance",
         };
         let tags = finished.map(|p| format!("{name} {}", plain(p.setting)));
         let drawn = Series {
@@ -172,9 +172,9 @@ fn chart(study: &WorkPrecision, window: usize, measure: Measure, saddle_point: b
 fn reference(study: &WorkPrecision) -> Section {
     let found = &study.reference;
     let named = |solution: &Solution| {
-        let (knob, unit) = match Knob::of(&solution.method) {
-            Knob::Step => ("steps of", " s"),
-            Knob::Tolerance => ("tolerance", ""),
+        let (knob, unit) = match AccuracySetting::of(&solution.method) {
+            AccuracySetting::Step => ("steps of", " s"),
+            AccuracySetting::Tolerance => ("tolerance", ""),
         };
         format!(
             "`{}`, {knob} {}{unit}, {} right-hand sides",
@@ -228,7 +228,11 @@ fn differences(study: &WorkPrecision) -> Section {
          have; its cost is in the native figures."
             .to_owned(),
     ];
-    if study.series.iter().any(|s| s.track == Track::OwnContact) {
+    if study
+        .series
+        .iter()
+        .any(|s| s.track == SharedModel::OwnContact)
+    {
         points.push(
             "Own-contact engines resolve contact or friction themselves. Their error here holds the difference of the \
              models, and does not vanish with the step."

@@ -5,14 +5,16 @@ use std::collections::BTreeSet;
 
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::shown::{Finding, Kind, Shown};
-use pinwheel_compare::{Assessment, Comparison, Status, Track, Verdict as Judged, quantities};
+use pinwheel_compare::{
+    Assessment, Comparison, SharedModel, Status, Verdict as Judged, quantities,
+};
 use pinwheel_engines::{Form, info, known, lacking};
 use pinwheel_report::comparison::{self, Headline};
 use pinwheel_report::format::significant;
 use pinwheel_report::study::{Fact, Mark, Tile, Tone, Verdict};
 use pinwheel_report::words;
 use pinwheel_studies::band::declined;
-use pinwheel_studies::comparison::{Largest, Outcome, Twin};
+use pinwheel_studies::comparison::{Largest, MatchedContactRun, Outcome};
 use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
 
 use super::twins::{self, percent};
@@ -28,7 +30,7 @@ pub(super) struct Figure {
     pub(super) unit: String,
     /// How far it is from the exact solution of its equations.
     pub(super) numerical: String,
-    /// Least and largest by contact law.
+    /// LoadFloor and largest by contact law.
     pub(super) band: String,
 }
 
@@ -146,17 +148,17 @@ impl<'a> Answer<'a> {
 
     /// Reason why an agreement proves less than it could: engines that agree are all our own, or share the contact law.
     fn scope(&self) -> Option<&'static str> {
-        let agrees = |of: fn(Track) -> bool| {
+        let agrees = |of: fn(SharedModel) -> bool| {
             let mut entries = self.pairs_of(of);
             entries.any(|(_, entry)| entry.result.verdict == Judged::Agree)
         };
         let mut twins = self.found.twins.iter();
-        if agrees(|track| matches!(track, Track::OwnContact | Track::Measured))
+        if agrees(|track| matches!(track, SharedModel::OwnContact | SharedModel::Measured))
             || twins.any(|twin| twin.verdict == Judged::Agree)
         {
             return None;
         }
-        Some(match agrees(|track| track == Track::SharedLaw) {
+        Some(match agrees(|track| track == SharedModel::SharedLaw) {
             true => "one contact law, shared by all engines that agree",
             false => "our own engines alone",
         })
@@ -257,14 +259,21 @@ impl<'a> Answer<'a> {
         facts
     }
 
-    fn pairs_of(&self, of: fn(Track) -> bool) -> impl Iterator<Item = (&'a Pair, &'a PairEntry)> {
+    fn pairs_of(
+        &self,
+        of: fn(SharedModel) -> bool,
+    ) -> impl Iterator<Item = (&'a Pair, &'a PairEntry)> {
         let pairs = self.found.comparison.pairs.iter();
         let pairs = pairs.filter(move |pair| of(pair.track));
         pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)))
     }
 
     /// The pair of a verdict whose difference is the largest.
-    fn worst(&self, verdict: Judged, of: fn(Track) -> bool) -> Option<(&'a Pair, &'a PairEntry)> {
+    fn worst(
+        &self,
+        verdict: Judged,
+        of: fn(SharedModel) -> bool,
+    ) -> Option<(&'a Pair, &'a PairEntry)> {
         let entries = self.pairs_of(of);
         let entries = entries.filter(|(_, entry)| entry.result.verdict == verdict);
         entries.max_by(|(_, a), (_, b)| size(&a.result).total_cmp(&size(&b.result)))
@@ -377,12 +386,12 @@ impl<'a> Answer<'a> {
 
     fn contacts(&self) -> Fact {
         let fact = |mark, text| Fact::new("contacts", mark, text);
-        let differ = |twin: &&Twin| twin.verdict == Judged::Differ;
+        let differ = |twin: &&MatchedContactRun| twin.verdict == Judged::Differ;
         let mut twins = self.found.twins.iter();
         if let Some(line) = twins.find(differ).and_then(twins::line) {
             return fact(Mark::Bad, line);
         }
-        let own = |track| track == Track::OwnContact;
+        let own = |track| track == SharedModel::OwnContact;
         let mut parts = Vec::new();
         let twins = self.found.twins.iter();
         let twins = twins.filter(|twin| twin.verdict == Judged::Agree);
@@ -417,7 +426,7 @@ impl<'a> Answer<'a> {
             [] => {
                 let mut finished = self.found.comparison.engines.iter();
                 let has_own =
-                    finished.any(|e| e.track == Track::OwnContact && e.status.is_finished());
+                    finished.any(|e| e.track == SharedModel::OwnContact && e.status.is_finished());
                 let why = match has_own {
                     true => {
                         "the run is all start-up, in which engines with contacts of their own damp otherwise"
@@ -484,13 +493,13 @@ impl<'a> Answer<'a> {
     }
 
     fn measured(&self) -> Option<Fact> {
-        let pairs = self.pairs_of(|track| track == Track::Measured);
+        let pairs = self.pairs_of(|track| track == SharedModel::Measured);
         let (mut pair, mut entry) = Assessment::gravest(pairs, |(_, entry)| &entry.result)?;
         let mut said = words::verdict(&entry.result, self.number);
         // Without an uncertainty to judge by there is still how far apart they are.
         let apart = |entry: &PairEntry| entry.metrics.as_ref()?.relative_l2;
         if entry.result.verdict == Judged::NotCompared {
-            let pairs = self.pairs_of(|track| track == Track::Measured);
+            let pairs = self.pairs_of(|track| track == SharedModel::Measured);
             let pairs = pairs.filter_map(|(pair, entry)| Some((pair, entry, apart(entry)?)));
             if let Some((of, farthest, l2)) = pairs.max_by(|a, b| a.2.total_cmp(&b.2)) {
                 (pair, entry) = (of, farthest);
@@ -654,7 +663,8 @@ pub(super) fn told_as_facts(left_out: &[(Vec<&str>, String)]) -> Vec<Fact> {
 /// Label of facts on changes that were made to measured data.
 pub(super) const DATA: &str = "data";
 /// Pairs that solve the scene's own law.
-const SHARES: fn(Track) -> bool = |track| matches!(track, Track::Native | Track::SharedLaw);
+const SHARES: fn(SharedModel) -> bool =
+    |track| matches!(track, SharedModel::Native | SharedModel::SharedLaw);
 /// Label of verdicts that are neither *agree* nor *differ*, with nothing to act on.
 pub(super) const UNRESOLVED: &str = "not resolved";
 /// Reasons that are told one by one, where there is room.

@@ -3,7 +3,7 @@
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::quantities::INPUT_TORQUE;
-use pinwheel_compare::{Comparison, Counts, Track, Verdict, WindowKind};
+use pinwheel_compare::{Comparison, Counts, SharedModel, Verdict, WindowKind};
 use pinwheel_report::format::{self, significant};
 use pinwheel_report::study::{Fact, Tone};
 use pinwheel_report::terminal::{self, BAD, GOOD, OPEN, QUIET, TITLE, paragraph, styled};
@@ -207,7 +207,7 @@ fn mark(verdict: Verdict) -> Mark {
 /// How far measured data are from each engine, quantity by quantity.
 fn measured(comparison: &Comparison) -> Table {
     let pairs = comparison.pairs.iter();
-    let pairs = pairs.filter(|p| p.track == Track::Measured);
+    let pairs = pairs.filter(|p| p.track == SharedModel::Measured);
     let entries = pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)));
     let rows = entries.filter_map(|(pair, entry)| Some((pair, entry, entry.metrics.as_ref()?)));
     const SHARES: [(&str, fn(&PairMetrics) -> Option<f64>); 3] = [
@@ -238,10 +238,10 @@ const LISTED: usize = 5;
 fn pairs(comparison: &Comparison) -> Table {
     let mut rows: Vec<(String, Option<Counts>, Said)> = Vec::new();
     for (track, shares) in [
-        (Track::Native, "equations"),
-        (Track::SharedLaw, "contact law"),
-        (Track::OwnContact, "nothing"),
-        (Track::Measured, "measured data"),
+        (SharedModel::Native, "equations"),
+        (SharedModel::SharedLaw, "contact law"),
+        (SharedModel::OwnContact, "nothing"),
+        (SharedModel::Measured, "measured data"),
     ] {
         let of_track = || comparison.pairs.iter().filter(|pair| pair.track == track);
         let mut counts = Counts::default();

@@ -4,7 +4,7 @@ use pinwheel_compare::Verdict as Judged;
 use pinwheel_report::format::significant;
 use pinwheel_report::study::Block;
 use pinwheel_report::words;
-use pinwheel_studies::comparison::{Outcome, Twin, TwinFigure};
+use pinwheel_studies::comparison::{MatchedContactRun, Outcome, TwinFigure};
 use pinwheel_timeseries::columns;
 use pinwheel_timeseries::table::{Mark, Table};
 
@@ -26,7 +26,7 @@ fn value(of: f64) -> String {
 }
 
 /// Sentence on an engine and its twin.
-pub(super) fn line(twin: &Twin) -> Option<String> {
+pub(super) fn line(twin: &MatchedContactRun) -> Option<String> {
     let worst = twin.worst()?;
     let (what, unit) = name(worst);
     let engine = words::short(&twin.engine);

@@ -2,7 +2,7 @@
 
 use pinwheel_compare::comparison::EngineSummary;
 use pinwheel_compare::uncertainty::Norm;
-use pinwheel_compare::{Comparison, Quantity, Track, WindowKind, quantities};
+use pinwheel_compare::{Comparison, Quantity, SharedModel, WindowKind, quantities};
 use pinwheel_timeseries::norms::Statistics;
 
 use super::Page;
@@ -119,7 +119,8 @@ pub fn numerical(
 fn shown(comparison: &Comparison) -> Vec<&EngineSummary> {
     let all = comparison.engines.iter();
     let finished: Vec<&EngineSummary> = all.filter(|e| e.status.is_finished()).collect();
-    let shares = |e: &&EngineSummary| matches!(e.track, Track::Native | Track::SharedLaw);
+    let shares =
+        |e: &&EngineSummary| matches!(e.track, SharedModel::Native | SharedModel::SharedLaw);
     let sharing: Vec<&EngineSummary> = finished.iter().copied().filter(shares).collect();
     match sharing.is_empty() {
         true => finished,

@@ -10,7 +10,8 @@ use std::collections::BTreeMap;
 use pinwheel_compare::comparison::{EngineSummary, Figures};
 use pinwheel_compare::uncertainty::Norm;
 use pinwheel_compare::{
-    Assessment, Comparison, Metric, Participant, Quantity, Track, Verdict, WindowKind, quantities,
+    Assessment, Comparison, Metric, Participant, Quantity, SharedModel, Verdict, WindowKind,
+    quantities,
 };
 use pinwheel_timeseries::norms::Statistics;
 use pinwheel_timeseries::table::{Mark, Shown, Table, TableOf};
@@ -129,8 +130,14 @@ impl<'a> Page<'a> {
     fn tracks(&self) -> Vec<Section> {
         let finished = self.comparison.engines.iter();
         let finished = finished.filter(|e| e.status.is_finished());
-        let mut names: Vec<Track> = finished.map(|e| e.track).collect();
-        names.sort_by_key(|&name| (name == Track::Native, name != Track::Measured, name));
+        let mut names: Vec<SharedModel> = finished.map(|e| e.track).collect();
+        names.sort_by_key(|&name| {
+            (
+                name == SharedModel::Native,
+                name != SharedModel::Measured,
+                name,
+            )
+        });
         names.dedup();
         let alone = names.len() == 1;
         let sections = names.iter().enumerate();
@@ -138,24 +145,24 @@ impl<'a> Page<'a> {
         sections.flatten().collect()
     }
 
-    fn track(&self, track: Track, place: usize, alone: bool) -> Option<Section> {
+    fn track(&self, track: SharedModel, place: usize, alone: bool) -> Option<Section> {
         let (title, about) = match track {
-            Track::Native => (
+            SharedModel::Native => (
                 "Native",
                 "Pinwheel's own solver: its runs against each other, and each against the load.",
             ),
-            Track::SharedLaw => (
+            SharedModel::SharedLaw => (
                 "Shared law",
                 "Each engine supplies bodies, joints and time integration; all evaluate the same \
                  contact law inside their steps. This checks the multibody side to many digits. It \
                  cannot find an error in the law, which all sides share.",
             ),
-            Track::OwnContact => (
+            SharedModel::OwnContact => (
                 "Own contact",
                 "Each engine detects and resolves contact itself. This checks geometry and law \
                  independently, to a few per cent.",
             ),
-            Track::Measured => (
+            SharedModel::Measured => (
                 "Measured",
                 "Data from elsewhere, another program's export or a test rig, by a map of its columns. \
                  Model, parameters, units and sampling may differ. Only limits and uncertainties that the \
@@ -163,13 +170,13 @@ impl<'a> Page<'a> {
             ),
         };
         let mut blocks = vec![Block::text(about)];
-        if track == Track::Measured {
+        if track == SharedModel::Measured {
             blocks.extend(words::of_measured(self.comparison).map(Block::Text));
         }
         let explains = place == 0;
         let pairs = self.pairs(track, explains);
         // Native figures stand beside those of every other track; repeat them only if there is none.
-        let figures = if track == Track::Native && !alone {
+        let figures = if track == SharedModel::Native && !alone {
             Vec::new()
         } else {
             self.figures(track)
@@ -184,7 +191,7 @@ impl<'a> Page<'a> {
     }
 
     /// Every engine of a track against every other, window by window.
-    fn matrices(&self, track: Track, explains: bool) -> Vec<Block> {
+    fn matrices(&self, track: SharedModel, explains: bool) -> Vec<Block> {
         let all = self.comparison.matrices.iter();
         let all: Vec<_> = all.filter(|matrix| matrix.track == track).collect();
         if all.is_empty() {
@@ -221,13 +228,13 @@ impl<'a> Page<'a> {
     }
 
     /// Headline figures of every engine of a track, window by window.
-    fn figures(&self, track: Track) -> Vec<Block> {
+    fn figures(&self, track: SharedModel) -> Vec<Block> {
         let loads = self.comparison.quantities.iter().filter(|q| q.is_load());
         let loads: Vec<&Quantity> = loads.collect();
         let mut blocks = Vec::new();
         for window in &self.comparison.windows {
             let engines = self.comparison.engines.iter();
-            let engines = engines.filter(|e| e.track == track || e.track == Track::Native);
+            let engines = engines.filter(|e| e.track == track || e.track == SharedModel::Native);
             let rows = engines.filter_map(|e| Some((e, e.figures_in(window.kind)?)));
             let rows: Vec<(&EngineSummary, &Figures)> = rows.collect();
             if rows.is_empty() || loads.is_empty() {
@@ -315,7 +322,7 @@ impl<'a> Page<'a> {
     fn costs(&self) -> Section {
         let all = &self.comparison.engines;
         // Measured data cost this machine nothing, and a recording's time was another machine's.
-        let own = |e: &&EngineSummary| e.track != Track::Measured;
+        let own = |e: &&EngineSummary| e.track != SharedModel::Measured;
         let time = |e: &&EngineSummary, of: f64| Some(of).filter(|_| own(e));
         let wall = |e: &&EngineSummary| Some(e.cost.wall_s).filter(|_| e.cost.recorded.is_none());
         let longest = all.iter().filter_map(|e| wall(&e)).fold(0.0, f64::max);

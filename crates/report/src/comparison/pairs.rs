@@ -2,7 +2,7 @@
 
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
-use pinwheel_compare::{Against, Assessment, Metric, Quantity, Track, Verdict, WindowKind};
+use pinwheel_compare::{Against, Assessment, Metric, Quantity, SharedModel, Verdict, WindowKind};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use super::{Page, mark};
@@ -27,7 +27,7 @@ type Ranked = (u8, f64, Item);
 impl Page<'_> {
     /// The track's pairs and what was judged of its engines alone, by verdict, the gravest first. What differs is listed;
     /// of the rest there are too many to be read, so that more than a few are folded.
-    pub(super) fn pairs(&self, track: Track, explains: bool) -> Vec<Block> {
+    pub(super) fn pairs(&self, track: SharedModel, explains: bool) -> Vec<Block> {
         let pairs = self.comparison.pairs.iter().enumerate();
         let pairs = pairs.filter(|(_, pair)| pair.track == track);
         let engines = self.comparison.engines.iter().filter(|e| e.track == track);
@@ -47,7 +47,7 @@ impl Page<'_> {
         }
         for group in found.chunk_by(|a, b| a.0 == b.0) {
             // Of what nothing would settle a sentence each says enough.
-            if group[0].0 == 2 && track != Track::Measured {
+            if group[0].0 == 2 && track != SharedModel::Measured {
                 let sentence = |item: &Item| {
                     let why = item.blocks.iter().find_map(|block| match block {
                         Block::Text(text) => text.strip_prefix("Inconclusive: "),
@@ -69,7 +69,7 @@ impl Page<'_> {
                 3 => "inconclusive",
                 _ => "",
             };
-            let listed = items.len() <= FEW || words.is_empty() || track == Track::Measured;
+            let listed = items.len() <= FEW || words.is_empty() || track == SharedModel::Measured;
             if listed {
                 blocks.extend(items);
             } else {
@@ -112,7 +112,7 @@ impl Page<'_> {
                 |entry| words::verdict(&entry.result, relative),
             ),
             beside: gravest.map_or_else(String::new, |e| self.place(&e.quantity, e.window)),
-            open: rank == 4 || pair.track == Track::Measured,
+            open: rank == 4 || pair.track == SharedModel::Measured,
             blocks,
         };
         (rank, gravest.map_or(-1.0, |e| e.result.share()), item)
@@ -184,7 +184,7 @@ impl Page<'_> {
     }
 
     /// Why the limits and tolerances of a track are what they are, each reason once.
-    fn reasons(&self, track: Track) -> Vec<String> {
+    fn reasons(&self, track: SharedModel) -> Vec<String> {
         let pairs = self.comparison.pairs.iter().filter(|p| p.track == track);
         let of_pairs = pairs.flat_map(|p| &p.entries).flat_map(|e| &e.assessments);
         let engines = self.comparison.engines.iter().filter(|e| e.track == track);

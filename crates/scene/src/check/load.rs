@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::super::error::Fault;
 use super::super::model::Scene;
-use crate::load_course::APART_S;
+use crate::load_profile::APART_S;
 use crate::number::{below, short};
 
 const KEY: &str = "drive.load_changes";
@@ -57,7 +57,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
             let remedy = "list the changes in the order in which they come".to_owned();
             return fault(number + 1, &["time_s"], what, remedy);
         }
-        // Sums of decimal numbers round: 0.2 + 0.1 is more than 0.3.
+        // Evaluation of decimal numbers round: 0.2 + 0.1 is more than 0.3.
         if change.time_s + change.ramp_s > next.time_s + 0.5 * APART_S {
             let what = format!(
                 "is {ramp} s, so that the change from {from} s on is not over when the next begins at {until} s"

@@ -15,7 +15,7 @@ use crate::checked::{CheckedScene, Origin, Source};
 use crate::error::{Fault, Location, SceneError};
 use crate::fill::{Gap, fill};
 use crate::json;
-use crate::keys::{KEYS, Key, Kind, Otherwise};
+use crate::keys::{DefaultValue, KEYS, Key, Kind};
 use crate::load;
 use crate::model::{PlusMinus, Scene};
 use crate::table::{insert, lookup, usual};
@@ -251,10 +251,10 @@ impl Layers {
             for inner in rows {
                 let is_missing = !table.contains_key(inner.name);
                 match inner.otherwise {
-                    Otherwise::Required if is_missing => {
+                    DefaultValue::Required if is_missing => {
                         let needed = rows.iter();
                         let needed =
-                            needed.filter(|row| matches!(row.otherwise, Otherwise::Required));
+                            needed.filter(|row| matches!(row.otherwise, DefaultValue::Required));
                         let needed = needed.map(|row| format!("{} ({})", row.about, row.name));
                         let needed: Vec<String> = needed.collect();
                         let remedy = format!("every entry gives {}", needed.join(" and "));
@@ -265,7 +265,7 @@ impl Layers {
                             remedy,
                         ));
                     }
-                    Otherwise::Usual(text, _) if is_missing => {
+                    DefaultValue::Constant(text, _) if is_missing => {
                         insert(&mut table, &[inner.name], usual(text));
                     }
                     _ => {}

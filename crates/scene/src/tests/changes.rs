@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use crate::load_course;
+use crate::load_profile;
 use crate::{CheckedScene, LoadChange, Override, Scene};
 
 fn with(changes: &str) -> Result<CheckedScene, String> {
@@ -118,14 +118,14 @@ fn changes_after_the_end_are_told() {
     let scene =
         with("[{ time_s = 0.1, output_torque_n_m = 1 }, { time_s = 0.7, output_torque_n_m = 2 }]")
             .unwrap();
-    let told = load_course::unreached(&scene).unwrap();
+    let told = load_profile::unreached(&scene).unwrap();
     assert!(
         told.starts_with("1 of 2 changes") && told.contains("0.7 s"),
         "{told}"
     );
-    assert_eq!(load_course::final_load(&scene), 1.0);
-    assert_eq!(load_course::last_change_s(&scene), Some(0.1));
-    assert_eq!(load_course::unreached(&Scene::paper()), None);
+    assert_eq!(load_profile::final_load(&scene), 1.0);
+    assert_eq!(load_profile::last_change_s(&scene), Some(0.1));
+    assert_eq!(load_profile::unreached(&Scene::paper()), None);
 }
 
 #[test]
@@ -153,11 +153,11 @@ proptest! {
         match scene.check() {
             Err(fault) => prop_assert!(fault.to_string().contains("drive.load_changes")),
             Ok(scene) => {
-                let breaks = load_course::breaks(&scene.drive);
+                let breaks = load_profile::breaks(&scene.drive);
                 prop_assert!(breaks.windows(2).all(|pair| pair[1] - pair[0] > 0.4e-9), "{breaks:?}");
                 for t in breaks.into_iter().chain([0.0, 0.2, 1.0]) {
-                    prop_assert!(load_course::piece_at(&scene.drive, t).torque(t).is_finite());
-                    prop_assert!(load_course::mean(&scene.drive, t, t + 1e-5).is_finite());
+                    prop_assert!(load_profile::piece_at(&scene.drive, t).torque(t).is_finite());
+                    prop_assert!(load_profile::mean(&scene.drive, t, t + 1e-5).is_finite());
                 }
                 let again = Scene::from_toml(&scene.to_toml(), "again.toml", &[]).unwrap();
                 prop_assert_eq!(&again.drive, &scene.drive);

@@ -46,7 +46,7 @@ fn what_is_left_out_is_derived_and_told() {
     );
     assert!(matches!(
         of("contact.young_pa").unwrap().source,
-        Source::Usual("steel")
+        Source::Constant("steel")
     ));
     assert!(of("gear.wheels").is_none(), "it is written");
     // Every key is written or accounted for.

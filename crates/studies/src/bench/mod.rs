@@ -21,7 +21,7 @@ pub use settings::Stopped;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-use pinwheel_engines::{Engine, Track, by_name, registry};
+use pinwheel_engines::{Engine, SharedModel, by_name, registry};
 use pinwheel_mbs::integrators::METHODS;
 use pinwheel_scene::{Scene, did_you_mean};
 use serde::Serialize;
@@ -104,10 +104,12 @@ impl Options {
 
     /// How long a single run of an engine may take, s CPU.
     #[must_use]
-    pub fn longest(&self, track: Track) -> f64 {
+    pub fn longest(&self, track: SharedModel) -> f64 {
         match track {
-            Track::Native => self.longest_native_s,
-            Track::SharedLaw | Track::OwnContact | Track::Measured => self.longest_s,
+            SharedModel::Native => self.longest_native_s,
+            SharedModel::SharedLaw | SharedModel::OwnContact | SharedModel::Measured => {
+                self.longest_s
+            }
         }
     }
 }
@@ -184,16 +186,16 @@ pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, 
         let friction = scene.contact.friction_coefficient > 0.0;
         let mut engines = registry();
         engines.retain(|engine| match engine.track() {
-            Track::Native => native.contains(&engine.name()),
-            Track::SharedLaw => true,
-            Track::OwnContact => friction || engine.info().outside,
-            Track::Measured => false,
+            SharedModel::Native => native.contains(&engine.name()),
+            SharedModel::SharedLaw => true,
+            SharedModel::OwnContact => friction || engine.info().outside,
+            SharedModel::Measured => false,
         });
         return Ok(engines);
     }
     let mut engines: Vec<Box<dyn Engine>> = Vec::new();
     let mut add = |engine: Box<dyn Engine>| {
-        if engine.track() == Track::Native && !native.contains(&engine.name()) {
+        if engine.track() == SharedModel::Native && !native.contains(&engine.name()) {
             return Err(StudyError::Input(format!(
                 "{} chooses its own integrator and step, which is what is varied here; name native, native-reduced \
                  or native-lagrange",
@@ -285,7 +287,7 @@ fn methods<'a>(
     engine: &'a dyn Engine,
     options: &'a Options,
 ) -> Vec<(&'a dyn Engine, Option<&'a str>)> {
-    if engine.track() != Track::Native {
+    if engine.track() != SharedModel::Native {
         return vec![(engine, None)];
     }
     let asked = &options.methods;

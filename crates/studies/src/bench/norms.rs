@@ -1,10 +1,10 @@
 //! How far a run lies from the reference, window by window: relative L2 and Linf of [`pinwheel_timeseries::norms`].
 
 use pinwheel_compare::windows::{SETTLING_S, windows};
-use pinwheel_scene::load_course;
+use pinwheel_scene::load_profile;
 use pinwheel_scene::{Scene, Start};
 use pinwheel_timeseries::TimeSeries;
-use pinwheel_timeseries::norms::{Least, View, relative_l2, relative_linf};
+use pinwheel_timeseries::norms::{LoadFloor, View, relative_l2, relative_linf};
 use serde::Serialize;
 
 /// A part of the run.
@@ -43,7 +43,7 @@ pub(super) fn spans(scene: &Scene, time_series: &TimeSeries) -> Vec<Span> {
         from_s,
         to_s,
     };
-    let (mut parts, _) = windows(time_series, settling, &load_course::breaks(&scene.drive));
+    let (mut parts, _) = windows(time_series, settling, &load_profile::breaks(&scene.drive));
     parts.retain(|window| window.to_s - window.from_s < end);
     parts.sort_by(|a, b| a.from_s.total_cmp(&b.from_s));
     let parts = parts.iter().map(|w| span(w.kind.word(), w.from_s, w.to_s));
@@ -51,7 +51,7 @@ pub(super) fn spans(scene: &Scene, time_series: &TimeSeries) -> Vec<Span> {
 }
 
 /// Errors of `a` against `b` in a window. Both hold the same samples.
-pub(super) fn errors(a: &TimeSeries, b: &TimeSeries, span: &Span, least: Least) -> Errors {
+pub(super) fn errors(a: &TimeSeries, b: &TimeSeries, span: &Span, least: LoadFloor) -> Errors {
     let range = b.window(span.from_s, span.to_s);
     let forces = [a, b].map(|run| View::forces(run, range.clone()));
     let torque = [a, b].map(|run| View::driver_torque(run, range.clone()));
@@ -87,7 +87,7 @@ mod tests {
             to_s,
         };
         let (a, b) = (time_series([3.0, 4.0, 1.0]), time_series([3.0, 4.0, 0.0]));
-        let least = Least {
+        let least = LoadFloor {
             force_n: 0.5,
             torque_n_m: 1e-3,
         };

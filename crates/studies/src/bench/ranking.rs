@@ -1,6 +1,6 @@
 //! Cost of one error with every engine, and the lead of the native solver over the fastest peer.
 
-use pinwheel_engines::Track;
+use pinwheel_engines::SharedModel;
 use serde::Serialize;
 
 use super::WorkPrecision;
@@ -12,8 +12,8 @@ use super::series::{Measure, Series};
 pub struct Entry {
     /// Engine and method.
     pub label: String,
-    /// Track of the engine.
-    pub track: Track,
+    /// SharedModel of the engine.
+    pub track: SharedModel,
     /// CPU time, s; `None` if no run finished.
     pub cpu_s: Option<CostAt>,
     /// Right-hand-side calls; `None` if no run finished or they are not counted.
@@ -82,11 +82,11 @@ fn advantage(entries: &[Entry]) -> Option<Advantage> {
         known.min_by(|a, b| a.1.value().total_cmp(&b.1.value()))
     };
     let (native, native_cost) =
-        cheapest(&|entry, cost| entry.track == Track::Native && cost.reached())?;
+        cheapest(&|entry, cost| entry.track == SharedModel::Native && cost.reached())?;
     let (peer, peer_cost) = cheapest(&|entry, cost| match entry.track {
-        Track::Native | Track::Measured => false,
-        Track::SharedLaw => true,
-        Track::OwnContact => cost.reached(),
+        SharedModel::Native | SharedModel::Measured => false,
+        SharedModel::SharedLaw => true,
+        SharedModel::OwnContact => cost.reached(),
     })?;
     Some(Advantage {
         native: native.label.clone(),
@@ -106,7 +106,7 @@ fn advantage(entries: &[Entry]) -> Option<Advantage> {
 mod tests {
     use super::*;
 
-    fn entry(label: &str, track: Track, cost: CostAt) -> Entry {
+    fn entry(label: &str, track: SharedModel, cost: CostAt) -> Entry {
         Entry {
             label: label.to_owned(),
             track,
@@ -117,13 +117,13 @@ mod tests {
 
     #[test]
     fn the_lead_is_over_the_fastest_peer() {
-        let own = Track::OwnContact;
+        let own = SharedModel::OwnContact;
         let mut entries = vec![
-            entry("a", Track::Native, CostAt::Interpolated(0.5)),
-            entry("b", Track::Native, CostAt::Interpolated(0.25)),
-            entry("c", Track::Native, CostAt::MoreThan(0.01)),
-            entry("slow", Track::SharedLaw, CostAt::Interpolated(50.0)),
-            entry("fast", Track::SharedLaw, CostAt::Interpolated(25.0)),
+            entry("a", SharedModel::Native, CostAt::Interpolated(0.5)),
+            entry("b", SharedModel::Native, CostAt::Interpolated(0.25)),
+            entry("c", SharedModel::Native, CostAt::MoreThan(0.01)),
+            entry("slow", SharedModel::SharedLaw, CostAt::Interpolated(50.0)),
+            entry("fast", SharedModel::SharedLaw, CostAt::Interpolated(25.0)),
             entry("other law", own, CostAt::MoreThan(1.0)),
         ];
         let found = advantage(&entries).unwrap();
@@ -131,7 +131,11 @@ mod tests {
         assert!((found.ratio - 100.0).abs() < 1e-12 && !found.at_least);
 
         // A peer that was cut off before may be the fastest: then the ratio is a bound.
-        entries.push(entry("cut off", Track::SharedLaw, CostAt::MoreThan(5.0)));
+        entries.push(entry(
+            "cut off",
+            SharedModel::SharedLaw,
+            CostAt::MoreThan(5.0),
+        ));
         let found = advantage(&entries).unwrap();
         assert_eq!(found.peer, "cut off");
         assert!((found.ratio - 20.0).abs() < 1e-12 && found.at_least);

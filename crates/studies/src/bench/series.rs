@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use pinwheel_engines::{Ending, Engine, Knob, Run, Track};
+use pinwheel_engines::{AccuracySetting, Ending, Engine, Run, SharedModel};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_mbs::integrators;
 use pinwheel_scene::Scene;
 use pinwheel_timeseries::TimeSeries;
-use pinwheel_timeseries::norms::Least;
+use pinwheel_timeseries::norms::LoadFloor;
 use serde::Serialize;
 
 use super::Options;
@@ -15,12 +15,12 @@ use super::front::{CostAt, cost_at};
 use super::norms::{Errors, Span, errors};
 use super::settings::{State, Stopped, settings};
 use crate::StudyError;
-use crate::control::{Control, Patience};
+use crate::control::{Control, TimeLimit};
 
 /// Cost of a setting.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cost {
-    /// Least CPU time of the runs, s.
+    /// LoadFloor CPU time of the runs, s.
     pub cpu_min_s: f64,
     /// Their median, s.
     pub cpu_median_s: f64,
@@ -56,13 +56,13 @@ pub struct Series {
     /// Its version.
     pub version: String,
     /// Its track.
-    pub track: Track,
+    pub track: SharedModel,
     /// Integrator of ours, or `own`.
     pub method: String,
     /// Classical order, where it is one of ours.
     pub order: Option<u32>,
     /// Setting that is varied.
-    pub knob: Knob,
+    pub knob: AccuracySetting,
     /// Settings tried, coarse to fine.
     pub points: Vec<Point>,
     /// Why there is no finer one.
@@ -72,7 +72,7 @@ pub struct Series {
 /// Which cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
-    /// Least CPU time, s.
+    /// LoadFloor CPU time, s.
     Cpu,
     /// Right-hand-side calls.
     Rhs,
@@ -115,7 +115,7 @@ pub(super) struct Truth<'a> {
     pub(super) time_series: &'a TimeSeries,
     pub(super) windows: &'a [Span],
     /// Loads that count as none.
-    pub(super) least: Least,
+    pub(super) least: LoadFloor,
     /// Upper estimate of the reference's error.
     pub(super) error: f64,
 }
@@ -130,7 +130,7 @@ pub(super) fn run(
     announce: &mut dyn FnMut(&str),
 ) -> Result<Series, StudyError> {
     let own = engine.info().refinement.map(|refinement| refinement.knob);
-    let knob = method.map_or(own.unwrap_or(Knob::Step), Knob::of);
+    let knob = method.map_or(own.unwrap_or(AccuracySetting::Step), AccuracySetting::of);
     let mut series = Series {
         engine: engine.name().to_owned(),
         version: engine.version(),
@@ -218,9 +218,9 @@ fn point(
         Err(ending) => return Ok(without(ending)),
     };
     let longest = options.longest(engine.track());
-    let patience = Patience {
+    let patience = TimeLimit {
         most: Duration::from_secs_f64(PATIENCE * longest),
-        asks: options.longest_s / (PATIENCE * longest),
+        suggested_limit_s: options.longest_s / (PATIENCE * longest),
         outside: true,
     };
     let mut times = Vec::new();

@@ -1,6 +1,6 @@
 //! The settings a method is tried with, coarse to fine, and when to stop.
 
-use pinwheel_engines::{Knob, Track};
+use pinwheel_engines::{AccuracySetting, SharedModel};
 use pinwheel_scene::Scene;
 use serde::Serialize;
 
@@ -16,9 +16,9 @@ const HALF_DECADES: i32 = 16;
 /// Settings of a knob for a scene, coarse to fine. Steps divide the sampling step evenly, because some
 /// engines sample at ends of steps only.
 #[must_use]
-pub(super) fn settings(knob: Knob, scene: &Scene) -> Vec<f64> {
+pub(super) fn settings(knob: AccuracySetting, scene: &Scene) -> Vec<f64> {
     match knob {
-        Knob::Tolerance => {
+        AccuracySetting::Tolerance => {
             let tolerance = |k: i32| {
                 let exact = LOOSEST * 10.0_f64.powf(-0.5 * f64::from(k));
                 // Two digits are enough to name a tolerance.
@@ -26,7 +26,7 @@ pub(super) fn settings(knob: Knob, scene: &Scene) -> Vec<f64> {
             };
             (0..=HALF_DECADES).map(tolerance).collect()
         }
-        Knob::Step => {
+        AccuracySetting::Step => {
             let sample = scene.solver.sample_s;
             let step = |k: i32| {
                 let step = scene.solver.step_s * COARSEST / 2.0_f64.powi(k);
@@ -82,7 +82,7 @@ const STAGNANT: f64 = 1.3;
 
 /// Facts of a series after a run.
 pub(super) struct State {
-    pub(super) track: Track,
+    pub(super) track: SharedModel,
     /// CPU time of the last run, s, and of the one before.
     pub(super) cpu_s: f64,
     pub(super) cpu_before_s: f64,
@@ -96,12 +96,17 @@ pub(super) struct State {
 
 impl State {
     /// Returns the reason to stop before a run whose setting is `ratio` times finer; `None`: go on.
-    pub(super) fn stop(&self, knob: Knob, ratio: f64, options: &Options) -> Option<Stopped> {
+    pub(super) fn stop(
+        &self,
+        knob: AccuracySetting,
+        ratio: f64,
+        options: &Options,
+    ) -> Option<Stopped> {
         // What a tighter tolerance costs is not known before, and may be less: RODAS5P rubs cheaply from where its steps land on
         // the friction's ramp. Two runs that took too long end a series; one that takes far too long is given up.
         let next = match knob {
-            Knob::Step => self.cpu_s * ratio,
-            Knob::Tolerance => self.cpu_s.min(self.cpu_before_s),
+            AccuracySetting::Step => self.cpu_s * ratio,
+            AccuracySetting::Tolerance => self.cpu_s.min(self.cpu_before_s),
         };
         if self.error <= 0.1 * self.reference_error || self.error == 0.0 {
             return Some(Stopped::AtTheReference);
@@ -112,7 +117,7 @@ impl State {
         if next > options.longest(self.track) {
             return Some(Stopped::TooLong);
         }
-        let stagnant = self.track == Track::OwnContact
+        let stagnant = self.track == SharedModel::OwnContact
             && self.error.is_finite()
             && self.error_before < STAGNANT * self.error;
         stagnant.then_some(Stopped::Stagnates)
@@ -126,7 +131,7 @@ mod tests {
     #[test]
     fn steps_halve_and_divide_the_samples() {
         let scene = Scene::paper();
-        let steps = settings(Knob::Step, &scene);
+        let steps = settings(AccuracySetting::Step, &scene);
         assert!(steps.contains(&scene.solver.step_s), "{steps:?}");
         for pair in steps.windows(2) {
             assert!((1.5..2.6).contains(&(pair[0] / pair[1])), "{pair:?}");
@@ -139,7 +144,7 @@ mod tests {
 
     #[test]
     fn tolerances_fall_by_half_decades() {
-        let tolerances = settings(Knob::Tolerance, &Scene::paper());
+        let tolerances = settings(AccuracySetting::Tolerance, &Scene::paper());
         assert_eq!(tolerances[0], 1e-2);
         assert_eq!((tolerances[1], tolerances[16]), (3.2e-3, 1e-10));
     }
@@ -155,37 +160,42 @@ mod tests {
             error_before,
             reference_error: 1e-8,
         };
-        let stop = |state: State| state.stop(Knob::Step, 2.0, &options);
+        let stop = |state: State| state.stop(AccuracySetting::Step, 2.0, &options);
         let tighter = |cpu_before_s| {
-            let long = state(Track::Native, 2.1, 1e-2, 2e-2);
+            let long = state(SharedModel::Native, 2.1, 1e-2, 2e-2);
             let long = State {
                 cpu_before_s,
                 ..long
             };
-            long.stop(Knob::Tolerance, 3.2, &options)
+            long.stop(AccuracySetting::Tolerance, 3.2, &options)
         };
         assert_eq!(tighter(1.9), None);
         assert_eq!(tighter(2.1), Some(Stopped::TooLong));
-        assert_eq!(stop(state(Track::Native, 0.1, 1e-6, 4e-6)), None);
+        assert_eq!(stop(state(SharedModel::Native, 0.1, 1e-6, 4e-6)), None);
         assert_eq!(
-            stop(state(Track::Native, 1.0, 1e-6, 4e-6)),
+            stop(state(SharedModel::Native, 1.0, 1e-6, 4e-6)),
             Some(Stopped::GoodEnough)
         );
         assert_eq!(
-            stop(state(Track::SharedLaw, 1e3, 1e-2, 4e-2)),
+            stop(state(SharedModel::SharedLaw, 1e3, 1e-2, 4e-2)),
             Some(Stopped::TooLong)
         );
         assert_eq!(
-            stop(state(Track::OwnContact, 1.0, 1e-2, 1e-2)),
+            stop(state(SharedModel::OwnContact, 1.0, 1e-2, 1e-2)),
             Some(Stopped::Stagnates)
         );
-        assert_eq!(stop(state(Track::SharedLaw, 1.0, 1e-2, 1e-2)), None);
+        assert_eq!(stop(state(SharedModel::SharedLaw, 1.0, 1e-2, 1e-2)), None);
         assert_eq!(
-            stop(state(Track::Native, 1.0, 1e-10, 1e-9)),
+            stop(state(SharedModel::Native, 1.0, 1e-10, 1e-9)),
             Some(Stopped::AtTheReference)
         );
         assert_eq!(
-            stop(state(Track::Native, 1.0, f64::INFINITY, f64::INFINITY)),
+            stop(state(
+                SharedModel::Native,
+                1.0,
+                f64::INFINITY,
+                f64::INFINITY
+            )),
             None
         );
     }

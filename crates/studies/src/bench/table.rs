@@ -1,6 +1,6 @@
 //! The points as one flat table: a row a setting, errors of all windows side by side.
 
-use pinwheel_engines::Knob;
+use pinwheel_engines::AccuracySetting;
 use pinwheel_timeseries::Ending;
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
@@ -29,11 +29,11 @@ impl WorkPrecision {
             .text("track", "", |(series, _)| series.track.as_str())
             .text("method", "", |(series, _)| &series.method)
             .whole("order", "", |(series, _)| series.order)
-            .number("step_s", "Step", |row| setting(row, Knob::Step))
+            .number("step_s", "Step", |row| setting(row, AccuracySetting::Step))
             .unit("s")
             .shown(Shown::Setting)
             .number("tolerance", "Tolerance", |row| {
-                setting(row, Knob::Tolerance)
+                setting(row, AccuracySetting::Tolerance)
             })
             .shown(Shown::Setting)
             .text("status", "", |(_, point)| point.ending.word())

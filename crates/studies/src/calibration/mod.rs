@@ -15,8 +15,8 @@ use std::path::Path;
 
 use pinwheel_compare::uncertainty::Source;
 use pinwheel_compare::{
-    Assessment, Comparison, Context, Cost, Evidence, Metric, Participant, Rules, Status, Track,
-    Verdict, WindowKind, compare,
+    Assessment, Comparison, Context, Cost, Evidence, Metric, Participant, Rules, SharedModel,
+    Status, Verdict, WindowKind, compare,
 };
 use pinwheel_engines::known;
 use pinwheel_gearbox::Gearbox;
@@ -58,14 +58,14 @@ pub const PRESETS: [(&str, f64); 8] = [
 /// Engines of the law whose uncertainty comes from refining a step or tolerance of the scene.
 pub fn engines() -> impl Iterator<Item = &'static str> {
     let own = known().filter(|info| match info.track {
-        Track::Native => true,
-        Track::SharedLaw => info.refinement.is_some(),
-        Track::OwnContact | Track::Measured => false,
+        SharedModel::Native => true,
+        SharedModel::SharedLaw => info.refinement.is_some(),
+        SharedModel::OwnContact | SharedModel::Measured => false,
     });
     own.map(|info| info.name)
 }
 
-/// Least share of the errors that are to be within what was stated.
+/// LoadFloor share of the errors that are to be within what was stated.
 pub const COVERAGE: f64 = 0.95;
 /// Bound of the median ratio of stated uncertainty and error. Measured: 12.7 on 60 random gears, 16.0 on those of the
 /// tests. It was 8.6 and 8.1, and the limit 10, while runs at several tolerances that were wrong alike stated less than
@@ -405,7 +405,7 @@ fn against(
 fn as_run(name: &str, time_series: TimeSeries) -> Participant {
     Participant {
         name: name.to_owned(),
-        track: Track::Native,
+        track: SharedModel::Native,
         version: String::new(),
         summary: String::new(),
         differences: String::new(),

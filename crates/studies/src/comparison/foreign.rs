@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use pinwheel_compare::limits::fits;
 use pinwheel_compare::windows::{SETTLING_S, windows};
 use pinwheel_compare::{
-    Cost, DataUncertainty, Metric, Participant, StatedLimit, Status, Track, WindowKind,
+    Cost, DataUncertainty, Metric, Participant, SharedModel, StatedLimit, Status, WindowKind,
 };
 use pinwheel_files::read_text;
 use pinwheel_gearbox::Gearbox;
@@ -256,7 +256,7 @@ impl Data {
         let unsaid = "Its map does not say how it differs from the scene.";
         let participant = Participant {
             name: self.name.clone(),
-            track: Track::Measured,
+            track: SharedModel::Measured,
             version: or(&self.map.version, "unknown"),
             summary: or(&self.map.summary, "data from elsewhere"),
             differences: or(&self.map.differences, unsaid),
@@ -304,8 +304,8 @@ impl Data {
         let own = &self.foreign.time_series;
         let offset = self.map.time.offset_s;
         let finished = others.iter().filter(|other| other.status.is_finished());
-        let run =
-            finished.max_by_key(|other| (other.track == Track::Native, other.time_series.len()));
+        let run = finished
+            .max_by_key(|other| (other.track == SharedModel::Native, other.time_series.len()));
         let found = match run {
             Some(run) => foreign::shift(&run.time_series, own).map(|shift| (&run.name, shift)),
             None => Err("no engine finished".to_owned()),

@@ -14,17 +14,17 @@ use pinwheel_compare::comparison::PairEntry;
 use pinwheel_compare::limits::Friction;
 use pinwheel_compare::model::{ModelTolerance, Prediction};
 use pinwheel_compare::{
-    Comparison, Context, Divergence, Metric, Participant, Rules, Scales, Status, Track, Verdict,
-    WindowKind, compare,
+    Comparison, Context, Divergence, Metric, Participant, Rules, Scales, SharedModel, Status,
+    Verdict, WindowKind, compare,
 };
 use pinwheel_engines::{Engine, external, recorded};
 use pinwheel_gearbox::{Explanation, Gearbox, Statement};
-use pinwheel_scene::{Assumption, Scene, Start, assumptions, load_course};
+use pinwheel_scene::{Assumption, Scene, Start, assumptions, load_profile};
 use pinwheel_timeseries::columns;
 use serde::Serialize;
 
 use crate::band::{self, Bands};
-use crate::control::{Control, Patience, Progress, WITHIN};
+use crate::control::{Control, Progress, TimeLimit, WITHIN};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
 use crate::single::{RunRecord, save};
@@ -32,7 +32,7 @@ use crate::{StudyError, divergence};
 use foreign::Data;
 pub use refine::Effort;
 pub(crate) use refine::refine;
-pub use twins::{Twin, TwinFigure};
+pub use twins::{MatchedContactRun, TwinFigure};
 
 /// Inputs of a comparison.
 #[derive(Clone, Copy)]
@@ -61,7 +61,7 @@ pub struct Outcome {
     /// Figures with other contact laws and fits; `None`: there is nothing to compare.
     pub bands: Option<Bands>,
     /// Engines with contacts of their own against native runs with the same contacts.
-    pub twins: Vec<Twin>,
+    pub twins: Vec<MatchedContactRun>,
 }
 
 /// Payload of `summary.json`.
@@ -74,7 +74,7 @@ struct Found<'a> {
     assumptions: &'a [Assumption],
     #[serde(skip_serializing_if = "Option::is_none")]
     by_contact_law: Option<&'a Bands>,
-    twins: &'a [Twin],
+    twins: &'a [MatchedContactRun],
     scene: &'a Scene,
 }
 
@@ -174,7 +174,7 @@ pub struct Largest<'a> {
     /// By the engine.
     pub there: f64,
     /// Run with the engine's real contacts, if those are not the scene's law.
-    pub twin: Option<&'a Twin>,
+    pub twin: Option<&'a MatchedContactRun>,
     /// Verdict on the two values, if they were compared.
     pub verdict: Option<Verdict>,
 }
@@ -203,13 +203,13 @@ impl Outcome {
         let steady = windows.iter().find(|w| w.kind != WindowKind::Transient);
         // In a start-up contacts of another kind swing otherwise.
         let window = steady.or(windows.first())?.kind;
-        let native = |p: &&Participant| p.track == Track::Native && p.status.is_finished();
+        let native = |p: &&Participant| p.track == SharedModel::Native && p.status.is_finished();
         let native = self.participants.iter().rfind(native)?;
         let others = self.participants.iter();
         let others = others.filter(|p| match p.track {
-            Track::Native => false,
-            Track::OwnContact => steady.is_some(),
-            Track::SharedLaw | Track::Measured => true,
+            SharedModel::Native => false,
+            SharedModel::OwnContact => steady.is_some(),
+            SharedModel::SharedLaw | SharedModel::Measured => true,
         });
         let all = others.flat_map(|other| {
             let mut pairs = self.comparison.pairs.iter();
@@ -228,7 +228,7 @@ impl Outcome {
                 let [here, there] = both(entry, pair?.a == native.name)?;
                 Some(Largest {
                     engine: &other.name,
-                    measured: other.track == Track::Measured,
+                    measured: other.track == SharedModel::Measured,
                     quantity,
                     here,
                     there,
@@ -268,7 +268,7 @@ impl Outcome {
             let remedy = match participant.status {
                 Status::Finished => return None,
                 Status::Unsupported { .. } | Status::Absent { .. } if !asked => return None,
-                // Whoever names a solver by its manifest asks for it.
+                // Whoever names a solver by its manifest suggested_limit_s for it.
                 Status::TimedOut { .. } if !asked && !has_joined(&participant.name) => return None,
                 Status::Diverged { .. } => {
                     "try a smaller solver.step_s or another solver.integrator"
@@ -292,7 +292,7 @@ impl Outcome {
                 continue;
             }
             let place = output::folder(dir, &participant.name)?;
-            if participant.track == Track::Measured {
+            if participant.track == SharedModel::Measured {
                 // As they are compared.
                 save(&participant.time_series, &place.join("courses.csv"))?;
                 continue;
@@ -368,9 +368,9 @@ fn take_part(
 ) -> Result<Participant, StudyError> {
     let control = control.piece(at);
     let run = match most {
-        Some(most) => Patience {
+        Some(most) => TimeLimit {
             most,
-            asks: 1.0 / f64::from(WITHIN),
+            suggested_limit_s: 1.0 / f64::from(WITHIN),
             outside: false,
         }
         .run(engine, gearbox, &control)?,
@@ -404,10 +404,10 @@ pub(crate) fn context(scene: &Scene) -> Context {
         scene: scene.name.clone(),
         description: scene.description.clone(),
         duration_s: scene.solver.duration_s,
-        load_n_m: Some(load_course::final_load(scene)),
-        load_from_s: load_course::final_from_s(scene),
+        load_n_m: Some(load_profile::final_load(scene)),
+        load_from_s: load_profile::final_from_s(scene),
         output_inertia_kg_m2: Some(scene.output_inertia_kg_m2()),
-        load_changes_s: load_course::breaks(&scene.drive),
+        load_changes_s: load_profile::breaks(&scene.drive),
         input_speed_rad_s: Some(scene.drive.input_speed_rad_s),
         friction_coefficient: scene.contact.friction_coefficient,
         settling_s: match scene.drive.start {

@@ -8,10 +8,10 @@ use std::time::Duration;
 
 use pinwheel_compare::uncertainty::{Basis, Final, Method, Source, Unresolved};
 use pinwheel_compare::{
-    Context, Evidence, Level, Participant, RESOLUTION, RefinementStudy, Rules, Status, Track,
+    Context, Evidence, Level, Participant, RESOLUTION, RefinementStudy, Rules, SharedModel, Status,
     Uncertainty, compare,
 };
-use pinwheel_engines::{Engine, Form, Knob, Native, Refinement};
+use pinwheel_engines::{AccuracySetting, Engine, Form, Native, Refinement};
 use pinwheel_gearbox::auto::{self, Plan};
 use pinwheel_gearbox::resolve::{by_step, by_tolerance};
 use pinwheel_gearbox::{Gearbox, unfollowed};
@@ -28,7 +28,7 @@ use crate::control::{Control, Progress, WITHIN};
 pub struct Effort {
     /// CPU time that one engine's runs may take before it is refined no further.
     pub longest: Duration,
-    /// True if step, tolerance and integrator of the scene are obeyed as they stand. Otherwise they are where
+    /// True if step, tolerance and integrator of the scene are obeyed as they stand. DefaultValue they are where
     /// refinement begins.
     pub obey: bool,
     /// The largest U of a pair that still counts as resolved, relative.
@@ -92,7 +92,7 @@ const MOST: f64 = 8.0;
 const DECADE: f64 = 1.8;
 
 /// An engine, and how its error is set.
-struct Engines<'a> {
+struct Refiner<'a> {
     /// For the finest run as the scene has it.
     own: &'a dyn Engine,
     /// For all runs at settings given here, where the engine itself does not take them.
@@ -100,7 +100,7 @@ struct Engines<'a> {
     /// The gearbox with a named method.
     gearbox: Gearbox,
     /// Setting that determines the engine's error.
-    knob: Knob,
+    knob: AccuracySetting,
     /// Order of the engine's error in a step.
     order: f64,
     /// Step (s) or tolerance of the finest run.
@@ -120,7 +120,7 @@ const ROSENBROCK: f64 = 1e-6;
 
 const EXPLICIT: &str = "its friction is not ours or explicit, and takes steps of about 2e-7 s";
 
-impl<'a> Engines<'a> {
+impl<'a> Refiner<'a> {
     /// From what the scene says on.
     fn new(own: &'a dyn Engine, gearbox: Gearbox, by: Refinement) -> Self {
         Self {
@@ -147,14 +147,14 @@ impl<'a> Engines<'a> {
         };
         let foreign = Self::new(own, gearbox.clone(), refinement);
         Some(match refinement.knob {
-            Knob::Step => Self {
+            AccuracySetting::Step => Self {
                 explicit_friction: foreign.has_friction(),
                 floor: info.floor,
                 ..foreign
             },
             // Error control follows the friction.
-            Knob::Tolerance => Self {
-                common_error: info.unseen,
+            AccuracySetting::Tolerance => Self {
+                common_error: info.shared_error,
                 ..foreign
             },
         })
@@ -163,9 +163,9 @@ impl<'a> Engines<'a> {
     /// A native engine with the method that the scene names.
     fn native(own: &'a dyn Engine, gearbox: Gearbox) -> Option<Self> {
         let method = method(&gearbox.scene.solver.integrator)?;
-        let (knob, order) = (Knob::of(method.name), f64::from(method.order));
+        let (knob, order) = (AccuracySetting::of(method.name), f64::from(method.order));
         Some(Self {
-            common_error: method.unseen,
+            common_error: method.shared_error,
             ..Self::new(own, gearbox, Refinement { knob, order })
         })
     }
@@ -174,20 +174,20 @@ impl<'a> Engines<'a> {
     /// begins with, at coarser settings than the plan's.
     fn resolved(own: &'a dyn Engine, gearbox: &Gearbox) -> Option<Self> {
         let plan = auto::plan(&gearbox.scene, Native::resolved_target(&gearbox.scene));
-        let (knob, order) = (Knob::of(plan.integrator), 2.0);
+        let (knob, order) = (AccuracySetting::of(plan.integrator), 2.0);
         Some(Self {
             levels: Some(Box::new(Native::REDUCED)),
             value: match knob {
-                Knob::Step => plan.step_s,
-                Knob::Tolerance => plan.tolerance,
+                AccuracySetting::Step => plan.step_s,
+                AccuracySetting::Tolerance => plan.tolerance,
             },
-            common_error: method(plan.integrator).map_or(0.0, |method| method.unseen),
+            common_error: method(plan.integrator).map_or(0.0, |method| method.shared_error),
             ..Self::new(own, plan.applied(gearbox).ok()?, Refinement { knob, order })
         })
     }
 
-    /// The ways to run a scene, the best first: one, but for native engines whose method is left to us.
-    fn ways(own: &'a dyn Engine, gearbox: &Gearbox) -> Vec<Self> {
+    /// The candidates to run a scene, the best first: one, but for native engines whose method is left to us.
+    fn candidates(own: &'a dyn Engine, gearbox: &Gearbox) -> Vec<Self> {
         let automatic = gearbox.scene.solver.integrator == auto::AUTO;
         if !automatic || !matches!(own.info().form, Some(Form::Reduced | Form::Lagrange)) {
             return Self::of(own, gearbox).into_iter().collect();
@@ -211,7 +211,7 @@ impl<'a> Engines<'a> {
     fn chatters(&self, value: f64) -> Option<f64> {
         let explicit = self.is_runge_kutta() || self.own.info().explicit_friction;
         let shorter = unfollowed(&self.gearbox.scene, value);
-        shorter.filter(|_| explicit && self.knob == Knob::Step)
+        shorter.filter(|_| explicit && self.knob == AccuracySetting::Step)
     }
 
     fn has_friction(&self) -> bool {
@@ -233,14 +233,14 @@ impl<'a> Engines<'a> {
     fn method(&self) -> Method {
         let scene = &self.gearbox.scene;
         match self.knob {
-            Knob::Step => by_step(self.order, scene),
-            Knob::Tolerance => by_tolerance(scene, self.is_runge_kutta()),
+            AccuracySetting::Step => by_step(self.order, scene),
+            AccuracySetting::Tolerance => by_tolerance(scene, self.is_runge_kutta()),
         }
     }
 
     /// Begins where two coarser runs are possible.
     fn leave_room(&mut self) {
-        if self.knob == Knob::Step {
+        if self.knob == AccuracySetting::Step {
             self.value = self.value.min(self.gearbox.scene.solver.sample_s / 4.0);
         }
     }
@@ -248,7 +248,7 @@ impl<'a> Engines<'a> {
     /// Two coarser settings than `value`; fewer where a step would be longer than the samples are apart.
     fn coarser(&self, value: f64) -> Vec<f64> {
         let solver = &self.gearbox.scene.solver;
-        if self.knob == Knob::Tolerance {
+        if self.knob == AccuracySetting::Tolerance {
             // The resolved form is dear, and its error small: its levels are further apart.
             let family = method(&solver.integrator).map(|method| method.family);
             let factor = match family {
@@ -292,8 +292,8 @@ impl<'a> Engines<'a> {
             None => self.own,
         };
         let set = self.gearbox.with_solver(|solver| match self.knob {
-            Knob::Step => solver.step_s = value.min(solver.duration_s),
-            Knob::Tolerance => solver.tolerance = value.min(1e-2),
+            AccuracySetting::Step => solver.step_s = value.min(solver.duration_s),
+            AccuracySetting::Tolerance => solver.tolerance = value.min(1e-2),
         });
         // The resolved form takes its settings from the scene as it is.
         let gearbox = match set {
@@ -306,8 +306,8 @@ impl<'a> Engines<'a> {
     /// Error that no run of the refinement study shows, as a share of a quantity, where the finest has this setting.
     fn left(&self, value: f64) -> f64 {
         match self.knob {
-            Knob::Step => self.floor,
-            Knob::Tolerance => self.floor.max(self.common_error * value),
+            AccuracySetting::Step => self.floor,
+            AccuracySetting::Tolerance => self.floor.max(self.common_error * value),
         }
     }
 
@@ -323,8 +323,8 @@ impl<'a> Engines<'a> {
     /// How much dearer a run is whose setting is `factor` times finer.
     fn dearer(&self, factor: f64) -> f64 {
         match self.knob {
-            Knob::Step => factor,
-            Knob::Tolerance => DECADE.powf(factor.log10()),
+            AccuracySetting::Step => factor,
+            AccuracySetting::Tolerance => DECADE.powf(factor.log10()),
         }
     }
 }
@@ -368,11 +368,11 @@ pub(crate) fn refine(
     control: &Control<'_>,
 ) -> Result<(Participant, Evidence), StudyError> {
     let name = engine.name();
-    let mut ways = Engines::ways(engine, gearbox).into_iter();
+    let mut candidates = Refiner::candidates(engine, gearbox).into_iter();
     // What its user states is run, and so is the native engine.
-    let limited = !effort.obey && engine.track() != Track::Native;
+    let limited = !effort.obey && engine.track() != SharedModel::Native;
     let most = limited.then(|| effort.longest.max(LEAST).saturating_mul(WITHIN));
-    let Some(mut engines) = ways.next() else {
+    let Some(mut engines) = candidates.next() else {
         let participant = take_part(engine, gearbox, most, at, control)?;
         let evidence = if participant.cost.recorded.is_some() {
             recorded(&participant)
@@ -420,7 +420,7 @@ pub(crate) fn refine(
         }
     };
     while matches!(finest.status, Status::Diverged { .. }) {
-        let Some(next) = ways.next() else { break };
+        let Some(next) = candidates.next() else { break };
         engines = next;
         value = engines.value;
         finest = engines.run(value, at, control)?;
@@ -481,8 +481,10 @@ pub(crate) fn refine(
             return Ok((finest, settled(evidence, &engines, is_final, found)));
         };
         let (mut factor, least) = match engines.knob {
-            Knob::Step => (2_f64.powf(needed.log2().ceil()).clamp(2.0, MOST), 2.0),
-            Knob::Tolerance => (10_f64.powf(needed.log10().ceil()).clamp(10.0, 100.0), 10.0),
+            AccuracySetting::Step => (2_f64.powf(needed.log2().ceil()).clamp(2.0, MOST), 2.0),
+            AccuracySetting::Tolerance => {
+                (10_f64.powf(needed.log10().ceil()).clamp(10.0, 100.0), 10.0)
+            }
         };
         let next = |factor: f64| cpu_s(&finest) * engines.dearer(factor);
         // What would take too long at once may go in smaller steps.
@@ -498,7 +500,7 @@ pub(crate) fn refine(
         }
         let Some(finer) = finer else {
             // Foreign engines do what they can in the time they have; ours must do.
-            if finest.track != Track::Native {
+            if finest.track != SharedModel::Native {
                 let enough = spent + 1.2 * cpu_s(&finest) * engines.dearer(needed);
                 is_final = Some(Final {
                     group: "engines refined as far as --longest allows",
@@ -537,7 +539,7 @@ fn recorded(participant: &Participant) -> Evidence {
     }
 }
 
-fn evidence(engines: &Engines<'_>, value: f64, levels: &[At]) -> Evidence {
+fn evidence(engines: &Refiner<'_>, value: f64, levels: &[At]) -> Evidence {
     if levels.is_empty() {
         return Evidence::unknown(
             engines.own.name(),
@@ -570,7 +572,7 @@ fn blunt() -> Unresolved {
 /// still above the resolution anywhere: what it cannot follow shows in every quantity sooner or later.
 fn settled(
     evidence: Evidence,
-    engines: &Engines<'_>,
+    engines: &Refiner<'_>,
     is_final: Option<Final>,
     found: Needed,
 ) -> Evidence {
@@ -646,7 +648,7 @@ fn refinement(
 mod tests {
     use super::*;
 
-    /// Engines end a step at every sample. Asked for a longer one they ran the same steps again, and three equal runs passed for
+    /// Refiner end a step at every sample. Asked for a longer one they ran the same steps again, and three equal runs passed for
     /// three that agree to rounding.
     #[test]
     fn regress_no_level_is_longer_than_the_samples_are_apart() {
@@ -654,7 +656,7 @@ mod tests {
         let scene = pinwheel_scene::Scene::from_toml(scene, "paper", &[]).expect("a scene");
         let gearbox = Gearbox::new(&scene).expect("a gear");
         assert_eq!(gearbox.scene.solver.sample_s, 1e-4);
-        let mut engines = Engines::native(&Native::REDUCED, gearbox).expect("a way to refine it");
+        let mut engines = Refiner::native(&Native::REDUCED, gearbox).expect("a way to refine it");
         for (step, longer) in [
             (1e-4, &[][..]),
             (5e-5, &[1e-4]),

@@ -1,6 +1,6 @@
 //! Engines with contacts of their own, like with like: each against a native run with the contacts that it really has.
 
-use pinwheel_compare::{Comparison, Participant, Track, Verdict, WindowKind};
+use pinwheel_compare::{Comparison, Participant, SharedModel, Verdict, WindowKind};
 use pinwheel_engines::{Engine, Native, OwnContact, known};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Scene;
@@ -41,7 +41,7 @@ impl TwinFigure {
 
 /// An engine and its twin.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Twin {
+pub struct MatchedContactRun {
     /// The engine.
     pub engine: String,
     /// The contacts it really has, in words.
@@ -54,7 +54,7 @@ pub struct Twin {
     pub verdict: Verdict,
 }
 
-impl Twin {
+impl MatchedContactRun {
     /// The figure in which engine and twin differ most.
     #[must_use]
     pub fn worst(&self) -> Option<&TwinFigure> {
@@ -85,14 +85,14 @@ pub(super) fn of(
     comparison: &Comparison,
     participants: &[Participant],
     control: &Control<'_>,
-) -> Result<Vec<Twin>, StudyError> {
+) -> Result<Vec<MatchedContactRun>, StudyError> {
     // In a start-up each moves by its own damping.
     let mut windows = comparison.windows.iter();
     let Some(window) = windows.find(|w| w.kind != WindowKind::Transient) else {
         return Ok(Vec::new());
     };
     let window = (window.from_s, window.to_s);
-    let finished = |p: &&Participant| p.track == Track::Native && p.status.is_finished();
+    let finished = |p: &&Participant| p.track == SharedModel::Native && p.status.is_finished();
     let Some(native) = participants.iter().rfind(finished) else {
         return Ok(Vec::new());
     };
@@ -109,7 +109,7 @@ pub(super) fn of(
             continue;
         };
         let run = Native::RESOLVED.run_compiled(&twin_of, &control.piece(at))?;
-        let mut twin = Twin {
+        let mut twin = MatchedContactRun {
             engine: engine.name.clone(),
             contacts: in_words(kind, &scene),
             figures: Vec::new(),

@@ -114,7 +114,7 @@ pub struct DesignFigure {
     /// How far it may be off numerically; `None` where that is not known.
     #[serde(rename = "numerical_uncertainty")]
     pub uncertainty: Option<f64>,
-    /// Least and largest over the mesh, of what is one figure a pose.
+    /// LoadFloor and largest over the mesh, of what is one figure a pose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over_the_mesh: Option<[f64; 2]>,
     /// Numerical uncertainty of the least and of the largest value.
@@ -126,7 +126,7 @@ pub struct DesignFigure {
     /// Its mean over the mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_over_the_mesh: Option<f64>,
-    /// Least and largest by the contact laws that may be right for these materials; `None` where none was compared.
+    /// LoadFloor and largest by the contact laws that may be right for these materials; `None` where none was compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_contact_law: Option<[f64; 2]>,
     /// How it is counted.
@@ -149,7 +149,7 @@ pub(super) struct Balances {
     pub(super) unloaded: Vec<Pose>,
 }
 
-/// Sums of the figures of all poses.
+/// Evaluation of the figures of all poses.
 pub(super) struct Summed {
     on_cranks: bool,
     pub(super) lost: Spread,
@@ -188,7 +188,7 @@ pub(super) fn seal_loss(scene: &Scene) -> Option<DesignFigure> {
 }
 
 impl Balances {
-    /// Sums over the poses whose number leaves `of` when divided by `every`.
+    /// Evaluation over the poses whose number leaves `of` when divided by `every`.
     pub(super) fn summed(&self, every: usize, of: usize) -> Summed {
         fn some<T>(list: &[T], every: usize, of: usize) -> Vec<&T> {
             list.iter().skip(of).step_by(every).collect()

@@ -184,7 +184,7 @@ impl Pose {
         load: f64,
         near: &mut Option<Equilibrium>,
     ) -> Result<Self, GearboxError> {
-        let found = statics.follow(near, phi, load)?;
+        let found = statics.track(near, phi, load)?;
         let touching = statics.touching(found);
         let wheels = gearbox.layout.wheels;
         let phases = &gearbox.geometry.wheel_phases;

@@ -35,7 +35,7 @@ use pinwheel_engines::Native;
 use pinwheel_gearbox::statics::{Equilibrium, Statics};
 use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError};
 use pinwheel_scene::bearings::BearingLaw;
-use pinwheel_scene::{CheckedScene, Derived, Scales, Scene, derived, load_course};
+use pinwheel_scene::{CheckedScene, Derived, Scales, Scene, derived, load_profile};
 use pinwheel_timeseries::table::{Column, Table};
 use serde::Serialize;
 
@@ -77,10 +77,10 @@ const ALIKE: f64 = 1e-2;
 const SPEEDS: [f64; 2] = [0.5, 1.0];
 const TORQUES: [f64; 3] = [0.25, 0.5, 1.0];
 
-/// Least, mean and largest over the poses.
+/// LoadFloor, mean and largest over the poses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
-    /// Least.
+    /// LoadFloor.
     pub min: f64,
     /// Mean.
     pub mean: f64,
@@ -346,7 +346,7 @@ fn stages(runs: bool) -> usize {
 /// There is none.
 pub(crate) fn working_load(gearbox: &Gearbox) -> Result<f64, StudyError> {
     let scene = &gearbox.scene;
-    let rated = load_course::largest(&scene.drive);
+    let rated = load_profile::largest(&scene.drive);
     if rated <= 0.0 {
         return Err(StudyError::Input(format!(
             "{}: `drive.output_torque_n_m` is 0, and a design is judged under its rated torque; give it",
@@ -436,7 +436,7 @@ fn twist(
     load: f64,
     working: f64,
 ) -> Result<f64, GearboxError> {
-    let found = statics.follow(last, phi, load)?;
+    let found = statics.track(last, phi, load)?;
     let ideal = gearbox.geometry.ideal_output_angle(phi);
     let output = found.output + gearbox.flange_twist_rad(load);
     Ok(ARCMIN * (output - ideal) * working.signum())

@@ -1,6 +1,6 @@
 //! Fig. 10: another engine in Adams' place, and what could make spikes.
 
-use pinwheel_engines::{Engine, Track, by_name, known, recorded};
+use pinwheel_engines::{Engine, SharedModel, by_name, known, recorded};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Detection, Scene};
 use pinwheel_timeseries::TimeSeries;
@@ -42,7 +42,7 @@ pub fn peer(named: Option<&str>, control: &Control<'_>) -> Result<Option<Peer>, 
     let gearbox = compile(&scene)?;
     if let Some(name) = named {
         let engine = find_or_recorded(name, &scene)?;
-        if engine.track() != Track::OwnContact {
+        if engine.track() != SharedModel::OwnContact {
             return Err(StudyError::Input(format!(
                 "--against {name}: takes its contact forces from our law; name an own-contact engine of `pinwheel engines`"
             )));

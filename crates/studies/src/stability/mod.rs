@@ -12,7 +12,7 @@ mod write;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use pinwheel_engines::{Knob, by_name};
+use pinwheel_engines::{AccuracySetting, by_name};
 use pinwheel_gearbox::{Gearbox, auto};
 use pinwheel_mbs::integrators;
 use pinwheel_scene::{Formulation, PRESETS, Scales, Scene};
@@ -49,7 +49,7 @@ impl Method {
             solver: Some(name.to_owned()),
             formulation: Formulation::Reduced,
             integrator: name.to_owned(),
-            tolerance: (knob == Some(Knob::Tolerance)).then_some(scene.solver.tolerance),
+            tolerance: (knob == Some(AccuracySetting::Tolerance)).then_some(scene.solver.tolerance),
         }
     }
 

@@ -5,7 +5,7 @@ use pinwheel_scene::Scales;
 use pinwheel_timeseries::{Ending, TimeSeries};
 use serde::{Deserialize, Serialize};
 
-use pinwheel_timeseries::norms::{Distance, Least, Level};
+use pinwheel_timeseries::norms::{Distance, Level, LoadFloor};
 
 /// How a run fails. A blow-up is loud by itself; what ends with wrong numbers looks like data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -110,7 +110,7 @@ impl Judge<'_> {
     pub(super) fn error(&self, time_series: &TimeSeries) -> Option<Distance> {
         let floor = FORCE_SHARE * self.scales.external_force_n;
         (self.level.peak_force_n > floor)
-            .then(|| Distance::between(time_series, self.reference, Least::default()))
+            .then(|| Distance::between(time_series, self.reference, LoadFloor::default()))
     }
 
     /// `None`: the right picture.

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use cpu_time::ThreadTime;
 use pinwheel_engines::{
-    Cancelled, Control, Ending, Engine, EngineInfo, Halt, Prepared, Run, RunStats, Track,
+    Cancelled, Control, Ending, Engine, EngineInfo, Halt, Prepared, Run, RunStats, SharedModel,
 };
 use pinwheel_gearbox::Gearbox;
 use pinwheel_timeseries::TimeSeries;
@@ -62,7 +62,7 @@ impl Engine for Statics {
         EngineInfo {
             differences: "No motion: inertia, damping and friction have no part.",
             summary: "balances at rest over one period of the mesh; for sweeps alone",
-            ..EngineInfo::own(STATICS, Track::Native)
+            ..EngineInfo::own(STATICS, SharedModel::Native)
         }
     }
 

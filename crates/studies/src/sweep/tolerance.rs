@@ -63,7 +63,7 @@ pub struct FigureOfSample {
     pub mean: f64,
     /// Standard deviation.
     pub deviation: f64,
-    /// Least and largest.
+    /// LoadFloor and largest.
     pub range: [f64; 2],
     /// Quantiles.
     pub quantiles: Vec<Quantile>,

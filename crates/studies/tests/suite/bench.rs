@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use pinwheel_engines::{Ending, Engine, EngineInfo, Halt, Native, Prepared, Track, by_name};
+use pinwheel_engines::{Ending, Engine, EngineInfo, Halt, Native, Prepared, SharedModel, by_name};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Scene;
 use pinwheel_studies::bench::{Measure, Options, Stopped, WorkPrecision, run};
@@ -31,7 +31,7 @@ struct Peer;
 
 impl Engine for Peer {
     fn info(&self) -> EngineInfo<'_> {
-        EngineInfo::own("peer", Track::SharedLaw)
+        EngineInfo::own("peer", SharedModel::SharedLaw)
     }
     fn version(&self) -> String {
         "1".to_owned()

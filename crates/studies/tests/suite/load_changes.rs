@@ -3,7 +3,7 @@
 use pinwheel_faults::{Armed, Fault};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::native::{self, NativeRun};
-use pinwheel_scene::load_course;
+use pinwheel_scene::load_profile;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_timeseries::TimeSeries;
 
@@ -118,7 +118,7 @@ fn hard_energy_closes_over_load_changes() {
         ("solver.step_s", "1e-6"),
     ];
     let found = run(&settings);
-    let breaks = load_course::breaks(&scene(&settings).drive);
+    let breaks = load_profile::breaks(&scene(&settings).drive);
     let mut ends = vec![0.0];
     ends.extend(breaks);
     ends.push(0.008);

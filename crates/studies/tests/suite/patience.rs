@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
-use pinwheel_compare::{Comparison, Status, Track};
+use pinwheel_compare::{Comparison, SharedModel, Status};
 use pinwheel_engines::{
     Cancelled, Control, Engine, EngineInfo, Halt, Prepared, Refinement, Run, by_name,
 };
@@ -15,7 +15,7 @@ use pinwheel_studies::comparison::{self, Effort, Input};
 
 /// An engine by our own solver that says what its runs took: so much a step.
 struct Slow {
-    track: Track,
+    track: SharedModel,
     second_per_step: f64,
     /// True if every sample really takes that long.
     works: bool,
@@ -26,7 +26,7 @@ struct Slow {
 }
 
 impl Slow {
-    fn new(track: Track, second_per_step: f64) -> Self {
+    fn new(track: SharedModel, second_per_step: f64) -> Self {
         Self {
             track,
             second_per_step,
@@ -42,7 +42,7 @@ struct Borrowed(&'static Slow);
 
 impl Engine for Borrowed {
     fn info(&self) -> EngineInfo<'_> {
-        let refined = self.0.track == Track::SharedLaw;
+        let refined = self.0.track == SharedModel::SharedLaw;
         EngineInfo {
             refinement: refined.then_some(Refinement::step(4.0)),
             ..EngineInfo::own("slow", self.0.track)
@@ -107,7 +107,7 @@ fn compare(gearbox: &Gearbox, slow: &'static Slow, longest: Duration) -> Compari
 fn a_study_that_fits_takes_each_run_once() {
     let gearbox = gear();
     let step_s = gearbox.scene.solver.step_s;
-    let slow: &Slow = Box::leak(Box::new(Slow::new(Track::SharedLaw, 1e-3)));
+    let slow: &Slow = Box::leak(Box::new(Slow::new(SharedModel::SharedLaw, 1e-3)));
     let found = compare(&gearbox, slow, Duration::from_secs(30));
     let steps = slow.steps_s.lock().unwrap().clone();
     let cost: f64 = steps.iter().map(|step| step_s / step).sum();
@@ -125,7 +125,7 @@ fn a_study_that_does_not_fit_begins_coarser() {
     let solver = &gearbox.scene.solver;
     // The run at the scene's step would take 100 s.
     let second_per_step = 100.0 * solver.step_s / solver.duration_s;
-    let slow: &Slow = Box::leak(Box::new(Slow::new(Track::SharedLaw, second_per_step)));
+    let slow: &Slow = Box::leak(Box::new(Slow::new(SharedModel::SharedLaw, second_per_step)));
     let found = compare(&gearbox, slow, Duration::from_secs(60));
     let steps = slow.steps_s.lock().unwrap().clone();
     assert!(
@@ -144,7 +144,7 @@ fn hard_a_run_without_end_is_given_up() {
     let gearbox = gear();
     let slow = Slow {
         works: true,
-        ..Slow::new(Track::OwnContact, 0.025)
+        ..Slow::new(SharedModel::OwnContact, 0.025)
     };
     let slow: &Slow = Box::leak(Box::new(slow));
     let found = compare(&gearbox, slow, Duration::from_millis(100));

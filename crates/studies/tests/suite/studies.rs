@@ -12,7 +12,7 @@ use pinwheel_studies::stability::{Atlas, Failure, Options};
 use pinwheel_studies::{
     Control, Progress, StudyError, band, comparison, divergence, resolution, single,
 };
-use pinwheel_timeseries::norms::{Distance, Least};
+use pinwheel_timeseries::norms::{Distance, LoadFloor};
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
     let sets: Vec<Override> = sets.iter().map(|s| s.parse().unwrap()).collect();
@@ -203,7 +203,12 @@ fn joints_drift_unless_they_are_kept() {
         "{joint:?}"
     );
     assert!(
-        Distance::between(&kept[2].time_series, &reduced.time_series, Least::default()).forces
+        Distance::between(
+            &kept[2].time_series,
+            &reduced.time_series,
+            LoadFloor::default()
+        )
+        .forces
             < 1e-9
     );
 }

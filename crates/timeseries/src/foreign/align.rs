@@ -132,7 +132,7 @@ pub fn shift(run: &TimeSeries, record: &TimeSeries) -> Result<Shift, String> {
         };
         let on_grid = |series: &TimeSeries, values: &[f64], from: f64, count: isize| {
             let at = |k: isize| value_at(series.time_s(), values, from + k as f64 * step);
-            Sums::of((0..count).map(at).collect())
+            Evaluation::of((0..count).map(at).collect())
         };
         let both = on_grid(run, values, from.0, n).zip(on_grid(record, &channel.values, to.0, m));
         let Some((a, b)) = both else { continue };
@@ -201,12 +201,12 @@ pub fn shift(run: &TimeSeries, record: &TimeSeries) -> Result<Shift, String> {
 }
 
 /// Values less their mean, with running sums of them and of their squares.
-struct Sums {
+struct Evaluation {
     values: Vec<f64>,
     running: Vec<[f64; 2]>,
 }
 
-impl Sums {
+impl Evaluation {
     /// `None` if the values do not vary.
     fn of(mut values: Vec<f64>) -> Option<Self> {
         let size: f64 = values.iter().map(|value| value * value).sum();
@@ -237,7 +237,7 @@ impl Sums {
 }
 
 /// Pearson's correlation where both are, of which the sum of products is known; 0 where one of them does not change.
-fn correlation(a: &Sums, b: &Sums, place: isize, product: f64) -> f64 {
+fn correlation(a: &Evaluation, b: &Evaluation, place: isize, product: f64) -> f64 {
     let from = place.max(0);
     let to = (a.values.len() as isize).min(place + b.values.len() as isize);
     let (sum_a, of_a) = a.part(from, to - from);
@@ -250,7 +250,7 @@ fn correlation(a: &Sums, b: &Sums, place: isize, product: f64) -> f64 {
     }
 }
 
-/// Sums of products of `a[k + place]` and `b[k]` at every place; negative places count from the end.
+/// Evaluation of products of `a[k + place]` and `b[k]` at every place; negative places count from the end.
 fn products(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
     let length = (a.len() + b.len()).next_power_of_two();
     let mut planner = RealFftPlanner::<f64>::new();

@@ -3,11 +3,13 @@
 
 use pinwheel_compare::limits::Friction;
 use pinwheel_compare::model::{ModelTolerance, Prediction};
-use pinwheel_compare::{Context, Cost, Metric, Participant, Scales, Status, Track, WindowKind};
+use pinwheel_compare::{
+    Context, Cost, Metric, Participant, Scales, SharedModel, Status, WindowKind,
+};
 use pinwheel_timeseries::TimeSeries;
 
 /// A participant with these time series at a step of 1e-5 s.
-pub(crate) fn participant(name: &str, track: Track, time_series: TimeSeries) -> Participant {
+pub(crate) fn participant(name: &str, track: SharedModel, time_series: TimeSeries) -> Participant {
     Participant {
         name: name.to_owned(),
         track,

@@ -4,8 +4,8 @@ use super::common::{context, participant, time_series};
 use super::refinement::levels;
 use super::{FORCE, entry, native, other};
 use pinwheel_compare::{
-    Context, Divergence, Evidence, Metric, Rules, Scales, StatedLimit, Track, Verdict, WindowKind,
-    compare,
+    Context, Divergence, Evidence, Metric, Rules, Scales, SharedModel, StatedLimit, Verdict,
+    WindowKind, compare,
 };
 use pinwheel_timeseries::TimeSeries;
 
@@ -35,7 +35,7 @@ fn regress_a_reason_is_its_engines_own() {
             evidence: &evidence,
             ..Rules::default()
         };
-        let pair = [native(), other(Track::SharedLaw, 1.0)];
+        let pair = [native(), other(SharedModel::SharedLaw, 1.0)];
         let found = compare(&context(), &pair, &rules).unwrap();
         let result = entry(&found, WindowKind::Steady).result.clone();
         assert_eq!(result.verdict, Verdict::Inconclusive);
@@ -71,7 +71,7 @@ fn regress_stated_limits_hold_in_their_window() {
             stated: &stated,
             ..Rules::default()
         };
-        let pair = [native(), other(Track::Measured, 0.99)];
+        let pair = [native(), other(SharedModel::Measured, 0.99)];
         compare(&context(), &pair, &rules).unwrap()
     };
     let found = at(0.1);
@@ -108,7 +108,7 @@ fn regress_an_unknown_mean_is_not_held_against_the_load() {
             evidence: &evidence,
             ..Rules::default()
         };
-        let one = [participant("native", Track::Native, turned)];
+        let one = [participant("native", SharedModel::Native, turned)];
         let found = compare(&context(), &one, &rules).unwrap();
         found.engines[0].judged[0].result.verdict
     };
@@ -127,7 +127,7 @@ fn regress_beyond_the_horizon_figures_are_judged() {
         }),
         ..context()
     };
-    for track in [Track::SharedLaw, Track::OwnContact] {
+    for track in [SharedModel::SharedLaw, SharedModel::OwnContact] {
         let evidence = [unknown("native"), unknown("other")];
         let rules = Rules {
             evidence: &evidence,
@@ -144,12 +144,12 @@ fn regress_beyond_the_horizon_figures_are_judged() {
         );
         // Means are held against uncertainties there; a model of which nothing is stated against nothing.
         let compared = judged.iter().any(|j| j.verdict != Verdict::NotCompared);
-        assert_eq!(compared, track == Track::SharedLaw, "{judged:?}");
+        assert_eq!(compared, track == SharedModel::SharedLaw, "{judged:?}");
     }
     // What a model states of means is judged on both sides of the horizon, what it states of samples before it alone; in the
     // place of what is not stated stands a distance without a statement.
     let first = |scene: &Context, name: &str, quantity: &str| {
-        let own = participant(name, Track::OwnContact, time_series(1.0));
+        let own = participant(name, SharedModel::OwnContact, time_series(1.0));
         let evidence = [unknown("native"), unknown(name)];
         let rules = Rules {
             evidence: &evidence,
@@ -187,8 +187,8 @@ fn hard_what_is_not_finite_is_inconclusive() {
             ..Rules::default()
         };
         let pair = [
-            participant("native", Track::Native, spoiled(a)),
-            participant("other", Track::SharedLaw, spoiled(b)),
+            participant("native", SharedModel::Native, spoiled(a)),
+            participant("other", SharedModel::SharedLaw, spoiled(b)),
         ];
         let found = compare(&context(), &pair, &rules).unwrap();
         let steady = entry(&found, WindowKind::Steady);
@@ -219,8 +219,8 @@ fn zeros_agree() {
         ..context()
     };
     let pair = [
-        participant("native", Track::Native, time_series(0.0)),
-        other(Track::SharedLaw, 0.0),
+        participant("native", SharedModel::Native, time_series(0.0)),
+        other(SharedModel::SharedLaw, 0.0),
     ];
     let found = compare(&free, &pair, &rules).unwrap();
     let result = &entry(&found, WindowKind::Steady).result;

@@ -8,15 +8,15 @@ mod verdicts;
 
 use common::{participant, time_series};
 use pinwheel_compare::comparison::{Comparison, PairEntry};
-use pinwheel_compare::{Participant, Track, WindowKind};
+use pinwheel_compare::{Participant, SharedModel, WindowKind};
 
 const FORCE: &str = "external_sleeve_force_n";
 
 fn native() -> Participant {
-    participant("native", Track::Native, time_series(1.0))
+    participant("native", SharedModel::Native, time_series(1.0))
 }
 
-fn other(track: Track, scale: f64) -> Participant {
+fn other(track: SharedModel, scale: f64) -> Participant {
     participant("other", track, time_series(scale))
 }
 

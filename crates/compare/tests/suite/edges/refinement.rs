@@ -5,7 +5,7 @@ use super::{entry, native, other};
 use pinwheel_compare::uncertainty::order::{self, Rough};
 use pinwheel_compare::uncertainty::{Basis, Method};
 use pinwheel_compare::{
-    Context, Divergence, Evidence, Level, RefinementStudy, Rules, Track, WindowKind, compare,
+    Context, Divergence, Evidence, Level, RefinementStudy, Rules, SharedModel, WindowKind, compare,
 };
 use pinwheel_timeseries::TimeSeries;
 
@@ -57,7 +57,7 @@ fn an_order_is_confirmed_by_differences_that_point_the_same_way() {
             evidence: &evidence,
             ..Rules::default()
         };
-        let one = [participant("native", Track::Native, torque(&|_| 1.0))];
+        let one = [participant("native", SharedModel::Native, torque(&|_| 1.0))];
         let found = compare(&context(), &one, &rules).unwrap();
         let steady = found.engines[0].uncertainty.iter();
         let mut steady = steady.filter(|u| u.window == WindowKind::Steady);
@@ -81,7 +81,7 @@ fn an_order_is_confirmed_by_differences_that_point_the_same_way() {
         evidence: &evidence,
         ..Rules::default()
     };
-    let one = [participant("native", Track::Native, torque(&|_| 1.0))];
+    let one = [participant("native", SharedModel::Native, torque(&|_| 1.0))];
     let found = compare(&context(), &one, &rules).unwrap();
     let mut steady = found.engines[0].uncertainty.iter();
     let steady = steady.find(|u| u.window == WindowKind::Steady).unwrap();
@@ -108,7 +108,7 @@ fn beyond_the_horizon_u_is_three_times_the_spread() {
         evidence: &evidence,
         ..Rules::default()
     };
-    let one = [participant("native", Track::Native, torque(&|_| 1.0))];
+    let one = [participant("native", SharedModel::Native, torque(&|_| 1.0))];
     let found = compare(&parted, &one, &rules).unwrap();
     let mut steady = found.engines[0].uncertainty.iter();
     let steady = steady.find(|u| u.window == WindowKind::Steady).unwrap();
@@ -182,7 +182,7 @@ fn a_figure_confirms_by_its_own_sign() {
             evidence: &evidence,
             ..Rules::default()
         };
-        let one = [participant("native", Track::Native, torque(&|_| 1.0))];
+        let one = [participant("native", SharedModel::Native, torque(&|_| 1.0))];
         let found = compare(&context(), &one, &rules).unwrap();
         let mut all = found.engines[0].uncertainty.iter();
         let steady = all.find(|u| u.window == WindowKind::Steady).unwrap();
@@ -232,7 +232,7 @@ fn a_level_with_more_samples_is_refused() {
         evidence: &evidence,
         ..Rules::default()
     };
-    let pair = [native(), other(Track::SharedLaw, 1.0)];
+    let pair = [native(), other(SharedModel::SharedLaw, 1.0)];
     let found = compare(&context(), &pair, &rules).unwrap();
     let told = format!("{:?}", entry(&found, WindowKind::Steady).result);
     assert!(told.contains("other sample times"), "{told}");
@@ -247,7 +247,7 @@ fn relative_sizes_are_of_the_quantity() {
             evidence: &[evidence.with_floor(floor)],
             ..Rules::default()
         };
-        let one = [participant("native", Track::Native, torque(&|_| 2.0))];
+        let one = [participant("native", SharedModel::Native, torque(&|_| 2.0))];
         let found = compare(&context(), &one, &rules).unwrap();
         let mut all = found.engines[0].uncertainty.iter();
         let steady = all.find(|u| u.window == WindowKind::Steady).unwrap();

@@ -5,7 +5,7 @@ use super::{FORCE, anywhere, compared, engine, entry, native, off};
 use pinwheel_compare::uncertainty::order::Rough;
 use pinwheel_compare::uncertainty::{Basis, Method, Source};
 use pinwheel_compare::{
-    Context, Evidence, Level, Metric, RefinementStudy, Rules, Scales, Track, Verdict, compare,
+    Context, Evidence, Level, Metric, RefinementStudy, Rules, Scales, SharedModel, Verdict, compare,
 };
 use pinwheel_timeseries::TimeSeries;
 
@@ -13,7 +13,7 @@ use pinwheel_timeseries::TimeSeries;
 fn one_law_agrees_to_the_sum_of_both_uncertainties() {
     let peer = engine(
         "peer",
-        Track::SharedLaw,
+        SharedModel::SharedLaw,
         &time_series(1.0),
         1e-5,
         4.0,
@@ -51,7 +51,7 @@ fn crossval_a_fault_of_a_thousandth_is_a_finding() {
     // 0.1 % more force, in an engine that is right to 1e-5: `differ`, by at least what is left beyond U.
     let fault = engine(
         "peer",
-        Track::SharedLaw,
+        SharedModel::SharedLaw,
         &time_series(1.001),
         1e-5,
         2.0,
@@ -66,7 +66,7 @@ fn crossval_a_fault_of_a_thousandth_is_a_finding() {
     // A study as coarse as the fault cannot tell, and says to what it agrees.
     let blunt = engine(
         "peer",
-        Track::SharedLaw,
+        SharedModel::SharedLaw,
         &time_series(1.001),
         6e-3,
         2.0,
@@ -94,7 +94,7 @@ fn regress_adaptive_runs_agree_to_their_tolerance() {
         };
         let course = off(&time_series(1.0), errors[0]);
         (
-            participant(name, Track::Native, course),
+            participant(name, SharedModel::Native, course),
             Evidence::refinement(name, study),
         )
     };
@@ -147,7 +147,7 @@ fn regress_coarse_runs_far_apart_are_never_within() {
                 coarser: (1..=levels).map(level).collect(),
             };
             (
-                participant(name, Track::Native, wild(seed)),
+                participant(name, SharedModel::Native, wild(seed)),
                 Evidence::refinement(name, study),
             )
         };
@@ -167,8 +167,8 @@ fn regress_coarse_runs_far_apart_are_never_within() {
     }
     // Without any uncertainty nothing is compared.
     let pair = [
-        participant("native", Track::Native, wild(1)),
-        participant("native-b", Track::Native, wild(2)),
+        participant("native", SharedModel::Native, wild(1)),
+        participant("native-b", SharedModel::Native, wild(2)),
     ];
     let found = compare(&anywhere(), &pair, &Rules::default()).unwrap();
     let judged = found.pairs[0]
@@ -187,7 +187,7 @@ fn regress_a_fault_under_friction_is_seen() {
     };
     let fault = engine(
         "native-lagrange",
-        Track::Native,
+        SharedModel::Native,
         &time_series(1.05),
         1e-4,
         1.0,
@@ -204,7 +204,7 @@ fn rounding_alone_agrees() {
     let (mut a, mut ladder_a) = native(0.0);
     let (b, ladder_b) = engine(
         "native-b",
-        Track::Native,
+        SharedModel::Native,
         &time_series(1.0 + 1e-14),
         0.0,
         2.0,
@@ -252,7 +252,7 @@ fn similar_gears_have_the_same_verdicts() {
             native(1e-4),
             engine(
                 "peer",
-                Track::SharedLaw,
+                SharedModel::SharedLaw,
                 &time_series(peer_scale),
                 1e-4,
                 2.0,

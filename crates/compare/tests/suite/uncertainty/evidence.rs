@@ -4,13 +4,21 @@ use super::common::time_series;
 use super::{FORCE, anywhere, engine, entry, native};
 use pinwheel_compare::uncertainty::{Method, Source, Unresolved};
 use pinwheel_compare::{
-    Assessment, CompareError, Evidence, Level, RefinementStudy, Rules, Track, Verdict, compare,
+    Assessment, CompareError, Evidence, Level, RefinementStudy, Rules, SharedModel, Verdict,
+    compare,
 };
 use pinwheel_timeseries::TimeSeries;
 
 #[test]
 fn a_participant_without_evidence_is_named() {
-    let (bare, _) = engine("peer", Track::SharedLaw, &time_series(1.0), 1e-5, 2.0, &[]);
+    let (bare, _) = engine(
+        "peer",
+        SharedModel::SharedLaw,
+        &time_series(1.0),
+        1e-5,
+        2.0,
+        &[],
+    );
     let (own, study) = native(1e-5);
     let found = |peer: Option<Source>| {
         let mut evidence = vec![study.clone()];
@@ -76,7 +84,7 @@ fn a_participant_without_evidence_is_named() {
     let (_, live) = found(Some(
         engine(
             "peer",
-            Track::SharedLaw,
+            SharedModel::SharedLaw,
             &time_series(1.0),
             1e-5,
             2.0,

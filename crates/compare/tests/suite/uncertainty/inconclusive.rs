@@ -3,7 +3,7 @@
 use super::common::time_series;
 use super::{FORCE, anywhere, compared, engine, entry, native, off};
 use pinwheel_compare::uncertainty::{Basis, Source};
-use pinwheel_compare::{Context, Divergence, Track, Verdict};
+use pinwheel_compare::{Context, Divergence, SharedModel, Verdict};
 use pinwheel_timeseries::TimeSeries;
 
 /// A scene that amplifies roundings decides by itself how sharp its figures are: inconclusive, and nothing to act on.
@@ -20,7 +20,7 @@ fn hard_chaos_leaves_nothing_to_act_on() {
     let peer = || {
         engine(
             "native-lagrange",
-            Track::Native,
+            SharedModel::Native,
             &time_series(1.0),
             0.3,
             2.0,
@@ -50,7 +50,7 @@ fn regress_iterations_leave_a_floor() {
     let offset = |floor: f64| {
         let base = off(&time_series(1.0), 1e-9);
         let steps = [2.0, 4.0];
-        let (peer, evidence) = engine("implicit", Track::Native, &base, 1e-12, 2.0, &steps);
+        let (peer, evidence) = engine("implicit", SharedModel::Native, &base, 1e-12, 2.0, &steps);
         compared(
             &anywhere(),
             vec![native(1e-12), (peer, evidence.with_floor(floor))],
@@ -77,7 +77,7 @@ fn hard_a_bounce_that_coarser_runs_miss() {
     };
     let exact = engine(
         "exact",
-        Track::Native,
+        SharedModel::Native,
         &bounce(time_series(1.0)),
         1e-6,
         2.0,

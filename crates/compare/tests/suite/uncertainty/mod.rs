@@ -11,7 +11,7 @@ use common::{context, participant, time_series};
 use pinwheel_compare::comparison::{Comparison, PairEntry};
 use pinwheel_compare::uncertainty::Method;
 use pinwheel_compare::{
-    Context, Evidence, Level, Participant, RefinementStudy, Rules, Track, WindowKind, compare,
+    Context, Evidence, Level, Participant, RefinementStudy, Rules, SharedModel, WindowKind, compare,
 };
 use pinwheel_timeseries::TimeSeries;
 
@@ -44,7 +44,7 @@ fn off(base: &TimeSeries, error: f64) -> TimeSeries {
 /// An engine whose error at H times its step is `error * H^order`, and its study at the refinements.
 fn engine(
     name: &str,
-    on: Track,
+    on: SharedModel,
     base: &TimeSeries,
     error: f64,
     order: f64,
@@ -85,7 +85,7 @@ fn entry<'a>(comparison: &'a Comparison, quantity: &str) -> &'a PairEntry {
 fn native(error: f64) -> (Participant, Evidence) {
     engine(
         "native",
-        Track::Native,
+        SharedModel::Native,
         &time_series(1.0),
         error,
         2.0,

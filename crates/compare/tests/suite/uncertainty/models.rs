@@ -4,7 +4,7 @@ use super::common::{context, participant, time_series};
 use super::{FORCE, TORQUE, anywhere, compared, engine, entry, native};
 use pinwheel_compare::comparison::Comparison;
 use pinwheel_compare::{
-    Context, DataUncertainty, Energy, Metric, Rules, StatedLimit, Track, Verdict, WindowKind,
+    Context, DataUncertainty, Energy, Metric, Rules, SharedModel, StatedLimit, Verdict, WindowKind,
     compare,
 };
 use pinwheel_timeseries::TimeSeries;
@@ -26,7 +26,7 @@ fn own_contact_is_an_interval_against_a_prediction() {
     let run = |torque: f64, energy: Option<f64>, error: f64| {
         let mut own = engine(
             "mujoco-own-contact",
-            Track::OwnContact,
+            SharedModel::OwnContact,
             &time_series(torque),
             error,
             2.0,
@@ -92,7 +92,7 @@ fn the_matrix_shows_the_figure_that_was_judged() {
     }
     let own = engine(
         "rapier-own-contact-colliders",
-        Track::OwnContact,
+        SharedModel::OwnContact,
         &waves,
         1e-5,
         2.0,
@@ -110,7 +110,7 @@ fn the_matrix_shows_the_figure_that_was_judged() {
     // Pairs that differ show what does.
     let far = engine(
         "rapier-own-contact-colliders",
-        Track::OwnContact,
+        SharedModel::OwnContact,
         &time_series(1.3),
         1e-5,
         2.0,
@@ -128,7 +128,7 @@ fn the_matrix_shows_the_figure_that_was_judged() {
 fn measured_data_get_a_budget() {
     let run = |scale: f64, data: &[DataUncertainty]| {
         let (native, evidence) = native(1e-4);
-        let rig = participant("rig", Track::Measured, time_series(scale));
+        let rig = participant("rig", SharedModel::Measured, time_series(scale));
         let rules = Rules {
             evidence: &[evidence],
             data,
@@ -177,7 +177,7 @@ fn measured_data_get_a_budget() {
         "steady and transient; a model error is a result, not a failure"
     );
     let (simulation, evidence) = native(1e-4);
-    let rig = participant("rig", Track::Measured, time_series(1.02));
+    let rig = participant("rig", SharedModel::Measured, time_series(1.02));
     let rules = Rules {
         evidence: &[evidence],
         data: &[stated],
@@ -206,7 +206,7 @@ fn bad_input_a_stated_limit_that_matches_nothing() {
         }];
         let pair = [
             native(0.0).0,
-            participant("rig", Track::Measured, time_series(1.0)),
+            participant("rig", SharedModel::Measured, time_series(1.0)),
         ];
         let rules = Rules {
             stated: &stated,

@@ -3,7 +3,7 @@
 use super::anywhere;
 use super::common::{Random, participant, time_series};
 use pinwheel_compare::uncertainty::{Method, Norm, Source};
-use pinwheel_compare::{Evidence, Level, RefinementStudy, Rules, Track, compare};
+use pinwheel_compare::{Evidence, Level, RefinementStudy, Rules, SharedModel, compare};
 use pinwheel_timeseries::TimeSeries;
 
 /// Every norm and figure: u is at least the true error in 95 of 100 cases, and not blunt. The errors of the levels have
@@ -54,8 +54,8 @@ fn crossval_series_and_figures_are_covered() {
             coarser: levels.to_vec(),
         };
         let list = [
-            participant("a", Track::Native, finest),
-            participant("truth", Track::Native, truth.clone()),
+            participant("a", SharedModel::Native, finest),
+            participant("truth", SharedModel::Native, truth.clone()),
         ];
         let evidence = [
             Evidence::refinement("a", study),

@@ -41,7 +41,7 @@ use pulp::Simd;
 use super::columns::{Column, PADDING};
 use super::shapes::Shapes;
 use crate::Layout;
-use crate::contacts::sleeves::OnPins;
+use crate::contacts::pin_friction::PinFriction;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 
@@ -66,7 +66,7 @@ pub(super) struct JointSpace {
     shortening: f64,
     /// H.
     repulsion: f64,
-    pins: Option<OnPins>,
+    pins: Option<PinFriction>,
     /// Radii of ring and output pins, m.
     sleeve_radii: [f64; 2],
     /// 1/beta of the ring pins, the first ones again after the last.
@@ -114,8 +114,8 @@ struct Segment {
     count: f64,
 }
 
-/// Sums over all contacts, lane by lane.
-struct Sums<S: Simd> {
+/// Evaluation over all contacts, lane by lane.
+struct Evaluation<S: Simd> {
     /// True if energy is requested.
     asked: bool,
     /// True if loads on pins are requested.
@@ -259,7 +259,7 @@ impl JointSpace {
             lobes: f64::from(geometry.curve.lobes()),
             shortening: gear.generating_shortening(),
             repulsion: geometry.curve.repulsion(),
-            pins: OnPins::of(scene),
+            pins: PinFriction::of(scene),
             sleeve_radii: [gear.external_sleeve_radius_m, gear.internal_sleeve_radius_m],
             points: Column::padded(geometry.internal_points.iter().map(|&p| p.into())),
             units: nothing(angles.len()),
@@ -282,11 +282,11 @@ impl JointSpace {
         law: &PinLaw,
         shapes: &Shapes,
         bodies: &[BodyState],
-        found: &mut mbs::Sums<'_>,
+        found: &mut mbs::Evaluation<'_>,
     ) {
         let output = self.place::<S, FLOATS>(simd, bodies);
         let nothing = Lanes::splat(simd, 0.0);
-        let mut sums = Sums {
+        let mut sums = Evaluation {
             asked: LOADS && found.wants_energy,
             on_sleeves: !FLOATS || !found.floating_alone,
             on_input: nothing,
@@ -476,7 +476,7 @@ impl JointSpace {
         law: &PinLaw,
         shapes: &Shapes,
         bodies: &[BodyState],
-        sums: &mut Sums<S>,
+        sums: &mut Evaluation<S>,
     ) {
         self.list_external(simd);
         let c = |x: f64| Lanes::splat(simd, x);
@@ -522,8 +522,8 @@ impl JointSpace {
                 let centre = foot.outward.re * foot.inverse * c(r + b) - level;
                 let mut tangential = c(0.0);
                 if let Some(along) = along {
-                    let slopes = shapes.stiffness_slopes(&foot, stiffness);
-                    tangential = -(slopes.along * along).only(inside);
+                    let derivatives = shapes.stiffness_slopes(&foot, stiffness);
+                    tangential = -(derivatives.along * along).only(inside);
                     moment = moment + tangential * level.only(inside);
                 }
                 if let Some(pins) = &self.pins {
@@ -605,7 +605,7 @@ impl JointSpace {
     }
 }
 
-impl<S: Simd> Sums<S> {
+impl<S: Simd> Evaluation<S> {
     /// Adds what the contacts inside store and dissipate, `observed` by their law; returns the force.
     #[inline(always)]
     fn add_energy(

@@ -7,13 +7,13 @@ use pulp::Simd;
 use super::columns::Sleeves;
 use super::pair_loop::{Group, Sink, Wheel};
 use crate::Layout;
-use crate::contacts::sleeves::OnPins;
+use crate::contacts::pin_friction::PinFriction;
 
 /// Adds forces (Eq. 20, 21) to the pins' columns and to the discs' loads, and what they store and dissipate to `energy`.
 pub(super) struct Loads<'a> {
     pub(super) law: PinLaw,
     pub(super) friction: RegularisedCoulomb,
-    pub(super) pins: Option<OnPins>,
+    pub(super) pins: Option<PinFriction>,
     pub(super) output_rate: f64,
     pub(super) loads: &'a mut [Wrench],
     pub(super) energy: Option<&'a mut ContactEnergy>,

@@ -7,38 +7,38 @@
 
 mod active_pairs;
 mod columns;
+mod derivatives;
 mod joint_space;
 mod loads;
 mod pair_loop;
 mod shapes;
-mod slopes;
 
 use pinwheel_contact::{PinLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
-use pinwheel_mbs::{BodyState, Pose, Sums};
+use pinwheel_mbs::{BodyState, Evaluation, Pose};
 use pulp::Simd;
 
 use super::detection::Exact;
 use super::field::{ContactEnergy, ContactField, PairContact};
 use super::pairs::Pairs;
-use super::sleeves::OnPins;
+use super::pin_friction::PinFriction;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
 use active_pairs::ActivePairs;
 use columns::Sleeves;
+use derivatives::Derivatives;
 use joint_space::JointSpace;
 use loads::Loads;
 use pair_loop::{Sink, pair_loop};
 use shapes::Shapes;
-use slopes::Slopes;
 
 /// The contact field with exact detection, in lanes.
 pub(super) struct LaneField {
     arch: pulp::Arch,
     law: PinLaw,
     friction: RegularisedCoulomb,
-    pins: Option<OnPins>,
+    pins: Option<PinFriction>,
     pairs: LanePairs,
     /// Without friction.
     joint_space: Option<JointSpace>,
@@ -78,7 +78,7 @@ struct JointSpaceLoop<'a, 'b, const LOADS: bool, const FLOATS: bool> {
     shapes: &'a Shapes,
     law: PinLaw,
     bodies: &'a [BodyState],
-    sums: &'a mut Sums<'b>,
+    sums: &'a mut Evaluation<'b>,
 }
 
 impl<const LOADS: bool, const FLOATS: bool> pulp::WithSimd
@@ -110,7 +110,7 @@ impl LaneField {
                 coefficient,
                 ramp: contact.friction_ramp_m_s * factor(Fault::FrictionSign, -1.0),
             },
-            pins: OnPins::of(scene),
+            pins: PinFriction::of(scene),
             floats: scene.bearings.eccentric.is_some(),
             joint_space: (coefficient == 0.0).then(|| JointSpace::new(scene, geometry)),
             pairs: LanePairs {
@@ -132,7 +132,7 @@ impl LaneField {
         });
     }
 
-    fn sum(&mut self, bodies: &[BodyState], sums: &mut Sums<'_>) {
+    fn sum(&mut self, bodies: &[BodyState], sums: &mut Evaluation<'_>) {
         let Some(loads) = sums.loads.as_deref_mut() else {
             return;
         };
@@ -153,7 +153,7 @@ impl LaneField {
     fn sum_in_joint_space<const LOADS: bool, const FLOATS: bool>(
         &mut self,
         bodies: &[BodyState],
-        sums: &mut Sums<'_>,
+        sums: &mut Evaluation<'_>,
     ) {
         if let Some(joint_space) = &mut self.joint_space {
             self.arch.dispatch(JointSpaceLoop::<LOADS, FLOATS> {
@@ -167,8 +167,8 @@ impl LaneField {
     }
 
     /// False, and nothing was added, for free bodies that are not those of a gear with or without friction.
-    fn add_slopes(&mut self, bodies: &[BodyState], sums: &mut Sums<'_>) -> bool {
-        let Some(slopes) = sums.slopes.as_deref_mut() else {
+    fn add_jacobian(&mut self, bodies: &[BodyState], sums: &mut Evaluation<'_>) -> bool {
+        let Some(derivatives) = sums.derivatives.as_deref_mut() else {
             return true;
         };
         let (layout, law, friction) = (self.pairs.layout, self.law, self.friction);
@@ -178,12 +178,12 @@ impl LaneField {
         } else {
             1 + layout.wheels
         };
-        let all = slopes.rate.dimension();
+        let all = derivatives.rate.dimension();
         let places = 2 * layout.wheels;
-        if all != free && all != free + places || slopes.position.is_none() {
+        if all != free && all != free + places || derivatives.position.is_none() {
             return false;
         }
-        if let Some(sink) = Slopes::new(law, friction, layout, bodies, slopes) {
+        if let Some(sink) = Derivatives::new(law, friction, layout, bodies, derivatives) {
             self.pair_loop(bodies, sink);
         }
         true
@@ -191,8 +191,8 @@ impl LaneField {
 }
 
 impl ContactField for LaneField {
-    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
-        if self.joint_space.is_some() && pose != Pose::Any && sums.slopes.is_none() {
+    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool {
+        if self.joint_space.is_some() && pose != Pose::Any && sums.derivatives.is_none() {
             match (sums.loads.is_some(), self.floats) {
                 (true, false) => self.sum_in_joint_space::<true, false>(bodies, sums),
                 (false, false) => self.sum_in_joint_space::<false, false>(bodies, sums),
@@ -203,7 +203,7 @@ impl ContactField for LaneField {
             return true;
         }
         let is_told = sums.moments.is_none() && pose != Pose::AnglesOnly;
-        if !is_told || !self.add_slopes(bodies, sums) {
+        if !is_told || !self.add_jacobian(bodies, sums) {
             return false;
         }
         self.sum(bodies, sums);
@@ -227,7 +227,7 @@ impl ContactField for LaneField {
         &self.law
     }
 
-    fn on_pins(&self) -> Option<OnPins> {
+    fn on_pins(&self) -> Option<PinFriction> {
         self.pins
     }
 }

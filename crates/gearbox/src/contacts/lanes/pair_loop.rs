@@ -99,8 +99,8 @@ impl<S: Simd> Group<'_, S> {
         let touching = &self.touching;
         let foot = touching.foot.as_ref()?;
         let along = law.law.along(touching.stiffness, touching.penetration)?;
-        let slopes = self.shapes.stiffness_slopes(foot, touching.stiffness);
-        Some(-(slopes.along * along).only(touching.mask))
+        let derivatives = self.shapes.stiffness_slopes(foot, touching.stiffness);
+        Some(-(derivatives.along * along).only(touching.mask))
     }
 
     /// Velocity of the pins relative to the disc at W, in the disc's frame; see `Pairs::load`.

@@ -4,9 +4,9 @@ use nalgebra::DVector;
 
 use super::super::Statics;
 use super::{LEFT, Size};
-use crate::contacts::Bearings;
+use crate::contacts::EccentricBearings;
 
-/// Newton steps at most, halvings of one, and what a step must leave at most for its slopes to serve the next.
+/// Newton steps at most, halvings of one, and what a step must leave at most for its derivatives to serve the next.
 const STEPS: usize = 60;
 const HALVINGS: usize = 12;
 const SERVES: f64 = 0.2;
@@ -31,27 +31,27 @@ const HOLDS: [f64; 6] = [WEAK, 1e-2, 0.1, 1.0, 10.0, 100.0];
 
 impl Statics<'_> {
     /// Newton's method from `u`, with halved steps; what is left, or `None` where it got stuck.
-    pub(super) fn settle(
+    pub(super) fn newton(
         &mut self,
         phi: f64,
         load: f64,
-        bearings: &Bearings,
+        bearings: &EccentricBearings,
         u: &mut Vec<f64>,
     ) -> Option<DVector<f64>> {
         let size = self.size(load, bearings);
         let norm = |left: &DVector<f64>| Size::largest(left, |k| size.of_load(k));
         let mut here = self.left(phi, load, bearings, u, None);
         let mut most = norm(&here);
-        // Slopes cost more than forces, so they serve as long as steps with them gain.
-        let mut slopes = None;
+        // Derivatives cost more than forces, so they serve as long as steps with them gain.
+        let mut derivatives = None;
         for _ in 0..STEPS {
             if most < BALANCED {
                 break;
             }
-            let is_fresh = slopes.is_none();
+            let is_fresh = derivatives.is_none();
             if is_fresh {
                 let matrix = self.matrix(phi, load, bearings, (u, &here), size);
-                slopes = Some(size.held(matrix, WEAK).lu());
+                derivatives = Some(size.held(matrix, WEAK).lu());
             }
             let step = -slopes.as_ref()?.solve(&here)?;
             let mut share = self.farthest(&step, size);
@@ -69,7 +69,7 @@ impl Statics<'_> {
                 share *= 0.5;
             }
             if most > SERVES * before {
-                slopes = None;
+                derivatives = None;
                 let stuck = most > SLOW * before;
                 if is_fresh && stuck {
                     let moved = Size::largest(&step, |k| size.of_place(k));
@@ -104,7 +104,7 @@ impl Statics<'_> {
         &mut self,
         phi: f64,
         load: f64,
-        bearings: &Bearings,
+        bearings: &EccentricBearings,
         (u, here): (&[f64], &DVector<f64>),
     ) -> Option<Vec<f64>> {
         let size = self.size(load, bearings);
@@ -145,7 +145,7 @@ mod tests {
     use std::sync::atomic::{AtomicU64, Ordering};
 
     use pinwheel_contact::PinLaw;
-    use pinwheel_mbs::{BodyState, Pose, Sums};
+    use pinwheel_mbs::{BodyState, Evaluation, Pose};
 
     use super::*;
     use crate::contacts::{ContactField, PairContact};
@@ -158,7 +158,12 @@ mod tests {
     struct Watched(Box<dyn ContactField>, Gearbox);
 
     impl ContactField for Watched {
-        fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
+        fn evaluate(
+            &mut self,
+            bodies: &[BodyState],
+            pose: Pose,
+            sums: &mut Evaluation<'_>,
+        ) -> bool {
             let (layout, geometry) = (self.1.layout, &self.1.geometry);
             for (i, body) in layout.wheel_bodies().enumerate() {
                 let ideal = geometry.ideal_wheel_angle(i, bodies[Layout::INPUT].angle);
@@ -210,7 +215,7 @@ mod tests {
         let light = 1e-4 * gearbox.load_torque(0.1);
         let mut near = None;
         for k in 0..20 {
-            let found = statics.follow(&mut near, 0.1114 * f64::from(k), light);
+            let found = statics.track(&mut near, 0.1114 * f64::from(k), light);
             found.unwrap();
         }
         let farthest = f64::from_bits(FARTHEST_SEEN.load(Ordering::Relaxed));

@@ -44,7 +44,7 @@ pub(super) const INFO: MethodInfo = MethodInfo {
     family: Family::Exponential,
     // Steps end at samples, so that all runs of a refinement take the same ones where little happens: errors to 3.3 tolerances
     // where these agreed (28 random gears; a gear of three discs was 1.4 off foreign engines).
-    unseen: 4.0,
+    shared_error: 4.0,
     // Twice the step for ten times the tolerance.
     step_power: std::f64::consts::LOG10_2,
     ..ADAPTIVE

@@ -383,11 +383,11 @@ fn what_is_observed_is_of_the_state_asked_for() {
         assert_eq!(seen.bodies, expected.bodies);
         assert_eq!(seen.loads, expected.loads);
         assert_eq!(seen.driver_torques, expected.driver_torques);
-        let (mut slopes, mut same) = (vec![0.0; y.len()], vec![0.0; y.len()]);
-        other.derivative(t, y, &mut slopes);
+        let (mut derivatives, mut same) = (vec![0.0; y.len()], vec![0.0; y.len()]);
+        other.derivative(t, y, &mut derivatives);
         system.derivative_to_observe(t, y, &mut same);
-        assert_eq!(slopes, same);
-        system.derivative(t, &z, &mut slopes);
+        assert_eq!(derivatives, same);
+        system.derivative(t, &z, &mut derivatives);
     }
     system.observe(0.2, &y);
     let motion = Motion {
@@ -410,43 +410,43 @@ fn a_settled_state_is_evaluated_as_any_other() {
     fresh().project(0.2, &mut y);
     let mut z = y.clone();
     z[5] += 0.3;
-    let slopes = |system: &mut Lagrange<Weight>, t: f64, y: &[f64]| {
-        let mut slopes = vec![0.0; y.len()];
-        system.derivative(t, y, &mut slopes);
-        slopes
+    let derivatives = |system: &mut Lagrange<Weight>, t: f64, y: &[f64]| {
+        let mut derivatives = vec![0.0; y.len()];
+        system.derivative(t, y, &mut derivatives);
+        derivatives
     };
-    let expected = slopes(&mut fresh(), 0.2, &y);
+    let expected = derivatives(&mut fresh(), 0.2, &y);
     let mut system = fresh();
     system.project(0.2, &mut y.clone());
     assert_eq!(system.joint_error(0.2, &y), fresh().joint_error(0.2, &y));
-    assert_eq!(slopes(&mut system, 0.2, &y), expected);
+    assert_eq!(derivatives(&mut system, 0.2, &y), expected);
     // Another state, then another time, then again.
     for (t, state) in [(0.2, &z), (0.3, &y), (0.2, &y)] {
         assert_eq!(
-            slopes(&mut system, t, state),
-            slopes(&mut fresh(), t, state)
+            derivatives(&mut system, t, state),
+            derivatives(&mut fresh(), t, state)
         );
     }
     let (mut e, mut i) = (y.clone(), y.clone());
     system.project(0.2, &mut y.clone());
     system.split_stage(0.2, 1e-3, &mut y.clone(), &mut e, &mut i);
-    assert_eq!(slopes(&mut system, 0.2, &y), expected);
+    assert_eq!(derivatives(&mut system, 0.2, &y), expected);
     // A joint that is apart is seen, and nothing stays of it, where the body rests by right, either.
     let mut apart = y.clone();
     (apart[0], apart[m.bodies.len() * 3]) = (apart[0] + 0.3, 0.1);
     assert_relative_eq!(system.joint_error(0.2, &apart), 0.3, max_relative = 1e-12);
-    assert_eq!(slopes(&mut system, 0.2, &y), expected);
+    assert_eq!(derivatives(&mut system, 0.2, &y), expected);
     // Nor where it begins off its place.
     let mut off = m.clone();
     off.bodies[3].start.x += 0.1;
     let mut begun = Lagrange::new(off, weight(&m), Stabilisation::Projection).unwrap();
-    assert_eq!(slopes(&mut begun, 0.2, &y), expected);
+    assert_eq!(derivatives(&mut begun, 0.2, &y), expected);
     assert_eq!(
         begun.observe(0.2, &y).bodies,
         fresh().observe(0.2, &y).bodies
     );
     // f of a state is that of the settled one.
-    assert_eq!(slopes(&mut system, 0.2, &apart), expected);
+    assert_eq!(derivatives(&mut system, 0.2, &apart), expected);
 }
 
 /// A body that no joint holds is where y has it.
@@ -460,12 +460,12 @@ fn free_bodies_are_projected_nowhere() {
         for (k, y) in y.iter_mut().enumerate().filter(|(k, _)| k / 3 % 5 == 4) {
             *y = 0.1 * (k as f64 + 1.0);
         }
-        let (mut slopes, seen) = (vec![0.0; y.len()], system.observe(0.0, &y).bodies[4]);
-        system.derivative(0.0, &y, &mut slopes);
+        let (mut derivatives, seen) = (vec![0.0; y.len()], system.observe(0.0, &y).bodies[4]);
+        system.derivative(0.0, &y, &mut derivatives);
         system.project(0.0, &mut y);
         (
-            slopes[12..15].to_vec(),
-            slopes[27..].to_vec(),
+            derivatives[12..15].to_vec(),
+            derivatives[27..].to_vec(),
             seen,
             y[12..15].to_vec(),
         )

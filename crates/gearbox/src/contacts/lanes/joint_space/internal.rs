@@ -4,7 +4,7 @@ use pinwheel_contact::{Complex, ComplexLanes, Lanes, PinLaw, Real};
 use pinwheel_mbs::BodyState;
 use pulp::Simd;
 
-use super::{JointSpace, Sums, present, react, split};
+use super::{Evaluation, JointSpace, present, react, split};
 use crate::Layout;
 use crate::contacts::lanes::shapes::Shapes;
 
@@ -17,7 +17,7 @@ impl JointSpace {
         shapes: &Shapes,
         bodies: &[BodyState],
         output: Complex,
-        sums: &mut Sums<S>,
+        sums: &mut Evaluation<S>,
     ) {
         let c = |x: f64| Lanes::splat(simd, x);
         let count = self.layout.internal_sleeves;

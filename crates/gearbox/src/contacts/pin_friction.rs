@@ -4,7 +4,7 @@
 //! T = mu F_n min(d/(2 r), 1) clamp(v_t/(r slow), -1, 1)      against the sliding of a sleeve that does not turn on its pin, at the contact
 //! ```
 //! A sleeve that rolls at v_t/r on a pin of diameter d loses mu F_n d/2 times that, and T takes as much from the disc. The couple T r on
-//! the pin is its carrier's. A roller thinner than d turns in a groove, on its own diameter. slow = 1 rad/s. Slopes leave T out: it is some thousandths of F_n.
+//! the pin is its carrier's. A roller thinner than d turns in a groove, on its own diameter. slow = 1 rad/s. Derivatives leave T out: it is some thousandths of F_n.
 
 use pinwheel_contact::Real;
 use pinwheel_mbs::{BodyState, Wrench};
@@ -16,7 +16,7 @@ use crate::{Layout, Sleeve};
 
 /// Friction of sleeves on their pins.
 #[derive(Debug, Clone, Copy)]
-pub struct OnPins {
+pub struct PinFriction {
     friction_coefficient: f64,
     /// mu d/2, m.
     lever_m: f64,
@@ -31,7 +31,7 @@ pub(super) struct Drag {
     pub(super) lost_w: f64,
 }
 
-impl OnPins {
+impl PinFriction {
     /// `None` where it is not given, or friction of contacts turns pins as it will.
     pub(super) fn of(scene: &Scene) -> Option<Self> {
         let bearings = &scene.bearings;

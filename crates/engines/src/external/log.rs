@@ -32,7 +32,7 @@ impl Limits {
     /// Which of them a solver passed that began at `begun`; its folder was `looked` at last.
     pub(super) fn passed(
         &self,
-        heard: &Heard,
+        heard: &SolverLog,
         folder: &Path,
         begun: Instant,
         looked: &mut Instant,
@@ -86,7 +86,7 @@ fn size(folder: &Path, most: u64, levels: usize, files: &mut usize) -> u64 {
 
 /// Output of a solver.
 #[derive(Default)]
-pub(super) struct Heard {
+pub(super) struct SolverLog {
     bytes: u64,
     /// The lines under way on stdout and on stderr.
     lines: [Vec<u8>; 2],
@@ -97,7 +97,7 @@ pub(super) struct Heard {
     last: Vec<u8>,
 }
 
-impl Heard {
+impl SolverLog {
     pub(super) fn take(&mut self, piece: &Piece) {
         self.bytes += piece.bytes.len() as u64;
         let mut bytes = piece.bytes.as_slice();
@@ -157,7 +157,7 @@ mod tests {
     /// A program that prints without end takes no memory without end.
     #[test]
     fn hard_long_lines_are_cut() {
-        let mut heard = Heard::default();
+        let mut heard = SolverLog::default();
         for _ in 0..100 {
             let bytes = vec![b'x'; 1 << 14];
             let stderr = true;

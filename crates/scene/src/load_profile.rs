@@ -3,7 +3,7 @@
 //! ```text
 //! L(t) = before + (after - before) clamp((t - from)/ramp, 0, 1),    ramp = 0: after
 //! ```
-//! one [`LoadPiece`] for the start and one for each change. At a change without a ramp L jumps, and there it is two
+//! one [`LoadSegment`] for the start and one for each change. At a change without a ramp L jumps, and there it is two
 //! loads: that of the piece that ends and that of the piece that begins. Integration therefore goes in segments from
 //! one [`breaks`] to the next, each with one piece to both its ends.
 
@@ -14,7 +14,7 @@ pub const APART_S: f64 = 1e-9;
 
 /// The load between two changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LoadPiece {
+pub struct LoadSegment {
     /// Where it begins, s.
     pub from_s: f64,
     /// The load it begins with, N m.
@@ -25,7 +25,7 @@ pub struct LoadPiece {
     pub ramp_s: f64,
 }
 
-impl LoadPiece {
+impl LoadSegment {
     /// Torque on the output shaft at time `t` (s), N m, counter-clockwise positive; constant outside the ramp.
     #[must_use]
     pub fn torque(&self, t: f64) -> f64 {
@@ -45,8 +45,8 @@ impl LoadPiece {
 }
 
 /// The piece that a load begins with.
-fn first_piece(drive: &Drive) -> LoadPiece {
-    LoadPiece {
+fn first_piece(drive: &Drive) -> LoadSegment {
+    LoadSegment {
         from_s: 0.0,
         before_n_m: 0.0,
         after_n_m: drive.output_torque_n_m,
@@ -55,10 +55,10 @@ fn first_piece(drive: &Drive) -> LoadPiece {
 }
 
 /// The pieces of a load in their order, the first from 0 on.
-pub fn pieces(drive: &Drive) -> impl Iterator<Item = LoadPiece> + '_ {
+pub fn pieces(drive: &Drive) -> impl Iterator<Item = LoadSegment> + '_ {
     let mut before_n_m = drive.output_torque_n_m;
     let changes = drive.load_changes.iter().map(move |change| {
-        let piece = LoadPiece {
+        let piece = LoadSegment {
             from_s: change.time_s,
             before_n_m,
             after_n_m: change.output_torque_n_m,
@@ -72,7 +72,7 @@ pub fn pieces(drive: &Drive) -> impl Iterator<Item = LoadPiece> + '_ {
 
 /// The piece that holds at time `t` (s); at a change the one that begins.
 #[must_use]
-pub fn piece_at(drive: &Drive, t: f64) -> LoadPiece {
+pub fn piece_at(drive: &Drive, t: f64) -> LoadSegment {
     let changes = pieces(drive).skip(1);
     let begun = changes.take_while(|piece| !(piece.from_s > t));
     begun.last().unwrap_or_else(|| first_piece(drive))

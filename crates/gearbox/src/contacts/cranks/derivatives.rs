@@ -11,7 +11,7 @@ use arrayvec::ArrayVec;
 use pinwheel_mbs::{BodyState, Jacobian};
 use pinwheel_scene::bearings::BearingLaw;
 
-use super::{Cranks, Given, OfCrank, Springs, WHEELS, cross, pressed};
+use super::{Cranks, Deflection, OfCrank, Springs, WHEELS, cross, pressed};
 use crate::Layout;
 use crate::contacts::pairs::places;
 
@@ -33,7 +33,7 @@ struct Move {
     turning: f64,
 }
 
-/// A bearing and its slopes.
+/// A bearing and its derivatives.
 #[derive(Debug, Clone, Copy)]
 struct Held {
     n: [f64; 2],
@@ -50,7 +50,7 @@ struct Held {
     eccentric: [f64; 2],
     /// As of the bearing, and by how much of the largest eccentricity that is.
     across: [f64; 2],
-    /// Force at rest, and its slopes xx, xy, yy.
+    /// Force at rest, and its derivatives xx, xy, yy.
     pressed: [f64; 2],
     elastic: [f64; 3],
 }
@@ -60,7 +60,7 @@ struct Sprung {
     held: ArrayVec<Held, WHEELS>,
     seat: [f64; 2],
     /// Springs that deflect and their deflection; `None`: nothing does.
-    yields: Option<(Springs, Given)>,
+    yielding_cranks: Option<(Springs, Deflection)>,
     throw_m: f64,
     per_output: f64,
     /// Row of the first disc's place.
@@ -91,10 +91,10 @@ impl Sprung {
     ) {
         // How an eccentric's way across moves as its crank turns, and the offset with it where the mesh has given way.
         let across_of = |held: &Held, turned: f64| left(held.across).map(|x| turned * x);
-        let turn = self.yields.map_or(0.0, |(_, [_, _, turn])| turn);
+        let turn = self.yielding_cranks.map_or(0.0, |(_, [_, _, turn])| turn);
         let way_of =
             |held: &Held, moves: &Move| sum(1.0, moves.way, -turn, across_of(held, moves.turned));
-        let given = self.yields.map_or([0.0; 3], |(springs, _)| {
+        let given = self.yielding_cranks.map_or([0.0; 3], |(springs, _)| {
             let mut force = [0.0; 3];
             for (i, held) in self.held.iter().enumerate() {
                 let moves = of(i, held);
@@ -137,8 +137,14 @@ impl Sprung {
 }
 
 impl Cranks {
-    /// A crank's bearings with their slopes; those that do not carry have none.
-    fn sprung(&self, law: &BearingLaw, crank: usize, bearings: &OfCrank, given: Given) -> Sprung {
+    /// A crank's bearings with their derivatives; those that do not carry have none.
+    fn sprung(
+        &self,
+        law: &BearingLaw,
+        crank: usize,
+        bearings: &OfCrank,
+        given: Deflection,
+    ) -> Sprung {
         let mut springs = self.springs();
         let held = bearings.iter().enumerate().map(|(i, bearing)| {
             let law = self.law(law, i, crank);
@@ -149,7 +155,7 @@ impl Cranks {
                 false => ([1.0, 0.0], 1.0),
             };
             let t = left(n);
-            let [force, by_offset, by_rate] = law.slopes(offset, bearing.load.rate);
+            let [force, by_offset, by_rate] = law.derivatives(offset, bearing.load.rate);
             let (pressed, elastic) = pressed(&law, bearing.load.offset_m);
             springs.add(elastic, bearing.across);
             let [drag_by_force, drag_by_rate] = law.drag_slopes(force, bearing.load.turning);
@@ -174,7 +180,8 @@ impl Cranks {
         Sprung {
             held,
             seat: [0.0; 2],
-            yields: (self.support.is_some() || self.mesh.is_some()).then_some((springs, given)),
+            yielding_cranks: (self.support.is_some() || self.mesh.is_some())
+                .then_some((springs, given)),
             throw_m: self.throw_m,
             per_output: 1.0 + self.teeth_ratio,
             first: 0,
@@ -182,18 +189,18 @@ impl Cranks {
     }
 
     /// Adds how all of them change: [`add_loads`](Self::add_loads) by everything that is free, and by the time.
-    pub(in crate::contacts) fn add_slopes(
+    pub(in crate::contacts) fn add_jacobian(
         &self,
         law: &BearingLaw,
         layout: Layout,
         bodies: &[BodyState],
-        slopes: &mut Jacobian,
+        derivatives: &mut Jacobian,
     ) {
-        let first = places(layout, slopes);
-        let Some(position) = &mut slopes.position else {
+        let first = places(layout, derivatives);
+        let Some(position) = &mut derivatives.position else {
             return;
         };
-        let (rate, time) = (&mut slopes.rate, &mut slopes.time);
+        let (rate, time) = (&mut derivatives.rate, &mut derivatives.time);
         let (input, output) = (bodies[Layout::INPUT].rate, bodies[Layout::OUTPUT].rate);
         let per_output = 1.0 + self.teeth_ratio;
         let per_input = -self.teeth_ratio * input;
@@ -248,14 +255,14 @@ impl Cranks {
                     rate.add(row, column, x)
                 });
             }
-            // By the output the seats move as well as the eccentrics, by the time these alone.
+            // By the output the eccentric_centres move as well as the eccentrics, by the time these alone.
             let throw = sprung.throw_m;
-            let moving = |seats: f64, by: f64| {
+            let moving = |eccentric_centres: f64, by: f64| {
                 move |_: usize, held: &Held| Move {
                     way: sum(-seats, left(seat), -by * throw, held.across),
                     // The eccentric before it gave way is R-90 of that.
                     faster: sum(
-                        seats * output,
+                        eccentric_centres * output,
                         seat,
                         -turning * by * throw,
                         left(held.across),

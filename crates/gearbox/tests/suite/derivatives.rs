@@ -4,7 +4,8 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactField, Kernel};
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_mbs::{
-    BodyState, Forces, Formulation, Jacobian, OdeSystem, Pose, Reduced, Structure, Sums, Wrench,
+    BodyState, Evaluation, Forces, Formulation, Jacobian, OdeSystem, Pose, Reduced, Structure,
+    Wrench,
 };
 use pinwheel_scene::{Scene, Sleeve};
 use proptest::prelude::*;
@@ -17,7 +18,13 @@ impl Forces for Contacts {
         self.0.add_loads(bodies, loads);
     }
 
-    fn evaluate(&mut self, _: f64, bodies: &[BodyState], pose: Pose, sums: &mut Sums<'_>) -> bool {
+    fn evaluate(
+        &mut self,
+        _: f64,
+        bodies: &[BodyState],
+        pose: Pose,
+        sums: &mut Evaluation<'_>,
+    ) -> bool {
         sums.moments.is_none() && self.0.evaluate(bodies, pose, sums)
     }
 }
@@ -295,7 +302,7 @@ proptest! {
         let free = system.free_bodies().to_vec();
         let y = state(&gearbox, t, twist, &noise, &free);
         let (lanes, scalar) = (entries(&mut system, t, &y), entries(&mut one_by_one(&gearbox), t, &y));
-        // The scalar loop takes some slopes of the profile by differences: measured 1.3e-7.
+        // The scalar loop takes some derivatives of the profile by differences: measured 1.3e-7.
         let most = lanes.iter().fold(1.0, |m: f64, x| m.max(x.abs()));
         for (a, b) in lanes.iter().zip(scalar) {
             prop_assert!((a - b).abs() < 1e-5 * most, "{} lanes {a:e} scalar {b:e} of {most:e}", LAWS[law]);
@@ -452,7 +459,7 @@ proptest! {
     }
 }
 
-/// Fields without slopes say so: friction that falls with speed, points.
+/// Fields without derivatives say so: friction that falls with speed, points.
 #[test]
 fn slopes_are_only_told_where_they_are_known() {
     let known = |change: &dyn Fn(&mut Scene), kernel: Kernel| {
@@ -486,7 +493,7 @@ fn slopes_are_only_told_where_they_are_known() {
     assert!(!known(&points, Kernel::Lanes));
 }
 
-/// Loads and slopes in one pass are those of two, to the bit: in lanes and pair by pair, with play, errors and other laws.
+/// Loads and derivatives in one pass are those of two, to the bit: in lanes and pair by pair, with play, errors and other laws.
 #[test]
 fn one_pass_gives_what_two_give() {
     for (preset, kernel) in [
@@ -506,18 +513,23 @@ fn one_pass_gives_what_two_give() {
         for phi in [0.0, 0.4, 1.7] {
             let bodies = statics.solve(phi, 15.0).unwrap().bodies;
             let new = || Jacobian::new(&structure, 2 * free);
-            let (mut loads, mut slopes) = (vec![Wrench::default(); bodies.len()], new());
+            let (mut loads, mut derivatives) = (vec![Wrench::default(); bodies.len()], new());
             field.add_loads(&bodies, &mut loads);
-            assert!(field.evaluate(&bodies, Pose::Any, &mut Sums::of_slopes(&mut slopes)));
+            assert!(field.evaluate(
+                &bodies,
+                Pose::Any,
+                &mut Evaluation::of_slopes(&mut derivatives)
+            ));
             let (mut both, mut of_both) = (vec![Wrench::default(); bodies.len()], new());
-            let mut sums = Sums {
-                slopes: Some(&mut of_both),
-                ..Sums::of_loads(&mut both)
+            let mut sums = Evaluation {
+                derivatives: Some(&mut of_both),
+                ..Evaluation::of_loads(&mut both)
             };
             assert!(field.evaluate(&bodies, Pose::Any, &mut sums));
             assert!(loads.iter().any(|load| load.fx != 0.0));
             assert_eq!(loads, both, "{preset} {kernel:?}");
-            let [position, of_both] = [&slopes, &of_both].map(|all| all.position.as_ref().unwrap());
+            let [position, of_both] =
+                [&derivatives, &of_both].map(|all| all.position.as_ref().unwrap());
             for (row, column) in
                 (0..free).flat_map(|row| (0..free).map(move |column| (row, column)))
             {

@@ -17,7 +17,7 @@
 //! ```text
 //! ln = -u.n,  lt = -u.t;    force on the disc:  F n - (T + A) t
 //! ```
-//! and the moments are differentiated by the product rule. The slopes of the normal law are differences of the law itself,
+//! and the moments are differentiated by the product rule. The derivatives of the normal law are differences of the law itself,
 //! right to 1e-9, so that a law needs none of its own. Where friction or law have a kink, one side's slope counts.
 
 use pinwheel_contact::{ComplexLanes, Lanes, NormalLaw, PinLaw, Real, RegularisedCoulomb};
@@ -28,8 +28,8 @@ use super::pair_loop::{Group, Sink, Wheel};
 use crate::Layout;
 use crate::contacts::pairs::{CLOSING, OUTPUT, PENETRATION_SHARE, STIFFNESS_SHARE, places};
 
-/// Adds the slopes of the moments about the pins to a Jacobian.
-pub(super) struct Slopes<'a> {
+/// Adds the derivatives of the moments about the pins to a Jacobian.
+pub(super) struct Derivatives<'a> {
     law: PinLaw,
     friction: RegularisedCoulomb,
     position: &'a mut Arrow,
@@ -50,28 +50,28 @@ const CARRIER: usize = 1;
 const INPUT: usize = 2;
 const PLACE: usize = 2;
 
-impl<'a> Slopes<'a> {
+impl<'a> Derivatives<'a> {
     /// `None` for a Jacobian that is not of second order.
     pub(super) fn new(
         law: PinLaw,
         friction: RegularisedCoulomb,
         layout: Layout,
         bodies: &[BodyState],
-        slopes: &'a mut Jacobian,
+        derivatives: &'a mut Jacobian,
     ) -> Option<Self> {
-        let places = places(layout, slopes);
+        let places = places(layout, derivatives);
         let hubs_or_bodies = if friction.coefficient > 0.0 {
             layout.bodies() - 1
         } else {
             1 + layout.wheels
         };
         Some(Self {
-            places: (slopes.rate.dimension() > hubs_or_bodies).then_some(places),
+            places: (derivatives.rate.dimension() > hubs_or_bodies).then_some(places),
             law,
             friction,
-            position: slopes.position.as_mut()?,
-            rate: &mut slopes.rate,
-            time: &mut slopes.time,
+            position: derivatives.position.as_mut()?,
+            rate: &mut derivatives.rate,
+            time: &mut derivatives.time,
             input_rate: bodies[Layout::INPUT].rate,
             output_rate: bodies[Layout::OUTPUT].rate,
             first: [
@@ -82,7 +82,7 @@ impl<'a> Slopes<'a> {
     }
 }
 
-/// A contact's forces and their slopes; 0 where nothing touches.
+/// A contact's forces and their derivatives; 0 where nothing touches.
 struct Pressure<S: Simd> {
     force: Lanes<S>,
     by_depth: Lanes<S>,
@@ -92,7 +92,7 @@ struct Pressure<S: Simd> {
     centre: Option<Centre<S>>,
 }
 
-/// The force that some laws have on the pins' centres along t, and its slopes by the way along t and by the depth.
+/// The force that some laws have on the pins' centres along t, and its derivatives by the way along t and by the depth.
 struct Centre<S: Simd> {
     force: Lanes<S>,
     by_path: Lanes<S>,
@@ -148,21 +148,22 @@ impl<S: Simd> Pressure<S> {
         let Some(foot) = touching.foot.as_ref() else {
             return all;
         };
-        let slopes = group.shapes.stiffness_slopes(foot, stiffness);
+        let derivatives = group.shapes.stiffness_slopes(foot, stiffness);
         let stiffer = at(stiffness * c(1.0 + STIFFNESS_SHARE), depth, closing);
         let softer = at(stiffness * c(1.0 - STIFFNESS_SHARE), depth, closing);
         let over_stiffness = (stiffness * c(2.0 * STIFFNESS_SHARE)).recip();
-        all.by_path = (slopes.along * (stiffer.0 - softer.0) * over_stiffness).only(mask);
+        all.by_path = (derivatives.along * (stiffer.0 - softer.0) * over_stiffness).only(mask);
         if let (Some(along), Some(deeper), Some(flatter), Some(stiffer), Some(softer)) =
             (here.1, deeper.1, flatter.1, stiffer.1, softer.1)
         {
             let by_stiffness = (stiffer - softer) * over_stiffness;
-            let bend = slopes.bend * along + slopes.along * slopes.along * by_stiffness;
+            let bend =
+                derivatives.bend * along + derivatives.along * derivatives.along * by_stiffness;
             // K' itself grows with the depth, as the way of the centre shrinks against the foot's: by -b of it.
             let rise = (deeper - flatter) * over_depth;
-            let by_depth = slopes.along * (touching.turning * along - rise);
+            let by_depth = derivatives.along * (touching.turning * along - rise);
             all.centre = Some(Centre {
-                force: -(slopes.along * along).only(mask),
+                force: -(derivatives.along * along).only(mask),
                 by_path: -bend.only(mask),
                 by_depth: by_depth.only(mask),
             });
@@ -171,18 +172,18 @@ impl<S: Simd> Pressure<S> {
     }
 }
 
-/// Slopes of the three moments of a contact: on the disc, on the output, on the pin.
+/// Derivatives of the three moments of a contact: on the disc, on the output, on the pin.
 type Moments<S> = [Lanes<S>; 3];
 
-/// Slopes of the force on a disc that floats, along n and along t.
+/// Derivatives of the force on a disc that floats, along n and along t.
 type Force<S> = [Lanes<S>; 2];
 
-impl Slopes<'_> {
+impl Derivatives<'_> {
     fn rubs(&self) -> bool {
         self.friction.coefficient > 0.0
     }
 
-    /// Adds a column of slopes, of the angle or rate `of` a hub, or of the time.
+    /// Adds a column of derivatives, of the angle or rate `of` a hub, or of the time.
     #[inline(always)]
     fn add<S: Simd>(
         &mut self,
@@ -245,7 +246,7 @@ enum Target {
     Time,
 }
 
-impl Sink for Slopes<'_> {
+impl Sink for Derivatives<'_> {
     #[inline(always)]
     fn group<S: Simd>(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let (touching, mask) = (&group.touching, group.touching.mask);
@@ -278,7 +279,7 @@ impl Sink for Slopes<'_> {
         };
         let pressure = Pressure::new(simd, &self.law, &group, closing);
         let force = pressure.force;
-        // T = -mu F g, and its slopes by F and by v_t.
+        // T = -mu F g, and its derivatives by F and by v_t.
         let one = zero.like(1.0);
         let (mut drag, mut drag_by_force, mut drag_by_slip) = (zero, zero, zero);
         if self.rubs() {
