@@ -183,7 +183,8 @@ impl CoSimulation {
         let motions = mechanism.drivers.iter().map(|driver| driver.motion);
         let motions = motions.collect();
         let mut forces = GearForces::new(&loaded)?;
-        forces.usual = (setup.input, setup.output) == (Prescribed::BySpeed, Prescribed::ByTorque);
+        forces.speed_in_torque_out =
+            (setup.input, setup.output) == (Prescribed::BySpeed, Prescribed::ByTorque);
         let system = reduced(&gearbox, mechanism, forces)?;
         let breaks = load_profile::breaks(&loaded.scene.drive);
         let y = system.initial();
@@ -553,7 +554,7 @@ mod tests {
         let bodies = gear.initial_states();
         let by_time = |slope: f64, usual: bool| {
             let mut forces = GearForces::new(&gear).unwrap();
-            (forces.held[1].slope, forces.usual) = (slope, usual);
+            (forces.held[1].slope, forces.speed_in_torque_out) = (slope, usual);
             let mut derivatives = Jacobian::new(&structure, 6);
             let mut sums = Evaluation::of_slopes(&mut derivatives);
             let known = forces.evaluate(0.1, &bodies, Pose::Prescribed, &mut sums);

@@ -2,7 +2,7 @@
 
 use pinwheel_mbs::{Body, BodyState, Driver, ErrorScales, Mechanism, Motion, Revolute};
 use pinwheel_timeseries::TimeSeries;
-use pinwheel_timeseries::norms::{Distance, Least};
+use pinwheel_timeseries::norms::{Distance, LoadFloor};
 
 use crate::Layout;
 use crate::contacts::{self, ContactField, Kernel};
@@ -182,9 +182,9 @@ impl Gearbox {
 
     /// The least force, and as torque that force on the eccentric.
     #[must_use]
-    pub fn least_loads(&self) -> Least {
+    pub fn least_loads(&self) -> LoadFloor {
         let force_n = self.least_force_n();
-        Least {
+        LoadFloor {
             force_n,
             torque_n_m: force_n * self.scene.gear.eccentricity_m,
         }

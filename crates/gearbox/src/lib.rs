@@ -53,5 +53,5 @@ pub use explain::{Explanation, Statement, explain};
 pub use frequencies::{Frequencies, friction_rate, unfollowed};
 pub use gearbox::Gearbox;
 pub use geometry::Geometry;
-pub use pinwheel_timeseries::norms::{Distance, Least};
+pub use pinwheel_timeseries::norms::{Distance, LoadFloor};
 pub use recorder::Recorder;

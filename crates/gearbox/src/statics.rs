@@ -195,7 +195,7 @@ impl<'a> Statics<'a> {
 
     /// Moments on the discs into `out`, and the moment of the contacts on the output.
     fn moments(&mut self, phi: f64, wheels: &[f64], psi: f64, out: &mut [f64]) -> f64 {
-        if let Some(on_output) = self.moments_by_body(phi, wheels, psi, out) {
+        if let Some(on_output) = self.frictionless_moments(phi, wheels, psi, out) {
             return on_output;
         }
         self.place(phi, wheels, psi);
@@ -205,7 +205,7 @@ impl<'a> Statics<'a> {
 
     /// Moments on the discs into `out`, and that of the contacts on the output, by contacts that need neither loads
     /// nor places for them; else `None`.
-    fn moments_by_body(
+    fn frictionless_moments(
         &mut self,
         phi: f64,
         wheels: &[f64],

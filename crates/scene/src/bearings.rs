@@ -149,7 +149,7 @@ impl BearingLaw {
 
     /// The force, N, and its slopes by the offset, N/m, and by its rate, N s/m.
     #[must_use]
-    pub fn slopes(&self, offset: f64, rate: f64) -> [f64; 3] {
+    pub fn derivatives(&self, offset: f64, rate: f64) -> [f64; 3] {
         let (force, beyond) = (self.force(offset, rate), offset - self.clearance_m);
         if force <= 0.0 {
             return [0.0; 3];

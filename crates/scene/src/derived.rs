@@ -201,7 +201,7 @@ pub fn derived(scene: &Scene) -> Derived {
         walls: Walls::of(gear),
         hole_clearance_m: hole_clearance(gear),
         free_play_rad: scales::free_play(gear),
-        ideal_input_torque_n_m: -load_course::final_load(scene) * scene.output_per_input(),
+        ideal_input_torque_n_m: -load_profile::final_load(scene) * scene.output_per_input(),
         external_force_estimate_n: scales::external_force(gear, wheel_torque),
         internal_force_estimate_n: scales::internal_force(gear, wheel_torque),
         frequencies,

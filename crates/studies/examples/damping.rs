@@ -20,7 +20,7 @@ use std::error::Error;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::native::{self, NativeRun};
 use pinwheel_scene::{CheckedScene, Detection, Scene};
-use pinwheel_timeseries::norms::{Distance, Level, LoadFloor};
+use pinwheel_timeseries::norms::{Distance, LoadFloor, LoadMagnitude};
 use pinwheel_timeseries::{Ending, TimeSeries, TimeSeriesError, columns};
 
 /// Feature of the model that is switched on.
@@ -214,7 +214,7 @@ fn limit(
     switch: Switch,
     step: f64,
 ) -> Result<(f64, Option<String>), Box<dyn Error>> {
-    let base = Level::of(&run(&switched(scene, 8.0, Switch::Converged))??.time_series);
+    let base = LoadMagnitude::of(&run(&switched(scene, 8.0, Switch::Converged))??.time_series);
     let fails = |damping: f64| -> Result<Option<String>, Box<dyn Error>> {
         let mut scene = switched(scene, damping, switch);
         "rk2".clone_into(&mut scene.solver.integrator);
@@ -222,7 +222,7 @@ fn limit(
         Ok(match run(&scene)? {
             Err(error) => Some(error.to_string()),
             Ok(run) => {
-                let ratio = Level::of(&run.time_series).peak_force_n / base.peak_force_n;
+                let ratio = LoadMagnitude::of(&run.time_series).peak_force_n / base.peak_force_n;
                 (!(ratio < 2.0)).then(|| format!("forces {ratio:.1} times as high"))
             }
         })

@@ -10,7 +10,7 @@
 use pinwheel_compare::Divergence;
 use pinwheel_gearbox::{Frequencies, Gearbox};
 use pinwheel_scene::{Fault, FrictionLaw, Scene};
-use pinwheel_timeseries::norms::Level;
+use pinwheel_timeseries::norms::LoadMagnitude;
 use pinwheel_timeseries::{TimeSeries, columns};
 
 use crate::StudyError;
@@ -67,7 +67,7 @@ pub fn horizon(
         }
         both.push(run.time_series);
     }
-    let size = Level::of(&both[0]).peak_force_n;
+    let size = LoadMagnitude::of(&both[0]).peak_force_n;
     if size < still.least_force_n() {
         return Ok(not_measured("there are no forces to speak of"));
     }

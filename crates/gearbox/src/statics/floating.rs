@@ -178,17 +178,17 @@ impl Statics<'_> {
 
     /// Adds the contacts' loads on the discs; those on the output's pins too, unless they tell their moment, which is returned.
     fn add_contacts(&mut self) -> f64 {
-        self.told.fill(0.0);
+        self.moments_by_body.fill(0.0);
         let mut sums = Evaluation {
             floating_alone: true,
-            moments: Some(&mut self.told),
+            moments: Some(&mut self.moments_by_body),
             ..Evaluation::of_loads(&mut self.loads)
         };
         if self
             .field
             .evaluate(&self.bodies, Pose::AnglesOnly, &mut sums)
         {
-            return self.told[Layout::OUTPUT];
+            return self.moments_by_body[Layout::OUTPUT];
         }
         self.field.add_loads(&self.bodies, &mut self.loads);
         0.0
@@ -258,7 +258,7 @@ impl Statics<'_> {
         bearings: &EccentricBearings,
         u: &mut Vec<f64>,
     ) -> Option<DVector<f64>> {
-        let left = self.newton(phi, load, bearings, u)?;
+        let left = self.newton_on_bearings(phi, load, bearings, u)?;
         let gear = &self.gearbox.scene.gear;
         let force = load.abs() / (gear.lever_m() * gear.wheels as f64);
         let given_way = bearings.law.offset_under(force) / gear.lever_m();

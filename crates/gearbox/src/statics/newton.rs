@@ -91,7 +91,7 @@ impl Statics<'_> {
         for turned in 0..angles.len() {
             let angle = angles[turned];
             angles[turned] += step;
-            let there = self.told(phi, &angles[1..], angles[0], &mut beside)?;
+            let there = self.frictionless_moments(phi, &angles[1..], angles[0], &mut beside)?;
             let over = (angles[turned] - angle).recip();
             angles[turned] = angle;
             let (derivatives, of) = (self.derivatives.position.as_mut()?, OUTPUT + turned);
@@ -165,7 +165,7 @@ impl Statics<'_> {
         let (mut moments, mut turns, mut last_turns) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let mut last: Option<f64> = None;
         for _ in 0..steps {
-            let told = self.told(phi, wheels, psi, &mut moments);
+            let told = self.frictionless_moments(phi, wheels, psi, &mut moments);
             let output = match told {
                 Some(told) => told,
                 None => self.moments_with_slopes(phi, wheels, psi, &mut moments)?,
@@ -239,7 +239,9 @@ mod tests {
             let mut all = |by_differences: bool| {
                 let (phi, wheels, psi) = (at.input, &at.wheels, at.output);
                 if by_differences {
-                    let here = statics.told(phi, wheels, psi, &mut left).unwrap();
+                    let here = statics
+                        .frictionless_moments(phi, wheels, psi, &mut left)
+                        .unwrap();
                     statics.differ(phi, wheels, psi, &left, here).unwrap();
                 } else {
                     statics

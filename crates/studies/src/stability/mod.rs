@@ -16,7 +16,7 @@ use pinwheel_engines::{AccuracySetting, by_name};
 use pinwheel_gearbox::{Gearbox, auto};
 use pinwheel_mbs::integrators;
 use pinwheel_scene::{Formulation, PRESETS, Scales, Scene};
-use pinwheel_timeseries::norms::{Distance, Level};
+use pinwheel_timeseries::norms::{Distance, LoadMagnitude};
 use serde::{Deserialize, Serialize};
 
 pub use verdict::Failure;
@@ -172,7 +172,7 @@ pub struct Cell {
     /// How that run failed, if it did.
     pub failure: Option<Failure>,
     /// Sizes of its time series.
-    pub level: Option<Level>,
+    pub level: Option<LoadMagnitude>,
     /// Energy that nothing accounts for, as a share of the larger work. Friction, damping and stored energy
     /// are accounted for; the paper's law itself creates about 0.01 in the steady state.
     pub energy_remainder_share: Option<f64>,
@@ -344,7 +344,7 @@ fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<SceneRow,
         }
         let judge = verdict::Judge {
             reference: &time_series,
-            level: Level::of(&time_series),
+            level: LoadMagnitude::of(&time_series),
             scales: Scales::of(&scene),
         };
         let cell = cell(&scene, method, options, &judge, control)?;
@@ -382,7 +382,7 @@ fn cell(
     cell.failure = judge.failure(&run);
     if run.ending.is_finished() {
         cell.error = judge.error(&run.time_series);
-        cell.level = Some(Level::of(&run.time_series));
+        cell.level = Some(LoadMagnitude::of(&run.time_series));
         let whole = run.stats.energy.first();
         cell.energy_remainder_share = whole.and_then(|audit| audit.remainder_share);
         cell.joint_drift_m = run.stats.joint_drift_m.unwrap_or(0.0);

@@ -5,7 +5,7 @@ use pinwheel_scene::Scales;
 use pinwheel_timeseries::{Ending, TimeSeries};
 use serde::{Deserialize, Serialize};
 
-use pinwheel_timeseries::norms::{Distance, Level, LoadFloor};
+use pinwheel_timeseries::norms::{Distance, LoadFloor, LoadMagnitude};
 
 /// How a run fails. A blow-up is loud by itself; what ends with wrong numbers looks like data.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -100,7 +100,7 @@ impl Failure {
 /// Reference against which runs are judged.
 pub(super) struct Judge<'a> {
     pub(super) reference: &'a TimeSeries,
-    pub(super) level: Level,
+    pub(super) level: LoadMagnitude,
     /// Sizes of the scene.
     pub(super) scales: Scales,
 }
@@ -129,7 +129,7 @@ impl Judge<'_> {
         if !(joint_m <= JOINT_SHARE * self.scales.penetration_m) {
             return Some(Failure::Drift { joint_m });
         }
-        let found = Level::of(&run.time_series);
+        let found = LoadMagnitude::of(&run.time_series);
         let floor = FORCE_SHARE * self.scales.external_force_n;
         let peak = self.level.peak_force_n.max(floor);
         let peak_ratio = found.peak_force_n / peak;

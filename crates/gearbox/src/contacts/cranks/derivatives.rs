@@ -259,7 +259,7 @@ impl Cranks {
             let throw = sprung.throw_m;
             let moving = |eccentric_centres: f64, by: f64| {
                 move |_: usize, held: &Held| Move {
-                    way: sum(-seats, left(seat), -by * throw, held.across),
+                    way: sum(-eccentric_centres, left(seat), -by * throw, held.across),
                     // The eccentric before it gave way is R-90 of that.
                     faster: sum(
                         eccentric_centres * output,

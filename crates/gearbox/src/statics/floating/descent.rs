@@ -31,7 +31,7 @@ const HOLDS: [f64; 6] = [WEAK, 1e-2, 0.1, 1.0, 10.0, 100.0];
 
 impl Statics<'_> {
     /// Newton's method from `u`, with halved steps; what is left, or `None` where it got stuck.
-    pub(super) fn newton(
+    pub(super) fn newton_on_bearings(
         &mut self,
         phi: f64,
         load: f64,
@@ -53,7 +53,7 @@ impl Statics<'_> {
                 let matrix = self.matrix(phi, load, bearings, (u, &here), size);
                 derivatives = Some(size.held(matrix, WEAK).lu());
             }
-            let step = -slopes.as_ref()?.solve(&here)?;
+            let step = -derivatives.as_ref()?.solve(&here)?;
             let mut share = self.farthest(&step, size);
             let before = most;
             // What is left at a balance is rounding, which no shorter step betters.
