@@ -1,4 +1,4 @@
-"""Builds the package: maturin's backend, and the program with its libraries, which go into the disc beside the module."""
+"""Builds the package: maturin's backend, and the program with its libraries, which go into the wheel beside the module."""
 
 import os
 import re
@@ -14,7 +14,7 @@ HERE = Path(__file__).resolve().parent
 MADE = ("pinwheel-cli", "pinwheel-fmu", "pinwheel-law")
 NO_RUST = """
 Pinwheel is compiled on this machine, and there is no Rust: `cargo` was not found.
-Install Rust from https://rustup.rs (1 GB, a few minutes) and call pip again, or install a disc that was built elsewhere:
+Install Rust from https://rustup.rs (1 GB, a few minutes) and call pip again, or install a wheel that was built elsewhere:
     pip wheel ./python --no-deps -w dist
 """
 
@@ -53,7 +53,7 @@ def get_requires_for_build_wheel(_settings: dict | None = None) -> list[str]:
 
 
 def build_wheel(directory: str, config_settings: dict | None = None, metadata_directory: str | None = None) -> str:
-    """The disc."""
+    """Builds the wheel."""
     _stop_without_rust()
     _program()
     return maturin.build_wheel(directory, config_settings, metadata_directory)

@@ -15,7 +15,7 @@ use crate::variable;
 
 /// Names an existing environment, which is used as it is.
 pub(super) const ENVIRONMENT: &str = "PINWHEEL_PYTHON_ENV";
-/// Names a folder of discs to install from, without a network.
+/// Names a folder of wheels to install from, without a network.
 const WHEELS: &str = "PINWHEEL_WHEELS";
 
 /// Written last into an environment: its requirements.
