@@ -99,7 +99,7 @@ class Keys(TypedDict, total=False):
     line_length_m: float
     """length of a line contact (m); if left out: the face width, or 0.15 R; used by laws of rollers and for pressures"""
     pin_poisson: float
-    """Poisson's ratio of the pins; absent: that of the wheels"""
+    """Poisson's ratio of the pins; absent: that of the discs"""
     pin_young_pa: float
     """E of the pins; absent: that of the discs (Pa)"""
     poisson: float

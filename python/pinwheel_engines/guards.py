@@ -63,7 +63,7 @@ class Guard:
         off = np.abs(angles[layout.wheel_bodies] - ideal[layout.wheel_bodies])
         if np.any(off > self.wheel_limit_rad):
             i = int(np.argmax(off))
-            raise self.diverged(time_s, f"wheel {i} is {off[i]:.3g} rad away from the mesh, more than a lobe")
+            raise self.diverged(time_s, f"disc {i} is {off[i]:.3g} rad away from the mesh, more than a lobe")
         away = abs(angles[OUTPUT] - ideal[OUTPUT])
         if away > self.output_limit_rad:
             raise self.diverged(time_s, f"the output shaft is {away:.3g} rad away from the mesh")

@@ -29,6 +29,7 @@ impl Quantity {
         let words = stem
             .replace("external_sleeve", "ring pin")
             .replace("internal_sleeve", "output pin")
+            .replace("wheel", "disc")
             .replace('_', " ");
         let mut letters = words.chars();
         let label = if name == INPUT_TORQUE {
@@ -119,10 +120,10 @@ mod tests {
             ("output_torque_n_m", "Output torque", "N m"),
             ("external_sleeve_force_n", "Ring pin force", "N"),
             ("output_angle_rad", "Output angle", "rad"),
-            ("wheel_speed_rad_s", "Wheel speed", "rad/s"),
+            ("wheel_speed_rad_s", "Disc speed", "rad/s"),
             (
                 "wheel_0_external_stiffness_n_m15",
-                "Wheel 0 external stiffness",
+                "Disc 0 external stiffness",
                 "N/m^1.5",
             ),
             ("transmission_error_arcmin", "Transmission error", "arcmin"),

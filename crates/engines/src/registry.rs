@@ -182,7 +182,7 @@ pub(crate) static RAPIER_HOOK: EngineInfo<'static> = EngineInfo {
 
 /// See its fields.
 pub(crate) static RAPIER_COLLIDERS: EngineInfo<'static> = EngineInfo {
-    summary: "rapier2d alone: its collision detection, contact spring and friction, on polyline wheels",
+    summary: "rapier2d alone: its collision detection, contact spring and friction, on polyline discs",
     short: "rapier-colliders",
     colour: Some(8),
     feature: Some("rapier"),

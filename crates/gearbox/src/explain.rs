@@ -60,7 +60,7 @@ fn bearings(scene: &Scene, modelled: &mut Statements, left_out: &mut Statements)
         let (stiffness, exponent) = (law.stiffness, law.exponent);
         let clearance_um = 1e6 * law.clearance_m;
         modelled.add(
-            "wheels that float on elastic bearings",
+            "discs that float on elastic bearings",
             format!(
                 "F = K d^p beyond {clearance_um:.3} um of clearance, K = {stiffness:.3e} N/m^p, p = {exponent:.3}"
             ),
@@ -195,7 +195,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
         if !lagrange {
             left_out.add(
                 format!("{sleeves} pin spins"),
-                "friction_coefficient = 0: contact forces pass through the pin centres and turn no sleeve",
+                "friction_coefficient = 0: contact forces pass through the pin centres and turn no pin",
             );
         }
         left_out.add(
@@ -233,7 +233,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     if gearbox.has_friction() {
         modelled.add(
             format!("Coulomb friction, coefficient {coefficient}"),
-            format!("regularised below {ramp} m/s of sliding; it turns the sleeves"),
+            format!("regularised below {ramp} m/s of sliding; it turns the pins"),
         );
     }
     let (load, ramp) = (scene.drive.output_torque_n_m, scene.drive.load_ramp_s);
@@ -303,7 +303,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     );
     left_out.add(
         "contacts between pins and shafts",
-        "sleeves turn on ideal bearings",
+        "pins turn on ideal bearings",
     );
     let mut channels_available = Statements::default();
     for family in pinwheel_scene::channels::FAMILIES {

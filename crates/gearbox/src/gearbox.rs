@@ -270,7 +270,7 @@ impl Gearbox {
             pin(None, [0.0; 2], Layout::OUTPUT),
         ];
         for (i, index) in layout.wheel_bodies().enumerate() {
-            bodies.push(body(format!("wheel {i}"), mass.wheel, index));
+            bodies.push(body(format!("disc {i}"), mass.wheel, index));
             if self.floats() {
                 continue;
             }

@@ -76,7 +76,8 @@ impl Geometry {
         let curve = match known.filter(|curve| curve.is_of(eccentricity, sleeves, shortening)) {
             Some(curve) => curve.clone(),
             None => Epitrochoid::new(eccentricity, sleeves, shortening).ok_or_else(|| {
-                let what = "no epitrochoid has this eccentricity, shortening and number of sleeves";
+                let what =
+                    "no epitrochoid has this eccentricity, shortening and number of ring pins";
                 GearboxError::Geometry(what.to_owned())
             })?,
         };

@@ -23,7 +23,7 @@ pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
     let pitch = pitch(gearbox);
     for (i, body) in gearbox.layout.wheel_bodies().enumerate() {
         let off = bodies[body].angle - geometry.ideal_wheel_angle(i, input);
-        judge(pitch, off, geometry.wheel_play_rad, || format!("wheel {i}"))?;
+        judge(pitch, off, geometry.wheel_play_rad, || format!("disc {i}"))?;
     }
     check_output(gearbox, input, bodies[Layout::OUTPUT].angle)
 }

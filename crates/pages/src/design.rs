@@ -202,7 +202,7 @@ pub fn draft(draft: &Draft) -> String {
         row(
             "sharpest bend of the pins' path",
             mm(of.smallest_convex_radius_m),
-            "a larger pin radius undercuts the wheel",
+            "a larger pin radius undercuts the disc",
         ),
         row(
             "largest pin force",

@@ -123,7 +123,7 @@ fn participants() -> Result<Vec<Participant>, Box<dyn Error>> {
     broken.time_series = time_series(0.02, 1.0, 1200)?;
     broken.status = Status::Diverged {
         time_s: 0.12,
-        quantity: "wheel 1 angle is 1e12 rad".to_owned(),
+        quantity: "disc 1 angle is 1e12 rad".to_owned(),
     };
     all.push(broken);
     Ok(all)

@@ -147,7 +147,7 @@ fn banner_follows_the_verdict() {
     let mut broken = two(1.0);
     broken[1].status = Status::Diverged {
         time_s: 0.25,
-        quantity: "wheel angle".to_owned(),
+        quantity: "disc angle".to_owned(),
     };
     broken[1].time_series = time_series(1.0, 3, 250);
     let page = page(&broken);
@@ -175,7 +175,7 @@ fn a_diverged_engine_feeds_no_headline() {
     let mut broken = two(1.0);
     broken[1].status = Status::Diverged {
         time_s: 0.25,
-        quantity: "wheel angle".to_owned(),
+        quantity: "disc angle".to_owned(),
     };
     let mut comparison = judged(&context("paper"), &broken);
     let mut figures = comparison.engines[0].figures.clone();

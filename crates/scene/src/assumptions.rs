@@ -80,7 +80,7 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
         add(
             "mass",
             format!(
-                "wheel {:e}, pins {:e} and {:e} kg m^2",
+                "disc {:e}, pins {:e} and {:e} kg m^2",
                 scene.mass.wheel.moment_kg_m2,
                 scene.mass.external_sleeve.moment_kg_m2,
                 scene.mass.internal_sleeve.moment_kg_m2

@@ -139,7 +139,7 @@ impl Derived {
             "wall, hole to profile" walls.hole_to_profile_m, "m", "thinnest place of all holes";
             "wall, hole to hole" walls.hole_to_hole_m, "m", "";
             "gap, ring pins" walls.sleeve_to_sleeve_m, "m", "between neighbours";
-            "free play to one side" self.free_play_rad, "rad", "d sqrt(1 - m^2)/(e zs), at the wheel";
+            "free play to one side" self.free_play_rad, "rad", "d sqrt(1 - m^2)/(e zs), at the disc";
             "driver torque, ideal" self.ideal_input_torque_n_m, "N m", expected;
             "largest ring pin force" self.external_force_estimate_n, "N", "a disc, springs all alike, without clearance: 4 T/(e zs zk); the contact law and play move it, see `pinwheel design`";
             "largest output pin force" self.internal_force_estimate_n, "N", "a disc, likewise: 4 T/(zi Rw)";

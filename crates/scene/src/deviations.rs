@@ -64,7 +64,7 @@ impl Errors {
     pub fn lists(&self, gear: &Gear) -> [ErrorList<'_>; 12] {
         let external = ("ring pins", gear.external_sleeves);
         let internal = ("output pins", gear.internal_sleeves);
-        let holes = ("holes, disc by wheel", gear.internal_sleeves * gear.wheels);
+        let holes = ("holes, disc by disc", gear.internal_sleeves * gear.wheels);
         let wheels = ("wheels", gear.wheels);
         macro_rules! lists {
             ($($field:ident $parts:ident;)*) => {

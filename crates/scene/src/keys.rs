@@ -229,10 +229,10 @@ pub const KEYS: &[Key] = keys! {
 
     "contact.law" Choice("contact law", names::laws), Constant("\"line-hertz\"", "rollers on a line, both bodies elastic; creates no energy"), "normal law", "see `pinwheel laws`";
     "contact.band_laws" Choices("contact law", names::laws), Nothing, "laws that may be right for these rollers, whose spread is the band of a figure; absent: those for the materials; []: no band", "see `pinwheel laws`";
-    "contact.young_pa" Number(From(1e5, 1e13)), Constant("2.1e11", "steel"), "E of the wheels", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
-    "contact.poisson" Number(Between(-1.0, 0.5)), Constant("0.3", "steel"), "Poisson's ratio of the wheels", "steel has 0.3; outside these bounds no isotropic material is stable";
-    "contact.pin_young_pa" Number(From(1e5, 1e13)), Nothing, "E of the pins; absent: that of the wheels", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
-    "contact.pin_poisson" Number(Between(-1.0, 0.5)), Nothing, "Poisson's ratio of the pins; absent: that of the wheels", "steel has 0.3; outside these bounds no isotropic material is stable";
+    "contact.young_pa" Number(From(1e5, 1e13)), Constant("2.1e11", "steel"), "E of the discs", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
+    "contact.poisson" Number(Between(-1.0, 0.5)), Constant("0.3", "steel"), "Poisson's ratio of the discs", "steel has 0.3; outside these bounds no isotropic material is stable";
+    "contact.pin_young_pa" Number(From(1e5, 1e13)), Nothing, "E of the pins; absent: that of the discs", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
+    "contact.pin_poisson" Number(Between(-1.0, 0.5)), Nothing, "Poisson's ratio of the pins; absent: that of the discs", "steel has 0.3; outside these bounds no isotropic material is stable";
     "contact.stiffness_multiplier" Number(From(1e-9, 1e6)), Constant("1.0", "the full stiffness after Hertz"), "H: factor on the stiffness after Hertz", "1 is the Hertzian stiffness, the paper uses 0.01";
     "contact.internal_stiffness_multiplier" Number(From(1e-9, 1e6)), Nothing, "H of internal contacts, of laws of balls; absent: that of all", "1 is the Hertzian stiffness";
     "contact.external_spring_n_m" Number(From(1.0, 1e15)), Nothing, "k of external contacts under the law linear; absent: the secant of line-hertz under the largest load", "steel rollers have 1e8 to 1e9 N/m";
@@ -241,13 +241,13 @@ pub const KEYS: &[Key] = keys! {
     "mass.density_kg_m3" Number(From(1.0, 1e5)), Nothing, "density of all bodies; for masses that are left out", "densities are in kg/m^3: steel has 7850";
     "mass.input_shaft.mass_kg" MASS, Formula(formulas::input_shaft_mass, "a cylinder through the bores, as long as all discs, bores of 0.6 (internal circle - hole radius)"), "mass of the driven shaft with its eccentrics", KILOGRAMS;
     "mass.input_shaft.moment_kg_m2" MOMENT, Formula(formulas::input_shaft_moment, "mass times radius^2/2 of that cylinder"), "moment of inertia of the driven shaft", MOMENTS;
-    "mass.output_shaft.mass_kg" MASS, Formula(formulas::output_shaft_mass, "a disc out to the output pins' edge, as thick as a wheel"), "mass of the loaded shaft without its sleeves", KILOGRAMS;
+    "mass.output_shaft.mass_kg" MASS, Formula(formulas::output_shaft_mass, "a disc out to the output pins' edge, as thick as a disc"), "mass of the loaded shaft without its pins", KILOGRAMS;
     "mass.output_shaft.moment_kg_m2" MOMENT, Formula(formulas::output_shaft_moment, "mass times radius^2/2 of that disc"), "moment of inertia of the loaded shaft", MOMENTS;
-    "mass.wheel.mass_kg" MASS, Formula(formulas::wheel_mass, "density times face width times the area inside the profile less holes and bore"), "mass of one wheel", KILOGRAMS;
+    "mass.wheel.mass_kg" MASS, Formula(formulas::wheel_mass, "density times face width times the area inside the profile less holes and bore"), "mass of one disc", KILOGRAMS;
     "mass.wheel.moment_kg_m2" MOMENT, Formula(formulas::wheel_moment, "mass times the radius of gyration^2 of that area"), "moment of inertia of one disc about its centre", MOMENTS;
-    "mass.internal_sleeve.mass_kg" MASS, Formula(formulas::internal_sleeve_mass, "a solid cylinder, as long as all wheels"), "mass of a pin on the output shaft; of an RV gear that of a crank with its planet", KILOGRAMS;
+    "mass.internal_sleeve.mass_kg" MASS, Formula(formulas::internal_sleeve_mass, "a solid cylinder, as long as all discs"), "mass of a pin on the output shaft; of an RV gear that of a crank with its planet", KILOGRAMS;
     "mass.internal_sleeve.moment_kg_m2" MOMENT, Formula(formulas::internal_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a pin on the output shaft, or of a crank with its planet", MOMENTS;
-    "mass.external_sleeve.mass_kg" MASS, Formula(formulas::external_sleeve_mass, "a solid cylinder, as long as all wheels"), "mass of a pin on the housing", KILOGRAMS;
+    "mass.external_sleeve.mass_kg" MASS, Formula(formulas::external_sleeve_mass, "a solid cylinder, as long as all discs"), "mass of a pin on the housing", KILOGRAMS;
     "mass.external_sleeve.moment_kg_m2" MOMENT, Formula(formulas::external_sleeve_moment, "mass times radius^2/2"), "moment of inertia of a pin on the housing", MOMENTS;
 
     "contact.constant_stiffness_n_m15" Number(From(1e-6, 1e15)), Formula(formulas::constant_stiffness, "after Hertz, of a ring pin on a flat; used by laws of one stiffness only"), "K of laws with one stiffness for all contacts", "the paper's contacts have 5e7 to 2e8 N/m^1.5";

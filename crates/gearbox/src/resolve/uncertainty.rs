@@ -161,7 +161,7 @@ mod tests {
         };
         assert!(found.is_resolved());
         assert_eq!((found.cost(), found.notes().len()), (1.5, 1));
-        found.levels.push(level(100, Some("t = 1 s: a wheel")));
+        found.levels.push(level(100, Some("t = 1 s: a disc")));
         found.verdict = Verdict::NotResolved {
             reason: String::new(),
             remedy: String::new(),
@@ -169,7 +169,7 @@ mod tests {
         assert!(!found.is_resolved());
         assert_eq!(found.cost(), 2.0);
         let notes = found.notes();
-        assert!(notes[1].contains("1 of 3 runs") && notes[1].contains("a wheel"));
+        assert!(notes[1].contains("1 of 3 runs") && notes[1].contains("a disc"));
     }
 
     /// Figures that nearly hold want a little more; time series that mean nothing want another scene.

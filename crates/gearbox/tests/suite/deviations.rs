@@ -169,8 +169,8 @@ fn published_gaps_of_errors() {
         ("hole radial", 0),
         ("hole tangential", 1),
         ("hole radius", 1),
-        ("sleeve tangential", 0),
-        ("sleeve radius", 1),
+        ("pin tangential", 0),
+        ("pin radius", 1),
         ("phase", 1),
     ] {
         for k in 0..zi {
@@ -181,8 +181,8 @@ fn published_gaps_of_errors() {
                     "hole radial" => errors.hole_radial_m = one(2 * zi, number),
                     "hole tangential" => errors.hole_tangential_m = one(2 * zi, number),
                     "hole radius" => errors.hole_radius_m = one(2 * zi, number),
-                    "sleeve tangential" => errors.internal_sleeve_tangential_m = one(zi, k),
-                    "sleeve radius" => errors.internal_sleeve_radius_m = one(zi, k),
+                    "pin tangential" => errors.internal_sleeve_tangential_m = one(zi, k),
+                    "pin radius" => errors.internal_sleeve_radius_m = one(zi, k),
                     _ => errors.phase_rad = [0.0, size / gear.eccentricity_m].into(),
                 }
             });
@@ -194,8 +194,8 @@ fn published_gaps_of_errors() {
                 "hole radial" => inwards.dot(out),
                 "hole tangential" => inwards.dot(out.turned()),
                 "hole radius" => 1.0,
-                "sleeve tangential" => -inwards.dot(out.turned()),
-                "sleeve radius" => -1.0,
+                "pin tangential" => -inwards.dot(out.turned()),
+                "pin radius" => -1.0,
                 // The disc turns by -1/(e zs) of the way that its centre moves across, and its hole with it.
                 _ => {
                     let turned = out
@@ -336,9 +336,9 @@ proptest! {
                 // Points lie 1 to 5 um apart: (5 um)^2/(2 * 0.5 mm) at the sharpest.
                 // At the corners of turned flanks also half of 5 um times their slope, 0.02.
                 let bound = if gearbox.scene.gear.modification.rotational_rad > 0.0 { 1e-7 } else { 3e-8 };
-                prop_assert!((found - wanted).abs() < bound, "wheel {wheel}, pin {j}: {found:e} {wanted:e}");
+                prop_assert!((found - wanted).abs() < bound, "disc {wheel}, pin {j}: {found:e} {wanted:e}");
                 let touches = touching.iter().any(|pair| pair.wheel == wheel && pair.sleeve == Sleeve::External(j));
-                prop_assert!(touches == (found > 0.0), "wheel {wheel}, pin {j}: {found:e}");
+                prop_assert!(touches == (found > 0.0), "disc {wheel}, pin {j}: {found:e}");
             }
         }
     }

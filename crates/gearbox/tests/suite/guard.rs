@@ -43,7 +43,7 @@ fn hard_free_play_is_allowed_and_a_quarter_pitch_more() {
         assert!(!play || wheel > 0.05 * quarter, "{wheel} {quarter}");
         let wheel_body = gearbox.layout.wheel_bodies().last().unwrap();
         for (body, name, most) in [
-            (wheel_body, "wheel 1", wheel + quarter),
+            (wheel_body, "disc 1", wheel + quarter),
             (Layout::OUTPUT, "output shaft", output + quarter),
         ] {
             for sign in [1.0, -1.0] {

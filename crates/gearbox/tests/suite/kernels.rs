@@ -176,7 +176,7 @@ fn check_depths(gearbox: &Gearbox, bodies: &[BodyState], pairs: &[PairContact]) 
             let rounding = 4e-15 * curve.pitch_radius();
             assert!(
                 (found - depth).abs() <= rounding,
-                "wheel {wheel}, pin {j}: {found} {depth}"
+                "disc {wheel}, pin {j}: {found} {depth}"
             );
         }
     }

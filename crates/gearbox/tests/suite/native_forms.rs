@@ -207,14 +207,11 @@ fn bodies_off_their_mesh_are_told() {
     };
     assert_eq!(moved(2, 0.2 * pitch), Ok(()));
     let wheel = moved(2, 0.3 * pitch).unwrap_err();
-    assert!(wheel.contains("wheel 0"), "{wheel}");
+    assert!(wheel.contains("disc 0"), "{wheel}");
     let output = moved(1, -0.3 * pitch).unwrap_err();
     assert!(output.contains("output shaft"), "{output}");
     let lost = moved(3, f64::NAN).unwrap_err();
-    assert!(
-        lost.contains("wheel 1") && lost.contains("finite"),
-        "{lost}"
-    );
+    assert!(lost.contains("disc 1") && lost.contains("finite"), "{lost}");
 }
 
 #[test]

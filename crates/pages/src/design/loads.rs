@@ -129,7 +129,7 @@ fn bearing_orders(found: &DesignResult) -> Chart {
 pub(super) fn bearings(found: &DesignResult) -> Section {
     let (title, carried) = match found.scene.cranks {
         Some(_) => (
-            "Force on a wheel",
+            "Force on a disc",
             "What the contacts press on a disc, the bearings of its cranks carry together, beside what turns the output.",
         ),
         None => (

@@ -166,7 +166,7 @@ pub const FAMILIES: &[Family] = families! {
     "damping_loss_w" One What::Whole(W::DampingLoss), "power lost by the damping of the normal forces";
     "friction_loss_w" One What::Whole(W::FrictionLoss), "power lost by sliding";
     "transmission_error_arcmin" One What::Whole(W::TransmissionError), "output angle less the ideal mesh's, counter-clockwise";
-    "wheel_transmission_error_arcmin_*" Wheels What::Whole(W::WheelTransmissionError), "wheel angle less the ideal mesh's, counter-clockwise";
+    "wheel_transmission_error_arcmin_*" Wheels What::Whole(W::WheelTransmissionError), "disc angle less the ideal mesh's, counter-clockwise";
     "external_contact_ratio_*" Wheels What::Whole(W::ExternalContacts), "ring pins that press on the disc; the mean is the contact ratio";
     "internal_contact_ratio_*" Wheels What::Whole(W::InternalContacts), "output pins that press on the disc; the mean is the contact ratio";
     "input_bearing_force_n" One What::Joint(J::Input, X::Magnitude), "force of the housing on the input shaft";
@@ -175,7 +175,7 @@ pub const FAMILIES: &[Family] = families! {
     "output_bearing_force_n" One What::Joint(J::Output, X::Magnitude), "force of the housing on the output shaft";
     "output_bearing_force_x_n" One What::Joint(J::Output, X::X), "its x, ground frame";
     "output_bearing_force_y_n" One What::Joint(J::Output, X::Y), "its y, ground frame";
-    "eccentric_bearing_force_n_*" Wheels What::Joint(J::Eccentric, X::Magnitude), "force of the eccentric on the wheel";
+    "eccentric_bearing_force_n_*" Wheels What::Joint(J::Eccentric, X::Magnitude), "force of the eccentric on the disc";
     "eccentric_bearing_force_x_n_*" Wheels What::Joint(J::Eccentric, X::X), "its x, ground frame";
     "eccentric_bearing_force_y_n_*" Wheels What::Joint(J::Eccentric, X::Y), "its y, ground frame";
     "eccentric_bearing_radial_force_n_*" Wheels What::Joint(J::Eccentric, X::Radial), "its part away from the input's axis";

@@ -82,9 +82,9 @@ fn unknown(typed: &str, layout: Layout) -> Fault {
         let (wheels, external) = (last(layout.wheels), last(layout.external_sleeves));
         let internal = last(layout.internal_sleeves);
         return fault(
-            format!("has no `{typed}`: no such disc or sleeve"),
+            format!("has no `{typed}`: no such disc or pin"),
             format!(
-                "wheels are 0 to {wheels}, ring pins 0 to {external}, output pins 0 to {internal}"
+                "discs are 0 to {wheels}, ring pins 0 to {external}, output pins 0 to {internal}"
             ),
         );
     }
@@ -152,7 +152,7 @@ mod tests {
             "did you mean `wheel_*_internal_stiffness_n_m15_2`?"
         );
         assert_eq!(remedy("eficiency"), "did you mean `efficiency`?");
-        assert!(remedy("wheel_2_external_penetration_m_3").contains("wheels are 0 to 1"));
+        assert!(remedy("wheel_2_external_penetration_m_3").contains("discs are 0 to 1"));
         assert!(remedy("external_sleeve_force_n_16").contains("ring pins 0 to 15"));
         assert!(remedy("").contains("pinwheel explain"));
         assert!(remedy(&"x".repeat(1000)).contains('*'));

@@ -31,7 +31,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
             format!(
                 "makes {wheels} x {sleeves} = {pairs} pairs of disc and pin, more than memory and time are planned for"
             ),
-            format!("keep discs x (external + output pins) at or below {MOST_PAIRS}"),
+            format!("keep discs x (ring + output pins) at or below {MOST_PAIRS}"),
         ));
     }
 

@@ -192,7 +192,7 @@ fn backlash(gear: &Gear) -> Result<(), Fault> {
         return Err(Fault::new(
             &["gear.backlash_m"],
             format!(
-                "is {backlash} m, more than half of the eccentricity or of the ring pin radius: the lobes would hardly reach the sleeves"
+                "is {backlash} m, more than half of the eccentricity or of the ring pin radius: the lobes would hardly reach the ring pins"
             ),
             format!("give at most {most} m (the paper's largest is 0.0006)"),
         ));

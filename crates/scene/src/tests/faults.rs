@@ -305,15 +305,15 @@ fn parts_that_do_not_fit() {
         (&["gear.hole_radius_m=0.00879"], "could not orbit"),
         (&["gear.hole_radius_m=0.0146"], "neighbouring holes overlap"),
         (&["gear.internal_sleeves=14"], "neighbouring holes overlap"),
-        (&["gear.internal_circle_radius_m=0.0525"], "leave the wheel"),
-        (&["gear.internal_circle_radius_m=0.07"], "leave the wheel"),
+        (&["gear.internal_circle_radius_m=0.0525"], "leave the disc"),
+        (&["gear.internal_circle_radius_m=0.07"], "leave the disc"),
         (
             &[
                 "gear.internal_sleeves=3",
                 "gear.hole_radius_m=0.035",
                 "gear.internal_circle_radius_m=0.0405",
             ],
-            "leave the wheel",
+            "leave the disc",
         ),
     ] {
         let line = refused(sets);
@@ -403,7 +403,7 @@ fn channels_that_do_not_exist() {
         ),
         (
             "channels = [\"wheel_2_external_penetration_m_0\"]",
-            "wheels are 0 to 1",
+            "discs are 0 to 1",
         ),
         ("channels = [3]", "must be a list of texts"),
         ("channels = 3", "must be a list of texts"),
@@ -545,7 +545,7 @@ fn bad_input_errors_of_parts() {
         (
             "hole_radial_m",
             list(8, "1e-6"),
-            &["has 8 entries", "16 holes, disc by wheel"],
+            &["has 8 entries", "16 holes, disc by disc"],
         ),
         (
             "phase_rad",

@@ -57,7 +57,7 @@ definitions! {
     PRESSURE_SLIDING = "pressure_sliding_mpa_m_s", "largest pressure times sliding", "MPa m/s",
         "on pins that do not turn";
     BEARING_FORCE = "eccentric_bearing_force_n", "eccentric bearing, largest force", "N",
-        "largest of a pose, of all wheels";
+        "largest of a pose, of all discs";
 
     BEARING_LIFE = "eccentric_bearing_life_h", "eccentric bearing, basic rating life", "h",
         "L10h after ISO 281 of the most loaded disc, rated speed and load throughout";

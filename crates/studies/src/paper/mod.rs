@@ -159,8 +159,8 @@ fn costs(runs: &Runs<'_>) -> Result<(Vec<Cost>, Measured), StudyError> {
     let mut found = Measured::new("cost", Vec::new(), Vec::new());
     let (rough, fine) = (Model::ROUGH, Model::FINE);
     for (what, name, paper_s, model) in [
-        ("600 points on a wheel", "600_points", Some(240.0), rough),
-        ("4000 points on a wheel", "4000_points", Some(1500.0), fine),
+        ("600 points on a disc", "600_points", Some(240.0), rough),
+        ("4000 points on a disc", "4000_points", Some(1500.0), fine),
         ("exact profile", "exact", None, Model::Ours),
     ] {
         let run = runs.get(model, |s| "rk2".clone_into(&mut s.solver.integrator))?;

@@ -238,7 +238,7 @@ fn hard_figures_hang_on_nothing_else() {
         time: 0.03,
         force: 1e-3,
     };
-    let kinds = ["wheels held rigidly", "floating wheels", "RV gears"];
+    let kinds = ["discs held rigidly", "floating discs", "RV gears"];
     let mut shares = [Share::default(); 7];
     let mut of_kinds = [Share::default(); 3];
     for seed in first..first + gears {
