@@ -79,7 +79,7 @@ def text() -> str:
     lines += ["Vary = TypedDict(", '    "Vary",', "    {"]
     lines += [f"        {json.dumps(name)}: Axis," for name in every]
     lines += ["    },", "    total=False,", ")", ""]
-    lines += ["# Columns of a run, and channels; of 40 external and 16 output pins and 3 discs."]
+    lines += ["# Columns of a run, and channels; of 40 ring and 16 output pins and 3 discs."]
     lines += ["Column: TypeAlias = Literal["]
     lines += [*(f"    {json.dumps(name)}," for name in columns()), "]", ""]
     return "\n".join(lines)

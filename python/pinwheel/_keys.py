@@ -400,7 +400,7 @@ Vary = TypedDict(
     total=False,
 )
 
-# Columns of a run, and channels; of 40 external and 16 output pins and 3 discs.
+# Columns of a run, and channels; of 40 ring and 16 output pins and 3 discs.
 Column: TypeAlias = Literal[
     "time_s",
     "input_torque_n_m",

@@ -40,7 +40,7 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
             (
                 "gear.internal_sleeve_radius_m",
                 gear.internal_sleeve_radius_m,
-                "6 mm because Tab. 2 gives internal and ring pins the same mass and moment, 5 mm in the author's 2019 optimisation of this gearbox",
+                "6 mm because Tab. 2 gives ring and output pins the same mass and moment, 5 mm in the author's 2019 optimisation of this gearbox",
             ),
             (
                 "gear.hole_radius_m",

@@ -76,7 +76,7 @@ pub(super) struct JointSpace {
     angles: Vec<f64>,
     units: Column,
     wheels: Vec<Wheel>,
-    /// Segments of external and of output pins, two side by side. The former stay while no other pin comes
+    /// Segments of ring and of output pins, two side by side. The former stay while no other pin comes
     /// near: nothing need wait for the test that they hold.
     segments: [Vec<[Segment; 2]>; 2],
     /// Directions of the pins at the [`ENDS`] of the windows, a register a disc, and whether every disc has ends.
