@@ -28,7 +28,7 @@ pages:
 fuzz seconds="60":
     PINWHEEL_FUZZ_S={{ seconds }} cargo test -p pinwheel-fuzz -- --nocapture
 
-# What moved against the accepted results
+# Differences from the accepted results
 baseline:
     cargo run --release -- baseline check
 

@@ -6,7 +6,7 @@ use pinwheel_studies::rng::Rng;
 pub struct Random(Rng);
 
 impl Random {
-    /// The same seed gives the same numbers.
+    /// Equal seeds give equal numbers.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(Rng::new(seed))
@@ -217,7 +217,7 @@ fn number(bytes: &mut Vec<u8>, random: &mut Random) {
         .find(|&k| !part(bytes[k]))
         .unwrap_or(bytes.len());
     let new: Vec<u8> = match random.below(4) {
-        // As far off as typing errors are.
+        // Distances of typing errors.
         0 => match std::str::from_utf8(&bytes[from..to])
             .ok()
             .and_then(|text| text.parse::<f64>().ok())

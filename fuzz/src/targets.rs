@@ -66,7 +66,7 @@ fn load(text: &str, sets: &[Override]) -> Option<CheckedScene> {
     }
 }
 
-/// What is accepted can be written and read again, has finite scales, and is compiled or refused.
+/// Checks that an accepted scene can be written and read again, has finite scales, and is compiled or refused.
 fn sound(scene: &CheckedScene) -> Option<Gearbox> {
     let again = Scene::from_toml(&scene.to_toml(), "/nonexistent/fuzz.toml", &[]);
     match again {

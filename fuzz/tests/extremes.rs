@@ -37,7 +37,7 @@ fn ends(kind: Kind) -> Vec<String> {
     }
 }
 
-/// What a key asks for beside itself.
+/// Keys that another key requires.
 fn beside(key: &str) -> &'static str {
     match key {
         "bearings.sleeve_friction_coefficient" => return "bearings.sleeve_bore_m = 0.01\n",

@@ -30,7 +30,7 @@ fn keep(target: &Target, number: u64, bytes: &[u8]) -> PathBuf {
     path
 }
 
-/// What a target does at present, for the watch.
+/// Activity of a target, for the watchdog.
 type Now = Mutex<Option<(Instant, u64)>>;
 
 /// Runs a target; what it did, and findings.

@@ -1,4 +1,4 @@
-"""What once was wrong or misled, a test each."""
+"""Defects of earlier versions, a test each."""
 
 import html
 import os
@@ -35,7 +35,7 @@ def test_two_sweeps_without_a_folder_are_both_there(tmp_path, monkeypatch):
     second = pinwheel.sweep(short, vary={"damping_n_s_m": [8.0]}, engines="native")
     assert first.out != second.out
     assert "backlash" in first.page() and (first.out / "results.csv").read_text() != (second.out / "results.csv").read_text()
-    # The same again is the same folder, and goes on with what is there.
+    # A second call uses the same folder and continues with its content.
     assert pinwheel.sweep(short, vary={"damping_n_s_m": [8.0]}, engines="native", resume=True).out == second.out
 
 
@@ -241,7 +241,7 @@ def test_flags_are_said_in_python():
         ("pinwheel design of this scene", "`pinwheel.design` of this scene"),
     ):
         assert here in " ".join(plain(told).split()), plain(told)
-    # What holds no flag stays as it is, line for line.
+    # Cells without a flag stay as they are, line for line.
     table = "a  b\n1  2\n\n   x\n    y\nlabel         text that\n              goes on"
     assert plain(table) == table
 

@@ -37,7 +37,7 @@ def test_it_solves_the_same_equations():
     mine = SHORT.run(my_rk4)
     assert mine.engine == "my-rk4" and mine.stats["rhs_calls"] == 4 * mine.stats["steps"] == 1600
     for name in ("input_torque_n_m", "output_torque_n_m", "external_sleeve_force_n"):
-        # The same method, step and law in two programs: 3e-12 of the peak by rounding, times 30.
+        # Two programs with equal method, step and law: 3e-12 of the peak by rounding, times 30.
         assert np.max(np.abs(mine[name] - native[name])) < 1e-10 * np.max(np.abs(native[name])), name
 
 

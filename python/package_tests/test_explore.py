@@ -24,7 +24,7 @@ def test_a_notebook_shows_it_until_it_is_closed(tmp_path, monkeypatch):
     page = pinwheel.explore(pinwheel.Scene("paper", backlash_m=2e-4), height=500)
     assert f'src="{page.url}"' in page._repr_html_() and "500px" in page._repr_html_()
     assert "<title>" in fetched(page.url)
-    # What the page itself asks: a run of a moved slider, and the scene as a file in the working folder.
+    # Requests of the page itself: a run of a moved slider, and the scene as a file in the working folder.
     at = urlsplit(page.url)
     own = {"Origin": f"{at.scheme}://{at.netloc}", "Content-Type": "application/json"}
 
@@ -65,7 +65,7 @@ def test_it_ends_with_python(end):
 
 @pytest.mark.skipif(os.name == "nt", reason="groups of processes are Unix's")
 def test_a_cell_that_is_interrupted_leaves_it():
-    # As Jupyter does it: to the kernel's whole group.
+    # Jupyter interrupts the kernel's complete process group.
     code = """
 import os, signal, time, urllib.request
 import pinwheel

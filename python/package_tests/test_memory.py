@@ -1,4 +1,4 @@
-"""What many runs keep: their data, once."""
+"""Memory of many runs: one copy of their data."""
 
 import gc
 import sys
@@ -28,7 +28,7 @@ def test_a_thousand_runs_keep_their_data_once():
     each = (resident() - before) / 1000
     print(f"{each / BYTES:.2f} of their data")
     assert 0.9 * BYTES < each < 1.15 * BYTES
-    # What is let go is used again: the allocator need not give it back.
+    # Freed memory is used again: the allocator need not return it to the system.
     del kept
     kept = [SCENE.run("native", check=False) for _ in range(1000)]
     assert resident() - before < 1.15 * 1000 * BYTES

@@ -8,7 +8,7 @@ from conftest import ROOT
 from nbclient import NotebookClient
 
 NOTEBOOKS = sorted((ROOT / "python/notebooks").glob("*.ipynb"))
-# What the text of a notebook says of its outputs.
+# Statements of a notebook's text about its outputs.
 SAYS = {
     "3-own-solver": ["'differ'"],
     "4-sweep-on-a-cluster": ["True", "% from the peaks"],

@@ -7,7 +7,7 @@ import pytest
 import twenty_tasks
 from conftest import ROOT
 
-# What a type checker must refuse, a line each.
+# Lines that a type checker must refuse.
 WRONG = """\
 import pinwheel
 pinwheel.Scene("paper", backlsh_m=1)
@@ -22,7 +22,7 @@ pinwheel.run("paper").plot("output_anlge_rad")
 pinwheel.compare("paper")["native"]["external_sleeve_force_m"]
 pinwheel.run("paper")["external_sleeve_force_n_400"]
 """
-# What it must take, with the types that it infers.
+# Lines that it must accept, with the types that it infers.
 RIGHT = """\
 from collections.abc import Mapping
 from typing import assert_type

@@ -1,4 +1,4 @@
-"""What accuracy costs."""
+"""Cost of accuracy: work-precision studies."""
 
 from __future__ import annotations
 

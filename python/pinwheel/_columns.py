@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Floats = npt.NDArray[np.float64]
 _NUMBERED = re.compile(r"(.+)_(\d+)")
-# How names end, longer endings first.
+# Suffixes of names, longer ones first.
 UNITS = {
     "_n_m_per_arcmin": "N m/arcmin", "_n_m": "N m", "_arcmin": "arcmin", "_rad_s": "rad/s", "_m_s": "m/s", "_rad": "rad",
     "_n": "N", "_m": "m", "_s": "s", "_w": "W", "_j": "J", "_mpa": "MPa", "_pa": "Pa",
@@ -41,7 +41,7 @@ def wanted(package: str, extra: str) -> Any:
 
 
 def near(name: str, known: Iterable[str], listed: Iterable[str]) -> str:
-    """What a wrong name may have meant."""
+    """Returns names close to a wrong one."""
     import difflib
 
     close = difflib.get_close_matches(name, list(known), n=1)
@@ -84,7 +84,7 @@ class Columns(Mapping["Column", Floats]):
         return self.column(name)
 
     def column(self, name: str) -> Floats:
-        """The same of any name, such as `f"external_sleeve_force_n_{k}"`."""
+        """Returns the column of any name, such as `f"external_sleeve_force_n_{k}"`."""
         if name == "time_s":
             return self.time_s
         if name in self._index:
@@ -210,7 +210,7 @@ def plot(columns: Columns, names: tuple[Column, ...], title: str, ax: Any) -> An
 
 
 def quantity(name: str) -> str:
-    """What a column holds, in words, its unit apart.
+    """Returns the meaning of a column in words, without its unit.
 
     >>> quantity("input_torque_n_m"), quantity("external_sleeve_force_n_3")
     ('input torque', 'ring pin force 3')

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What was found of one quantity of two engines in one window of time.
+    """Verdict on one quantity of two engines in one window of time.
 
     Attributes:
         track: What the two have in common
@@ -85,7 +85,7 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
 
     @property
     def engines(self) -> dict[str, str]:
-        """How every engine's run ended.
+        """Returns the ending of every engine's run.
 
         `finished`, `diverged`, `unsupported`, `absent`, `failed` or `timed-out`.
         """

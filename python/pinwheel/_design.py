@@ -196,7 +196,7 @@ def _figure(found: dict[str, Any], what: str, shown: str, bounds: str) -> Figure
 
 
 def design(scene: Scene | str, *, progress: bool | Told | None = None) -> Design:
-    """What a designer asks of a gear under its rated load: lost motion, stiffness, pressure, efficiency and more.
+    """Computes the design figures of a gear under its rated load: lost motion, stiffness, pressure, efficiency and more.
 
     Statics and a few runs; `statics` leaves the runs out.
     """

@@ -1,4 +1,4 @@
-"""What a scene models, assumes and lets one expect, without running it."""
+"""Model, assumptions and expected figures of a scene, without a run."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pinwheel._scene import Scene
 
 
 class Explanation:
-    """What is said of a scene: `str(...)` for people, `data` for programs."""
+    """Explanation of a scene: `str(...)` for people, `data` for programs."""
 
     def __init__(self, data: dict[str, Any], text: str) -> None:
         self.data = data
@@ -29,7 +29,7 @@ class Explanation:
 
 
 def explain(scene: Scene | str) -> Explanation:
-    """What is modelled and left out, what follows from the dimensions, and which values are assumptions.
+    """Explains the modelled and the omitted effects, the derived dimensions and the assumed values of a scene.
 
     >>> explain("paper").data["derived"]["ratio"]
     15.0

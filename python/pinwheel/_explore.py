@@ -72,7 +72,7 @@ class Explorer:
 
     @property
     def closed(self) -> bool:
-        """Whether it is served no more."""
+        """True after the server has stopped."""
         return self._program.poll() is not None
 
     def __enter__(self) -> Explorer:

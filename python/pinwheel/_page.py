@@ -25,7 +25,7 @@ def _with(match: re.Match[str]) -> str:
     return f'`with_({{"{key}": {value}}})`'
 
 
-# How remedies that the program tells are followed here.
+# Python's form of the remedies in the program's messages.
 _FLAGS: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     ("rebuild with --features crossval", "the program has them where it is built with its feature crossval"),
     ("run it without --engines", "name no engines"),
@@ -51,7 +51,7 @@ def plain(text: str) -> str:
     while lines:
         first = lines.pop(0)
         block, indent = [first], 0
-        # What goes on below stands where the text of the first line stands, behind its label.
+        # Continuation lines are indented to the text of the first line, after its label.
         while lines and (below := len(lines[0]) - len(lines[0].lstrip())) > 0 and first[below - 1 : below] in (" ", ""):
             if below != (indent or below):
                 break
@@ -71,7 +71,7 @@ def plain(text: str) -> str:
 
 
 class Paged:
-    """What has a page that opens offline; it travels to other processes with it."""
+    """Base of results with a page that opens offline; the page is pickled with the result."""
 
     _page: Callable[[], str] | str
     _called = "page"

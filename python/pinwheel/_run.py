@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from pinwheel._keys import Column
 
-# What is known beside the time series, by its names in `run.json`.
+# Facts of a run beside its time series, by their names in `run.json`.
 KNOWN = ("resolution", "numerical_uncertainty", "results", "by_contact_law")
 
 
@@ -109,7 +109,7 @@ class Run(Mapping["Column", Floats]):
         return self.columns[name]
 
     def column(self, name: str) -> Floats:
-        """The same of any name, such as `f"external_sleeve_force_n_{k}"`."""
+        """Returns the column of any name, such as `f"external_sleeve_force_n_{k}"`."""
         return self.columns.column(name)
 
     def __iter__(self) -> Iterator[Column]:

@@ -116,7 +116,7 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
         return found.assign_attrs(sweep=self.name, pinwheel_version=_core.__version__)
 
     def tolerances_to_pandas(self) -> pandas.DataFrame:
-        """What a sample says: a row an engine and figure, its quantiles with their intervals of confidence."""
+        """Statistics of a sample: a row for each engine and figure, its quantiles with their confidence intervals."""
         rows = []
         for found in self.tolerances:
             for one in found["figures"]:

@@ -1,4 +1,4 @@
-"""What can go wrong, as types that a caller can tell apart. Every message is one line and carries the remedy.
+"""Exceptions of the package, as types that a caller can tell apart. Every message is one line and carries the remedy.
 
     PinwheelError
       InputError (ValueError)     input that cannot be used

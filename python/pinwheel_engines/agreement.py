@@ -33,15 +33,15 @@ class Agreement:
     ambiguous: int
     """States left out because of a tie between two points."""
     worst_n: float
-    """Of a force, N."""
+    """Difference of a force, N."""
     largest_n: float
     """The largest force in any state, N."""
     worst_relative: float
-    """Of a force, over the largest force of its state; where nearly nothing touches, rounding is all there is."""
+    """Difference of a force, over the largest force of its state; where nearly nothing touches, rounding is all there is."""
     worst_over_rounding: float
-    """Of a force, over `ContactLaw.rounding_n` of its state."""
+    """Difference of a force, over `ContactLaw.rounding_n` of its state."""
     worst_moment_relative: float
-    """Of a moment, over the largest force of its state times the largest radius of the mechanism."""
+    """Difference of a moment, over the largest force of its state times the largest radius of the mechanism."""
 
 
 def tie_m(scene: Scene) -> float:

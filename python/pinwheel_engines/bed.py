@@ -29,7 +29,7 @@ Points = npt.NDArray[np.complex128]
 LEAST_RAMPS = 3.0
 
 
-# Of local factors: points a spring, and corrections; the second leaves less than 1e-2 of what the first took off.
+# Local factors: points per spring, and number of corrections; the second leaves less than 1e-2 of the first's correction.
 FINER, ROUNDS = 4, 3
 
 
@@ -142,7 +142,7 @@ def bed_damping(scene: Scene) -> float:
 
 
 def springs(scene: Scene, least: int, in_contact: int) -> int:
-    """How many springs an edge needs: `least`, or so many that `in_contact` of them bear a pin's nominal force."""
+    """Returns the number of springs that an edge needs: `least`, or so many that `in_contact` of them bear a pin's nominal force."""
     _, spacing = equal_arcs(scene, least)
     return max(least, math.ceil(least * in_contact * spacing / nominal_width_m(scene)))
 

@@ -137,7 +137,7 @@ def _write(result: Result, out: Path | None) -> None:
 
 
 def _is_ours(file: Path) -> bool:
-    """Whether a file is empty or holds courses."""
+    """True if a file is empty or holds time series."""
     if not file.is_file():
         return False
     with file.open("rb") as content:

@@ -83,7 +83,7 @@ class Kinematics:
         self.carriers = np.array(layout.carriers)
         if floats:
             self.carriers[layout.wheel_bodies] = -1
-        # Where each body's centre sits on its carrier (or the ground), m, as complex numbers.
+        # Position of each body's centre on its carrier (or the ground), m, as complex numbers.
         self.offsets = np.zeros(layout.bodies, dtype=np.complex128)
         eccentricity = gear.eccentricity_m + gear.errors("eccentricity_m", gear.wheels)
         off_phase = np.exp(1j * gear.errors("phase_rad", gear.wheels))
@@ -183,7 +183,7 @@ class Kinematics:
         return angles, rates
 
     def output_torque(self, states: Floats, loads: Floats) -> float:
-        """What turns the output shaft but its load, N m.
+        """Returns the moment on the output shaft without its load, N m.
 
         The output pins' contact forces, which reach it through the pins, and its own moment: of sleeves that rub on
         their pins, and of a seal.

@@ -1,4 +1,4 @@
-"""What a run gives: the contract's columns on the scene's sample times, and what it cost."""
+"""Result of a run: the contract's columns at the scene's sample times, and the costs."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ class Gear(Table):
 
     @property
     def eccentric_per_input(self) -> float:
-        """How far eccentrics turn for an angle of the input at the ideal mesh: 1, but in RV gears."""
+        """Ratio of the eccentrics' angle to the input's at the ideal mesh: 1 except in RV gears."""
         return float(self._keys.get("eccentric_per_input", 1.0))
 
     @property
@@ -83,12 +83,12 @@ class Gear(Table):
 
     @property
     def rotational_rad(self) -> float:
-        """By how much both flanks of a lobe are turned towards its middle."""
+        """Angle by which both flanks of a lobe are turned towards its middle."""
         return self._modification("rotational_rad")
 
     @property
     def has_errors(self) -> bool:
-        """Whether a single pin, hole or disc deviates."""
+        """True if a single pin, hole or disc deviates."""
         return any(self._keys.get("errors", {}).values())
 
     def errors(self, key: str, count: int) -> npt.NDArray[np.float64]:
@@ -156,7 +156,7 @@ class Drive(Table):
 
     @property
     def load_changes(self) -> list[dict[str, float]]:
-        """What the load becomes during the run; a load that stays has no such key."""
+        """Load profile of the run; a constant load has no such key."""
         return list(self._keys.get("load_changes", ()))
 
     def load_pieces(self) -> list[LoadPiece]:
@@ -192,7 +192,7 @@ class Drive(Table):
 
     @property
     def load_varies(self) -> bool:
-        """Whether the load is not the same from the start to the end."""
+        """True if the load varies during the run."""
         return bool(self.load_ramp_s > 0.0 or self.load_changes)
 
     @property
@@ -226,7 +226,7 @@ class Contact(Table):
 
     @property
     def disc_depth_m(self) -> float | None:
-        """How deep a disc is behind a contact, m; None: the wall between a hole and the profile."""
+        """Depth of a disc behind a contact, m; None: the wall between a hole and the profile."""
         found = self._keys.get("disc_depth_m")
         return None if found is None else float(found)
 
@@ -247,7 +247,7 @@ class Solver(Table):
 
 
 def _fold_cranks(data: dict[str, Any]) -> None:
-    """What the rigid first stage of an RV gear does to the eccentrics' angle and to the output's inertia."""
+    """Effect of the rigid first stage of an RV gear on the eccentrics' angle and the output's inertia."""
     cranks = data.get("cranks")
     if cranks is None:
         return
@@ -325,7 +325,7 @@ class Scene:
         return Scene.from_toml(text)
 
     def with_keys(self, table: str, **changes: Any) -> Scene:
-        """The same scene with other values of keys of a table: `with_keys("solver", duration_s=0.1)`."""
+        """Returns a copy of the scene with other values of keys of a table: `with_keys("solver", duration_s=0.1)`."""
         old = getattr(self, table)
         new = dataclasses.replace(old, _keys={**old._keys, **changes})
         return dataclasses.replace(self, **{table: new})

@@ -1,4 +1,4 @@
-"""How a run starts: the ideal mesh, or the same mesh under its load.
+"""Initial state of a run: the ideal mesh, or the same mesh under its load.
 
 `kinematic`: angles and rates of the ideal mesh. `equilibrium`: the output and the discs are turned until the contact
 forces, without friction and damping, carry the load; the rates are the ideal ones. Both come as absolute angles and
@@ -80,7 +80,7 @@ def _load(scene: Scene, kinematics: Kinematics, angles: Floats, rates: Floats) -
         low = np.full(wheels.size, -0.5 * np.pi / scene.gear.lobes)
         width = np.pi / scene.gear.lobes
         shares = np.arange(1, SECTIONS)[:, None] / SECTIONS
-        # As 60 halvings.
+        # Equivalent to 60 halvings.
         for _ in range(round(60 / math.log2(SECTIONS))):
             pushed_on = torques(turn, low + width * shares)[:, wheels] > 0.0
             width /= SECTIONS

@@ -70,7 +70,7 @@ def test_a_bed_carries_the_laws_force_wherever_it_is_pressed(bead):
         for found, stiffness in ((alike, 1.0), (local, factors)):
             found.append(bed_stiffness(scene) * spacing * np.sum(stiffness * pressed) / force - 1.0)
     assert np.max(np.abs(local)) < 5e-3
-    # As they are without, by which pits carried too little.
+    # Without the correction: pits carried too little.
     assert np.max(np.abs(alike)) > 2e-2
 
 

@@ -40,7 +40,7 @@ def references():
 @pytest.mark.parametrize("name", scenes.ALL)
 def test_same_method_gives_the_same_courses(engine, name, references):
     result = run(scenes.scene(scenes.ALL[name], 1e-3), engine)
-    # The same Runge-Kutta on other coordinates (relative angles, engine's mass matrix): rounding only, measured 3.5e-13.
+    # The Runge-Kutta method on other coordinates (relative angles, engine's mass matrix): rounding only, measured 3.5e-13.
     assert scenes.worst_rms(result.columns, references[name]) < 1e-11
     assert result.stats.steps == 100
     assert result.stats.rhs_calls >= 400
@@ -207,7 +207,7 @@ def test_mujocos_reset_is_seen():
         mujoco.mj_resetData(model, data)
         with pytest.raises(Diverged, match="reset its state"):
             mujoco_session.check_data(guard, data, 1e-4)
-        # As it happens: a bad velocity, MuJoCo starts anew and steps on.
+        # A bad velocity: MuJoCo restarts and steps on.
         data.qvel[3] = np.nan
         mujoco.mj_step(model, data, 3)
         assert np.all(np.isfinite(data.qvel))

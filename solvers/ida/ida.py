@@ -110,7 +110,7 @@ class Mechanism:
         self.gradient[-1, 3 * INPUT + 2] = 1.0
         self.carried = np.nonzero(self.carriers >= 0)[0]
         self.holders = self.carriers[self.carried]
-        # Of the pins those that bodies carry.
+        # Pins that bodies carry.
         self.held = np.nonzero(self.carriers[self.pinned] >= 0)[0]
         self.rows, self.columns = 2 * self.held, 3 * self.holders + 2
         q, v, lam = (slice(k * self.coordinates, (k + 1) * self.coordinates) for k in range(3))
@@ -121,7 +121,7 @@ class Mechanism:
         held = (self.carriers < OUTPUT) & (self.carriers != FREE)
         self.free = [(2, 5) if still else range(6) for still in held]
         self.leg = (0.0, np.inf)
-        # What a coordinate or a velocity is moved by for differences of contact loads.
+        # Increments of coordinates and velocities for finite differences of contact loads.
         self.nudge = np.ones(6)
         self.attempts = 0
         self._last = np.nan
@@ -157,7 +157,7 @@ class Mechanism:
         return f
 
     def residual(self, t: float, y: np.ndarray, yp: np.ndarray, res: np.ndarray) -> None:
-        """Of the whole DAE."""
+        """Residual of the complete DAE."""
         self.attempts += t != self._last
         self._last = t
         iq, iv, il, im = self.parts
@@ -239,7 +239,7 @@ class Courses:
 
 
 def legs(drive: dict[str, Any], samples: list[float]) -> list[tuple[float, float]]:
-    """Where the run is cut: at jumps and kinks of the load and at its end, each as the load's time and the solver's.
+    """Returns the times at which the run is cut: at jumps and kinks of the load and at its end, each as the load's time and the solver's.
 
     A sample there is the same moment but for rounding.
     """

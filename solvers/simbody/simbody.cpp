@@ -296,7 +296,7 @@ void run(const std::string& job, const char* library, const std::string& method)
             }
     }
 
-    // What Simbody takes for an error of 1 is a radian and a radian a second; what counts is the elastic twist.
+    // Simbody scales an error of 1 as a radian and a radian a second; the elastic twist is the relevant scale.
     const bool explicit_method = method == "merson";
     const double accuracy = std::max(number(json, "tolerance") * number(json, "elastic_twist_rad"), 1e-13);
     std::unique_ptr<Integrator> integrator;

@@ -91,7 +91,7 @@ double pinwheel_law_rate(const pinwheel_law *law);
 /* The scene's solver.step_s, s: the step of methods with fixed steps. Studies of cost and accuracy change it. */
 double pinwheel_law_step(const pinwheel_law *law);
 
-/* How many samples the courses hold, or a negative status. The first `room` of their times (s) are written to
+/* Returns the number of samples of the time series, or a negative status. The first `room` sample times (s) are written to
  * `times_s`, which may be null where room is 0. The first is 0, the last the end of the run; the last interval may be
  * shorter than the others. */
 int64_t pinwheel_law_samples(const pinwheel_law *law, double *times_s, int64_t room);
@@ -107,7 +107,7 @@ int32_t pinwheel_law_loads(pinwheel_law *law, const double *states, double *load
  * a positive input rate turns clockwise, so that a positive load opposes it. */
 double pinwheel_law_load_torque(const pinwheel_law *law, double time_s);
 
-/* How often pinwheel_law_loads was called on this handle; 0 for one that is not open. */
+/* Returns the number of calls of pinwheel_law_loads on this handle; 0 for a handle that is not open. */
 uint64_t pinwheel_law_calls(const pinwheel_law *law);
 
 /* Why the last call of this thread that failed did so, one line of UTF-8; empty if none did. Valid until the next

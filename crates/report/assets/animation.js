@@ -133,7 +133,7 @@ document.addEventListener('DOMContentLoaded', () => {
           `${state.bodies.map(({ off }) => (1e3 * Math.hypot(...off)).toFixed(1)).join(', ')} µm`,
         ];
         cells.forEach((cell, k) => say(cell, texts[k]));
-        // How far discs stand off their eccentrics, and how many times farther they are drawn.
+        // Distance of discs from their eccentrics, and the factor by which the drawing enlarges it.
         const label = cells.at(-1).previousSibling;
         say(label, `Offset, × ${box.view.offset}`);
         label.hidden = cells.at(-1).hidden = box.view.offset === 0;

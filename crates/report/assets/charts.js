@@ -26,10 +26,10 @@ const PinwheelCharts = (() => {
   const dashOf = (style) => DASHES[(style + 3 * Math.floor(style / 8) + 3 * Math.floor(style / COLOURS)) % DASHES.length];
   // Values shown at the cursor at most.
   const MOST = 14;
-  // How far from the cursor a curve's sample may be to be read, pixels.
+  // Largest distance of a curve's sample from the cursor at which its value is shown, pixels.
   const REACH = 14;
   const groups = new Map();
-  // Of each group the chart that is pointed at: it alone says values.
+  // The chart of each group under the pointer: it alone shows values.
   const pointed = new Map();
 
   // Custom properties may hold light-dark() or color-mix(): let the browser resolve them.

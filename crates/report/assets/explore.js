@@ -14,20 +14,20 @@ document.addEventListener('DOMContentLoaded', () => {
   const begun = () => ({ ...Object.fromEntries(sliders.map((s) => [s.key, s.value])), [LAW]: law.value });
   const own = begun();
   const states = { a: begun(), b: begun() };
-  /** What is shown of each, and the values asked for it; `figures` is null while they are computed, `banded` false while bands are. */
+  /** The state shown of each gear, and the values requested for it; `figures` is null while figures are computed, `banded` is false while bands are. */
   const fresh = (asked) => ({ asked, figures: null, banded: false });
   const found = { a: { ...first, ...fresh([]) }, b: { ...first, ...fresh([]) } };
   const blocked = { a: '', b: '' };
   const moved = { a: sliders[0].key, b: sliders[0].key };
   let now = 'b';
   const STORE = `pinwheel explore ${document.title}`;
-  /** How long a hand rests before the states are written down, ms. */
+  /** Idle time before the states are saved, ms. */
   const REST = 200;
   const TAB = Math.random().toString(36).slice(2);
   /** Times from a hand's move to the drawn answer, ms. */
   const latencies = (window.pinwheelLatencies = []);
 
-  // What is asked by POST brings a key that other servers on this machine do not see, as cookies are for all of them. A page in a
+  // A POST request carries a key that other servers on this machine do not see, as cookies are for all of them. A page in a
   // frame has none.
   const key = () => { try { return localStorage.getItem('pinwheel key') || ''; } catch { return ''; } };
   async function ask(path, body, signal) {
@@ -38,7 +38,7 @@ document.addEventListener('DOMContentLoaded', () => {
   }
   const say = (text) => { $('said').textContent = text; };
   const gone = (error) => say(`The program does not answer: ${error.message}. Start it again; both states are kept.`);
-  // What is as the scene has it is not sent: the file's own digits count.
+  // Values that equal the scene's are not sent, so that the file's own digits count.
   const values = (state) => Object.entries(state).filter(([key, value]) => value !== own[key]).map(([key, value]) => {
     const slider = sliders.find((s) => s.key === key);
     return [key, slider && value !== rigid ? String(Number((value / slider.factor).toPrecision(12))) : value];
@@ -56,7 +56,7 @@ document.addEventListener('DOMContentLoaded', () => {
       shown.textContent = value === rigid ? rigid : `${PinwheelCharts.number(value, 4)} ${slider.unit}`;
       input.setAttribute('aria-valuetext', shown.textContent);
     };
-    // Where a value's thumb is, and the value of a thumb.
+    // Position of the thumb for a value, and the value for a position.
     const place = (value) => (value === rigid ? slider.to : slider.decades ? Math.log10(value) : value);
     const at = (raw) => {
       if (Math.abs(raw - place(own[slider.key])) < step / 2) return own[slider.key];
@@ -244,7 +244,7 @@ document.addEventListener('DOMContentLoaded', () => {
     return `${ratio > 1 ? '+' : '−'}${said(100 * share, 100 * off)} %`;
   }
   const charts = new Map();
-  // Of the curves of either state, beside its name.
+  // Marks of both states' curves, beside their names.
   const STYLES = [0, 6];
   NAMES.forEach((name, k) => $(`of-${name}`).prepend(PinwheelCharts.swatch(STYLES[k]), ' '));
   function series() {

@@ -99,7 +99,7 @@ const PinwheelPicture = (() => {
       stroke(pen, colours.rule, 0.5);
       plain(pen, state.external, colours);
     }
-    /** What stands still, kept for the next frame; `once`: there is none of this gear. */
+    /** The parts that do not move, kept for the next frame; `once`: the gear has none. */
     function ground(colours, once) {
       context.setTransform(1, 0, 0, 1, 0, 0);
       if (still === null && once) { backdrop(context, colours); return; }

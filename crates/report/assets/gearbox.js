@@ -127,7 +127,7 @@ const PinwheelGearbox = (() => {
             ({ nx, ny } = foot(at, px, py, sleeve.beta - theta));
             body.loaded += 1;
           } else if (gear.sun) {
-            // Of a crank's bearing the size of its force is known, not where it points: a colour, and no arrow.
+            // The magnitude of a crank bearing's force is known, its direction is not: it gets a colour and no arrow.
             sleeve.fx += force;
             return;
           } else {

@@ -1,4 +1,4 @@
-// What every page does beyond being read: sorting of tables, copying the command, the theme.
+// Functions of every page: sorting of tables, copying the command, the theme.
 'use strict';
 const PinwheelPage = (() => {
   const $ = (id) => document.getElementById(id);
@@ -32,7 +32,7 @@ const PinwheelPage = (() => {
         };
         const rows = [...body.rows].map((row) => ({ row, key: key(row) }));
         rows.sort((a, b) => {
-          // What has no value stands last either way.
+          // Rows without a value stand last in both orders.
           if (a.key === '' || b.key === '') return (a.key === '') - (b.key === '');
           const both = typeof a.key === 'number' && typeof b.key === 'number';
           const order = both ? a.key - b.key : String(a.key).localeCompare(String(b.key), 'en', { numeric: true });
@@ -53,7 +53,7 @@ const PinwheelPage = (() => {
     if (folds.length) target.scrollIntoView();
   };
   window.addEventListener('hashchange', openTarget);
-  // The same link again changes nothing in the address.
+  // A second click on a link leaves the address as it is.
   document.addEventListener('click', (event) => { if (event.target.closest?.('a[href^="#"]')?.hash === location.hash) openTarget(); });
   openTarget();
 

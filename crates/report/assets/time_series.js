@@ -33,7 +33,7 @@
     }
     return unpacked.get(key);
   }
-  // What is not finite, or past the end of a run that broke off, is a gap.
+  // Values that are not finite, or after the end of a run that broke off, are gaps.
   const gapped = (length, value) => Array.from({ length }, (_, k) => { const v = value(k); return Number.isFinite(v) ? v : null; });
   const signed = (from, e, base, k) => (from.differences[e] && from.differences[base] ? from.differences[e][k] - from.differences[base][k] : NaN);
   // A log axis need not show every zero crossing: two decades below the smallest median will do.
@@ -44,7 +44,7 @@
 
   const [shown, which, base] = data.first;
   const state = { quantity: shown, channel: which, base, log: engines[base].track !== 'measured', visible: engines.map(() => true) };
-  // What differs most by nature is drawn first, under the others; marks lie on top.
+  // Curves of engines with contacts of their own are drawn first, under the others; marks lie on top.
   const rank = (e) => (engines[e].marks ? 2 : engines[e].track === 'own-contact' ? 0 : 1);
   const order = engines.map((_, e) => e).sort((a, b) => rank(a) - rank(b) || a - b);
 
@@ -83,7 +83,7 @@
       lower = PinwheelCharts.chart(bottom, { ...second, height: 220, group: 'time' });
       onRedraw(() => { upper.redraw(); lower.redraw(); });
       zoomed(begin, end);
-      // What people come for is the steady state.
+      // The first view is the steady state.
       const steady = windows.find((w) => w.kind === 'steady');
       if (steady) upper.range(steady.from, steady.to);
     } else {

@@ -39,7 +39,7 @@ NAME = "exudyn-shared-law-constrained"
 # A sleeve that rolls slower rubs less on its pin.
 SLOW_RAD_S = 1.0
 
-# How the scene's users may call the integrators.
+# Names of the integrators in a scene.
 INTEGRATORS = ("trapezoidal-index2", "generalized-alpha")
 
 
@@ -229,7 +229,7 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
     # Cranks roll in their bores.
     rubbing = count if scene.gear.eccentric_per_input == 1.0 else law.layout.internal_bodies.start
     carriers = np.array(law.layout.carriers)
-    # What turns the side of a sleeve that rubs: itself, or what holds the pin that it would stand still on.
+    # Body that moves the rubbing side of a sleeve: the sleeve itself, or the body that holds its pin.
     turned_by = carriers if on_pins else np.arange(count)
 
     def friction(

@@ -65,7 +65,7 @@ LENGTH = 0.01
 STIFFNESS_STEP = 0.02
 # Pieces of a run a turn of the input.
 PIECES = 16
-# How far a disc may be from the ideal mesh: at least this share of half a lobe, its free play so many times and its nominal
+# Largest distance of a disc from the ideal mesh: at least this share of half a lobe, its free play so many times and its nominal
 # contact's twist so many times.
 SHARE_OF_LOBE, PLAYS, TWISTS = 0.03, 2.0, 50.0
 # Widths of the nominal contact and arcs of that turn that a pin may touch beside its foot at the ideal mesh.
@@ -85,7 +85,7 @@ def wheel_damper(scene: Scene) -> float:
 
 
 def leeway_rad(scene: Scene) -> float:
-    """How far a disc may turn from the ideal mesh, at most half of half a lobe and its free play."""
+    """Returns the angle by which a disc may turn from the ideal mesh, at most half of half a lobe and its free play."""
     gear = scene.gear
     half, lever = math.pi / gear.lobes, gear.eccentricity_m * gear.lobes
     play = (gear.backlash_m + gear.extra_play_m) / lever
@@ -128,7 +128,7 @@ class _Edge:
 
 
 def pieces(parts: list[Stretch], longest_s: float) -> list[Stretch]:
-    """The same stretches cut between samples, so that none is longer, if a sample is not."""
+    """Returns the stretches cut at samples, so that none is longer than a sample interval."""
     cut = []
     for part in parts:
         step = (part.end_s - part.start_s) / part.samples

@@ -45,7 +45,7 @@ def model_xml(scene: Scene, step_s: float) -> str:
 
 
 def mujoco_layout(kinematics: Kinematics, model: mujoco.MjModel, data: mujoco.MjData) -> dict[str, Any]:
-    """Where a compiled callback finds MuJoCo's numbers; all addresses stay valid until the run ends.
+    """Addresses of MuJoCo's arrays for a compiled callback; all addresses stay valid until the run ends.
 
     Addresses (integers): `qpos`, `qvel`, `qfrc_passive` (doubles, `coordinates` of each), `counters` (two 64-bit integers,
     to be incremented by the callback: calls, and calls whose qpos or qvel differ from the call before), `data` (the

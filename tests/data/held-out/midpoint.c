@@ -18,7 +18,7 @@ static double offset[MOST][2], weight[MOST], inertia[MOST], state[MOST][6], load
 
 static int stop(int status) { fprintf(stderr, "%s\n", pinwheel_law_error()); return status; }
 
-/* Where everything is at time t when bodies have these spins. */
+/* Positions of all bodies at time t for given spins. */
 static void place(double t, const spin *s)
 {
     int b;
