@@ -131,7 +131,7 @@ class Scene:
         return cls._of(_core.Scene(_NO_FILE, text, []))
 
     def with_(self, changes: Mapping[str, Any] | None = None, /, **keys: Unpack[Keys]) -> Scene:
-        """Returns a copy of the scene with other values of some keys; derived values are derived again, and all is checked."""
+        """Returns a copy of the scene with other values of some keys, derived and checked anew."""
         return Scene._of(self._inner.changed(settings({**(changes or {}), **keys})))
 
     def save(self, path: str | os.PathLike[str]) -> None:

@@ -142,7 +142,7 @@ def bed_damping(scene: Scene) -> float:
 
 
 def springs(scene: Scene, least: int, in_contact: int) -> int:
-    """Returns the number of springs that an edge needs: `least`, or so many that `in_contact` of them bear a pin's nominal force."""
+    """Returns the springs of an edge: `least`, or so many that `in_contact` of them bear a pin's nominal force."""
     _, spacing = equal_arcs(scene, least)
     return max(least, math.ceil(least * in_contact * spacing / nominal_width_m(scene)))
 

@@ -78,7 +78,7 @@ def palmgren(stage: Any) -> Any:
 
 
 def twist_arcmin(spec: GearSpec, phi: float, torque_n_m: float) -> float:
-    """Returns the angles of one disc and the output under a torque with the input locked: the package's solver, stage by stage."""
+    """Returns the angles of one disc and the output under a torque, the input locked: the package's solver, by stages."""
     # The other direction is the mirrored pose.
     side, torque = (1.0 if torque_n_m > 0 else -1.0), 1e3 * abs(torque_n_m)
     pose = contacts(spec, side * phi)

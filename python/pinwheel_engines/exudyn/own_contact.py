@@ -65,7 +65,7 @@ LENGTH = 0.01
 STIFFNESS_STEP = 0.02
 # Pieces of a run a turn of the input.
 PIECES = 16
-# Largest distance of a disc from the ideal mesh: at least this share of half a lobe, its free play so many times and its nominal
+# Largest turn of a disc from the ideal mesh: at least this share of half a lobe, its free play so many times and its nominal
 # contact's twist so many times.
 SHARE_OF_LOBE, PLAYS, TWISTS = 0.03, 2.0, 50.0
 # Widths of the nominal contact and arcs of that turn that a pin may touch beside its foot at the ideal mesh.
