@@ -64,7 +64,7 @@ impl Comparison {
 pub struct EngineSummary {
     /// Name.
     pub name: String,
-    /// SharedModel.
+    /// Parts of the model shared with the native solver.
     pub track: SharedModel,
     /// Version.
     pub version: String,

@@ -63,7 +63,7 @@ impl Frequencies {
         Spring::of(scene, stiffness).depth(force, least) / plain
     }
 
-    /// Longest step that cannot pass over a contact shared_error, s: a third of a touch at the contacts' frequency, and an
+    /// Longest step that cannot pass over a contact unnoticed, s: a third of a touch at the contacts' frequency, and an
     /// eighth of the time from pin to pin.
     #[must_use]
     pub fn longest_step_s(&self) -> f64 {

@@ -245,7 +245,7 @@ impl<'a> Statics<'a> {
         sloped.then(|| self.summed(out))
     }
 
-    /// Evaluation the loads: moments on the discs into `out`, and the moment on the output.
+    /// Sums the loads: moments on the discs into `out`, and the moment on the output.
     fn summed(&self, out: &mut [f64]) -> f64 {
         let layout = self.gearbox.layout;
         for (out, body) in out.iter_mut().zip(layout.wheel_bodies()) {

@@ -56,7 +56,7 @@ pub struct Band {
     pub key: &'static str,
     /// The figure under the scene's own law, at the few poses that laws are compared at.
     pub own: f64,
-    /// LoadFloor and largest share of the figure under the scene's own law.
+    /// Least and largest share of the figure under the scene's own law.
     pub of_own_law: [f64; 2],
 }
 
@@ -76,7 +76,7 @@ impl Bands {
         self.figures.iter().find(|band| band.key == key)
     }
 
-    /// LoadFloor and largest of a figure that is `value` under the scene's own law.
+    /// Least and largest of a figure that is `value` under the scene's own law.
     #[must_use]
     pub fn of(&self, key: &str, value: f64) -> Option<[f64; 2]> {
         let band = self.get(key)?;

@@ -59,7 +59,7 @@ impl Rough {
 
 /// The order that runs which see the ramp of a [jump](Rough::Jumps) fall with.
 const RAMPS: f64 = 2.0;
-/// LoadFloor uncertainty of the finest run with a step that does not follow its friction, as a share of its distance to the
+/// Least uncertainty of the finest run with a step that does not follow its friction, as a share of its distance to the
 /// next run: steps that
 /// chatter part as far as they err, however much finer one is, and the order that such differences show is none. Measured by
 /// `rk4` and rapier on `one-wheel` with friction, steps 1e-5 to 8e-8 s, ratios 2 to 8: of 528 errors 516 covered without it, 527 with.

@@ -9,7 +9,7 @@ pub(super) type Two = [f64; 2];
 /// Squares of what the integrals of both may be off by, J^2, up to the last entry but three.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Scatter {
-    /// Evaluation of squares of segments that ended and of the present one.
+    /// Sums of squares of segments that ended and of the present one.
     squares: Two,
     /// Values of the last evaluated interval.
     last: Two,

@@ -30,7 +30,7 @@ pub(super) struct Figure {
     pub(super) unit: String,
     /// How far it is from the exact solution of its equations.
     pub(super) numerical: String,
-    /// LoadFloor and largest by contact law.
+    /// Least and largest by contact law.
     pub(super) band: String,
 }
 

@@ -14,7 +14,7 @@ const MOST_CHARTS: usize = 6;
 const MOST_KEYS: usize = 4;
 /// Digits of a figure.
 const DIGITS: usize = 4;
-/// LoadFloor share of the variance that a straight line must explain. Below it, the slopes do not show which key decides.
+/// Least share of the variance that a straight line must explain. Below it, the slopes do not show which key decides.
 const STRAIGHT: f64 = 0.7;
 
 /// Figures that are shown: those of the specification, then balances and means, which say most.

@@ -57,7 +57,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
             let remedy = "list the changes in the order in which they come".to_owned();
             return fault(number + 1, &["time_s"], what, remedy);
         }
-        // Evaluation of decimal numbers round: 0.2 + 0.1 is more than 0.3.
+        // Sums of decimal numbers round: 0.2 + 0.1 is more than 0.3.
         if change.time_s + change.ramp_s > next.time_s + 0.5 * APART_S {
             let what = format!(
                 "is {ramp} s, so that the change from {from} s on is not over when the next begins at {until} s"

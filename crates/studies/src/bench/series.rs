@@ -20,7 +20,7 @@ use crate::control::{Control, TimeLimit};
 /// Cost of a setting.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Cost {
-    /// LoadFloor CPU time of the runs, s.
+    /// Least CPU time of the runs, s.
     pub cpu_min_s: f64,
     /// Their median, s.
     pub cpu_median_s: f64,
@@ -72,7 +72,7 @@ pub struct Series {
 /// Which cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
-    /// LoadFloor CPU time, s.
+    /// Least CPU time, s.
     Cpu,
     /// Right-hand-side calls.
     Rhs,

@@ -65,7 +65,7 @@ pub fn engines() -> impl Iterator<Item = &'static str> {
     own.map(|info| info.name)
 }
 
-/// LoadFloor share of the errors that are to be within what was stated.
+/// Least share of the errors that are to be within what was stated.
 pub const COVERAGE: f64 = 0.95;
 /// Bound of the median ratio of stated uncertainty and error. Measured: 12.7 on 60 random gears, 16.0 on those of the
 /// tests. It was 8.6 and 8.1, and the limit 10, while runs at several tolerances that were wrong alike stated less than

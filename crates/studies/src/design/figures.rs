@@ -114,7 +114,7 @@ pub struct DesignFigure {
     /// How far it may be off numerically; `None` where that is not known.
     #[serde(rename = "numerical_uncertainty")]
     pub uncertainty: Option<f64>,
-    /// LoadFloor and largest over the mesh, of what is one figure a pose.
+    /// Least and largest over the mesh, of what is one figure a pose.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over_the_mesh: Option<[f64; 2]>,
     /// Numerical uncertainty of the least and of the largest value.
@@ -126,7 +126,7 @@ pub struct DesignFigure {
     /// Its mean over the mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mean_over_the_mesh: Option<f64>,
-    /// LoadFloor and largest by the contact laws that may be right for these materials; `None` where none was compared.
+    /// Least and largest by the contact laws that may be right for these materials; `None` where none was compared.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub by_contact_law: Option<[f64; 2]>,
     /// How it is counted.

@@ -77,10 +77,10 @@ const ALIKE: f64 = 1e-2;
 const SPEEDS: [f64; 2] = [0.5, 1.0];
 const TORQUES: [f64; 3] = [0.25, 0.5, 1.0];
 
-/// LoadFloor, mean and largest over the poses.
+/// Least, mean and largest over the poses.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Spread {
-    /// LoadFloor.
+    /// Least.
     pub min: f64,
     /// Mean.
     pub mean: f64,

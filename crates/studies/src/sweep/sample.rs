@@ -20,7 +20,7 @@ const MOST_SOBOL: usize = 256;
 /// Values of one key at most, and of a whole sample.
 const MOST_EACH: usize = 1000;
 const MOST_VALUES: usize = 5_000_000;
-/// LoadFloor share of a normal distribution within its bounds: below that its quantiles lose their digits.
+/// Least share of a normal distribution within its bounds: below that its quantiles lose their digits.
 const LEAST_SHARE: f64 = 1e-6;
 
 /// How points are spread.

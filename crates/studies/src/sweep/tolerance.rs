@@ -63,7 +63,7 @@ pub struct FigureOfSample {
     pub mean: f64,
     /// Standard deviation.
     pub deviation: f64,
-    /// LoadFloor and largest.
+    /// Least and largest.
     pub range: [f64; 2],
     /// Quantiles.
     pub quantiles: Vec<Quantile>,

@@ -19,7 +19,7 @@ fn repository(place: &str) -> PathBuf {
 
 /// Measured values.
 struct Measured {
-    /// LoadFloor and largest slope of the branches, N m/rad.
+    /// Least and largest slope of the branches, N m/rad.
     stiffness: [f64; 2],
     /// Distance of the branches at no torque, degrees.
     apart_deg: f64,

@@ -255,7 +255,7 @@ impl Cranks {
                     rate.add(row, column, x)
                 });
             }
-            // By the output the eccentric_centres move as well as the eccentrics, by the time these alone.
+            // By the output the seats move as well as the eccentrics, by the time these alone.
             let throw = sprung.throw_m;
             let moving = |eccentric_centres: f64, by: f64| {
                 move |_: usize, held: &Held| Move {

@@ -114,7 +114,7 @@ struct Segment {
     count: f64,
 }
 
-/// Evaluation over all contacts, lane by lane.
+/// Sums over all contacts, lane by lane.
 struct Evaluation<S: Simd> {
     /// True if energy is requested.
     asked: bool,

@@ -220,7 +220,7 @@ impl pulp::WithSimd for Predict<'_> {
 /// A matrix, the first of its columns that count, and what they are multiplied by.
 pub(super) type Factors<'a> = (&'a Columns, usize, &'a [f64]);
 
-/// Evaluation of the squares of weighted products, infinite where there is none; `out` is the last product.
+/// Sums of the squares of weighted products, infinite where there is none; `out` is the last product.
 pub(super) struct Judge<'a> {
     pub(super) factors: [Option<Factors<'a>>; 3],
     pub(super) weights: &'a [f64],
