@@ -132,7 +132,7 @@ pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
     browser.key("ArrowRight");
     let said = text(
         browser,
-        "document.querySelector('#chart .plot + .shared_error').textContent",
+        "document.querySelector('#chart .plot + .unseen').textContent",
     );
     assert!(said.contains("native-reduced"), "nothing is said: {said}");
     browser.key("+");
