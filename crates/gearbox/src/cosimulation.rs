@@ -116,7 +116,7 @@ pub struct CoSimulation {
     longest_step_s: f64,
     breaks: Vec<f64>,
     system: Reduced<GearForces>,
-    stepper: Segments<Reduced<GearForces>>,
+    stepper: Segments,
     field: Box<dyn ContactField>,
     recorder: Recorder,
     /// Prescribed signals of the input and the output.

@@ -1,9 +1,7 @@
 //! The native run: a scene's equations, integrated and recorded.
 
 use pinwheel_mbs::integrators::{Segments, StepCounts, StepError, StepSettings, Stepper, method};
-use pinwheel_mbs::{
-    Forces, Formulation, Lagrange, Mechanism, Observation, OdeSystem, Reduced, Stabilisation,
-};
+use pinwheel_mbs::{Forces, Formulation, Lagrange, Mechanism, Observation, Reduced, Stabilisation};
 use pinwheel_timeseries::{Ending, TimeSeries, TimeSeriesError};
 
 use crate::balance::Balance;
@@ -168,13 +166,13 @@ pub(crate) fn reduced<F: Forces>(
 }
 
 /// The scene's method from `y` at `t` (s) on, with no step longer than `longest_s` where it chooses them.
-pub(crate) fn segments<S: OdeSystem>(
+pub(crate) fn segments(
     gearbox: &Gearbox,
     t: f64,
     y: &[f64],
     breaks: &[f64],
     longest_s: f64,
-) -> Result<Segments<S>, GearboxError> {
+) -> Result<Segments, GearboxError> {
     let solver = &gearbox.scene.solver;
     let settings = StepSettings {
         step: solver.step_s,
@@ -311,7 +309,7 @@ fn contact_energy(seen: &Observation<'_>, field: &mut dyn ContactField) -> Conta
 
 /// Makes a step.
 fn advance<F: Formulation>(
-    stepper: &mut Segments<F>,
+    stepper: &mut Segments,
     system: &mut F,
     limits: Limits,
     pace: &mut Pace,

@@ -30,9 +30,9 @@ impl Differences {
     }
 
     /// Writes all derivatives at (t, y), for a step of `h` (s); returns the number of evaluations.
-    pub(crate) fn write<S: OdeSystem>(
+    pub(crate) fn write(
         &mut self,
-        system: &mut S,
+        system: &mut dyn OdeSystem,
         t: f64,
         y: &[f64],
         h: f64,

@@ -88,7 +88,7 @@ fn allocations<F: Formulation>(method: &str, mut system: F) -> u64 {
         step: 1e-3,
         tolerance: 1e-6,
     };
-    let mut run: Box<dyn Stepper<F>> = start(method, settings, 0.0, &y).unwrap();
+    let mut run: Box<dyn Stepper> = start(method, settings, 0.0, &y).unwrap();
     for _ in 0..10 {
         run.step(&mut system).unwrap();
     }

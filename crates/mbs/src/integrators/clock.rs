@@ -92,9 +92,9 @@ pub(super) trait Method: Serialize + DeserializeOwned + Send {
     /// State at the end of the last accepted step.
     fn state(&self) -> &[f64];
     /// One accepted step, see [`Stepper::step`].
-    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError>;
+    fn advance(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError>;
     /// Writes the state at `t`, which lies inside the last accepted step and is not its end.
-    fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]);
+    fn inside(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]);
     /// As [`Stepper::seen`].
     fn seen(&self) -> Option<&[f64]> {
         None
@@ -105,8 +105,8 @@ pub(super) trait Method: Serialize + DeserializeOwned + Send {
     }
 }
 
-impl<S: OdeSystem, M: Method> Stepper<S> for M {
-    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
+impl<M: Method> Stepper for M {
+    fn step(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
         self.advance(system)
     }
 
@@ -129,7 +129,7 @@ impl<S: OdeSystem, M: Method> Stepper<S> for M {
         }
     }
 
-    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+    fn interpolate(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]) {
         let clock = self.clock();
         if clock.counts.steps == 0 || (clock.time - t).abs() < 1e-9 * clock.taken {
             y.copy_from_slice(Method::state(self));

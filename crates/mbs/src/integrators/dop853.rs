@@ -75,7 +75,7 @@ impl Dop853 {
     }
 
     /// f at the current state.
-    fn refresh<S: OdeSystem>(&mut self, system: &mut S) {
+    fn refresh(&mut self, system: &mut dyn OdeSystem) {
         if !self.fresh {
             system.derivative(self.clock.time, &self.y, &mut self.k[STAGES]);
             self.clock.counts.evaluations += 1;
@@ -84,7 +84,7 @@ impl Dop853 {
     }
 
     /// All stages from `trial[0]`; the result is in `next`.
-    fn stages<S: OdeSystem>(&mut self, system: &mut S) {
+    fn stages(&mut self, system: &mut dyn OdeSystem) {
         for i in 1..=STAGES {
             set_sum(&mut self.next, &self.y, self.clock.h, A[i], &self.trial);
             if i < STAGES {
@@ -99,7 +99,7 @@ impl Dop853 {
     }
 
     /// The error above; infinite if anything is not finite.
-    fn error<S: OdeSystem>(&mut self, system: &S) -> f64 {
+    fn error(&mut self, system: &dyn OdeSystem) -> f64 {
         system.scale(&self.next, &mut self.scale);
         let (mut fifth, mut third) = (0.0, 0.0);
         let (tolerance, scale) = (self.tolerance, &self.scale[..]);
@@ -121,7 +121,7 @@ impl Dop853 {
     }
 
     /// Makes the continuous extension of the last step.
-    fn extend<S: OdeSystem>(&mut self, system: &mut S) {
+    fn extend(&mut self, system: &mut dyn OdeSystem) {
         self.refresh(system);
         let (h, start) = (self.clock.taken, self.clock.time - self.clock.taken);
         for i in STAGES + 1..EXTENDED {
@@ -144,7 +144,7 @@ impl Dop853 {
 }
 
 impl Method for Dop853 {
-    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
+    fn advance(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
         self.refresh(system);
         self.trial[0].copy_from_slice(&self.k[STAGES]);
         check_finite(&[&self.trial[0]], self.clock.time)?;
@@ -172,7 +172,7 @@ impl Method for Dop853 {
 
     fields!(clock, y);
 
-    fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+    fn inside(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]) {
         if !self.extended {
             self.extend(system);
         }

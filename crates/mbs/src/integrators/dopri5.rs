@@ -165,7 +165,7 @@ impl Dopri5 {
     }
 
     /// All stages from `k[0]`; the result is in `next`.
-    fn stages<S: OdeSystem>(&mut self, system: &mut S) {
+    fn stages(&mut self, system: &mut dyn OdeSystem) {
         let h = self.clock.h;
         for i in 1..STAGES {
             let (known, rest) = self.k.split_at_mut(i);
@@ -181,7 +181,7 @@ impl Dopri5 {
     }
 
     /// RMS of the scaled error; not finite if anything is not.
-    fn error<S: OdeSystem>(&mut self, system: &S) -> f64 {
+    fn error(&mut self, system: &dyn OdeSystem) -> f64 {
         system.scale(&self.next, &mut self.scale);
         let (mut sum, h, tolerance, scale) = (0.0, self.clock.h, self.tolerance, &self.scale[..]);
         each_sum::<{ E.len() }>(E, &self.k, scale.len(), |c, error| {
@@ -210,7 +210,7 @@ impl Dopri5 {
 impl Method for Dopri5 {
     fields!(clock, y);
 
-    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
+    fn advance(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
         let time = self.clock.time;
         if !self.fresh {
             system.derivative(time, &self.y, &mut self.k[0]);
@@ -246,7 +246,7 @@ impl Method for Dopri5 {
         Some(&self.y)
     }
 
-    fn inside<S: OdeSystem>(&mut self, _system: &mut S, t: f64, y: &mut [f64]) {
+    fn inside(&mut self, _system: &mut dyn OdeSystem, t: f64, y: &mut [f64]) {
         self.dense.interpolate(t, y);
     }
 }

@@ -63,7 +63,7 @@ impl FixedStep {
         }
     }
 
-    fn evaluate_first_stage<S: OdeSystem>(&mut self, system: &mut S) {
+    fn evaluate_first_stage(&mut self, system: &mut dyn OdeSystem) {
         if !self.fresh {
             system.derivative(self.clock.time, &self.y, &mut self.stages[0]);
             self.clock.counts.evaluations += 1;
@@ -75,7 +75,7 @@ impl FixedStep {
 impl Method for FixedStep {
     fields!(clock, y);
 
-    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
+    fn advance(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
         let (h, t, end) = (self.clock.h, self.clock.time, self.clock.end());
         self.evaluate_first_stage(system);
         for i in 1..self.stages.len() {
@@ -95,7 +95,7 @@ impl Method for FixedStep {
         Ok(())
     }
 
-    fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+    fn inside(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]) {
         self.evaluate_first_stage(system);
         let h = self.clock.h;
         let s = 1.0 + (t - self.clock.time) / h;

@@ -52,14 +52,14 @@ impl Point {
     }
 
     /// Evaluates both parts at a state that already is what it is.
-    pub(super) fn evaluate<S: OdeSystem>(&mut self, system: &mut S, t: f64) {
+    pub(super) fn evaluate(&mut self, system: &mut dyn OdeSystem, t: f64) {
         system.split_stage(t, 0.0, &mut self.y, &mut self.e, &mut self.i);
     }
 }
 
 /// One step of length `h` from `from` at `t` into `to`; `stage` is room for Y1.
-pub(super) fn advance<S: OdeSystem>(
-    system: &mut S,
+pub(super) fn advance(
+    system: &mut dyn OdeSystem,
     t: f64,
     h: f64,
     from: &Point,
@@ -112,7 +112,7 @@ impl ImexFixed {
 impl Method for ImexFixed {
     fields!(clock, now.y);
 
-    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
+    fn advance(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
         let (t, h, end) = (self.clock.time, self.clock.h, self.clock.end());
         if !self.fresh {
             self.now.evaluate(system, t);
@@ -130,7 +130,7 @@ impl Method for ImexFixed {
         Ok(())
     }
 
-    fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+    fn inside(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]) {
         let (begin, h) = (self.clock.begin(), self.clock.h - (self.clock.time - t));
         let (stage, next) = (&mut self.stage, &mut self.next);
         advance(system, begin, h, &self.before, stage, next);

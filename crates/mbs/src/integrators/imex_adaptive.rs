@@ -67,7 +67,7 @@ impl ImexAdaptive {
         }
     }
 
-    fn accept<S: OdeSystem>(&mut self, system: &mut S, factor: f64) {
+    fn accept(&mut self, system: &mut dyn OdeSystem, factor: f64) {
         self.time_before = self.clock.time;
         self.clock.accept(factor);
         system.project(self.clock.time, &mut self.next.y);
@@ -76,7 +76,7 @@ impl ImexAdaptive {
     }
 
     /// The estimate above; NaN or infinite when anything is.
-    fn error<S: OdeSystem>(&mut self, system: &S, h: f64) -> f64 {
+    fn error(&mut self, system: &dyn OdeSystem, h: f64) -> f64 {
         system.scale(&self.next.y, &mut self.scale);
         let (from, to) = (&self.now, &self.next);
         let mut worst: f64 = 0.0;
@@ -97,7 +97,7 @@ impl ImexAdaptive {
 }
 
 impl Method for ImexAdaptive {
-    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
+    fn advance(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
         if !self.fresh {
             self.now.evaluate(system, self.clock.time);
             self.clock.counts.evaluations += 1;
@@ -127,7 +127,7 @@ impl Method for ImexAdaptive {
 
     fields!(clock, now.y);
 
-    fn inside<S: OdeSystem>(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+    fn inside(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]) {
         let (begin, stage, next) = (self.time_before, &mut self.stage, &mut self.next);
         advance(system, begin, t - begin, &self.before, stage, next);
         y.copy_from_slice(&self.next.y);

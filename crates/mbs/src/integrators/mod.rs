@@ -128,12 +128,12 @@ fn check_finite(parts: &[&[f64]], time: f64) -> Result<(), StepError> {
 }
 
 /// A method in the course of a run.
-pub trait Stepper<S: OdeSystem>: Send {
+pub trait Stepper: Send {
     /// One accepted step.
     ///
     /// # Errors
     /// See [`StepError`]; the state stays the last accepted one.
-    fn step(&mut self, system: &mut S) -> Result<(), StepError>;
+    fn step(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError>;
     /// End of the last accepted step, s.
     fn time(&self) -> f64;
     /// State there.
@@ -146,7 +146,7 @@ pub trait Stepper<S: OdeSystem>: Send {
     /// needs an evaluation anyway, and both share it. All others go on as they would.
     fn set_stop_time(&mut self, _time: f64) {}
     /// Writes the state at `t`, which lies inside the last accepted step.
-    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]);
+    fn interpolate(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]);
     /// The state at the end of the last accepted step, if f was evaluated of it last, in passing
     /// ([`OdeSystem::derivative_in_passing`]).
     fn seen(&self) -> Option<&[f64]> {
@@ -245,12 +245,12 @@ macro_rules! methods {
 
         /// Starts the method `name` at (t, y). `None`: no such method.
         #[must_use]
-        pub fn start<S: OdeSystem>(
+        pub fn start(
             name: &str,
             $settings: StepSettings,
             $t: f64,
             $y: &[f64],
-        ) -> Option<Box<dyn Stepper<S>>> {
+        ) -> Option<Box<dyn Stepper>> {
             $(if name == $module::INFO.name {
                 return Some(Box::new($begin));
             })*

@@ -81,7 +81,7 @@ impl Rodas5p {
     }
 
     /// f, J and df/dt at the current state.
-    fn linearise<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
+    fn linearise(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
         system.derivative(self.clock.time, &self.y, &mut self.f);
         self.clock.counts.evaluations += 1;
         check_finite(&[&self.f], self.clock.time)?;
@@ -100,7 +100,7 @@ impl Rodas5p {
     }
 
     /// All stages of a step; `argument` becomes y+. False if a stage has no solution.
-    fn stages<S: OdeSystem>(&mut self, system: &mut S) -> bool {
+    fn stages(&mut self, system: &mut dyn OdeSystem) -> bool {
         let h = self.clock.h;
         let Some(jacobian) = &mut self.jacobian else {
             return false;
@@ -135,7 +135,7 @@ impl Rodas5p {
     }
 
     /// RMS of the scaled error; infinite if anything is not finite.
-    fn error<S: OdeSystem>(&mut self, system: &S) -> f64 {
+    fn error(&mut self, system: &dyn OdeSystem) -> f64 {
         system.scale(&self.argument, &mut self.scale);
         let mut sum = 0.0;
         for (error, scale) in self.u[STAGES - 1].iter().zip(&self.scale) {
@@ -170,7 +170,7 @@ fn add(row: &[f64], factor: f64, u: &[Vec<f64>], sum: &mut [f64]) {
 }
 
 impl Method for Rodas5p {
-    fn advance<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
+    fn advance(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
         self.linearise(system)?;
         let mut limit = GROW;
         loop {
@@ -196,7 +196,7 @@ impl Method for Rodas5p {
 
     fields!(clock, y);
 
-    fn inside<S: OdeSystem>(&mut self, _system: &mut S, t: f64, y: &mut [f64]) {
+    fn inside(&mut self, _system: &mut dyn OdeSystem, t: f64, y: &mut [f64]) {
         if !self.extended {
             self.extend();
         }

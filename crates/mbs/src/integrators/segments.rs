@@ -15,10 +15,10 @@ use crate::OdeSystem;
 const THERE: f64 = 1e-9;
 
 /// A method in the course of a run that is divided into segments.
-pub struct Segments<S: OdeSystem> {
+pub struct Segments {
     method: String,
     settings: StepSettings,
-    stepper: Box<dyn Stepper<S>>,
+    stepper: Box<dyn Stepper>,
     /// Ends of segments that are still to come, the last first.
     ends: Vec<f64>,
     /// Work of the earlier steppers.
@@ -29,7 +29,7 @@ pub struct Segments<S: OdeSystem> {
     stop_time: f64,
 }
 
-impl<S: OdeSystem> Segments<S> {
+impl Segments {
     /// Starts the method `name` at (t, y); `breaks` (s) increase, those up to `t` do not count. `None`: no such method.
     #[must_use]
     pub fn start(
@@ -66,7 +66,7 @@ impl<S: OdeSystem> Segments<S> {
     }
 
     /// Enters the next segment, at whose start the state is what it was. Before the end of a segment nothing happens.
-    pub fn enter(&mut self, system: &mut S) {
+    pub fn enter(&mut self, system: &mut dyn OdeSystem) {
         if self.end() - self.stepper.time() > THERE * self.settings.step {
             return;
         }
@@ -91,9 +91,9 @@ impl<S: OdeSystem> Segments<S> {
     }
 }
 
-impl<S: OdeSystem> Stepper<S> for Segments<S> {
+impl Stepper for Segments {
     /// As of the method; a step that begins at the end of a segment enters the next.
-    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
+    fn step(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
         if armed(Fault::PassedBreak) {
             return self.stepper.step(system);
         }
@@ -129,7 +129,7 @@ impl<S: OdeSystem> Stepper<S> for Segments<S> {
         self.stop_time = time;
     }
 
-    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+    fn interpolate(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]) {
         self.stepper.interpolate(system, t, y);
     }
 

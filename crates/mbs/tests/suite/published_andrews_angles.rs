@@ -139,7 +139,7 @@ fn error(method: &str, step: f64, tolerance: f64) -> f64 {
     let data = table("andrews");
     let end = number(&data, "time_s");
     let settings = StepSettings { step, tolerance };
-    let mut run = start::<Angles>(method, settings, 0.0, &initial()).unwrap();
+    let mut run = start(method, settings, 0.0, &initial()).unwrap();
     while run.time() < end * (1.0 - 1e-12) {
         run.step(&mut Angles).unwrap();
     }

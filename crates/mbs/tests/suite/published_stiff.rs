@@ -119,8 +119,7 @@ fn prothero_robinson(lambda: f64, h: f64) -> [f64; 2] {
             step: h,
             tolerance: 1.0,
         };
-        let mut run: Box<dyn Stepper<ProtheroRobinson>> =
-            start(rodas5p(), settings, t, &y).expect("registered");
+        let mut run: Box<dyn Stepper> = start(rodas5p(), settings, t, &y).expect("registered");
         run.step(&mut system).expect("finite");
         run.interpolate(&mut system, t + 0.4 * h, &mut y);
         inside = inside.max((y[0] - (10.0 + t + 0.4 * h).sin()).abs());

@@ -70,7 +70,7 @@ fn error(name: &str, step: f64, tolerance: f64, segments: bool) -> (f64, u64) {
     let mut system = Pushed {
         segment: segments.then_some(0.0),
     };
-    let mut run: Box<dyn Stepper<Pushed>> = if segments {
+    let mut run: Box<dyn Stepper> = if segments {
         Box::new(Segments::start(name, settings, 0.0, &START, &BREAKS).unwrap())
     } else {
         start(name, settings, 0.0, &START).unwrap()
@@ -183,8 +183,7 @@ fn without_breaks_nothing_changes() {
             tolerance: 1e-7,
         };
         let mut system = Pushed { segment: Some(0.0) };
-        let mut plain: Box<dyn Stepper<Pushed>> =
-            start(method.name, settings, 0.0, &START).unwrap();
+        let mut plain: Box<dyn Stepper> = start(method.name, settings, 0.0, &START).unwrap();
         let mut segments = Segments::start(method.name, settings, 0.0, &START, &[]).unwrap();
         for _ in 0..50 {
             plain.step(&mut system).unwrap();

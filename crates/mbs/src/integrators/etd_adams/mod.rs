@@ -184,7 +184,7 @@ impl EtdAdams {
     }
 
     /// Longest step, as |h| |L|.
-    fn most_turns<S: OdeSystem>(&self, system: &S) -> f64 {
+    fn most_turns(&self, system: &dyn OdeSystem) -> f64 {
         match system.has_turning_springs() {
             _ if self.tolerance >= COARSE => COARSE_TURNS,
             true => TURNING_TURNS,
@@ -203,7 +203,7 @@ impl EtdAdams {
     }
 
     /// Takes over from Dormand-Prince if its last steps reach back far enough and the system has a Jacobian.
-    fn take_over<S: OdeSystem>(&mut self, system: &mut S) -> bool {
+    fn take_over(&mut self, system: &mut dyn OdeSystem) -> bool {
         // At a time asked for, or where the next one is far.
         let begins = self.at_stop || self.stop_time - self.time > FAR * self.pieces[0].taken;
         let due = !self.refused && self.begun >= self.wait;
@@ -233,7 +233,7 @@ impl EtdAdams {
     }
 
     /// Makes the history from the last steps of Dormand-Prince, at whose end the newest Jacobian was taken.
-    fn begin<S: OdeSystem>(&mut self, multistep: &mut Multistep, system: &mut S) -> bool {
+    fn begin(&mut self, multistep: &mut Multistep, system: &mut dyn OdeSystem) -> bool {
         let order = ORDERS[0];
         let oldest = &self.pieces[self.known_pieces - 1];
         let span = self.time - (oldest.end - oldest.taken);
@@ -317,7 +317,7 @@ impl EtdAdams {
     }
 
     /// Looks at the Jacobian from time to time, and takes it if the stiffness has moved.
-    fn look<S: OdeSystem>(&mut self, system: &mut S) {
+    fn look(&mut self, system: &mut dyn OdeSystem) {
         self.since_look += 1;
         let Some(multistep) = &mut self.multistep else {
             return;
@@ -345,7 +345,7 @@ impl EtdAdams {
     }
 
     /// Updates the weights of errors for the last evaluated state.
-    fn weigh<S: OdeSystem>(&mut self, system: &S) {
+    fn weigh(&mut self, system: &dyn OdeSystem) {
         let n = self.y.len();
         system.scale(&self.seen[..n], &mut self.f[..n]);
         for ((scale, known), weight) in self.f[..n]
@@ -361,7 +361,7 @@ impl EtdAdams {
     }
 
     /// One step of the multistep method. False: Dormand-Prince must go on from here.
-    fn multistep_step<S: OdeSystem>(&mut self, system: &mut S) -> bool {
+    fn multistep_step(&mut self, system: &mut dyn OdeSystem) -> bool {
         self.look(system);
         let Some(mut multistep) = self.multistep.take() else {
             return false;
@@ -405,7 +405,7 @@ impl EtdAdams {
 
     /// Tries a step of the points' distance: true if it was taken, false if the method should give up, `None` if a shorter one
     /// should be tried.
-    fn attempt<S: OdeSystem>(&mut self, multistep: &mut Multistep, system: &mut S) -> Option<bool> {
+    fn attempt(&mut self, multistep: &mut Multistep, system: &mut dyn OdeSystem) -> Option<bool> {
         let (which, h) = (self.which, self.h);
         let order = ORDERS[which];
         let lands = ((self.stop_time - self.time) / h - 1.0).abs() < 1e-3;
@@ -487,8 +487,8 @@ impl EtdAdams {
     }
 
     /// One step of Dormand-Prince.
-    fn explicit_step<S: OdeSystem>(&mut self, system: &mut S) -> Result<(), StepError> {
-        let stepper: &mut dyn Stepper<S> = &mut self.start;
+    fn explicit_step(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
+        let stepper: &mut dyn Stepper = &mut self.start;
         stepper.shorten(self.longest);
         let distance = self.stop_time - self.time;
         let same = SAME * stepper.next_step();
@@ -509,8 +509,8 @@ impl EtdAdams {
     }
 }
 
-impl<S: OdeSystem> Stepper<S> for EtdAdams {
-    fn step(&mut self, system: &mut S) -> Result<(), StepError> {
+impl Stepper for EtdAdams {
+    fn step(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
         if !self.runs {
             self.take_over(system);
         }
@@ -557,7 +557,7 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
         self.stop_time = time;
     }
 
-    fn interpolate(&mut self, system: &mut S, t: f64, y: &mut [f64]) {
+    fn interpolate(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]) {
         let is_here = (t - self.time).abs() <= SAME * self.h;
         match &mut self.multistep {
             Some(multistep) if self.runs && self.taken > 0 => {
@@ -579,7 +579,7 @@ impl<S: OdeSystem> Stepper<S> for EtdAdams {
     fn seen(&self) -> Option<&[f64]> {
         match self.runs && self.taken > 0 {
             true => self.shown.then(|| &self.seen[..self.y.len()]),
-            false => Stepper::<S>::seen(&self.start),
+            false => Stepper::seen(&self.start),
         }
     }
 

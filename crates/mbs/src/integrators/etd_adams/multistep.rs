@@ -48,7 +48,7 @@ pub(super) struct Multistep {
 }
 
 impl Multistep {
-    pub(super) fn new<S: OdeSystem>(system: &S, jacobian: Jacobian, y: &[f64]) -> Self {
+    pub(super) fn new(system: &dyn OdeSystem, jacobian: Jacobian, y: &[f64]) -> Self {
         let n = y.len();
         let mut scale = vec![0.0; n];
         system.scale(y, &mut scale);

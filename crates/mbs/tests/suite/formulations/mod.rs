@@ -42,7 +42,7 @@ fn run<F: Formulation>(system: &mut F, step: f64, end: f64) -> Vec<f64> {
         step,
         tolerance: 1e-8,
     };
-    let mut run: Box<dyn Stepper<F>> = start("rk4", settings, 0.0, &y).expect("registered");
+    let mut run: Box<dyn Stepper> = start("rk4", settings, 0.0, &y).expect("registered");
     while run.time() < end - 1e-9 {
         run.step(system).unwrap();
     }

@@ -56,8 +56,7 @@ impl Problem {
         let mut system = Lagrange::new(self.mechanism.clone(), self.loads.clone(), stabilisation)
             .expect("a mechanism without fault");
         let mut y = system.initial();
-        let mut stepper =
-            start::<Lagrange<Elements>>(method, settings, 0.0, &y).expect("registered");
+        let mut stepper = start(method, settings, 0.0, &y).expect("registered");
         let (mut values, mut energy) = (Vec::new(), Vec::new());
         let mut joint_error: f64 = 0.0;
         for &t in times {
