@@ -66,7 +66,7 @@ impl<T: Clone> Memo<T> {
 /// The folder of all that is made once and kept.
 pub(crate) fn folder() -> Result<PathBuf, Halt> {
     let own = || Some(dirs::cache_dir()?.join("pinwheel"));
-    let folder = crate::variable(CACHE).map(PathBuf::from).or_else(own);
+    let folder = crate::env::variable(CACHE).map(PathBuf::from).or_else(own);
     let folder = folder.ok_or_else(|| storage(Path::new("~"), "there is no home folder"))?;
     fs::create_dir_all(&folder).map_err(|error| storage(&folder, error))?;
     fs::canonicalize(&folder).map_err(|error| storage(&folder, error))

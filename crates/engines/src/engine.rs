@@ -4,14 +4,12 @@ pub use pinwheel_timeseries::{Ending, RunStats, SharedModel};
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::resolve::Uncertainty;
-use pinwheel_mbs::integrators;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Scene};
 use pinwheel_timeseries::TimeSeries;
-use serde::{Deserialize, Serialize};
 
 use crate::control::{Cancelled, Control};
-use crate::registry::EngineInfo;
+use crate::info::EngineInfo;
 
 /// A run, however it ended.
 #[derive(Debug, Clone)]
@@ -101,76 +99,6 @@ pub(crate) fn settled(ran: Result<Run, Halt>) -> Result<Run, Cancelled> {
         Ok(run) => Ok(run),
         Err(Halt::Ended(ending)) => Ok(Run::ended(ending)),
         Err(Halt::Cancelled(cancelled)) => Err(cancelled),
-    }
-}
-
-/// Setting that is made smaller for more accuracy.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum AccuracySetting {
-    /// `solver.step_s`.
-    #[serde(rename(serialize = "step-s", deserialize = "solver.step_s"))]
-    Step,
-    /// `solver.tolerance`.
-    #[serde(rename(serialize = "tolerance", deserialize = "solver.tolerance"))]
-    Tolerance,
-}
-
-impl AccuracySetting {
-    /// That of an integrator of ours.
-    #[must_use]
-    pub fn of(method: &str) -> Self {
-        match integrators::method(method).is_some_and(|method| method.adaptive) {
-            true => Self::Tolerance,
-            false => Self::Step,
-        }
-    }
-
-    /// Where it stands: a step, s, or a tolerance.
-    #[must_use]
-    pub fn get(self, scene: &Scene) -> f64 {
-        match self {
-            Self::Step => scene.solver.step_s,
-            Self::Tolerance => scene.solver.tolerance,
-        }
-    }
-
-    /// Turns it.
-    pub fn set(self, scene: &mut Scene, setting: f64) {
-        match self {
-            Self::Step => scene.solver.step_s = setting,
-            Self::Tolerance => scene.solver.tolerance = setting,
-        }
-    }
-}
-
-/// How an engine is refined.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Refinement {
-    /// Setting that is made smaller.
-    #[serde(rename = "key")]
-    pub knob: AccuracySetting,
-    /// Order of the error in it.
-    pub order: f64,
-}
-
-impl Refinement {
-    /// By `solver.step_s`.
-    #[must_use]
-    pub const fn step(order: f64) -> Self {
-        Self {
-            knob: AccuracySetting::Step,
-            order,
-        }
-    }
-
-    /// By `solver.tolerance`.
-    #[must_use]
-    pub const fn tolerance(order: f64) -> Self {
-        Self {
-            knob: AccuracySetting::Tolerance,
-            order,
-        }
     }
 }
 

@@ -13,8 +13,10 @@ use pinwheel_timeseries::{RecordedUncertainty, TimeSeries};
 use serde::{Deserialize, Serialize};
 
 use crate::control::Cancelled;
-use crate::engine::{AccuracySetting, Ending, Engine, Halt, Prepared, Run, RunStats, prepared};
-use crate::registry::{self, EngineInfo};
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, prepared};
+use crate::info::{AccuracySetting, EngineInfo};
+use crate::known::info;
+use crate::registry::lacking;
 
 /// The recordings' files: path below their folder, text.
 const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/recorded.rs"));
@@ -156,7 +158,7 @@ impl Recording {
     /// True if a run of `scene` would be this recording, or its beginning: all keys agree but those that name the
     /// scene, belong to the native solver, or choose samples.
     fn is_of(&self, scene: &Scene) -> bool {
-        let refinement = registry::info(&self.engine).and_then(|info| info.refinement);
+        let refinement = info(&self.engine).and_then(|info| info.refinement);
         let by_tolerance =
             refinement.is_some_and(|refined| refined.knob == AccuracySetting::Tolerance);
         let setting = |own: &Solver| {
@@ -215,7 +217,7 @@ fn trimmed(value: f64, decimals: usize) -> String {
 /// # Errors
 /// Why not, in words.
 pub fn worth_keeping(engine: &str, scene: &Scene) -> Result<(), String> {
-    let explicit = registry::info(engine).is_some_and(|info| info.explicit_friction);
+    let explicit = info(engine).is_some_and(|info| info.explicit_friction);
     if explicit
         && scene.contact.friction_coefficient > 0.0
         && scene.solver.step_s > EXPLICIT_FRICTION_STEP_S
@@ -253,7 +255,7 @@ pub fn find(scene: &str, engine: &str) -> Option<Result<Recording, RecordingErro
 /// A recording of `engine` that stands for a run of `scene`; `why` says for the reader why it does.
 #[must_use]
 pub fn instead(engine: &str, scene: &Scene, why: &str) -> Option<Box<dyn Engine>> {
-    let info = registry::info(engine)?;
+    let info = info(engine)?;
     let recording = list()
         .filter(|&(_, recorded)| recorded == engine)
         .filter_map(|(name, _)| find(name, engine)?.ok())
@@ -268,7 +270,7 @@ pub fn instead(engine: &str, scene: &Scene, why: &str) -> Option<Box<dyn Engine>
 /// Recordings for a scene of all engines that this build lacks.
 #[must_use]
 pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
-    registry::lacking()
+    lacking()
         .filter_map(|info| instead(info.name, scene, NOT_BUILT))
         .collect()
 }
@@ -276,7 +278,7 @@ pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
 /// True if an engine may be missing in a build or on a machine, so that recordings of it are of use.
 #[must_use]
 pub fn may_be_missing(engine: &str) -> bool {
-    registry::info(engine).is_some_and(|info| info.feature == Some("crossval"))
+    info(engine).is_some_and(|info| info.feature == Some("crossval"))
 }
 
 /// Why a build without Python engines shows recordings.

@@ -25,7 +25,7 @@ fn library(what: &str, variable: &str) -> Result<PathBuf, String> {
         std::env::consts::DLL_PREFIX,
         std::env::consts::DLL_SUFFIX
     );
-    if let Some(named) = crate::variable(variable) {
+    if let Some(named) = crate::env::variable(variable) {
         let path = PathBuf::from(named);
         let found = path
             .is_file()

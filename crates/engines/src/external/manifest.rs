@@ -8,9 +8,9 @@ use pinwheel_scene::{JOB_PROTOCOL, Scene, names};
 use pinwheel_timeseries::SharedModel;
 use serde::Deserialize;
 
-use crate::engine::Refinement;
-use crate::registry::{self, EngineInfo};
-use crate::variable;
+use crate::env::variable;
+use crate::info::{EngineInfo, Refinement, family};
+use crate::known::{info, known};
 
 /// Longest run that a manifest may ask for, s.
 const LONGEST_S: f64 = 86_400.0;
@@ -130,8 +130,8 @@ impl Manifest {
                 "name = {name:?} is no name of an engine; use small letters, digits and `-`, a letter first"
             ));
         }
-        let families = || registry::known().map(EngineInfo::family);
-        if registry::info(name).is_some() || families().any(|own| own == registry::family(name)) {
+        let families = || known().map(EngineInfo::family);
+        if info(name).is_some() || families().any(|own| own == family(name)) {
             return Err(format!(
                 "name = {name:?} is one of Pinwheel's own engines; choose another name"
             ));

@@ -24,12 +24,10 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_law::job;
 
 use crate::control::{Cancelled, Control};
-use crate::engine::{
-    AccuracySetting, Ending, Engine, Halt, Prepared, Run, RunStats, prepared, settled,
-};
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, prepared, settled};
+use crate::info::{AccuracySetting, EngineInfo};
 pub use crate::process::end_all;
 use crate::process::{self, End, Ended};
-use crate::registry::EngineInfo;
 pub use library::{fmu_library, law_library};
 use log::{Limits, SolverLog, WORDS, plain};
 pub use manifest::{Honours, Manifest, Stated};

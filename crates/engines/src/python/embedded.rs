@@ -9,9 +9,9 @@ use std::sync::atomic::AtomicBool;
 
 use pyo3::prelude::*;
 
-use super::convert::text_of;
-use super::environment::{ENGINES, ENVIRONMENT, Environment, environment};
-use super::host::{PACKAGE, package};
+use super::environment::{ENGINES, Environment, environment};
+use super::interpreter::ENVIRONMENT;
+use super::package::{PACKAGE, package, text_of};
 use super::pins::{LIST, installed, pins};
 use crate::cache::{self, Memo};
 use crate::engine::{Ending, Halt};
@@ -49,7 +49,7 @@ fn load(environment: &Environment) -> Result<(), Halt> {
         .map(|&(name, text)| (format!("{PACKAGE}/{name}"), text))
         .collect();
     let sources = cache::laid_out("sources", &files)?;
-    let named = crate::variable(ENVIRONMENT).is_some();
+    let named = crate::env::variable(ENVIRONMENT).is_some();
     let failed = |reason: String| unusable(&environment.folder, named, &reason);
     Python::attach(|py| {
         let start = || -> PyResult<Result<(), String>> {

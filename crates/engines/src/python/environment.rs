@@ -8,13 +8,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use super::interpreter::{Interpreter, interpreter, no_interpreter};
+use super::interpreter::{ENVIRONMENT, Interpreter, interpreter, no_interpreter};
 use crate::cache::{self, Note, call, fingerprint, storage, unless_stopped};
 use crate::engine::{Ending, Halt};
-use crate::variable;
+use crate::env::variable;
 
-/// Names an existing environment, which is used as it is.
-pub(super) const ENVIRONMENT: &str = "PINWHEEL_PYTHON_ENV";
 /// Names a folder of discs to install from, without a network.
 const WHEELS: &str = "PINWHEEL_WHEELS";
 

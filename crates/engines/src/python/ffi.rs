@@ -2,7 +2,7 @@
 //! is in this file.
 //!
 //! Contract of [`law`] (engines call it from any thread, one at a time for each context):
-//! - `context` is the number of a [`Published`](super::law::Published) law, not an address;
+//! - `context` is the number of a [`Published`](super::published::Published) law, not an address;
 //! - for a number that was ever handed out, `states` points to 6 and `loads` to 3 doubles for each body
 //!   of its scene, aligned, not overlapping, alive and not otherwise used for the time of the call, or is null;
 //!   that holds for stale numbers too, whose law is gone: their loads become NaN;

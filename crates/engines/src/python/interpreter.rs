@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 
-use super::convert::text_of;
-use super::environment::ENVIRONMENT;
+use super::package::text_of;
 use crate::engine::{Ending, Halt};
+
+/// Names an existing environment, which is used as it is.
+pub(super) const ENVIRONMENT: &str = "PINWHEEL_PYTHON_ENV";
 
 /// The interpreter whose library this program embeds.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,7 +21,7 @@ pub(super) struct Interpreter {
 
 /// The interpreter this process embeds.
 pub(super) fn interpreter() -> Result<Interpreter, Halt> {
-    if let Some(home) = crate::variable("PYTHONHOME") {
+    if let Some(home) = crate::env::variable("PYTHONHOME") {
         return Err(Ending::absent(format!(
             "PYTHONHOME = {home:?} would send the embedded Python to another installation; unset PYTHONHOME"
         ))

@@ -13,7 +13,6 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_handles::Handles;
 use pinwheel_law::Evaluator;
 
-use super::mujoco::detach;
 use crate::engine::Ending;
 
 /// Law behind a number.
@@ -45,6 +44,34 @@ pub(super) fn find(number: usize) -> Option<Arc<Law>> {
 }
 
 impl Law {
+    /// Returns the law of a gearbox and the number that stands for it.
+    ///
+    /// # Errors
+    /// The gearbox has none.
+    pub(super) fn open(gearbox: &Gearbox) -> Result<(usize, Arc<Self>), Ending> {
+        let field = gearbox.contact_field().map_err(Ending::unsupported)?;
+        let bodies = gearbox.layout.bodies();
+        let number = LAWS.open::<u8>(Self {
+            bodies,
+            every: if armed(Fault::FrozenLoads) { 4 } else { 1 },
+            evaluator: Mutex::new(Some(Evaluator::new(field, bodies))),
+            calls: AtomicU64::new(0),
+            fault: match () {
+                () if armed(Fault::NanLoads) => Some(f64::NAN),
+                () if armed(Fault::HugeLoads) => Some(1e9),
+                () => None,
+            },
+        });
+        let number = number.addr();
+        let law = find(number).ok_or_else(|| Ending::failed("its law was closed"))?;
+        Ok((number, law))
+    }
+
+    /// Drops the evaluator: loads are NaN from now on.
+    pub(super) fn close(&self) {
+        locked(&self.evaluator).take();
+    }
+
     /// Reads 6 numbers a body and writes 3 loads a body: NaN if it is gone, or panics.
     pub(super) fn evaluate(&self, states: &[f64], loads: &mut [f64]) {
         let evaluated = catch_unwind(AssertUnwindSafe(|| {
@@ -59,44 +86,5 @@ impl Law {
         {
             loads.iter_mut().for_each(|load| *load *= factor);
         }
-    }
-}
-
-/// A law that engines can call; stale from the moment this is dropped.
-pub(super) struct Published {
-    pub(super) number: usize,
-    pub(super) law: Arc<Law>,
-}
-
-impl Published {
-    /// The law of a gearbox.
-    ///
-    /// # Errors
-    /// The gearbox has none.
-    pub(super) fn new(gearbox: &Gearbox) -> Result<Self, Ending> {
-        let field = gearbox.contact_field().map_err(Ending::unsupported)?;
-        let bodies = gearbox.layout.bodies();
-        let number = LAWS.open::<u8>(Law {
-            bodies,
-            every: if armed(Fault::FrozenLoads) { 4 } else { 1 },
-            evaluator: Mutex::new(Some(Evaluator::new(field, bodies))),
-            calls: AtomicU64::new(0),
-            fault: match () {
-                () if armed(Fault::NanLoads) => Some(f64::NAN),
-                () if armed(Fault::HugeLoads) => Some(1e9),
-                () => None,
-            },
-        });
-        let number = number.addr();
-        let law = find(number).ok_or_else(|| Ending::failed("its law was closed"))?;
-        Ok(Self { number, law })
-    }
-}
-
-impl Drop for Published {
-    fn drop(&mut self) {
-        // However the run ended, by a panic too: MuJoCo may call no more.
-        detach(self.number);
-        locked(&self.law.evaluator).take();
     }
 }

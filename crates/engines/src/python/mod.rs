@@ -18,7 +18,9 @@ mod host;
 mod interpreter;
 mod law;
 mod mujoco;
+mod package;
 mod pins;
+mod published;
 mod user_engine;
 mod watch;
 
@@ -31,7 +33,7 @@ pub(crate) use pins::pinned;
 pub use user_engine::UserEngine;
 
 use crate::engine::Engine;
-use crate::registry::EngineInfo;
+use crate::info::EngineInfo;
 use engine::PythonEngine;
 
 /// An engine of the package `pinwheel_engines`; in an interpreter that is not ours only if that has what is behind it.

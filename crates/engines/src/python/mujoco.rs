@@ -6,7 +6,6 @@
 use std::sync::{Arc, Mutex};
 
 use pinwheel_contact::Complex;
-use pyo3::FromPyObject;
 
 use super::law::{Law, locked};
 
@@ -22,8 +21,7 @@ pub(super) struct Place {
 }
 
 /// Addresses of one run's numbers in MuJoCo, valid until it detaches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, FromPyObject)]
-#[pyo3(from_item_all)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Addresses {
     /// The mjData itself.
     pub(super) data: usize,

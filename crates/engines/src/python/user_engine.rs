@@ -16,11 +16,12 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyCFunction;
 
-use super::law::{Published, locked};
+use super::law::locked;
+use super::published::Published;
 use super::watch::hosted;
 use crate::control::Control;
-use crate::engine::{Ending, Engine, Halt, Prepared, Refinement, Run, SharedModel, prepared};
-use crate::registry::EngineInfo;
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, SharedModel, prepared};
+use crate::info::{EngineInfo, Refinement};
 
 /// A solver of the user's.
 #[derive(Debug)]

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict};
 
 use super::convert;
-use super::law::Published;
+use super::published::Published;
 use crate::control::Control;
 use crate::engine::{Ending, Halt, Run};
 

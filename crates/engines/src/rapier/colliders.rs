@@ -16,11 +16,11 @@ use rapier2d_f64::prelude::*;
 
 use super::march::{Contacts, Grid, friction_is_plain, march};
 use super::outlines::{closed, corners_for_sag, hole_edge, sag_of_corners, wheel_edge};
-use super::spring::{contact_spring, spring_load};
 use super::sums::Evaluation;
 use super::world::{World, in_frame_of};
 use crate::engine::{Ending, Halt, Prepared, prepared};
-use crate::own_contact::pins_are_rigid;
+use crate::refusals::pins_are_rigid;
+use crate::spring::{contact_spring, spring_load};
 
 /// Points of a disc's edge, and fewest on a lobe: a gear of 39 lobes has its mean forces right to
 /// 0.8 % with 103 points a lobe, against 267.

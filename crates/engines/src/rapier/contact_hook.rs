@@ -18,7 +18,7 @@ use super::march::{Contacts, Grid, friction_is_plain, march};
 use super::sums::{Evaluation, sleeve_slot};
 use super::world::World;
 use crate::engine::{Ending, Halt, Prepared, prepared};
-use crate::own_contact::wheels_are_held;
+use crate::refusals::wheels_are_held;
 
 /// Gauss-Seidel sweeps a step. Friction couples the pins through the shafts: in the driver
 /// torque five leave 1.6e-2, ten 1.0e-3, twenty 8.9e-4, forty 8.6e-4 (mu = 0.1, steady, 1e-5 s).

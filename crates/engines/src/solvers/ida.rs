@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::shipped::Ready;
+use super::ready::Ready;
 use crate::cache;
 use crate::engine::Halt;
 use crate::python::{Requirements, environment, pinned};

@@ -7,7 +7,7 @@ use std::{env, fs};
 
 use pinwheel_files::Fnv;
 
-use super::shipped::Ready;
+use super::ready::Ready;
 use crate::cache::{self, CachedBuild, Note, call, fingerprint, storage, unless_stopped};
 use crate::engine::{Ending, Halt};
 use crate::external::scaffold::HEADER;

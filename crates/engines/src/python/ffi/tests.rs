@@ -4,8 +4,8 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::{Override, Scene};
 
-use super::super::law::Published;
 use super::super::mujoco::{Addresses, Attached, Place, detach};
+use super::super::published::Published;
 use super::*;
 
 fn gearbox(preset: &str) -> Gearbox {

@@ -7,9 +7,10 @@ use pinwheel_gearbox::{Gearbox, auto};
 use pinwheel_mbs::integrators::method;
 use pinwheel_scene::{Detection, Fault, Formulation, Scene, load_profile};
 
-use super::{EngineInfo, Form, NATIVE_LAGRANGE, NATIVE_REDUCED, NATIVE_RESOLVED};
 use crate::control::{Cancelled, Control};
 use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, prepared};
+use crate::info::{EngineInfo, Form};
+use crate::known::native as facts;
 
 /// The native solver in one of its forms.
 #[derive(Debug, Clone, Copy)]
@@ -28,6 +29,10 @@ impl Native {
     pub const LAGRANGE: Self = Self(Form::Lagrange);
     /// The reduced form with an integrator that leaves no visible error of the step.
     pub const RESOLVED: Self = Self(Form::Resolved);
+
+    pub(crate) const fn new(form: Form) -> Self {
+        Self(form)
+    }
 
     /// The solver that a scene asks for.
     #[must_use]
@@ -74,9 +79,9 @@ impl Native {
 impl Engine for Native {
     fn info(&self) -> EngineInfo<'_> {
         match self.0 {
-            Form::Reduced => NATIVE_REDUCED,
-            Form::Lagrange => NATIVE_LAGRANGE,
-            Form::Resolved => NATIVE_RESOLVED,
+            Form::Reduced => facts::REDUCED,
+            Form::Lagrange => facts::LAGRANGE,
+            Form::Resolved => facts::RESOLVED,
         }
     }
 

@@ -18,13 +18,13 @@ use pinwheel_scene::{Layout, Sleeve, load_profile};
 
 /// Spring that stands for the law.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct ContactSpring {
+pub(crate) struct ContactSpring {
     /// f = w/(2 pi), Hz.
-    pub(super) frequency_hz: f64,
+    pub(crate) frequency_hz: f64,
     /// Masses of ring and output pins that make it right for both stages, kg; `None`: the scene's.
-    pub(super) masses_kg: Option<[f64; 2]>,
+    pub(crate) masses_kg: Option<[f64; 2]>,
     /// k of external and internal contacts, N/m.
-    pub(super) stiffness_n_m: [f64; 2],
+    pub(crate) stiffness_n_m: [f64; 2],
 }
 
 /// How much more a light pin gives way than a disc does.
@@ -44,7 +44,7 @@ struct Stage {
 ///
 /// # Errors
 /// In words, if the law cannot carry the load within a quarter of a pitch.
-pub(super) fn contact_spring(
+pub(crate) fn contact_spring(
     gearbox: &Gearbox,
     field: &mut dyn ContactField,
 ) -> Result<ContactSpring, String> {
@@ -144,9 +144,18 @@ pub(super) fn contact_spring(
     })
 }
 
+/// Returns the linear stiffness of external and internal contacts that the colliders have, N/m.
+///
+/// # Errors
+/// In words, if the law cannot carry the load.
+pub(crate) fn stage_stiffness(gearbox: &Gearbox) -> Result<[f64; 2], String> {
+    let mut field = gearbox.contact_field().map_err(|error| error.to_string())?;
+    contact_spring(gearbox, &mut *field).map(|spring| spring.stiffness_n_m)
+}
+
 /// The load for which the spring is right, N m: what the scene ends with, as only settled means are compared, or if
 /// that is none the largest it has.
-pub(super) fn spring_load(scene: &Scene) -> f64 {
+pub(crate) fn spring_load(scene: &Scene) -> f64 {
     let last = load_profile::final_load(scene);
     if last == 0.0 {
         load_profile::largest(&scene.drive)
