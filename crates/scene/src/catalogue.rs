@@ -155,7 +155,8 @@ const NEEDLES: [f64; 2] = [0.85, 0.9];
 type FirstStage = [usize; 3];
 
 /// The first stage that makes an RV gear of a ratio, its pins as near to the usual number as can be; `None`: there is none.
-fn first_stage(ratio: usize) -> Option<FirstStage> {
+#[doc(hidden)]
+pub fn first_stage(ratio: usize) -> Option<FirstStage> {
     let [usual, least, most] = RV_PINS;
     let mut pins: Vec<usize> = (least..=most).step_by(2).collect();
     pins.sort_by_key(|pins| pins.abs_diff(usual));
@@ -563,7 +564,8 @@ fn with_what_follows(mut text: String, scene: &CheckedScene) -> String {
 }
 
 /// Two significant digits, downwards, of a length in millimetres: what one puts on a drawing. m.
-fn rounded_down(length_m: f64) -> f64 {
+#[doc(hidden)]
+pub fn rounded_down(length_m: f64) -> f64 {
     let mm = 1e3 * length_m;
     if !(mm > 0.0 && mm.is_finite()) {
         return length_m;
@@ -577,6 +579,3 @@ fn rounded_down(length_m: f64) -> f64 {
 fn millimetres(length_m: f64) -> String {
     short(1e3 * length_m)
 }
-
-#[cfg(test)]
-pub(crate) mod tests;

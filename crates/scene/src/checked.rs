@@ -9,7 +9,7 @@ use toml::{Table, Value};
 use crate::check;
 use crate::error::Fault;
 use crate::model::Scene;
-use crate::table::lookup;
+use crate::table::{insert, lookup};
 
 /// A scene that passed [`Scene::check`]. It reads like the [`Scene`] inside and cannot be changed but through
 /// [`changed`](Self::changed), which checks again.
@@ -97,6 +97,35 @@ impl CheckedScene {
         let mut changed = scene.check()?;
         changed.origins = Arc::clone(&self.origins);
         Ok(changed)
+    }
+
+    /// The number at a key, if it holds one.
+    #[must_use]
+    pub fn number(&self, key: &str) -> Option<f64> {
+        let table = Table::try_from(&self.scene).ok()?;
+        lookup(&table, key).and_then(Value::as_float)
+    }
+
+    /// The scene with another value of a number, checked again.
+    ///
+    /// # Errors
+    /// A key that holds no number here, or a value that the scene's checks refuse.
+    pub fn with_number(&self, key: &str, value: f64) -> Result<Self, Fault> {
+        let fault = |what: String| Fault {
+            keys: vec![key.to_owned().into()],
+            what,
+            remedy: "give a key of this scene that holds a number".to_owned(),
+        };
+        let mut table = Table::try_from(&self.scene).map_err(|error| fault(error.to_string()))?;
+        if lookup(&table, key).and_then(Value::as_float).is_none() {
+            return Err(fault("holds no number".to_owned()));
+        }
+        let path: Vec<&str> = key.split('.').collect();
+        insert(&mut table, &path, Value::Float(value));
+        let changed: Scene = table
+            .try_into()
+            .map_err(|error: toml::de::Error| fault(error.message().to_owned()))?;
+        self.changed(|scene| *scene = changed)
     }
 
     /// A scene each of whose values is known to be in range, and where values come from.

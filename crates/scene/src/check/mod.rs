@@ -50,5 +50,5 @@ pub(crate) fn gear(gear: &Gear, gives_circle: bool) -> Result<(), Fault> {
     geometry::whole(gear).map_err(|fault| units::guess(gear).unwrap_or_else(|| tried(fault)))
 }
 
-pub(crate) use geometry::hole_to_profile_m;
+pub use geometry::{external_sleeves, holes_inside_the_wheel, profile};
 pub(crate) use ranges::check as ranges;

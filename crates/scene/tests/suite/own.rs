@@ -1,6 +1,6 @@
 //! A gear of one's own: nothing comes from the published one unless the scene says so.
 
-use crate::{Scene, Source, Start};
+use pinwheel_scene::{Scene, Source, Start};
 
 /// Forty pins, e = 0.75 mm, a pin circle of 52 mm, real steel, 200 N m.
 const OWN: &str = "\

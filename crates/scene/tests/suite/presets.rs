@@ -1,6 +1,6 @@
 //! The presets are valid, described, complete and what the paper says.
 
-use crate::{Detection, PRESETS, Scene, derived};
+use pinwheel_scene::{Detection, PRESETS, Scene, derived};
 
 fn load(name: &str) -> Scene {
     let scene = Scene::load(name, &[]).unwrap_or_else(|error| panic!("{error}"));
@@ -42,7 +42,7 @@ fn the_paper_is_its_preset() {
 /// paper.toml is what people copy: every key that can be written stands in it.
 #[test]
 fn paper_shows_every_key() {
-    let paper: toml::Table = crate::preset("paper").unwrap().parse().unwrap();
+    let paper: toml::Table = pinwheel_scene::preset("paper").unwrap().parse().unwrap();
     let full: toml::Table = load("paper").to_toml().parse().unwrap();
     assert_eq!(paper, full);
 }

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 
-use crate::load_profile;
-use crate::{CheckedScene, LoadChange, Override, Scene};
+use pinwheel_scene::load_profile;
+use pinwheel_scene::{CheckedScene, LoadChange, Override, Scene};
 
 fn with(changes: &str) -> Result<CheckedScene, String> {
     let set = Override::new("drive.load_changes", changes);

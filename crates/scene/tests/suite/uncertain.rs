@@ -1,6 +1,6 @@
 //! `[uncertain]`: read in every form TOML has for it, kept, and refused where it makes no sense.
 
-use crate::{CheckedScene, Scene};
+use pinwheel_scene::{CheckedScene, Scene};
 
 fn read(lines: &str) -> Result<CheckedScene, String> {
     let text = format!("base = \"paper\"\n{lines}\n");

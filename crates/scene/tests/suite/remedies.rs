@@ -1,8 +1,8 @@
 //! Every remedy is followed, on gears made wrong at random.
 
-use crate::catalogue::Catalogue;
-use crate::catalogue::tests::catalogue;
-use crate::{Override, Scene, SceneError};
+use crate::catalogue::catalogue;
+use pinwheel_scene::catalogue::Catalogue;
+use pinwheel_scene::{Override, Scene, SceneError};
 
 /// Numbers from 0 to 1, the same on every machine.
 struct Random(u64);

@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 
-use super::*;
+use pinwheel_scene::Scene;
+use pinwheel_scene::catalogue::*;
 
 /// Catalogue of a gear of steel, with a load that goes with its size; all else is left out.
 pub(crate) fn catalogue(ratio: usize, diameter_mm: f64) -> Catalogue {
@@ -128,7 +129,7 @@ proptest! {
         let draft = draft.unwrap();
         let again = Scene::from_toml(&draft.text, "mine.toml", &[]).unwrap();
         prop_assert_eq!(&*again, &*draft.scene);
-        let walls = crate::derived(&draft.scene).walls;
+        let walls = pinwheel_scene::derived(&draft.scene).walls;
         let hole = draft.scene.gear.hole_radius_m;
         prop_assert!(walls.hole_to_profile_m > 0.09 * hole && walls.hole_to_hole_m > 0.09 * hole);
     }

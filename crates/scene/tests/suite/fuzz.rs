@@ -2,10 +2,10 @@
 
 use proptest::prelude::*;
 
-use crate::{CheckedScene, Override, Scene, assumptions, derived, preset};
+use pinwheel_scene::{CheckedScene, Override, Scene, assumptions, derived, preset};
 
 /// Whatever the outcome: no panic, one line of message, figures that are numbers.
-fn survives(result: Result<CheckedScene, crate::SceneError>) {
+fn survives(result: Result<CheckedScene, pinwheel_scene::SceneError>) {
     match result {
         Ok(scene) => {
             let figures = derived(&scene);

@@ -1,6 +1,6 @@
 //! Every kind of fault is refused with its key, its line and a remedy, on one line.
 
-use crate::{Location, Override, Scene, SceneError, preset};
+use pinwheel_scene::{Location, Override, Scene, SceneError, preset};
 
 fn overrides(texts: &[&str]) -> Vec<Override> {
     texts.iter().map(|text| text.parse().unwrap()).collect()
@@ -305,15 +305,15 @@ fn parts_that_do_not_fit() {
         (&["gear.hole_radius_m=0.00879"], "could not orbit"),
         (&["gear.hole_radius_m=0.0146"], "neighbouring holes overlap"),
         (&["gear.internal_sleeves=14"], "neighbouring holes overlap"),
-        (&["gear.internal_circle_radius_m=0.0525"], "leave the wheel"),
-        (&["gear.internal_circle_radius_m=0.07"], "leave the wheel"),
+        (&["gear.internal_circle_radius_m=0.0525"], "leave the disc"),
+        (&["gear.internal_circle_radius_m=0.07"], "leave the disc"),
         (
             &[
                 "gear.internal_sleeves=3",
                 "gear.hole_radius_m=0.035",
                 "gear.internal_circle_radius_m=0.0405",
             ],
-            "leave the wheel",
+            "leave the disc",
         ),
     ] {
         let line = refused(sets);
@@ -376,7 +376,7 @@ fn files_that_are_no_text_or_too_long() {
 
     std::fs::write(&path, b"[gear]\nwheels = 2\n# \xff\n").unwrap();
     assert!(load().unwrap_err().contains("line 3: not UTF-8"));
-    std::fs::write(&path, vec![b'#'; crate::MOST_BYTES + 1]).unwrap();
+    std::fs::write(&path, vec![b'#'; pinwheel_scene::MOST_BYTES + 1]).unwrap();
     assert!(load().unwrap_err().contains("longer than"));
     std::fs::write(
         &path,
@@ -598,7 +598,7 @@ fn walls_follow_the_modification() {
     let wall = |lines: &str| {
         let text = format!("base = \"paper\"\n{lines}");
         let scene = Scene::from_toml(&text, "mine.toml", &[]).unwrap();
-        crate::derived(&scene).walls.hole_to_profile_m
+        pinwheel_scene::derived(&scene).walls.hole_to_profile_m
     };
     let plain = wall("");
     let thinner = wall("gear.modification.equidistant_m = 1e-4");
