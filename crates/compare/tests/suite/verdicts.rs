@@ -198,7 +198,7 @@ fn unfinished_runs_are_listed_not_judged() {
     let mut broken = participant("broken", SharedModel::Native, TimeSeries::default());
     broken.status = Status::Diverged {
         time_s: 0.01,
-        quantity: "wheel angle NaN".into(),
+        quantity: "disc angle NaN".into(),
     };
     let comparison = compare(
         &context(),

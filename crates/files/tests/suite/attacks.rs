@@ -1,5 +1,4 @@
 //! Nothing of anybody's is lost: attacks on outputs and single files, each refused or harmless.
-#![cfg(unix)]
 
 use std::collections::BTreeMap;
 use std::fs::{self, Permissions};

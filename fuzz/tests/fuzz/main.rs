@@ -6,6 +6,8 @@
 //! PINWHEEL_FUZZ_FROM=50000  number of the first input (0): to go on where a run ended
 //! ```
 
+mod extremes;
+
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
