@@ -26,7 +26,7 @@ pub(crate) use call::{Note, call};
 /// Names another folder than the user's cache folder.
 pub(crate) const CACHE: &str = "PINWHEEL_CACHE";
 
-/// The file system refused to keep what an engine needs.
+/// Returns the ending of a run whose resources cannot be stored.
 pub(crate) fn storage(path: &Path, reason: impl ToString) -> Halt {
     let (path, reason) = (path.display(), reason.to_string());
     Ending::Absent {
@@ -35,7 +35,7 @@ pub(crate) fn storage(path: &Path, reason: impl ToString) -> Halt {
     .into()
 }
 
-/// A failure, unless the user asked to stop: then that is why.
+/// Returns the failure, or the cancellation if the user asked to stop.
 pub(crate) fn unless_stopped(cancel: &AtomicBool, failure: Halt) -> Halt {
     if cancel.load(Ordering::Relaxed) {
         Cancelled.into()
@@ -63,7 +63,7 @@ impl<T: Clone> Memo<T> {
     }
 }
 
-/// The folder of all that is made once and kept.
+/// Returns the folder of all cached builds.
 pub(crate) fn folder() -> Result<PathBuf, Halt> {
     let own = || Some(dirs::cache_dir()?.join("pinwheel"));
     let folder = crate::env::variable(CACHE).map(PathBuf::from).or_else(own);
@@ -72,7 +72,7 @@ pub(crate) fn folder() -> Result<PathBuf, Halt> {
     fs::canonicalize(&folder).map_err(|error| storage(&folder, error))
 }
 
-/// A folder with these files (name, text), kept under a name that depends on them.
+/// Returns a cached folder with these files (name, text); its name depends on them.
 pub(crate) fn laid_out<N: AsRef<str>>(name: &str, files: &[(N, &str)]) -> Result<PathBuf, Halt> {
     let texts = files.iter().flat_map(|(name, text)| [name.as_ref(), *text]);
     let texts: Vec<&str> = texts.collect();
@@ -88,20 +88,20 @@ pub(crate) fn laid_out<N: AsRef<str>>(name: &str, files: &[(N, &str)]) -> Result
     Ok(folder)
 }
 
-/// Something to make.
+/// A build that is made once and cached.
 pub(crate) struct CachedBuild<'a, T> {
-    /// Its folder's name, which depends on all it is made of.
+    /// Name of the folder; depends on all inputs of the build.
     pub(crate) name: &'a str,
-    /// For whoever waits.
+    /// Title of the progress note.
     pub(crate) title: &'static str,
-    /// Reads the content of a folder that is complete.
+    /// Reads a folder; `None` unless the build in it is complete.
     pub(crate) whole: &'a dyn Fn(&Path) -> Option<T>,
     /// Fills an empty folder.
     pub(crate) build: &'a dyn Fn(&Path, &Note) -> Result<(), Halt>,
 }
 
 impl<T> CachedBuild<'_, T> {
-    /// Finds it below `cache`, or makes it under a lock.
+    /// Returns the build from the folder `cache`, or makes it under a lock.
     ///
     /// # Errors
     /// The build's; a folder that cannot be written; a stop.
@@ -134,7 +134,7 @@ impl<T> CachedBuild<'_, T> {
     }
 }
 
-/// How folders begin in which something is built; a prefix of its own tells them from what is whole.
+/// Returns the prefix of folders in which a build is under way; complete folders do not have it.
 fn drafts_of(name: &str) -> String {
     format!(".{name}.")
 }

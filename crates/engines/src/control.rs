@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 #[error("stopped")]
 pub struct Cancelled;
 
-/// Where a study is.
+/// Progress of a study.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress<'a> {
     /// Pieces done.

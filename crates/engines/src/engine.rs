@@ -16,7 +16,7 @@ use crate::info::EngineInfo;
 pub struct Run {
     /// The contract's columns on the scene's sample times; of a run that ended before, those until then.
     pub time_series: TimeSeries,
-    /// How it ended.
+    /// Ending of the run.
     pub ending: Ending,
     /// Cost and settings.
     pub stats: RunStats,
@@ -57,7 +57,7 @@ impl Run {
     /// The run if it finished.
     ///
     /// # Errors
-    /// How it ended otherwise.
+    /// Any other ending.
     pub fn whole(self) -> Result<Self, Ending> {
         self.ending.whole().map(|()| self)
     }
@@ -162,7 +162,7 @@ pub trait Engine: Send + Sync {
     /// a scene on several engines compiles it once.
     ///
     /// # Errors
-    /// How a run would end before it begins: unsupported, or not on this machine.
+    /// Ending of a run that cannot begin: unsupported, or absent on this machine.
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt>;
 
     /// Name as typed by users.

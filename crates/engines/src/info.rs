@@ -20,7 +20,7 @@ pub enum AccuracySetting {
 }
 
 impl AccuracySetting {
-    /// That of an integrator of ours.
+    /// Returns the accuracy setting of a native integrator.
     #[must_use]
     pub fn of(method: &str) -> Self {
         match integrators::method(method).is_some_and(|method| method.adaptive) {
@@ -29,7 +29,7 @@ impl AccuracySetting {
         }
     }
 
-    /// Where it stands: a step, s, or a tolerance.
+    /// Returns the value of the setting: a step, s, or a tolerance.
     #[must_use]
     pub fn get(self, scene: &Scene) -> f64 {
         match self {
@@ -38,7 +38,7 @@ impl AccuracySetting {
         }
     }
 
-    /// Turns it.
+    /// Changes the value of the setting.
     pub fn set(self, scene: &mut Scene, setting: f64) {
         match self {
             Self::Step => scene.solver.step_s = setting,
@@ -47,7 +47,7 @@ impl AccuracySetting {
     }
 }
 
-/// How an engine is refined.
+/// Accuracy setting of an engine and the order of the error in it.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Refinement {
@@ -92,26 +92,26 @@ pub enum Form {
 /// Facts of an engine that are known without running it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EngineInfo<'a> {
-    /// As typed by users, kebab-case, with what it shares in the names of others' engines.
+    /// Name as typed by users, kebab-case; names of foreign engines say which parts are shared.
     pub name: &'a str,
-    /// The name where what it shares is said beside it.
+    /// Name where the shared parts are shown beside it.
     pub short: &'a str,
     /// Parts that the engine shares with the native solver.
     pub track: SharedModel,
-    /// One line.
+    /// Description in one line.
     pub summary: &'a str,
-    /// How it differs from the native solver, in plain words, for the report.
+    /// Differences from the native solver, in plain words, for the report.
     pub differences: &'a str,
-    /// Which key of a scene makes it more accurate, and with which order; `None` where none does, and for native engines,
-    /// whose methods have their own.
+    /// Key of the scene that controls accuracy, and the order of the error in it; `None` if there is none, and for native
+    /// engines, whose integrators have their own.
     pub refinement: Option<Refinement>,
-    /// Relative error of the forces that its iterations leave, whatever the step.
+    /// Relative error of the forces that iterations leave at any step.
     pub floor: f64,
-    /// Error that none of its coarser runs show, as a share of its tolerance.
+    /// Error that coarser runs of the engine do not show, as a share of the tolerance.
     pub shared_error: f64,
     /// Contacts that the engine has in place of the scene's contact law.
     pub own_contact: OwnContact,
-    /// How far a contact model of its own is from ours.
+    /// Tolerances of the engine's contact model against the native one.
     pub model: &'a [ModelTolerance],
     /// True if friction is evaluated explicitly, so that it takes short steps to resolve it.
     pub explicit_friction: bool,
@@ -121,16 +121,15 @@ pub struct EngineInfo<'a> {
     pub brought: bool,
     /// The form of a native engine.
     pub form: Option<Form>,
-    /// Colour of its lines, the same on every page; `None`: one that follows from its name.
+    /// Number of the colour on every page; `None`: a colour that follows from the name.
     pub colour: Option<usize>,
-    /// Feature of the builds that have it; `None` where all have.
+    /// Cargo feature of the builds that have the engine; `None` if all have it.
     pub feature: Option<&'a str>,
-    /// Package whose version counts, where that is pinned.
+    /// Package whose pinned version is the engine's version.
     pub package: &'a str,
-    /// Digits of its recordings, which leave its own accuracy untouched: a thousandth of its limits.
+    /// Significant digits of recordings: rounding to them is a thousandth of the engine's limits.
     pub digits: usize,
-    /// Its place among those that may stand in for Adams beside the paper's figures: multibody programs with contacts of
-    /// their own, as Adams is one.
+    /// Rank among the substitutes for Adams beside the paper's figures: multibody programs with their own contacts.
     pub stands_in: Option<usize>,
 }
 
@@ -161,14 +160,14 @@ impl<'a> EngineInfo<'a> {
         }
     }
 
-    /// The program behind it: `exudyn` of `exudyn-own-contact`.
+    /// Returns the program behind the engine: `exudyn` of `exudyn-own-contact`.
     #[must_use]
     pub fn family(&self) -> &'a str {
         family(self.name)
     }
 }
 
-/// The first word of an engine's name.
+/// Returns the first word of an engine's name.
 #[must_use]
 pub fn family(name: &str) -> &str {
     name.split_once('-').map_or(name, |(family, _)| family)

@@ -1,7 +1,7 @@
 //! Settings of a native run that stand in for a scene's contact law in engines that resolve contacts themselves.
 //!
-//! Such an engine has springs of its own. The native solver with the same springs is its twin: what the two differ by is a
-//! fault of one of them, what the twin differs by from the scene's law is a difference of models.
+//! The native solver with the springs of such an engine is called its twin. A difference between the engine and its twin is
+//! a fault of one of them; a difference between the twin and the scene's law is one of contact models.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::scales::{self, Spring};
@@ -28,7 +28,7 @@ const RAMP: f64 = 1e-3;
 const LEAST_RAMP_M: f64 = 1e-15;
 
 impl OwnContact {
-    /// How far the largest forces of an engine of this kind may be from its twin's, as a share.
+    /// Returns the tolerance of the largest forces against the twin's, as a share.
     #[must_use]
     pub fn tolerance(self) -> f64 {
         match self {
@@ -37,7 +37,7 @@ impl OwnContact {
         }
     }
 
-    /// The scene with the contacts that the engine really has; `None` where they are the scene's.
+    /// Returns the scene with the contacts that the engine really has; `None` if they are the scene's.
     ///
     /// # Errors
     /// In words, why they are not known.

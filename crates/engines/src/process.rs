@@ -17,9 +17,9 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// How long one waits for news before looking around.
+/// Longest wait for output of the program before its limits are checked.
 const PATIENCE: Duration = Duration::from_millis(10);
-/// How long a program has to end itself when asked to.
+/// Time between the request to end and the kill.
 const GRACE: Duration = Duration::from_millis(300);
 /// Pieces of what a program says that wait to be heard at most: whoever says more waits, and takes no memory.
 const PIECES: usize = 16;
@@ -27,7 +27,7 @@ const PIECES: usize = 16;
 #[cfg(target_os = "linux")]
 const ROUNDS: usize = 20;
 
-/// How it came to its end.
+/// Cause of the end of a program.
 #[derive(Debug)]
 pub(crate) enum End {
     /// By itself.

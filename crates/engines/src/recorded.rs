@@ -40,7 +40,7 @@ pub const RECORDED_SCENES: [&str; 6] = [
 pub struct Recording {
     /// Engine name.
     pub engine: String,
-    /// Its version.
+    /// Version of the engine.
     pub version: String,
     /// Day it was made, `2026-01-31`.
     pub date: String,
@@ -62,10 +62,10 @@ pub struct Recording {
     pub time_series: TimeSeries,
 }
 
-/// Why a recording is of no use.
+/// Fault of a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
-    /// The description is not as it should be.
+    /// The description cannot be read.
     #[error(
         "the description of the recording is broken: {0}; record it anew with `pinwheel record`"
     )]
@@ -73,7 +73,7 @@ pub enum RecordingError {
     /// The description cannot be written.
     #[error("the description of the recording cannot be written: {0}")]
     Unwritable(#[from] toml::ser::Error),
-    /// The time series are not as they should be.
+    /// The time series cannot be read.
     #[error("the recorded time series are broken: {0}; record them anew with `pinwheel record`")]
     TimeSeries(#[from] pinwheel_timeseries::TimeSeriesError),
 }

@@ -1,4 +1,4 @@
-//! Which frequency of rapier's contact spring stands for the scene's contact law.
+//! Frequency of rapier's contact spring that represents the scene's contact law.
 //!
 //! rapier's spring is linear, with a stiffness that is a frequency times the effective mass of
 //! the pair, k = m w^2, one frequency for all pairs. It is taken from the mesh at t = 0 under the
@@ -27,7 +27,7 @@ pub(crate) struct ContactSpring {
     pub(crate) stiffness_n_m: [f64; 2],
 }
 
-/// How much more a light pin gives way than a disc does.
+/// Inverse mass of a light pin over that of a disc.
 const LIGHT: f64 = 30.0;
 
 /// Means over a stage, weighted by forces.
@@ -40,7 +40,7 @@ struct Stage {
     square: f64,
 }
 
-/// The spring of a gear.
+/// Returns the spring of a gear.
 ///
 /// # Errors
 /// In words, if the law cannot carry the load within a quarter of a pitch.
@@ -49,7 +49,7 @@ pub(crate) fn contact_spring(
     field: &mut dyn ContactField,
 ) -> Result<ContactSpring, String> {
     let (layout, load) = (gearbox.layout, spring_load(&gearbox.scene));
-    // Without a load nothing touches; then any small one tells the stiffness.
+    // Without a load nothing touches; any small load then gives the stiffness.
     let torque = if load == 0.0 { 1.0 } else { load };
     let mut states: Vec<BodyState> = gearbox.kinematic_states();
     for state in &mut states {
@@ -72,7 +72,7 @@ pub(crate) fn contact_spring(
             Sleeve::Internal(_) => None,
         })
     })
-    .map_err(|fault| fault.told("external", "gear.backlash_m", gear.backlash_m))?;
+    .map_err(|fault| fault.message("external", "gear.backlash_m", gear.backlash_m))?;
     wheels_at(twist, &mut states);
     let output_at = |turn: f64, states: &mut [BodyState]| {
         let (sin, cos) = turn.sin_cos();
@@ -90,7 +90,7 @@ pub(crate) fn contact_spring(
             Sleeve::Internal(_) => Some(start[Layout::OUTPUT]),
         })
     })
-    .map_err(|fault| fault.told("internal", "gear.hole_radius_m", gear.hole_radius_m))?;
+    .map_err(|fault| fault.message("internal", "gear.hole_radius_m", gear.hole_radius_m))?;
     output_at(twist + further, &mut states);
 
     let mass = &gearbox.scene.mass;
@@ -153,7 +153,7 @@ pub(crate) fn stage_stiffness(gearbox: &Gearbox) -> Result<[f64; 2], String> {
     contact_spring(gearbox, &mut *field).map(|spring| spring.stiffness_n_m)
 }
 
-/// The load for which the spring is right, N m: what the scene ends with, as only settled means are compared, or if
+/// Returns the load for which the spring is right, N m: what the scene ends with, as only settled means are compared, or if
 /// that is none the largest it has.
 pub(crate) fn spring_load(scene: &Scene) -> f64 {
     let last = load_profile::final_load(scene);
@@ -164,7 +164,7 @@ pub(crate) fn spring_load(scene: &Scene) -> f64 {
     }
 }
 
-/// Why no turn within a quarter of a pitch carries the load.
+/// Reason why no rotation within a quarter of a pitch carries the load.
 enum Fault {
     /// More than half of it is free play.
     Play,
@@ -173,8 +173,8 @@ enum Fault {
 }
 
 impl Fault {
-    /// In words; `play`: the key and the value, m, of what leaves these pins their play.
-    fn told(&self, sleeves: &str, play: &str, value: f64) -> String {
+    /// Returns the message; `play` and `value` are the key and the value, m, that leave these pins their play.
+    fn message(&self, sleeves: &str, play: &str, value: f64) -> String {
         match self {
             Self::Play => format!(
                 "its {sleeves} pins have so much play that a quarter of a pitch brings none to bear on the load; make \
@@ -193,7 +193,7 @@ impl Fault {
     }
 }
 
-/// The angle between 0 and `limit`, in the direction of `torque`, at which `resisting` equals it.
+/// Returns the angle between 0 and `limit`, in the direction of `torque`, at which `resisting` equals it.
 fn balance(torque: f64, limit: f64, mut resisting: impl FnMut(f64) -> f64) -> Result<f64, Fault> {
     let sign = torque.signum();
     let (mut low, mut high) = (0.0, limit);
@@ -213,7 +213,7 @@ fn balance(torque: f64, limit: f64, mut resisting: impl FnMut(f64) -> f64) -> Re
     Ok(sign * high)
 }
 
-/// Moment of the contact forces on the pins, about the centre that `about` gives for a pair
+/// Returns the moment of the contact forces on the pins, about the centre that `about` gives for a pair
 /// (`None`: not counted), N m.
 fn moment(
     field: &mut dyn ContactField,

@@ -15,7 +15,7 @@ use crate::number::short;
 pub struct Assumption {
     /// The key it concerns.
     pub key: String,
-    /// Its value in this scene, with unit.
+    /// Value in this scene, with unit.
     pub value: String,
     /// Why this value, and what contradicts or supports it.
     pub reason: String,

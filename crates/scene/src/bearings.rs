@@ -10,9 +10,9 @@ use crate::error::Fault;
 use crate::model::{Bearings, EccentricBearing, Scene};
 use crate::springs::wheel_torque_n_m;
 
-/// Turning slower than this the friction of a bearing, or of a sleeve on its pin, fades, rad/s.
+/// Speed below which the friction of a bearing, or of a roller on its pin, fades to zero, rad/s.
 pub const SLOW_RAD_S: f64 = 1.0;
-/// The ramp of the damping, as a share of the elastic offset under the largest load.
+/// Length of the damping ramp over the elastic offset under the largest load.
 const RAMP_SHARE: f64 = 0.1;
 /// The exponent of Palmgren's rollers.
 const ROLLERS: f64 = 10.0 / 9.0;
@@ -28,7 +28,7 @@ pub struct BearingLaw {
     pub clearance_m: f64,
     /// c, N s/m.
     pub damping_n_s_m: f64,
-    /// Offset beyond the clearance at which the damping is whole, m.
+    /// Offset beyond the clearance at which damping is fully active, m.
     pub ramp_m: f64,
     /// Lever of the friction, mu d/2, m (SKF, *Rolling Bearings*, 2018: a constant coefficient on the bore).
     pub drag_m: f64,
@@ -148,7 +148,7 @@ impl BearingLaw {
         (self.elastic(beyond) + damping * rate).max(0.0)
     }
 
-    /// The force, N, and its slopes by the offset, N/m, and by its rate, N s/m.
+    /// Force, N, and its derivatives by the offset, N/m, and by the rate of the offset, N s/m.
     #[must_use]
     pub fn derivatives(&self, offset: f64, rate: f64) -> [f64; 3] {
         let (force, beyond) = (self.force(offset, rate), offset - self.clearance_m);
@@ -171,7 +171,7 @@ impl BearingLaw {
         -self.drag_m * force * (rate / SLOW_RAD_S).clamp(-1.0, 1.0)
     }
 
-    /// Its slopes by the force, m, and by the rate, N m s.
+    /// Derivatives of the friction moment by the force, m, and by the rate, N m s.
     #[must_use]
     pub fn drag_slopes(&self, force: f64, rate: f64) -> [f64; 2] {
         let inside = if rate.abs() < SLOW_RAD_S { 1.0 } else { 0.0 };
@@ -212,7 +212,7 @@ pub fn typical_force(scene: &Scene) -> f64 {
     })
 }
 
-/// Keys that go together.
+/// Checks keys that belong together.
 pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     let sleeve = &scene.bearings;
     if sleeve.sleeve_friction_coefficient.is_some() != sleeve.sleeve_bore_m.is_some() {

@@ -36,13 +36,13 @@ pub struct CheckedScene {
 pub struct Origin {
     /// The key.
     pub key: &'static str,
-    /// Its value.
+    /// Value of the key.
     pub value: Value,
-    /// Where it comes from.
+    /// Source of the value.
     pub source: Source,
 }
 
-/// Where a value comes from that the file itself does not write.
+/// Source of a value that the file itself does not write.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Source {
     /// From the scene that the file names as its base.
@@ -54,7 +54,7 @@ pub enum Source {
 }
 
 impl Source {
-    /// In words, `from the base paper`.
+    /// Returns the source in words, `from the base paper`.
     #[must_use]
     pub fn words(&self) -> String {
         match self {
@@ -84,7 +84,7 @@ impl Scene {
 }
 
 impl CheckedScene {
-    /// A copy with changes, checked again.
+    /// Returns a copy with changes, checked again.
     ///
     /// # Errors
     /// As [`Scene::check`].
@@ -99,14 +99,14 @@ impl CheckedScene {
         Ok(changed)
     }
 
-    /// The number at a key, if it holds one.
+    /// Returns the number at a key, if it holds one.
     #[must_use]
     pub fn number(&self, key: &str) -> Option<f64> {
         let table = Table::try_from(&self.scene).ok()?;
         lookup(&table, key).and_then(Value::as_float)
     }
 
-    /// The scene with another value of a number, checked again.
+    /// Returns the scene with another value of a number, checked again.
     ///
     /// # Errors
     /// A key that holds no number here, or a value that the scene's checks refuse.
@@ -146,7 +146,7 @@ impl CheckedScene {
         self.origins.iter().filter(holds).collect()
     }
 
-    /// The scene alone, free to be changed.
+    /// Returns the scene alone, free to be changed.
     #[must_use]
     pub fn into_scene(self) -> Scene {
         self.scene

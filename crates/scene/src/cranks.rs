@@ -32,7 +32,7 @@ impl Cranks {
 }
 
 impl Scene {
-    /// How far eccentrics turn for an angle of the input at the ideal mesh: 1, and -rho zs/(zk + rho) of an RV gear.
+    /// Rotation of the eccentrics per rotation of the input at the ideal mesh: 1, and -rho zs/(zk + rho) of an RV gear.
     #[must_use]
     pub fn eccentric_per_input(&self) -> f64 {
         self.cranks.as_ref().map_or(1.0, |cranks| {
@@ -41,7 +41,7 @@ impl Scene {
         })
     }
 
-    /// How far the output turns for it: -1/zs, and 1/(1 + zk/rho) of an RV gear.
+    /// Rotation of the output per rotation of the input: -1/zs, and 1/(1 + zk/rho) of an RV gear.
     #[must_use]
     pub fn output_per_input(&self) -> f64 {
         -self.eccentric_per_input() / self.gear.lobes() as f64

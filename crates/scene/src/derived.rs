@@ -31,7 +31,7 @@ pub struct Derived {
     pub walls: Walls,
     /// Play of a pin in its hole beyond the orbit: hole - pin - e, m.
     pub hole_clearance_m: f64,
-    /// How far a disc turns freely to one side because of backlash and modification, rad
+    /// Free rotation of a disc to one side because of backlash and modification, rad
     /// ([`scales::free_play`]).
     pub free_play_rad: f64,
     /// Driver torque if no energy is lost or created: load/ratio, N m; of a load that changes the last one.
@@ -90,7 +90,7 @@ pub struct Line {
     pub value: f64,
     /// `m`, `rad`, `N m`, `N`; empty for the ratio.
     pub unit: &'static str,
-    /// Its formula, or what it means.
+    /// Formula or meaning of the figure.
     pub how: &'static str,
 }
 

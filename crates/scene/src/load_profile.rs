@@ -15,7 +15,7 @@ pub const APART_S: f64 = 1e-9;
 /// The load between two changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadSegment {
-    /// Where it begins, s.
+    /// Start of the segment, s.
     pub from_s: f64,
     /// The load it begins with, N m.
     pub before_n_m: f64,
@@ -37,7 +37,7 @@ impl LoadSegment {
         }
     }
 
-    /// Where its ramp is over, s.
+    /// End of the ramp, s.
     #[must_use]
     pub fn settled_s(&self) -> f64 {
         self.from_s + self.ramp_s

@@ -18,7 +18,7 @@ pub fn above(value: f64) -> String {
     rounded(value, 4, LEAN)
 }
 
-/// As a scene file writes it: without the last bit's noise, 0.0065 and not 0.006500000000000001.
+/// Returns a value as a scene file writes it, without the rounding of the last bit: 0.0065, not 0.006500000000000001.
 pub fn written(value: f64) -> String {
     format!("{:?}", nearest(value, 12))
 }

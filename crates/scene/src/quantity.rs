@@ -63,7 +63,7 @@ pub fn read(typed: &str, wanted: &str) -> Option<f64> {
     (base == same).then(|| nearest(number * factor / whole, 12))
 }
 
-/// How the unit of a key ends its name: `m`, `rad_s`.
+/// Returns the unit with which a key's name ends: `m`, `rad_s`.
 pub(crate) fn ending(unit: &str) -> String {
     unit.to_lowercase()
         .replace([' ', '/'], "_")

@@ -23,7 +23,7 @@ pub use crate::springs::{
 };
 use crate::springs::{outer, wheel_torque_of};
 
-/// See the module. SI units.
+/// Characteristic sizes of a gear, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scales {
     /// Load torque on one disc, N m: the largest of the run, or where there is none what makes the [`least_depth`].
@@ -38,7 +38,7 @@ pub struct Scales {
     pub modes_rad_s: [f64; 2],
 }
 
-/// How far a disc turns freely to one side because of backlash and modification, rad, among pins without errors at all
+/// Free rotation of a disc to one side because of backlash and modification, rad, among pins without errors at all
 /// angles: d sqrt(1 - m^2)/(e zs) of a backlash alone, 0 where they overlap.
 #[must_use]
 pub fn free_play(gear: &Gear) -> f64 {
@@ -55,7 +55,7 @@ pub fn free_play(gear: &Gear) -> f64 {
     tried.fold(share(m), f64::min).max(0.0)
 }
 
-/// How far a disc turns freely at most, rad: what [`free_play`] is, and what individual errors may add.
+/// Upper bound of the free rotation of a disc, rad: [`free_play`] and the most that individual errors add.
 #[must_use]
 pub fn largest_play(gear: &Gear) -> f64 {
     free_play(gear) + gear.errors.largest_of_mesh_m(gear) / gear.lever_m()

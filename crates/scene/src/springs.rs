@@ -9,11 +9,11 @@ use crate::load_profile;
 use crate::model::{Gear, Scene};
 use crate::wall::hole_to_profile_m;
 
-/// Least depth of contact that anything is measured by, as a share of the ring pins' radius: what stands in for the
-/// load of a gear without any. The paper's unloaded gear is then measured by 1.4 mN.
+/// Depth of contact that replaces the load of an unloaded gear, over the ring pins' radius. For the paper's gear the force
+/// at that depth is 1.4 mN.
 const LEAST_DEPTH: f64 = 1e-5;
 
-/// The depth that stands in for no load, m.
+/// Returns the depth of contact that replaces the load of an unloaded gear, m.
 #[must_use]
 pub fn least_depth(scene: &Scene) -> f64 {
     LEAST_DEPTH * scene.gear.external_sleeve_radius_m
@@ -53,7 +53,7 @@ fn reads(scene: &Scene, key: &str) -> bool {
     law_info(&scene.contact.law).is_some_and(|law| law.keys.contains(&key))
 }
 
-/// States the depth of the discs that the law would measure in the gear each time it is asked for.
+/// Writes into the scene the depth of the discs that the law would otherwise measure at each evaluation.
 pub fn state_depth(scene: &mut Scene) {
     if reads(scene, DEPTH) {
         let depth = law_parameters(scene).disc_depth;
@@ -126,7 +126,7 @@ pub struct Spring {
 }
 
 impl Spring {
-    /// Where Hertz' stiffness is `hertz`, N/m^1.5; of a law that is none a spring after Hertz.
+    /// Returns the spring for Hertz' stiffness `hertz`, N/m^1.5; the paper's law if the scene names an unknown one.
     #[must_use]
     pub fn of(scene: &Scene, hertz: f64) -> Self {
         let plain = || PaperLaw {
@@ -139,13 +139,13 @@ impl Spring {
         }
     }
 
-    /// F, N.
+    /// Returns F at rest, N.
     #[must_use]
     pub fn force(&self, depth: f64) -> f64 {
         self.law.elastic(self.hertz, depth)
     }
 
-    /// delta under a force, m, and at least `least`.
+    /// Returns delta under a force, m, and at least `least`.
     #[must_use]
     pub fn depth(&self, force_n: f64, least: f64) -> f64 {
         if force_n > 0.0 {
@@ -155,7 +155,7 @@ impl Spring {
         }
     }
 
-    /// dF/d delta, N/m.
+    /// Returns dF/d delta, N/m.
     #[must_use]
     pub fn tangent(&self, depth: f64) -> f64 {
         self.law.tangent(self.hertz, depth)

@@ -16,14 +16,14 @@ use crate::model::Scene;
 use crate::number::short;
 use crate::table::lookup;
 
-/// The table's name.
+/// Name of the table.
 pub(crate) const UNCERTAIN: &str = "uncertain";
-/// How it is written.
+/// Example of an entry.
 pub(crate) const EXAMPLE: &str = "write it like gear.backlash_m = { plus_minus = 5e-6 }";
 /// Sections whose numbers are inputs of the model.
 const SECTIONS: [&str; 4] = ["gear", "mass", "drive", "contact"];
 
-/// Only numbers that the model depends on, and intervals that a scene may have.
+/// Refuses entries that are no input of the model, and intervals that leave the range of the key.
 pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     if scene.uncertain.is_empty() {
         return Ok(());

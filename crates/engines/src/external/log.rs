@@ -22,7 +22,7 @@ const LINE: usize = 4096;
 const NOTES: usize = 20;
 /// Longest piece of a foreign text in a message.
 pub(super) const WORDS: usize = 300;
-/// How often sizes are looked at.
+/// Interval between checks of sizes.
 const LOOK: Duration = Duration::from_millis(100);
 /// Files looked at in a folder, and levels.
 const FILES: usize = 10_000;
@@ -93,7 +93,7 @@ pub(super) struct SolverLog {
     /// Time it said to have reached, s.
     pub(super) reached_s: Option<f64>,
     pub(super) notes: Vec<String>,
-    /// Its last line that is no order and not empty.
+    /// Returns the last line that is neither a progress line nor empty.
     last: Vec<u8>,
 }
 

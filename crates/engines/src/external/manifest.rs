@@ -23,20 +23,20 @@ pub(super) const PLACES: [&str; 4] = ["here", "job", "law", "python"];
 pub struct Manifest {
     /// Version of the job files and exit statuses that the solver speaks.
     pub protocol: u64,
-    /// As users type it: small letters, digits and `-`.
+    /// Name as users type it: small letters, digits and `-`.
     pub name: String,
-    /// The solver's own.
+    /// Version of the solver.
     pub version: String,
     /// `shared-law`: contact forces from our library; `own-contact`: its own.
     pub track: SharedModel,
-    /// One line.
+    /// Description in one line.
     pub summary: String,
-    /// How it differs from the native solver, in plain words, for the report.
+    /// Differences from the native solver, in plain words, for the report.
     #[serde(default)]
     pub differences: String,
     /// Program and arguments, without a shell. `{here}`, `{job}`, `{law}` and `{python}` are replaced.
     pub command: Vec<String>,
-    /// How to build the program, for the message that it is missing.
+    /// Command that builds the program, for the message that it is missing.
     #[serde(default)]
     pub build: Option<String>,
     /// A run is ended after this wall time, s.
@@ -92,7 +92,7 @@ fn five_minutes() -> f64 {
     300.0
 }
 
-/// Where one finds a manifest that works.
+/// Example of a manifest that works.
 const FORM: &str = "`pinwheel solver new --language c NAME` writes one that works";
 
 impl Manifest {

@@ -48,13 +48,13 @@ const LOG_BYTES: u64 = 64 << 20;
 #[derive(Debug, Clone)]
 pub struct Solver {
     manifest: Manifest,
-    /// The manifest's folder, absolute.
+    /// Absolute path of the manifest's folder.
     here: PathBuf,
-    /// How the names of its job folders begin.
+    /// Prefix of the names of job folders.
     prefix: &'static str,
     /// Value of `{python}`, if it is not the user's interpreter.
     python: Option<PathBuf>,
-    /// Hash of the manifest's and the program's files, when first asked for.
+    /// Hash of the files of manifest and program, computed at the first request.
     build: OnceLock<String>,
     limits: Limits,
 }
@@ -110,7 +110,7 @@ impl Solver {
         self
     }
 
-    /// The library, where the command cannot do without it.
+    /// Returns the path of the law's library; an error only if the command needs it.
     fn library(&self) -> Result<Option<PathBuf>, Halt> {
         match law_library() {
             Ok(path) => Ok(Some(path)),
@@ -140,7 +140,7 @@ impl Solver {
         hash.value()
     }
 
-    /// Runs it in a job folder that `fill` fills.
+    /// Runs the solver in a job folder that `fill` fills.
     fn drive(
         &self,
         gearbox: &Gearbox,
@@ -379,7 +379,7 @@ fn library_path(library: &Path) -> Option<(&'static str, OsString)> {
     Some((variable, std::env::join_paths(paths).ok()?))
 }
 
-/// It broke, in its own words or ours.
+/// Returns the halt of a run that failed for this reason.
 fn failed(reason: impl ToString) -> Halt {
     Ending::failed(plain(&reason.to_string(), MESSAGE)).into()
 }
@@ -428,13 +428,13 @@ pub fn admit(path: &Path) -> Result<String, FileError> {
     Ok(name)
 }
 
-/// The solvers that joined, as engines.
+/// Returns the solvers that joined, as engines.
 pub(crate) fn admitted() -> impl Iterator<Item = Box<dyn Engine>> {
     let solvers = joined().into_iter();
     solvers.map(|solver| Box::new(solver.clone()) as Box<dyn Engine>)
 }
 
-/// The solvers that joined.
+/// Returns the solvers that joined.
 #[must_use]
 pub fn joined() -> Vec<&'static Solver> {
     ADMITTED

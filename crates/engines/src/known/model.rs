@@ -1,7 +1,7 @@
-//! How far engines with a contact model of their own may be from ours, as they state it.
+//! Stated tolerances of engines whose contact model differs from the native one.
 //!
-//! These are statements on models, not on scenes: a bed of 4000 springs resolves a contact patch to so much, a
-//! polyline disc with one linear spring to so much. They hold for any gear; a scene that breaks one is a finding.
+//! A tolerance belongs to a model, not to a scene: a bed of 4000 springs resolves a contact patch to a known share.
+//! It holds for any gear, and a scene that exceeds it is a finding.
 
 use pinwheel_compare::limits::Friction;
 use pinwheel_compare::model::{ModelTolerance, Prediction};

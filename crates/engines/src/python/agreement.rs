@@ -12,7 +12,7 @@ use super::published::Published;
 use super::{convert, engine, host};
 use crate::engine::{Ending, Halt};
 
-/// How far the two implementations are apart.
+/// Largest differences between the two implementations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Agreement {
     /// States compared.

@@ -24,9 +24,9 @@ const MARKER: &str = "pinwheel-requirements.txt";
 pub struct Requirements {
     /// Short name, part of the environment's.
     pub name: &'static str,
-    /// Where the requirements file is in the repository, for whoever must install by hand.
+    /// Path of the requirements file in the repository, for installation by hand.
     pub file: &'static str,
-    /// Its text, with hashes.
+    /// Text of the requirements file, with hashes.
     pub text: &'static str,
     /// The list is all that is installed, whatever its packages ask for besides: it leaves out what is never imported.
     pub only_listed: bool,
@@ -58,11 +58,11 @@ pub const ENGINES: Requirements = Requirements {
 /// A Python environment that is ready for use.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Environment {
-    /// Its folder.
+    /// Folder of the environment.
     pub folder: PathBuf,
-    /// Its interpreter.
+    /// Python interpreter.
     pub python: PathBuf,
-    /// Where its packages are.
+    /// Folder of the packages.
     pub packages: PathBuf,
 }
 
@@ -85,7 +85,7 @@ pub fn environment(requirements: Requirements, cancel: &AtomicBool) -> Result<En
     )
 }
 
-/// The environment that the user named.
+/// Returns the environment that the user named.
 fn named(
     folder: &Path,
     interpreter: &Interpreter,

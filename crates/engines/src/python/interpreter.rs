@@ -15,11 +15,11 @@ pub(super) const ENVIRONMENT: &str = "PINWHEEL_PYTHON_ENV";
 pub(super) struct Interpreter {
     /// `3.11.7`
     pub(super) version: String,
-    /// Where its executable may be, most likely first.
+    /// Possible paths of the executable, most likely first.
     pub(super) candidates: Vec<PathBuf>,
 }
 
-/// The interpreter this process embeds.
+/// Returns the interpreter that this process embeds.
 pub(super) fn interpreter() -> Result<Interpreter, Halt> {
     if let Some(home) = crate::env::variable("PYTHONHOME") {
         return Err(Ending::absent(format!(
@@ -58,7 +58,7 @@ pub(super) fn interpreter() -> Result<Interpreter, Halt> {
     asked.map_err(|error| no_interpreter("3", &Python::attach(|py| text_of(py, &error))))
 }
 
-/// There is no interpreter of that version to make an environment with.
+/// Returns the ending of a run without an interpreter of that version.
 pub(super) fn no_interpreter(version: &str, tried: &str) -> Halt {
     Ending::absent(format!(
         "no Python {version} interpreter was found to make an environment with (tried {tried}); install it, or name an \

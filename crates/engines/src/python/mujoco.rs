@@ -9,14 +9,14 @@ use pinwheel_contact::Complex;
 
 use super::law::{Law, locked};
 
-/// Where one body's joint is, and where the body sits.
+/// Joint coordinate of a body and position of the body on its carrier.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Place {
     /// Index of its joint in MuJoCo's arrays.
     pub(super) coordinate: usize,
     /// The body it sits on; `None`: the ground. Carriers stand on the ground themselves.
     pub(super) carrier: Option<usize>,
-    /// Its centre on its carrier, m.
+    /// Centre of the body on the carrier, m.
     pub(super) offset: [f64; 2],
 }
 

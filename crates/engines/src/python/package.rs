@@ -6,12 +6,12 @@ use pyo3::types::PyModule;
 /// Name of the package.
 pub(super) const PACKAGE: &str = "pinwheel_engines";
 
-/// The loaded package.
+/// Imports the package.
 pub(super) fn package(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
     py.import(PACKAGE)
 }
 
-/// A Python error on one line, its type first.
+/// Returns a Python error as one line that begins with its type.
 pub(super) fn text_of(py: Python<'_>, error: &PyErr) -> String {
     let value = error.value(py);
     let kind = value.get_type().name();

@@ -15,7 +15,7 @@ pub(super) struct Published {
 }
 
 impl Published {
-    /// The law of a gearbox.
+    /// Publishes the law of a gearbox.
     ///
     /// # Errors
     /// The gearbox has none.

@@ -34,7 +34,7 @@ pub struct UserEngine {
     pub version: String,
     /// One line.
     pub summary: String,
-    /// How it differs from the native solver.
+    /// Differences from the native solver.
     pub differences: String,
     /// Order of convergence in `solver.step_s`; `None` where the step is its own.
     pub order: Option<f64>,

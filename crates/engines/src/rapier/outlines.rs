@@ -58,7 +58,7 @@ pub(super) fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
         .collect()
 }
 
-/// How many corners a disc's edge needs for chords that miss it by `sag_m`.
+/// Returns the number of corners of a disc's edge whose chords deviate from it by `sag_m`.
 pub(super) fn corners_for_sag(gear: &Gear, sag_m: f64) -> f64 {
     whole(gear) / (8.0 * sag_m).sqrt()
 }

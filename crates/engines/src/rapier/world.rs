@@ -273,7 +273,7 @@ fn rigid_body(state: &BodyState, of: &Body, driven: bool) -> RigidBodyBuilder {
         .allow_fast_rotation(true)
 }
 
-/// Where `point`'s centre stands in the frame of `carrier`.
+/// Returns the centre of `point` in the frame of `carrier`.
 pub(super) fn in_frame_of(carrier: &BodyState, point: &BodyState) -> Vector {
     let (sin, cos) = carrier.angle.sin_cos();
     let (dx, dy) = (point.x - carrier.x, point.y - carrier.y);

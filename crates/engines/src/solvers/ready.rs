@@ -1,12 +1,12 @@
-//! What a shipped solver runs with.
+//! Folder and interpreter of a shipped solver.
 
 use std::path::PathBuf;
 
 /// Folder and interpreter with which a solver runs.
 #[derive(Debug, Clone)]
 pub(super) struct Ready {
-    /// The folder of its manifests and of what they start.
+    /// Folder of the manifests and of the programs that they start.
     pub(super) here: PathBuf,
-    /// Its interpreter, if it needs one.
+    /// Python interpreter, for solvers in Python.
     pub(super) python: Option<PathBuf>,
 }

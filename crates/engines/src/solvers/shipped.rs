@@ -16,10 +16,10 @@ use crate::known::solvers as facts;
 struct Shipped {
     info: &'static EngineInfo<'static>,
     version: fn() -> String,
-    /// Makes it ready.
+    /// Builds or installs the solver.
     make: fn(&AtomicBool) -> Result<Ready, Halt>,
     made: Memo<Ready>,
-    /// Its manifest for scenes without friction, and with.
+    /// Manifests for scenes without and with friction.
     manifests: [&'static str; 2],
 }
 

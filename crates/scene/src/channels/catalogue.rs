@@ -21,7 +21,7 @@ pub enum PairQuantity {
     Stiffness,
     /// The disc's closest point, x, m.
     PointX,
-    /// Its y, m.
+    /// Contact point y, m.
     PointY,
     /// F_n, N.
     NormalForce,
@@ -29,7 +29,7 @@ pub enum PairQuantity {
     FrictionForce,
     /// All of the force on the disc, x, N.
     ForceX,
-    /// Its y, N.
+    /// Force y, N.
     ForceY,
     /// p0 of a line contact, Pa.
     Pressure,
@@ -86,7 +86,7 @@ pub enum Whole {
     WheelTransmissionError,
     /// Offset of a disc's centre from its eccentric's, x and y.
     BearingOffsetX,
-    /// Its y.
+    /// Component y.
     BearingOffsetY,
     /// Ring pins that press.
     ExternalContacts,
@@ -236,7 +236,7 @@ impl Over {
 }
 
 impl Family {
-    /// Its columns in a gearbox.
+    /// Returns the columns of the family in a gearbox.
     pub fn members(&self, layout: Layout) -> impl Iterator<Item = Chosen> {
         let family = *self;
         self.over.numbers(layout).into_iter().map(move |numbers| {

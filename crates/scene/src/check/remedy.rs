@@ -91,7 +91,7 @@ pub(super) fn tried(gear: &Gear, gives_circle: bool, fault: Fault) -> Fault {
 /// A way to a gear that can be built.
 struct Way {
     key: &'static str,
-    /// How far the value goes.
+    /// Limit of the value.
     far: f64,
     words: String,
 }
