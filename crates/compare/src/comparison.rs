@@ -35,7 +35,7 @@ pub struct Comparison {
     pub windows: Vec<Window>,
     /// Windows that could not be, with the reason.
     pub absent_windows: Vec<AbsentWindow>,
-    /// Quantities found in the time series.
+    /// Quantities of the time series.
     pub quantities: Vec<Quantity>,
     /// Every engine, finished or not, in the order given.
     pub engines: Vec<EngineSummary>,

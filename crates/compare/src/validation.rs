@@ -59,7 +59,7 @@ impl Budget {
         (whole > 0.0).then(|| [self.numerical, self.input, self.data].map(share))
     }
 
-    /// Up to here an error cannot be told from nothing: k u_val.
+    /// Returns the bound below which an error cannot be distinguished from zero: k u_val.
     #[must_use]
     pub fn bound(&self) -> f64 {
         COVERAGE * self.validation()

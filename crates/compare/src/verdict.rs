@@ -369,7 +369,7 @@ pub const UNCONFIRMED: f64 = 2.0;
 ///
 /// D <= U: they agree. D > U: they differ; where an uncertainty rests on no confirmed order, 2 U takes the place
 /// of U for distances above U. Where U is above `resolution`, agreement would say nothing,
-/// and a difference is told only if both uncertainties rest on confirmed orders: otherwise it is inconclusive.
+/// and a difference is stated only if both uncertainties rest on confirmed orders: otherwise it is inconclusive.
 #[must_use]
 pub fn pair(metric: Metric, distance: f64, sides: [&Side<'_>; 2], resolution: f64) -> Assessment {
     let found = between(metric, distance, Against::NumericalError, sides);

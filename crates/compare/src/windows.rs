@@ -23,7 +23,7 @@ pub enum WindowKind {
     Steady,
     /// The first fifth of the time in which the gear settles ([`TRANSIENT_S`] of [`SETTLING_S`]).
     Transient,
-    /// The whole run; only where it has no steady window.
+    /// All of the run; only where it has no steady window.
     Whole,
 }
 
@@ -158,7 +158,7 @@ pub fn windows(
     (present, absent)
 }
 
-/// A time without the digits that only rounding has put there.
+/// Returns a time without the digits of rounding.
 #[doc(hidden)]
 #[must_use]
 pub fn rounded(time_s: f64) -> f64 {

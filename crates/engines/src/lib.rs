@@ -25,7 +25,8 @@
 //! ```
 
 #[cfg(feature = "crossval")]
-mod cache;
+#[doc(hidden)] // for tests
+pub mod cache;
 mod control;
 mod engine;
 mod env;
@@ -34,18 +35,21 @@ mod info;
 mod known;
 mod native;
 mod own_contact;
-mod process;
+#[doc(hidden)] // for tests
+pub mod process;
 #[cfg(feature = "python")]
 pub mod python;
 #[cfg(feature = "rapier")]
-mod rapier;
+#[doc(hidden)] // for tests
+pub mod rapier;
 pub mod recorded;
 #[cfg(any(feature = "rapier", feature = "python"))]
 mod refusals;
 mod registry;
 #[cfg(feature = "crossval")]
 mod solvers;
-mod spring;
+#[doc(hidden)] // for tests
+pub mod spring;
 mod stopping;
 
 pub use control::{Cancelled, Control, Progress};

@@ -170,7 +170,7 @@ fn settings(scene: &Scene, uncertainty: Option<&Uncertainty>) -> String {
     }
 }
 
-/// The whole run and its second half, where a start-up has died away, or what is left of it after the load has
+/// Returns the times of the run and of its second half, where a start-up has died away, or of the rest after the load has
 /// changed for the last time.
 fn windows(scene: &Scene) -> [(f64, f64); 2] {
     let duration = scene.solver.duration_s;

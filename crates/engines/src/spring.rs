@@ -18,13 +18,13 @@ use pinwheel_scene::{Layout, Sleeve, load_profile};
 
 /// Spring that stands for the law.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct ContactSpring {
+pub struct ContactSpring {
     /// f = w/(2 pi), Hz.
-    pub(crate) frequency_hz: f64,
+    pub frequency_hz: f64,
     /// Masses of ring and output pins that make it right for both stages, kg; `None`: the scene's.
-    pub(crate) masses_kg: Option<[f64; 2]>,
+    pub masses_kg: Option<[f64; 2]>,
     /// k of external and internal contacts, N/m.
-    pub(crate) stiffness_n_m: [f64; 2],
+    pub stiffness_n_m: [f64; 2],
 }
 
 /// Inverse mass of a light pin over that of a disc.
@@ -44,7 +44,7 @@ struct Stage {
 ///
 /// # Errors
 /// In words, if the law cannot carry the load within a quarter of a pitch.
-pub(crate) fn contact_spring(
+pub fn contact_spring(
     gearbox: &Gearbox,
     field: &mut dyn ContactField,
 ) -> Result<ContactSpring, String> {
@@ -148,14 +148,14 @@ pub(crate) fn contact_spring(
 ///
 /// # Errors
 /// In words, if the law cannot carry the load.
-pub(crate) fn stage_stiffness(gearbox: &Gearbox) -> Result<[f64; 2], String> {
+pub fn stage_stiffness(gearbox: &Gearbox) -> Result<[f64; 2], String> {
     let mut field = gearbox.contact_field().map_err(|error| error.to_string())?;
     contact_spring(gearbox, &mut *field).map(|spring| spring.stiffness_n_m)
 }
 
 /// Returns the load for which the spring is right, N m: what the scene ends with, as only settled means are compared, or if
 /// that is none the largest it has.
-pub(crate) fn spring_load(scene: &Scene) -> f64 {
+pub fn spring_load(scene: &Scene) -> f64 {
     let last = load_profile::final_load(scene);
     if last == 0.0 {
         load_profile::largest(&scene.drive)
@@ -233,76 +233,4 @@ fn moment(
 
 fn cross(x: f64, y: f64, v: [f64; 2]) -> f64 {
     x * v[1] - y * v[0]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn frequency(change: impl Fn(&mut Scene)) -> Result<f64, String> {
-        let mut scene = Scene::paper();
-        change(&mut scene);
-        let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
-        let spring = contact_spring(&gearbox, &mut *gearbox.contact_field().unwrap())?;
-        Ok(spring.frequency_hz)
-    }
-
-    /// Both stages have the law's secants: k m w^2 with the mass that ring pins get.
-    #[test]
-    fn both_stages_are_as_stiff_as_the_law() {
-        let gearbox = Gearbox::new(&Scene::paper().check().unwrap()).unwrap();
-        let spring = contact_spring(&gearbox, &mut *gearbox.contact_field().unwrap()).unwrap();
-        let [external, internal] = spring.stiffness_n_m;
-        // K^(2/3) F^(1/3) of the paper's contacts at most, and less where less loaded.
-        assert!((0.7e6..3e6).contains(&external), "{external:e}");
-        assert!((1.5e6..6e6).contains(&internal), "{internal:e}");
-        let [outer, inner] = spring.masses_kg.unwrap();
-        assert!(outer > 0.0 && inner < 0.048);
-    }
-
-    /// K delta^1.5 at a given force: k = K^(2/3) F^(1/3), so f ~ K^(1/3), where S(delta) = 1, as
-    /// nearly everywhere here. The shares of the pins shift a little with the stiffness.
-    #[test]
-    fn follows_the_hertzian_exponent() {
-        let soft = frequency(|scene| scene.contact.stiffness_multiplier = 1e-2).unwrap();
-        let softer = frequency(|scene| scene.contact.stiffness_multiplier = 0.25e-2).unwrap();
-        let ratio = soft / softer;
-        assert!((ratio - 4.0_f64.cbrt()).abs() < 0.02 * ratio, "{ratio}");
-    }
-
-    /// The secant stiffness of an output pin at half its largest static force is 1e6 to 1e7 N/m
-    /// and the effective masses of light pins are about 3 g: some 4000 Hz.
-    #[test]
-    fn of_the_paper_is_some_kilohertz() {
-        let f = frequency(|_| ()).unwrap();
-        assert!((3500.0..4700.0).contains(&f), "{f}");
-    }
-
-    #[test]
-    fn load_direction_and_no_load() {
-        let f = frequency(|scene| scene.drive.output_torque_n_m *= -1.0).unwrap();
-        assert!((3500.0..4700.0).contains(&f), "{f}");
-        assert!(
-            frequency(|scene| scene.drive.output_torque_n_m = 0.0)
-                .unwrap()
-                .is_finite()
-        );
-    }
-
-    #[test]
-    fn refuses_contacts_that_carry_nothing() {
-        let refusal = frequency(|scene| scene.contact.stiffness_multiplier = 1e-9).unwrap_err();
-        assert!(
-            refusal.contains("contact.stiffness_multiplier"),
-            "{refusal}"
-        );
-    }
-
-    /// A hole that is too large is no soft contact.
-    #[test]
-    fn blames_the_hole_where_it_is_wrong() {
-        let refusal = frequency(|scene| scene.gear.hole_radius_m += 4.5e-3).unwrap_err();
-        assert!(refusal.contains("gear.hole_radius_m"), "{refusal}");
-        assert!(!refusal.contains("stiffness"), "{refusal}");
-    }
 }

@@ -16,7 +16,7 @@ pub struct FileError {
 }
 
 impl FileError {
-    /// A fault of the whole file.
+    /// Returns a fault of the file without a line.
     pub fn new(file: &str, what: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self {
             file: file.to_owned(),

@@ -262,7 +262,7 @@ impl Catalogue {
     fn attempt(&self) -> Result<Draft, Fault> {
         let (gear, suggested) = self.plan()?;
         let text = self.write(&gear, &suggested);
-        // Where in the text it stands would help nobody: nobody has seen it yet.
+        // No line number: the user has not seen the text yet.
         let scene = Scene::from_toml(&text, "draft", &[]).map_err(|error| match error {
             SceneError::Key {
                 key, what, remedy, ..

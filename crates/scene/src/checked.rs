@@ -76,7 +76,7 @@ impl Scene {
     /// Checks every value, each alone and then together.
     ///
     /// # Errors
-    /// The first fault found: its keys, what is wrong and the remedy.
+    /// The first fault: its keys, what is wrong and the remedy.
     pub fn check(self) -> Result<CheckedScene, Fault> {
         check::check(&self)?;
         Ok(CheckedScene::unchecked(self))

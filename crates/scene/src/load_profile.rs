@@ -118,7 +118,7 @@ pub fn mean(drive: &Drive, from: f64, to: f64) -> f64 {
     impulse / (to - from)
 }
 
-/// The largest size of the load over the whole course, N m: what forces and stiffness are measured by.
+/// Returns the largest magnitude of the load over the run, N m: the reference of forces and stiffness.
 #[must_use]
 pub fn largest(drive: &Drive) -> f64 {
     pieces(drive).map(|p| p.after_n_m.abs()).fold(0.0, f64::max)

@@ -449,7 +449,7 @@ impl PlusMinus {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Modification {
-    /// By how much the generating pin is larger than the ring's, m: above 0 the whole edge lies that much further in.
+    /// Excess of the generating pin's radius over the ring pin's, m: above 0 the edge lies further in by that much.
     pub equidistant_m: f64,
     /// By how much the generating circle is larger than R, m: below 0 the disc is smaller.
     pub radial_m: f64,

@@ -181,7 +181,7 @@ pub enum Basis {
     /// Three runs converge, with another order than stated: Fs = 3 with the lower of both orders. Or contacts open and close, or
     /// forces jump, which a method of a higher order than theirs cannot confirm: Fs = 3 with theirs.
     Unconfirmed,
-    /// Two runs: the order is the stated one, shared_error. What both runs miss alike cannot be seen.
+    /// Two runs: the order is the stated one, not a measured one. An error that both runs share stays hidden.
     TwoLevels,
     /// Runs at several tolerances: the error was taken as proportional to the tolerance, Fs = 3.
     Tolerance,

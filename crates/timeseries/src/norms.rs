@@ -268,7 +268,7 @@ pub struct LoadMagnitude {
 }
 
 impl LoadMagnitude {
-    /// Over the whole run; NaN for what is not there or not finite.
+    /// Returns the magnitudes over the run; NaN for a column that is missing or not finite.
     #[must_use]
     pub fn of(time_series: &TimeSeries) -> Self {
         let whole = 0..time_series.len();

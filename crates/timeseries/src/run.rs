@@ -76,7 +76,7 @@ pub struct RunStats {
     pub notes: Vec<String>,
     /// Largest position error of any joint, m, where the engine has constraints.
     pub joint_drift_m: Option<f64>,
-    /// Energy account of the whole run and of its second half, where the engine keeps one.
+    /// Energy account of the run and of its second half, where the engine keeps one.
     pub energy: Vec<EnergyAudit>,
     /// Set for time series that were recorded earlier and not computed now: when, with what, and why they stand
     /// here. Costs are then those of the recording, on its machine; its samples may be a part of the others'.
@@ -362,7 +362,7 @@ impl Ending {
         }
     }
 
-    /// Only what is whole goes on.
+    /// Returns `Ok` if the run finished.
     ///
     /// # Errors
     /// The ending itself, unless it is finished.

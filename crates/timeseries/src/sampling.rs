@@ -192,7 +192,7 @@ impl Between {
         self.settled = end;
     }
 
-    /// The whole run, in which there was more than samples; `None` if there was not, or too little of all.
+    /// Returns the account of the run; `None` if there were no points between samples, or too few.
     #[must_use]
     pub fn finish(mut self) -> Option<Self> {
         let last = self.times.len().checked_sub(1)?;

@@ -40,7 +40,7 @@ pub struct Table {
     pub columns: Vec<Column>,
 }
 
-/// A column of a [`Table`]. Lists beside the values are as long as these, or empty where nothing is said.
+/// A column of a [`Table`]. Lists beside the values are as long as these, or empty.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Column {
     /// Name in files, with the unit at its end; empty: not in files.

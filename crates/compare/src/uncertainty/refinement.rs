@@ -16,7 +16,7 @@ use pinwheel_timeseries::norms::{Statistics, View, peak, rms};
 pub struct RefinementStudy {
     /// Setting that is refined.
     pub method: Method,
-    /// The finest run's step (s), tolerance, or whatever is refined: for the remedies told.
+    /// Step (s), tolerance or other refined setting of the finest run, for remedies.
     pub finest: f64,
     /// The other runs.
     pub coarser: Vec<Level>,

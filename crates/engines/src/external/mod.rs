@@ -8,7 +8,8 @@
 //! where the user names it. What the program writes is not trusted.
 
 mod library;
-mod log;
+#[doc(hidden)] // for tests
+pub mod log;
 mod manifest;
 mod result;
 pub mod scaffold;
@@ -56,7 +57,8 @@ pub struct Solver {
     python: Option<PathBuf>,
     /// Hash of the files of manifest and program, computed at the first request.
     build: OnceLock<String>,
-    limits: Limits,
+    #[doc(hidden)]
+    pub limits: Limits,
 }
 
 impl Solver {
@@ -173,26 +175,25 @@ impl Solver {
             .env("PYTHONDONTWRITEBYTECODE", "1")
             .env("PYTHONUNBUFFERED", "1")
             .envs(library.as_deref().and_then(library_path));
-        let (begun, mut heard) = (Instant::now(), SolverLog::default());
+        let (begun, mut log) = (Instant::now(), SolverLog::default());
         let mut looked = begun;
         let ended = process::run(&mut command, Some(folder.path()), &mut |piece| {
             if let Some(piece) = piece {
-                heard.take(piece);
+                log.take(piece);
                 return None;
             }
-            if control.reached(heard.reached_s.unwrap_or(0.0)) {
+            if control.reached(log.reached_s.unwrap_or(0.0)) {
                 return Some(End::Cancelled);
             }
-            self.limits
-                .passed(&heard, folder.path(), begun, &mut looked)
+            self.limits.passed(&log, folder.path(), begun, &mut looked)
         });
         let ended = ended.map_err(|error| failed(self.does_not_start(program, &error)))?;
-        let said = heard.last();
+        let said = log.last();
         // It may have ended before anybody looked.
-        if let Some(time) = heard.reached_s {
+        if let Some(time) = log.reached_s {
             let _ = control.reached(time);
         }
-        self.judge(gearbox, &handle, &ended, &heard, said)
+        self.judge(gearbox, &handle, &ended, &log, said)
     }
 
     /// Runs it on a job file that breaks off, for whoever wants to see what it does.
@@ -226,7 +227,7 @@ impl Solver {
         gearbox: &Gearbox,
         folder: &JobFolder,
         ended: &Ended,
-        heard: &SolverLog,
+        log: &SolverLog,
         said: Option<String>,
     ) -> Result<Run, Halt> {
         let said_in = |before: &str, after: &str| match &said {
@@ -239,7 +240,7 @@ impl Solver {
             End::Stopped(why) => return Err(failed(format!("{why}{last_words}"))),
             End::TooLong(why) => {
                 return Err(Ending::TimedOut {
-                    time_s: heard.reached_s.unwrap_or(0.0),
+                    time_s: log.reached_s.unwrap_or(0.0),
                     reason: format!("{why}{last_words}"),
                 }
                 .into());
@@ -270,12 +271,12 @@ impl Solver {
         };
         let mut run = Run::new(
             found.time_series,
-            self.stats(gearbox, folder, ended, heard, &told),
+            self.stats(gearbox, folder, ended, log, &told),
         );
         run.stats.notes.extend(found.notes);
         let stated = diverged.then(|| {
             let time = run.time_series.time_s().last().copied().unwrap_or(0.0);
-            let time = heard.reached_s.map_or(time, |reached| reached.max(time));
+            let time = log.reached_s.map_or(time, |reached| reached.max(time));
             let end = gearbox.scene.solver.duration_s;
             (
                 time.min(end),
@@ -293,14 +294,14 @@ impl Solver {
         gearbox: &Gearbox,
         folder: &JobFolder,
         ended: &Ended,
-        heard: &SolverLog,
+        log: &SolverLog,
         told: &Reply,
     ) -> RunStats {
         let solver = &gearbox.scene.solver;
         let refine = self.manifest.refine;
         let by_step = refine.is_some_and(|refine| refine.knob == AccuracySetting::Step);
         let mean = solver.duration_s / told.steps.max(1) as f64;
-        let mut notes = heard.notes.clone();
+        let mut notes = log.notes.clone();
         notes.extend(told.notes.iter().take(20).map(|note| plain(note, WORDS)));
         RunStats {
             wall_s: ended.wall_s,
@@ -442,6 +443,3 @@ pub fn joined() -> Vec<&'static Solver> {
         .unwrap_or_else(PoisonError::into_inner)
         .clone()
 }
-
-#[cfg(all(test, unix))]
-mod tests;

@@ -24,12 +24,12 @@ static READY: Memo<()> = Memo::new();
 ///
 /// # Errors
 /// Why that cannot be, with the remedy; a stop.
-pub(super) fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
+pub fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
     READY.get(|| load(&environment(ENGINES, cancel)?))
 }
 
 /// The environment is there, and the package cannot be loaded all the same. One that the user `named` is the user's to mend.
-pub(super) fn unusable(folder: &Path, named: bool, reason: &str) -> Halt {
+pub fn unusable(folder: &Path, named: bool, reason: &str) -> Halt {
     let folder = folder.display();
     let remedy = if named {
         format!(

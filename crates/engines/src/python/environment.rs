@@ -14,10 +14,10 @@ use crate::engine::{Ending, Halt};
 use crate::env::variable;
 
 /// Names a folder of discs to install from, without a network.
-const WHEELS: &str = "PINWHEEL_WHEELS";
+pub const WHEELS: &str = "PINWHEEL_WHEELS";
 
 /// Written last into an environment: its requirements.
-const MARKER: &str = "pinwheel-requirements.txt";
+pub const MARKER: &str = "pinwheel-requirements.txt";
 
 /// Pinned and hashed packages.
 #[derive(Debug, Clone, Copy)]
@@ -86,7 +86,7 @@ pub fn environment(requirements: Requirements, cancel: &AtomicBool) -> Result<En
 }
 
 /// Returns the environment that the user named.
-fn named(
+pub fn named(
     folder: &Path,
     interpreter: &Interpreter,
     cancel: &AtomicBool,
@@ -157,8 +157,8 @@ fn plain(pin: &str) -> String {
     pin.to_lowercase().replace(['_', '.'], "-")
 }
 
-/// The environment in the cache: found, or made under a lock.
-fn ensure(
+/// Returns the environment from the cache, or makes it under a lock.
+pub fn ensure(
     requirements: Requirements,
     interpreter: &Interpreter,
     cache: &Path,
@@ -178,7 +178,7 @@ fn ensure(
 }
 
 /// Folder name of an environment: another interpreter or another list of packages has another.
-fn name_of(requirements: Requirements, interpreter: &Interpreter) -> String {
+pub fn name_of(requirements: Requirements, interpreter: &Interpreter) -> String {
     let key = fingerprint(&[
         requirements.text,
         &interpreter.version,
@@ -195,7 +195,11 @@ fn name_of(requirements: Requirements, interpreter: &Interpreter) -> String {
 }
 
 /// A complete environment, or `None`: the marker says that pip ended well, and every package is still there.
-fn whole(folder: &Path, requirements: Requirements, cancel: &AtomicBool) -> Option<Environment> {
+pub fn whole(
+    folder: &Path,
+    requirements: Requirements,
+    cancel: &AtomicBool,
+) -> Option<Environment> {
     let marker = fs::read_to_string(folder.join(MARKER)).ok()?;
     if marker != requirements.text {
         return None;
@@ -281,6 +285,3 @@ fn python_of(folder: &Path) -> PathBuf {
         folder.join("bin").join("python")
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -29,7 +29,7 @@ use super::mujoco::ATTACHED;
 ///
 /// # Safety
 /// See the module.
-pub(super) unsafe extern "C" fn law(
+pub unsafe extern "C" fn law(
     context: *mut c_void,
     _time_s: f64,
     states: *const f64,
@@ -55,7 +55,7 @@ pub(super) unsafe extern "C" fn law(
 ///
 /// # Safety
 /// See the module.
-pub(super) unsafe extern "C" fn passive(_model: *const c_void, data: *mut c_void) {
+pub unsafe extern "C" fn passive(_model: *const c_void, data: *mut c_void) {
     let mut attached = locked(&ATTACHED);
     let Some(run) = attached
         .iter_mut()
@@ -85,14 +85,11 @@ pub(super) unsafe extern "C" fn passive(_model: *const c_void, data: *mut c_void
 }
 
 /// Address of [`law`].
-pub(super) fn law_address() -> usize {
+pub fn law_address() -> usize {
     (law as *const ()).expose_provenance()
 }
 
 /// Address of [`passive`].
-pub(super) fn passive_address() -> usize {
+pub fn passive_address() -> usize {
     (passive as *const ()).expose_provenance()
 }
-
-#[cfg(test)]
-mod tests;

@@ -8,19 +8,19 @@ use super::package::text_of;
 use crate::engine::{Ending, Halt};
 
 /// Names an existing environment, which is used as it is.
-pub(super) const ENVIRONMENT: &str = "PINWHEEL_PYTHON_ENV";
+pub const ENVIRONMENT: &str = "PINWHEEL_PYTHON_ENV";
 
 /// The interpreter whose library this program embeds.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Interpreter {
+pub struct Interpreter {
     /// `3.11.7`
-    pub(super) version: String,
+    pub version: String,
     /// Possible paths of the executable, most likely first.
-    pub(super) candidates: Vec<PathBuf>,
+    pub candidates: Vec<PathBuf>,
 }
 
 /// Returns the interpreter that this process embeds.
-pub(super) fn interpreter() -> Result<Interpreter, Halt> {
+pub fn interpreter() -> Result<Interpreter, Halt> {
     if let Some(home) = crate::env::variable("PYTHONHOME") {
         return Err(Ending::absent(format!(
             "PYTHONHOME = {home:?} would send the embedded Python to another installation; unset PYTHONHOME"
@@ -59,7 +59,7 @@ pub(super) fn interpreter() -> Result<Interpreter, Halt> {
 }
 
 /// Returns the ending of a run without an interpreter of that version.
-pub(super) fn no_interpreter(version: &str, tried: &str) -> Halt {
+pub fn no_interpreter(version: &str, tried: &str) -> Halt {
     Ending::absent(format!(
         "no Python {version} interpreter was found to make an environment with (tried {tried}); install it, or name an \
          environment of that version with {ENVIRONMENT}"

@@ -16,11 +16,11 @@ use pinwheel_law::Evaluator;
 use crate::engine::Ending;
 
 /// Law behind a number.
-pub(super) struct Law {
+pub struct Law {
     /// Bodies of the scene; known also after the law is gone.
-    pub(super) bodies: usize,
+    pub bodies: usize,
     /// MuJoCo is given new loads at every so many calls only, as a frozen force would: 1 but for that fault.
-    pub(super) every: u64,
+    pub every: u64,
     evaluator: Mutex<Option<Evaluator>>,
     calls: AtomicU64,
     /// Faulty loads are so many times too large.
@@ -34,12 +34,12 @@ const SOUND_CALLS: u64 = 300;
 static LAWS: Handles<Law> = Handles::new();
 
 /// Locks data that are valid after a panic, too.
-pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Law behind a number, or `None` if it was never handed out.
-pub(super) fn find(number: usize) -> Option<Arc<Law>> {
+pub fn find(number: usize) -> Option<Arc<Law>> {
     LAWS.find(std::ptr::without_provenance::<u8>(number))
 }
 
@@ -48,7 +48,7 @@ impl Law {
     ///
     /// # Errors
     /// The gearbox has none.
-    pub(super) fn open(gearbox: &Gearbox) -> Result<(usize, Arc<Self>), Ending> {
+    pub fn open(gearbox: &Gearbox) -> Result<(usize, Arc<Self>), Ending> {
         let field = gearbox.contact_field().map_err(Ending::unsupported)?;
         let bodies = gearbox.layout.bodies();
         let number = LAWS.open::<u8>(Self {
@@ -68,12 +68,12 @@ impl Law {
     }
 
     /// Drops the evaluator: loads are NaN from now on.
-    pub(super) fn close(&self) {
+    pub fn close(&self) {
         locked(&self.evaluator).take();
     }
 
     /// Reads 6 numbers a body and writes 3 loads a body: NaN if it is gone, or panics.
-    pub(super) fn evaluate(&self, states: &[f64], loads: &mut [f64]) {
+    pub fn evaluate(&self, states: &[f64], loads: &mut [f64]) {
         let evaluated = catch_unwind(AssertUnwindSafe(|| {
             let mut law = locked(&self.evaluator);
             law.as_mut().map(|law| law.evaluate(states, loads))

@@ -8,19 +8,26 @@
 mod agreement;
 mod convert;
 #[cfg(feature = "crossval")]
-mod embedded;
+#[doc(hidden)] // for tests
+pub mod embedded;
 mod engine;
 #[cfg(feature = "crossval")]
-mod environment;
-mod ffi;
+#[doc(hidden)] // for tests
+pub mod environment;
+#[doc(hidden)] // for tests
+pub mod ffi;
 mod host;
 #[cfg(feature = "crossval")]
-mod interpreter;
-mod law;
-mod mujoco;
+#[doc(hidden)] // for tests
+pub mod interpreter;
+#[doc(hidden)] // for tests
+pub mod law;
+#[doc(hidden)] // for tests
+pub mod mujoco;
 mod package;
 mod pins;
-mod published;
+#[doc(hidden)] // for tests
+pub mod published;
 mod user_engine;
 mod watch;
 

@@ -9,9 +9,9 @@ use super::mujoco::detach;
 use crate::engine::Ending;
 
 /// A law that engines can call; stale from the moment this is dropped.
-pub(super) struct Published {
-    pub(super) number: usize,
-    pub(super) law: Arc<Law>,
+pub struct Published {
+    pub number: usize,
+    pub law: Arc<Law>,
 }
 
 impl Published {
@@ -19,7 +19,7 @@ impl Published {
     ///
     /// # Errors
     /// The gearbox has none.
-    pub(super) fn new(gearbox: &Gearbox) -> Result<Self, Ending> {
+    pub fn new(gearbox: &Gearbox) -> Result<Self, Ending> {
         let (number, law) = Law::open(gearbox)?;
         Ok(Self { number, law })
     }

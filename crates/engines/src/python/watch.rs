@@ -112,7 +112,7 @@ fn watched<T: Send>(
                 break;
             }
         }
-        // Whoever still reports is told to stop.
+        // A worker that still reports gets the answer to stop.
         drop((told, answer));
         worker.join().or_else(|panic| resume_unwind(panic))
     })

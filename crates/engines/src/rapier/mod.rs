@@ -4,14 +4,14 @@
 //! - `rapier-own-contact-hook`: our normal force, its implicit Coulomb friction;
 //! - `rapier-own-contact-colliders`: its own collision detection and contact spring.
 
-mod colliders;
-mod contact_hook;
-mod march;
-mod outlines;
-mod reactions;
+pub mod colliders;
+pub mod contact_hook;
+pub mod march;
+pub mod outlines;
+pub mod reactions;
 mod shared_law;
-mod sums;
-mod world;
+pub mod sums;
+pub mod world;
 
 use pinwheel_gearbox::Gearbox;
 

@@ -67,7 +67,7 @@ pub enum Part {
     Tangential,
 }
 
-/// Numbers of the whole gearbox or of a disc.
+/// Numbers of the gearbox or of a disc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Whole {
     /// Output power over input power.

@@ -93,7 +93,7 @@ fn unknown(typed: &str, layout: Layout) -> Fault {
             let mut name = near.to_owned();
             if near.matches('*').count() == numbers.len() {
                 for number in numbers {
-                    // A `*` that stays would be found again: mark it.
+                    // A `*` that stays would match again: mark it.
                     name = name.replacen('*', if number == "*" { "\0" } else { number }, 1);
                 }
             }

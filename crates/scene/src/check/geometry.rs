@@ -136,7 +136,7 @@ pub fn profile(gear: &Gear) -> Result<(), Fault> {
             modification: crate::model::Modification::default(),
             ..gear.clone()
         };
-        // Where the gear itself is undercut, that is what is told.
+        // An undercut of the gear itself is reported instead.
         profile(&plain)?;
         let most = below(smallest - gear.external_sleeve_radius_m);
         return Err(Fault::new(

@@ -19,7 +19,7 @@ use crate::model::{Gear, Scene};
 /// Refuses a scene that cannot be run or makes no sense.
 ///
 /// # Errors
-/// The first fault found.
+/// The first fault.
 pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     let table = Table::try_from(scene).map_err(|error| {
         Fault::new(

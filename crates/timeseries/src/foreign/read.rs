@@ -1,4 +1,4 @@
-//! Reading a foreign file: columns found, cells converted, bad rows named.
+//! Reading of a foreign file: columns by the map, cells converted, bad rows named.
 
 use std::collections::HashSet;
 use std::io::Read;

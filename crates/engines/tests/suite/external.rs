@@ -1,15 +1,17 @@
 //! Programs that do what a solver may do wrong. Each ends in one clear line and leaves nothing running.
 
 use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+use std::process::Command;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use pinwheel_scene::{CheckedScene, Scene};
 use tempfile::TempDir;
 
-use super::*;
-use crate::{Native, Progress};
+use pinwheel_engines::external::*;
+use pinwheel_engines::*;
 
 fn scene() -> CheckedScene {
     let sets = ["solver.duration_s=0.02".parse().expect("one")];

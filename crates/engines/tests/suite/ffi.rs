@@ -4,9 +4,10 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::{Override, Scene};
 
-use super::super::mujoco::{Addresses, Attached, Place, detach};
-use super::super::published::Published;
-use super::*;
+use pinwheel_engines::python::ffi::{law, passive};
+use pinwheel_engines::python::law::locked;
+use pinwheel_engines::python::mujoco::{self, ATTACHED, Addresses, Attached, Place, detach};
+use pinwheel_engines::python::published::Published;
 
 fn gearbox(preset: &str) -> Gearbox {
     let settings = [Override::new("contact.friction_coefficient", "0.1")];
@@ -174,7 +175,7 @@ fn attach(published: &Published, places: &[Place], machine: &mut Machine, data: 
     let addresses = machine.addresses(data);
     let law = published.law.clone();
     let attached = Attached::new(published.number, addresses, places.to_vec(), law);
-    super::super::mujoco::attach(attached);
+    mujoco::attach(attached);
 }
 
 #[test]

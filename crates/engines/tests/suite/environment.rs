@@ -1,13 +1,16 @@
 //! Environments that are cut off, refused, wanted twice at once, or impossible.
 
+use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
-use std::thread;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+use std::{fs, thread};
 
-use super::super::embedded::unusable;
-use super::*;
-use crate::cache::{CACHE, kept_away, lock};
+use pinwheel_engines::Halt;
+use pinwheel_engines::cache::{CACHE, call, fingerprint, kept_away, lock};
+use pinwheel_engines::python::embedded::unusable;
+use pinwheel_engines::python::environment::*;
+use pinwheel_engines::python::interpreter::{self, ENVIRONMENT, Interpreter};
 
 static GO: AtomicBool = AtomicBool::new(false);
 
@@ -20,7 +23,7 @@ const NOTHING: Requirements = Requirements {
 };
 
 fn interpreter() -> Interpreter {
-    super::interpreter().unwrap()
+    interpreter::interpreter().unwrap()
 }
 
 fn names(folder: &Path) -> Vec<String> {
