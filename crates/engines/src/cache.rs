@@ -47,7 +47,7 @@ pub fn unless_stopped(cancel: &AtomicBool, failure: Halt) -> Halt {
 pub struct Memo<T>(Mutex<Option<Result<T, Halt>>>);
 
 impl<T: Clone> Memo<T> {
-    pub const fn new() -> Self {
+    pub const fn empty() -> Self {
         Self(Mutex::new(None))
     }
 

@@ -1,5 +1,5 @@
-//! Facts of the engines of this project, whether a build has them or not. A new engine is a static here, a line of
-//! [`KNOWN`], and what its family makes of it ([`registry`](mod@crate::registry)).
+//! Facts of the engines of this project, whether a build has them or not. A new engine is a static of its
+//! family, and what [`registry`](mod@crate::registry) makes of it.
 
 mod model;
 pub(crate) mod native;
@@ -9,26 +9,10 @@ pub(crate) mod solvers;
 
 use crate::info::EngineInfo;
 
-/// All engines, in the order of reports.
-static KNOWN: [&EngineInfo<'static>; 13] = [
-    &native::REDUCED,
-    &native::LAGRANGE,
-    &native::RESOLVED,
-    &rapier::SHARED_LAW,
-    &rapier::HOOK,
-    &rapier::COLLIDERS,
-    &python::MUJOCO_SHARED_LAW,
-    &python::EXUDYN_EXPLICIT,
-    &python::EXUDYN_CONSTRAINED,
-    &python::MUJOCO_OWN_CONTACT,
-    &python::EXUDYN_OWN_CONTACT,
-    &solvers::SIMBODY,
-    &solvers::IDA,
-];
-
 /// Returns the facts of all engines of this project, in this build or another.
 pub fn known() -> impl Iterator<Item = &'static EngineInfo<'static>> {
-    KNOWN.into_iter()
+    let families = [native::ALL, rapier::ALL, python::ALL, solvers::ALL];
+    families.into_iter().flatten().copied()
 }
 
 /// Returns the facts of the engine of a name; `None` for users' engines.

@@ -4,6 +4,9 @@ use pinwheel_timeseries::SharedModel;
 
 use crate::info::{EngineInfo, Form};
 
+/// Engines of the family, in the order of reports.
+pub(super) static ALL: &[&EngineInfo<'static>] = &[&REDUCED, &LAGRANGE, &RESOLVED];
+
 pub(crate) static REDUCED: EngineInfo<'static> = EngineInfo {
     summary: "own solver, centre-pinned bodies eliminated exactly",
     short: "reduced",

@@ -6,6 +6,15 @@ use super::model;
 use crate::info::{EngineInfo, Refinement};
 use crate::own_contact::OwnContact;
 
+/// Engines of the family, in the order of reports.
+pub(super) static ALL: &[&EngineInfo<'static>] = &[
+    &MUJOCO_SHARED_LAW,
+    &EXUDYN_EXPLICIT,
+    &EXUDYN_CONSTRAINED,
+    &MUJOCO_OWN_CONTACT,
+    &EXUDYN_OWN_CONTACT,
+];
+
 pub(crate) static MUJOCO_SHARED_LAW: EngineInfo<'static> = EngineInfo {
     summary: "MuJoCo: hinges as a tree, Runge-Kutta 4; contact forces from Pinwheel's law",
     short: "mujoco",

@@ -6,6 +6,9 @@ use super::model;
 use crate::info::{EngineInfo, Refinement};
 use crate::own_contact::OwnContact;
 
+/// Engines of the family, in the order of reports.
+pub(super) static ALL: &[&EngineInfo<'static>] = &[&SHARED_LAW, &HOOK, &COLLIDERS];
+
 pub(crate) static SHARED_LAW: EngineInfo<'static> = EngineInfo {
     summary: "rapier2d's bodies, joints and time integration; contact forces from Pinwheel's law",
     short: "rapier",

@@ -4,6 +4,9 @@ use pinwheel_timeseries::SharedModel;
 
 use crate::info::{EngineInfo, Refinement};
 
+/// Engines of the family, in the order of reports.
+pub(super) static ALL: &[&EngineInfo<'static>] = &[&SIMBODY, &IDA];
+
 pub(crate) static SIMBODY: EngineInfo<'static> = EngineInfo {
     summary: "Simbody: pin mobilizers as a tree, Runge-Kutta-Merson, or CPodes with friction; Pinwheel's law",
     short: "simbody",

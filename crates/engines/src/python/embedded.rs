@@ -18,7 +18,7 @@ use crate::engine::{Ending, Halt};
 
 /// The package's files: path below its folder, text.
 const SOURCES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/sources.rs"));
-static READY: Memo<()> = Memo::new();
+static READY: Memo<()> = Memo::empty();
 
 /// Makes the environment if need be, starts Python and loads the package, once per process.
 ///

@@ -27,7 +27,7 @@ static SIMBODY: Shipped = Shipped {
     info: &facts::SIMBODY,
     version: simbody::version,
     make: simbody::ready,
-    made: Memo::new(),
+    made: Memo::empty(),
     manifests: simbody::MANIFESTS,
 };
 
@@ -35,7 +35,7 @@ static IDA: Shipped = Shipped {
     info: &facts::IDA,
     version: ida::version,
     make: ida::ready,
-    made: Memo::new(),
+    made: Memo::empty(),
     manifests: [ida::MANIFEST; 2],
 };
 
