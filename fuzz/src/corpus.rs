@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use pinwheel_scene::KEYS;
 use pinwheel_timeseries::TimeSeries;
-use pinwheel_timeseries::save_time_series;
 
 use crate::targets::PARTS;
 
@@ -234,13 +233,14 @@ pub fn manifests() -> Vec<Vec<u8>> {
 }
 
 /// Time series as Parquet.
+#[cfg(feature = "parquet")]
 #[must_use]
 pub fn parquet() -> Vec<Vec<u8>> {
     let written = few_time_series()
         .zip(tempfile::tempdir().ok())
         .and_then(|(time_series, dir)| {
             let path = dir.path().join("c.parquet");
-            save_time_series(&time_series, &path).ok()?;
+            pinwheel_timeseries::save_time_series(&time_series, &path).ok()?;
             std::fs::read(path).ok()
         });
     written

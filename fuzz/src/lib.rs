@@ -79,6 +79,7 @@ pub const TARGETS: &[Target] = &[
         run: targets::manifest,
         seeds: corpus::manifests,
     },
+    #[cfg(feature = "parquet")]
     Target {
         name: "parquet",
         run: targets::parquet,

@@ -348,6 +348,7 @@ pub fn time_series(bytes: &[u8]) -> bool {
 }
 
 /// Time series as Parquet.
+#[cfg(feature = "parquet")]
 pub fn parquet(bytes: &[u8]) -> bool {
     match pinwheel_timeseries::read_time_series(bytes::Bytes::copy_from_slice(bytes), 1 << 20) {
         Ok(found) => !found.is_empty(),

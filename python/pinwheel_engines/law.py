@@ -44,6 +44,8 @@ Touch = tuple[Points, Points, Floats, Floats, Floats]
 Pairs = tuple[Ints, Ints, Ints, Points, Points, Floats, Floats, Floats]
 
 LAWS = ("paper", "line-hertz")
+# Remedy for every other law.
+PROGRAM = "run it by the Pinwheel program, whose compiled library has all laws"
 
 # States handled at once: keeps the scratch arrays of points detection within some 100 MB.
 STATES_AT_ONCE = 1024
@@ -91,7 +93,9 @@ class ContactLaw:
         """Raises Unsupported for what it does not know, SceneError for points too coarse to have a stiffness."""
         contact, gear = scene.contact, scene.gear
         if contact.law not in LAWS:
-            raise Unsupported("the numpy contact law", f'contact.law = "{contact.law}"; it knows only {", ".join(LAWS)}')
+            raise Unsupported(
+                "the numpy contact law", f'contact.law = "{contact.law}"; it knows only {", ".join(LAWS)}; {PROGRAM}'
+            )
         if contact.law != "paper" and contact.detection == "points":
             raise Unsupported(
                 "the numpy contact law",
@@ -100,7 +104,8 @@ class ContactLaw:
             )
         if contact.friction_law != "regularised" and contact.friction_coefficient > 0.0:
             raise Unsupported(
-                "the numpy contact law", f'contact.friction_law = "{contact.friction_law}"; it knows only "regularised"'
+                "the numpy contact law",
+                f'contact.friction_law = "{contact.friction_law}"; it knows only "regularised"; {PROGRAM}',
             )
         self.scene = scene
         self.layout = Layout.of(gear)

@@ -189,7 +189,7 @@ def test_other_laws_are_refused(text):
 
 
 def test_known_laws_are_listed():
-    with pytest.raises(Unsupported, match="knows only paper, line-hertz"):
+    with pytest.raises(Unsupported, match="knows only paper, line-hertz; run it by the Pinwheel program"):
         ContactLaw(scenes.scene('[contact]\nlaw = "constant"'))
 
 

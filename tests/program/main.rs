@@ -10,5 +10,4 @@ mod foreign;
 mod safety;
 mod solvers;
 mod stability;
-#[cfg(feature = "parquet")]
 mod sweep;

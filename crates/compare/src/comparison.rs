@@ -35,7 +35,7 @@ pub struct Comparison {
     pub windows: Vec<Window>,
     /// Windows that could not be, with the reason.
     pub absent_windows: Vec<AbsentWindow>,
-    /// Quantities found in the time series.
+    /// Quantities of the time series.
     pub quantities: Vec<Quantity>,
     /// Every engine, finished or not, in the order given.
     pub engines: Vec<EngineSummary>,
@@ -70,9 +70,9 @@ pub struct EngineSummary {
     pub version: String,
     /// One line on what it is.
     pub summary: String,
-    /// How it differs from the native solver.
+    /// Differences from the native solver.
     pub differences: String,
-    /// How the run ended.
+    /// Ending of the run.
     pub status: Status,
     /// Cost of the run.
     pub cost: Cost,
@@ -80,7 +80,7 @@ pub struct EngineSummary {
     pub figures: Vec<Figures>,
     /// Verdicts about this engine alone; empty unless finished.
     pub judged: Vec<EngineEntry>,
-    /// Its numerical uncertainty per window and quantity; empty where no evidence was given.
+    /// Numerical uncertainty per window and quantity; empty where no evidence was given.
     #[serde(
         rename = "numerical_uncertainty",
         skip_serializing_if = "Vec::is_empty"
@@ -92,7 +92,7 @@ pub struct EngineSummary {
 }
 
 impl EngineSummary {
-    /// Its uncertainty of a quantity in a window, where evidence was given.
+    /// Returns the engine's uncertainty of a quantity in a window, where evidence was given.
     pub(crate) fn uncertainty_of(
         &self,
         quantity: &str,
@@ -102,13 +102,13 @@ impl EngineSummary {
         all.find(|u| u.quantity == quantity && u.window == window)
     }
 
-    /// How far its figure may be off, in the quantity's unit; `None` where that is not known.
+    /// Returns the uncertainty of the engine's figure, in the quantity's unit; `None` if it is unknown.
     #[must_use]
     pub fn u(&self, quantity: &str, window: WindowKind, norm: Norm) -> Option<f64> {
         self.uncertainty_of(quantity, window)?.of(norm).u()
     }
 
-    /// Its figures in a window.
+    /// Returns the engine's figures in a window.
     #[must_use]
     pub fn figures_in(&self, window: WindowKind) -> Option<&Figures> {
         self.figures.iter().find(|figures| figures.window == window)
@@ -135,7 +135,7 @@ pub struct RefinementSummary {
 /// One coarser run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LevelSummary {
-    /// Its setting over the finest run's.
+    /// Setting over the finest run's.
     pub refinement: f64,
     /// Wall time, s.
     pub wall_s: f64,
@@ -172,7 +172,7 @@ pub struct Figures {
     pub window: WindowKind,
     /// Per quantity, over all its channels: mean, min, max, rms, peak.
     pub quantities: BTreeMap<String, Statistics>,
-    /// How far each of these may be off by what lies between samples.
+    /// Error of each figure by the signal between samples.
     pub sampling: BTreeMap<String, Statistics>,
     /// Power out over power in: mean `output_torque_n_m` * mean speed of `output_angle_rad` /
     /// (mean `input_torque_n_m` * input speed). `None` without these channels or without positive

@@ -49,9 +49,9 @@ pub enum CompareError {
     Unmatched {
         /// The participant it is stated for.
         engine: String,
-        /// Its window.
+        /// Window of the limit.
         window: &'static str,
-        /// Its quantity, a pattern.
+        /// Quantity of the limit, a pattern.
         quantity: String,
         /// The windows and quantities there are, in words.
         available: String,

@@ -112,3 +112,9 @@ pub use uncertainty::{Evidence, Level, RefinementStudy, Uncertainty};
 pub use validation::DataUncertainty;
 pub use verdict::{Against, Assessment, Counts, Verdict};
 pub use windows::{Window, WindowKind};
+
+/// Private items that the tests of this crate reach; no part of the interface.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::model::{account, predicted};
+}

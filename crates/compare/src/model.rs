@@ -1,4 +1,4 @@
-//! How far engines with a contact model of their own may be from ours, as they state it.
+//! Stated tolerances of engines whose contact model differs from the native one.
 //!
 //! These are statements on models, not on scenes: a bed of 4000 springs resolves a contact patch to so much, a
 //! polyline disc with one linear spring to so much. They hold for any gear; a scene that breaks one is a finding.
@@ -34,7 +34,7 @@ pub struct ModelTolerance {
     pub metric: Metric,
     /// The difference predicted.
     pub predicted: Prediction,
-    /// How far from the prediction the engine may be, beside numerical uncertainty.
+    /// Tolerance around the prediction, beside numerical uncertainty.
     pub tolerance: f64,
     /// Why.
     pub reason: &'static str,
@@ -42,7 +42,7 @@ pub struct ModelTolerance {
 
 impl ModelTolerance {
     /// True if the tolerance applies to this friction, window and quantity.
-    pub(crate) fn applies(&self, friction: bool, window: WindowKind, quantity: &str) -> bool {
+    pub fn applies(&self, friction: bool, window: WindowKind, quantity: &str) -> bool {
         let suits = match self.friction {
             Friction::Any => true,
             Friction::With => friction,
@@ -53,7 +53,8 @@ impl ModelTolerance {
 }
 
 /// The account of the part of the run that a window is, or that overlaps it most; `None` without an account.
-pub(crate) fn account<'a>(participant: &'a Participant, window: &Window) -> Option<&'a Energy> {
+#[doc(hidden)]
+pub fn account<'a>(participant: &'a Participant, window: &Window) -> Option<&'a Energy> {
     let overlap = |e: &Energy| e.overlap(window.from_s, window.to_s);
     participant
         .cost
@@ -66,110 +67,11 @@ pub(crate) fn account<'a>(participant: &'a Participant, window: &Window) -> Opti
 /// The difference of the mean driver torques predicted from both energy accounts, signed as
 /// [`signed_mean_difference`](crate::metrics::PairMetrics::signed_mean_difference): energy that a law creates the
 /// driver need not bring. An engine without an account is taken to create none; `None` if neither keeps one.
-pub(crate) fn predicted(a: &Participant, b: &Participant, window: &Window) -> Option<f64> {
+#[doc(hidden)]
+pub fn predicted(a: &Participant, b: &Participant, window: &Window) -> Option<f64> {
     let share = |p: &Participant| account(p, window)?.remainder_share;
     match (share(a), share(b)) {
         (None, None) => None,
         (of_a, of_b) => Some(of_b.unwrap_or(0.0) - of_a.unwrap_or(0.0)),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::participant::Cost;
-
-    /// A participant with an account of each of these parts: from, to, remainder as a share.
-    fn participant(parts: &[(f64, f64, Option<f64>)]) -> Participant {
-        let energy = parts.iter().map(|&(from_s, to_s, share)| Energy {
-            from_s,
-            to_s,
-            driver_j: 1.0,
-            load_j: -1.0,
-            remainder_j: share.unwrap_or(0.0),
-            remainder_share: share,
-            ..Energy::default()
-        });
-        Participant::that_cost(Cost {
-            energy: energy.collect(),
-            ..Cost::default()
-        })
-    }
-
-    /// The second half of a run of 0.6 s.
-    const WINDOW: Window = Window {
-        kind: WindowKind::Steady,
-        from_s: 0.3,
-        to_s: 0.6,
-        samples: 100,
-        load_changes: 0,
-    };
-
-    /// Chooses among several accounts the one that shares most of the window, and none that shares half of both or
-    /// less.
-    #[test]
-    fn the_account_is_of_the_window() {
-        let of = |parts: &[(f64, f64, Option<f64>)]| {
-            account(&participant(parts), &WINDOW).map(|found| (found.from_s, found.to_s))
-        };
-        let best = [
-            (0.28, 0.6, Some(0.1)),
-            (0.31, 0.6, Some(0.2)),
-            (0.3, 0.56, Some(0.3)),
-        ];
-        assert_eq!(of(&best), Some((0.31, 0.6)));
-        assert_eq!(of(&[best[1], best[0]]), Some((0.31, 0.6)));
-        // 0.3 s of it in an account of 0.58 s and of 0.62 s.
-        assert_eq!(of(&[(0.02, 0.6, Some(0.1))]), Some((0.02, 0.6)));
-        assert_eq!(of(&[(0.3, 0.92, Some(0.1))]), None);
-        // 0.16 s of 0.3 s, 0.14 s, and none.
-        assert_eq!(of(&[(0.44, 0.6, Some(0.1))]), Some((0.44, 0.6)));
-        assert_eq!(of(&[(0.46, 0.6, Some(0.1))]), None);
-        assert_eq!(of(&[(0.0, 0.3, Some(0.1))]), None);
-        // What has no share is no account.
-        let unknown = [(0.3, 0.6, None), (0.3, 0.6, Some(f64::NAN))];
-        assert_eq!(of(&unknown), None);
-        assert_eq!(of(&[unknown[0], best[0]]), Some((0.28, 0.6)));
-    }
-
-    /// The driver of the one whose law creates more needs less.
-    #[test]
-    fn predicted_is_what_the_second_creates_beyond_the_first() {
-        let with = |share: f64| participant(&[(0.3, 0.6, Some(share))]);
-        let none = participant(&[]);
-        let close = |found: Option<f64>, expected: f64| {
-            assert!((found.unwrap() - expected).abs() < 1e-15, "{found:?}");
-        };
-        close(predicted(&with(0.01), &with(0.03), &WINDOW), 0.02);
-        close(predicted(&with(0.01), &none, &WINDOW), -0.01);
-        close(predicted(&none, &with(0.03), &WINDOW), 0.03);
-        assert_eq!(predicted(&none, &none, &WINDOW), None);
-    }
-
-    /// Each of the three conditions is one.
-    #[test]
-    fn a_statement_is_about_its_friction_window_and_quantity() {
-        let statement = ModelTolerance {
-            friction: Friction::Without,
-            window: Some(WindowKind::Steady),
-            quantity: "input_torque_n_m",
-            metric: Metric::Mean,
-            predicted: Prediction::Same,
-            tolerance: 1.0,
-            reason: "",
-        };
-        let (steady, input) = (WindowKind::Steady, "input_torque_n_m");
-        let transient = WindowKind::Transient;
-        assert!(statement.applies(false, steady, input));
-        assert!(!statement.applies(true, steady, input));
-        assert!(!statement.applies(false, transient, input));
-        assert!(!statement.applies(false, steady, "x"));
-        let with = ModelTolerance {
-            friction: Friction::With,
-            window: None,
-            ..statement
-        };
-        assert!(with.applies(true, transient, input));
-        assert!(!with.applies(false, steady, input));
     }
 }

@@ -19,13 +19,13 @@ pub struct Participant {
     pub version: String,
     /// One line on what it is.
     pub summary: String,
-    /// How it differs from the native solver, in plain words.
+    /// Differences from the native solver, in plain words.
     pub differences: String,
-    /// Its time series; shorter than the others', or empty, unless [`Status::Finished`].
+    /// Time series; shorter than the others', or empty, unless [`Status::Finished`].
     pub time_series: TimeSeries,
     /// Cost of the run.
     pub cost: Cost,
-    /// How the run ended.
+    /// Ending of the run.
     pub status: Status,
 }
 
@@ -80,7 +80,7 @@ impl Scales {
     }
 }
 
-/// How two runs of one solver come apart that differ by one rounding.
+/// Growth of the difference between two runs of one solver that start one rounding apart.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Divergence {
     /// From here on the time_series differ visibly, s, and only their statistics (mean, peak, RMS) can be compared;
@@ -106,22 +106,5 @@ impl Context {
     pub fn is_pointwise(&self, to_s: f64) -> bool {
         let horizon = self.divergence.as_ref().and_then(|d| d.horizon_s);
         horizon.is_none_or(|horizon| to_s <= horizon)
-    }
-}
-
-#[cfg(test)]
-impl Participant {
-    /// A native run that cost this, without series.
-    pub(crate) fn that_cost(cost: Cost) -> Self {
-        Self {
-            name: "a".to_owned(),
-            track: SharedModel::Native,
-            version: String::new(),
-            summary: String::new(),
-            differences: String::new(),
-            time_series: TimeSeries::default(),
-            cost,
-            status: Status::Finished,
-        }
     }
 }

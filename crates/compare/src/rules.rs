@@ -16,7 +16,7 @@ pub struct Rules<'a> {
     /// Numerical uncertainty of the participants. With evidence for one, whatever is compared with others without is
     /// *inconclusive*; without any, engines are not compared at all.
     pub evidence: &'a [Evidence],
-    /// How far engines, by their names, state to be from the native model; of each quantity and metric the first that fits counts.
+    /// Stated tolerances of engines, by their names, against the native model; of each quantity and metric the first that fits counts.
     pub tolerances: &'a [(&'a str, ModelTolerance)],
     /// Uncertainty of measured data and of the inputs.
     pub data: &'a [DataUncertainty],

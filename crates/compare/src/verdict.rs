@@ -44,7 +44,7 @@ impl Verdict {
 pub enum Against {
     /// The numerical uncertainty of both engines.
     NumericalError,
-    /// That, and what an engine states of its own contact model.
+    /// Numerical uncertainty, and the stated tolerance of an engine's contact model.
     ModelTolerance,
     /// The uncertainty of measured data, of the inputs and of the numerics (ASME V&V 20).
     Measurement,
@@ -72,7 +72,7 @@ pub struct Assessment {
     pub verdict: Verdict,
     /// Kind of bound that the difference was held against.
     pub against: Against,
-    /// How the difference was measured; `None` where nothing was.
+    /// Metric of the difference; `None` where nothing was measured.
     pub metric: Option<Metric>,
     /// D; signed where a sign is predicted. `None` where there is none, or it is not finite.
     #[serde(rename = "value")]
@@ -254,7 +254,7 @@ impl Assessment {
     }
 }
 
-/// How many verdicts of each kind.
+/// Number of verdicts of each kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub struct Counts {
     /// Agree.
@@ -309,7 +309,7 @@ impl Counts {
 pub struct Side<'a> {
     /// Name of the participant.
     pub name: &'a str,
-    /// Its uncertainty, relative as the distance is; or why there is none.
+    /// Relative uncertainty of the engine; or the reason why there is none.
     pub uncertainty: Result<Estimate, Unresolved>,
 }
 
@@ -323,7 +323,7 @@ impl<'a> Side<'a> {
         }
     }
 
-    /// Its relative uncertainty, if it is known.
+    /// Returns the relative uncertainty, if it is known.
     #[must_use]
     pub fn u(&self) -> Option<f64> {
         self.uncertainty.as_ref().ok().map(|e| e.u)
@@ -362,14 +362,14 @@ fn combined<'a>([a, b]: [&'a Side<'a>; 2]) -> Result<f64, (&'a str, Unresolved)>
     Ok(of(a)? + of(b)?)
 }
 
-/// How much of U a difference must exceed where an order was not confirmed.
+/// Multiple of U that a difference must exceed where an order was not confirmed.
 pub const UNCONFIRMED: f64 = 2.0;
 
 /// Two participants of one law at the relative distance D.
 ///
 /// D <= U: they agree. D > U: they differ; where an uncertainty rests on no confirmed order, 2 U takes the place
 /// of U for distances above U. Where U is above `resolution`, agreement would say nothing,
-/// and a difference is told only if both uncertainties rest on confirmed orders: otherwise it is inconclusive.
+/// and a difference is stated only if both uncertainties rest on confirmed orders: otherwise it is inconclusive.
 #[must_use]
 pub fn pair(metric: Metric, distance: f64, sides: [&Side<'_>; 2], resolution: f64) -> Assessment {
     let found = between(metric, distance, Against::NumericalError, sides);
@@ -421,7 +421,7 @@ fn too_blunt(found: Assessment, sum: f64, [a, b]: [&Side<'_>; 2], resolution: f6
 pub struct Allowed {
     /// The difference that is predicted.
     pub predicted: f64,
-    /// How far from that the engines say they may be, beside numerical uncertainty.
+    /// Stated tolerance of the engines around the prediction, beside numerical uncertainty.
     pub tolerance: f64,
     /// Why the tolerance is what it is.
     pub reason: &'static str,

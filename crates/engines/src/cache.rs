@@ -1,6 +1,6 @@
 //! Store of things that are made once and kept: folders below the user's cache folder, complete or absent.
 //!
-//! A folder is built beside its place and renamed when it is whole; a lock lets one process build while others wait. What
+//! A folder is built beside its place and renamed when it is complete; a lock lets one process build while others wait. What
 //! an interrupted build leaves is removed by the next.
 
 use std::fs::{self, File, TryLockError};
@@ -19,15 +19,13 @@ use crate::engine::{Ending, Halt};
 
 mod call;
 
-#[cfg(test)]
-pub(crate) use call::kept_away;
-pub(crate) use call::{Note, call};
+pub use call::{Note, call, kept_away};
 
 /// Names another folder than the user's cache folder.
-pub(crate) const CACHE: &str = "PINWHEEL_CACHE";
+pub const CACHE: &str = "PINWHEEL_CACHE";
 
-/// The file system refused to keep what an engine needs.
-pub(crate) fn storage(path: &Path, reason: impl ToString) -> Halt {
+/// Returns the ending of a run whose resources cannot be stored.
+pub fn storage(path: &Path, reason: impl ToString) -> Halt {
     let (path, reason) = (path.display(), reason.to_string());
     Ending::Absent {
         reason: format!("{path}: {reason}; make room there, or choose another folder with {CACHE}"),
@@ -35,8 +33,8 @@ pub(crate) fn storage(path: &Path, reason: impl ToString) -> Halt {
     .into()
 }
 
-/// A failure, unless the user asked to stop: then that is why.
-pub(crate) fn unless_stopped(cancel: &AtomicBool, failure: Halt) -> Halt {
+/// Returns the failure, or the cancellation if the user asked to stop.
+pub fn unless_stopped(cancel: &AtomicBool, failure: Halt) -> Halt {
     if cancel.load(Ordering::Relaxed) {
         Cancelled.into()
     } else {
@@ -46,14 +44,14 @@ pub(crate) fn unless_stopped(cancel: &AtomicBool, failure: Halt) -> Halt {
 
 /// Caches a resource, or the reason why it is unavailable, for the life of the process, so that every engine of a
 /// comparison need not retry. A stop by the user is not cached.
-pub(crate) struct Memo<T>(Mutex<Option<Result<T, Halt>>>);
+pub struct Memo<T>(Mutex<Option<Result<T, Halt>>>);
 
 impl<T: Clone> Memo<T> {
-    pub(crate) const fn new() -> Self {
+    pub const fn empty() -> Self {
         Self(Mutex::new(None))
     }
 
-    pub(crate) fn get(&self, make: impl FnOnce() -> Result<T, Halt>) -> Result<T, Halt> {
+    pub fn get(&self, make: impl FnOnce() -> Result<T, Halt>) -> Result<T, Halt> {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let found = kept.take().unwrap_or_else(make);
         if !matches!(found, Err(Halt::Cancelled(_))) {
@@ -63,17 +61,17 @@ impl<T: Clone> Memo<T> {
     }
 }
 
-/// The folder of all that is made once and kept.
-pub(crate) fn folder() -> Result<PathBuf, Halt> {
+/// Returns the folder of all cached builds.
+pub fn folder() -> Result<PathBuf, Halt> {
     let own = || Some(dirs::cache_dir()?.join("pinwheel"));
-    let folder = crate::variable(CACHE).map(PathBuf::from).or_else(own);
+    let folder = crate::env::variable(CACHE).map(PathBuf::from).or_else(own);
     let folder = folder.ok_or_else(|| storage(Path::new("~"), "there is no home folder"))?;
     fs::create_dir_all(&folder).map_err(|error| storage(&folder, error))?;
     fs::canonicalize(&folder).map_err(|error| storage(&folder, error))
 }
 
-/// A folder with these files (name, text), kept under a name that depends on them.
-pub(crate) fn laid_out<N: AsRef<str>>(name: &str, files: &[(N, &str)]) -> Result<PathBuf, Halt> {
+/// Returns a cached folder with these files (name, text); its name depends on them.
+pub fn laid_out<N: AsRef<str>>(name: &str, files: &[(N, &str)]) -> Result<PathBuf, Halt> {
     let texts = files.iter().flat_map(|(name, text)| [name.as_ref(), *text]);
     let texts: Vec<&str> = texts.collect();
     let folder = folder()?.join(format!("{name}-{:016x}", fingerprint(&texts)));
@@ -88,24 +86,24 @@ pub(crate) fn laid_out<N: AsRef<str>>(name: &str, files: &[(N, &str)]) -> Result
     Ok(folder)
 }
 
-/// Something to make.
-pub(crate) struct CachedBuild<'a, T> {
-    /// Its folder's name, which depends on all it is made of.
-    pub(crate) name: &'a str,
-    /// For whoever waits.
-    pub(crate) title: &'static str,
-    /// Reads the content of a folder that is complete.
-    pub(crate) whole: &'a dyn Fn(&Path) -> Option<T>,
+/// A build that is made once and cached.
+pub struct CachedBuild<'a, T> {
+    /// Name of the folder; depends on all inputs of the build.
+    pub name: &'a str,
+    /// Title of the progress note.
+    pub title: &'static str,
+    /// Reads a folder; `None` unless the build in it is complete.
+    pub whole: &'a dyn Fn(&Path) -> Option<T>,
     /// Fills an empty folder.
-    pub(crate) build: &'a dyn Fn(&Path, &Note) -> Result<(), Halt>,
+    pub build: &'a dyn Fn(&Path, &Note) -> Result<(), Halt>,
 }
 
 impl<T> CachedBuild<'_, T> {
-    /// Finds it below `cache`, or makes it under a lock.
+    /// Returns the build from the folder `cache`, or makes it under a lock.
     ///
     /// # Errors
     /// The build's; a folder that cannot be written; a stop.
-    pub(crate) fn once(&self, cache: &Path, cancel: &AtomicBool) -> Result<T, Halt> {
+    pub fn once(&self, cache: &Path, cancel: &AtomicBool) -> Result<T, Halt> {
         let folder = cache.join(self.name);
         if let Some(found) = (self.whole)(&folder) {
             return Ok(found);
@@ -134,7 +132,7 @@ impl<T> CachedBuild<'_, T> {
     }
 }
 
-/// How folders begin in which something is built; a prefix of its own tells them from what is whole.
+/// Returns the prefix of folders in which a build is under way; complete folders do not have it.
 fn drafts_of(name: &str) -> String {
     format!(".{name}.")
 }
@@ -150,7 +148,7 @@ fn remove_leftovers(cache: &Path, name: &str) {
 }
 
 /// An exclusive lock, held as long as the file lives; the system frees it when a process dies.
-pub(crate) fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, Halt> {
+pub fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, Halt> {
     let file = File::options()
         .create(true)
         .truncate(false)
@@ -175,7 +173,7 @@ pub(crate) fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, Halt> {
 }
 
 /// FNV-1a, 64 bits: tells versions of a text apart in a name; stable across compilers, unlike std's.
-pub(crate) fn fingerprint(parts: &[&str]) -> u64 {
+pub fn fingerprint(parts: &[&str]) -> u64 {
     let mut hash = pinwheel_files::Fnv::default();
     parts.iter().for_each(|part| hash.add_part(part.as_bytes()));
     hash.value()

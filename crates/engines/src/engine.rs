@@ -4,21 +4,19 @@ pub use pinwheel_timeseries::{Ending, RunStats, SharedModel};
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::resolve::Uncertainty;
-use pinwheel_mbs::integrators;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Scene};
 use pinwheel_timeseries::TimeSeries;
-use serde::{Deserialize, Serialize};
 
 use crate::control::{Cancelled, Control};
-use crate::registry::EngineInfo;
+use crate::info::EngineInfo;
 
 /// A run, however it ended.
 #[derive(Debug, Clone)]
 pub struct Run {
     /// The contract's columns on the scene's sample times; of a run that ended before, those until then.
     pub time_series: TimeSeries,
-    /// How it ended.
+    /// Ending of the run.
     pub ending: Ending,
     /// Cost and settings.
     pub stats: RunStats,
@@ -59,7 +57,7 @@ impl Run {
     /// The run if it finished.
     ///
     /// # Errors
-    /// How it ended otherwise.
+    /// Any other ending.
     pub fn whole(self) -> Result<Self, Ending> {
         self.ending.whole().map(|()| self)
     }
@@ -101,76 +99,6 @@ pub(crate) fn settled(ran: Result<Run, Halt>) -> Result<Run, Cancelled> {
         Ok(run) => Ok(run),
         Err(Halt::Ended(ending)) => Ok(Run::ended(ending)),
         Err(Halt::Cancelled(cancelled)) => Err(cancelled),
-    }
-}
-
-/// Setting that is made smaller for more accuracy.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub enum AccuracySetting {
-    /// `solver.step_s`.
-    #[serde(rename(serialize = "step-s", deserialize = "solver.step_s"))]
-    Step,
-    /// `solver.tolerance`.
-    #[serde(rename(serialize = "tolerance", deserialize = "solver.tolerance"))]
-    Tolerance,
-}
-
-impl AccuracySetting {
-    /// That of an integrator of ours.
-    #[must_use]
-    pub fn of(method: &str) -> Self {
-        match integrators::method(method).is_some_and(|method| method.adaptive) {
-            true => Self::Tolerance,
-            false => Self::Step,
-        }
-    }
-
-    /// Where it stands: a step, s, or a tolerance.
-    #[must_use]
-    pub fn get(self, scene: &Scene) -> f64 {
-        match self {
-            Self::Step => scene.solver.step_s,
-            Self::Tolerance => scene.solver.tolerance,
-        }
-    }
-
-    /// Turns it.
-    pub fn set(self, scene: &mut Scene, setting: f64) {
-        match self {
-            Self::Step => scene.solver.step_s = setting,
-            Self::Tolerance => scene.solver.tolerance = setting,
-        }
-    }
-}
-
-/// How an engine is refined.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Refinement {
-    /// Setting that is made smaller.
-    #[serde(rename = "key")]
-    pub knob: AccuracySetting,
-    /// Order of the error in it.
-    pub order: f64,
-}
-
-impl Refinement {
-    /// By `solver.step_s`.
-    #[must_use]
-    pub const fn step(order: f64) -> Self {
-        Self {
-            knob: AccuracySetting::Step,
-            order,
-        }
-    }
-
-    /// By `solver.tolerance`.
-    #[must_use]
-    pub const fn tolerance(order: f64) -> Self {
-        Self {
-            knob: AccuracySetting::Tolerance,
-            order,
-        }
     }
 }
 
@@ -234,7 +162,7 @@ pub trait Engine: Send + Sync {
     /// a scene on several engines compiles it once.
     ///
     /// # Errors
-    /// How a run would end before it begins: unsupported, or not on this machine.
+    /// Ending of a run that cannot begin: unsupported, or absent on this machine.
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt>;
 
     /// Name as typed by users.

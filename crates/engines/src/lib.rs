@@ -25,33 +25,38 @@
 //! ```
 
 #[cfg(feature = "crossval")]
-mod cache;
+#[doc(hidden)] // for tests
+pub mod cache;
 mod control;
 mod engine;
+mod env;
 pub mod external;
+mod info;
+mod known;
+mod native;
 mod own_contact;
-mod process;
+#[doc(hidden)] // for tests
+pub mod process;
 #[cfg(feature = "python")]
 pub mod python;
 #[cfg(feature = "rapier")]
-mod rapier;
+#[doc(hidden)] // for tests
+pub mod rapier;
 pub mod recorded;
+#[cfg(any(feature = "rapier", feature = "python"))]
+mod refusals;
 mod registry;
 #[cfg(feature = "crossval")]
 mod solvers;
+#[doc(hidden)] // for tests
+pub mod spring;
 mod stopping;
 
 pub use control::{Cancelled, Control, Progress};
-pub use engine::{
-    AccuracySetting, Ending, Engine, Halt, Prepared, Refinement, Run, RunStats, SharedModel,
-};
+pub use engine::{Ending, Engine, Halt, Prepared, Run, RunStats, SharedModel};
+pub use info::{AccuracySetting, EngineInfo, Form, Refinement, family};
+pub use known::{info, known};
+pub use native::Native;
 pub use own_contact::OwnContact;
-pub use registry::{
-    EngineInfo, Form, Native, by_name, family, full_name, info, known, lacking, registry,
-};
+pub use registry::{by_name, full_name, lacking, registry};
 pub use stopping::stop_preparing;
-
-/// The value of an environment variable; one that is empty is as good as none.
-pub(crate) fn variable(name: &str) -> Option<std::ffi::OsString> {
-    std::env::var_os(name).filter(|value| !value.is_empty())
-}

@@ -1,51 +1,13 @@
 //! Settings of a native run that stand in for a scene's contact law in engines that resolve contacts themselves.
 //!
-//! Such an engine has springs of its own. The native solver with the same springs is its twin: what the two differ by is a
-//! fault of one of them, what the twin differs by from the scene's law is a difference of models.
+//! The native solver with the springs of such an engine is called its twin. A difference between the engine and its twin is
+//! a fault of one of them; a difference between the twin and the scene's law is one of contact models.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::scales::{self, Spring};
 use pinwheel_scene::{Scene, load_profile};
-#[cfg(any(feature = "rapier", feature = "python"))]
-use pinwheel_timeseries::Ending;
 
-#[cfg(any(feature = "rapier", feature = "python"))]
-/// Refuses scenes that an engine cannot honour if it holds its discs by revolutes.
-pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
-    let bearings = &scene.bearings;
-    if bearings.eccentric.is_some() {
-        let reason = "it holds discs by revolutes, and bearings.eccentric lets them float";
-        return Err(Ending::unsupported(reason));
-    }
-    let losses = [
-        ("input_seal_n_m", bearings.input_seal_n_m),
-        ("output_seal_n_m", bearings.output_seal_n_m),
-        (
-            "sleeve_friction_coefficient",
-            bearings.sleeve_friction_coefficient,
-        ),
-    ];
-    let mut some = losses
-        .into_iter()
-        .filter(|(_, size)| size.is_some_and(|size| size > 0.0));
-    some.next().map_or(Ok(()), |(key, _)| {
-        let reason =
-            format!("only its contacts and joints load its bodies, and bearings.{key} does too");
-        Err(Ending::unsupported(reason))
-    })
-}
-
-#[cfg(any(feature = "rapier", feature = "python"))]
-/// Refuses scenes that an engine cannot honour if it has contact springs of its own and holds its discs.
-pub(crate) fn pins_are_rigid(scene: &Scene) -> Result<(), Ending> {
-    wheels_are_held(scene)?;
-    if scene.bearings.internal_sleeve_stiffness_n_m.is_none() {
-        return Ok(());
-    }
-    let reason = "its contacts are springs of its own, and bearings.internal_sleeve_stiffness_n_m puts pins in series with \
-                  the scene's law";
-    Err(Ending::unsupported(reason))
-}
+use crate::spring::stage_stiffness;
 
 /// The contacts of an engine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,7 +28,7 @@ const RAMP: f64 = 1e-3;
 const LEAST_RAMP_M: f64 = 1e-15;
 
 impl OwnContact {
-    /// How far the largest forces of an engine of this kind may be from its twin's, as a share.
+    /// Returns the tolerance of the largest forces against the twin's, as a share.
     #[must_use]
     pub fn tolerance(self) -> f64 {
         match self {
@@ -75,7 +37,7 @@ impl OwnContact {
         }
     }
 
-    /// The scene with the contacts that the engine really has; `None` where they are the scene's.
+    /// Returns the scene with the contacts that the engine really has; `None` if they are the scene's.
     ///
     /// # Errors
     /// In words, why they are not known.
@@ -84,7 +46,7 @@ impl OwnContact {
         match self {
             Self::SceneLaw => return Ok(None),
             Self::Springs => {
-                let [external, internal] = springs(gearbox)?;
+                let [external, internal] = stage_stiffness(gearbox)?;
                 "linear".clone_into(&mut scene.contact.law);
                 scene.contact.external_spring_n_m = Some(external);
                 scene.contact.internal_spring_n_m = Some(internal);
@@ -107,16 +69,6 @@ impl OwnContact {
             Self::SceneLaw | Self::Springs => scene,
         }
     }
-}
-
-#[cfg(feature = "rapier")]
-fn springs(gearbox: &Gearbox) -> Result<[f64; 2], String> {
-    crate::rapier::stage_stiffness(gearbox)
-}
-
-#[cfg(not(feature = "rapier"))]
-fn springs(_gearbox: &Gearbox) -> Result<[f64; 2], String> {
-    Err("this build has no rapier".to_owned())
 }
 
 /// A scene of balls: itself, or with the multipliers that make balls as stiff as its law, by secants F/delta at the largest

@@ -13,8 +13,10 @@ use pinwheel_timeseries::{RecordedUncertainty, TimeSeries};
 use serde::{Deserialize, Serialize};
 
 use crate::control::Cancelled;
-use crate::engine::{AccuracySetting, Ending, Engine, Halt, Prepared, Run, RunStats, prepared};
-use crate::registry::{self, EngineInfo};
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, prepared};
+use crate::info::{AccuracySetting, EngineInfo};
+use crate::known::info;
+use crate::registry::lacking;
 
 /// The recordings' files: path below their folder, text.
 const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/recorded.rs"));
@@ -38,7 +40,7 @@ pub const RECORDED_SCENES: [&str; 6] = [
 pub struct Recording {
     /// Engine name.
     pub engine: String,
-    /// Its version.
+    /// Version of the engine.
     pub version: String,
     /// Day it was made, `2026-01-31`.
     pub date: String,
@@ -50,7 +52,7 @@ pub struct Recording {
     pub digits: usize,
     /// Cost and settings of the recorded run.
     pub stats: RunStats,
-    /// The whole scene.
+    /// Complete scene.
     pub scene: Scene,
     /// Uncertainties of the recorded quantities, window by window; empty where no setting refines the engine.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -60,10 +62,10 @@ pub struct Recording {
     pub time_series: TimeSeries,
 }
 
-/// Why a recording is of no use.
+/// Fault of a recording.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordingError {
-    /// The description is not as it should be.
+    /// The description cannot be read.
     #[error(
         "the description of the recording is broken: {0}; record it anew with `pinwheel record`"
     )]
@@ -71,7 +73,7 @@ pub enum RecordingError {
     /// The description cannot be written.
     #[error("the description of the recording cannot be written: {0}")]
     Unwritable(#[from] toml::ser::Error),
-    /// The time series are not as they should be.
+    /// The time series cannot be read.
     #[error("the recorded time series are broken: {0}; record them anew with `pinwheel record`")]
     TimeSeries(#[from] pinwheel_timeseries::TimeSeriesError),
 }
@@ -120,7 +122,7 @@ impl Recording {
     }
 
     /// Every quantity with as many decimals as its largest value has room for, and no more than needed.
-    fn csv(&self) -> String {
+    pub fn csv(&self) -> String {
         let channels = self.time_series.channels();
         let decimals: Vec<usize> = channels
             .iter()
@@ -155,8 +157,8 @@ impl Recording {
 
     /// True if a run of `scene` would be this recording, or its beginning: all keys agree but those that name the
     /// scene, belong to the native solver, or choose samples.
-    fn is_of(&self, scene: &Scene) -> bool {
-        let refinement = registry::info(&self.engine).and_then(|info| info.refinement);
+    pub fn is_of(&self, scene: &Scene) -> bool {
+        let refinement = info(&self.engine).and_then(|info| info.refinement);
         let by_tolerance =
             refinement.is_some_and(|refined| refined.knob == AccuracySetting::Tolerance);
         let setting = |own: &Solver| {
@@ -180,7 +182,7 @@ impl Recording {
     }
 
     /// The recorded samples that a run of `scene` would have.
-    fn at_samples_of(&self, scene: &Scene) -> TimeSeries {
+    pub fn at_samples_of(&self, scene: &Scene) -> TimeSeries {
         let wanted = scene.solver.sample_times_s();
         let rows = rows_at(&wanted, self.time_series.time_s());
         let rows: Vec<usize> = rows.flatten().collect();
@@ -215,7 +217,7 @@ fn trimmed(value: f64, decimals: usize) -> String {
 /// # Errors
 /// Why not, in words.
 pub fn worth_keeping(engine: &str, scene: &Scene) -> Result<(), String> {
-    let explicit = registry::info(engine).is_some_and(|info| info.explicit_friction);
+    let explicit = info(engine).is_some_and(|info| info.explicit_friction);
     if explicit
         && scene.contact.friction_coefficient > 0.0
         && scene.solver.step_s > EXPLICIT_FRICTION_STEP_S
@@ -253,7 +255,7 @@ pub fn find(scene: &str, engine: &str) -> Option<Result<Recording, RecordingErro
 /// A recording of `engine` that stands for a run of `scene`; `why` says for the reader why it does.
 #[must_use]
 pub fn instead(engine: &str, scene: &Scene, why: &str) -> Option<Box<dyn Engine>> {
-    let info = registry::info(engine)?;
+    let info = info(engine)?;
     let recording = list()
         .filter(|&(_, recorded)| recorded == engine)
         .filter_map(|(name, _)| find(name, engine)?.ok())
@@ -268,7 +270,7 @@ pub fn instead(engine: &str, scene: &Scene, why: &str) -> Option<Box<dyn Engine>
 /// Recordings for a scene of all engines that this build lacks.
 #[must_use]
 pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
-    registry::lacking()
+    lacking()
         .filter_map(|info| instead(info.name, scene, NOT_BUILT))
         .collect()
 }
@@ -276,7 +278,7 @@ pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
 /// True if an engine may be missing in a build or on a machine, so that recordings of it are of use.
 #[must_use]
 pub fn may_be_missing(engine: &str) -> bool {
-    registry::info(engine).is_some_and(|info| info.feature == Some("crossval"))
+    info(engine).is_some_and(|info| info.feature == Some("crossval"))
 }
 
 /// Why a build without Python engines shows recordings.
@@ -323,102 +325,5 @@ impl Engine for Recorded {
             };
             Ok(Run::new(of.at_samples_of(scene), stats))
         }))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn recording() -> Recording {
-        let mut time_series = TimeSeries::new(vec![0.0, 1e-3, 2e-3]).unwrap();
-        let mut push =
-            |name: &str, values: [f64; 3]| time_series.push(name, values.to_vec()).unwrap();
-        push(
-            "external_sleeve_force_n_0",
-            [0.0, 123.456_789_012, -0.000_000_04],
-        );
-        push("external_sleeve_force_n_1", [1.5, 1e-12, 2.0]);
-        Recording {
-            engine: "mujoco-shared-law".to_owned(),
-            version: "mujoco 1".to_owned(),
-            date: "2026-01-31".to_owned(),
-            command: "pinwheel record".to_owned(),
-            machine: "x".to_owned(),
-            digits: 7,
-            stats: RunStats::default(),
-            scene: Scene::load("paper", &[]).unwrap().into_scene(),
-            uncertainty: vec![RecordedUncertainty {
-                quantity: "external_sleeve_force_n".to_owned(),
-                from_s: 0.0,
-                to_s: 2e-3,
-                l2: Some(1e-3),
-                linf: Some(2e-3),
-                mean: None,
-                peak: None,
-                rms: Some(5e-4),
-            }],
-            time_series,
-        }
-    }
-
-    #[test]
-    fn numbers_keep_their_digits_and_no_more() {
-        let csv = recording().csv();
-        assert_eq!(
-            csv,
-            "time_s,external_sleeve_force_n_0,external_sleeve_force_n_1\n0,0,1.5\n0.001,123.4568,0\n0.002,0,2\n"
-        );
-    }
-
-    #[test]
-    fn written_and_read() {
-        let made = recording();
-        let (description, csv) = made.write().unwrap();
-        let read = Recording::read(&description, &csv).unwrap();
-        assert_eq!(read.scene, made.scene);
-        assert_eq!(read.stats, made.stats);
-        assert_eq!(read.uncertainty, made.uncertainty);
-        assert_eq!(read.time_series.len(), 3);
-        assert!(Recording::read(&description.replace("engine", "motor"), &csv).is_err());
-        assert!(Recording::read(&description, &csv.replace("1.5", "x")).is_err());
-    }
-
-    #[test]
-    fn stands_for_its_own_scene_only() {
-        let recording = recording();
-        let mut scene = Scene::load("paper", &[]).unwrap().into_scene();
-        scene.name = "mine".to_owned();
-        scene.solver.integrator = "rk4".to_owned();
-        scene.solver.duration_s = 0.0015;
-        assert!(recording.is_of(&scene));
-        assert_eq!(recording.at_samples_of(&scene).time_s(), [0.0, 1e-3]);
-        // Samples that a run would not have are not given.
-        scene.solver.sample_s = 7e-4;
-        assert_eq!(recording.at_samples_of(&scene).time_s(), [0.0]);
-        scene.gear.backlash_m = 1e-5;
-        assert!(!recording.is_of(&scene));
-        scene.gear.backlash_m = 0.0;
-        // Each kind of engine has its own setting.
-        let by_tolerance = Recording {
-            engine: "ida-shared-law".to_owned(),
-            ..recording.clone()
-        };
-        assert!(by_tolerance.is_of(&scene));
-        scene.solver.tolerance *= 0.1;
-        assert!(recording.is_of(&scene) && !by_tolerance.is_of(&scene));
-        scene.solver.duration_s = 1.0;
-        assert!(!recording.is_of(&scene), "too long");
-    }
-
-    #[test]
-    fn embedded_recordings_are_sound() {
-        for (scene, engine) in list() {
-            let recording = find(scene, engine).unwrap().unwrap();
-            assert_eq!(recording.engine, engine);
-            assert_eq!(recording.scene.name, scene);
-            assert!(recording.time_series.len() > 100, "{scene} {engine}");
-            assert!(may_be_missing(engine));
-        }
     }
 }

@@ -11,12 +11,12 @@ pub struct FileError {
     pub line: Option<usize>,
     /// Description of the fault, with the key where it is one.
     pub what: String,
-    /// How to put it right.
+    /// Remedy.
     pub remedy: String,
 }
 
 impl FileError {
-    /// A fault of the whole file.
+    /// Returns a fault of the file without a line.
     pub fn new(file: &str, what: impl Into<String>, remedy: impl Into<String>) -> Self {
         Self {
             file: file.to_owned(),
@@ -93,22 +93,5 @@ pub fn quoted(text: &str) -> String {
     match text.char_indices().nth(LONGEST) {
         Some((cut, _)) => format!("\"{}...\"", &text[..cut]),
         None => format!("\"{text}\""),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn messages_stay_on_one_line() {
-        let error = FileError::new("a\nb.toml", "is\r\nwrong\u{7}", "mend it").in_line(3);
-        assert_eq!(
-            error.to_string(),
-            "a b.toml, line 3: is  wrong\\u{7}; mend it"
-        );
-        assert!(one_line(&"x".repeat(10_000)).len() < 500);
-        assert_eq!(quoted("ab"), "\"ab\"");
-        assert!(quoted(&"é".repeat(100)).ends_with("...\""));
     }
 }

@@ -43,7 +43,7 @@ pub enum FolderError {
     Refused {
         /// The folder as it was asked for.
         shown: PathBuf,
-        /// Its fault.
+        /// Fault of the place.
         reason: String,
     },
     /// An output of ours that [`Request::force`] replaces.
@@ -81,7 +81,7 @@ pub struct Request {
 pub struct Folder {
     /// Absolute, without links.
     target: PathBuf,
-    /// As the user wrote it.
+    /// Path as the user wrote it.
     shown: PathBuf,
     request: Request,
     /// Holds the new output, after an exchange the earlier one; nobody else may enter it.
@@ -334,7 +334,8 @@ fn exchange(new: &Path, old: &Path) -> io::Result<()> {
 }
 
 /// Exchanges two folders by three renames. A kill between them leaves the earlier output under a name that says so.
-fn by_renames(new: &Path, old: &Path) -> io::Result<()> {
+#[doc(hidden)]
+pub fn by_renames(new: &Path, old: &Path) -> io::Result<()> {
     let aside = beside(old, &format!(".earlier-{}", std::process::id()));
     fs::rename(old, &aside)?;
     if let Err(error) = fs::rename(new, old) {
@@ -387,23 +388,4 @@ pub fn newest_page(outs: &Path) -> Option<PathBuf> {
     let pages = entries.map(|entry| entry.path().join(PAGE));
     let dated = pages.filter_map(|page| Some((page.metadata().ok()?.modified().ok()?, page)));
     dated.max().map(|(_, page)| page)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn renames_exchange_too() {
-        let base = tempfile::tempdir().unwrap();
-        let [new, old] = ["new", "old"].map(|name| base.path().join(name));
-        for (place, text) in [(&new, "1"), (&old, "2")] {
-            fs::create_dir(place).unwrap();
-            fs::write(place.join("f"), text).unwrap();
-        }
-        by_renames(&new, &old).unwrap();
-        assert_eq!(fs::read_to_string(old.join("f")).unwrap(), "1");
-        assert_eq!(fs::read_to_string(new.join("f")).unwrap(), "2");
-        assert_eq!(fs::read_dir(base.path()).unwrap().count(), 2);
-    }
 }

@@ -8,10 +8,11 @@
 
 use crate::error::Fault;
 use crate::model::{Bearings, EccentricBearing, Scene};
+use crate::springs::wheel_torque_n_m;
 
-/// Turning slower than this the friction of a bearing, or of a sleeve on its pin, fades, rad/s.
+/// Speed below which the friction of a bearing, or of a roller on its pin, fades to zero, rad/s.
 pub const SLOW_RAD_S: f64 = 1.0;
-/// The ramp of the damping, as a share of the elastic offset under the largest load.
+/// Length of the damping ramp over the elastic offset under the largest load.
 const RAMP_SHARE: f64 = 0.1;
 /// The exponent of Palmgren's rollers.
 const ROLLERS: f64 = 10.0 / 9.0;
@@ -27,7 +28,7 @@ pub struct BearingLaw {
     pub clearance_m: f64,
     /// c, N s/m.
     pub damping_n_s_m: f64,
-    /// Offset beyond the clearance at which the damping is whole, m.
+    /// Offset beyond the clearance at which damping is fully active, m.
     pub ramp_m: f64,
     /// Lever of the friction, mu d/2, m (SKF, *Rolling Bearings*, 2018: a constant coefficient on the bore).
     pub drag_m: f64,
@@ -147,7 +148,7 @@ impl BearingLaw {
         (self.elastic(beyond) + damping * rate).max(0.0)
     }
 
-    /// The force, N, and its slopes by the offset, N/m, and by its rate, N s/m.
+    /// Force, N, and its derivatives by the offset, N/m, and by the rate of the offset, N s/m.
     #[must_use]
     pub fn derivatives(&self, offset: f64, rate: f64) -> [f64; 3] {
         let (force, beyond) = (self.force(offset, rate), offset - self.clearance_m);
@@ -170,7 +171,7 @@ impl BearingLaw {
         -self.drag_m * force * (rate / SLOW_RAD_S).clamp(-1.0, 1.0)
     }
 
-    /// Its slopes by the force, m, and by the rate, N m s.
+    /// Derivatives of the friction moment by the force, m, and by the rate, N m s.
     #[must_use]
     pub fn drag_slopes(&self, force: f64, rate: f64) -> [f64; 2] {
         let inside = if rate.abs() < SLOW_RAD_S { 1.0 } else { 0.0 };
@@ -204,14 +205,14 @@ impl BearingLaw {
 /// share, and the force that turns the output.
 #[must_use]
 pub fn typical_force(scene: &Scene) -> f64 {
-    let torque = crate::scales::wheel_torque_n_m(scene);
+    let torque = wheel_torque_n_m(scene);
     let eccentric = torque / scene.gear.lever_m();
     scene.cranks.as_ref().map_or(eccentric, |cranks| {
         (eccentric + torque / cranks.circle_radius_m) / cranks.count as f64
     })
 }
 
-/// Keys that go together.
+/// Checks keys that belong together.
 pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     let sleeve = &scene.bearings;
     if sleeve.sleeve_friction_coefficient.is_some() != sleeve.sleeve_bore_m.is_some() {
@@ -265,76 +266,5 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
             "is missing; rollers give a stiffness by their number and length".to_owned(),
             "give both, or stiffness_n_m",
         )),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn with(bearing: &str) -> Scene {
-        let mut scene = Scene::paper();
-        scene.bearings.eccentric = Some(toml::from_str(bearing).unwrap());
-        scene
-    }
-
-    /// Palmgren's formula by hand: 4 kN on 16 rollers of 9 mm have a secant of 5.9e8 N/m, and a tangent of 10/9 of it.
-    #[test]
-    fn published_palmgrens_rollers() {
-        let law = BearingLaw::of(&with("rollers = 16\nroller_length_m = 0.009")).unwrap();
-        let approach_mm = 7.68e-5 * (4.08_f64 * 4000.0 / 16.0).powf(0.9) / 9f64.powf(0.8);
-        let found = law.offset_under(4000.0);
-        assert!(
-            (found / (1e-3 * approach_mm) - 1.0).abs() < 1e-12,
-            "{found}"
-        );
-        assert!((law.elastic(found) / 4000.0 - 1.0).abs() < 1e-12);
-        let secant = 4000.0 / found;
-        assert!((secant / 5.9e8 - 1.0).abs() < 0.01, "{secant}");
-        let slope = law.slope_under(4000.0);
-        assert!((slope / secant - ROLLERS).abs() < 1e-12, "{slope}");
-    }
-
-    #[test]
-    fn nothing_within_the_clearance_and_never_a_pull() {
-        let law = BearingLaw::of(&with(
-            "stiffness_n_m = 1e8\nclearance_m = 5e-6\ndamping_n_s_m = 100",
-        ));
-        let law = law.unwrap();
-        assert_eq!(law.force(5e-6, 1.0), 0.0);
-        assert_eq!(law.force(6e-6, 0.0), 1e8 * (6e-6 - 5e-6));
-        assert_eq!(law.force(6e-6, -2.0), 0.0);
-        assert!((law.stored(7e-6) / (0.5e8 * 4e-12) - 1.0).abs() < 1e-9);
-    }
-
-    /// By hand: a pin of 12 mm in a sleeve of 20 mm, and in the groove of a roller of 5.3 mm.
-    #[test]
-    fn regress_a_roller_rubs_on_no_more_than_itself() {
-        let mut scene = Scene::paper();
-        assert_eq!(scene.bearings.sleeve_drag(0.01), None);
-        scene.bearings.sleeve_friction_coefficient = Some(0.05);
-        scene.bearings.sleeve_bore_m = Some(0.012);
-        let drag = |radius| scene.bearings.sleeve_drag(radius).unwrap();
-        assert!((drag(0.01) - 0.03).abs() < 1e-15);
-        assert_eq!(drag(0.00265), 0.05);
-    }
-
-    #[test]
-    fn bad_input_half_a_bearing_says_what_it_lacks() {
-        for (bearing, missing) in [
-            ("clearance_m = 1e-6", "stiffness_n_m"),
-            ("rollers = 9", "roller_length_m"),
-            ("roller_length_m = 0.01", "rollers"),
-            (
-                "rollers = 9\nroller_length_m = 0.01\nexponent = 1.5",
-                "exponent",
-            ),
-            ("rollers = 9\nstiffness_n_m = 1e8", "stiffness_n_m"),
-            ("stiffness_n_m = 1e8\nbore_m = 0.02", "friction_coefficient"),
-        ] {
-            let fault = check(&with(bearing)).unwrap_err();
-            assert!(fault.to_string().contains(missing), "{bearing}: {fault}");
-        }
-        assert!(check(&with("stiffness_n_m = 1e8")).is_ok());
     }
 }

@@ -155,7 +155,8 @@ const NEEDLES: [f64; 2] = [0.85, 0.9];
 type FirstStage = [usize; 3];
 
 /// The first stage that makes an RV gear of a ratio, its pins as near to the usual number as can be; `None`: there is none.
-fn first_stage(ratio: usize) -> Option<FirstStage> {
+#[doc(hidden)]
+pub fn first_stage(ratio: usize) -> Option<FirstStage> {
     let [usual, least, most] = RV_PINS;
     let mut pins: Vec<usize> = (least..=most).step_by(2).collect();
     pins.sort_by_key(|pins| pins.abs_diff(usual));
@@ -261,7 +262,7 @@ impl Catalogue {
     fn attempt(&self) -> Result<Draft, Fault> {
         let (gear, suggested) = self.plan()?;
         let text = self.write(&gear, &suggested);
-        // Where in the text it stands would help nobody: nobody has seen it yet.
+        // No line number: the user has not seen the text yet.
         let scene = Scene::from_toml(&text, "draft", &[]).map_err(|error| match error {
             SceneError::Key {
                 key, what, remedy, ..
@@ -563,7 +564,8 @@ fn with_what_follows(mut text: String, scene: &CheckedScene) -> String {
 }
 
 /// Two significant digits, downwards, of a length in millimetres: what one puts on a drawing. m.
-fn rounded_down(length_m: f64) -> f64 {
+#[doc(hidden)]
+pub fn rounded_down(length_m: f64) -> f64 {
     let mm = 1e3 * length_m;
     if !(mm > 0.0 && mm.is_finite()) {
         return length_m;
@@ -577,6 +579,3 @@ fn rounded_down(length_m: f64) -> f64 {
 fn millimetres(length_m: f64) -> String {
     short(1e3 * length_m)
 }
-
-#[cfg(test)]
-pub(crate) mod tests;

@@ -9,7 +9,7 @@ use toml::{Table, Value};
 use crate::check;
 use crate::error::Fault;
 use crate::model::Scene;
-use crate::table::lookup;
+use crate::table::{insert, lookup};
 
 /// A scene that passed [`Scene::check`]. It reads like the [`Scene`] inside and cannot be changed but through
 /// [`changed`](Self::changed), which checks again.
@@ -36,13 +36,13 @@ pub struct CheckedScene {
 pub struct Origin {
     /// The key.
     pub key: &'static str,
-    /// Its value.
+    /// Value of the key.
     pub value: Value,
-    /// Where it comes from.
+    /// Source of the value.
     pub source: Source,
 }
 
-/// Where a value comes from that the file itself does not write.
+/// Source of a value that the file itself does not write.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Source {
     /// From the scene that the file names as its base.
@@ -54,7 +54,7 @@ pub enum Source {
 }
 
 impl Source {
-    /// In words, `from the base paper`.
+    /// Returns the source in words, `from the base paper`.
     #[must_use]
     pub fn words(&self) -> String {
         match self {
@@ -76,7 +76,7 @@ impl Scene {
     /// Checks every value, each alone and then together.
     ///
     /// # Errors
-    /// The first fault found: its keys, what is wrong and the remedy.
+    /// The first fault: its keys, what is wrong and the remedy.
     pub fn check(self) -> Result<CheckedScene, Fault> {
         check::check(&self)?;
         Ok(CheckedScene::unchecked(self))
@@ -84,7 +84,7 @@ impl Scene {
 }
 
 impl CheckedScene {
-    /// A copy with changes, checked again.
+    /// Returns a copy with changes, checked again.
     ///
     /// # Errors
     /// As [`Scene::check`].
@@ -97,6 +97,35 @@ impl CheckedScene {
         let mut changed = scene.check()?;
         changed.origins = Arc::clone(&self.origins);
         Ok(changed)
+    }
+
+    /// Returns the number at a key, if it holds one.
+    #[must_use]
+    pub fn number(&self, key: &str) -> Option<f64> {
+        let table = Table::try_from(&self.scene).ok()?;
+        lookup(&table, key).and_then(Value::as_float)
+    }
+
+    /// Returns the scene with another value of a number, checked again.
+    ///
+    /// # Errors
+    /// A key that holds no number here, or a value that the scene's checks refuse.
+    pub fn with_number(&self, key: &str, value: f64) -> Result<Self, Fault> {
+        let fault = |what: String| Fault {
+            keys: vec![key.to_owned().into()],
+            what,
+            remedy: "give a key of this scene that holds a number".to_owned(),
+        };
+        let mut table = Table::try_from(&self.scene).map_err(|error| fault(error.to_string()))?;
+        if lookup(&table, key).and_then(Value::as_float).is_none() {
+            return Err(fault("holds no number".to_owned()));
+        }
+        let path: Vec<&str> = key.split('.').collect();
+        insert(&mut table, &path, Value::Float(value));
+        let changed: Scene = table
+            .try_into()
+            .map_err(|error: toml::de::Error| fault(error.message().to_owned()))?;
+        self.changed(|scene| *scene = changed)
     }
 
     /// A scene each of whose values is known to be in range, and where values come from.
@@ -117,7 +146,7 @@ impl CheckedScene {
         self.origins.iter().filter(holds).collect()
     }
 
-    /// The scene alone, free to be changed.
+    /// Returns the scene alone, free to be changed.
     #[must_use]
     pub fn into_scene(self) -> Scene {
         self.scene

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::model::{Gear, Scene};
 use super::profile::Profile;
 use crate::body::bore_radius_m;
-use crate::check::hole_to_profile_m;
+use crate::wall::hole_to_profile_m;
 use crate::{load_profile, scales};
 
 /// Figures that follow from a checked scene without a run. SI units.
@@ -31,7 +31,7 @@ pub struct Derived {
     pub walls: Walls,
     /// Play of a pin in its hole beyond the orbit: hole - pin - e, m.
     pub hole_clearance_m: f64,
-    /// How far a disc turns freely to one side because of backlash and modification, rad
+    /// Free rotation of a disc to one side because of backlash and modification, rad
     /// ([`scales::free_play`]).
     pub free_play_rad: f64,
     /// Driver torque if no energy is lost or created: load/ratio, N m; of a load that changes the last one.
@@ -90,7 +90,7 @@ pub struct Line {
     pub value: f64,
     /// `m`, `rad`, `N m`, `N`; empty for the ratio.
     pub unit: &'static str,
-    /// Its formula, or what it means.
+    /// Formula or meaning of the figure.
     pub how: &'static str,
 }
 
@@ -209,37 +209,5 @@ pub fn derived(scene: &Scene) -> Derived {
         // in phase when p i/n is whole for every i.
         external_ripple_in_phase: gear.external_sleeves.is_multiple_of(gear.wheels),
         internal_ripple_in_phase: gear.internal_sleeves.is_multiple_of(gear.wheels),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Figures of an independent program for the gear of the paper.
-    #[test]
-    fn the_papers_figures() {
-        let mut scene = Scene::paper();
-        scene.drive.input_speed_rad_s = 500.0 / 60.0 * TAU;
-        scene.gear.backlash_m = 1e-3;
-        let figures = derived(&scene);
-        let near = |value: f64, wanted: f64, digits: f64| {
-            assert!(
-                (value - wanted).abs() <= 0.5 * digits,
-                "{value} is not {wanted}"
-            );
-        };
-        near(figures.pitch_radius_m, 0.064, 1e-12);
-        near(figures.tip_curvature_radius_m, 9.1607e-3, 1e-7);
-        near(figures.pit_curvature_radius_m, -6.5647e-3, 1e-7);
-        near(figures.smallest_convex_radius_m, 13.122_58e-3, 1e-8);
-        near(figures.free_play_rad, 17.003e-3, 1e-6);
-        near(figures.ideal_input_torque_n_m, 1.466_67, 1e-5);
-        near(figures.external_force_estimate_n, 65.5, 0.1);
-        let hertz: Vec<f64> = figures.frequencies.iter().map(|f| f.hertz).collect();
-        for (value, wanted) in hertz.into_iter().zip([8.333, 8.889, 71.111, 133.333]) {
-            near(value, wanted, 1e-3);
-        }
-        assert!(figures.external_ripple_in_phase && figures.internal_ripple_in_phase);
     }
 }

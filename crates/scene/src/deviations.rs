@@ -20,13 +20,13 @@ use crate::number::{below, short};
 /// One list of errors.
 #[derive(Debug, Clone, Copy)]
 pub struct ErrorList<'a> {
-    /// Its key.
+    /// Key of the list.
     pub key: &'static str,
     /// Parts to which the list belongs, with one entry each.
     pub parts: &'static str,
-    /// How many entries it has where it is not empty.
+    /// Number of entries of a list that is not empty.
     pub count: usize,
-    /// Its entries.
+    /// Entries of the list.
     pub values: &'a [f64],
 }
 
@@ -148,7 +148,7 @@ impl Gear {
         self.errors.is_none() && self.modification.rotational_rad == 0.0
     }
 
-    /// Where ring pin `j` sits, ground frame, m.
+    /// Returns the centre of ring pin `j`, ground frame, m.
     #[must_use]
     pub fn external_sleeve_m(&self, j: usize) -> [f64; 2] {
         let errors = &self.errors;
@@ -179,7 +179,7 @@ impl Gear {
         self.hole_radius_m + entry(&self.errors.hole_radius_m, number)
     }
 
-    /// Where output pin `k` sits on the output, its frame, m.
+    /// Returns the centre of output pin `k` in the frame of the output, m.
     #[must_use]
     pub fn internal_sleeve_m(&self, k: usize) -> [f64; 2] {
         placed(

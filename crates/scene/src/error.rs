@@ -5,7 +5,7 @@ use std::fmt;
 
 use pinwheel_files::{FileError, one_line};
 
-/// Where a value came from.
+/// Source of a value.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Location {
     /// A line of the scene file, the first being 1.
@@ -46,7 +46,7 @@ pub enum SceneError {
     /// Neither a preset nor a file.
     #[error("there is no preset and no file `{}`; {remedy}", one_line(.spec))]
     NotFound {
-        /// As typed.
+        /// Text as typed.
         spec: String,
         /// Nearest preset, or all of them.
         remedy: String,
@@ -57,7 +57,7 @@ pub enum SceneError {
     /// `--set` without `key=value`.
     #[error("--set {}: {what}; write --set key=value, for example --set gear.backlash_m=0.0006", one_line(.text))]
     Override {
-        /// As typed.
+        /// Text as typed.
         text: String,
         /// Description of the fault.
         what: &'static str,
@@ -73,13 +73,13 @@ pub enum SceneError {
     /// A key or its value.
     #[error("{place}: `{}` {}; {}", one_line(.key), one_line(.what), one_line(.remedy))]
     Key {
-        /// Where it stands.
+        /// Source of the value.
         place: Location,
         /// Full key, for example `gear.wheels`.
         key: String,
         /// Description of the fault.
         what: String,
-        /// How to put it right.
+        /// Remedy.
         remedy: String,
     },
 }
@@ -109,7 +109,7 @@ pub struct Fault {
     pub keys: Vec<Cow<'static, str>>,
     /// Fault of the first key, a predicate: "is -1 m, but must be above 0 m".
     pub what: String,
-    /// How to put it right.
+    /// Remedy.
     pub remedy: String,
 }
 

@@ -74,7 +74,7 @@ pub(crate) fn crank_circle(given: &Given<'_>) -> Option<f64> {
 pub(crate) fn crank_shaft(given: &Given<'_>) -> Option<f64> {
     let eccentricity = given.number("gear.eccentricity_m")?;
     let shaft = given.number("cranks.bore_radius_m")? - eccentricity;
-    // A bore that leaves none is told as a fault of cranks, and stands in for nothing else.
+    // A bore that leaves none is reported as a fault of cranks.
     Some(if shaft > 0.0 { shaft } else { eccentricity })
 }
 

@@ -59,10 +59,10 @@ mod profile;
 pub mod quantity;
 pub mod scales;
 pub mod schema;
+mod springs;
 mod table;
-#[cfg(test)]
-mod tests;
 mod uncertain;
+mod wall;
 
 pub use assumptions::{Assumption, assumptions};
 pub use catalogue::Catalogue;
@@ -83,3 +83,12 @@ pub use parse::{Draft, Override, edited};
 pub use pinwheel_files::{MOST_BYTES, did_you_mean, nearest};
 pub use presets::{PRESETS, Preset, preset};
 pub use scales::{Scales, free_play, largest_hole_play, largest_play};
+
+/// Private items that the tests of this crate reach; no part of the interface.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::body::Shape;
+    pub use crate::check::{external_sleeves, holes_inside_the_wheel, profile};
+    pub use crate::number::{above, below, short, written};
+    pub use crate::profile::Profile;
+}

@@ -35,7 +35,7 @@ pub struct Scene {
     /// Channels that are recorded beyond the contract's columns.
     #[serde(default, skip_serializing_if = "Output::is_default")]
     pub output: Output,
-    /// How well values are known, by key: for comparisons with measured data.
+    /// Half-widths of uncertain values, by key: for comparisons with measured data.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub uncertain: BTreeMap<String, PlusMinus>,
 }
@@ -67,7 +67,7 @@ pub struct Gear {
     /// Thickness of a disc, m; only masses that a scene leaves out need it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub face_width_m: Option<f64>,
-    /// How the discs' profile departs from the one that fits the ring.
+    /// Modification of the discs' profile against the one that fits the ring.
     #[serde(default, skip_serializing_if = "Modification::is_none")]
     pub modification: Modification,
     /// Deviations of single pins, holes and discs.
@@ -104,7 +104,7 @@ pub struct Masses {
     pub external_sleeve: BodyMass,
 }
 
-/// How a run starts.
+/// Initial state of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Start {
@@ -144,7 +144,7 @@ pub struct LoadChange {
     pub ramp_s: f64,
 }
 
-/// How the contact point is found.
+/// Method that finds the contact point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Detection {
@@ -216,10 +216,10 @@ pub struct Contact {
     pub impact_speed_m_s: f64,
     /// Length of the line of a line contact, m.
     pub line_length_m: f64,
-    /// How deep a disc is behind a contact, m; `None`: the wall between a hole and the profile.
+    /// Depth of a disc behind a contact, m; `None`: the wall between a hole and the profile.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub disc_depth_m: Option<f64>,
-    /// How the contact point is found.
+    /// Method that finds the contact point.
     pub detection: Detection,
     /// Points on a disc's profile (points detection only).
     pub wheel_points: usize,
@@ -268,7 +268,7 @@ pub struct EccentricBearing {
     /// Number of rollers, where they give K.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rollers: Option<usize>,
-    /// Their length, m.
+    /// Length of the rollers, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roller_length_m: Option<f64>,
     /// g, radial clearance, m; `None`: 0.
@@ -277,7 +277,7 @@ pub struct EccentricBearing {
     /// c along the offset while the bearing carries, N s/m; `None`: [`DAMPING_SHARE`](Self::DAMPING_SHARE) of critical.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub damping_n_s_m: Option<f64>,
-    /// Its friction mu, of the moment mu F d/2 against its turning; `None`: 0.
+    /// Friction coefficient mu of the moment mu F d/2 against rotation; `None`: 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction_coefficient: Option<f64>,
     /// d, diameter of its bore, m.
@@ -293,7 +293,7 @@ pub struct EccentricBearing {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cranks {
-    /// How many, evenly spaced.
+    /// Number of cranks, evenly spaced.
     pub count: usize,
     /// Radius of the circle they stand on, m.
     pub circle_radius_m: f64,
@@ -322,11 +322,11 @@ pub enum Formulation {
     Lagrange,
 }
 
-/// How the Lagrange form keeps its constraints.
+/// Stabilisation of the constraints in the Lagrange form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Stabilisation {
-    /// As published: only the accelerations are constrained.
+    /// None, as published: only the accelerations are constrained.
     None,
     /// Baumgarte's feedback of position and velocity errors.
     Baumgarte,
@@ -445,11 +445,11 @@ impl PlusMinus {
     }
 }
 
-/// How the discs' profile departs from the one that fits the ring.
+/// Modification of the discs' profile against the one that fits the ring.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Modification {
-    /// By how much the generating pin is larger than the ring's, m: above 0 the whole edge lies that much further in.
+    /// Excess of the generating pin's radius over the ring pin's, m: above 0 the edge lies further in by that much.
     pub equidistant_m: f64,
     /// By how much the generating circle is larger than R, m: below 0 the disc is smaller.
     pub radial_m: f64,

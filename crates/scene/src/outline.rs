@@ -21,7 +21,7 @@ const HALVINGS: u32 = 20;
 pub struct Outline {
     /// Corners of the edge, m, counter-clockwise; the last one is joined to the first.
     pub edge_m: Vec<[f64; 2]>,
-    /// The largest distance of the edge from its chords that was found, m.
+    /// Largest distance of the edge from its chords, m.
     pub chord_error_m: f64,
     /// Holes: centre and radius, m.
     pub holes_m: Vec<([f64; 2], f64)>,

@@ -2,7 +2,7 @@
 //!
 //! The base is laid down first, the file over it and then the overrides, key by key, each remembered with its place. So
 //! a key that does not exist is caught where it stands, a wrong type too, and a check that fails later still knows the
-//! line to name. What nobody wrote is filled in by [`crate::keys`], and told as an assumption.
+//! line to name. What nobody wrote is filled in by [`crate::keys`], and listed as an assumption.
 
 mod edit;
 mod layers;
@@ -45,7 +45,7 @@ impl Draft {
     /// Reads `spec` as [`Scene::load`] does and applies the overrides; nothing is filled in or checked together yet.
     ///
     /// # Errors
-    /// The first fault found, on one line with its remedy.
+    /// The first fault, on one line with its remedy.
     pub fn load(spec: &str, overrides: &[Override]) -> Result<Self, SceneError> {
         let read;
         let text = match preset(spec) {
@@ -84,7 +84,7 @@ impl Scene {
     /// overrides and checks the result.
     ///
     /// # Errors
-    /// The first fault found, on one line with its remedy.
+    /// The first fault, on one line with its remedy.
     pub fn load(spec: &str, overrides: &[Override]) -> Result<CheckedScene, SceneError> {
         Draft::load(spec, overrides)?.layers.finish()
     }
@@ -97,7 +97,7 @@ impl Scene {
     /// without `name` takes the file's (`gears/mine.toml` gives `mine`).
     ///
     /// # Errors
-    /// The first fault found, with its key, line and remedy.
+    /// The first fault, with its key, line and remedy.
     pub fn from_toml(
         text: &str,
         source_name: &str,
@@ -110,7 +110,7 @@ impl Scene {
     /// takes a quarter of the time of [`from_toml`](Self::from_toml).
     ///
     /// # Errors
-    /// Another text, or the first fault found.
+    /// Another text, or the first fault.
     pub fn from_complete(text: &str) -> Result<CheckedScene, SceneError> {
         const SOURCE: &str = "a complete scene";
         let scene: Self = pinwheel_files::read(text, SOURCE, FORM)?;

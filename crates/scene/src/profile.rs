@@ -8,7 +8,7 @@ use super::model::Gear;
 
 /// The epitrochoid of a gear whose numbers are positive and finite and whose zk is at least 3.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Profile {
+pub struct Profile {
     eccentricity: f64,
     radius: f64,
     offset: f64,
@@ -17,7 +17,8 @@ pub(super) struct Profile {
 }
 
 impl Profile {
-    pub(super) fn of(gear: &Gear) -> Self {
+    /// Returns the curve of a gear.
+    pub fn of(gear: &Gear) -> Self {
         Self {
             eccentricity: gear.eccentricity_m,
             radius: gear.generating_radius_m(),
@@ -28,12 +29,12 @@ impl Profile {
     }
 
     /// zs.
-    pub(super) fn lobes(&self) -> f64 {
+    pub fn lobes(&self) -> f64 {
         self.pins - 1.0
     }
 
     /// C(a), m, in the disc's frame.
-    pub(super) fn point(&self, a: f64) -> [f64; 2] {
+    pub fn point(&self, a: f64) -> [f64; 2] {
         let (sin, cos) = a.sin_cos();
         let (sin_k, cos_k) = (self.pins * a).sin_cos();
         [
@@ -43,7 +44,7 @@ impl Profile {
     }
 
     /// The profile C - q n, m, in the disc's frame.
-    pub(super) fn offset_point(&self, a: f64) -> [f64; 2] {
+    pub fn offset_point(&self, a: f64) -> [f64; 2] {
         let tangent = self.tangent(a);
         let scale = self.offset / tangent[0].hypot(tangent[1]);
         let [x, y] = self.point(a);
@@ -51,7 +52,7 @@ impl Profile {
     }
 
     /// dP/da of the profile, m: C' (1 - q kappa), for the offset of a curve is parallel to it.
-    pub(super) fn offset_slope(&self, a: f64) -> [f64; 2] {
+    pub fn offset_slope(&self, a: f64) -> [f64; 2] {
         let share = 1.0 - self.offset * self.curvature((self.lobes() * a).cos());
         let scale = self.radius * share;
         self.tangent(a).map(|x| scale * x)
@@ -66,7 +67,7 @@ impl Profile {
     }
 
     /// kappa of C at cos(zs a) = c, 1/m; positive on a lobe.
-    pub(super) fn curvature(&self, c: f64) -> f64 {
+    pub fn curvature(&self, c: f64) -> f64 {
         let (m, zk) = (self.shortening, self.pins);
         (1.0 + m * m * zk + m * (1.0 + zk) * c)
             / (self.radius * (1.0 + m * m + 2.0 * m * c).powf(1.5))
@@ -77,7 +78,7 @@ impl Profile {
     /// kappa is largest at an end of c in [-1, 1] or where its derivative vanishes,
     /// c = ((1 + zk)(1 + m^2) - 3 - 3 m^2 zk)/(m (1 + zk)); there the radius is
     /// R sqrt(27 (1 - m^2)(zk - 1)/(zk + 1)^3).
-    pub(super) fn smallest_convex_radius(&self) -> f64 {
+    pub fn smallest_convex_radius(&self) -> f64 {
         let (m, zk) = (self.shortening, self.pins);
         let mut kappa = self.curvature(-1.0).max(self.curvature(1.0));
         let inner = ((1.0 + zk) * (1.0 + m * m) - 3.0 - 3.0 * m * m * zk) / (m * (1.0 + zk));
@@ -88,7 +89,7 @@ impl Profile {
     }
 
     /// Radius of the profile's pits, its smallest distance from the disc centre, m.
-    pub(super) fn pit_radius(&self) -> f64 {
+    pub fn pit_radius(&self) -> f64 {
         self.radius - self.eccentricity - self.offset
     }
 
@@ -96,7 +97,7 @@ impl Profile {
     ///
     /// `samples` evenly spaced points, then the best one refined by ternary search: C is smooth, so
     /// between neighbours of the best sample the distance has one minimum when samples are dense.
-    pub(super) fn distance(&self, point: [f64; 2], around: f64, reach: f64, samples: usize) -> f64 {
+    pub fn distance(&self, point: [f64; 2], around: f64, reach: f64, samples: usize) -> f64 {
         let at = |a: f64| {
             let [x, y] = self.point(a);
             (x - point[0]).hypot(y - point[1])
@@ -120,54 +121,5 @@ impl Profile {
             }
         }
         at(0.5 * (low + high)).min(best.0)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Scene;
-
-    #[test]
-    fn the_papers_smallest_convex_radius() {
-        // By an independent program: 13.12258 mm on C, 7.1226 mm on the profile.
-        let profile = Profile::of(&Scene::paper().gear);
-        assert!((profile.smallest_convex_radius() - 0.013_122_58).abs() < 5e-9);
-        assert!((1.0 / profile.curvature(1.0) - 0.006 - 0.009_160_7).abs() < 5e-8);
-        assert!((1.0 / profile.curvature(-1.0) - 0.006 + 0.006_564_7).abs() < 5e-8);
-    }
-
-    #[test]
-    fn curvature_agrees_with_differences_of_the_curve() {
-        let gear = Gear {
-            external_sleeves: 7,
-            shortening: 0.45,
-            ..Scene::paper().gear
-        };
-        let profile = Profile::of(&gear);
-        let h = 1e-4;
-        for i in 0..50 {
-            let a = f64::from(i) * 0.13;
-            let [p, q, r] = [a - h, a, a + h].map(|a| profile.point(a));
-            let d = [(r[0] - p[0]) / (2.0 * h), (r[1] - p[1]) / (2.0 * h)];
-            let dd = [0, 1].map(|k| (r[k] - 2.0 * q[k] + p[k]) / (h * h));
-            let kappa = (d[0] * dd[1] - d[1] * dd[0]) / d[0].hypot(d[1]).powi(3);
-            let exact = profile.curvature((profile.lobes() * a).cos());
-            // Central differences err by h^2 times a fourth derivative of about zk^4 e/R.
-            assert!(
-                (kappa - exact).abs() < 1e-4 * exact.abs().max(1.0),
-                "{kappa} {exact}"
-            );
-        }
-    }
-
-    #[test]
-    fn the_offset_keeps_its_distance() {
-        let profile = Profile::of(&Scene::paper().gear);
-        for i in 0..200 {
-            let a = f64::from(i) * 0.031;
-            let distance = profile.distance(profile.offset_point(a), a, 0.4, 400);
-            assert!((distance - 0.006).abs() < 1e-9, "{distance}");
-        }
     }
 }

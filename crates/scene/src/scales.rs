@@ -14,17 +14,16 @@
 
 use std::f64::consts::PI;
 
-use pinwheel_contact::laws::law_info;
-use pinwheel_contact::{
-    HertzStiffness, Law, LawParameters, Material, NormalLaw as _, PaperLaw, PinLaw, Ramp,
-};
-
 use crate::bearings::{BearingLaw, typical_force};
-use crate::check::hole_to_profile_m;
 use crate::load_profile;
-use crate::model::Scene;
+use crate::model::{Gear, Scene};
+pub use crate::springs::{
+    Spring, external_force, hertz, internal_force, law, law_parameters, least_depth, pin_law,
+    state_depth,
+};
+use crate::springs::{outer, wheel_torque_of};
 
-/// See the module. SI units.
+/// Characteristic sizes of a gear, SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scales {
     /// Load torque on one disc, N m: the largest of the run, or where there is none what makes the [`least_depth`].
@@ -39,175 +38,10 @@ pub struct Scales {
     pub modes_rad_s: [f64; 2],
 }
 
-/// Least depth of contact that anything is measured by, as a share of the ring pins' radius: what stands in for the
-/// load of a gear without any. The paper's unloaded gear is then measured by 1.4 mN.
-const LEAST_DEPTH: f64 = 1e-5;
-
-/// The depth that stands in for no load, m.
-#[must_use]
-pub fn least_depth(scene: &Scene) -> f64 {
-    LEAST_DEPTH * scene.gear.external_sleeve_radius_m
-}
-
-const DEPTH: &str = "contact.disc_depth_m";
-const SPRING: &str = "contact.external_spring_n_m";
-
-/// Springs of a scene's external and internal contacts, N/m: its own, or the secants of rollers under the largest static
-/// forces.
-fn springs(scene: &Scene) -> [f64; 2] {
-    let (contact, gear) = (&scene.contact, &scene.gear);
-    let mut rollers = scene.clone();
-    "line-hertz".clone_into(&mut rollers.contact.law);
-    let (hertz, load) = (hertz(&rollers), load_profile::largest(&scene.drive));
-    let torque = load / gear.wheels as f64;
-    let secant = |stiffness: f64, force: f64| {
-        let spring = Spring::of(&rollers, stiffness);
-        let depth = spring.depth(force, least_depth(scene));
-        spring.force(depth) / depth
-    };
-    let (pin, hole) = (gear.internal_sleeve_radius_m, gear.hole_radius_m);
-    let hole = hole.max(pin + gear.eccentricity_m);
-    [
-        contact.external_spring_n_m.unwrap_or_else(|| {
-            let flat = hertz.on_flat(gear.external_sleeve_radius_m);
-            secant(flat, external_force(gear, torque))
-        }),
-        contact
-            .internal_spring_n_m
-            .unwrap_or_else(|| secant(hertz.of_hole(pin, hole), internal_force(gear, torque))),
-    ]
-}
-
-/// True if a scene's law reads a key.
-fn reads(scene: &Scene, key: &str) -> bool {
-    law_info(&scene.contact.law).is_some_and(|law| law.keys.contains(&key))
-}
-
-/// States the depth of the discs that the law would measure in the gear each time it is asked for.
-pub fn state_depth(scene: &mut Scene) {
-    if reads(scene, DEPTH) {
-        let depth = law_parameters(scene).disc_depth;
-        scene.contact.disc_depth_m = Some(depth);
-    }
-}
-
-/// Parameters that a scene's law reads from it.
-#[must_use]
-pub fn law_parameters(scene: &Scene) -> LawParameters {
-    let contact = &scene.contact;
-    let pin = Material {
-        young: contact.pin_young_pa.unwrap_or(contact.young_pa),
-        poisson: contact.pin_poisson.unwrap_or(contact.poisson),
-    };
-    let springs = match reads(scene, SPRING) {
-        true => springs(scene),
-        false => [1.0; 2],
-    };
-    let least = 0.5 * scene.gear.external_sleeve_radius_m;
-    let wall = || reads(scene, DEPTH).then(|| hole_to_profile_m(&scene.gear).max(least));
-    LawParameters {
-        damping: contact.damping_n_s_m,
-        ramp: contact.ramp_m,
-        constant_stiffness: contact.constant_stiffness_n_m15,
-        stiffness_multiplier: contact.stiffness_multiplier,
-        internal_multiplier: contact
-            .internal_stiffness_multiplier
-            .unwrap_or(contact.stiffness_multiplier),
-        springs,
-        line_length: contact.line_length_m,
-        pin,
-        disc: Material {
-            young: contact.young_pa,
-            poisson: contact.poisson,
-        },
-        disc_depth: contact.disc_depth_m.or_else(wall).unwrap_or_default(),
-        sleeve_radius: scene.gear.external_sleeve_radius_m,
-        restitution: contact.restitution,
-        impact_speed: contact.impact_speed_m_s,
-    }
-}
-
-/// Hertz' stiffness of a scene's materials, as its law wants it.
-#[must_use]
-pub fn hertz(scene: &Scene) -> HertzStiffness {
-    law_parameters(scene).hertz(&scene.contact.law)
-}
-
-/// The law that a scene names; `None` if there is none of that name.
-#[must_use]
-pub fn law(scene: &Scene) -> Option<Law> {
-    Law::named(&scene.contact.law, &law_parameters(scene))
-}
-
-/// The law that a scene names, with the bending of its output pins.
-#[must_use]
-pub fn pin_law(scene: &Scene) -> Option<PinLaw> {
-    Some(PinLaw {
-        law: law(scene)?,
-        pin_n_m: scene.bearings.internal_sleeve_stiffness_n_m,
-    })
-}
-
-/// A contact at rest under a scene's law.
-#[derive(Debug, Clone, Copy)]
-pub struct Spring {
-    law: Law,
-    hertz: f64,
-}
-
-impl Spring {
-    /// Where Hertz' stiffness is `hertz`, N/m^1.5; of a law that is none a spring after Hertz.
-    #[must_use]
-    pub fn of(scene: &Scene, hertz: f64) -> Self {
-        let plain = || PaperLaw {
-            damping: 0.0,
-            ramp: Ramp::new(scene.contact.ramp_m),
-        };
-        Self {
-            law: law(scene).unwrap_or_else(|| Law::Paper(plain())),
-            hertz,
-        }
-    }
-
-    /// F, N.
-    #[must_use]
-    pub fn force(&self, depth: f64) -> f64 {
-        self.law.elastic(self.hertz, depth)
-    }
-
-    /// delta under a force, m, and at least `least`.
-    #[must_use]
-    pub fn depth(&self, force_n: f64, least: f64) -> f64 {
-        if force_n > 0.0 {
-            self.law.depth(self.hertz, force_n).max(least)
-        } else {
-            least
-        }
-    }
-
-    /// dF/d delta, N/m.
-    #[must_use]
-    pub fn tangent(&self, depth: f64) -> f64 {
-        self.law.tangent(self.hertz, depth)
-    }
-}
-
-/// 4 T/(e zs zk): the largest force of a ring pin on a disc under the torque T, N.
-#[must_use]
-pub fn external_force(gear: &crate::Gear, wheel_torque_n_m: f64) -> f64 {
-    4.0 * wheel_torque_n_m / (gear.lever_m() * gear.external_sleeves as f64)
-}
-
-/// 4 T/(zi R_w): the largest force of an output pin on a disc under the torque T, N.
-#[must_use]
-pub fn internal_force(gear: &crate::Gear, wheel_torque_n_m: f64) -> f64 {
-    4.0 * wheel_torque_n_m / (gear.internal_sleeves as f64 * gear.internal_circle_radius_m)
-}
-
-/// How far a disc turns freely to one side because of backlash and modification, rad, among pins without errors at all
+/// Free rotation of a disc to one side because of backlash and modification, rad, among pins without errors at all
 /// angles: d sqrt(1 - m^2)/(e zs) of a backlash alone, 0 where they overlap.
 #[must_use]
-pub fn free_play(gear: &crate::Gear) -> f64 {
+pub fn free_play(gear: &Gear) -> f64 {
     let m = gear.shortening;
     if gear.modification.is_none() {
         return gear.backlash_m * (1.0 - m * m).sqrt() / gear.lever_m();
@@ -221,15 +55,15 @@ pub fn free_play(gear: &crate::Gear) -> f64 {
     tried.fold(share(m), f64::min).max(0.0)
 }
 
-/// How far a disc turns freely at most, rad: what [`free_play`] is, and what individual errors may add.
+/// Upper bound of the free rotation of a disc, rad: [`free_play`] and the most that individual errors add.
 #[must_use]
-pub fn largest_play(gear: &crate::Gear) -> f64 {
+pub fn largest_play(gear: &Gear) -> f64 {
     free_play(gear) + gear.errors.largest_of_mesh_m(gear) / gear.lever_m()
 }
 
 /// Largest free rotation of the output in its holes, rad.
 #[must_use]
-pub fn largest_hole_play(gear: &crate::Gear) -> f64 {
+pub fn largest_hole_play(gear: &Gear) -> f64 {
     let clearance = gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m;
     (clearance.max(0.0) + gear.errors.largest_of_holes_m(gear)) / gear.internal_circle_radius_m
 }
@@ -237,25 +71,6 @@ pub fn largest_hole_play(gear: &crate::Gear) -> f64 {
 /// Share of a scene's largest static force that is rounding: 16 digits, times some ten thousand for what the bodies and a
 /// solver add. 1.0e-9 N for the paper's gear.
 const ROUNDING: f64 = 1e-11;
-
-/// A ring pin on a disc at rest.
-fn outer(scene: &Scene, hertz: &HertzStiffness) -> Spring {
-    Spring::of(scene, hertz.on_flat(scene.gear.external_sleeve_radius_m))
-}
-
-/// Load torque on one disc, N m: the largest of the run, or where there is none what makes the [`least_depth`].
-pub(crate) fn wheel_torque_n_m(scene: &Scene) -> f64 {
-    wheel_torque_of(scene, &outer(scene, &hertz(scene)))
-}
-
-/// Load torque on one disc for known springs, N m: the largest of the run, but at least a quarter of that of the
-/// unloaded contacts.
-fn wheel_torque_of(scene: &Scene, outer: &Spring) -> f64 {
-    let gear = &scene.gear;
-    let unloaded = outer.force(least_depth(scene));
-    let load = load_profile::largest(&scene.drive) / gear.wheels as f64;
-    load.max(0.25 * unloaded * gear.lever_m() * gear.external_sleeves as f64)
-}
 
 impl Scales {
     /// Force above which a contact presses, N: less is the rounding of pins that only just touch, as all of them do in
@@ -343,63 +158,4 @@ fn modes(scene: &Scene, housing: f64, coupling: f64) -> [f64; 2] {
     let fast = 0.5 * (a + b + ((a - b) * (a - b) + 4.0 * c * b).sqrt());
     let slow = b * (housing / wheel) / fast;
     [slow.sqrt(), fast.sqrt()]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Modes of the paper's gear by an independent eigenvalue solution under its load: 530, 1660 and 1740 Hz.
-    #[test]
-    fn the_papers_modes() {
-        let scales = Scales::of(&Scene::paper());
-        let [slow, fast] = scales.modes_rad_s.map(|rate| rate / std::f64::consts::TAU);
-        assert!((slow / 530.0 - 1.0).abs() < 0.3, "{slow}");
-        assert!((fast / 1740.0 - 1.0).abs() < 0.3, "{fast}");
-        let settled = scales.settling_s(8.0).unwrap();
-        assert!((0.1..0.4).contains(&settled), "{settled}");
-    }
-
-    /// A hundred times the Hertzian stiffness, and a law whose stiffness is not Hertz'.
-    #[test]
-    fn the_law_decides() {
-        let mut scene = Scene::paper();
-        let [_, soft] = Scales::of(&scene).modes_rad_s;
-        scene.contact.stiffness_multiplier = 1.0;
-        // k grows with K^(2/3) at a given force.
-        let [_, stiff] = Scales::of(&scene).modes_rad_s;
-        assert!((stiff / soft - 100.0_f64.powf(1.0 / 3.0)).abs() < 1e-9);
-        scene.contact.law = "line-contact".to_owned();
-        assert!(Scales::of(&scene).modes_rad_s[1] > 1.5 * stiff);
-    }
-
-    /// Lengths, masses, times and forces of a gear scaled together: every ratio stays.
-    #[test]
-    fn similar_gears_have_similar_scales() {
-        for load in [22.0, 0.0] {
-            let mut scene = Scene::paper();
-            scene.drive.output_torque_n_m = load;
-            let one = Scales::of(&scene);
-            let (length, mass, time) = (0.1, 1e-4, 0.5);
-            let gear = &mut scene.gear;
-            gear.eccentricity_m *= length;
-            gear.external_sleeve_radius_m *= length;
-            gear.internal_sleeve_radius_m *= length;
-            gear.internal_circle_radius_m *= length;
-            gear.hole_radius_m *= length;
-            let force = mass * length / (time * time);
-            scene.mass.wheel.moment_kg_m2 *= mass * length * length;
-            scene.mass.output_shaft.moment_kg_m2 *= mass * length * length;
-            scene.mass.internal_sleeve.mass_kg *= mass;
-            scene.drive.output_torque_n_m *= force * length;
-            scene.contact.young_pa *= force / (length * length);
-            let other = Scales::of(&scene);
-            let near = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-12, "{a} {b}");
-            near(other.penetration_m, one.penetration_m * length);
-            near(other.external_force_n, one.external_force_n * force);
-            for k in 0..2 {
-                near(other.modes_rad_s[k], one.modes_rad_s[k] / time);
-            }
-        }
-    }
 }

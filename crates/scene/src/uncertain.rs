@@ -10,21 +10,20 @@
 
 use toml::{Table, Value};
 
-use crate::checked::CheckedScene;
 use crate::error::Fault;
 use crate::keys::{self, Kind};
 use crate::model::Scene;
 use crate::number::short;
-use crate::table::{insert, lookup};
+use crate::table::lookup;
 
-/// The table's name.
+/// Name of the table.
 pub(crate) const UNCERTAIN: &str = "uncertain";
-/// How it is written.
+/// Example of an entry.
 pub(crate) const EXAMPLE: &str = "write it like gear.backlash_m = { plus_minus = 5e-6 }";
 /// Sections whose numbers are inputs of the model.
 const SECTIONS: [&str; 4] = ["gear", "mass", "drive", "contact"];
 
-/// Only numbers that the model depends on, and intervals that a scene may have.
+/// Refuses entries that are no input of the model, and intervals that leave the range of the key.
 pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     if scene.uncertain.is_empty() {
         return Ok(());
@@ -69,37 +68,4 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
         });
     }
     Ok(())
-}
-
-impl CheckedScene {
-    /// The number at a key, if it holds one.
-    #[must_use]
-    pub fn number(&self, key: &str) -> Option<f64> {
-        let scene: &Scene = self;
-        let table = Table::try_from(scene).ok()?;
-        lookup(&table, key).and_then(Value::as_float)
-    }
-
-    /// The scene with another value of a number, checked again.
-    ///
-    /// # Errors
-    /// A key that holds no number here, or a value that the scene's checks refuse.
-    pub fn with_number(&self, key: &str, value: f64) -> Result<Self, Fault> {
-        let fault = |what: String| Fault {
-            keys: vec![key.to_owned().into()],
-            what,
-            remedy: "give a key of this scene that holds a number".to_owned(),
-        };
-        let scene: &Scene = self;
-        let mut table = Table::try_from(scene).map_err(|error| fault(error.to_string()))?;
-        if lookup(&table, key).and_then(Value::as_float).is_none() {
-            return Err(fault("holds no number".to_owned()));
-        }
-        let path: Vec<&str> = key.split('.').collect();
-        insert(&mut table, &path, Value::Float(value));
-        let changed: Scene = table
-            .try_into()
-            .map_err(|error: toml::de::Error| fault(error.message().to_owned()))?;
-        self.changed(|scene| *scene = changed)
-    }
 }

@@ -17,7 +17,7 @@ pub const SAFETY: f64 = 1.25;
 pub const SAFETY_UNCONFIRMED: f64 = 3.0;
 /// Below this observed order a refinement study does not converge.
 pub const LEAST_ORDER: f64 = 0.5;
-/// As [`LEAST_ORDER`] for tolerances: the differences shrink less than twofold while the tolerance falls tenfold.
+/// Value of [`LEAST_ORDER`] for tolerances: the differences shrink less than twofold while the tolerance falls tenfold.
 pub const LEAST_TOLERANCE_ORDER: f64 = 0.3;
 /// An observed order confirms the stated one when it is no further away than this.
 pub const ORDER_MARGIN: f64 = 0.5;
@@ -28,7 +28,7 @@ pub const LEAST_ALIGNMENT: f64 = 0.5;
 /// within it, the solution is treated as smooth at these steps. A wider margin would admit orders between that of jumps
 /// and that of the method, which come by chance.
 pub const SMOOTH_MARGIN: f64 = 0.25;
-/// As [`LEAST_ALIGNMENT`] there: differences made by jumps point anywhere. Heun on the paper's gear without a jump in sight has 0.84.
+/// Value of [`LEAST_ALIGNMENT`] for jumping forces: differences made by jumps point anywhere. Heun on the paper's gear without a jump in sight has 0.84.
 pub const SMOOTH_ALIGNMENT: f64 = 0.8;
 
 /// Non-smooth feature of a scene's forces. It bounds the order of every fixed step, whatever the method.
@@ -181,7 +181,7 @@ pub enum Basis {
     /// Three runs converge, with another order than stated: Fs = 3 with the lower of both orders. Or contacts open and close, or
     /// forces jump, which a method of a higher order than theirs cannot confirm: Fs = 3 with theirs.
     Unconfirmed,
-    /// Two runs: the order is the stated one, shared_error. What both runs miss alike cannot be seen.
+    /// Two runs: the order is the stated one, not a measured one. An error that both runs share stays hidden.
     TwoLevels,
     /// Runs at several tolerances: the error was taken as proportional to the tolerance, Fs = 3.
     Tolerance,

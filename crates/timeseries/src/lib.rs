@@ -45,3 +45,10 @@ pub use run::{
 };
 pub use store::{Channel, TimeSeries, group_of};
 pub use units::stem_and_unit;
+
+/// Private items that the tests of this crate reach; no part of the interface.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::sampling::{EVEN, cubic, divided};
+    pub use crate::units::{factor, turn};
+}

@@ -76,7 +76,7 @@ pub struct RunStats {
     pub notes: Vec<String>,
     /// Largest position error of any joint, m, where the engine has constraints.
     pub joint_drift_m: Option<f64>,
-    /// Energy account of the whole run and of its second half, where the engine keeps one.
+    /// Energy account of the run and of its second half, where the engine keeps one.
     pub energy: Vec<EnergyAudit>,
     /// Set for time series that were recorded earlier and not computed now: when, with what, and why they stand
     /// here. Costs are then those of the recording, on its machine; its samples may be a part of the others'.
@@ -94,7 +94,7 @@ pub struct RecordedUncertainty {
     pub quantity: String,
     /// Start of the window, s.
     pub from_s: f64,
-    /// Its end, s.
+    /// End of the part, s.
     pub to_s: f64,
     /// Root mean square of the series' error.
     pub l2: Option<f64>,
@@ -143,7 +143,7 @@ pub struct EnergyAudit {
     pub remainder_j: f64,
     /// The remainder as a share of the larger of the two works; `None` where those are only the account's rounding.
     pub remainder_share: Option<f64>,
-    /// How far the remainder may be off by what lies between the account's entries, J.
+    /// Error of the remainder by the signal between the account's entries, J.
     #[serde(default)]
     pub remainder_off_j: f64,
     /// Possible error of the losses due to the course between the account's entries, J.
@@ -231,7 +231,7 @@ pub fn mean_powers(
     ])
 }
 
-/// How a run ended.
+/// Ending of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "kebab-case")]
 pub enum Ending {
@@ -256,14 +256,14 @@ pub enum Ending {
     },
     /// The engine broke.
     Failed {
-        /// Its own words.
+        /// Message of the engine.
         reason: String,
     },
     /// It was given up because it took too long.
     TimedOut {
         /// Simulated time reached, s.
         time_s: f64,
-        /// How long it was given or would need, and the remedy.
+        /// Time limit or time needed, and the remedy.
         reason: String,
     },
 }
@@ -350,7 +350,7 @@ impl Ending {
         }
     }
 
-    /// How a run failed, for tables of trials: `at t = 0.0034 s: ...`; `None` when finished.
+    /// Returns the failure of a run, for tables of trials: `at t = 0.0034 s: ...`; `None` when finished.
     #[must_use]
     pub fn failure(&self) -> Option<String> {
         match self {
@@ -362,7 +362,7 @@ impl Ending {
         }
     }
 
-    /// Only what is whole goes on.
+    /// Returns `Ok` if the run finished.
     ///
     /// # Errors
     /// The ending itself, unless it is finished.

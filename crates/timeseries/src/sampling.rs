@@ -27,7 +27,8 @@ const NEAR: f64 = 0.1;
 /// Spacings that differ by less than this share are equal.
 const EQUAL: f64 = 1e-6;
 /// 1 over the root of 924, by which the squares of the weights for equal spacings add up to 1.
-const EVEN: [f64; POINTS] = {
+#[doc(hidden)]
+pub const EVEN: [f64; POINTS] = {
     let unit = 0.032_897_584_747_988_45;
     [
         unit,
@@ -191,7 +192,7 @@ impl Between {
         self.settled = end;
     }
 
-    /// The whole run, in which there was more than samples; `None` if there was not, or too little of all.
+    /// Returns the account of the run; `None` if there were no points between samples, or too few.
     #[must_use]
     pub fn finish(mut self) -> Option<Self> {
         let last = self.times.len().checked_sub(1)?;
@@ -325,7 +326,8 @@ pub fn sixth_difference(times: &[f64; POINTS]) -> [f64; POINTS] {
 }
 
 /// Weights of the highest divided difference at these times, the squares of which add up to 1.
-fn divided(at: &[f64; POINTS]) -> [f64; POINTS] {
+#[doc(hidden)]
+pub fn divided(at: &[f64; POINTS]) -> [f64; POINTS] {
     let mut products = [1.0; POINTS];
     for j in 0..POINTS {
         for k in 0..j {
@@ -340,7 +342,8 @@ fn divided(at: &[f64; POINTS]) -> [f64; POINTS] {
 }
 
 /// Weights of the integral from 0 to 1 of the cubic through the values at these times, of which number `zero` is 0 and the next 1.
-fn cubic(at: &[f64; 4], zero: usize) -> [f64; 4] {
+#[doc(hidden)]
+pub fn cubic(at: &[f64; 4], zero: usize) -> [f64; 4] {
     let one = zero + 1;
     // The two others: one before and one after, but at the ends.
     let (a, b) = match zero {
@@ -390,7 +393,7 @@ fn vertex(at: &[f64; 5], values: [f64; 5], k: usize) -> (f64, f64, f64) {
 pub struct Figures {
     /// The figures.
     pub statistics: Statistics,
-    /// How far each may be off by what lies between points.
+    /// Error of each figure by the signal between points.
     pub sampling: Statistics,
 }
 
@@ -486,108 +489,3 @@ pub const QUANTITIES: [&str; 4] = [
     columns::EXTERNAL_FORCE,
     columns::INTERNAL_FORCE,
 ];
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const NAME: &str = "force_n_0";
-
-    /// `of` at so many equal steps over 0 to 20.
-    fn sampled(of: &dyn Fn(f64) -> f64, steps: u32) -> Figures {
-        let times: Vec<f64> = (0..=steps)
-            .map(|k| 20.0 * f64::from(k) / f64::from(steps))
-            .collect();
-        let values = times.iter().map(|&t| of(t)).collect();
-        let mut time_series = TimeSeries::new(times).unwrap();
-        time_series.push(NAME, values).unwrap();
-        let whole = 0..time_series.len();
-        Figures::of(&time_series, "force_n", &[NAME], whole).unwrap()
-    }
-
-    /// The weights are exact for what they are of, equal spacings or not.
-    #[test]
-    fn weights_are_those_of_polynomials() {
-        let at = [-1.3, 0.0, 1.0, 1.7];
-        let weights = cubic(&at, 1);
-        for (power, exact) in [(0, 1.0), (1, 0.5), (2, 1.0 / 3.0), (3, 0.25)] {
-            let sum: f64 = at.iter().zip(weights).map(|(t, w)| w * t.powi(power)).sum();
-            assert!((sum - exact).abs() < 1e-14, "{power}: {sum}");
-        }
-        let ends = [([0.0, 1.0, 1.5, 3.0], 0), ([-2.0, -0.5, 0.0, 1.0], 2)];
-        for (at, zero) in ends {
-            let weights = cubic(&at, zero);
-            let sum: f64 = at.iter().zip(weights).map(|(t, w)| w * t * t * t).sum();
-            assert!((sum - 0.25).abs() < 1e-14, "{zero}: {sum}");
-        }
-        let even = divided(&[-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0]);
-        for (one, other) in even.iter().zip(EVEN) {
-            assert!((one.abs() - other.abs()).abs() < 1e-12);
-        }
-        let uneven = [-2.9, -2.0, -1.2, 0.0, 1.0, 2.4, 3.0];
-        for power in 0..6 {
-            let parts = uneven.iter().zip(divided(&uneven));
-            let sum: f64 = parts.map(|(t, w)| w * t.powi(power)).sum();
-            assert!(sum.abs() < 1e-9, "{power}: {sum}");
-        }
-    }
-
-    /// The stated sampling error bounds the real one, whether samples follow an oscillation or not, and is small where
-    /// they do.
-    #[test]
-    fn what_sampling_leaves_is_stated() {
-        let of = |t: f64| 1.0 + (3.0 * t + 0.2).sin();
-        let mean = 1.0 + ((0.2_f64).cos() - (60.2_f64).cos()) / 60.0;
-        for steps in [19, 23, 29, 40, 67, 110, 171, 400, 1000] {
-            let found = sampled(&of, steps);
-            let (figures, off) = (found.statistics, found.sampling);
-            assert!(
-                (figures.mean - mean).abs() <= off.mean + 1e-6,
-                "{steps}: {found:?}"
-            );
-            let missed = 2.0 - figures.peak;
-            assert!((missed).abs() <= off.peak + 1e-9, "{steps}: {found:?}");
-            if steps >= 171 {
-                assert!(off.mean < 1e-3 && off.peak < 4e-3, "{steps}: {found:?}");
-            }
-        }
-    }
-
-    /// Points between samples make figures sharp that samples alone leave open; what is between a window's ends alone counts.
-    #[test]
-    fn points_between_samples_are_seen() {
-        let of = |t: f64| (2.0 * t).sin();
-        let mut between = Between::new(&["force_n"], 11);
-        // In chunks, and with points next to each other.
-        for k in 0..=2000 {
-            let t = f64::from(k) * 0.01;
-            between.push(t, k % 200 == 0, &[point([of(t)].into_iter())]);
-            between.push(t + 1e-9, false, &[point([of(t + 1e-9)].into_iter())]);
-        }
-        let times: Vec<f64> = (0..=10).map(|k| 2.0 * f64::from(k)).collect();
-        let mut time_series = TimeSeries::new(times.clone()).unwrap();
-        let values = times.iter().map(|&t| of(t)).collect();
-        time_series.push(NAME, values).unwrap();
-        let samples = |series: &TimeSeries, window| Figures::of(series, "force_n", &[NAME], window);
-        let rare = samples(&time_series, 0..11).unwrap();
-        assert!(rare.sampling.mean > 0.1, "{rare:?}");
-        let time_series = time_series.with_between(between.finish());
-        let all = samples(&time_series, 0..11).unwrap();
-        assert!((all.statistics.peak - 1.0).abs() < 1e-8, "{all:?}");
-        let mean = (1.0 - (40.0_f64).cos()) / 40.0;
-        assert!((all.statistics.mean - mean).abs() < 1e-8, "{all:?}");
-        assert!(
-            all.sampling.mean < 1e-6 && all.sampling.peak < 1e-6,
-            "{all:?}"
-        );
-        // One sample has no mean over time, and no number that is none.
-        let one = samples(&time_series, 4..5).unwrap();
-        assert_eq!(one.statistics.mean, of(8.0), "{one:?}");
-        // From 2 to 4 s it falls to its minimum and rises to its maximum, neither of which is a sample.
-        let part = samples(&time_series, 1..3).unwrap().statistics;
-        assert!(
-            (part.min + 1.0).abs() < 1e-8 && (part.max - of(3.92699)).abs() < 1e-8,
-            "{part:?}"
-        );
-    }
-}

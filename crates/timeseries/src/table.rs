@@ -40,7 +40,7 @@ pub struct Table {
     pub columns: Vec<Column>,
 }
 
-/// A column of a [`Table`]. Lists beside the values are as long as these, or empty where nothing is said.
+/// A column of a [`Table`]. Lists beside the values are as long as these, or empty.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Column {
     /// Name in files, with the unit at its end; empty: not in files.
@@ -51,13 +51,13 @@ pub struct Column {
     pub unit: String,
     /// The values, of which each may be missing.
     pub values: Values,
-    /// How far each value may be off, in the values' unit. No digit beyond it is shown.
+    /// Uncertainty of each value, in the values' unit. No digit beyond it is shown.
     pub uncertainty: Vec<Option<f64>>,
-    /// How numbers are shown to people.
+    /// Format of numbers.
     pub shown: Shown,
     /// Text that people read in place of the value.
     pub said: Vec<Option<String>>,
-    /// How each cell is marked.
+    /// Mark of each cell.
     pub marks: Vec<Mark>,
     /// Shade of each cell's ground from 0 (none) to 1 (full).
     pub shades: Vec<Option<f64>>,
@@ -84,12 +84,12 @@ impl Default for Values {
     }
 }
 
-/// How people see a number that has no uncertainty.
+/// Format of a number that has no uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shown {
-    /// So many significant digits.
+    /// Number of significant digits.
     Digits(u8),
-    /// So many decimals.
+    /// Number of decimals.
     Decimals(u8),
     /// A share of one: per cent with two digits, small ones as a power of ten.
     Relative,
@@ -109,7 +109,7 @@ impl Default for Shown {
     }
 }
 
-/// How a cell is marked. Never by colour alone: each mark has a sign.
+/// Mark of a cell. Each mark has a sign beside its colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mark {
     /// Not marked.
@@ -381,13 +381,13 @@ impl<R> TableOf<R> {
         self.last(|_, column| unit.clone_into(&mut column.unit))
     }
 
-    /// How numbers of the last column are shown.
+    /// Sets the format of numbers of the last column.
     #[must_use]
     pub fn shown(self, shown: Shown) -> Self {
         self.last(|_, column| column.shown = shown)
     }
 
-    /// How far values of the last column may be off.
+    /// Sets the uncertainty of values of the last column.
     #[must_use]
     pub fn uncertain(self, of: impl Fn(&R) -> Option<f64>) -> Self {
         self.last(|rows, column| column.uncertainty = rows.iter().map(of).collect())
@@ -399,19 +399,19 @@ impl<R> TableOf<R> {
         self.last(|rows, column| column.said = rows.iter().map(|row| of(row).into()).collect())
     }
 
-    /// How cells of the last column are marked.
+    /// Sets the marks of cells of the last column.
     #[must_use]
     pub fn marked(self, of: impl Fn(&R) -> Mark) -> Self {
         self.last(|rows, column| column.marks = rows.iter().map(of).collect())
     }
 
-    /// How the grounds of cells of the last column are shaded, from 0 to 1.
+    /// Sets the shades of cells of the last column, from 0 to 1.
     #[must_use]
     pub fn shaded(self, of: impl Fn(&R) -> Option<f64>) -> Self {
         self.last(|rows, column| column.shades = rows.iter().map(of).collect())
     }
 
-    /// Where on the page more is said of cells of the last column.
+    /// Sets the places on the page to which cells of the last column link.
     #[must_use]
     pub fn linked(self, of: impl Fn(&R) -> Option<String>) -> Self {
         self.last(|rows, column| column.links = rows.iter().map(of).collect())
@@ -488,25 +488,4 @@ enum Cell<'a> {
     Whole(i64),
     Text(&'a str),
     Empty,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn columns_without_a_name_are_in_no_file() {
-        let table = Table::of("", [1.0, f64::NAN])
-            .number("a_m", "", |x| *x)
-            .text("", "words", |x| x.to_string())
-            .whole("k", "", |x| (*x == 1.0).then_some(u64::MAX))
-            .done();
-        let mut csv = Vec::new();
-        table.write_csv(&mut csv).unwrap();
-        assert_eq!(csv, b"a_m,k\n1,\n,\n");
-        assert_eq!(table.number("a_m", 0), Some(1.0));
-        let second = table.clone().rows(|row| row == 1);
-        assert_eq!((second.len(), second.number("a_m", 0)), (1, None));
-        assert_eq!(table.only(&["k", "z"]).columns.len(), 1);
-    }
 }

@@ -50,7 +50,7 @@ pub fn stem_and_unit(name: &str) -> (&str, &'static str) {
 ///
 /// # Errors
 /// The units that would fit; none if the name ends in no known unit.
-pub(crate) fn factor(name: &str, unit: &str) -> Result<f64, Vec<&'static str>> {
+pub fn factor(name: &str, unit: &str) -> Result<f64, Vec<&'static str>> {
     let stem = crate::group_of(name).0;
     let stem = stem.strip_suffix("_*").unwrap_or(stem);
     let known = UNITS.iter().find(|(suffix, ..)| stem.ends_with(suffix));
@@ -73,65 +73,7 @@ pub(crate) fn factor(name: &str, unit: &str) -> Result<f64, Vec<&'static str>> {
 }
 
 /// One turn in the unit of the column `name`; `None` if that is no angle.
-pub(crate) fn turn(name: &str) -> Option<f64> {
+pub fn turn(name: &str) -> Option<f64> {
     factor(name, "rad").ok()?;
     factor(name, "deg").ok().map(|degree| 360.0 * degree)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn units_of_a_kind_only() {
-        assert_eq!(factor("input_torque_n_m", "N mm"), Ok(1e-3));
-        assert_eq!(factor("input_torque_n_m", "N\u{b7}m"), Ok(1.0));
-        assert_eq!(factor("external_sleeve_force_n_3", "kN"), Ok(1e3));
-        assert_eq!(factor("external_sleeve_force_n_*", "kN"), Ok(1e3));
-        assert_eq!(
-            factor("wheel_0_external_stiffness_n_m15_3", "N/m^1.5"),
-            Ok(1.0)
-        );
-        assert!((factor("output_angle_rad", "deg").unwrap() * 180.0 - PI).abs() < 1e-15);
-        assert!((factor("wheel_speed_rad_s", "rpm").unwrap() * 30.0 - PI).abs() < 1e-15);
-        assert_eq!(factor("time_s", "ms"), Ok(1e-3));
-        assert!(
-            factor("output_angle_rad", "N")
-                .unwrap_err()
-                .contains(&"deg")
-        );
-        assert!(factor("efficiency", "%").unwrap_err().is_empty());
-        assert_eq!(turn("transmission_error_arcmin"), Some(21_600.0));
-        assert_eq!(
-            (turn("wheel_speed_rad_s"), turn("input_torque_n_m")),
-            (None, None)
-        );
-    }
-
-    /// Torques as data sheets write them: a force by an arm, in any order, with any sign between them. The pound-force and the
-    /// inch are those of NIST SP 811, appendix B.
-    #[test]
-    fn published_torques_are_products() {
-        for (unit, value) in [
-            ("kgf*cm", 0.098_066_5),
-            ("ozf*in", 0.007_061_552),
-            ("oz-in", 0.007_061_552),
-            ("N-m", 1.0),
-            ("N\u{22c5}cm", 0.01),
-            ("newton-mm", 1e-3),
-            ("newton-meter", 1.0),
-            ("lb-ft", 1.355_818),
-            ("ft lbf", 1.355_818),
-            ("ft-lb", 1.355_818),
-            ("in*lbf", 0.112_984_8),
-            ("kN mm", 1.0),
-            ("kp*m", 9.806_65),
-            ("m", f64::NAN),
-            ("N*s", f64::NAN),
-        ] {
-            let found = factor("output_torque_n_m", unit).unwrap_or(f64::NAN);
-            let same = (found / value - 1.0).abs() < 1e-6;
-            assert!(same || found.is_nan() && value.is_nan(), "{unit}: {found}");
-        }
-    }
 }

@@ -160,7 +160,7 @@ impl QuantityUncertainty {
 pub struct Evidence {
     /// Name of the participant.
     pub engine: String,
-    /// Where its uncertainty comes from.
+    /// Evidence of the uncertainty.
     pub source: Source,
     /// Why a number that is not sharp enough has to be accepted: a time limit is spent, say. What is then inconclusive
     /// leaves nothing to act on. `None` where a setting would do.
@@ -178,7 +178,7 @@ pub struct Final {
     pub reason: String,
 }
 
-/// Where an uncertainty comes from.
+/// Evidence of an uncertainty.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// Coarser runs of the same engine.

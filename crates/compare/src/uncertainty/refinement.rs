@@ -16,7 +16,7 @@ use pinwheel_timeseries::norms::{Statistics, View, peak, rms};
 pub struct RefinementStudy {
     /// Setting that is refined.
     pub method: Method,
-    /// The finest run's step (s), tolerance, or whatever is refined: for the remedies told.
+    /// Step (s), tolerance or other refined setting of the finest run, for remedies.
     pub finest: f64,
     /// The other runs.
     pub coarser: Vec<Level>,
@@ -25,11 +25,11 @@ pub struct RefinementStudy {
 /// One coarser run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level {
-    /// Its step or tolerance over the finest run's, above 1.
+    /// Step or tolerance over the finest run's, above 1.
     pub refinement: f64,
-    /// Its time series at the finest run's sample times; or why there are none.
+    /// Time series at the finest run's sample times; or the reason why there are none.
     pub run: Result<TimeSeries, String>,
-    /// Its wall time, s.
+    /// Wall time, s.
     pub wall_s: f64,
 }
 

@@ -16,10 +16,10 @@ const LAST_WORDS: usize = 400;
 const LINE: usize = 70;
 
 /// A line on the terminal with what goes on and for how long; nothing when stderr is no terminal.
-pub(crate) struct Note(ProgressBar);
+pub struct Note(ProgressBar);
 
 impl Note {
-    pub(crate) fn new(title: &'static str) -> Self {
+    pub fn new(title: &'static str) -> Self {
         let bar = ProgressBar::new_spinner().with_finish(ProgressFinish::AndClear);
         if let Ok(style) = ProgressStyle::with_template("{prefix}: {msg} [{elapsed}]") {
             bar.set_style(style);
@@ -29,7 +29,7 @@ impl Note {
         Self(bar)
     }
 
-    pub(crate) fn say(&self, text: &str) {
+    pub fn say(&self, text: &str) {
         let line: String = text.chars().take(LINE).collect();
         self.0.set_message(line);
     }
@@ -41,14 +41,14 @@ const PIP_MAY: &str = "CACHE_DIR CERT CLIENT_CERT CONFIG_FILE DEFAULT_TIMEOUT EX
                        KEYRING_PROVIDER NO_CACHE_DIR NO_INDEX PROXY RETRIES TIMEOUT TRUSTED_HOST";
 
 /// True if a variable of the user's environment is withheld from Python and pip.
-pub(crate) fn kept_away(name: &str) -> bool {
+pub fn kept_away(name: &str) -> bool {
     let may = |setting| PIP_MAY.split(' ').any(|known| known == setting);
     name.strip_prefix("PIP_")
         .is_some_and(|setting| !may(setting))
 }
 
 /// Runs to the end and returns standard output; ended as soon as `cancel` is set. The error is the call's own last words.
-pub(crate) fn call<S: AsRef<OsStr>>(
+pub fn call<S: AsRef<OsStr>>(
     program: &Path,
     arguments: impl IntoIterator<Item = S>,
     note: Option<&Note>,

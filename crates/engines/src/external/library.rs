@@ -1,16 +1,16 @@
-//! Where the libraries are that C programs load: `libpinwheel_law` and `libpinwheel_fmu`.
+//! Paths of the libraries that C programs load: `libpinwheel_law` and `libpinwheel_fmu`.
 
 use std::path::PathBuf;
 
-/// The contact law's library: as `PINWHEEL_LAW` names it, or beside the program, where a build of the program puts it.
+/// Returns the library of the contact law: the file that `PINWHEEL_LAW` names, or the one beside the program.
 ///
 /// # Errors
-/// It is nowhere: what to do, on one line.
+/// The remedy, on one line, if there is none.
 pub fn law_library() -> Result<PathBuf, String> {
     library("law", "PINWHEEL_LAW")
 }
 
-/// The library of co-simulation units: as `PINWHEEL_FMU` names it, or beside the program.
+/// Returns the library of co-simulation units: the file that `PINWHEEL_FMU` names, or the one beside the program.
 ///
 /// # Errors
 /// As [`law_library`].
@@ -18,14 +18,14 @@ pub fn fmu_library() -> Result<PathBuf, String> {
     library("fmu", "PINWHEEL_FMU")
 }
 
-/// `libpinwheel_WHAT`, as the environment variable says or beside the program.
+/// Returns `libpinwheel_WHAT`: the file that the environment variable names, or the one beside the program.
 fn library(what: &str, variable: &str) -> Result<PathBuf, String> {
     let name = format!(
         "{}pinwheel_{what}{}",
         std::env::consts::DLL_PREFIX,
         std::env::consts::DLL_SUFFIX
     );
-    if let Some(named) = crate::variable(variable) {
+    if let Some(named) = crate::env::variable(variable) {
         let path = PathBuf::from(named);
         let found = path
             .is_file()

@@ -7,22 +7,22 @@ use crate::process::{End, Piece};
 
 /// Limits of a solver's output and time.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Limits {
+pub struct Limits {
     /// Wall time.
-    pub(super) longest: Duration,
+    pub longest: Duration,
     /// Bytes of all files in its folder.
-    pub(super) folder_bytes: u64,
+    pub folder_bytes: u64,
     /// Bytes of stdout and stderr together.
-    pub(super) log_bytes: u64,
+    pub log_bytes: u64,
 }
 
 /// Longest line that is understood; what is longer is cut.
-const LINE: usize = 4096;
+pub const LINE: usize = 4096;
 /// Notes that are kept.
 const NOTES: usize = 20;
 /// Longest piece of a foreign text in a message.
-pub(super) const WORDS: usize = 300;
-/// How often sizes are looked at.
+pub const WORDS: usize = 300;
+/// Interval between checks of sizes.
 const LOOK: Duration = Duration::from_millis(100);
 /// Files looked at in a folder, and levels.
 const FILES: usize = 10_000;
@@ -30,9 +30,9 @@ const LEVELS: usize = 8;
 
 impl Limits {
     /// Which of them a solver passed that began at `begun`; its folder was `looked` at last.
-    pub(super) fn passed(
+    pub fn passed(
         &self,
-        heard: &SolverLog,
+        log: &SolverLog,
         folder: &Path,
         begun: Instant,
         looked: &mut Instant,
@@ -43,7 +43,7 @@ impl Limits {
                 self.longest.as_secs_f64()
             )));
         }
-        if heard.bytes > self.log_bytes {
+        if log.bytes > self.log_bytes {
             return Some(End::Stopped(format!(
                 "it wrote more than {} MB to stdout and stderr; let it say less",
                 self.log_bytes >> 20
@@ -86,19 +86,19 @@ fn size(folder: &Path, most: u64, levels: usize, files: &mut usize) -> u64 {
 
 /// Output of a solver.
 #[derive(Default)]
-pub(super) struct SolverLog {
-    bytes: u64,
+pub struct SolverLog {
+    pub bytes: u64,
     /// The lines under way on stdout and on stderr.
-    lines: [Vec<u8>; 2],
-    /// Time it said to have reached, s.
-    pub(super) reached_s: Option<f64>,
-    pub(super) notes: Vec<String>,
-    /// Its last line that is no order and not empty.
+    pub lines: [Vec<u8>; 2],
+    /// Time that the solver reported, s.
+    pub reached_s: Option<f64>,
+    pub notes: Vec<String>,
+    /// Returns the last line that is neither a progress line nor empty.
     last: Vec<u8>,
 }
 
 impl SolverLog {
-    pub(super) fn take(&mut self, piece: &Piece) {
+    pub fn take(&mut self, piece: &Piece) {
         self.bytes += piece.bytes.len() as u64;
         let mut bytes = piece.bytes.as_slice();
         // Of stdout only the last line may count: whoever floods it is not to be listened to for long.
@@ -134,8 +134,8 @@ impl SolverLog {
         }
     }
 
-    /// The last thing it said, when it is over.
-    pub(super) fn last(&mut self) -> Option<String> {
+    /// Returns the last message of a program that has ended.
+    pub fn last(&mut self) -> Option<String> {
         self.understand(false);
         self.understand(true);
         let last = plain(&String::from_utf8_lossy(&self.last), WORDS);
@@ -144,30 +144,8 @@ impl SolverLog {
 }
 
 /// Foreign text for a terminal and a page: one line, no control characters, not too long.
-pub(super) fn plain(text: &str, most: usize) -> String {
+pub fn plain(text: &str, most: usize) -> String {
     let shown = text.chars().map(|c| if c.is_control() { ' ' } else { c });
     let cut: String = shown.take(most).collect();
     cut.trim().to_owned()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A program that prints without end takes no memory without end.
-    #[test]
-    fn hard_long_lines_are_cut() {
-        let mut heard = SolverLog::default();
-        for _ in 0..100 {
-            let bytes = vec![b'x'; 1 << 14];
-            let stderr = true;
-            heard.take(&Piece { bytes, stderr });
-            let (bytes, stderr) = (vec![b'y'; 1 << 14], false);
-            heard.take(&Piece { bytes, stderr });
-        }
-        assert_eq!(heard.bytes, 200 << 14);
-        assert!(heard.lines.iter().all(|line| line.len() == LINE));
-        let last = heard.last().expect("it said something");
-        assert_eq!(last, "x".repeat(WORDS));
-    }
 }

@@ -8,9 +8,9 @@ use pinwheel_scene::{JOB_PROTOCOL, Scene, names};
 use pinwheel_timeseries::SharedModel;
 use serde::Deserialize;
 
-use crate::engine::Refinement;
-use crate::registry::{self, EngineInfo};
-use crate::variable;
+use crate::env::variable;
+use crate::info::{EngineInfo, Refinement, family};
+use crate::known::{info, known};
 
 /// Longest run that a manifest may ask for, s.
 const LONGEST_S: f64 = 86_400.0;
@@ -23,20 +23,20 @@ pub(super) const PLACES: [&str; 4] = ["here", "job", "law", "python"];
 pub struct Manifest {
     /// Version of the job files and exit statuses that the solver speaks.
     pub protocol: u64,
-    /// As users type it: small letters, digits and `-`.
+    /// Name as users type it: small letters, digits and `-`.
     pub name: String,
-    /// The solver's own.
+    /// Version of the solver.
     pub version: String,
     /// `shared-law`: contact forces from our library; `own-contact`: its own.
     pub track: SharedModel,
-    /// One line.
+    /// Description in one line.
     pub summary: String,
-    /// How it differs from the native solver, in plain words, for the report.
+    /// Differences from the native solver, in plain words, for the report.
     #[serde(default)]
     pub differences: String,
     /// Program and arguments, without a shell. `{here}`, `{job}`, `{law}` and `{python}` are replaced.
     pub command: Vec<String>,
-    /// How to build the program, for the message that it is missing.
+    /// Command that builds the program, for the message that it is missing.
     #[serde(default)]
     pub build: Option<String>,
     /// A run is ended after this wall time, s.
@@ -92,7 +92,7 @@ fn five_minutes() -> f64 {
     300.0
 }
 
-/// Where one finds a manifest that works.
+/// Example of a manifest that works.
 const FORM: &str = "`pinwheel solver new --language c NAME` writes one that works";
 
 impl Manifest {
@@ -130,8 +130,8 @@ impl Manifest {
                 "name = {name:?} is no name of an engine; use small letters, digits and `-`, a letter first"
             ));
         }
-        let families = || registry::known().map(EngineInfo::family);
-        if registry::info(name).is_some() || families().any(|own| own == registry::family(name)) {
+        let families = || known().map(EngineInfo::family);
+        if info(name).is_some() || families().any(|own| own == family(name)) {
             return Err(format!(
                 "name = {name:?} is one of Pinwheel's own engines; choose another name"
             ));
@@ -232,7 +232,7 @@ impl Manifest {
     }
 
     /// Why it does not honour a scene.
-    pub(super) fn refuses(&self, scene: &Scene) -> Option<String> {
+    pub fn refuses(&self, scene: &Scene) -> Option<String> {
         let law = &scene.contact.law;
         if !self.honours_law(law) {
             return Some(format!(
@@ -259,7 +259,7 @@ impl Manifest {
     }
 
     /// The command with its places filled in.
-    pub(super) fn argv(&self, known: &[(&str, &Path); 4]) -> Vec<std::ffi::OsString> {
+    pub fn argv(&self, known: &[(&str, &Path); 4]) -> Vec<std::ffi::OsString> {
         let fill = |word: &String| {
             let mut filled = std::ffi::OsString::new();
             let mut rest = word.as_str();
@@ -279,7 +279,7 @@ impl Manifest {
     }
 
     /// True if the command contains a placeholder.
-    pub(super) fn wants(&self, place: &str) -> bool {
+    pub fn wants(&self, place: &str) -> bool {
         let place = format!("{{{place}}}");
         self.command.iter().any(|word| word.contains(&place))
     }
@@ -296,111 +296,4 @@ pub(super) fn python() -> PathBuf {
         .map(PathBuf::from)
         .or_else(|| Some(PathBuf::from(variable("VIRTUAL_ENV")?).join(inside)))
         .unwrap_or_else(|| PathBuf::from(if cfg!(windows) { "python" } else { "python3" }))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const GOOD: &str = r#"
-protocol = 1
-name = "mine"
-version = "0.1"
-track = "own-contact"
-summary = "a solver"
-command = ["{here}/solver", "--job={job}", "{law}", "{python}"]
-timeout_s = 30
-[honours]
-laws = ["paper*", "constant"]
-friction = true
-[refine]
-key = "solver.step_s"
-order = 4
-[model]
-input_torque_n_m = { tolerance = 0.01, reason = "bed of springs" }
-"#;
-
-    fn read(text: &str) -> Result<Manifest, FileError> {
-        let folder = tempfile::tempdir().expect("folder");
-        let path = folder.path().join("solver.toml");
-        std::fs::write(&path, text).expect("written");
-        Manifest::read(&path)
-    }
-
-    #[test]
-    fn a_manifest_as_documented() {
-        let manifest = read(GOOD).expect("good");
-        assert_eq!(manifest.refine.map(|refine| refine.order), Some(4.0));
-        let places = [
-            ("here", "/h"),
-            ("job", "/j b"),
-            ("law", "/l"),
-            ("python", "py"),
-        ];
-        let argv = manifest.argv(&places.map(|(name, path)| (name, Path::new(path))));
-        assert_eq!(argv, ["/h/solver", "--job=/j b", "/l", "py"]);
-        assert!(manifest.wants("law") && manifest.wants("python"));
-        let scene = |sets: &[&str]| {
-            let sets: Vec<_> = sets.iter().map(|set| set.parse().expect("one")).collect();
-            Scene::load("paper", &sets).expect("paper")
-        };
-        assert_eq!(
-            manifest.refuses(&scene(&["contact.friction_coefficient=0.1"])),
-            None
-        );
-        assert_eq!(
-            manifest.refuses(&scene(&["contact.law=paper-conservative"])),
-            None
-        );
-        let law = manifest
-            .refuses(&scene(&["contact.law=flores"]))
-            .expect("refused");
-        assert!(law.contains("paper*, constant, not `flores`"), "{law}");
-        let load = "drive.load_changes=[{time_s=0.1,output_torque_n_m=30.0}]";
-        assert!(manifest.refuses(&scene(&[load])).is_some());
-    }
-
-    #[test]
-    fn bad_input_is_named_with_its_remedy() {
-        for (from, to, words) in [
-            ("protocol = 1", "protocol = 2", "write protocol = 1"),
-            ("\"mine\"", "\"Mine!\"", "small letters"),
-            ("\"mine\"", "\"native-reduced\"", "choose another name"),
-            ("version = \"0.1\"", "", "missing field `version`"),
-            (
-                "version = \"0.1\"",
-                "verzion = \"0.1\"",
-                "did you mean `version`?",
-            ),
-            ("own-contact", "measured", "write \"shared-law\""),
-            ("own-contact", "shared-law", "leave [model] out"),
-            (
-                "{here}/solver",
-                "{hear}/solver",
-                "known are {here}, {job}, {law} and {python}",
-            ),
-            (
-                "[\"{here}/solver\", \"--job={job}\", \"{law}\", \"{python}\"]",
-                "[]",
-                "write the program",
-            ),
-            ("timeout_s = 30", "timeout_s = -1", "write seconds"),
-            ("timeout_s = 30", "timeout_s = inf", "write seconds"),
-            ("\"constant\"", "\"konstant\"", "`pinwheel laws` lists them"),
-            (
-                "solver.step_s",
-                "gear.wheels",
-                "write one of: solver.step_s, solver.tolerance",
-            ),
-            ("order = 4", "order = 0", "write the order of the method"),
-            ("tolerance = 0.01", "tolerance = -1", "needs a tolerance"),
-        ] {
-            let error = read(&GOOD.replace(from, to)).expect_err(words).to_string();
-            assert!(error.contains(words), "{error}");
-            assert!(!error.contains('\n'), "{error}");
-        }
-        let error = Manifest::read(Path::new("/nowhere.toml")).expect_err("missing");
-        assert!(error.to_string().contains("cannot be read"), "{error}");
-        assert!(Manifest::read(Path::new("/dev/zero")).is_err());
-    }
 }

@@ -8,7 +8,8 @@
 //! where the user names it. What the program writes is not trusted.
 
 mod library;
-mod log;
+#[doc(hidden)] // for tests
+pub mod log;
 mod manifest;
 mod result;
 pub mod scaffold;
@@ -24,12 +25,10 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_law::job;
 
 use crate::control::{Cancelled, Control};
-use crate::engine::{
-    AccuracySetting, Ending, Engine, Halt, Prepared, Run, RunStats, prepared, settled,
-};
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, prepared, settled};
+use crate::info::{AccuracySetting, EngineInfo};
 pub use crate::process::end_all;
 use crate::process::{self, End, Ended};
-use crate::registry::EngineInfo;
 pub use library::{fmu_library, law_library};
 use log::{Limits, SolverLog, WORDS, plain};
 pub use manifest::{Honours, Manifest, Stated};
@@ -50,15 +49,16 @@ const LOG_BYTES: u64 = 64 << 20;
 #[derive(Debug, Clone)]
 pub struct Solver {
     manifest: Manifest,
-    /// The manifest's folder, absolute.
+    /// Absolute path of the manifest's folder.
     here: PathBuf,
-    /// How the names of its job folders begin.
+    /// Prefix of the names of job folders.
     prefix: &'static str,
     /// Value of `{python}`, if it is not the user's interpreter.
     python: Option<PathBuf>,
-    /// Hash of the manifest's and the program's files, when first asked for.
+    /// Hash of the files of manifest and program, computed at the first request.
     build: OnceLock<String>,
-    limits: Limits,
+    #[doc(hidden)]
+    pub limits: Limits,
 }
 
 impl Solver {
@@ -112,7 +112,7 @@ impl Solver {
         self
     }
 
-    /// The library, where the command cannot do without it.
+    /// Returns the path of the law's library; an error only if the command needs it.
     fn library(&self) -> Result<Option<PathBuf>, Halt> {
         match law_library() {
             Ok(path) => Ok(Some(path)),
@@ -142,7 +142,7 @@ impl Solver {
         hash.value()
     }
 
-    /// Runs it in a job folder that `fill` fills.
+    /// Runs the solver in a job folder that `fill` fills.
     fn drive(
         &self,
         gearbox: &Gearbox,
@@ -175,26 +175,25 @@ impl Solver {
             .env("PYTHONDONTWRITEBYTECODE", "1")
             .env("PYTHONUNBUFFERED", "1")
             .envs(library.as_deref().and_then(library_path));
-        let (begun, mut heard) = (Instant::now(), SolverLog::default());
+        let (begun, mut log) = (Instant::now(), SolverLog::default());
         let mut looked = begun;
         let ended = process::run(&mut command, Some(folder.path()), &mut |piece| {
             if let Some(piece) = piece {
-                heard.take(piece);
+                log.take(piece);
                 return None;
             }
-            if control.reached(heard.reached_s.unwrap_or(0.0)) {
+            if control.reached(log.reached_s.unwrap_or(0.0)) {
                 return Some(End::Cancelled);
             }
-            self.limits
-                .passed(&heard, folder.path(), begun, &mut looked)
+            self.limits.passed(&log, folder.path(), begun, &mut looked)
         });
         let ended = ended.map_err(|error| failed(self.does_not_start(program, &error)))?;
-        let said = heard.last();
+        let said = log.last();
         // It may have ended before anybody looked.
-        if let Some(time) = heard.reached_s {
+        if let Some(time) = log.reached_s {
             let _ = control.reached(time);
         }
-        self.judge(gearbox, &handle, &ended, &heard, said)
+        self.judge(gearbox, &handle, &ended, &log, said)
     }
 
     /// Runs it on a job file that breaks off, for whoever wants to see what it does.
@@ -228,7 +227,7 @@ impl Solver {
         gearbox: &Gearbox,
         folder: &JobFolder,
         ended: &Ended,
-        heard: &SolverLog,
+        log: &SolverLog,
         said: Option<String>,
     ) -> Result<Run, Halt> {
         let said_in = |before: &str, after: &str| match &said {
@@ -241,7 +240,7 @@ impl Solver {
             End::Stopped(why) => return Err(failed(format!("{why}{last_words}"))),
             End::TooLong(why) => {
                 return Err(Ending::TimedOut {
-                    time_s: heard.reached_s.unwrap_or(0.0),
+                    time_s: log.reached_s.unwrap_or(0.0),
                     reason: format!("{why}{last_words}"),
                 }
                 .into());
@@ -272,12 +271,12 @@ impl Solver {
         };
         let mut run = Run::new(
             found.time_series,
-            self.stats(gearbox, folder, ended, heard, &told),
+            self.stats(gearbox, folder, ended, log, &told),
         );
         run.stats.notes.extend(found.notes);
         let stated = diverged.then(|| {
             let time = run.time_series.time_s().last().copied().unwrap_or(0.0);
-            let time = heard.reached_s.map_or(time, |reached| reached.max(time));
+            let time = log.reached_s.map_or(time, |reached| reached.max(time));
             let end = gearbox.scene.solver.duration_s;
             (
                 time.min(end),
@@ -295,14 +294,14 @@ impl Solver {
         gearbox: &Gearbox,
         folder: &JobFolder,
         ended: &Ended,
-        heard: &SolverLog,
+        log: &SolverLog,
         told: &Reply,
     ) -> RunStats {
         let solver = &gearbox.scene.solver;
         let refine = self.manifest.refine;
         let by_step = refine.is_some_and(|refine| refine.knob == AccuracySetting::Step);
         let mean = solver.duration_s / told.steps.max(1) as f64;
-        let mut notes = heard.notes.clone();
+        let mut notes = log.notes.clone();
         notes.extend(told.notes.iter().take(20).map(|note| plain(note, WORDS)));
         RunStats {
             wall_s: ended.wall_s,
@@ -381,7 +380,7 @@ fn library_path(library: &Path) -> Option<(&'static str, OsString)> {
     Some((variable, std::env::join_paths(paths).ok()?))
 }
 
-/// It broke, in its own words or ours.
+/// Returns the halt of a run that failed for this reason.
 fn failed(reason: impl ToString) -> Halt {
     Ending::failed(plain(&reason.to_string(), MESSAGE)).into()
 }
@@ -430,13 +429,13 @@ pub fn admit(path: &Path) -> Result<String, FileError> {
     Ok(name)
 }
 
-/// The solvers that joined, as engines.
+/// Returns the solvers that joined, as engines.
 pub(crate) fn admitted() -> impl Iterator<Item = Box<dyn Engine>> {
     let solvers = joined().into_iter();
     solvers.map(|solver| Box::new(solver.clone()) as Box<dyn Engine>)
 }
 
-/// The solvers that joined.
+/// Returns the solvers that joined.
 #[must_use]
 pub fn joined() -> Vec<&'static Solver> {
     ADMITTED
@@ -444,6 +443,3 @@ pub fn joined() -> Vec<&'static Solver> {
         .unwrap_or_else(PoisonError::into_inner)
         .clone()
 }
-
-#[cfg(all(test, unix))]
-mod tests;

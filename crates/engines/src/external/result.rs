@@ -139,7 +139,7 @@ impl JobFolder {
         Ok(told)
     }
 
-    /// How often the solver asked the library for forces, if it closed it.
+    /// Number of force evaluations that the library counted, if the solver closed it.
     pub(super) fn law_calls(&self) -> Option<u64> {
         let text = self.text(CALLS_FILE, SMALL).ok()??;
         let mut sum: u64 = 0;
@@ -209,7 +209,9 @@ fn parquet_of(file: File, samples: usize) -> Result<TimeSeries, String> {
 #[cfg(not(feature = "parquet"))]
 fn parquet_of(_: File, _: usize) -> Result<TimeSeries, String> {
     let name = job::COURSES_FILE;
-    Err(format!("this build reads no Parquet; write {name}"))
+    Err(format!(
+        "this build reads no Parquet; write {name}, or build with --features parquet"
+    ))
 }
 
 /// Share of a sampling step that a time may be off.

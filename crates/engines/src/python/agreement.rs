@@ -7,12 +7,13 @@ use pinwheel_scene::scales::law_parameters;
 use pinwheel_scene::{CheckedScene, Scene};
 use pyo3::prelude::*;
 
-use super::law::Published;
+use super::package::package;
+use super::published::Published;
 use super::{convert, engine, host};
 use crate::engine::{Ending, Halt};
 
-/// How far the two implementations are apart.
-#[derive(Debug, Clone, Copy, PartialEq, FromPyObject)]
+/// Largest differences between the two implementations.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Agreement {
     /// States compared.
     pub states: usize,
@@ -42,16 +43,26 @@ pub fn law_agreement(scene: &CheckedScene, states: usize, seed: u64) -> Result<A
     let gearbox = Gearbox::new(scene).map_err(Ending::failed)?;
     let law = Published::new(&gearbox)?;
     // numpy does not look for the wall behind a contact.
-    let mut told = Scene::clone(scene);
-    told.contact.disc_depth_m = Some(law_parameters(scene).disc_depth).filter(|depth| *depth > 0.0);
+    let mut walled = Scene::clone(scene);
+    walled.contact.disc_depth_m =
+        Some(law_parameters(scene).disc_depth).filter(|depth| *depth > 0.0);
     Python::attach(|py| {
         let compare = || -> PyResult<Agreement> {
-            let package = host::package(py)?;
-            let pointer = engine::pointer(&package, &law)?;
-            let found = py
+            let pointer = engine::pointer(&package(py)?, &law)?;
+            let apart = py
                 .import("pinwheel_engines.agreement")?
-                .call_method1("compare", (told.to_toml(), pointer, states, seed))?;
-            found.extract()
+                .call_method1("compare", (walled.to_toml(), pointer, states, seed))?;
+            let of = |name: &str| apart.getattr(name);
+            Ok(Agreement {
+                states: of("states")?.extract()?,
+                loaded: of("loaded")?.extract()?,
+                largest_n: of("largest_n")?.extract()?,
+                worst_relative: of("worst_relative")?.extract()?,
+                worst_n: of("worst_n")?.extract()?,
+                worst_over_rounding: of("worst_over_rounding")?.extract()?,
+                worst_moment_relative: of("worst_moment_relative")?.extract()?,
+                ambiguous: of("ambiguous")?.extract()?,
+            })
         };
         compare().map_err(|error| convert::halt(py, &error))
     })

@@ -4,7 +4,7 @@ use pinwheel_timeseries::{TimeSeries, TimeSeriesError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
-use super::host;
+use super::package::{package, text_of};
 use crate::control::Cancelled;
 use crate::engine::{Ending, Halt, Run, RunStats};
 
@@ -60,7 +60,7 @@ pub(super) fn halt(py: Python<'_>, error: &PyErr) -> Halt {
 
 /// Converts a Python error like [`ended`]; the outer error came up on the way.
 fn known(py: Python<'_>, error: &PyErr) -> PyResult<Result<Run, Halt>> {
-    let errors = host::package(py)?.getattr("errors")?;
+    let errors = package(py)?.getattr("errors")?;
     let value = error.value(py);
     let is = |name: &str| -> PyResult<bool> { value.is_instance(&errors.getattr(name)?) };
     let text = |name: &str| -> PyResult<String> { value.getattr(name)?.extract() };
@@ -88,17 +88,4 @@ fn known(py: Python<'_>, error: &PyErr) -> PyResult<Result<Run, Halt>> {
         Ending::failed(text_of(py, error))
     };
     Ok(Ok(Run::ended(ending)))
-}
-
-/// A Python error on one line, its type first.
-pub(super) fn text_of(py: Python<'_>, error: &PyErr) -> String {
-    let value = error.value(py);
-    let kind = value.get_type().name();
-    let kind = kind.map_or_else(|_| "error".to_owned(), |name| name.to_string());
-    let text = value.str().map(|text| text.to_string()).unwrap_or_default();
-    let text: Vec<&str> = text.split_whitespace().collect();
-    match text.is_empty() {
-        true => kind,
-        false => format!("{kind}: {}", text.join(" ")),
-    }
 }

@@ -9,27 +9,27 @@ use std::sync::atomic::AtomicBool;
 
 use pyo3::prelude::*;
 
-use super::convert::text_of;
-use super::environment::{ENGINES, ENVIRONMENT, Environment, environment};
-use super::host::{PACKAGE, package};
+use super::environment::{ENGINES, Environment, environment};
+use super::interpreter::ENVIRONMENT;
+use super::package::{PACKAGE, package, text_of};
 use super::pins::{LIST, installed, pins};
 use crate::cache::{self, Memo};
 use crate::engine::{Ending, Halt};
 
 /// The package's files: path below its folder, text.
 const SOURCES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/sources.rs"));
-static READY: Memo<()> = Memo::new();
+static READY: Memo<()> = Memo::empty();
 
 /// Makes the environment if need be, starts Python and loads the package, once per process.
 ///
 /// # Errors
 /// Why that cannot be, with the remedy; a stop.
-pub(super) fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
+pub fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
     READY.get(|| load(&environment(ENGINES, cancel)?))
 }
 
 /// The environment is there, and the package cannot be loaded all the same. One that the user `named` is the user's to mend.
-pub(super) fn unusable(folder: &Path, named: bool, reason: &str) -> Halt {
+pub fn unusable(folder: &Path, named: bool, reason: &str) -> Halt {
     let folder = folder.display();
     let remedy = if named {
         format!(
@@ -49,7 +49,7 @@ fn load(environment: &Environment) -> Result<(), Halt> {
         .map(|&(name, text)| (format!("{PACKAGE}/{name}"), text))
         .collect();
     let sources = cache::laid_out("sources", &files)?;
-    let named = crate::variable(ENVIRONMENT).is_some();
+    let named = crate::env::variable(ENVIRONMENT).is_some();
     let failed = |reason: String| unusable(&environment.folder, named, &reason);
     Python::attach(|py| {
         let start = || -> PyResult<Result<(), String>> {

@@ -7,14 +7,15 @@ use pinwheel_scene::Scene;
 use pyo3::prelude::*;
 use pyo3::types::PyCFunction;
 
-use super::law::Published;
 use super::mujoco::{Addresses, Attached, Place, attach, detach};
+use super::package::package;
+use super::published::Published;
 use super::watch::hosted;
 use super::{convert, ffi, host, pins};
 use crate::control::Control;
 use crate::engine::{Ending, Engine, Halt, Prepared, Run, SharedModel, prepared};
-use crate::own_contact::pins_are_rigid;
-use crate::registry::EngineInfo;
+use crate::info::EngineInfo;
+use crate::refusals::pins_are_rigid;
 
 /// One engine of the package.
 #[derive(Debug, Clone, Copy)]
@@ -26,7 +27,7 @@ impl PythonEngine {
         let law = (self.0.track == SharedModel::SharedLaw).then(|| Published::new(gearbox));
         let scene_toml = gearbox.scene.to_toml();
         let (ran, _) = hosted(gearbox, control, law.transpose()?, |options, law| {
-            let package = host::package(options.py())?;
+            let package = package(options.py())?;
             if let Some(law) = law {
                 options.set_item("law", pointer(&package, law)?)?;
             }
@@ -56,7 +57,15 @@ pub(super) fn pointer<'py>(
 
 /// Addresses and joints from the layout that the package hands over.
 fn layout(layout: &Bound<'_, PyAny>, bodies: usize) -> PyResult<(Addresses, Vec<Place>)> {
-    let addresses: Addresses = layout.extract()?;
+    let address = |name: &str| layout.get_item(name)?.extract::<usize>();
+    let addresses = Addresses {
+        data: address("data")?,
+        qpos: address("qpos")?,
+        qvel: address("qvel")?,
+        qfrc_passive: address("qfrc_passive")?,
+        counters: address("counters")?,
+        coordinates: address("coordinates")?,
+    };
     let coordinates: Vec<usize> = layout.get_item("coordinate")?.extract()?;
     let carriers: Vec<i64> = layout.get_item("carrier")?.extract()?;
     let x: Vec<f64> = layout.get_item("offset_x_m")?.extract()?;
@@ -120,7 +129,7 @@ impl PythonEngine {
         host::ready(crate::stopping::flag())?;
         let scene_toml = scene.to_toml();
         Python::attach(|py| {
-            let checked = host::package(py)
+            let checked = package(py)
                 .and_then(|package| package.call_method1("check", (scene_toml, self.0.name)));
             checked
                 .map(|_| ())

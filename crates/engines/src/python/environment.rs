@@ -8,27 +8,25 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use super::interpreter::{Interpreter, interpreter, no_interpreter};
+use super::interpreter::{ENVIRONMENT, Interpreter, interpreter, no_interpreter};
 use crate::cache::{self, Note, call, fingerprint, storage, unless_stopped};
 use crate::engine::{Ending, Halt};
-use crate::variable;
+use crate::env::variable;
 
-/// Names an existing environment, which is used as it is.
-pub(super) const ENVIRONMENT: &str = "PINWHEEL_PYTHON_ENV";
 /// Names a folder of wheels to install from, without a network.
-const WHEELS: &str = "PINWHEEL_WHEELS";
+pub const WHEELS: &str = "PINWHEEL_WHEELS";
 
 /// Written last into an environment: its requirements.
-const MARKER: &str = "pinwheel-requirements.txt";
+pub const MARKER: &str = "pinwheel-requirements.txt";
 
 /// Pinned and hashed packages.
 #[derive(Debug, Clone, Copy)]
 pub struct Requirements {
     /// Short name, part of the environment's.
     pub name: &'static str,
-    /// Where the requirements file is in the repository, for whoever must install by hand.
+    /// Path of the requirements file in the repository, for installation by hand.
     pub file: &'static str,
-    /// Its text, with hashes.
+    /// Text of the requirements file, with hashes.
     pub text: &'static str,
     /// The list is all that is installed, whatever its packages ask for besides: it leaves out what is never imported.
     pub only_listed: bool,
@@ -60,11 +58,11 @@ pub const ENGINES: Requirements = Requirements {
 /// A Python environment that is ready for use.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Environment {
-    /// Its folder.
+    /// Folder of the environment.
     pub folder: PathBuf,
-    /// Its interpreter.
+    /// Python interpreter.
     pub python: PathBuf,
-    /// Where its packages are.
+    /// Folder of the packages.
     pub packages: PathBuf,
 }
 
@@ -87,8 +85,8 @@ pub fn environment(requirements: Requirements, cancel: &AtomicBool) -> Result<En
     )
 }
 
-/// The environment that the user named.
-fn named(
+/// Returns the environment that the user named.
+pub fn named(
     folder: &Path,
     interpreter: &Interpreter,
     cancel: &AtomicBool,
@@ -159,8 +157,8 @@ fn plain(pin: &str) -> String {
     pin.to_lowercase().replace(['_', '.'], "-")
 }
 
-/// The environment in the cache: found, or made under a lock.
-fn ensure(
+/// Returns the environment from the cache, or makes it under a lock.
+pub fn ensure(
     requirements: Requirements,
     interpreter: &Interpreter,
     cache: &Path,
@@ -180,7 +178,7 @@ fn ensure(
 }
 
 /// Folder name of an environment: another interpreter or another list of packages has another.
-fn name_of(requirements: Requirements, interpreter: &Interpreter) -> String {
+pub fn name_of(requirements: Requirements, interpreter: &Interpreter) -> String {
     let key = fingerprint(&[
         requirements.text,
         &interpreter.version,
@@ -197,7 +195,11 @@ fn name_of(requirements: Requirements, interpreter: &Interpreter) -> String {
 }
 
 /// A complete environment, or `None`: the marker says that pip ended well, and every package is still there.
-fn whole(folder: &Path, requirements: Requirements, cancel: &AtomicBool) -> Option<Environment> {
+pub fn whole(
+    folder: &Path,
+    requirements: Requirements,
+    cancel: &AtomicBool,
+) -> Option<Environment> {
     let marker = fs::read_to_string(folder.join(MARKER)).ok()?;
     if marker != requirements.text {
         return None;
@@ -283,6 +285,3 @@ fn python_of(folder: &Path) -> PathBuf {
         folder.join("bin").join("python")
     }
 }
-
-#[cfg(test)]
-mod tests;

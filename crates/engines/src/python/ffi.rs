@@ -2,7 +2,7 @@
 //! is in this file.
 //!
 //! Contract of [`law`] (engines call it from any thread, one at a time for each context):
-//! - `context` is the number of a [`Published`](super::law::Published) law, not an address;
+//! - `context` is the number of a [`Published`](super::published::Published) law, not an address;
 //! - for a number that was ever handed out, `states` points to 6 and `loads` to 3 doubles for each body
 //!   of its scene, aligned, not overlapping, alive and not otherwise used for the time of the call, or is null;
 //!   that holds for stale numbers too, whose law is gone: their loads become NaN;
@@ -29,7 +29,7 @@ use super::mujoco::ATTACHED;
 ///
 /// # Safety
 /// See the module.
-pub(super) unsafe extern "C" fn law(
+pub unsafe extern "C" fn law(
     context: *mut c_void,
     _time_s: f64,
     states: *const f64,
@@ -55,7 +55,7 @@ pub(super) unsafe extern "C" fn law(
 ///
 /// # Safety
 /// See the module.
-pub(super) unsafe extern "C" fn passive(_model: *const c_void, data: *mut c_void) {
+pub unsafe extern "C" fn passive(_model: *const c_void, data: *mut c_void) {
     let mut attached = locked(&ATTACHED);
     let Some(run) = attached
         .iter_mut()
@@ -85,14 +85,11 @@ pub(super) unsafe extern "C" fn passive(_model: *const c_void, data: *mut c_void
 }
 
 /// Address of [`law`].
-pub(super) fn law_address() -> usize {
+pub fn law_address() -> usize {
     (law as *const ()).expose_provenance()
 }
 
 /// Address of [`passive`].
-pub(super) fn passive_address() -> usize {
+pub fn passive_address() -> usize {
     (passive as *const ()).expose_provenance()
 }
-
-#[cfg(test)]
-mod tests;

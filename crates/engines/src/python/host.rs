@@ -4,13 +4,10 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pyo3::prelude::*;
-use pyo3::types::PyModule;
 
+use super::package::{package, text_of};
 use super::pins::{LIST, installed, pins};
 use crate::engine::{Ending, Halt};
-
-/// Name of the package.
-pub(super) const PACKAGE: &str = "pinwheel_engines";
 
 /// Set when Python has imported us and not we Python.
 static HERE: AtomicBool = AtomicBool::new(false);
@@ -30,7 +27,7 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
     if is_here() {
         return Python::attach(|py| {
             let found = package(py);
-            found.map_err(|error| Ending::absent(super::convert::text_of(py, &error)))?;
+            found.map_err(|error| Ending::absent(text_of(py, &error)))?;
             Ok(())
         });
     }
@@ -41,11 +38,6 @@ pub(super) fn ready(cancel: &AtomicBool) -> Result<(), Halt> {
         let _ = cancel;
         Ok(())
     }
-}
-
-/// The loaded package.
-pub(super) fn package(py: Python<'_>) -> PyResult<Bound<'_, PyModule>> {
-    py.import(PACKAGE)
 }
 
 /// True if an engine of a package can run: an embedded interpreter gets the packages that it lacks, another has them or

@@ -4,22 +4,24 @@ use std::path::PathBuf;
 
 use pyo3::prelude::*;
 
-use super::convert::text_of;
-use super::environment::ENVIRONMENT;
+use super::package::text_of;
 use crate::engine::{Ending, Halt};
+
+/// Names an existing environment, which is used as it is.
+pub const ENVIRONMENT: &str = "PINWHEEL_PYTHON_ENV";
 
 /// The interpreter whose library this program embeds.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Interpreter {
+pub struct Interpreter {
     /// `3.11.7`
-    pub(super) version: String,
-    /// Where its executable may be, most likely first.
-    pub(super) candidates: Vec<PathBuf>,
+    pub version: String,
+    /// Possible paths of the executable, most likely first.
+    pub candidates: Vec<PathBuf>,
 }
 
-/// The interpreter this process embeds.
-pub(super) fn interpreter() -> Result<Interpreter, Halt> {
-    if let Some(home) = crate::variable("PYTHONHOME") {
+/// Returns the interpreter that this process embeds.
+pub fn interpreter() -> Result<Interpreter, Halt> {
+    if let Some(home) = crate::env::variable("PYTHONHOME") {
         return Err(Ending::absent(format!(
             "PYTHONHOME = {home:?} would send the embedded Python to another installation; unset PYTHONHOME"
         ))
@@ -56,8 +58,8 @@ pub(super) fn interpreter() -> Result<Interpreter, Halt> {
     asked.map_err(|error| no_interpreter("3", &Python::attach(|py| text_of(py, &error))))
 }
 
-/// There is no interpreter of that version to make an environment with.
-pub(super) fn no_interpreter(version: &str, tried: &str) -> Halt {
+/// Returns the ending of a run without an interpreter of that version.
+pub fn no_interpreter(version: &str, tried: &str) -> Halt {
     Ending::absent(format!(
         "no Python {version} interpreter was found to make an environment with (tried {tried}); install it, or name an \
          environment of that version with {ENVIRONMENT}"

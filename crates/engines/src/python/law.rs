@@ -13,15 +13,14 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_handles::Handles;
 use pinwheel_law::Evaluator;
 
-use super::mujoco::detach;
 use crate::engine::Ending;
 
 /// Law behind a number.
-pub(super) struct Law {
+pub struct Law {
     /// Bodies of the scene; known also after the law is gone.
-    pub(super) bodies: usize,
+    pub bodies: usize,
     /// MuJoCo is given new loads at every so many calls only, as a frozen force would: 1 but for that fault.
-    pub(super) every: u64,
+    pub every: u64,
     evaluator: Mutex<Option<Evaluator>>,
     calls: AtomicU64,
     /// Faulty loads are so many times too large.
@@ -35,48 +34,24 @@ const SOUND_CALLS: u64 = 300;
 static LAWS: Handles<Law> = Handles::new();
 
 /// Locks data that are valid after a panic, too.
-pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Law behind a number, or `None` if it was never handed out.
-pub(super) fn find(number: usize) -> Option<Arc<Law>> {
+pub fn find(number: usize) -> Option<Arc<Law>> {
     LAWS.find(std::ptr::without_provenance::<u8>(number))
 }
 
 impl Law {
-    /// Reads 6 numbers a body and writes 3 loads a body: NaN if it is gone, or panics.
-    pub(super) fn evaluate(&self, states: &[f64], loads: &mut [f64]) {
-        let evaluated = catch_unwind(AssertUnwindSafe(|| {
-            let mut law = locked(&self.evaluator);
-            law.as_mut().map(|law| law.evaluate(states, loads))
-        }));
-        if !matches!(evaluated, Ok(Some(()))) {
-            loads.fill(f64::NAN);
-        }
-        if let Some(factor) = self.fault
-            && self.calls.fetch_add(1, Ordering::Relaxed) >= SOUND_CALLS
-        {
-            loads.iter_mut().for_each(|load| *load *= factor);
-        }
-    }
-}
-
-/// A law that engines can call; stale from the moment this is dropped.
-pub(super) struct Published {
-    pub(super) number: usize,
-    pub(super) law: Arc<Law>,
-}
-
-impl Published {
-    /// The law of a gearbox.
+    /// Returns the law of a gearbox and the number that stands for it.
     ///
     /// # Errors
     /// The gearbox has none.
-    pub(super) fn new(gearbox: &Gearbox) -> Result<Self, Ending> {
+    pub fn open(gearbox: &Gearbox) -> Result<(usize, Arc<Self>), Ending> {
         let field = gearbox.contact_field().map_err(Ending::unsupported)?;
         let bodies = gearbox.layout.bodies();
-        let number = LAWS.open::<u8>(Law {
+        let number = LAWS.open::<u8>(Self {
             bodies,
             every: if armed(Fault::FrozenLoads) { 4 } else { 1 },
             evaluator: Mutex::new(Some(Evaluator::new(field, bodies))),
@@ -89,14 +64,27 @@ impl Published {
         });
         let number = number.addr();
         let law = find(number).ok_or_else(|| Ending::failed("its law was closed"))?;
-        Ok(Self { number, law })
+        Ok((number, law))
     }
-}
 
-impl Drop for Published {
-    fn drop(&mut self) {
-        // However the run ended, by a panic too: MuJoCo may call no more.
-        detach(self.number);
-        locked(&self.law.evaluator).take();
+    /// Drops the evaluator: loads are NaN from now on.
+    pub fn close(&self) {
+        locked(&self.evaluator).take();
+    }
+
+    /// Reads 6 numbers a body and writes 3 loads a body: NaN if it is gone, or panics.
+    pub fn evaluate(&self, states: &[f64], loads: &mut [f64]) {
+        let evaluated = catch_unwind(AssertUnwindSafe(|| {
+            let mut law = locked(&self.evaluator);
+            law.as_mut().map(|law| law.evaluate(states, loads))
+        }));
+        if !matches!(evaluated, Ok(Some(()))) {
+            loads.fill(f64::NAN);
+        }
+        if let Some(factor) = self.fault
+            && self.calls.fetch_add(1, Ordering::Relaxed) >= SOUND_CALLS
+        {
+            loads.iter_mut().for_each(|load| *load *= factor);
+        }
     }
 }

@@ -8,17 +8,26 @@
 mod agreement;
 mod convert;
 #[cfg(feature = "crossval")]
-mod embedded;
+#[doc(hidden)] // for tests
+pub mod embedded;
 mod engine;
 #[cfg(feature = "crossval")]
-mod environment;
-mod ffi;
+#[doc(hidden)] // for tests
+pub mod environment;
+#[doc(hidden)] // for tests
+pub mod ffi;
 mod host;
 #[cfg(feature = "crossval")]
-mod interpreter;
-mod law;
-mod mujoco;
+#[doc(hidden)] // for tests
+pub mod interpreter;
+#[doc(hidden)] // for tests
+pub mod law;
+#[doc(hidden)] // for tests
+pub mod mujoco;
+mod package;
 mod pins;
+#[doc(hidden)] // for tests
+pub mod published;
 mod user_engine;
 mod watch;
 
@@ -31,7 +40,7 @@ pub(crate) use pins::pinned;
 pub use user_engine::UserEngine;
 
 use crate::engine::Engine;
-use crate::registry::EngineInfo;
+use crate::info::EngineInfo;
 use engine::PythonEngine;
 
 /// An engine of the package `pinwheel_engines`; in an interpreter that is not ours only if that has what is behind it.

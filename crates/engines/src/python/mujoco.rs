@@ -6,42 +6,40 @@
 use std::sync::{Arc, Mutex};
 
 use pinwheel_contact::Complex;
-use pyo3::FromPyObject;
 
 use super::law::{Law, locked};
 
-/// Where one body's joint is, and where the body sits.
+/// Joint coordinate of a body and position of the body on its carrier.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Place {
+pub struct Place {
     /// Index of its joint in MuJoCo's arrays.
-    pub(super) coordinate: usize,
+    pub coordinate: usize,
     /// The body it sits on; `None`: the ground. Carriers stand on the ground themselves.
-    pub(super) carrier: Option<usize>,
-    /// Its centre on its carrier, m.
-    pub(super) offset: [f64; 2],
+    pub carrier: Option<usize>,
+    /// Centre of the body on the carrier, m.
+    pub offset: [f64; 2],
 }
 
 /// Addresses of one run's numbers in MuJoCo, valid until it detaches.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, FromPyObject)]
-#[pyo3(from_item_all)]
-pub(super) struct Addresses {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Addresses {
     /// The mjData itself.
-    pub(super) data: usize,
+    pub data: usize,
     /// Joint angles, `coordinates` doubles.
-    pub(super) qpos: usize,
+    pub qpos: usize,
     /// Joint rates.
-    pub(super) qvel: usize,
+    pub qvel: usize,
     /// Joint torques, to be added to.
-    pub(super) qfrc_passive: usize,
+    pub qfrc_passive: usize,
     /// Two 64-bit counters: evaluations, and those at another state than the one before.
-    pub(super) counters: usize,
+    pub counters: usize,
     /// Length of the arrays.
-    pub(super) coordinates: usize,
+    pub coordinates: usize,
 }
 
 impl Addresses {
     /// True if each address can be one of doubles or of 64-bit counters: not null, and aligned.
-    pub(super) fn are_sound(&self) -> bool {
+    pub fn are_sound(&self) -> bool {
         let Self {
             data,
             qpos,
@@ -58,44 +56,44 @@ impl Addresses {
 }
 
 /// One run of MuJoCo under our law.
-pub(super) struct Attached {
-    pub(super) run: usize,
-    pub(super) addresses: Addresses,
-    pub(super) places: Vec<Place>,
-    pub(super) law: Arc<Law>,
-    pub(super) calls: u64,
+pub struct Attached {
+    pub run: usize,
+    pub addresses: Addresses,
+    pub places: Vec<Place>,
+    pub law: Arc<Law>,
+    pub calls: u64,
     /// Angles and rates of the last evaluation.
-    pub(super) last: Vec<f64>,
-    pub(super) torques: Vec<f64>,
-    pub(super) states: Vec<f64>,
-    pub(super) loads: Vec<f64>,
+    pub last: Vec<f64>,
+    pub torques: Vec<f64>,
+    pub states: Vec<f64>,
+    pub loads: Vec<f64>,
 }
 
 /// All runs that MuJoCo may call back for. Its callback is process-wide: it is found by its data.
-pub(super) static ATTACHED: Mutex<Vec<Attached>> = Mutex::new(Vec::new());
+pub static ATTACHED: Mutex<Vec<Attached>> = Mutex::new(Vec::new());
 
 /// Lets MuJoCo call back for a run, in the place of an earlier one of the same law or the same data: freed memory is
 /// handed out again, and what had that address before is stale.
-pub(super) fn attach(run: Attached) {
+pub fn attach(run: Attached) {
     let mut attached = locked(&ATTACHED);
     attached.retain(|other| other.run != run.run && other.addresses.data != run.addresses.data);
     attached.push(run);
 }
 
 /// Forgets a run: its addresses are stale.
-pub(super) fn detach(run: usize) {
+pub fn detach(run: usize) {
     locked(&ATTACHED).retain(|attached| attached.run != run);
 }
 
 /// Effects of a call of the callback.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Counted {
-    pub(super) evaluated: bool,
-    pub(super) moved: bool,
+pub struct Counted {
+    pub evaluated: bool,
+    pub moved: bool,
 }
 
 impl Attached {
-    pub(super) fn new(run: usize, addresses: Addresses, places: Vec<Place>, law: Arc<Law>) -> Self {
+    pub fn new(run: usize, addresses: Addresses, places: Vec<Place>, law: Arc<Law>) -> Self {
         let bodies = places.len();
         Self {
             run,
@@ -111,7 +109,7 @@ impl Attached {
     }
 
     /// Adds the contact torques at joint angles `q` and rates `v` to `out`.
-    pub(super) fn add_torques(&mut self, q: &[f64], v: &[f64], out: &mut [f64]) -> Counted {
+    pub fn add_torques(&mut self, q: &[f64], v: &[f64], out: &mut [f64]) -> Counted {
         let evaluated = self.calls.is_multiple_of(self.law.every);
         self.calls += 1;
         let mut moved = false;

@@ -16,11 +16,12 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyCFunction;
 
-use super::law::{Published, locked};
+use super::law::locked;
+use super::published::Published;
 use super::watch::hosted;
 use crate::control::Control;
-use crate::engine::{Ending, Engine, Halt, Prepared, Refinement, Run, SharedModel, prepared};
-use crate::registry::EngineInfo;
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, SharedModel, prepared};
+use crate::info::{EngineInfo, Refinement};
 
 /// A solver of the user's.
 #[derive(Debug)]
@@ -33,7 +34,7 @@ pub struct UserEngine {
     pub version: String,
     /// One line.
     pub summary: String,
-    /// How it differs from the native solver.
+    /// Differences from the native solver.
     pub differences: String,
     /// Order of convergence in `solver.step_s`; `None` where the step is its own.
     pub order: Option<f64>,

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict};
 
 use super::convert;
-use super::law::Published;
+use super::published::Published;
 use crate::control::Control;
 use crate::engine::{Ending, Halt, Run};
 
@@ -112,7 +112,7 @@ fn watched<T: Send>(
                 break;
             }
         }
-        // Whoever still reports is told to stop.
+        // A worker that still reports gets the answer to stop.
         drop((told, answer));
         worker.join().or_else(|panic| resume_unwind(panic))
     })

@@ -16,20 +16,20 @@ use rapier2d_f64::prelude::*;
 
 use super::march::{Contacts, Grid, friction_is_plain, march};
 use super::outlines::{closed, corners_for_sag, hole_edge, sag_of_corners, wheel_edge};
-use super::spring::{contact_spring, spring_load};
 use super::sums::Evaluation;
 use super::world::{World, in_frame_of};
 use crate::engine::{Ending, Halt, Prepared, prepared};
-use crate::own_contact::pins_are_rigid;
+use crate::refusals::pins_are_rigid;
+use crate::spring::{contact_spring, spring_load};
 
 /// Points of a disc's edge, and fewest on a lobe: a gear of 39 lobes has its mean forces right to
 /// 0.8 % with 103 points a lobe, against 267.
-const EDGE_POINTS: usize = 4000;
+pub const EDGE_POINTS: usize = 4000;
 const LOBE_POINTS: usize = 100;
 /// And most: beyond that an outline costs more than it shows.
 const MOST_POINTS: usize = 16_000;
 /// Fewest and most points of a hole's edge: with the former chords are 0.3 micrometres deep in a hole of 8.8 mm.
-const HOLE_POINTS: usize = 400;
+pub const HOLE_POINTS: usize = 400;
 const MOST_HOLE_POINTS: usize = 4000;
 /// By how much an outline should miss its curve, and by how much it may, as shares of the depth of contacts.
 const SAG: f64 = 0.01;
@@ -46,7 +46,7 @@ const STEPS_PER_TURN: f64 = 1200.0;
 /// of 3 mm in plastics slips through its teeth at 1.9; the paper's has 0.1, steel 0.5).
 const PERIODS: f64 = 0.5;
 
-pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
+pub fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
     let scene = &gearbox.scene;
     friction_is_plain(scene)?;
     pins_are_rigid(scene)?;
@@ -126,15 +126,15 @@ fn notes(gearbox: &Gearbox, grid: &Grid) -> Vec<String> {
 
 /// Corners of outlines.
 #[derive(Debug, Clone, Copy)]
-struct Corners {
-    wheel: usize,
-    hole: usize,
+pub struct Corners {
+    pub wheel: usize,
+    pub hole: usize,
 }
 
 impl Corners {
     /// So many that outlines miss their curves by a hundredth of the depth of springs of this stiffness (external, internal, N/m)
     /// under the static load.
-    fn of(scene: &Scene, stiffness_n_m: [f64; 2]) -> Result<Self, String> {
+    pub fn of(scene: &Scene, stiffness_n_m: [f64; 2]) -> Result<Self, String> {
         let gear = &scene.gear;
         let torque = Scales::of(scene).wheel_torque_n_m;
         let forces = [external_force(gear, torque), internal_force(gear, torque)];
@@ -301,7 +301,7 @@ impl Contacts for Solid {
 }
 
 impl Meeting {
-    /// Visits the impulses of the last step: the normal one's size, and the whole on the pin.
+    /// Visits the impulses of the last step: the magnitude of the normal one, and the total on the pin.
     fn impulses(&self, world: &World, visit: &mut dyn FnMut(f64, Vector)) {
         let contacts = world
             .physics
@@ -422,25 +422,5 @@ impl PhysicsHooks for Nearest {
         if distance(segment + count - 1) <= here || distance(segment + 1) < here {
             contact.solver_contacts.clear();
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A gear without load has contacts of no depth: its outlines are as fine as ever, and nothing is refused.
-    #[test]
-    fn hard_outlines_without_a_load() {
-        let mut scene = Scene::paper();
-        let loaded = Corners::of(&scene, [1e6; 2]).unwrap();
-        scene.drive.output_torque_n_m = 0.0;
-        let found = Corners::of(&scene, [1e6; 2]).unwrap();
-        assert_eq!((found.wheel, found.hole), (EDGE_POINTS, HOLE_POINTS));
-        assert!(loaded.wheel >= found.wheel);
-        // A load that presses in by next to nothing is limited by the polygon.
-        scene.drive.output_torque_n_m = 22.0;
-        let refused = Corners::of(&scene, [1e11; 2]).unwrap_err();
-        assert!(refused.contains("limited by its polygon"), "{refused}");
     }
 }

@@ -18,11 +18,11 @@ use super::march::{Contacts, Grid, friction_is_plain, march};
 use super::sums::{Evaluation, sleeve_slot};
 use super::world::World;
 use crate::engine::{Ending, Halt, Prepared, prepared};
-use crate::own_contact::wheels_are_held;
+use crate::refusals::wheels_are_held;
 
 /// Gauss-Seidel sweeps a step. Friction couples the pins through the shafts: in the driver
 /// torque five leave 1.6e-2, ten 1.0e-3, twenty 8.9e-4, forty 8.6e-4 (mu = 0.1, steady, 1e-5 s).
-const SWEEPS: usize = 20;
+pub const SWEEPS: usize = 20;
 
 /// h w of the contact spring. The spring's own damping, m (h w)^2 v/h, is then about 1e-6 N, and
 /// the depth it asks for still leaves the contact point exact to 1e-12 m.
@@ -33,7 +33,7 @@ const STEP_TIMES_FREQUENCY: f64 = 1e-4;
 /// 1e-5 s this is 1e-9 m and carries 3e-9 N.
 const LEAST_DEPTH: f64 = 1.6e-8;
 
-pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
+pub fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
     friction_is_plain(&gearbox.scene)?;
     wheels_are_held(&gearbox.scene)?;
     let grid = Grid::new(&gearbox.scene, gearbox.scene.solver.step_s)?;
@@ -49,7 +49,7 @@ pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
 }
 
 /// The table of pairs that our law fills and rapier's hook reads.
-struct Hooked {
+pub struct Hooked {
     layout: Layout,
     field: Box<dyn ContactField>,
     friction: f64,
@@ -73,7 +73,7 @@ struct Load {
 }
 
 impl Hooked {
-    fn new(
+    pub fn new(
         gearbox: &Gearbox,
         field: Box<dyn ContactField>,
         world: &mut World,
@@ -126,7 +126,7 @@ impl Hooked {
     }
 
     /// Visits the pairs that touched in the last step, with the forces of rapier's impulses.
-    fn transmitted(&self, world: &World, share: f64, visit: &mut dyn FnMut(&PairContact)) {
+    pub fn transmitted(&self, world: &World, share: f64, visit: &mut dyn FnMut(&PairContact)) {
         for Load { pair, .. } in self.table.iter().flatten() {
             visit(&self.with_forces(world, share, *pair));
         }
@@ -306,61 +306,5 @@ impl PhysicsHooks for Hook<'_> {
             solver.anchor2 = anchor;
             solver.dist = -depth;
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The forces that rapier transmits in a step are those of the law, read back from its impulses, with friction that
-    /// bounds and opposes.
-    #[test]
-    fn transmits_the_law_and_bounds_friction() {
-        let mut scene = pinwheel_scene::Scene::paper();
-        scene.contact.friction_coefficient = 0.1;
-        let gearbox = &Gearbox::new(&scene.check().unwrap()).unwrap();
-        let step_s = gearbox.scene.solver.step_s;
-        let mut world = World::new(gearbox, step_s, SWEEPS);
-        let field = gearbox.contact_field().unwrap();
-        let mut hooked = Hooked::new(gearbox, field, &mut world, step_s);
-        let (mut now, mut seen) = (Vec::new(), 0);
-        for step in 0..300 {
-            world.at_node(&mut now);
-            let mut loads = vec![Wrench::default(); gearbox.layout.bodies()];
-            loads[pinwheel_scene::Layout::OUTPUT].moment = 22.0;
-            let share = world.share();
-            hooked.step(&mut world, &now, &mut loads).unwrap();
-            let mut asked: Vec<PairContact> = Vec::new();
-            gearbox
-                .contact_field()
-                .unwrap()
-                .touching(&now, &mut |pair| asked.push(*pair));
-            let mut got = Vec::new();
-            hooked.transmitted(&world, share, &mut |pair| got.push(*pair));
-            for pair in asked.iter().filter(|pair| pair.normal_force_n > 0.0) {
-                let found = got
-                    .iter()
-                    .find(|found| found.wheel == pair.wheel && found.sleeve == pair.sleeve)
-                    .unwrap_or_else(|| panic!("step {step}: {pair:?} is missing"));
-                let (force, wanted) = (found.normal_force_n, pair.normal_force_n);
-                assert!(
-                    (force - wanted).abs() < 1e-6 * wanted + 1e-5,
-                    "step {step}: {force} for {wanted}"
-                );
-                assert!(found.friction_force_n.abs() <= 0.1 * force * (1.0 + 1e-9));
-                // Clear sliding is opposed with all of mu F_n.
-                if pair.tangential_rate_m_s.abs() > 0.05 {
-                    let full = -0.1 * force * pair.tangential_rate_m_s.signum();
-                    assert!(
-                        (found.friction_force_n - full).abs() < 1e-9 * force + 1e-5,
-                        "{found:?} {full}"
-                    );
-                    seen += 1;
-                }
-            }
-            assert_eq!(got.len(), asked.len());
-        }
-        assert!(seen > 100, "only {seen} sliding contacts");
     }
 }

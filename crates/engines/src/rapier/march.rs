@@ -19,7 +19,7 @@ use crate::control::{Cancelled, Control};
 use crate::engine::{Ending, Halt, Run, RunStats};
 
 /// Source of the contact forces, in which the engines differ.
-pub(super) trait Contacts {
+pub trait Contacts {
     /// Takes one step of `world` under contact forces and `loads` (so far the load torque alone).
     /// `now`: the states at t_n, velocities extrapolated.
     ///
@@ -42,11 +42,11 @@ pub(super) trait Contacts {
 
 /// Steps on the scene's sample grid.
 #[derive(Debug, Clone)]
-pub(super) struct Grid {
+pub struct Grid {
     /// h, s.
-    pub(super) step_s: f64,
+    pub step_s: f64,
     /// Node number and time of every sample.
-    samples: Vec<(u64, f64)>,
+    pub samples: Vec<(u64, f64)>,
 }
 
 impl Grid {
@@ -54,7 +54,7 @@ impl Grid {
     ///
     /// # Errors
     /// In words, with the remedy, if `step_s` divides the sampling step or the duration unevenly.
-    pub(super) fn new(scene: &Scene, step_s: f64) -> Result<Self, Ending> {
+    pub fn new(scene: &Scene, step_s: f64) -> Result<Self, Ending> {
         let solver = &scene.solver;
         let whole = |ratio: f64| ratio > 0.5 && (ratio - ratio.round()).abs() <= 1e-6;
         let per_sample = solver.sample_s / step_s;
@@ -82,7 +82,7 @@ impl Grid {
 }
 
 /// Refuses friction laws that rapier's own friction cannot honour.
-pub(super) fn friction_is_plain(scene: &Scene) -> Result<(), Ending> {
+pub fn friction_is_plain(scene: &Scene) -> Result<(), Ending> {
     let contact = &scene.contact;
     if contact.friction_coefficient > 0.0 && contact.friction_law != FrictionLaw::Regularised {
         return Err(Ending::unsupported(
@@ -96,7 +96,7 @@ pub(super) fn friction_is_plain(scene: &Scene) -> Result<(), Ending> {
 ///
 /// # Errors
 /// A stop, or a failure if the samples do not make time series. A divergence keeps the time series until then.
-pub(super) fn march(
+pub fn march(
     gearbox: &Gearbox,
     mut world: World,
     contacts: &mut dyn Contacts,
@@ -196,43 +196,4 @@ fn load(gearbox: &Gearbox, time_s: f64, step_s: f64) -> f64 {
     }
     let (from, to) = ((time_s - 0.5 * step_s).max(0.0), time_s + 0.5 * step_s);
     load_profile::mean(drive, from, to)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn scene(step_s: f64, sample_s: f64, duration_s: f64) -> Scene {
-        let mut scene = Scene::paper();
-        (
-            scene.solver.step_s,
-            scene.solver.sample_s,
-            scene.solver.duration_s,
-        ) = (step_s, sample_s, duration_s);
-        scene
-    }
-
-    #[test]
-    fn every_sample_is_a_node() {
-        let grid = Grid::new(&scene(1e-5, 1e-4, 1.05e-3), 1e-5).unwrap();
-        let nodes: Vec<u64> = grid.samples.iter().map(|sample| sample.0).collect();
-        assert_eq!(nodes, [0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 105]);
-        assert_eq!(grid.samples.last().unwrap().1, 1.05e-3);
-    }
-
-    #[test]
-    fn uneven_steps_are_refused_with_the_key() {
-        let sampling = Grid::new(&scene(3e-5, 1e-4, 0.1), 3e-5)
-            .unwrap_err()
-            .to_string();
-        assert!(sampling.contains("solver.sample_s"), "{sampling}");
-        let duration = Grid::new(&scene(1e-5, 1e-4, 1.234e-3 + 3e-6), 1e-5)
-            .unwrap_err()
-            .to_string();
-        assert!(duration.contains("solver.duration_s"), "{duration}");
-        let long = Grid::new(&scene(1e-3, 1e-4, 0.1), 1e-3)
-            .unwrap_err()
-            .to_string();
-        assert!(long.contains("solver.sample_s"), "{long}");
-    }
 }

@@ -4,30 +4,37 @@
 //! - `rapier-own-contact-hook`: our normal force, its implicit Coulomb friction;
 //! - `rapier-own-contact-colliders`: its own collision detection and contact spring.
 
-mod colliders;
-mod contact_hook;
-mod march;
-mod outlines;
-mod reactions;
+pub mod colliders;
+pub mod contact_hook;
+pub mod march;
+pub mod outlines;
+pub mod reactions;
 mod shared_law;
-mod spring;
-mod sums;
-mod world;
+pub mod sums;
+pub mod world;
 
 use pinwheel_gearbox::Gearbox;
 
 use crate::engine::{Engine, Halt, Prepared};
-use crate::registry::{self, EngineInfo};
+use crate::info::EngineInfo;
+use crate::known::rapier as facts;
 
 /// One of the three: what is known of it, and how it is made ready.
-pub(crate) struct Rapier(
+struct Rapier(
     &'static EngineInfo<'static>,
     fn(&Gearbox) -> Result<Prepared<'static>, Halt>,
 );
 
-pub(crate) const SHARED_LAW: Rapier = Rapier(&registry::RAPIER_SHARED_LAW, shared_law::prepare);
-pub(crate) const HOOK: Rapier = Rapier(&registry::RAPIER_HOOK, contact_hook::prepare);
-pub(crate) const COLLIDERS: Rapier = Rapier(&registry::RAPIER_COLLIDERS, colliders::prepare);
+/// Returns rapier as an engine; `None` if the facts are another's.
+pub(crate) fn engine(info: &EngineInfo<'_>) -> Option<Box<dyn Engine>> {
+    let all = [
+        Rapier(&facts::SHARED_LAW, shared_law::prepare),
+        Rapier(&facts::HOOK, contact_hook::prepare),
+        Rapier(&facts::COLLIDERS, colliders::prepare),
+    ];
+    let rapier = all.into_iter().find(|rapier| rapier.0 == info)?;
+    Some(Box::new(rapier))
+}
 
 impl Engine for Rapier {
     fn info(&self) -> EngineInfo<'_> {
@@ -41,13 +48,4 @@ impl Engine for Rapier {
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         self.1(gearbox)
     }
-}
-
-/// The linear springs of external and internal contacts that the colliders have, N/m.
-///
-/// # Errors
-/// In words, if the law cannot carry the load.
-pub(crate) fn stage_stiffness(gearbox: &Gearbox) -> Result<[f64; 2], String> {
-    let mut field = gearbox.contact_field().map_err(|error| error.to_string())?;
-    spring::contact_spring(gearbox, &mut *field).map(|spring| spring.stiffness_n_m)
 }

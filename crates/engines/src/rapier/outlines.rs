@@ -8,7 +8,7 @@ use rapier2d_f64::prelude::{Rotation, Vector};
 
 /// About `count` points of a disc's edge, counter-clockwise, in the disc's frame, m: all chords miss the edge by as much
 /// ([`sag_of_corners`]), along each flank where flanks are turned.
-pub(super) fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
+pub fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
     let turn = gear.modification.rotational_rad;
     let pitch = TAU / gear.lobes() as f64;
     if turn == 0.0 {
@@ -58,13 +58,13 @@ pub(super) fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
         .collect()
 }
 
-/// How many corners a disc's edge needs for chords that miss it by `sag_m`.
-pub(super) fn corners_for_sag(gear: &Gear, sag_m: f64) -> f64 {
+/// Returns the number of corners of a disc's edge whose chords deviate from it by `sag_m`.
+pub fn corners_for_sag(gear: &Gear, sag_m: f64) -> f64 {
     whole(gear) / (8.0 * sag_m).sqrt()
 }
 
 /// By how much the chords between so many corners miss a disc's edge, m: `c^2 |kappa|/8` of a chord c.
-pub(super) fn sag_of_corners(gear: &Gear, count: usize) -> f64 {
+pub fn sag_of_corners(gear: &Gear, count: usize) -> f64 {
     (whole(gear) / count as f64).powi(2) / 8.0
 }
 
@@ -144,82 +144,18 @@ fn edge_point(gear: &Gear, a: f64) -> Vector {
 
 /// `count` points of a circle about `centre`, m; clockwise, so that rapier takes the outside for
 /// solid.
-pub(super) fn hole_edge(centre: Vector, radius: f64, count: usize) -> Vec<Vector> {
+pub fn hole_edge(centre: Vector, radius: f64, count: usize) -> Vec<Vector> {
     around(count)
         .map(|a| centre + radius * Vector::new(a.cos(), -a.sin()))
         .collect()
 }
 
 /// The segments of a closed polyline over `count` points.
-pub(super) fn closed(count: usize) -> Vec<[u32; 2]> {
+pub fn closed(count: usize) -> Vec<[u32; 2]> {
     let count = count as u32;
     (0..count).map(|i| [i, (i + 1) % count]).collect()
 }
 
 fn around(count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |i| TAU * i as f64 / count as f64)
-}
-
-#[cfg(test)]
-mod tests {
-    use pinwheel_scene::Scene;
-
-    use super::*;
-
-    fn area(points: &[Vector]) -> f64 {
-        closed(points.len())
-            .iter()
-            .map(|&[a, b]| 0.5 * points[a as usize].perp_dot(points[b as usize]))
-            .sum()
-    }
-
-    /// Without its eight holes of 8.8 mm the paper's disc covers 8710.1 mm^2
-    /// (reference/scenes/paper-geometric.toml).
-    #[test]
-    fn wheel_edge_encloses_the_known_area_counter_clockwise() {
-        let holes = 8.0 * std::f64::consts::PI * 0.0088_f64.powi(2);
-        let area = area(&wheel_edge(&Scene::paper().gear, 40_000)) - holes;
-        assert!((area - 8710.1e-6).abs() < 0.05e-6, "{area}");
-    }
-
-    /// Against the disc turned to either side: every point of the common edge lies on one and within the other.
-    #[test]
-    fn turned_flanks_bound_what_both_wheels_have_in_common() {
-        let mut gear = Scene::paper().gear;
-        let plain = area(&wheel_edge(&gear, 40_000));
-        gear.modification.rotational_rad = 1e-3;
-        let edge = wheel_edge(&gear, 6_000);
-        gear.modification.rotational_rad = 0.0;
-        let fine = wheel_edge(&gear, 60_000);
-        for point in edge.iter().step_by(13) {
-            let radius_at = |turn: f64| {
-                let turned = Rotation::new(-turn) * *point;
-                let near = |p: &&Vector| p.perp_dot(turned).abs() / p.dot(turned);
-                let nearest = fine.iter().filter(|p| p.dot(turned) > 0.0);
-                nearest
-                    .min_by(|a, b| near(a).total_cmp(&near(b)))
-                    .unwrap()
-                    .length()
-            };
-            let least = radius_at(1e-3).min(radius_at(-1e-3));
-            assert!((point.length() - least).abs() < 1e-5, "{point} {least}");
-        }
-        // Two flanks a lobe, each lower by turn times the radius over a height of 2 e, twice.
-        let lost = plain - area(&edge);
-        let wanted = 15.0 * 1e-3 * ((0.0608_f64).powi(2) - (0.0552_f64).powi(2));
-        assert!((lost / wanted - 1.0).abs() < 0.01, "{lost} {wanted}");
-    }
-
-    #[test]
-    fn hole_edge_runs_clockwise_about_its_centre() {
-        let centre = Vector::new(0.03, -0.01);
-        let points = hole_edge(centre, 0.0088, 400);
-        assert!(
-            points
-                .iter()
-                .all(|point| ((*point - centre).length() - 0.0088).abs() < 1e-15)
-        );
-        let circle = std::f64::consts::PI * 0.0088_f64.powi(2);
-        assert!((area(&points) + circle).abs() < 1e-4 * circle);
-    }
 }

@@ -12,12 +12,7 @@ use super::world::World;
 
 /// Force of the revolute that carries each body, N, ground frame, in [`Layout`] order; the samples'
 /// contact forces are `sums`, the step just taken is centred at the sample.
-pub(super) fn reactions(
-    gearbox: &Gearbox,
-    world: &World,
-    sums: &Evaluation,
-    into: &mut Vec<[f64; 2]>,
-) {
+pub fn reactions(gearbox: &Gearbox, world: &World, sums: &Evaluation, into: &mut Vec<[f64; 2]>) {
     let layout = gearbox.layout;
     into.clear();
     into.resize(layout.bodies(), [0.0; 2]);

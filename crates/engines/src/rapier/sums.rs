@@ -4,20 +4,20 @@ use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::{Layout, Sleeve};
 
 /// Contact forces in the ground frame, N, summed over the pairs.
-pub(super) struct Evaluation {
-    layout: Layout,
+pub struct Evaluation {
+    pub layout: Layout,
     /// On each pin, external then internal.
-    pub(super) sleeves: Vec<[f64; 2]>,
+    pub sleeves: Vec<[f64; 2]>,
     /// On each disc.
     wheels: Vec<[f64; 2]>,
     /// Moment on the input shaft of what does not come through discs that it holds, N m.
     input_n_m: f64,
     /// Moment on the output shaft of what does not come through its pins, N m.
-    pub(super) output_n_m: f64,
+    pub output_n_m: f64,
 }
 
 impl Evaluation {
-    pub(super) fn new(layout: Layout) -> Self {
+    pub fn new(layout: Layout) -> Self {
         Self {
             layout,
             sleeves: vec![[0.0; 2]; layout.external_sleeves + layout.internal_sleeves],
@@ -28,7 +28,7 @@ impl Evaluation {
     }
 
     /// Adds the force of a pair on its pin; the disc takes the opposite.
-    pub(super) fn add(&mut self, wheel: usize, sleeve: Sleeve, force: [f64; 2]) {
+    pub fn add(&mut self, wheel: usize, sleeve: Sleeve, force: [f64; 2]) {
         let slot = sleeve_slot(self.layout, sleeve);
         let [fx, fy] = force;
         self.sleeves[slot][0] += fx;
@@ -38,7 +38,7 @@ impl Evaluation {
     }
 
     /// Takes the loads of all bodies for the sums.
-    pub(super) fn take(&mut self, loads: &[Wrench]) {
+    pub fn take(&mut self, loads: &[Wrench]) {
         let wheels = self.layout.wheel_bodies();
         let sleeves = &loads[self.layout.external_bodies().start..];
         for (sums, loads) in [
@@ -54,7 +54,7 @@ impl Evaluation {
     }
 
     /// Force on a body, N; 0 for the shafts, which touch nothing.
-    pub(super) fn on_body(&self, body: usize) -> [f64; 2] {
+    pub fn on_body(&self, body: usize) -> [f64; 2] {
         let (wheels, sleeves) = (
             self.layout.wheel_bodies(),
             self.layout.external_bodies().start,
@@ -68,7 +68,7 @@ impl Evaluation {
         }
     }
 
-    pub(super) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.sleeves.fill([0.0; 2]);
         self.wheels.fill([0.0; 2]);
         (self.input_n_m, self.output_n_m) = (0.0, 0.0);
@@ -77,7 +77,7 @@ impl Evaluation {
     /// Torque the driver exerts on the input shaft, N m, by virtual work: each eccentric hands its
     /// disc's contact force F on to the shaft, T = -sum E x F. The disc's own inertia force
     /// points along E and does no work at constant speed. Of discs that `float` bearings load the shaft.
-    pub(super) fn driver_torque(&self, bodies: &[BodyState], float: bool) -> f64 {
+    pub fn driver_torque(&self, bodies: &[BodyState], float: bool) -> f64 {
         let shaft = &bodies[Layout::INPUT];
         let wheels = self.layout.wheel_bodies().zip(&self.wheels);
         let by_wheels = wheels.map(|(wheel, [fx, fy])| {
@@ -89,42 +89,9 @@ impl Evaluation {
 }
 
 /// Place of a pin among all pins, external before internal.
-pub(super) fn sleeve_slot(layout: Layout, sleeve: Sleeve) -> usize {
+pub fn sleeve_slot(layout: Layout, sleeve: Sleeve) -> usize {
     match sleeve {
         Sleeve::External(j) => j,
         Sleeve::Internal(k) => layout.external_sleeves + k,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn driver_torque_is_the_virtual_work_of_the_wheels() {
-        let mut sums = Evaluation::new(Layout {
-            wheels: 2,
-            external_sleeves: 3,
-            internal_sleeves: 2,
-        });
-        let mut bodies = vec![BodyState::default(); sums.layout.bodies()];
-        (bodies[2].x, bodies[3].x) = (0.5, -0.5);
-        // 10 N upwards on the pins: the discs are pushed down, 5 N m each way, then one of them less.
-        sums.add(0, Sleeve::External(1), [0.0, 10.0]);
-        sums.add(1, Sleeve::Internal(1), [0.0, 10.0]);
-        assert_eq!(sums.driver_torque(&bodies, false), 0.0);
-        sums.add(1, Sleeve::Internal(1), [3.0, -4.0]);
-        assert_eq!(sums.driver_torque(&bodies, false), 0.5 * 4.0);
-        assert_eq!(
-            sums.sleeves,
-            [[0.0; 2], [0.0, 10.0], [0.0; 2], [0.0; 2], [3.0, 6.0]]
-        );
-        // A seal on the input shaft, and what a bearing hands to it.
-        let mut loads = vec![Wrench::default(); bodies.len()];
-        (loads[Layout::INPUT].moment, loads[2].fy, loads[5].fx) = (-0.25, 4.0, 7.0);
-        sums.take(&loads);
-        assert_eq!(sums.driver_torque(&bodies, false), 0.25 - 0.5 * 4.0);
-        assert_eq!(sums.driver_torque(&bodies, true), 0.25);
-        assert_eq!(sums.sleeves[1], [7.0, 0.0]);
     }
 }

@@ -15,9 +15,9 @@ use rapier2d_f64::prelude::*;
 const JOINT_STEP_TIMES_FREQUENCY: f64 = 1e4;
 
 /// rapier's world of one gearbox and its way from step to step.
-pub(super) struct World {
+pub struct World {
     /// rapier itself.
-    pub(super) physics: PhysicsWorld,
+    pub physics: PhysicsWorld,
     /// rapier's handles in [`Layout`] order.
     handles: Vec<RigidBodyHandle>,
     joints: Vec<ImpulseJointHandle>,
@@ -33,7 +33,7 @@ pub(super) struct World {
 impl World {
     /// Bodies at the gearbox's initial state, without colliders. `sweeps` is the number of
     /// projected Gauss-Seidel sweeps over all constraints in a step.
-    pub(super) fn new(gearbox: &Gearbox, step_s: f64, sweeps: usize) -> Self {
+    pub fn new(gearbox: &Gearbox, step_s: f64, sweeps: usize) -> Self {
         let mechanism = gearbox.mechanism();
         let mut physics = PhysicsWorld::new();
         physics.gravity = Vector::ZERO;
@@ -89,18 +89,18 @@ impl World {
     }
 
     /// rapier's body of an index in [`Layout`] order.
-    pub(super) fn body(&self, index: usize) -> &RigidBody {
+    pub fn body(&self, index: usize) -> &RigidBody {
         &self.physics.bodies[self.handles[index]]
     }
 
     /// Fixes a collider to a body.
-    pub(super) fn attach(&mut self, collider: ColliderBuilder, body: usize) -> ColliderHandle {
+    pub fn attach(&mut self, collider: ColliderBuilder, body: usize) -> ColliderHandle {
         self.physics
             .insert_collider(collider, Some(self.handles[body]))
     }
 
     /// Gives the spring of all contacts a frequency, Hz, and no damping.
-    pub(super) fn contact_spring(&mut self, natural_frequency: f64) {
+    pub fn contact_spring(&mut self, natural_frequency: f64) {
         let spring = SpringCoefficients {
             natural_frequency,
             damping_ratio: 0.0,
@@ -111,7 +111,7 @@ impl World {
     }
 
     /// States at t_n, velocities extrapolated: v_n = 3/2 v_{n-1/2} - 1/2 v_{n-3/2}.
-    pub(super) fn at_node(&self, into: &mut Vec<BodyState>) {
+    pub fn at_node(&self, into: &mut Vec<BodyState>) {
         into.clear();
         into.extend(
             self.states
@@ -134,7 +134,7 @@ impl World {
 
     /// Given the states at the node before the last step, replaces their velocities by the mean of
     /// those half a step around it. At the start it leaves them: they are known.
-    pub(super) fn centre(&self, before: &mut [BodyState]) {
+    pub fn centre(&self, before: &mut [BodyState]) {
         if self.taken <= 1 {
             return;
         }
@@ -146,7 +146,7 @@ impl World {
     }
 
     /// Acceleration of a body's centre over the step just taken, m/s^2.
-    pub(super) fn acceleration(&self, body: usize) -> [f64; 2] {
+    pub fn acceleration(&self, body: usize) -> [f64; 2] {
         let (state, earlier) = (&self.states[body], &self.earlier[body]);
         [
             (state.vx - earlier[0]) / self.step_s,
@@ -156,12 +156,12 @@ impl World {
 
     /// Share of a step over which the loads act: half of the first one, because the initial
     /// velocities belong to t_0 and not to t_{-1/2}.
-    pub(super) fn share(&self) -> f64 {
+    pub fn share(&self) -> f64 {
         if self.taken == 0 { 0.5 } else { 1.0 }
     }
 
     /// Replaces the loads on all bodies, multiplied by [`World::share`].
-    pub(super) fn load(&mut self, loads: &[Wrench]) {
+    pub fn load(&mut self, loads: &[Wrench]) {
         let share = self.share();
         for (handle, load) in self.handles.iter().zip(loads) {
             let body = &mut self.physics.bodies[*handle];
@@ -176,7 +176,7 @@ impl World {
     ///
     /// # Errors
     /// The body that rapier put aside because its state is no longer finite.
-    pub(super) fn advance(&mut self, hooks: &dyn PhysicsHooks) -> Result<(), String> {
+    pub fn advance(&mut self, hooks: &dyn PhysicsHooks) -> Result<(), String> {
         let next_angle = self.input_speed * self.step_s * (self.taken + 1) as f64;
         self.physics.bodies[self.handles[Layout::INPUT]]
             .set_next_kinematic_rotation(Rotation::new(next_angle));
@@ -220,7 +220,7 @@ impl World {
     }
 
     /// Largest distance between the two anchors of any revolute, m.
-    pub(super) fn joint_drift(&self) -> f64 {
+    pub fn joint_drift(&self) -> f64 {
         self.joints
             .iter()
             .filter_map(|joint| self.physics.impulse_joints.get(*joint))
@@ -273,102 +273,14 @@ fn rigid_body(state: &BodyState, of: &Body, driven: bool) -> RigidBodyBuilder {
         .allow_fast_rotation(true)
 }
 
-/// Where `point`'s centre stands in the frame of `carrier`.
-pub(super) fn in_frame_of(carrier: &BodyState, point: &BodyState) -> Vector {
+/// Returns the centre of `point` in the frame of `carrier`.
+pub fn in_frame_of(carrier: &BodyState, point: &BodyState) -> Vector {
     let (sin, cos) = carrier.angle.sin_cos();
     let (dx, dy) = (point.x - carrier.x, point.y - carrier.y);
     Vector::new(cos * dx + sin * dy, cos * dy - sin * dx)
 }
 
 /// The angle equal to `wrapped` modulo a turn that lies closest to `near`.
-fn unwrapped(wrapped: f64, near: f64) -> f64 {
+pub fn unwrapped(wrapped: f64, near: f64) -> f64 {
     wrapped + std::f64::consts::TAU * ((near - wrapped) / std::f64::consts::TAU).round()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A gearbox free to coast: output and discs keep their rates, joints hold.
-    #[test]
-    fn coasts_along_the_ideal_motion() {
-        let gearbox =
-            Gearbox::new(&pinwheel_scene::Scene::paper().clone().check().unwrap()).unwrap();
-        let step_s = 1e-5;
-        let mut world = World::new(&gearbox, step_s, 10);
-        let loads = vec![Wrench::default(); gearbox.layout.bodies()];
-        for _ in 0..2000 {
-            world.load(&loads);
-            world.advance(&()).unwrap();
-        }
-        let mut states = Vec::new();
-        world.at_node(&mut states);
-        let input = gearbox.scene.drive.input_speed_rad_s * 2000.0 * step_s;
-        for (i, wheel) in gearbox.layout.wheel_bodies().enumerate() {
-            let ideal = gearbox.geometry.ideal_wheel_angle(i, input);
-            assert!((states[wheel].angle - ideal).abs() < 1e-9);
-            let phase = gearbox.geometry.wheel_phases[i] + input;
-            let e = gearbox.scene.gear.eccentricity_m;
-            // rapier's pins give way a little: 1e-9 m is the drift seen in whole runs.
-            assert!((states[wheel].x - e * phase.cos()).abs() < 2e-9);
-            assert!((states[wheel].y - e * phase.sin()).abs() < 2e-9);
-        }
-        let output = states[Layout::OUTPUT].angle;
-        assert!((output - gearbox.geometry.ideal_output_angle(input)).abs() < 1e-9);
-        assert!(world.joint_drift() < 2e-9);
-    }
-
-    /// The first step carries half of the load, so that positions follow t^2/2 exactly.
-    #[test]
-    fn constant_torque_gives_a_parabola_and_a_straight_rate() {
-        let gearbox =
-            Gearbox::new(&pinwheel_scene::Scene::paper().clone().check().unwrap()).unwrap();
-        let step_s = 1e-4;
-        let mut world = World::new(&gearbox, step_s, 10);
-        let wheel = gearbox.layout.wheel_bodies().start;
-        let start = gearbox.initial_states()[wheel];
-        let mut loads = vec![Wrench::default(); gearbox.layout.bodies()];
-        let torque = 0.01;
-        loads[wheel].moment = torque;
-        let acceleration = torque / gearbox.scene.mass.wheel.moment_kg_m2;
-        let mut now = Vec::new();
-        for step in 0..100 {
-            let t = f64::from(step) * step_s;
-            world.at_node(&mut now);
-            let angle = start.angle + start.rate * t + 0.5 * acceleration * t * t;
-            assert!(
-                (now[wheel].angle - angle).abs() < 1e-7,
-                "angle at step {step}"
-            );
-            let rate = start.rate + acceleration * t;
-            assert!(
-                (now[wheel].rate - rate).abs() < 1e-9,
-                "extrapolated rate at step {step}"
-            );
-            world.load(&loads);
-            world.advance(&()).unwrap();
-            world.centre(&mut now);
-            assert!(
-                (now[wheel].rate - rate).abs() < 1e-9,
-                "centred rate at step {step}"
-            );
-        }
-    }
-
-    #[test]
-    fn a_body_put_aside_is_named() {
-        let gearbox =
-            Gearbox::new(&pinwheel_scene::Scene::paper().clone().check().unwrap()).unwrap();
-        let mut world = World::new(&gearbox, 1e-5, 10);
-        let mut loads = vec![Wrench::default(); gearbox.layout.bodies()];
-        loads[5].moment = f64::NAN;
-        world.load(&loads);
-        assert!(world.advance(&()).unwrap_err().contains("body 5"));
-    }
-
-    #[test]
-    fn angles_do_not_wrap() {
-        assert!((unwrapped(-3.0, 3.2) - (std::f64::consts::TAU - 3.0)).abs() < 1e-15);
-        assert!((unwrapped(0.1, -12.5) - (0.1 - 2.0 * std::f64::consts::TAU)).abs() < 1e-14);
-    }
 }

@@ -2,12 +2,12 @@
 
 use std::sync::atomic::AtomicBool;
 
-use super::shipped::Ready;
+use super::ready::Ready;
 use crate::cache;
 use crate::engine::Halt;
 use crate::python::{Requirements, environment, pinned};
 
-/// Its manifest.
+/// Manifest of the solver.
 pub(super) const MANIFEST: &str = "ida.toml";
 
 /// Files of the solver's folder.
@@ -42,7 +42,7 @@ pub(super) fn version() -> String {
     pinned(list, "scikit-sundae")
 }
 
-/// Makes its environment if need be.
+/// Makes the Python environment if need be.
 pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Halt> {
     let found = environment(REQUIREMENTS, cancel)?;
     Ok(Ready {

@@ -4,7 +4,8 @@
 //! compiler and IDA gets a Python environment of its own; both are kept in the user's cache folder.
 
 mod ida;
+mod ready;
 mod shipped;
 mod simbody;
 
-pub(crate) use shipped::{IDA, SIMBODY};
+pub(crate) use shipped::engine;

@@ -1,51 +1,49 @@
 //! A shipped solver as an engine: made ready at its first run, then run as any solver from outside.
 
-use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_gearbox::Gearbox;
 
+use super::ready::Ready;
 use super::{ida, simbody};
 use crate::cache::Memo;
 use crate::engine::{Ending, Engine, Halt, Prepared, prepared};
 use crate::external::{Solver, law_library};
-use crate::registry::{self, EngineInfo};
-
-/// Folder and interpreter with which a solver runs.
-#[derive(Debug, Clone)]
-pub(super) struct Ready {
-    /// The folder of its manifests and of what they start.
-    pub(super) here: PathBuf,
-    /// Its interpreter, if it needs one.
-    pub(super) python: Option<PathBuf>,
-}
+use crate::info::EngineInfo;
+use crate::known::solvers as facts;
 
 /// One shipped solver.
-pub(crate) struct Shipped {
+struct Shipped {
     info: &'static EngineInfo<'static>,
     version: fn() -> String,
-    /// Makes it ready.
+    /// Builds or installs the solver.
     make: fn(&AtomicBool) -> Result<Ready, Halt>,
     made: Memo<Ready>,
-    /// Its manifest for scenes without friction, and with.
+    /// Manifests for scenes without and with friction.
     manifests: [&'static str; 2],
 }
 
-pub(crate) static SIMBODY: Shipped = Shipped {
-    info: &registry::SIMBODY,
+static SIMBODY: Shipped = Shipped {
+    info: &facts::SIMBODY,
     version: simbody::version,
     make: simbody::ready,
-    made: Memo::new(),
+    made: Memo::empty(),
     manifests: simbody::MANIFESTS,
 };
 
-pub(crate) static IDA: Shipped = Shipped {
-    info: &registry::IDA,
+static IDA: Shipped = Shipped {
+    info: &facts::IDA,
     version: ida::version,
     make: ida::ready,
-    made: Memo::new(),
+    made: Memo::empty(),
     manifests: [ida::MANIFEST; 2],
 };
+
+/// Returns a shipped solver; `None` if the facts are another engine's.
+pub(crate) fn engine(info: &EngineInfo<'_>) -> Option<Box<dyn Engine>> {
+    let shipped = [&SIMBODY, &IDA].into_iter().find(|own| own.info == info)?;
+    Some(Box::new(shipped))
+}
 
 impl Shipped {
     /// The solver for a scene, made ready if it is not.

@@ -7,12 +7,12 @@ use std::{env, fs};
 
 use pinwheel_files::Fnv;
 
-use super::shipped::Ready;
+use super::ready::Ready;
 use crate::cache::{self, CachedBuild, Note, call, fingerprint, storage, unless_stopped};
 use crate::engine::{Ending, Halt};
 use crate::external::scaffold::HEADER;
 
-/// Its manifests for scenes without friction, and with: an explicit method, and one for stiff equations.
+/// Manifests for scenes without and with friction: an explicit method, and one for stiff equations.
 pub(super) const MANIFESTS: [&str; 2] = ["merson.toml", "cpodes.toml"];
 
 /// Files of the folder `solvers/simbody`: names and texts.
@@ -26,7 +26,7 @@ macro_rules! files {
 /// Files of the solver's folder besides the program.
 static FILES: [(&str, &str); 4] = files! { "simbody.cpp" "merson.toml" "cpodes.toml" };
 
-/// Where distributions put the headers, for systems without pkg-config.
+/// Folders of the headers, for systems without pkg-config.
 const HEADERS: [&str; 2] = ["/usr/include/simbody", "/usr/local/include/simbody"];
 
 const REMEDY: &str = "Debian: apt install libsimbody-dev g++";

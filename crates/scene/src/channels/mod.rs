@@ -11,8 +11,11 @@
 mod catalogue;
 mod select;
 
+#[doc(hidden)]
+pub use catalogue::always_there;
 pub use catalogue::{Chosen, FAMILIES, Family, Joint, PairQuantity, Part, What, Whole};
-pub(crate) use select::select;
+#[doc(hidden)]
+pub use select::{MOST_PATTERNS, select};
 
 use crate::Scene;
 use crate::layout::Layout;

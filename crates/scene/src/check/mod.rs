@@ -19,7 +19,7 @@ use crate::model::{Gear, Scene};
 /// Refuses a scene that cannot be run or makes no sense.
 ///
 /// # Errors
-/// The first fault found.
+/// The first fault.
 pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     let table = Table::try_from(scene).map_err(|error| {
         Fault::new(
@@ -50,5 +50,5 @@ pub(crate) fn gear(gear: &Gear, gives_circle: bool) -> Result<(), Fault> {
     geometry::whole(gear).map_err(|fault| units::guess(gear).unwrap_or_else(|| tried(fault)))
 }
 
-pub(crate) use geometry::hole_to_profile_m;
+pub use geometry::{external_sleeves, holes_inside_the_wheel, profile};
 pub(crate) use ranges::check as ranges;

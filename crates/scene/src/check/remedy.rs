@@ -1,6 +1,6 @@
 //! Remedies for a gear that cannot be built: values that were tried, and not a rule that another check refuses.
 //!
-//! Each value of a gear is moved away from where it is, to both sides, until the whole gear can be built, and then back as far as
+//! Each value of a gear is moved away from where it is, to both sides, until the gear can be built, and then back as far as
 //! it goes. Whether holes follow from pin and eccentricity is not known here: what is offered holds either way. Of R and m the
 //! one that the scene gives is named.
 
@@ -48,7 +48,7 @@ const ECCENTRICITY: &str = "gear.eccentricity_m";
 /// Check of one stage: true if a gear passes it.
 type Builds = fn(&Gear) -> bool;
 
-/// The fault with ways to put it right, nearest first; as it was where none was found.
+/// Returns the fault with remedies, nearest first; unchanged if there is none.
 pub(super) fn tried(gear: &Gear, gives_circle: bool, fault: Fault) -> Fault {
     if gear.wheels * gear.internal_sleeves > MOST_HOLES {
         return fault;
@@ -91,7 +91,7 @@ pub(super) fn tried(gear: &Gear, gives_circle: bool, fault: Fault) -> Fault {
 /// A way to a gear that can be built.
 struct Way {
     key: &'static str,
-    /// How far the value goes.
+    /// Limit of the value.
     far: f64,
     words: String,
 }

@@ -26,7 +26,7 @@ const LENGTHS: [Length; 6] = lengths!(
 /// A length smaller than this share of the gear is none that anybody builds.
 const PLAUSIBLE: f64 = 0.005;
 
-/// Where a thousandth of one length makes a gear that can be built, that length.
+/// Returns the length of which a thousandth makes a gear that can be built, if there is exactly one.
 pub(super) fn guess(gear: &Gear) -> Option<Fault> {
     for (key, length) in LENGTHS {
         let mut meant = gear.clone();

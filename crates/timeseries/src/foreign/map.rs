@@ -47,9 +47,9 @@ pub struct Map {
     pub version: String,
     /// One line on what it is.
     pub summary: String,
-    /// How it differs from the scene, in plain words.
+    /// Differences from the scene, in plain words.
     pub differences: String,
-    /// How the file is written.
+    /// Format of the file.
     pub file: FileFormat,
     /// The time.
     pub time: TimeColumn,
@@ -57,13 +57,13 @@ pub struct Map {
     pub columns: BTreeMap<String, Source>,
     /// Treatment of rows that cannot be read.
     pub rows: Rows,
-    /// How values are put onto the run's sample times.
+    /// Interpolation to the run's sample times.
     pub resample: Resampling,
     /// Limits that the comparison holds this set against; without any nothing of it is judged.
     pub limits: Vec<StatedLimit>,
 }
 
-/// How the file is written.
+/// Format of the file.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct FileFormat {
@@ -101,7 +101,7 @@ impl Default for FileFormat {
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(untagged)]
 pub enum ColumnRef {
-    /// As the header has it, blanks around it left out.
+    /// Name in the header, without blanks around it.
     Name(String),
     /// 1, 2, ...
     Number(usize),
@@ -122,7 +122,7 @@ impl std::fmt::Display for ColumnRef {
 pub struct TimeColumn {
     /// Which column.
     pub column: ColumnRef,
-    /// Its unit.
+    /// Unit of the time.
     pub unit: String,
     /// A further factor.
     pub factor: f64,
@@ -137,9 +137,9 @@ pub struct TimeColumn {
     expecting = "offset_s is neither a number of seconds nor \"align\""
 )]
 pub enum Offset {
-    /// So many seconds.
+    /// Offset in seconds.
     Seconds(f64),
-    /// As many as make it fit the run best.
+    /// Offset that fits the run best.
     Word(Word),
 }
 
@@ -173,7 +173,7 @@ impl Default for TimeColumn {
     }
 }
 
-/// Where a column's values stand.
+/// Source of a column's values.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(
     untagged,
@@ -206,7 +206,7 @@ pub struct FullSource {
     pub first: usize,
     /// Unwrapping of an angle that begins anew after each turn.
     pub unwrap: Unwrap,
-    /// How uncertain the values are.
+    /// Uncertainty of the values.
     pub uncertainty: Option<ColumnUncertainty>,
 }
 
@@ -239,7 +239,7 @@ pub enum Unwrap {
     After(f64),
 }
 
-/// How uncertain the values of a column are: one standard deviation (half of a bound that holds in 95 of 100 cases). The parts
+/// Uncertainty of a column's values: one standard deviation (half of a bound that holds in 95 of 100 cases). The parts
 /// are independent and add as squares.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -304,7 +304,7 @@ pub enum BadRows {
     Skip,
 }
 
-/// How values are put onto the run's sample times where those of the file differ.
+/// Interpolation to the run's sample times where the file has others.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Resampling {
@@ -566,7 +566,8 @@ impl Source {
     }
 
     /// Written out.
-    pub(super) fn full(&self) -> FullSource {
+    #[doc(hidden)]
+    pub fn full(&self) -> FullSource {
         match self {
             Self::Full(full) => full.clone(),
             Self::Plain(column) => FullSource {
@@ -585,111 +586,5 @@ impl FullSource {
         (plain.map(|column| (column.clone(), 1.0)))
             .chain(sum.map(|(name, weight)| (ColumnRef::Name(name.clone()), *weight)))
             .collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn fault(text: &str) -> String {
-        Map::from_toml(text, "m.toml").unwrap_err().to_string()
-    }
-
-    #[test]
-    fn a_short_map_is_enough() {
-        let map = Map::from_toml(
-            "[columns]\ninput_torque_n_m = \"T\"\noutput_angle_rad = 3\n",
-            "m.toml",
-        )
-        .unwrap();
-        assert_eq!(map.columns.len(), 2);
-        assert_eq!(
-            (map.file.separator.as_str(), map.rows.bad),
-            (",", BadRows::Refuse)
-        );
-        assert_eq!(
-            map.columns["output_angle_rad"].full().column,
-            Some(ColumnRef::Number(3))
-        );
-    }
-
-    #[test]
-    fn faults_have_a_remedy() {
-        for (text, part) in [
-            ("", "names nothing"),
-            ("[columns]\na_n = 1\nx = [", "line 3"),
-            ("colums = 1", "did you mean `columns`?"),
-            (
-                "[columns]\na_n = { column = \"F\", unit = \"mm\" }",
-                "write one of N, newton",
-            ),
-            (
-                "[columns]\na_n = { unit = \"N\" }",
-                "one of `column`, `magnitude_of` and `sum_of`",
-            ),
-            (
-                "[columns]\na_n = { column = \"F\", sum_of = { A = 1.0 } }",
-                "one of `column`, `magnitude_of` and `sum_of`",
-            ),
-            (
-                "[columns]\na_n = { column = \"F\", unwrap = true }",
-                "is no angle",
-            ),
-            (
-                "[columns]\na_rad = { column = \"F\", unwrap = -360 }",
-                "is no angle",
-            ),
-            (
-                "[columns]\na_rad = { column = \"F\", unwrap = \"yes\" }",
-                "a column is",
-            ),
-            (
-                "[columns]\na_n = \"F\"\n[time]\nunit = \"deg\"",
-                "is an angle's; leave it out, and write factor = ",
-            ),
-            ("[columns]\na_n = \"F\"\n[time]\nfactor = 0.0", "not 0"),
-            (
-                "[columns]\na_n = \"F\"\n[file]\nthousands = \",\"",
-                "neither the decimal mark nor the separator",
-            ),
-            ("[columns]\na_n = { column = \"F\", factor = 0.0 }", "not 0"),
-            ("[columns]\n\"a_n_*\" = \"F\"", "both hold one `*`"),
-            (
-                "[columns]\na_n = \"F\"\n[time]\nunit = \"N\"",
-                "no unit of time",
-            ),
-            (
-                "[columns]\na_n = \"F\"\n[file]\ndecimal = \",\"",
-                "set file.separator too",
-            ),
-            (
-                "[columns]\na_n = \"F\"\n[file]\nseparator = \"x\"",
-                "\"tab\"",
-            ),
-            (
-                "name = \"Index.html\"\n[columns]\na_n = \"F\"",
-                "of the report",
-            ),
-            (
-                "[columns]\na_n = \"F\"\n[file]\nskip_lines = 9000000000000000000",
-                "more than 1000000",
-            ),
-            (
-                "[columns]\n\"a_*\" = { column = \"F*\", first = 9000000000000000000 }",
-                "`first`",
-            ),
-            ("name = \"../x\"\n[columns]\na_n = \"F\"", "letters, digits"),
-            (
-                "[columns]\na_n = \"F\"\n[[limits]]\nquantity = \"*\"\nwindow = \"steady\"\nmetric = \"mean\"\nlimit = 0.0",
-                "above 0",
-            ),
-        ] {
-            let line = fault(text);
-            assert!(
-                line.contains(part) && !line.contains('\n'),
-                "{text}: {line}"
-            );
-        }
     }
 }

@@ -1,0 +1,40 @@
+//! Refusals of scenes that several engines cannot honour.
+
+use pinwheel_scene::Scene;
+use pinwheel_timeseries::Ending;
+
+/// Refuses scenes that an engine cannot honour if it holds its discs by revolutes.
+pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
+    let bearings = &scene.bearings;
+    if bearings.eccentric.is_some() {
+        let reason = "it holds discs by revolutes, and bearings.eccentric lets them float";
+        return Err(Ending::unsupported(reason));
+    }
+    let losses = [
+        ("input_seal_n_m", bearings.input_seal_n_m),
+        ("output_seal_n_m", bearings.output_seal_n_m),
+        (
+            "sleeve_friction_coefficient",
+            bearings.sleeve_friction_coefficient,
+        ),
+    ];
+    let mut some = losses
+        .into_iter()
+        .filter(|(_, size)| size.is_some_and(|size| size > 0.0));
+    some.next().map_or(Ok(()), |(key, _)| {
+        let reason =
+            format!("only its contacts and joints load its bodies, and bearings.{key} does too");
+        Err(Ending::unsupported(reason))
+    })
+}
+
+/// Refuses scenes that an engine cannot honour if it has contact springs of its own and holds its discs.
+pub(crate) fn pins_are_rigid(scene: &Scene) -> Result<(), Ending> {
+    wheels_are_held(scene)?;
+    if scene.bearings.internal_sleeve_stiffness_n_m.is_none() {
+        return Ok(());
+    }
+    let reason = "its contacts are springs of its own, and bearings.internal_sleeve_stiffness_n_m puts pins in series with \
+                  the scene's law";
+    Err(Ending::unsupported(reason))
+}

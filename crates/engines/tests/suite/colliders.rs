@@ -1,0 +1,19 @@
+//! Outlines of colliders.
+
+use pinwheel_engines::rapier::colliders::*;
+use pinwheel_scene::Scene;
+
+/// A gear without load has contacts of no depth: its outlines are as fine as ever, and nothing is refused.
+#[test]
+fn hard_outlines_without_a_load() {
+    let mut scene = Scene::paper();
+    let loaded = Corners::of(&scene, [1e6; 2]).unwrap();
+    scene.drive.output_torque_n_m = 0.0;
+    let found = Corners::of(&scene, [1e6; 2]).unwrap();
+    assert_eq!((found.wheel, found.hole), (EDGE_POINTS, HOLE_POINTS));
+    assert!(loaded.wheel >= found.wheel);
+    // A load that presses in by next to nothing is limited by the polygon.
+    scene.drive.output_torque_n_m = 22.0;
+    let refused = Corners::of(&scene, [1e11; 2]).unwrap_err();
+    assert!(refused.contains("limited by its polygon"), "{refused}");
+}

@@ -1,0 +1,70 @@
+//! Bearings of eccentrics and pins.
+
+use pinwheel_scene::Scene;
+use pinwheel_scene::bearings::BearingLaw;
+
+fn with(bearing: &str) -> Scene {
+    let mut scene = Scene::paper();
+    scene.bearings.eccentric = Some(toml::from_str(bearing).unwrap());
+    scene
+}
+
+/// Palmgren's formula by hand: 4 kN on 16 rollers of 9 mm have a secant of 5.9e8 N/m, and a tangent of 10/9 of it.
+#[test]
+fn published_palmgrens_rollers() {
+    let law = BearingLaw::of(&with("rollers = 16\nroller_length_m = 0.009")).unwrap();
+    let approach_mm = 7.68e-5 * (4.08_f64 * 4000.0 / 16.0).powf(0.9) / 9f64.powf(0.8);
+    let found = law.offset_under(4000.0);
+    assert!(
+        (found / (1e-3 * approach_mm) - 1.0).abs() < 1e-12,
+        "{found}"
+    );
+    assert!((law.elastic(found) / 4000.0 - 1.0).abs() < 1e-12);
+    let secant = 4000.0 / found;
+    assert!((secant / 5.9e8 - 1.0).abs() < 0.01, "{secant}");
+    let slope = law.slope_under(4000.0);
+    assert!((slope / secant - 10.0 / 9.0).abs() < 1e-12, "{slope}");
+}
+
+#[test]
+fn nothing_within_the_clearance_and_never_a_pull() {
+    let law = BearingLaw::of(&with(
+        "stiffness_n_m = 1e8\nclearance_m = 5e-6\ndamping_n_s_m = 100",
+    ));
+    let law = law.unwrap();
+    assert_eq!(law.force(5e-6, 1.0), 0.0);
+    assert_eq!(law.force(6e-6, 0.0), 1e8 * (6e-6 - 5e-6));
+    assert_eq!(law.force(6e-6, -2.0), 0.0);
+    assert!((law.stored(7e-6) / (0.5e8 * 4e-12) - 1.0).abs() < 1e-9);
+}
+
+/// By hand: a pin of 12 mm in a sleeve of 20 mm, and in the groove of a roller of 5.3 mm.
+#[test]
+fn regress_a_roller_rubs_on_no_more_than_itself() {
+    let mut scene = Scene::paper();
+    assert_eq!(scene.bearings.sleeve_drag(0.01), None);
+    scene.bearings.sleeve_friction_coefficient = Some(0.05);
+    scene.bearings.sleeve_bore_m = Some(0.012);
+    let drag = |radius| scene.bearings.sleeve_drag(radius).unwrap();
+    assert!((drag(0.01) - 0.03).abs() < 1e-15);
+    assert_eq!(drag(0.00265), 0.05);
+}
+
+#[test]
+fn bad_input_half_a_bearing_says_what_it_lacks() {
+    for (bearing, missing) in [
+        ("clearance_m = 1e-6", "stiffness_n_m"),
+        ("rollers = 9", "roller_length_m"),
+        ("roller_length_m = 0.01", "rollers"),
+        (
+            "rollers = 9\nroller_length_m = 0.01\nexponent = 1.5",
+            "exponent",
+        ),
+        ("rollers = 9\nstiffness_n_m = 1e8", "stiffness_n_m"),
+        ("stiffness_n_m = 1e8\nbore_m = 0.02", "friction_coefficient"),
+    ] {
+        let fault = with(bearing).check().unwrap_err();
+        assert!(fault.to_string().contains(missing), "{bearing}: {fault}");
+    }
+    assert!(with("stiffness_n_m = 1e8").check().is_ok());
+}

@@ -1,0 +1,71 @@
+//! Gears with crankshafts.
+
+use pinwheel_scene::{Override, Scene};
+
+fn told(key: &str, value: &str) -> String {
+    let set = Override::new(key, value);
+    Scene::load("rv-40e-like", &[set]).unwrap_err().to_string()
+}
+
+#[test]
+fn bad_input_of_cranks_names_the_key() {
+    for (key, value, wanted) in [
+        ("gear.internal_sleeves", "8", "gear.internal_sleeves"),
+        ("gear.hole_radius_m", "0.02", "gear.hole_radius_m"),
+        ("cranks.bore_radius_m", "0.001", "cranks.bore_radius_m"),
+        ("cranks.count", "1", "cranks.count"),
+        ("gear.errors.hole_radius_m", "[-1e-6,0,0,0]", "clearance"),
+        ("contact.internal_spring_n_m", "1e8", "output pins"),
+        (
+            "bearings.internal_sleeve_stiffness_n_m",
+            "1e8",
+            "output pins",
+        ),
+    ] {
+        let said = told(key, value);
+        assert!(said.contains(wanted), "{key}: {said}");
+    }
+    // Rigid, or with half of its keys.
+    let text = "[gear]\neccentricity_m = 0.0013\nexternal_sleeves = 40\npin_circle_radius_m = 0.064\nwheels = 2\n\
+        external_sleeve_radius_m = 0.003\n[drive]\ninput_speed_rad_s = 190.0\noutput_torque_n_m = -412.0\n[cranks]\ncount = 2\n";
+    let rest =
+        "circle_radius_m = 0.036\nbore_radius_m = 0.011\nsun_teeth = 12\nplanet_teeth = 36\n";
+    let said = |text: &str| {
+        Scene::from_toml(text, "mine.toml", &[])
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(said(text).contains("cranks.sun_teeth"), "{}", said(text));
+    let rigid = said(&format!("{text}{rest}"));
+    assert!(
+        rigid.contains("bearings.eccentric.stiffness_n_m"),
+        "{rigid}"
+    );
+}
+
+/// In a gear that turns as its teeth have it both shafts together hold all of the cranks' energy.
+#[test]
+fn both_shafts_carry_the_cranks_turning() {
+    let scene = Scene::load("rv-40e-like", &[]).unwrap();
+    let [input, output] = [
+        (scene.input_shaft(), scene.mass.input_shaft),
+        (scene.output_shaft(), scene.mass.output_shaft),
+    ]
+    .map(|(with, without)| with.moment_kg_m2 - without.moment_kg_m2);
+    // gamma' of an input at 1 rad/s, by hand: (1 + 1/3)/121 - 1/3.
+    let turning: f64 = (4.0 / 3.0) / 121.0 - 1.0 / 3.0;
+    let cranks = 2.0 * scene.mass.internal_sleeve.moment_kg_m2 * turning * turning;
+    let found = input + output / (121.0 * 121.0);
+    assert!((found / cranks - 1.0).abs() < 1e-12, "{found} {cranks}");
+}
+
+/// 1 + 40 x 36/12, by the teeth; and of any other gear its lobes.
+#[test]
+fn published_ratio_of_a_catalogue() {
+    let scene = Scene::load("rv-40e-like", &[]).unwrap();
+    assert_eq!(scene.ratio(), 121.0);
+    assert!((scene.output_per_input() * 121.0 - 1.0).abs() < 1e-14);
+    let again = Scene::from_complete(&scene.to_toml()).unwrap();
+    assert_eq!(again, scene);
+    assert_eq!(Scene::paper().ratio(), 15.0);
+}
