@@ -206,7 +206,7 @@ fn bad_input_memory_and_time_bounds() {
     for (sets, part) in [
         (
             &["gear.wheels=64", "gear.external_sleeves=1000"][..],
-            "pairs of disc and sleeve",
+            "pairs of disc and pin",
         ),
         (&["solver.sample_s=1e-9"], "samples"),
         (&["solver.step_s=1e-12"], "steps"),
