@@ -1,6 +1,7 @@
 //! What the whole-program tests share: the program, and runs of engines.
 
 pub mod runs;
+pub mod served;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

@@ -58,7 +58,7 @@ pub(crate) const ACCESS: &str = r##"(() => {
   };
   const contrast = (a, b) => { const [x, y] = [luminance(a), luminance(b)].sort((p, q) => q - p); return (x + 0.05) / (y + 0.05); };
   const told = (element) => `${element.tagName.toLowerCase()}${element.id ? `#${element.id}` : ''}${element.className?.baseVal === undefined && element.className ? `.${element.className.split(' ').join('.')}` : ''} "${(element.textContent || '').trim().slice(0, 30)}"`;
-  const seen = (element) => element.checkVisibility({ checkOpacity: true, checkVisibilityCSS: true }) && !element.closest('.shared_error, [hidden], .skip');
+  const seen = (element) => element.checkVisibility({ checkOpacity: true, checkVisibilityCSS: true }) && !element.closest('.unseen, [hidden], .skip');
   const groundOf = (element) => {
     const layers = [];
     for (let e = element; e; e = e.parentElement) {

@@ -6,8 +6,7 @@ use std::path::Path;
 use pinwheel_tests::{run_in, words};
 use pinwheel_timeseries::TimeSeries;
 
-use crate::chromium::Chromium;
-use crate::interact::DESK;
+use crate::chromium::{Chromium, DESK, browse};
 
 /// What a comparison says: banner, first screen, and terminal.
 struct Said {
@@ -23,10 +22,9 @@ impl Said {
         assert_eq!(done.code, Some(code), "{command}: {done:?}");
         assert!(done.stdout.lines().count() <= 30, "{}", done.stdout);
         browser.open(&dir.join("r/index.html"), DESK);
-        let mut text = |what: &str| browser.evaluate(what).as_str().unwrap().to_owned();
         Self {
-            banner: text("document.querySelector('.banner').className"),
-            screen: text(
+            banner: browser.text("document.querySelector('.banner').className"),
+            screen: browser.text(
                 "[...document.querySelectorAll('.answer *')].filter((e) => e.getBoundingClientRect().bottom < 1000).map((e) => e.textContent).join(' ')",
             ),
             terminal: done.stdout.split_whitespace().collect::<Vec<_>>().join(" "),
@@ -69,79 +67,73 @@ fn rig(dir: &Path, uncertainty: &str) {
 
 #[test]
 fn browser_is_amber_where_nothing_confirms() {
-    let Some(mut browser) = Chromium::start() else {
-        return;
-    };
-    let browser = &mut browser;
-    let dir = tempfile::tempdir().unwrap();
-    let dir = dir.path();
-    let short = "--set solver.duration_s=0.02";
-    // One engine alone agrees with its load, and with nobody.
-    let alone = Said::of(browser, dir, &format!("paper --engines reduced {short}"), 4);
-    alone.says("open", "Not confirmed", &["nothing agrees yet"]);
+    browse(|browser, dir| {
+        let short = "--set solver.duration_s=0.02";
+        // One engine alone agrees with its load, and with nobody.
+        let alone = Said::of(browser, dir, &format!("paper --engines reduced {short}"), 4);
+        alone.says("open", "Not confirmed", &["nothing agrees yet"]);
 
-    // Data that are 20 % off and do not say how far they may be.
-    let against =
-        format!("paper --engines reduced,lagrange --against rig.csv --map rig.toml {short}");
-    rig(dir, "");
-    let off = Said::of(browser, dir, &against, 4);
-    off.says(
-        "open",
-        "Not confirmed",
-        &["by rig", "nothing shown", "its map states neither"],
-    );
-    // And that do.
-    rig(dir, ", uncertainty = { of_reading = 0.005 }");
-    let judged = Said::of(browser, dir, &against, 0);
-    judged.says(
-        "open",
-        "Not confirmed",
-        &["by rig", "nothing explains it", "what the model leaves out"],
-    );
+        // Data that are 20 % off and do not say how far they may be.
+        let against =
+            format!("paper --engines reduced,lagrange --against rig.csv --map rig.toml {short}");
+        rig(dir, "");
+        let off = Said::of(browser, dir, &against, 4);
+        off.says(
+            "open",
+            "Not confirmed",
+            &["by rig", "nothing shown", "its map states neither"],
+        );
+        // And that do.
+        rig(dir, ", uncertainty = { of_reading = 0.005 }");
+        let judged = Said::of(browser, dir, &against, 0);
+        judged.says(
+            "open",
+            "Not confirmed",
+            &["by rig", "nothing explains it", "what the model leaves out"],
+        );
 
-    // A solver whose forces are 20 % too large: with runs that show how far it may be off it differs, without it confirms nothing.
-    let made = run_in(dir, words("solver new --language python mine"));
-    assert_eq!(made.code, Some(0), "{made:?}");
-    let place = dir.join("mine/solver.py");
-    let sound = std::fs::read_to_string(&place).unwrap();
-    // First one that forgets a part of the output torque, and is looked at alone.
-    let unbalanced = sound.replace("output = loads[5]", "output = 0.6 + loads[5]");
-    assert_ne!(sound, unbalanced);
-    std::fs::write(&place, unbalanced).unwrap();
-    let of = format!("paper --engines mine --solver mine/solver.toml {short}");
-    let said = "mine: output torque and load do not give the output its acceleration";
-    Said::of(browser, dir, &of, 1).says("fail", "Differs", &[said]);
-    let faulty = sound.replace("[math.hypot(", "[1.2 * math.hypot(");
-    assert_ne!(sound, faulty);
-    std::fs::write(&place, faulty).unwrap();
-    let of = format!("paper --engines reduced,lagrange --solver mine/solver.toml {short}");
-    let differs = Said::of(browser, dir, &of, 1);
-    differs.says("fail", "Differs", &["mine"]);
-    let manifest = dir.join("mine/solver.toml");
-    let text = std::fs::read_to_string(&manifest).unwrap();
-    let (kept, _) = text.split_once("[refine]").unwrap();
-    std::fs::write(&manifest, kept).unwrap();
-    let unknown = Said::of(browser, dir, &of, 4);
-    unknown.says(
-        "open",
-        "Not confirmed",
-        &["by mine", "nothing shown", "state"],
-    );
+        // A solver whose forces are 20 % too large: with runs that show how far it may be off it differs, without it confirms nothing.
+        let made = run_in(dir, words("solver new --language python mine"));
+        assert_eq!(made.code, Some(0), "{made:?}");
+        let place = dir.join("mine/solver.py");
+        let sound = std::fs::read_to_string(&place).unwrap();
+        // First one that forgets a part of the output torque, and is looked at alone.
+        let unbalanced = sound.replace("output = loads[5]", "output = 0.6 + loads[5]");
+        assert_ne!(sound, unbalanced);
+        std::fs::write(&place, unbalanced).unwrap();
+        let of = format!("paper --engines mine --solver mine/solver.toml {short}");
+        let said = "mine: output torque and load do not give the output its acceleration";
+        Said::of(browser, dir, &of, 1).says("fail", "Differs", &[said]);
+        let faulty = sound.replace("[math.hypot(", "[1.2 * math.hypot(");
+        assert_ne!(sound, faulty);
+        std::fs::write(&place, faulty).unwrap();
+        let of = format!("paper --engines reduced,lagrange --solver mine/solver.toml {short}");
+        let differs = Said::of(browser, dir, &of, 1);
+        differs.says("fail", "Differs", &["mine"]);
+        let manifest = dir.join("mine/solver.toml");
+        let text = std::fs::read_to_string(&manifest).unwrap();
+        let (kept, _) = text.split_once("[refine]").unwrap();
+        std::fs::write(&manifest, kept).unwrap();
+        let unknown = Said::of(browser, dir, &of, 4);
+        unknown.says(
+            "open",
+            "Not confirmed",
+            &["by mine", "nothing shown", "state"],
+        );
+    });
 }
 
 /// An engine with contacts of its own beside the native solver: what parts them is told, and whose contacts explain it.
 #[test]
 fn browser_says_whose_contacts_make_the_difference() {
-    let Some(mut browser) = Chromium::start() else {
-        return;
-    };
-    let dir = tempfile::tempdir().unwrap();
-    let command = "paper --engines reduced,rapier-colliders --set solver.duration_s=0.1 --set contact.law=hunt-crossley";
-    // The scene's own law is confirmed by nobody.
-    let said = Said::of(&mut browser, dir.path(), command, 4);
-    let wanted = [
-        "from native runs with the same contacts",
-        "add a second engine",
-    ];
-    said.says("open", "Not confirmed", &wanted);
+    browse(|browser, dir| {
+        let command = "paper --engines reduced,rapier-colliders --set solver.duration_s=0.1 --set contact.law=hunt-crossley";
+        // The scene's own law is confirmed by nobody.
+        let said = Said::of(browser, dir, command, 4);
+        let wanted = [
+            "from native runs with the same contacts",
+            "add a second engine",
+        ];
+        said.says("open", "Not confirmed", &wanted);
+    });
 }

@@ -1,19 +1,18 @@
-//! Headless Chromium, driven over its DevTools protocol: one page at a time.
+//! Headless Chromium, driven over its DevTools protocol through two pipes: one page at a time.
 
 use std::collections::BTreeMap;
-use std::io::Write as _;
-use std::net::TcpStream;
+use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::Duration;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use tungstenite::{Message, WebSocket};
 
-/// How long anything may take on a busy machine.
+/// Longest wait for one message on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 /// Names under which it is installed, and where it stands on a Mac.
 const NAMES: [&str; 7] = [
@@ -25,8 +24,22 @@ const NAMES: [&str; 7] = [
     "/Applications/Google Chrome.app/Contents/MacOS/Google Chrome",
     "/Applications/Chromium.app/Contents/MacOS/Chromium",
 ];
+/// Chromium reads commands from file 3 and writes answers to file 4.
+const START: &str = "exec \"$0\" \"$@\" 3<&0 4>&1 </dev/null >/dev/null 2>&1";
+const FLAGS: [&str; 9] = [
+    "--headless=new",
+    "--remote-debugging-pipe",
+    "--no-first-run",
+    "--no-default-browser-check",
+    "--disable-gpu",
+    "--disable-dev-shm-usage",
+    "--disable-background-networking",
+    "--hide-scrollbars",
+    // The pages are our own, and containers seldom allow its sandbox.
+    "--no-sandbox",
+];
 
-/// How a page is looked at.
+/// Width of the screen, theme, and whether the reader asks for less motion.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Look {
     pub(crate) width: u32,
@@ -34,19 +47,25 @@ pub(crate) struct Look {
     pub(crate) still: bool,
 }
 
+pub(crate) const DESK: Look = Look {
+    width: 1280,
+    dark: false,
+    still: true,
+};
+pub(crate) const PHONE: Look = Look { width: 390, ..DESK };
+
 /// A running browser; dropped, it ends.
 pub(crate) struct Chromium {
     child: Child,
-    socket: WebSocket<TcpStream>,
+    commands: ChildStdin,
+    answers: Receiver<Value>,
     /// Profile; removed with the browser.
     _profile: TempDir,
     next: u64,
     session: Option<String>,
-    /// What went wrong on the page since it was opened.
-    complaints: Vec<String>,
+    /// Errors and warnings of the console, and exceptions, since the page was opened.
+    pub(crate) complaints: Vec<String>,
     loaded: bool,
-    /// The script that pages run first.
-    first: Option<String>,
 }
 
 /// The browser's program: `PINWHEEL_CHROMIUM`, or the first installed one.
@@ -54,97 +73,92 @@ fn program() -> Option<PathBuf> {
     if let Some(path) = std::env::var_os("PINWHEEL_CHROMIUM") {
         return Some(path.into());
     }
-    let places: Vec<PathBuf> = std::env::var_os("PATH")
-        .map(|path| std::env::split_paths(&path).collect())
-        .unwrap_or_default();
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let places: Vec<PathBuf> = std::env::split_paths(&path).collect();
     // Joining an absolute path gives the path itself.
-    let found = |name: &&str| {
-        places
-            .iter()
-            .map(|place| place.join(name))
-            .find(|p| p.is_file())
+    let mut all = NAMES
+        .iter()
+        .flat_map(|name| places.iter().map(move |place| place.join(name)));
+    all.find(|program| program.is_file())
+}
+
+/// Runs a test in a browser and an empty folder. Without a browser the test is skipped, which is printed, unless
+/// `PINWHEEL_REQUIRE_BROWSER` is set.
+pub(crate) fn browse(test: impl FnOnce(&mut Chromium, &Path)) {
+    let Some(program) = program() else {
+        assert!(
+            std::env::var_os("PINWHEEL_REQUIRE_BROWSER").is_none(),
+            "PINWHEEL_REQUIRE_BROWSER is set and there is no Chromium: install it, or name it in PINWHEEL_CHROMIUM"
+        );
+        // Straight to the stream: output of a passing test is not shown.
+        let _ = std::io::stderr().write_all(
+            b"SKIPPED: no Chromium, so the pages were not looked at; install it (Debian: apt-get install chromium) \
+              or name it in PINWHEEL_CHROMIUM\n",
+        );
+        return;
     };
-    NAMES.iter().find_map(found)
+    let dir = tempfile::tempdir().unwrap();
+    test(&mut Chromium::start(&program), dir.path());
 }
 
 impl Chromium {
-    /// Starts it; `None`, said aloud, where there is none, unless `PINWHEEL_REQUIRE_BROWSER` is set.
-    pub(crate) fn start() -> Option<Self> {
-        let Some(program) = program() else {
-            assert!(
-                std::env::var_os("PINWHEEL_REQUIRE_BROWSER").is_none(),
-                "PINWHEEL_REQUIRE_BROWSER is set and there is no Chromium: install it, or name it in PINWHEEL_CHROMIUM"
-            );
-            // LinearSignal to the stream: what a passing test prints is not shown.
-            let _ = std::io::stderr().write_all(
-                b"SKIPPED: no Chromium, so the pages were not looked at; install it (Debian: apt-get install chromium) \
-                  or name it in PINWHEEL_CHROMIUM\n",
-            );
-            return None;
-        };
+    fn start(program: &Path) -> Self {
         let profile = tempfile::tempdir().unwrap();
-        let child = Command::new(&program)
-            .args([
-                "--headless=new",
-                "--remote-debugging-port=0",
-                "--no-first-run",
-                "--no-default-browser-check",
-                "--disable-gpu",
-                "--disable-dev-shm-usage",
-                "--disable-background-networking",
-                "--hide-scrollbars",
-                // The pages are our own, and containers seldom allow its sandbox.
-                "--no-sandbox",
-            ])
+        let mut child = Command::new("sh")
+            .args(["-c", START])
+            .arg(program)
+            .args(FLAGS)
             .arg(format!("--user-data-dir={}", profile.path().display()))
-            .arg("about:blank")
-            .stdin(Stdio::null())
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
             .spawn()
             .unwrap_or_else(|error| panic!("{}: {error}", program.display()));
-        let (port, path) = address(profile.path());
-        let stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
-        stream.set_read_timeout(Some(PATIENCE)).unwrap();
-        let url = format!("ws://127.0.0.1:{port}{path}");
-        let (socket, _) = tungstenite::client(url, stream).unwrap();
+        let (sender, answers) = channel();
+        let mut stream = BufReader::new(child.stdout.take().unwrap());
+        std::thread::spawn(move || {
+            let mut message = Vec::new();
+            while stream.read_until(0, &mut message).is_ok_and(|n| n > 0) {
+                message.pop();
+                if sender
+                    .send(serde_json::from_slice(&message).unwrap())
+                    .is_err()
+                {
+                    break;
+                }
+                message.clear();
+            }
+        });
         let mut browser = Self {
+            commands: child.stdin.take().unwrap(),
             child,
-            socket,
+            answers,
             _profile: profile,
             next: 0,
             session: None,
             complaints: Vec::new(),
             loaded: false,
-            first: None,
         };
         let target = browser.call("Target.createTarget", json!({"url": "about:blank"}));
-        let attached = browser.call(
-            "Target.attachToTarget",
-            json!({"targetId": target["targetId"], "flatten": true}),
-        );
+        let options = json!({"targetId": target["targetId"], "flatten": true});
+        let attached = browser.call("Target.attachToTarget", options);
         browser.session = attached["sessionId"].as_str().map(str::to_owned);
         for domain in ["Page.enable", "Runtime.enable", "Log.enable"] {
             browser.call(domain, json!({}));
         }
         // Durations are processor time, so that they do not depend on what else the machine does.
         browser.call("Performance.enable", json!({"timeDomain": "threadTicks"}));
-        Some(browser)
+        browser
     }
 
-    /// Opens a file and waits until it is loaded. Returns what the console complained of.
+    /// Opens a file and waits until it is loaded.
     pub(crate) fn open(&mut self, page: &Path, look: Look) {
         let page = page.canonicalize().unwrap();
         self.go(&format!("file://{}", page.display()), look);
     }
 
-    /// The same of an address.
+    /// Opens an address and waits until it is loaded.
     pub(crate) fn go(&mut self, address: &str, look: Look) {
-        self.call(
-            "Emulation.setDeviceMetricsOverride",
-            json!({"width": look.width, "height": 900, "deviceScaleFactor": 1, "mobile": look.width < 600}),
-        );
-        self.theme(look);
+        self.look(look);
         self.complaints.clear();
         self.loaded = false;
         let went = self.call("Page.navigate", json!({"url": address}));
@@ -154,14 +168,14 @@ impl Chromium {
         }
     }
 
-    /// The other theme, without opening the page anew.
-    pub(crate) fn theme(&mut self, look: Look) {
-        let scheme = if look.dark { "dark" } else { "light" };
-        let motion = if look.still {
-            "reduce"
-        } else {
-            "no-preference"
-        };
+    /// Changes width and theme of the open page.
+    pub(crate) fn look(&mut self, look: Look) {
+        self.call(
+            "Emulation.setDeviceMetricsOverride",
+            json!({"width": look.width, "height": 900, "deviceScaleFactor": 1, "mobile": look.width < 600}),
+        );
+        let scheme = ["light", "dark"][usize::from(look.dark)];
+        let motion = ["no-preference", "reduce"][usize::from(look.still)];
         self.call(
             "Emulation.setEmulatedMedia",
             json!({"features": [{"name": "prefers-color-scheme", "value": scheme}, {"name": "prefers-reduced-motion", "value": motion}]}),
@@ -173,7 +187,7 @@ impl Chromium {
         self.call("Emulation.setEmulatedMedia", json!({"media": media}));
     }
 
-    /// What the mouse does: kinds of events with their places; `clicks`: 0 without a button, 2 for a double click.
+    /// Sends events of the mouse with their places; `clicks`: 0 without a button, 2 for a double click.
     pub(crate) fn mouse(&mut self, events: &[(&str, f64, f64)], clicks: u32) {
         for (kind, x, y) in events {
             let button = if clicks > 0 { "left" } else { "none" };
@@ -183,51 +197,39 @@ impl Chromium {
                 json!({"type": kind, "x": x, "y": y, "button": button, "buttons": held, "clickCount": clicks}),
             );
         }
-        // What follows from it is done in tasks of their own.
-        self.evaluate("new Promise((r) => setTimeout(r, 60))");
+        self.rest();
     }
 
-    /// A key on what has the focus.
+    /// Presses and releases a key on the element that has the focus.
     pub(crate) fn key(&mut self, key: &str) {
-        let code = match key {
-            "ArrowRight" => 39,
-            "Enter" => 13,
-            "Escape" => 27,
-            "+" => 187,
-            _ => 48,
-        };
-        let text = match key {
-            "Enter" => "\r",
-            "ArrowRight" | "Escape" => "",
-            other => other,
+        let (code, text) = match key {
+            "ArrowRight" => (39, ""),
+            "Enter" => (13, "\r"),
+            "Escape" => (27, ""),
+            "+" => (187, "+"),
+            other => (48, other),
         };
         let name = if key.len() == 1 { "" } else { key };
-        let mut down =
-            json!({"type": "keyDown", "key": key, "code": name, "windowsVirtualKeyCode": code});
-        if !text.is_empty() {
-            down["text"] = json!(text);
+        for kind in ["keyDown", "keyUp"] {
+            let mut event =
+                json!({"type": kind, "key": key, "code": name, "windowsVirtualKeyCode": code});
+            if kind == "keyDown" && !text.is_empty() {
+                event["text"] = json!(text);
+            }
+            self.call("Input.dispatchKeyEvent", event);
         }
-        self.call("Input.dispatchKeyEvent", down);
-        self.call(
-            "Input.dispatchKeyEvent",
-            json!({"type": "keyUp", "key": key, "code": name, "windowsVirtualKeyCode": code}),
-        );
+        self.rest();
+    }
+
+    /// Waits for the tasks that follow from an event.
+    fn rest(&mut self) {
         self.evaluate("new Promise((r) => setTimeout(r, 60))");
     }
 
-    /// A script that every page opened from now on runs first, instead of the one before.
+    /// Adds a script that every page opened from now on runs first.
     pub(crate) fn before_pages(&mut self, script: &str) {
-        if let Some(old) = self.first.take() {
-            self.call(
-                "Page.removeScriptToEvaluateOnNewDocument",
-                json!({"identifier": old}),
-            );
-        }
-        let set = self.call(
-            "Page.addScriptToEvaluateOnNewDocument",
-            json!({"source": script}),
-        );
-        self.first = set["identifier"].as_str().map(str::to_owned);
+        let source = json!({"source": script});
+        self.call("Page.addScriptToEvaluateOnNewDocument", source);
     }
 
     /// Sheets of A4 that the page takes in print.
@@ -239,25 +241,13 @@ impl Chromium {
         pdf.matches("/Type /Page").count() - pdf.matches("/Type /Pages").count()
     }
 
-    /// The whole page as a picture in `file`.
-    pub(crate) fn picture(&mut self, file: &Path) {
-        self.take(
-            file,
-            json!({"format": "png", "captureBeyondViewport": true}),
-        );
-    }
-
-    /// The page's first 1280 by `high` pixels.
-    pub(crate) fn top(&mut self, file: &Path, high: u32) {
-        let clip = json!({"x": 0, "y": 0, "width": 1280, "height": high, "scale": 1});
-        self.take(
-            file,
-            json!({"format": "png", "captureBeyondViewport": true, "clip": clip}),
-        );
-    }
-
-    fn take(&mut self, file: &Path, how: Value) {
-        let taken = self.call("Page.captureScreenshot", how);
+    /// Writes a picture of the page, or of its first 1280 by `high` pixels, to `file`.
+    pub(crate) fn picture(&mut self, file: &Path, high: Option<u32>) {
+        let mut options = json!({"format": "png", "captureBeyondViewport": true});
+        if let Some(high) = high {
+            options["clip"] = json!({"x": 0, "y": 0, "width": 1280, "height": high, "scale": 1});
+        }
+        let taken = self.call("Page.captureScreenshot", options);
         std::fs::create_dir_all(file.parent().unwrap()).unwrap();
         let bytes = STANDARD.decode(taken["data"].as_str().unwrap()).unwrap();
         std::fs::write(file, bytes).unwrap();
@@ -273,22 +263,23 @@ impl Chromium {
         got["result"]["value"].clone()
     }
 
-    /// What the page's main thread has done so far: `LayoutCount`, `ThreadTime` (processor seconds) and others.
+    /// The text of a script's value.
+    pub(crate) fn text(&mut self, script: &str) -> String {
+        let value = self.evaluate(script);
+        value.as_str().unwrap_or_default().to_owned()
+    }
+
+    /// `LayoutCount`, `ThreadTime` (processor seconds) and other counts of the page's main thread.
     pub(crate) fn metrics(&mut self) -> BTreeMap<String, f64> {
         let got = self.call("Performance.getMetrics", json!({}));
         let list = got["metrics"].as_array().unwrap();
-        let pair = |m: &Value| {
-            (
-                m["name"].as_str().unwrap().to_owned(),
-                m["value"].as_f64().unwrap(),
-            )
-        };
-        list.iter().map(pair).collect()
+        let pair = |m: &Value| Some((m["name"].as_str()?.to_owned(), m["value"].as_f64()?));
+        list.iter().filter_map(pair).collect()
     }
 
-    /// Errors and warnings of the console, and exceptions, since the page was opened.
-    pub(crate) fn complaints(&self) -> &[String] {
-        &self.complaints
+    /// Fails if the console complained since the page was opened.
+    pub(crate) fn assert_quiet(&self) {
+        assert!(self.complaints.is_empty(), "{:?}", self.complaints);
     }
 
     fn call(&mut self, method: &str, params: Value) -> Value {
@@ -298,9 +289,8 @@ impl Chromium {
         if let Some(session) = &self.session {
             message["sessionId"] = json!(session);
         }
-        self.socket
-            .send(Message::text(message.to_string()))
-            .unwrap();
+        write!(self.commands, "{message}\0").unwrap();
+        self.commands.flush().unwrap();
         loop {
             let answer = self.read();
             if answer["id"] == id {
@@ -312,39 +302,34 @@ impl Chromium {
 
     /// The next message; events are noted.
     fn read(&mut self) -> Value {
-        let message = self.socket.read().expect("the browser answers");
-        let Message::Text(text) = message else {
-            return Value::Null;
-        };
-        let message: Value = serde_json::from_str(&text).unwrap();
+        let answer = self.answers.recv_timeout(PATIENCE);
+        let message = answer.expect("the browser answers");
         let params = &message["params"];
-        match message["method"].as_str() {
-            Some("Page.loadEventFired") => self.loaded = true,
+        let complaint = match message["method"].as_str() {
+            Some("Page.loadEventFired") => {
+                self.loaded = true;
+                None
+            }
             Some("Runtime.exceptionThrown") => {
                 let details = &params["exceptionDetails"];
-                self.complaints.push(format!(
-                    "exception: {} {}",
-                    details["text"], details["exception"]["description"]
-                ));
+                let (text, what) = (&details["text"], &details["exception"]["description"]);
+                Some(format!("exception: {text} {what}"))
             }
-            Some("Runtime.consoleAPICalled")
-                if matches!(
-                    params["type"].as_str(),
-                    Some("error" | "warning" | "assert")
-                ) =>
-            {
-                self.complaints.push(format!("console: {}", params["args"]));
+            Some("Runtime.consoleAPICalled") => {
+                let kind = params["type"].as_str();
+                let bad = matches!(kind, Some("error" | "warning" | "assert"));
+                bad.then(|| format!("console: {}", params["args"]))
             }
-            Some("Log.entryAdded")
-                if matches!(params["entry"]["level"].as_str(), Some("error" | "warning"))
-                    // It is the tests that read pixels back.
-                    && !params["entry"]["text"].to_string().contains("willReadFrequently") =>
-            {
-                self.complaints
-                    .push(format!("log: {}", params["entry"]["text"]));
+            Some("Log.entryAdded") => {
+                let (level, text) = (&params["entry"]["level"], &params["entry"]["text"]);
+                // It is the tests that read pixels back.
+                let bad = matches!(level.as_str(), Some("error" | "warning"))
+                    && !text.to_string().contains("willReadFrequently");
+                bad.then(|| format!("log: {text}"))
             }
-            _ => {}
-        }
+            _ => None,
+        };
+        self.complaints.extend(complaint);
         message
     }
 }
@@ -353,23 +338,5 @@ impl Drop for Chromium {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
-    }
-}
-
-/// Where it listens: it writes port and path into its profile.
-fn address(profile: &Path) -> (u16, String) {
-    let file = profile.join("DevToolsActivePort");
-    let start = Instant::now();
-    loop {
-        let text = std::fs::read_to_string(&file).unwrap_or_default();
-        let mut lines = text.lines();
-        if let (Some(Ok(port)), Some(path)) = (lines.next().map(str::parse), lines.next()) {
-            return (port, path.to_owned());
-        }
-        assert!(
-            start.elapsed() < PATIENCE,
-            "Chromium does not say where it listens"
-        );
-        std::thread::sleep(Duration::from_millis(50));
     }
 }

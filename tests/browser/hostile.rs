@@ -1,11 +1,10 @@
 //! Names of scenes, files, columns and sweeps that would be markup, scripts or turn the line round, in a live browser.
 
 use std::fs;
-use std::path::Path;
 
 use pinwheel_tests::run_in;
 
-use crate::chromium::{Chromium, Look};
+use crate::chromium::{DESK, browse};
 
 const SCRIPT: &str = "<script>document.title='owned'</script>\\\"'`";
 const IMAGE: &str = "a \\\"><img src=x onerror=\\\"document.title='owned'\\\"> <b id=owned>b</b> ${1} {{x}} \\u202Egpj";
@@ -17,29 +16,25 @@ const LOOK: &str = "[document.title, document.querySelectorAll('[onerror], [src=
 
 #[test]
 fn browser_shows_hostile_names_as_names() {
-    let Some(mut browser) = Chromium::start() else {
-        return;
-    };
-    let dir = tempfile::tempdir().unwrap();
-    let write = |name: &str, text: &str| fs::write(dir.path().join(name), text).unwrap();
-    let scene = format!(
-        "base = \"paper\"\nname = \"{SCRIPT}\"\ndescription = \"{IMAGE}\"\n[solver]\nduration_s = 0.004\n"
-    );
-    write("h.toml", &scene);
-    let data = "x\"><img src=x onerror=document.title='owned'>\u{202e}.csv";
-    let mut rows = "time_s,<script>document.title='owned'</script>\n".to_owned();
-    (0..41).for_each(|k| rows.push_str(&format!("{},{}\n", 1e-4 * f64::from(k), 1 + k % 3)));
-    write(data, &rows);
-    write(
-        "m.toml",
-        "[columns]\ninput_torque_n_m = \"<script>document.title='owned'</script>\"\n",
-    );
-    let sweep = format!(
-        "name = \"{SCRIPT}\"\nscene = \"h.toml\"\nengines = [\"native-reduced\"]\n[vary]\ngear.backlash_m = [0.0, 1e-4]\n"
-    );
-    write("s.toml", &sweep);
-    let asked: [&[&str]; 3] = [
-        &[
+    browse(|browser, dir| {
+        let write = |name: &str, text: &str| fs::write(dir.join(name), text).unwrap();
+        let scene = format!(
+            "base = \"paper\"\nname = \"{SCRIPT}\"\ndescription = \"{IMAGE}\"\n[solver]\nduration_s = 0.004\n"
+        );
+        write("h.toml", &scene);
+        let data = "x\"><img src=x onerror=document.title='owned'>\u{202e}.csv";
+        let mut rows = "time_s,<script>document.title='owned'</script>\n".to_owned();
+        (0..41).for_each(|k| rows.push_str(&format!("{},{}\n", 1e-4 * f64::from(k), 1 + k % 3)));
+        write(data, &rows);
+        write(
+            "m.toml",
+            "[columns]\ninput_torque_n_m = \"<script>document.title='owned'</script>\"\n",
+        );
+        let sweep = format!(
+            "name = \"{SCRIPT}\"\nscene = \"h.toml\"\nengines = [\"native-reduced\"]\n[vary]\ngear.backlash_m = [0.0, 1e-4]\n"
+        );
+        write("s.toml", &sweep);
+        let compare = [
             "compare",
             "h.toml",
             "--engines",
@@ -48,41 +43,32 @@ fn browser_shows_hostile_names_as_names() {
             data,
             "--map",
             "m.toml",
-        ],
-        &["design", "h.toml", "--statics"],
-        &["sweep", "s.toml"],
-    ];
-    for words in asked {
-        let done = run_in(dir.path(), words.iter().chain(&["--out", "o", "--force"]));
-        assert!(
-            done.code.is_some_and(|code| code < 2 || code == 4),
-            "{words:?}: {done:?}"
-        );
-        look(&mut browser, &dir.path().join("o/index.html"), words);
-    }
-}
-
-fn look(browser: &mut Chromium, page: &Path, words: &[&str]) {
-    let desk = Look {
-        width: 1280,
-        dark: false,
-        still: true,
-    };
-    browser.open(page, desk);
-    browser.evaluate("document.querySelectorAll('details').forEach((d) => d.open = true)");
-    browser.evaluate("new Promise((r) => setTimeout(r, 400))");
-    let found = browser.evaluate(LOOK);
-    let title = found[0].as_str().unwrap();
-    assert!(
-        title != "owned" && title.contains("script"),
-        "{words:?}: {found}"
-    );
-    assert_eq!(found[1], 0, "{words:?}: {found}");
-    assert_eq!(found[2], false, "{words:?}: {found}");
-    assert_eq!(found[3], true, "{words:?}: {found}");
-    assert!(
-        browser.complaints().is_empty(),
-        "{words:?}: {:?}",
-        browser.complaints()
-    );
+        ];
+        let asked: [&[&str]; 3] = [
+            &compare,
+            &["design", "h.toml", "--statics"],
+            &["sweep", "s.toml"],
+        ];
+        for words in asked {
+            let done = run_in(dir, words.iter().chain(&["--out", "o", "--force"]));
+            let code = done.code;
+            assert!(
+                code.is_some_and(|code| code < 2 || code == 4),
+                "{words:?}: {done:?}"
+            );
+            browser.open(&dir.join("o/index.html"), DESK);
+            browser.evaluate("document.querySelectorAll('details').forEach((d) => d.open = true)");
+            browser.evaluate("new Promise((r) => setTimeout(r, 400))");
+            let found = browser.evaluate(LOOK);
+            let title = found[0].as_str().unwrap();
+            assert!(
+                title != "owned" && title.contains("script"),
+                "{words:?}: {found}"
+            );
+            assert_eq!(found[1], 0, "{words:?}: {found}");
+            assert_eq!(found[2], false, "{words:?}: {found}");
+            assert_eq!(found[3], true, "{words:?}: {found}");
+            browser.assert_quiet();
+        }
+    });
 }

@@ -4,14 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::chromium::{Chromium, Look};
-
-pub(crate) const DESK: Look = Look {
-    width: 1280,
-    dark: false,
-    still: true,
-};
-pub(crate) const PHONE: Look = Look { width: 390, ..DESK };
+use crate::chromium::{Chromium, DESK, PHONE};
 
 /// Waits until the chart is drawn.
 const DRAWN: &str = "(async () => { for (let k = 0; k < 200 && !document.body.dataset.drawn; k += 1) await new Promise((r) => setTimeout(r, 25)); return document.body.dataset.drawn || ''; })()";
@@ -38,25 +31,17 @@ const WINDOW: &str = "[...document.querySelectorAll('#windows [aria-pressed=true
 const OVER: &str = "document.querySelector('#chart .u-over')";
 const TIP: &str = "(() => { const t = document.querySelector('#chart .tip'); return t.hidden ? '' : t.textContent; })()";
 
-pub(crate) fn text(browser: &mut Chromium, script: &str) -> String {
-    browser
-        .evaluate(script)
-        .as_str()
-        .unwrap_or_default()
-        .to_owned()
-}
-
 /// Zoom by dragging, all at a double click, values at the cursor, engines on and off, other quantities and scales.
 pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
     browser.open(page, DESK);
-    assert_eq!(text(browser, DRAWN), "Ring pin force no. 0");
+    assert_eq!(browser.text(DRAWN), "Ring pin force no. 0");
     // A window may be as long as the run.
-    let all = text(browser, WINDOW);
+    let all = browser.text(WINDOW);
     assert!(all.starts_with("all"), "{all}");
     let [x, y, wide, _] = place(browser, OVER);
     // Values at the cursor, both engines.
     browser.mouse(&[("mouseMoved", x, y), ("mouseMoved", x + 3.0, y)], 0);
-    let tip = text(browser, TIP);
+    let tip = browser.text(TIP);
     assert!(
         tip.starts_with("t = ") && tip.contains("native-reduced"),
         "{tip}"
@@ -81,19 +66,19 @@ pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
         ("mouseReleased", to, y),
     ];
     browser.mouse(&drag, 1);
-    assert_eq!(text(browser, WINDOW), "", "a drag did not zoom");
+    assert_eq!(browser.text(WINDOW), "", "a drag did not zoom");
     browser.mouse(&[("mousePressed", x, y), ("mouseReleased", x, y)], 1);
     browser.mouse(&[("mousePressed", x, y), ("mouseReleased", x, y)], 2);
-    assert_eq!(text(browser, WINDOW), all, "a double click shows all");
+    assert_eq!(browser.text(WINDOW), all, "a double click shows all");
     click(browser, "document.querySelector('[data-zoom=in]')");
-    assert_eq!(text(browser, WINDOW), "");
+    assert_eq!(browser.text(WINDOW), "");
     click(browser, "document.querySelector('#windows button')");
-    assert_eq!(text(browser, WINDOW), all);
+    assert_eq!(browser.text(WINDOW), all);
     // An engine less.
     click(browser, "document.querySelectorAll('#legend .chip')[1]");
     let [x, y, ..] = place(browser, OVER);
     browser.mouse(&[("mouseMoved", x + 9.0, y), ("mouseMoved", x, y)], 0);
-    let tip = text(browser, TIP);
+    let tip = browser.text(TIP);
     assert!(
         tip.contains("native-reduced") && !tip.contains("native-lagrange"),
         "{tip}"
@@ -105,23 +90,14 @@ pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
              for (let k = 0; k < 100 && document.body.dataset.drawn === before; k += 1) await new Promise((r) => setTimeout(r, 20)); return document.body.dataset.drawn; }})()"
         )
     };
-    assert_eq!(
-        text(browser, &choose("quantity", 3)),
-        "Ring pin force no. 0"
-    );
-    assert_eq!(text(browser, &choose("channel", 5)), "Ring pin force no. 5");
+    assert_eq!(browser.text(&choose("quantity", 3)), "Ring pin force no. 0");
+    assert_eq!(browser.text(&choose("channel", 5)), "Ring pin force no. 5");
     browser.evaluate("(() => { const s = document.getElementById('base'); s.value = '1'; s.dispatchEvent(new Event('change')); })()");
     click(browser, "document.querySelector('[data-scale=linear]')");
-    let said = text(
-        browser,
-        "(async () => { await new Promise((r) => setTimeout(r, 200)); return document.querySelector('.plot-title').textContent; })()",
+    let said = browser.text("(async () => { await new Promise((r) => setTimeout(r, 200)); return document.querySelector('.plot-title').textContent; })()",
     );
     assert_eq!(said, "Difference to native-lagrange");
-    assert!(
-        browser.complaints().is_empty(),
-        "{:?}",
-        browser.complaints()
-    );
+    browser.assert_quiet();
 }
 
 /// Everything by keys: values, zoom, the gearbox's slider, folded pairs; and links that open what they lead to.
@@ -130,27 +106,20 @@ pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
     browser.evaluate(DRAWN);
     browser.evaluate("document.querySelector('#chart .plot').focus()");
     browser.key("ArrowRight");
-    let said = text(
-        browser,
-        "document.querySelector('#chart .plot + .unseen').textContent",
-    );
+    let said = browser.text("document.querySelector('#chart .plot + .unseen').textContent");
     assert!(said.contains("native-reduced"), "nothing is said: {said}");
     browser.key("+");
-    assert_eq!(text(browser, WINDOW), "");
+    assert_eq!(browser.text(WINDOW), "");
     browser.key("0");
-    assert!(text(browser, WINDOW).starts_with("all"));
+    assert!(browser.text(WINDOW).starts_with("all"));
     browser.key("Escape");
-    assert_eq!(text(browser, TIP), "");
+    assert_eq!(browser.text(TIP), "");
     // The time of the gearbox.
     let at = "document.querySelector('.gearboxes .at').textContent";
-    let before = text(browser, at);
+    let before = browser.text(at);
     browser.evaluate("document.querySelector('.gearbox-time input').focus()");
     browser.key("ArrowRight");
-    assert_ne!(
-        text(browser, at),
-        before,
-        "the slider does not move by keys"
-    );
+    assert_ne!(browser.text(at), before, "the slider does not move by keys");
     // A cell of a matrix opens its pair, and what it is folded in.
     let open = "[...document.querySelectorAll('.item')].filter((p) => p.open).length";
     assert_eq!(browser.evaluate(open), json!(0), "what passed is folded");
@@ -166,23 +135,19 @@ pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
         browser,
         "document.querySelectorAll('.item[open] button.sort')[3]",
     );
-    let rising = text(browser, first);
+    let rising = browser.text(first);
     click(
         browser,
         "document.querySelectorAll('.item[open] button.sort')[3]",
     );
-    assert_ne!(text(browser, first), rising, "a table does not sort");
+    assert_ne!(browser.text(first), rising, "a table does not sort");
     // Depth opens from the bar.
     click(browser, "document.querySelector('nav a[href=\"#costs\"]')");
     assert_eq!(
         browser.evaluate("document.querySelector('#costs > details').open"),
         json!(true)
     );
-    assert!(
-        browser.complaints().is_empty(),
-        "{:?}",
-        browser.complaints()
-    );
+    browser.assert_quiet();
 }
 
 /// The time line of the gearbox follows a mouse that drags along it.
@@ -201,7 +166,7 @@ pub(crate) fn mice_scrub(browser: &mut Chromium, page: &Path) {
             ("mouseReleased", to, y),
         ];
         browser.mouse(&drag, 1);
-        let told = text(browser, at);
+        let told = browser.text(at);
         let seconds = told.split(' ').nth(2).and_then(|s| s.parse::<f64>().ok());
         seen.push(seconds.unwrap());
     }
@@ -221,7 +186,7 @@ pub(crate) fn the_dark_reaches_the_charts(browser: &mut Chromium, page: &Path) {
     for _ in 0..2 {
         click(browser, "document.querySelector('#theme')");
     }
-    let theme = text(browser, "document.documentElement.dataset.theme");
+    let theme = browser.text("document.documentElement.dataset.theme");
     assert_eq!(theme, "dark");
     let dark = browser.evaluate(INK).as_f64().unwrap();
     assert!(
@@ -235,13 +200,13 @@ pub(crate) fn phones_are_served(browser: &mut Chromium, page: &Path) {
     browser.open(page, PHONE);
     browser.evaluate(DRAWN);
     let ground = "getComputedStyle(document.body).backgroundColor";
-    let light = text(browser, ground);
+    let light = browser.text(ground);
     let shown = "(() => { const b = document.querySelector('#theme').getBoundingClientRect(); return b.width > 0 && b.right <= innerWidth && b.left >= 0; })()";
     assert_eq!(browser.evaluate(shown), json!(true), "no switch of themes");
     for _ in 0..2 {
         browser.evaluate("document.querySelector('#theme').click()");
     }
-    assert_ne!(text(browser, ground), light, "the switch does nothing");
+    assert_ne!(browser.text(ground), light, "the switch does nothing");
     let top = "[...document.querySelectorAll('.banner, .tile')].every((e) => e.getBoundingClientRect().bottom + scrollY < 844)";
     assert_eq!(
         browser.evaluate(top),
@@ -253,7 +218,7 @@ pub(crate) fn phones_are_served(browser: &mut Chromium, page: &Path) {
         "{OVER}.dispatchEvent(new PointerEvent('pointerdown', {{ pointerType: 'touch', clientX: {x}, clientY: {y}, bubbles: true }}))"
     ));
     assert!(
-        text(browser, TIP).starts_with("t = "),
+        browser.text(TIP).starts_with("t = "),
         "a finger reads nothing"
     );
 }
@@ -281,13 +246,11 @@ pub(crate) fn old_browsers_read_it(browser: &mut Chromium, page: &Path) {
     const VALUES: &str = "(() => { const c = document.querySelector('#chart canvas'); const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; let h = 0; for (const v of d) h = (h * 31 + v) | 0; return h; })()";
     let mut seen: Vec<Value> = Vec::new();
     for lacking in [false, true] {
-        browser.before_pages(if lacking {
-            "delete window.DecompressionStream"
-        } else {
-            ""
-        });
+        if lacking {
+            browser.before_pages("delete window.DecompressionStream");
+        }
         browser.open(page, DESK);
-        assert_eq!(text(browser, DRAWN), "Ring pin force no. 0");
+        assert_eq!(browser.text(DRAWN), "Ring pin force no. 0");
         assert_eq!(
             browser.evaluate("typeof DecompressionStream"),
             json!(if lacking { "undefined" } else { "function" })

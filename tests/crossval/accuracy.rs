@@ -53,14 +53,14 @@ fn crossval_python_shared_law_transient() {
         // Real steel rings ten times as fast and lifts off: a tenth of the step. Measured 1.0e-4.
         (
             "steel",
-            vec![("solver.step_s", "1e-6"), ("solver.duration_s", "0.005")],
+            vec![("solver.step_s", "1e-6"), ("solver.duration_s", "0.003")],
             3e-4,
             3e-2,
         ),
     ] {
         let scene = scene(
             preset,
-            &[vec![("solver.duration_s", "0.03")], settings].concat(),
+            &[vec![("solver.duration_s", "0.015")], settings].concat(),
         );
         let reference = native(&scene, "rk4", scene.solver.step_s / 5.0);
         assert_shared_law(preset, &scene, &reference, explicit, constrained);

@@ -4,7 +4,6 @@
 
 use std::f64::consts::TAU;
 use std::process::Command;
-use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::python::{Requirements, environment};
@@ -38,27 +37,42 @@ fn recording() -> Vec<toml::Table> {
         .collect()
 }
 
-/// What the package says of the recorded gears, computed once.
-fn live() -> &'static [Value] {
-    static LIVE: OnceLock<Vec<Value>> = OnceLock::new();
-    LIVE.get_or_init(|| {
-        let environment =
-            environment(CYCLOIDGEN, &AtomicBool::new(false)).unwrap_or_else(|e| panic!("{e}"));
-        let scenes = recording().into_iter().map(|gear| {
-            let name = gear["scene"].as_str().unwrap();
-            repository(&format!("reference/scenes/{name}.toml"))
-        });
-        let run = Command::new(environment.python)
-            .arg(repository("python/references/cycloidgen_loads.py"))
-            .args(scenes)
-            .env("PYTHONPATH", repository("python"))
-            .env("PYTHONDONTWRITEBYTECODE", "1")
-            .output()
-            .unwrap();
-        let complaint = String::from_utf8_lossy(&run.stderr);
-        assert!(run.status.success(), "{complaint}");
-        serde_json::from_slice(&run.stdout).unwrap()
-    })
+/// Loads of recorded gears as the package computes them.
+fn loads(gears: &[toml::Table]) -> Vec<Value> {
+    let environment =
+        environment(CYCLOIDGEN, &AtomicBool::new(false)).unwrap_or_else(|e| panic!("{e}"));
+    let scenes = gears.iter().map(|gear| {
+        let name = gear["scene"].as_str().unwrap();
+        repository(&format!("reference/scenes/{name}.toml"))
+    });
+    let run = Command::new(environment.python)
+        .arg(repository("python/references/cycloidgen_loads.py"))
+        .args(scenes)
+        .env("PYTHONPATH", repository("python"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .output()
+        .unwrap();
+    let complaint = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success(), "{complaint}");
+    serde_json::from_slice(&run.stdout).unwrap()
+}
+
+fn agree(gears: &[toml::Table]) {
+    let live = loads(gears);
+    gives_what_was_recorded(gears, &live);
+    closed_forms(&live);
+    levers_carry_the_solver(&live);
+}
+
+#[test]
+fn crossval_cycloidgen() {
+    agree(&recording()[..2]);
+}
+
+#[test]
+#[ignore = "weekly: 12 s for one gear more"]
+fn crossval_cycloidgen_forty_pins() {
+    agree(&recording()[2..]);
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
@@ -79,10 +93,9 @@ fn off(found: &[f64], wanted: &[f64]) -> f64 {
 }
 
 /// Today's package on today's numpy gives what was recorded. Measured: equal, but for the last digits.
-#[test]
-fn crossval_cycloidgen_gives_what_was_recorded() {
+fn gives_what_was_recorded(gears: &[toml::Table], live: &[Value]) {
     let mut worst = 0.0_f64;
-    for (recorded, live) in recording().iter().zip(live()) {
+    for (recorded, live) in gears.iter().zip(live) {
         let live = live.as_object().unwrap();
         assert_eq!(
             recorded.len() + 2,
@@ -105,9 +118,8 @@ fn crossval_cycloidgen_gives_what_was_recorded() {
 }
 
 /// Levers, forces, bearing force and torque equivalence of every pose, both stages. Measured: 1.2e-13 at most.
-#[test]
-fn crossval_cycloidgen_closed_forms() {
-    for live in live() {
+fn closed_forms(live: &[Value]) {
+    for live in live {
         let name = live["scene"].as_str().unwrap();
         let gear = scene(name, &[]).gear;
         let (mesh, output) = (LinearMesh::of(&gear), LinearOutput::of(&gear));
@@ -162,9 +174,8 @@ fn crossval_cycloidgen_closed_forms() {
 /// Penetrations bend the picture in proportion. Measured: external forces are off by up to 4.4e-4 of the largest, internal ones
 /// by 1.6e-4, T/(e zs) by 9.5e-6; a hundred times stiffer, with penetrations 63 times smaller (100^0.9), by 6.9e-6, 2.5e-6 (63
 /// times less) and 1.5e-7.
-#[test]
-fn crossval_cycloidgen_levers_carry_the_solver() {
-    for live in live() {
+fn levers_carry_the_solver(live: &[Value]) {
+    for live in live {
         let name = live["scene"].as_str().unwrap();
         let torque = number(&live["wheel_torque_n_m"]);
         let errors = ["1", "100"].map(|stiffness| {

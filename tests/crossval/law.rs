@@ -4,7 +4,7 @@ use pinwheel_engines::python::law_agreement;
 
 use super::*;
 
-/// The law in Rust and the one in numpy, written from the paper's equations alone, at 4 000 random states.
+/// The law in Rust and the one in numpy, written from the paper's equations alone, at 1 000 random states.
 ///
 /// A penetration is a difference of lengths of 64 mm, known to 1.4e-17 m whatever its size, so a force is known to
 /// its slope times that. Measured over that bound: at most 1.45; over the largest force met: 1.2e-12, and
@@ -43,10 +43,10 @@ fn crossval_python_law_in_numpy() {
         ("modified", vec![rollers], 2e-11),
     ] {
         let scene = scene(preset, &settings);
-        let found = law_agreement(&scene.clone().check().unwrap(), 4_000, 1).unwrap();
+        let found = law_agreement(&scene.clone().check().unwrap(), 1_000, 1).unwrap();
         println!("{preset} {settings:?}: {found:?}");
-        assert!(found.loaded > 2_000, "states that say nothing");
-        assert!(found.ambiguous < 4, "{found:?}");
+        assert!(found.loaded > 500, "states that say nothing");
+        assert!(found.ambiguous < 2, "{found:?}");
         assert_within(preset, found.worst_n / found.largest_n, largest);
         assert_within("roundings", found.worst_over_rounding, 3.0);
     }

@@ -70,19 +70,27 @@ fn crossval_python_own_gear_shared_law() {
 
 /// Wave forms from equilibrium, both peers, against a native run with balls as stiff as theirs. Measured
 /// at most 5.8e-2, 1.4e-3, 1.3e-2 and 4.4e-3.
-#[test]
-fn crossval_python_own_gear_own_contact() {
-    for text in [FORTY, TINY] {
-        let scene = gear(text, 300.0, Start::Equilibrium);
-        let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
-        let twin = OwnContact::Balls.twin(&gearbox).unwrap().unwrap();
-        let reference = native(&twin, "rk4", scene.solver.step_s);
-        for engine in [MUJOCO_OWN, EXUDYN_OWN] {
-            let time_series = run(engine, &scene);
-            for (quantity, limit) in QUANTITIES.iter().zip([8e-2, 4e-3, 3e-2, 8e-3]) {
-                let error = relative(&time_series, &reference, quantity, 0.0);
-                assert_within(&format!("{} {engine} {quantity}", scene.name), error, limit);
-            }
+fn own_contact(text: &str) {
+    let scene = gear(text, 300.0, Start::Equilibrium);
+    let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
+    let twin = OwnContact::Balls.twin(&gearbox).unwrap().unwrap();
+    let reference = native(&twin, "rk4", scene.solver.step_s);
+    for engine in [MUJOCO_OWN, EXUDYN_OWN] {
+        let time_series = run(engine, &scene);
+        for (quantity, limit) in QUANTITIES.iter().zip([8e-2, 4e-3, 3e-2, 8e-3]) {
+            let error = relative(&time_series, &reference, quantity, 0.0);
+            assert_within(&format!("{} {engine} {quantity}", scene.name), error, limit);
         }
     }
+}
+
+#[test]
+fn crossval_python_own_gear_own_contact() {
+    own_contact(FORTY);
+}
+
+#[test]
+#[ignore = "weekly: 20 s for one gear more"]
+fn crossval_python_tiny_gear_own_contact() {
+    own_contact(TINY);
 }

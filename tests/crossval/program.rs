@@ -83,53 +83,81 @@ fn interrupt(child: &Child) {
     assert!(sent.success());
 }
 
-/// No environment, no network: the error names the remedies, and `compare` shows the recordings, saying so.
+/// No environment, no network, no compiler: `compare` shows the recordings and says so; without one the error names the remedies.
 #[test]
 fn crossval_python_program_without_packages_falls_back_on_recordings() {
     let dir = tempfile::tempdir().unwrap();
     let wheels = tempfile::tempdir().unwrap();
     let cache = tempfile::tempdir().unwrap();
-    let run = |arguments: &[&str]| -> Outcome {
+    let run = |environment: Option<&str>, typed: &str| -> Outcome {
         pinwheel()
-            .args(arguments)
+            .args(words(typed))
             .env("PINWHEEL_CACHE", cache.path())
             .env("PINWHEEL_WHEELS", wheels.path())
+            .env("CXX", "no-such-compiler")
             .env_remove("PINWHEEL_PYTHON_ENV")
             .env_remove("PIP_FIND_LINKS")
+            .envs(environment.map(|place| ("PINWHEEL_PYTHON_ENV", place)))
             .current_dir(dir.path())
             .stdin(Stdio::null())
             .output()
             .unwrap()
             .into()
     };
-    let outcome = run(&words(
-        "compare paper --engines native-resolved,mujoco-shared-law,exudyn-own-contact \
-         --out out",
-    ));
+    let page =
+        |name: &str| std::fs::read_to_string(dir.path().join(name).join("index.html")).unwrap();
+    let outcome = run(
+        None,
+        "compare paper --engines native-resolved,mujoco-shared-law,exudyn-own-contact,simbody-shared-law,ida-shared-law --out out",
+    );
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     assert!(outcome.stdout.contains("recorded"), "{}", outcome.stdout);
-    let page = std::fs::read_to_string(dir.path().join("out/index.html")).unwrap();
-    assert!(page.contains("Recorded on") && page.contains("because"));
-    assert!(page.contains("PINWHEEL_WHEELS"), "the reason is told");
-    // A scene that nothing was recorded of: an error with the remedies.
-    let outcome = run(&words(
-        "run one-wheel --engine mujoco-shared-law --out other",
-    ));
-    assert_eq!(outcome.code, Some(3), "{outcome:?}");
-    for word in ["PINWHEEL_WHEELS", "PINWHEEL_PYTHON_ENV"] {
-        assert!(outcome.stderr.contains(word), "{}", outcome.stderr);
+    let shown = page("out");
+    for word in [
+        "Recorded on",
+        "because",
+        "PINWHEEL_WHEELS",
+        "apt install libsimbody-dev g++",
+        "solvers/ida/requirements.txt",
+    ] {
+        assert!(shown.contains(word), "{word}: {}", outcome.stdout);
+    }
+    // Nothing was recorded of this scene.
+    for (engine, remedies) in [
+        (
+            "mujoco-shared-law",
+            ["PINWHEEL_WHEELS", "PINWHEEL_PYTHON_ENV"],
+        ),
+        (
+            "simbody-shared-law",
+            ["apt install libsimbody-dev g++", "CXX"],
+        ),
+    ] {
+        let alone = run(
+            None,
+            &format!("run one-wheel --engine {engine} --out other"),
+        );
+        assert_eq!(alone.code, Some(3), "{alone:?}");
+        assert_eq!(alone.stderr.trim().lines().count(), 1, "{}", alone.stderr);
+        for remedy in remedies {
+            assert!(alone.stderr.contains(remedy), "{}", alone.stderr);
+        }
     }
     assert_eq!(names_in(dir.path()), ["out"]);
     let left = names_in(cache.path());
     assert!(
         left.iter().all(|name| name.ends_with(".lock")),
-        "half an environment: {left:?}"
+        "half a program or environment: {left:?}"
     );
-    // Nobody asked for these by name: what is here is compared, and why the others are not is said.
-    let outcome = run(&words(
+    // Without `--engines` those that are here are compared, and the reason is given for each of the others.
+    let outcome = run(
+        Some("/nowhere"),
         "compare one-wheel --set solver.duration_s=0.002 --longest 1 --out own",
-    ));
+    );
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
-    let page = std::fs::read_to_string(dir.path().join("own/index.html")).unwrap();
-    assert!(page.contains("not on this machine"), "{}", outcome.stdout);
+    assert!(
+        page("own").contains("not on this machine"),
+        "{}",
+        outcome.stdout
+    );
 }

@@ -15,9 +15,9 @@ fn crossval_python_live_runs_stay_on_their_recordings() {
         let mut scene = recording.scene.clone();
         // Friction iterates long.
         scene.solver.duration_s = if preset == "paper-friction" {
-            0.003
+            0.002
         } else {
-            0.012
+            0.004
         };
         let live = run(engine, &scene);
         assert_eq!(
@@ -48,5 +48,5 @@ fn crossval_python_live_runs_stay_on_their_recordings() {
         }
     }
     println!("{compared} values compared");
-    assert!(compared > 5_000);
+    assert!(compared > 1_500);
 }

@@ -71,9 +71,13 @@ fn paper(engine: &str, transient: [f64; 2], steady: [f64; 2], gain: f64) {
     let found = coarse[0] / fine[0];
     assert!(found > gain, "{found} for a tenth of the tolerance");
 
-    let long = scene("paper", &[("solver.duration_s", "0.32")]);
-    let resolved = run("native-resolved", &long);
-    assert_within(errors(engine, &long, (0.3, 0.32), &resolved), steady);
+    let settings = [
+        ("drive.start", "equilibrium"),
+        ("solver.duration_s", "0.05"),
+    ];
+    let loaded = scene("paper", &settings);
+    let resolved = run("native-resolved", &loaded);
+    assert_within(errors(engine, &loaded, (0.03, 0.05), &resolved), steady);
 }
 
 /// Measured 2.9e-7 (forces) and 3.0e-7 (driver torque) in the transient, 1.8e-7 and 2.0e-7 steady: times 4. 3.4 times nearer
@@ -130,15 +134,15 @@ fn crossval_solvers_other_scenes() {
         ("contact.friction_coefficient", "0.05"),
         ("solver.duration_s", "0.005"),
     ];
-    let short = [("solver.duration_s", "0.012")];
+    let short = [("solver.duration_s", "0.006")];
+    let reversal = [("solver.duration_s", "0.012")];
     for (preset, settings, limits) in [
         ("hard-load-doubled", &short[..], [2e-6, 1.2e-5]),
-        ("hard-load-reversal", &short, [6e-6, 1.6e-5]),
+        ("hard-load-reversal", &reversal, [6e-6, 1.6e-5]),
         ("paper", &equilibrium, [4e-6, 1e-5]),
         ("eleven-pins", &short, [1.5e-6, 8e-6]),
         ("forty-pins", &short, [1e-6, 5e-6]),
         ("one-wheel", &short, [3e-6, 1.2e-5]),
-        ("backlash-0.6", &short, [3e-6, 2e-5]),
         ("steel", &short, [1e-6, 4e-4]),
     ] {
         let scene = scene(preset, settings);
@@ -206,56 +210,9 @@ fn crossval_simbody_cache_is_whole_or_made_anew() {
     let sound = fs::read(&program).unwrap();
     let mut altered = sound.clone();
     altered[sound.len() / 2] ^= 0xff;
-    for damaged in [&[][..], &sound[..sound.len() / 3], &altered] {
-        fs::write(&program, damaged).unwrap();
-        let outcome = end(start("again".to_owned()));
-        assert_eq!(
-            outcome.code,
-            Some(0),
-            "{} bytes: {outcome:?}",
-            damaged.len()
-        );
-    }
-}
-
-#[test]
-fn crossval_solvers_missing_fall_back_on_recordings() {
-    let folder = tempfile::tempdir().unwrap();
-    let wheels = tempfile::tempdir().unwrap();
-    let cache = tempfile::tempdir().unwrap();
-    let ran = |arguments: &[&str]| -> Outcome {
-        let mut command = pinwheel();
-        command
-            .args(arguments)
-            .current_dir(folder.path())
-            .env("PINWHEEL_CACHE", cache.path())
-            .env("CXX", "no-such-compiler")
-            .env("PINWHEEL_WHEELS", wheels.path())
-            .env_remove("PINWHEEL_PYTHON_ENV")
-            .env_remove("PIP_FIND_LINKS");
-        command.output().unwrap().into()
-    };
-    // A scene that nothing was recorded of.
-    for (engine, remedy) in [
-        (SIMBODY, "apt install libsimbody-dev g++"),
-        (IDA, "solvers/ida/requirements.txt"),
-    ] {
-        let alone = ran(&["run", "one-wheel", "--engine", engine, "--out", "run"]);
-        assert_eq!(alone.code, Some(3), "{alone:?}");
-        assert!(alone.stderr.contains(remedy), "{}", alone.stderr);
-        assert_eq!(alone.stderr.trim().lines().count(), 1, "{}", alone.stderr);
-    }
-    let engines = format!("native-resolved,{SIMBODY},{IDA}");
-    let compared = ran(&["compare", "paper", "--engines", &engines, "--out", "out"]);
-    assert_eq!(compared.code, Some(0), "{compared:?}");
-    let page = fs::read_to_string(folder.path().join("out/index.html")).unwrap();
-    assert!(page.contains("Recorded on") && page.contains("libsimbody-dev"));
-    assert_eq!(names_in(folder.path()), ["out"]);
-    let left = names_in(cache.path());
-    assert!(
-        left.iter().all(|name| name.ends_with(".lock")),
-        "half a program or environment: {left:?}"
-    );
+    fs::write(&program, altered).unwrap();
+    let outcome = end(start("again".to_owned()));
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
 }
 
 /// A live run stays on its recording. Measured 4.9e-7; another processor's rounding makes the step control take other steps,
@@ -271,7 +228,7 @@ fn crossval_solvers_recordings_are_of_these_programs() {
             .unwrap()
             .unwrap();
         let mut scene = recording.scene.clone();
-        scene.solver.duration_s = 0.008;
+        scene.solver.duration_s = 0.005;
         scene.solver.sample_s = 1e-3;
         let live = run(engine, &scene);
         let found = by_name(engine, &scene).unwrap().version();
@@ -285,7 +242,7 @@ fn crossval_solvers_recordings_are_of_these_programs() {
         let rows: Vec<usize> = (0..live.len()).collect();
         let recorded = recording.time_series.select(&rows);
         for quantities in [&FORCES[..], &TORQUE] {
-            let error = runs::relative(&live, &recorded, quantities, (0.0, 0.008));
+            let error = runs::relative(&live, &recorded, quantities, (0.0, 0.005));
             println!("{preset} {engine}: {error:.1e}");
             assert!(error < 1e-3, "{preset} {engine}: {error:e}");
         }

@@ -31,7 +31,7 @@ fn hard_presets_run_or_say_why() {
     assert!(hard.len() > 20);
     for name in hard {
         // The long run has a test of its own below.
-        let limit = [("solver.duration_s", "0.02")];
+        let limit = [("solver.duration_s", "0.01")];
         for engine in ["native-reduced", "native-lagrange"] {
             let run = attempt(engine, &scene(name, &limit));
             match run.ending {
@@ -55,7 +55,7 @@ fn hard_presets_run_or_say_why() {
                 Ending::Diverged { time_s, quantity } => {
                     println!("{name}, {engine}: diverged at {time_s} s: {quantity}");
                     assert_eq!(name, "hard-steel", "{engine}: {quantity}");
-                    assert!(time_s < 0.02 && run.time_series.len() < 201);
+                    assert!(time_s < 0.01 && run.time_series.len() < 101);
                 }
                 Ending::Unsupported { reason } => {
                     println!("{name}, {engine}: {reason}");

@@ -1,10 +1,11 @@
 //! Tests across crates, in one program: they share its build and the machine.
 
-mod comments;
+mod budgets;
 mod crossval_limits;
 mod crossval_parry;
 mod crossval_rapier;
 mod dependencies;
 mod hard;
+mod loops;
 mod own_gears;
 mod random_gears;

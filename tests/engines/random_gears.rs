@@ -1,7 +1,7 @@
 //! `auto` on gears that nobody tuned it to: no run that calls itself resolved may be wrong.
 //!
 //! `PINWHEEL_GEARS=1000` judges that many of them, `PINWHEEL_GEARS=300..900` others, `PINWHEEL_RUBBING=1` only those with
-//! friction.
+//! friction. The weekly workflow judges 300.
 
 #![allow(
     clippy::print_stdout,
@@ -22,7 +22,7 @@ use pinwheel_timeseries::Ending;
 use pinwheel_timeseries::TimeSeries;
 
 /// Gears of an ordinary test run.
-const GEARS: u64 = 300;
+const GEARS: u64 = 60;
 /// Evaluations a gear may take: the dearest two per cent end as not resolved.
 const BUDGET: u64 = 600_000;
 /// An error beyond this many targets is a silent failure.
@@ -115,7 +115,7 @@ fn print_histogram(pairs: &[(f64, f64)]) {
     }
 }
 
-/// Of 300 random gears (6 to 60 pins, 1 to 4 discs, backlash, friction, all loads, laws and sizes) none is silently wrong:
+/// No random gear (6 to 60 pins, 1 to 4 discs, backlash, friction, all loads, laws and sizes) is silently wrong:
 /// what calls itself resolved to 1e-3 is within 3e-3 of a reference by another method. See `print_histogram`'s table.
 #[test]
 fn crossval_no_random_gear_is_silently_wrong() {

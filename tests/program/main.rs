@@ -5,6 +5,7 @@ mod baseline;
 mod bench;
 mod commands;
 mod crashes;
+mod explore;
 mod fmu;
 mod foreign;
 mod safety;

@@ -6,10 +6,9 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_report::animation::markup;
-use pinwheel_report::colours;
 use pinwheel_report::format::{self, NONE, significant};
 use pinwheel_report::stack::stack;
-use pinwheel_report::study::{Axis, Block, Chart, Fact, Mark, Section, Series, Study, Style, Tile};
+use pinwheel_report::study::{Axis, Block, Chart, Fact, Mark, Section, Study, Style, Tile};
 use pinwheel_report::terminal::{self, TITLE, list, styled};
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
@@ -17,16 +16,16 @@ use pinwheel_studies::Provenance;
 use pinwheel_studies::design::{DesignFigure, DesignResult, Joint, Rest, Share};
 use pinwheel_timeseries::table::{Shown, Table};
 
+mod curves;
 mod loads;
 
+pub(crate) use curves::figure;
 pub(crate) use loads::{bearing_chart, sharing_charts};
 
 use crate::{animation, band};
+use curves::{DIGITS, Drawn, SHOWN, chart, degrees, line, of_design};
 use loads::{bearings, sharing};
 
-/// Significant digits of a figure: what a data sheet gives.
-const DIGITS: u8 = 4;
-const SHOWN: Shown = Shown::Digits(DIGITS);
 /// Figures that stand on the first screen.
 pub(crate) const HEADLINES: [&str; 6] = [
     "lost_motion_arcmin",
@@ -217,10 +216,6 @@ pub fn draft(draft: &Draft) -> String {
     format!("{}\n{}", styled(TITLE, &draft.scene.name), list(rows))
 }
 
-pub(crate) fn figure(value: f64) -> String {
-    significant(value, usize::from(DIGITS))
-}
-
 fn sentence(text: &str) -> String {
     match text.trim_end_matches('.') {
         "" => String::new(),
@@ -409,39 +404,6 @@ fn joint(joint: &Joint) -> Section {
     )
 }
 
-/// A curve that its design names.
-fn line(x: &[f64], y: &[f64]) -> Series {
-    Series::line("", x, y)
-}
-
-/// A chart of curves over linear axes.
-fn chart(title: &str, x: &str, y: &str, series: Vec<Series>) -> Chart {
-    Chart::new(title, Axis::linear(x), Axis::linear(y), series)
-}
-
-/// Designs of one chart with their names, which may be empty for one alone.
-pub(crate) type Drawn<'a> = [(&'a str, &'a DesignResult)];
-
-/// A line of a design: of several designs with the design's name and colour; what else it is, its dash tells.
-fn of_design(
-    designs: &Drawn<'_>,
-    design: usize,
-    (variant, what): (usize, &str),
-    line: Series,
-) -> Series {
-    if designs.len() < 2 {
-        return Series {
-            label: what.to_owned(),
-            ..line
-        };
-    }
-    Series {
-        label: format!("{}: {what}", designs[design].0),
-        colour: Some(design + colours::COUNT * variant),
-        ..line
-    }
-}
-
 /// Twist over torque, by statics and by a run.
 pub(crate) fn torsion_chart(designs: &Drawn<'_>) -> Chart {
     let mut series = Vec::new();
@@ -525,10 +487,6 @@ pub(crate) fn transmission_charts(designs: &Drawn<'_>) -> [Chart; 2] {
             spectrum,
         ),
     ]
-}
-
-fn degrees(angles_rad: &[f64]) -> Vec<f64> {
-    angles_rad.iter().map(|angle| angle.to_degrees()).collect()
 }
 
 fn transmission(found: &DesignResult) -> Section {

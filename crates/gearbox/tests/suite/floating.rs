@@ -61,7 +61,7 @@ fn both_forms_agree() {
         let common = [
             &integrator,
             &tolerance,
-            "solver.duration_s=2e-3",
+            "solver.duration_s=1e-3",
             "solver.sample_s=1e-4",
             &friction,
         ];

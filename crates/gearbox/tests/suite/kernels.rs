@@ -244,7 +244,7 @@ fn regress_lanes_out_of_steps_touch_nothing() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 800, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Any gear (zk and zi no multiple of the lanes), friction or not, backlash or not, with a force along the profile or
     /// without, by any instructions.

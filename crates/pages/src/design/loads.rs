@@ -4,7 +4,7 @@ use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Style};
 use pinwheel_studies::design::DesignResult;
 use pinwheel_timeseries::table::Table;
 
-use super::{Drawn, SHOWN, chart, degrees, figure, line, of_design};
+use super::curves::{Drawn, SHOWN, chart, degrees, figure, line, of_design};
 
 /// Name of the parts that carry discs on the output's side.
 fn inner(found: &DesignResult) -> &'static str {

@@ -89,8 +89,8 @@ fn claims(found: &PaperResult, expected: &[&str]) {
 /// Section 7 of the paper: fluctuations "at the beginning of the contact", 0.24 to 0.246 s, and where the curvature
 /// changes fast, 0.265 to 0.28 s. Measured: one of our contacts lasts from 0.2403 to 0.3009 s.
 #[test]
-fn published_figures_5_to_10() {
-    let found = computed(&["5", "7", "9", "10", "damping"]);
+fn published_figures_5_to_9() {
+    let found = computed(&["5", "7", "9", "damping"]);
     let five = &found.figures[0];
     assert!((number(five, "begins") - 0.24).abs() < 1e-3);
     assert!(number(five, "ends") > 0.28);
@@ -112,11 +112,9 @@ fn published_figures_5_to_10() {
             .iter()
             .all(|c| c.y.len() == five.plots[0].x.len())
     );
-    assert!(found.costs.len() == 4 && found.runs > 3);
     claims(
         &found,
         &[
-            "below-200",
             "low-damping",
             "damping-above-8",
             "points-600",
@@ -124,6 +122,15 @@ fn published_figures_5_to_10() {
             "damping-one-per-cent",
         ],
     );
+}
+
+/// Forces of a second program, and the times of both.
+#[test]
+#[ignore = "weekly: 13 s for one figure"]
+fn published_figure_10() {
+    let found = computed(&["10"]);
+    assert!(found.costs.len() == 4 && found.runs > 3);
+    claims(&found, &["below-200", "time"]);
 }
 
 #[test]

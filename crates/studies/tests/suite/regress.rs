@@ -73,7 +73,7 @@ fn regress_baseline_is_small_and_whole() {
     assert!(!baseline.accepted.is_empty());
 }
 
-/// One, two and four threads at work on the library at the same time: the same bits.
+/// One and four threads at work on the library at the same time: the same bits.
 #[test]
 fn regress_same_bits_for_any_number_of_threads() {
     let baseline = accepted();
@@ -86,17 +86,20 @@ fn regress_same_bits_for_any_number_of_threads() {
     };
     let one = by(1);
     assert!(one.cases.iter().all(|case| case.bits != 0));
-    assert_eq!(one, by(2));
     assert_eq!(one, by(4));
 }
 
-/// Results by AVX2, without vector instructions and by the scalar loop, on every case. Joint errors are left out: they are
+/// Results by AVX2, without vector instructions and by the scalar loop, on every case, beside the instructions of this processor,
+/// which `regress_accepted_results` judges. Joint errors are left out: they are
 /// nothing but rounding.
 #[test]
 fn regress_same_results_by_other_vector_instructions() {
     let baseline = accepted();
     let (mut fixed, mut adaptive) = (0.0_f64, 0.0_f64);
-    for kernel in Kernel::ALL {
+    for kernel in Kernel::ALL
+        .into_iter()
+        .filter(|kernel| *kernel != Kernel::Lanes)
+    {
         let options = Options {
             kernel,
             ..Options::default()

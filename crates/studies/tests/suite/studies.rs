@@ -50,7 +50,7 @@ fn atlas_of_steel() {
 fn hard_hopeless_runs_end_loudly() {
     let mut options = Options {
         scenes: vec!["hard-feather-sleeves".to_owned()],
-        longest_s: 0.01,
+        longest_s: 2e-4,
         ..Options::default()
     };
     options.methods.retain(|m| m.integrator == "dopri5");
@@ -333,7 +333,7 @@ fn regress_a_shift_of_all_phases_changes_no_figure() {
         let gearbox = Gearbox::new(&scene.check().ok()?).ok()?;
         design::run(&gearbox, false, &Control::quiet()).ok()
     };
-    let random = [3001, 3005, 3011].into_iter().filter_map(gears::gear);
+    let random = [3001].into_iter().filter_map(gears::gear);
     let presets = ["paper", "modified"].map(|name| Scene::load(name, &[]).unwrap().into_scene());
     let (mut seen, mut outside) = (0, Vec::new());
     for mut scene in random.chain(presets) {
@@ -362,7 +362,7 @@ fn regress_a_shift_of_all_phases_changes_no_figure() {
         }
     }
     println!("{} of {seen} outside: {outside:#?}", outside.len());
-    assert!(seen > 80 && outside.len() * 50 <= seen, "{outside:#?}");
+    assert!(seen > 40 && outside.len() * 50 <= seen, "{outside:#?}");
 }
 
 /// Without load there is only rounding: figures are zero within its size, a comparison refines nothing, and a design has nothing to

@@ -1,0 +1,51 @@
+//! Figures and curves of designs, as every part of their page writes and draws them.
+
+use pinwheel_report::colours;
+use pinwheel_report::format::significant;
+use pinwheel_report::study::{Axis, Chart, Series};
+use pinwheel_studies::design::DesignResult;
+use pinwheel_timeseries::table::Shown;
+
+/// Significant digits of a figure: what a data sheet gives.
+pub(crate) const DIGITS: u8 = 4;
+pub(crate) const SHOWN: Shown = Shown::Digits(DIGITS);
+pub(crate) fn figure(value: f64) -> String {
+    significant(value, usize::from(DIGITS))
+}
+
+/// A curve that its design names.
+pub(crate) fn line(x: &[f64], y: &[f64]) -> Series {
+    Series::line("", x, y)
+}
+
+/// A chart of curves over linear axes.
+pub(crate) fn chart(title: &str, x: &str, y: &str, series: Vec<Series>) -> Chart {
+    Chart::new(title, Axis::linear(x), Axis::linear(y), series)
+}
+
+/// Designs of one chart with their names, which may be empty for one alone.
+pub(crate) type Drawn<'a> = [(&'a str, &'a DesignResult)];
+
+/// A line of a design: of several designs with the design's name and colour; what else it is, its dash tells.
+pub(crate) fn of_design(
+    designs: &Drawn<'_>,
+    design: usize,
+    (variant, what): (usize, &str),
+    line: Series,
+) -> Series {
+    if designs.len() < 2 {
+        return Series {
+            label: what.to_owned(),
+            ..line
+        };
+    }
+    Series {
+        label: format!("{}: {what}", designs[design].0),
+        colour: Some(design + colours::COUNT * variant),
+        ..line
+    }
+}
+
+pub(crate) fn degrees(angles_rad: &[f64]) -> Vec<f64> {
+    angles_rad.iter().map(|angle| angle.to_degrees()).collect()
+}
