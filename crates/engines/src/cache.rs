@@ -53,11 +53,11 @@ impl<T: Clone> Memo<T> {
 
     pub fn get(&self, make: impl FnOnce() -> Result<T, Halt>) -> Result<T, Halt> {
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = kept.take().unwrap_or_else(make);
-        if !matches!(found, Err(Halt::Cancelled(_))) {
-            *kept = Some(found.clone());
+        let result = kept.take().unwrap_or_else(make);
+        if !matches!(result, Err(Halt::Cancelled(_))) {
+            *kept = Some(result.clone());
         }
-        found
+        result
     }
 }
 
@@ -105,13 +105,13 @@ impl<T> CachedBuild<'_, T> {
     /// The build's; a folder that cannot be written; a stop.
     pub fn once(&self, cache: &Path, cancel: &AtomicBool) -> Result<T, Halt> {
         let folder = cache.join(self.name);
-        if let Some(found) = (self.whole)(&folder) {
-            return Ok(found);
+        if let Some(content) = (self.whole)(&folder) {
+            return Ok(content);
         }
         let _lock = lock(&cache.join(format!("{}.lock", self.name)), cancel)?;
         // Another process may have made it meanwhile.
-        if let Some(found) = (self.whole)(&folder) {
-            return Ok(found);
+        if let Some(content) = (self.whole)(&folder) {
+            return Ok(content);
         }
         remove_leftovers(cache, self.name);
         let refused = |error: io::Error| storage(&folder, error);

@@ -188,12 +188,12 @@ impl Solver {
             self.limits.passed(&log, folder.path(), begun, &mut looked)
         });
         let ended = ended.map_err(|error| failed(self.does_not_start(program, &error)))?;
-        let said = log.last();
+        let message = log.last();
         // It may have ended before anybody looked.
         if let Some(time) = log.reached_s {
             let _ = control.reached(time);
         }
-        self.judge(gearbox, &handle, &ended, &log, said)
+        self.judge(gearbox, &handle, &ended, &log, message)
     }
 
     /// Runs it on a job file that breaks off, for whoever wants to see what it does.
@@ -228,13 +228,13 @@ impl Solver {
         folder: &JobFolder,
         ended: &Ended,
         log: &SolverLog,
-        said: Option<String>,
+        message: Option<String>,
     ) -> Result<Run, Halt> {
-        let said_in = |before: &str, after: &str| match &said {
+        let message_in = |before: &str, after: &str| match &message {
             Some(line) => format!("{before}{line}{after}"),
             None => String::new(),
         };
-        let (and_said, last_words) = (said_in(": ", ""), said_in(" (its last words: ", ")"));
+        let (and_said, last_words) = (message_in(": ", ""), message_in(" (its last words: ", ")"));
         let status = match &ended.end {
             End::Cancelled => return Err(Cancelled.into()),
             End::Stopped(why) => return Err(failed(format!("{why}{last_words}"))),
@@ -250,7 +250,7 @@ impl Solver {
         match status.code() {
             Some(0 | DIVERGED) => {}
             Some(UNSUPPORTED) => {
-                let reason = said.unwrap_or_else(|| "it gives no reason".to_owned());
+                let reason = message.unwrap_or_else(|| "it gives no reason".to_owned());
                 return Err(Ending::Unsupported { reason }.into());
             }
             Some(code) => return Err(failed(format!("it ended with status {code}{and_said}"))),
@@ -262,28 +262,28 @@ impl Solver {
             }
         }
         let diverged = status.code() == Some(DIVERGED);
-        let told = folder.told().map_err(failed)?;
-        let found = match folder.time_series(gearbox, !diverged) {
-            Ok(found) => found,
+        let reply = folder.reply().map_err(failed)?;
+        let checked = match folder.time_series(gearbox, !diverged) {
+            Ok(checked) => checked,
             // A run may diverge before its first row.
             Err(_) if diverged => Found::default(),
             Err(what) => return Err(failed(format!("{what}{last_words}"))),
         };
         let mut run = Run::new(
-            found.time_series,
-            self.stats(gearbox, folder, ended, log, &told),
+            checked.time_series,
+            self.stats(gearbox, folder, ended, log, &reply),
         );
-        run.stats.notes.extend(found.notes);
+        run.stats.notes.extend(checked.notes);
         let stated = diverged.then(|| {
             let time = run.time_series.time_s().last().copied().unwrap_or(0.0);
             let time = log.reached_s.map_or(time, |reached| reached.max(time));
             let end = gearbox.scene.solver.duration_s;
             (
                 time.min(end),
-                said.unwrap_or_else(|| "it says so itself".to_owned()),
+                message.unwrap_or_else(|| "it says so itself".to_owned()),
             )
         });
-        Ok(match found.diverged.or(stated) {
+        Ok(match checked.diverged.or(stated) {
             None => run,
             Some((time_s, quantity)) => run.with_ending(Ending::Diverged { time_s, quantity }),
         })
@@ -295,31 +295,31 @@ impl Solver {
         folder: &JobFolder,
         ended: &Ended,
         log: &SolverLog,
-        told: &Reply,
+        reply: &Reply,
     ) -> RunStats {
         let solver = &gearbox.scene.solver;
         let refine = self.manifest.refine;
         let by_step = refine.is_some_and(|refine| refine.knob == AccuracySetting::Step);
-        let mean = solver.duration_s / told.steps.max(1) as f64;
+        let mean = solver.duration_s / reply.steps.max(1) as f64;
         let mut notes = log.notes.clone();
-        notes.extend(told.notes.iter().take(20).map(|note| plain(note, WORDS)));
+        notes.extend(reply.notes.iter().take(20).map(|note| plain(note, WORDS)));
         RunStats {
             wall_s: ended.wall_s,
-            cpu_s: ended.cpu_s.or(told.cpu_s).unwrap_or(ended.wall_s),
+            cpu_s: ended.cpu_s.or(reply.cpu_s).unwrap_or(ended.wall_s),
             // A solver whose law is its own may open the library for the scene alone.
-            rhs_calls: folder.law_calls().unwrap_or(0).max(told.right_hand_sides),
-            steps: told.steps,
-            rejected_steps: told.rejected_steps,
-            degrees_of_freedom: told.degrees_of_freedom,
+            rhs_calls: folder.law_calls().unwrap_or(0).max(reply.right_hand_sides),
+            steps: reply.steps,
+            rejected_steps: reply.rejected_steps,
+            degrees_of_freedom: reply.degrees_of_freedom,
             bodies: gearbox.layout.bodies(),
-            step_s: match told.steps {
+            step_s: match reply.steps {
                 0 if by_step => solver.step_s,
                 0 => 0.0,
                 _ => mean,
             },
-            settings: plain(&told.settings, WORDS),
+            settings: plain(&reply.settings, WORDS),
             notes,
-            joint_drift_m: told.joint_drift_m,
+            joint_drift_m: reply.joint_drift_m,
             ..RunStats::default()
         }
     }

@@ -127,16 +127,16 @@ impl JobFolder {
     }
 
     /// Facts of the run that the solver gives; the default if it gives none.
-    pub(super) fn told(&self) -> Result<Reply, String> {
+    pub(super) fn reply(&self) -> Result<Reply, String> {
         let Some(text) = self.text(job::RESULT_FILE, SMALL)? else {
             return Ok(Reply::default());
         };
-        let mut told: Reply = serde_json::from_str(&text)
+        let mut reply: Reply = serde_json::from_str(&text)
             .map_err(|error| format!("{} is not as documented: {error}", job::RESULT_FILE))?;
         let sound = |x: &f64| x.is_finite() && *x >= 0.0;
-        told.joint_drift_m = told.joint_drift_m.filter(sound);
-        told.cpu_s = told.cpu_s.filter(sound);
-        Ok(told)
+        reply.joint_drift_m = reply.joint_drift_m.filter(sound);
+        reply.cpu_s = reply.cpu_s.filter(sound);
+        Ok(reply)
     }
 
     /// Number of force evaluations that the library counted, if the solver closed it.
@@ -184,8 +184,8 @@ impl JobFolder {
             }
             (None, Some(file)) => (job::PARQUET_FILE, parquet_of(file, samples.len())),
         };
-        let told = |what: String| format!("{name}: {what}");
-        checked(gearbox, &read.map_err(told)?, &samples, complete).map_err(told)
+        let named = |what: String| format!("{name}: {what}");
+        checked(gearbox, &read.map_err(named)?, &samples, complete).map_err(named)
     }
 }
 

@@ -99,7 +99,7 @@ pub fn named(
         ))
         .into()
     };
-    let (found, version, _) =
+    let (environment, version, _) =
         probe(folder, cancel).map_err(|reason| unless_stopped(cancel, refuse(reason)))?;
     let minor = |version: &str| version.rsplit_once('.').map(|(minor, _)| minor.to_owned());
     if minor(&version) != minor(&interpreter.version) {
@@ -108,7 +108,7 @@ pub fn named(
             interpreter.version
         )));
     }
-    Ok(found)
+    Ok(environment)
 }
 
 /// Asks an environment's interpreter where its packages are, its version, and what is installed (`name==version`) with every file
@@ -136,8 +136,8 @@ def same(f):
     return base64.urlsafe_b64encode(h).decode().rstrip('=') == f.hash.value
 for d in m.distributions(path=[p]):
     if all(map(same, d.files or [])): print('%s==%s' % (d.name, d.version))";
-    let said = call(&python, ["-I", "-c", ask, MARKER], None, cancel)?;
-    let mut lines = said.lines();
+    let answer = call(&python, ["-I", "-c", ask, MARKER], None, cancel)?;
+    let mut lines = answer.lines();
     match (lines.next(), lines.next()) {
         (Some(version), Some(packages)) => Ok((
             Environment {
@@ -204,14 +204,14 @@ pub fn whole(
     if marker != requirements.text {
         return None;
     }
-    let (found, _, installed) = probe(folder, cancel).ok()?;
+    let (environment, _, installed) = probe(folder, cancel).ok()?;
     let words = requirements
         .text
         .lines()
         .filter_map(|line| line.split_whitespace().next());
     let mut pins = words.filter(|word| word.contains("==") && !word.starts_with(['#', '-']));
     pins.all(|pin| installed.contains(&plain(pin)))
-        .then_some(found)
+        .then_some(environment)
 }
 
 /// The executable of the embedded interpreter.
@@ -222,7 +222,7 @@ fn executable(interpreter: &Interpreter, cancel: &AtomicBool) -> Result<PathBuf,
         .iter()
         .find(|path| {
             call(path, ["-I", "-c", ask], None, cancel)
-                .is_ok_and(|said| said.trim() == interpreter.version)
+                .is_ok_and(|answer| answer.trim() == interpreter.version)
         })
         .cloned()
         .ok_or_else(|| {

@@ -291,7 +291,7 @@ impl Contacts for Solid {
         }
     }
 
-    fn seen<'a>(&'a mut self, world: &'a World, _share: f64) -> Box<dyn PairSource + 'a> {
+    fn pair_source<'a>(&'a mut self, world: &'a World, _share: f64) -> Box<dyn PairSource + 'a> {
         Box::new(Own {
             meetings: &self.meetings,
             world,

@@ -166,12 +166,12 @@ struct Transmitted<'a> {
 
 impl PairSource for Transmitted<'_> {
     fn pair(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> Option<PairContact> {
-        let seen = self.hooked.field.nearest(bodies, wheel, sleeve);
+        let pair = self.hooked.field.nearest(bodies, wheel, sleeve);
         let count = self.hooked.sleeves.len();
         let slot = wheel * count + sleeve_slot(self.hooked.layout, sleeve);
         Some(match self.hooked.table[slot] {
-            Some(_) => self.hooked.with_forces(self.world, self.share, seen),
-            None => seen,
+            Some(_) => self.hooked.with_forces(self.world, self.share, pair),
+            None => pair,
         })
     }
 
@@ -231,7 +231,7 @@ impl Contacts for Hooked {
         });
     }
 
-    fn seen<'a>(&'a mut self, world: &'a World, share: f64) -> Box<dyn PairSource + 'a> {
+    fn pair_source<'a>(&'a mut self, world: &'a World, share: f64) -> Box<dyn PairSource + 'a> {
         Box::new(Transmitted {
             hooked: self,
             world,

@@ -37,7 +37,7 @@ pub trait Contacts {
     fn forces(&mut self, world: &World, now: &[BodyState], share: f64, sums: &mut Evaluation);
 
     /// Figures of single contacts at t_n, for channels; read where [`forces`](Self::forces) are.
-    fn seen<'a>(&'a mut self, world: &'a World, share: f64) -> Box<dyn PairSource + 'a>;
+    fn pair_source<'a>(&'a mut self, world: &'a World, share: f64) -> Box<dyn PairSource + 'a>;
 }
 
 /// Steps on the scene's sample grid.
@@ -153,7 +153,7 @@ pub fn march(
                     driver_torque_n_m,
                     // Of floating discs, which no joint carries, they are another list.
                     reactions: (!gearbox.floats()).then_some(&joints[..]),
-                    contacts: contacts.seen(&world, share).as_mut(),
+                    contacts: contacts.pair_source(&world, share).as_mut(),
                 });
             }
             if control.reached(sample_s) {

@@ -54,7 +54,7 @@ impl Contacts for Law {
         sums.take(&self.loads);
     }
 
-    fn seen<'a>(&'a mut self, _world: &'a World, _share: f64) -> Box<dyn PairSource + 'a> {
+    fn pair_source<'a>(&'a mut self, _world: &'a World, _share: f64) -> Box<dyn PairSource + 'a> {
         Box::new(LawPairs(self.field.as_mut()))
     }
 }

@@ -128,7 +128,7 @@ fn single(gear: &Gear, gives_circle: bool, builds: Builds) -> Vec<Way> {
         ways.extend(found.first().map(|value| Way {
             key,
             far: far(*value),
-            words: said(gear, gives_circle, key, *value),
+            words: in_words(gear, gives_circle, key, *value),
         }));
     }
     ways
@@ -180,8 +180,8 @@ fn in_range(key: &str, value: f64) -> bool {
     crate::keys::key(key).is_some_and(|row| row.refuses(value).is_none())
 }
 
-/// `gear.hole_radius_m = 0.0088`; where R is given, of m the R that is the same.
-fn said(gear: &Gear, gives_circle: bool, key: &str, value: f64) -> String {
+/// Returns a change as text, `gear.hole_radius_m = 0.0088`; if the scene gives R, a change of m as the equivalent R.
+fn in_words(gear: &Gear, gives_circle: bool, key: &str, value: f64) -> String {
     if key != SHORTENING || !gives_circle {
         return format!("{key} = {value}");
     }
@@ -207,7 +207,7 @@ fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
     geometry::outside(&fitting).ok()?;
     let changed = VALUES.into_iter().filter_map(|(key, of)| {
         let [before, after] = [gear, &fitting].map(|gear| *of(&mut gear.clone()));
-        (before != after).then(|| said(gear, gives_circle, key, after))
+        (before != after).then(|| in_words(gear, gives_circle, key, after))
     });
     Some(Way {
         key: "",
