@@ -139,7 +139,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let context = Context {
         scene: "synthetic".to_owned(),
-        description: "Invented courses that resemble the paper's gearbox: 16 ring and 8 output pins, 22 N m.".to_owned(),
+        description:
+            "Invented courses that resemble the paper's gearbox: 16 ring and 8 output pins, 22 N m."
+                .to_owned(),
         duration_s: 0.6,
         load_n_m: Some(22.0),
         input_speed_rad_s: Some(52.34),
