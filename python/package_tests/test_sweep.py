@@ -1,4 +1,4 @@
-"""Sweeps by threads, by shards and by a Dask cluster: one journal, one result."""
+"""Sweeps by threads and by a Dask cluster: one journal, one result."""
 
 import os
 import signal
@@ -50,12 +50,11 @@ def test_threads(expected, sweep_file, tmp_path):
 
 
 def test_each_resumes_the_others_journal(program, expected, sweep_file, tmp_path):
-    program("sweep", sweep_file.name, "--shard", "1/2", "--out", "a", cwd=tmp_path)
-    seen = []
-    pinwheel.sweep(sweep_file, out=tmp_path / "a", resume=True, progress=lambda *at: seen.append(at))
-    assert results(tmp_path / "a") == expected
-    # The shard's twenty were taken over, with what they cost there.
-    first = set((tmp_path / "a/costs.csv").read_text().splitlines())
+    # The program's forty are taken over, with what they cost there, and so are the package's.
+    (tmp_path / "program/runs").rename(tmp_path / "a.unfinished")
+    first = set((tmp_path / "program/costs.csv").read_text().splitlines())
+    pinwheel.sweep(sweep_file, out=tmp_path / "a", resume=True)
+    assert set((tmp_path / "a/costs.csv").read_text().splitlines()) == first
     program("sweep", sweep_file.name, "--out", "a", "--resume", cwd=tmp_path)
     assert set((tmp_path / "a/costs.csv").read_text().splitlines()) == first
     assert results(tmp_path / "a") == expected
@@ -91,7 +90,8 @@ def test_a_sample_is_the_same_on_a_cluster(cluster, tmp_path):
 
 
 def test_bad_input(program, sweep_file, tmp_path):
-    program("sweep", sweep_file.name, "--shard", "1/2", "--out", "a", cwd=tmp_path)
+    program("sweep", sweep_file.name, "--out", "done", cwd=tmp_path)
+    (tmp_path / "done/runs").rename(tmp_path / "a.unfinished")
     with pytest.raises(pinwheel.InputError, match="resume=True"):
         pinwheel.sweep(sweep_file, out=tmp_path / "a")
     with pytest.raises(pinwheel.InputError, match="give a sweep file"):

@@ -173,72 +173,7 @@ fn a_killed_sweep_goes_on() {
     assert_eq!(results("long"), results("whole"));
 }
 
-/// Shards in processes of their own, one killed and begun again, give what one process gives.
-#[test]
-fn shards_are_gathered() {
-    let dir = tempfile::tempdir().unwrap();
-    std::fs::write(dir.path().join("small.toml"), SWEEP).unwrap();
-    let sweep = |more: &[&str]| {
-        let all = ["sweep", "small.toml", "--out", "parts"];
-        run_in(dir.path(), all.iter().chain(more))
-    };
-    let nothing = sweep(&["--gather"]);
-    assert!(
-        nothing.code == Some(2) && nothing.stderr.contains("no shard"),
-        "{nothing:?}"
-    );
-    let child = |shard: &str| {
-        pinwheel()
-            .current_dir(dir.path())
-            .args(["sweep", "small.toml", "--out", "parts", "--shard", shard])
-            .stdout(std::process::Stdio::null())
-            .spawn()
-            .unwrap()
-    };
-    let mut both = [child("1/3"), child("3/3")];
-    for process in &mut both {
-        assert!(process.wait().unwrap().success());
-    }
-    let early = sweep(&["--gather"]);
-    assert!(
-        early.code == Some(2)
-            && early
-                .stderr
-                .contains("3 of 8 runs are not there, or they or their time series are damaged, the first of them run 2"),
-        "{early:?}"
-    );
-    assert_eq!(
-        sweep(&["--shard", "2/3"]).code,
-        Some(0),
-        "with other shards beside it"
-    );
-    assert_eq!(
-        sweep(&["--shard", "2/3"]).code,
-        Some(0),
-        "again, with nothing to do"
-    );
-    let refused = sweep(&[]);
-    assert!(
-        refused.code == Some(2) && refused.stderr.contains("--resume"),
-        "{refused:?}"
-    );
-    let gathered = sweep(&["--gather"]);
-    assert_eq!(gathered.code, Some(0), "{gathered:?}");
-    let whole = run_in(dir.path(), ["sweep", "small.toml", "--out", "whole"]);
-    assert_eq!(whole.code, Some(0));
-    let results = |name: &str| read(&dir.path().join(name).join("results.csv"));
-    assert_eq!(results("parts"), results("whole"));
-    assert_eq!(names_in(dir.path()), ["parts", "small.toml", "whole"]);
-    for wrong in ["0/3", "4/3", "3", "a/b"] {
-        let outcome = sweep(&["--shard", wrong]);
-        assert!(
-            outcome.code == Some(2) && outcome.stderr.contains("like 1/8"),
-            "{outcome:?}"
-        );
-    }
-}
-
-/// Time series that were cut, emptied, altered or exchanged since, and records with another digit, are those of no run: it is made again, and `--gather` says so.
+/// Time series that were cut, emptied, altered or exchanged since, and records with another digit, are those of no run: the run is made again.
 #[test]
 fn damaged_runs_are_made_again() {
     let dir = tempfile::tempdir().unwrap();
@@ -290,25 +225,7 @@ fn damaged_runs_are_made_again() {
             assert!(content("whole", number) == *sound, "{format} {number}");
         }
         assert_eq!(read(&dir.path().join("whole/results.csv")), results);
-        // Of shards.
-        assert_eq!(run(&["--out", "parts", "--shard", "1/1"]).code, Some(0));
-        let shard = dir.path().join("parts.unfinished/shard-1-of-1");
-        let names = names_in(&shard).into_iter();
-        let kept: Vec<String> = names.filter(|name| name.ends_with(format)).collect();
-        damage(&|number| shard.join(&kept[number - 1]));
-        let gathered = run(&["--out", "parts", "--gather"]);
-        assert!(
-            gathered.code == Some(2) && gathered.stderr.contains("6 of 8 runs"),
-            "{gathered:?}"
-        );
-        assert_eq!(run(&["--out", "parts", "--shard", "1/1"]).code, Some(0));
-        assert_eq!(run(&["--out", "parts", "--gather"]).code, Some(0));
-        for (number, sound) in (1..=8).zip(&sound) {
-            assert!(content("parts", number) == *sound, "{format} {number}");
-        }
-        for out in ["whole", "parts"] {
-            std::fs::remove_dir_all(dir.path().join(out)).unwrap();
-        }
+        std::fs::remove_dir_all(dir.path().join("whole")).unwrap();
     }
 }
 

@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use pinwheel::studies::sweep::Shard;
 
 use super::OutArgs;
 
@@ -25,13 +24,6 @@ pub(crate) struct SweepArgs {
     /// Go on with the runs an earlier attempt finished.
     #[arg(long)]
     pub(crate) resume: bool,
-    /// Run one part of several, e.g. 3/8: every eighth run, the third first. Parts may run at once, on machines that share
-    /// the output's disk; one that is begun again goes on.
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["list", "resume", "gather"])]
-    pub(crate) shard: Option<Shard>,
-    /// Write the results of shards that are all done, and run nothing.
-    #[arg(long, conflicts_with_all = ["list", "resume", "jobs"])]
-    pub(crate) gather: bool,
     /// List the runs, and run none.
     #[arg(long)]
     pub(crate) list: bool,

@@ -1,13 +1,10 @@
 //! `pinwheel sweep`: a study as data.
 
-use std::path::Path;
-
 use pinwheel::pages;
 use pinwheel::studies::Provenance;
 use pinwheel::studies::folder::PAGE;
 use pinwheel::studies::sweep::{
-    self, Begin, Guests, Journal, Plan, RunRecord, Shard, Sweep, SweepError, execute, execute_some,
-    gather,
+    self, Begin, Guests, Journal, Plan, RunRecord, Sweep, SweepError, execute,
 };
 
 use crate::args::{self, SweepArgs};
@@ -26,23 +23,14 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     let prepare = || Folder::of_scenes(&args.out, &[&file], "sweep");
     // Checked before anything long is run; what is written comes at the end.
     let out = prepare()?.place().to_owned();
-    if let Some(part) = args.shard {
-        return shard(args, &plan, &Journal::beside(&out), part);
-    }
-    let begin = match (args.gather, args.resume, args.out.force) {
-        (true, ..) => Begin::Gather,
-        (_, true, _) => Begin::Resume,
-        (_, _, true) => Begin::Over,
+    let begin = match (args.resume, args.out.force) {
+        (true, _) => Begin::Resume,
+        (_, true) => Begin::Over,
         _ => Begin::Fresh,
     };
     let journal = Journal::begin(&out, begin, &args::typed())?;
-    let records = if args.gather {
-        gather(&plan, &journal)
-    } else {
-        watched("sweep", |control| {
-            execute(&plan, &journal, jobs(args), control)
-        })
-    };
+    let jobs = args.jobs.map_or_else(args::cores, usize::from);
+    let records = watched("sweep", |control| execute(&plan, &journal, jobs, control));
     let records = match records {
         Err(fault) if journal.in_its_folder() == 0 => {
             journal.remove()?;
@@ -67,46 +55,18 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     // Only now: had it failed, --resume would still find every run.
     journal.remove()?;
     screen::show_with_page(&text, &place.join(PAGE))?;
-    Ok(ended(&records, &format!("see {csv}")))
-}
-
-fn jobs(args: &SweepArgs) -> usize {
-    args.jobs.map_or_else(args::cores, usize::from)
-}
-
-/// Runs one shard; its records stay in the journal until they are gathered.
-fn shard(args: &SweepArgs, plan: &Plan, place: &Path, shard: Shard) -> Result<u8, Failure> {
-    let picks = shard.picks(plan.runs.len());
-    let journal = Journal::shard(place, shard, &args::typed())?;
-    let records = watched("sweep", |control| {
-        execute_some(plan, &picks, &journal, jobs(args), control)
-    })?;
-    screen::show(&format!(
-        "shard {shard}: {} of {} runs are in {}; when all shards are done, the same command with --gather writes the results",
-        records.len(),
-        plan.runs.len(),
-        place.display()
-    ))?;
-    Ok(ended(
-        &records,
-        "the results say which; one that failed runs again when its shard does",
-    ))
-}
-
-/// 3 if a run did not finish.
-fn ended(records: &[RunRecord], see: &str) -> u8 {
     let broken = |record: &&RunRecord| !record.ending.is_finished();
     let Some(first) = records.iter().find(broken) else {
-        return 0;
+        return Ok(0);
     };
     screen::complain(&format!(
-        "{} of {} runs did not finish, the first on {}: {}; {see}",
+        "{} of {} runs did not finish, the first on {}: {}; see {csv}",
         records.iter().filter(broken).count(),
         records.len(),
         first.engine,
         first.reason(),
     ));
-    ENGINE
+    Ok(ENGINE)
 }
 
 fn plan(args: &SweepArgs) -> Result<Plan, Failure> {

@@ -19,8 +19,6 @@ const TOLD: u64 = 100;
 /// Data that all threads share.
 struct Shared<'a> {
     plan: &'a Plan,
-    /// Places in the plan of the runs to make.
-    picks: &'a [usize],
     journal: &'a Journal,
     control: &'a Control<'a>,
     duration_s: f64,
@@ -40,25 +38,9 @@ pub fn execute(
     jobs: usize,
     control: &Control<'_>,
 ) -> Result<Vec<RunRecord>, SweepError> {
-    let all: Vec<usize> = (0..plan.runs.len()).collect();
-    execute_some(plan, &all, journal, jobs, control)
-}
-
-/// Runs those places of the plan in `picks` that the journal does not hold; the records are in the order of `picks`.
-///
-/// # Errors
-/// As [`execute`].
-pub fn execute_some(
-    plan: &Plan,
-    picks: &[usize],
-    journal: &Journal,
-    jobs: usize,
-    control: &Control<'_>,
-) -> Result<Vec<RunRecord>, SweepError> {
-    let durations = picks.iter().map(|&k| plan.runs[k].scene.solver.duration_s);
+    let durations = plan.runs.iter().map(|run| run.scene.solver.duration_s);
     let shared = Shared {
         plan,
-        picks,
         journal,
         control,
         duration_s: durations.sum(),
@@ -67,44 +49,20 @@ pub fn execute_some(
     };
     // No error but none when cancelled.
     let run = |last: &mut Option<Gearbox>, k: usize| {
-        let record = shared.one(last, &plan.runs[picks[k]])?.ok_or(None)?;
+        let record = shared.one(last, &plan.runs[k])?.ok_or(None)?;
         shared.finished.fetch_add(1, Ordering::Relaxed);
         shared.report();
         Ok(record)
     };
-    let (records, fault) = pool::map(jobs, picks.len(), || None, run);
+    let (records, fault) = pool::map(jobs, plan.runs.len(), || None, run);
     let records: Vec<RunRecord> = records.into_iter().flatten().collect();
     match fault {
         None => Ok(records),
         Some(None) => Err(SweepError::Stopped {
             finished: records.len(),
-            runs: picks.len(),
+            runs: plan.runs.len(),
         }),
         Some(Some(fault)) => Err(fault),
-    }
-}
-
-/// The records of all runs from the journal, and none computed.
-///
-/// # Errors
-/// The journal lacks any.
-pub fn gather(plan: &Plan, journal: &Journal) -> Result<Vec<RunRecord>, SweepError> {
-    let mut records = Vec::with_capacity(plan.runs.len());
-    let mut missing = Vec::new();
-    for planned in &plan.runs {
-        match find(plan, planned, journal)? {
-            Some(record) => records.push(record),
-            None => missing.push(planned.number),
-        }
-    }
-    match missing.first() {
-        None => Ok(records),
-        Some(first) => Err(SweepError::Input(format!(
-            "{} of {} runs are not there, or they or their time series are damaged, the first of them run {first}; run the shards that did not end, or run what is \
-             missing here with --resume in place of --gather",
-            missing.len(),
-            plan.runs.len()
-        ))),
     }
 }
 
@@ -163,7 +121,7 @@ impl Shared<'_> {
         let done = self.finished.load(Ordering::Relaxed);
         (self.control.progress)(Progress {
             simulated_s: Some([simulated, self.duration_s]),
-            ..Progress::new(done, self.picks.len(), &self.plan.sweep.name)
+            ..Progress::new(done, self.plan.runs.len(), &self.plan.sweep.name)
         });
     }
 

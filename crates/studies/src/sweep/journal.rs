@@ -6,7 +6,6 @@
 //! ```text
 //!  out.unfinished/              one process writes, by its lock
 //!    .lock  run-*.json          records; run-*.csv or .parquet: time_series
-//!    shard-2-of-8/              a folder like it for each shard, so that many processes write at once
 //! ```
 //!
 //! Records are written where they stand and not waited for to be on the disk, which would cost as much as a short run. What a
@@ -17,9 +16,7 @@
 use std::collections::HashMap;
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::sync::Mutex;
-use std::time::{Duration, Instant};
 use std::{fs, io};
 
 use pinwheel_files::{Lock, fnv};
@@ -39,44 +36,6 @@ use crate::sweep::record::RunRecord;
 const PREFIX: &str = "run-";
 /// How unfinished files begin.
 const UNFINISHED: &str = ".unfinished-";
-/// How folders of shards begin.
-const SHARD: &str = "shard-";
-/// A process that makes a shard's folder holds the whole for a moment only.
-const PATIENCE: Duration = Duration::from_secs(5);
-
-/// A part of a sweep that a process of its own runs: every `of`-th run, beginning with run `number`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Shard {
-    number: usize,
-    of: usize,
-}
-
-impl Shard {
-    /// Places in a plan of `runs` runs.
-    #[must_use]
-    pub fn picks(self, runs: usize) -> Vec<usize> {
-        (self.number - 1..runs).step_by(self.of).collect()
-    }
-}
-
-impl FromStr for Shard {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let wrong = || "write the shard and how many there are, like 1/8 to 8/8".to_owned();
-        let whole = |text: &str| text.trim().parse().map_err(|_| wrong());
-        let (number, of) = text.split_once('/').ok_or_else(wrong)?;
-        let (number, of) = (whole(number)?, whole(of)?);
-        let is_one = (1..=of).contains(&number);
-        is_one.then_some(Self { number, of }).ok_or_else(wrong)
-    }
-}
-
-impl Display for Shard {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}/{}", self.number, self.of)
-    }
-}
 
 /// Treatment of the runs of an earlier attempt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -85,8 +44,6 @@ pub enum Begin {
     Fresh,
     /// They count, and so do those of earlier results.
     Resume,
-    /// They are those of shards, which are all done.
-    Gather,
     /// They go.
     Over,
 }
@@ -95,51 +52,36 @@ pub enum Begin {
 #[derive(Debug)]
 pub struct Journal {
     folder: PathBuf,
-    /// Keep other processes from writing the same runs.
-    owners: Vec<Lock>,
-    /// Folders of shards that are this journal's to remove.
-    shards: Vec<PathBuf>,
+    /// Keeps other processes from writing the same runs.
+    owner: Lock,
     /// Where each identity's record and time series stand.
     known: Mutex<HashMap<String, (RunRecord, PathBuf)>>,
 }
 
 impl Journal {
-    /// Opens `folder`, made if it is not there, and reads its runs and those of its shards; those of `earlier` too, for
-    /// reading only.
+    /// Opens `folder`, made if it is not there, and reads its runs; those of `earlier` too, for reading only.
     ///
     /// Files that are no records, or of runs that failed, are passed over.
     ///
     /// # Errors
-    /// The folder cannot be made or read, is not a journal, or another process writes it or a shard of it.
+    /// The folder cannot be made or read, is not a journal, or another process writes it.
     pub fn open(folder: &Path, earlier: Option<&Path>, command: &str) -> Result<Self, SweepError> {
         fs::create_dir_all(folder).map_err(at(folder))?;
-        let mut owners = vec![Lock::take(folder, command)?];
-        let shards = shards_of(folder)?;
-        for shard in &shards {
-            owners.push(Lock::take(shard, command)?);
-        }
-        let others = shards.iter().map(PathBuf::as_path);
+        let owner = Lock::take(folder, command)?;
         Ok(Self {
-            known: Self::read(folder, earlier.into_iter().chain(others))?,
+            known: Self::read(folder, earlier)?,
             folder: folder.to_owned(),
-            owners,
-            shards,
+            owner,
         })
     }
 
     /// The journal of a sweep whose results go to the folder `out`: `out.unfinished` beside it.
     ///
     /// # Errors
-    /// As [`open`](Self::open); there are runs that nobody said what to do with, or none to gather.
+    /// As [`open`](Self::open); there are runs that nobody said what to do with.
     pub fn begin(out: &Path, begin: Begin, command: &str) -> Result<Self, SweepError> {
         let place = Self::beside(out);
         let there = place.exists();
-        if begin == Begin::Gather && !there {
-            return Err(SweepError::Input(format!(
-                "{} is not there: no shard of this sweep has begun; run them with --shard and the same --out",
-                place.display()
-            )));
-        }
         let earlier = out.join("runs");
         let resumed = begin == Begin::Resume;
         let journal = Self::open(&place, resumed.then_some(earlier.as_path()), command)?;
@@ -157,45 +99,14 @@ impl Journal {
         beside(out, ".unfinished")
     }
 
-    /// Opens the part of the journal `folder` that a shard writes, made if it is not there. It knows the runs of the
-    /// whole, and shares the whole with other shards.
-    ///
-    /// # Errors
-    /// As [`open`](Self::open); another process runs this shard, or the whole sweep.
-    pub fn shard(folder: &Path, shard: Shard, command: &str) -> Result<Self, SweepError> {
-        fs::create_dir_all(folder).map_err(at(folder))?;
-        let begun = Instant::now();
-        let whole = loop {
-            match Lock::take(folder, command) {
-                Ok(owner) => break owner,
-                Err(_) if begun.elapsed() < PATIENCE => {
-                    std::thread::sleep(Duration::from_millis(20));
-                }
-                Err(error) => return Err(error.into()),
-            }
-        };
-        let own = folder.join(format!("{SHARD}{}-of-{}", shard.number, shard.of));
-        fs::create_dir_all(&own).map_err(at(&own))?;
-        let owner = Lock::take(&own, command)?;
-        let others = shards_of(folder)?;
-        drop(whole);
-        let others = others.iter().map(PathBuf::as_path);
-        Ok(Self {
-            known: Self::read(&own, [folder].into_iter().chain(others))?,
-            folder: own,
-            owners: vec![owner],
-            shards: Vec::new(),
-        })
-    }
-
-    /// The records of `own`, whose unfinished files go, and of other places.
-    fn read<'a>(
-        own: &'a Path,
-        others: impl Iterator<Item = &'a Path>,
+    /// Returns the records of `own`, whose unfinished files go, and of `earlier`.
+    fn read(
+        own: &Path,
+        earlier: Option<&Path>,
     ) -> Result<Mutex<HashMap<String, (RunRecord, PathBuf)>>, SweepError> {
         let mut known = HashMap::new();
-        let others = others.filter(|place| place.is_dir() && *place != own);
-        for place in others.chain([own]) {
+        let earlier = earlier.filter(|place| place.is_dir());
+        for place in earlier.into_iter().chain([own]) {
             for path in entries(place)? {
                 let name = name_of(&path);
                 if name.starts_with(UNFINISHED) && place == own {
@@ -230,12 +141,10 @@ impl Journal {
     /// A file cannot be removed.
     pub fn clear(&self) -> Result<(), SweepError> {
         pool::lock(&self.known).retain(|_, (_, path)| !path.starts_with(&self.folder));
-        for folder in self.folders() {
-            for path in entries(folder)? {
-                let name = name_of(&path);
-                if name.starts_with(PREFIX) || name.starts_with(UNFINISHED) {
-                    fs::remove_file(&path).map_err(at(&path))?;
-                }
+        for path in entries(&self.folder)? {
+            let name = name_of(&path);
+            if name.starts_with(PREFIX) || name.starts_with(UNFINISHED) {
+                fs::remove_file(&path).map_err(at(&path))?;
             }
         }
         Ok(())
@@ -247,14 +156,8 @@ impl Journal {
     /// A run cannot be removed.
     pub fn remove(self) -> Result<(), SweepError> {
         self.clear()?;
-        // The whole's comes first, and goes last.
-        self.owners.into_iter().rev().for_each(Lock::remove);
+        self.owner.remove();
         Ok(())
-    }
-
-    /// The folders it writes, the whole's last.
-    fn folders(&self) -> impl Iterator<Item = &PathBuf> {
-        self.shards.iter().chain([&self.folder])
     }
 
     /// The record of an identity, if its time series are kept as wanted and are what was written.
@@ -324,14 +227,6 @@ fn at(path: &Path) -> impl Fn(io::Error) -> SweepError {
         path: path.to_owned(),
         source,
     }
-}
-
-/// The folders of a journal's shards, sorted.
-fn shards_of(folder: &Path) -> Result<Vec<PathBuf>, SweepError> {
-    let is_shard = |path: &PathBuf| name_of(path).starts_with(SHARD) && path.is_dir();
-    let mut shards: Vec<PathBuf> = entries(folder)?.into_iter().filter(is_shard).collect();
-    shards.sort();
-    Ok(shards)
 }
 
 /// Entries of a folder.

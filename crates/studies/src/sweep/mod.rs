@@ -22,10 +22,10 @@ mod tolerance;
 
 pub use axis::{Axis, Value};
 pub use error::SweepError;
-pub use execute::{execute, execute_some, find, gather, perform, wanted_of};
+pub use execute::{execute, find, perform, wanted_of};
 pub use file::{KeepTimeSeries, Sweep};
 pub use idle::idle;
-pub use journal::{Begin, Journal, Shard, Written};
+pub use journal::{Begin, Journal, Written};
 pub use output::write;
 pub use plan::{Guests, MOST_RUNS, Plan, PlannedRun};
 pub use record::RunRecord;

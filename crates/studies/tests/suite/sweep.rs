@@ -4,8 +4,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_studies::sweep::{
-    Journal, Plan, RunRecord, Shard, Sweep, SweepError, execute, execute_some, gather, results,
-    tolerances,
+    Journal, Plan, RunRecord, Sweep, SweepError, execute, results, tolerances,
 };
 use pinwheel_studies::{Control, Progress};
 use pinwheel_timeseries::table::Column;
@@ -300,7 +299,7 @@ fn samples_are_distributed_as_asked() {
     );
 }
 
-/// Threads and shards give the same, and the yield is that of the rows.
+/// Any number of threads gives equal results, and the yield is that of the rows.
 #[test]
 fn a_sample_is_the_same_whoever_runs_it() {
     let (plan, folder) = (plan(SAMPLE), tempfile::tempdir().unwrap());
@@ -308,13 +307,6 @@ fn a_sample_is_the_same_whoever_runs_it() {
     let records = run(&plan, &journal("one"), 1);
     let one = csv(&plan, &records);
     assert_eq!(one, csv(&plan, &run(&plan, &journal("three"), 3)));
-    for shard in ["1/2", "2/2"] {
-        let shard: Shard = shard.parse().unwrap();
-        let own = Journal::shard(&folder.path().join("parts"), shard, "a test").unwrap();
-        execute_some(&plan, &shard.picks(64), &own, 1, &Control::quiet()).unwrap();
-    }
-    let parts = gather(&plan, &journal("parts")).unwrap();
-    assert_eq!(one, csv(&plan, &parts));
     let table = results(&plan, &records);
     let lost = numbers(table.column("lost_motion_arcmin"));
     let kept = lost.iter().filter(|x| **x <= 0.9).count();
