@@ -697,8 +697,7 @@ fn program_opens_and_completes() {
 /// Pages outlive what they name: links lead to files and headings, commands and their flags are those of this program.
 #[test]
 fn program_documents_name_what_is_there() {
-    let folders =
-        words(". docs docs/notes python solvers reference/law-vectors reference/recorded");
+    let folders = words(". docs python solvers reference/law-vectors reference/recorded");
     let pages = folders.into_iter().map(repository).flat_map(|folder| {
         let names = names_in(&folder).into_iter();
         let pages = names.filter(|name| name.ends_with(".md"));

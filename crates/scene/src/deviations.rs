@@ -9,7 +9,7 @@
 //! g = equidistant + (d - radial) (1 - m cos phi)/S + delta e zs |sin phi|/S,    S = sqrt(1 + m^2 - 2 m cos phi)
 //! ```
 //! and its normal has the lever l = e zs sin(phi)/S about the disc's centre. [`pinwheel_scene::free_play`](crate::free_play)
-//! is the least g/l. Signs, sources and what engines make of it: `docs/modification.md`.
+//! is the least g/l. Signs, sources and what engines make of it: `docs/gears.md`.
 
 use std::f64::consts::TAU;
 

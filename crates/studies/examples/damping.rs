@@ -1,4 +1,4 @@
-//! Why the published model does not converge above C = 8 N s/m (docs/claims.md):
+//! Why the published model does not converge above C = 8 N s/m (docs/physics.md):
 //! `cargo run --release -p pinwheel-studies --example damping`.
 //!
 //! Its choices are switched on one at a time, at several dampings:

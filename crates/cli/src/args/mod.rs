@@ -267,7 +267,7 @@ pub(crate) struct OpenArgs {
     pub(crate) print: bool,
 }
 
-/// Meaning of the exit status, in the words of every `--help`, the README, docs/verdicts.md and docs/ci.md.
+/// Meaning of the exit status, in the words of every `--help`, the README and docs/verdicts.md.
 pub(crate) const STATUS: &str = "\
 Exit status: 0 done, and something was shown of each thing that you brought (a
 solver, a record, a limit, a baseline; without any, a pair of engines agrees),
@@ -590,7 +590,6 @@ mod tests {
         let told = words(STATUS).replace("Exit status: ", "");
         for document in [
             include_str!("../../../../README.md"),
-            include_str!("../../../../docs/ci.md"),
             include_str!("../../../../docs/verdicts.md"),
         ] {
             assert!(words(document).contains(&told));

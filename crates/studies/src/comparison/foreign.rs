@@ -181,7 +181,7 @@ pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyEr
                 let remedy = if near.starts_with("did you mean") {
                     near
                 } else {
-                    "see docs/channels.md for their names".to_owned()
+                    "see docs/glossary.md for their names".to_owned()
                 };
                 let what = format!("`{name}` is no column of this gearbox; {remedy}");
                 return Err(fault(&data.map_path, what));

@@ -41,7 +41,7 @@ impl PaperResult {
         Summary::new(made, found).write(dir)
     }
 
-    /// The claims as a table in Markdown, one line each after its head: `docs/claims.md` has it.
+    /// The claims as a table in Markdown, one line each after its head: `docs/physics.md` has it.
     #[must_use]
     pub fn claims_table(&self) -> String {
         let mut text = String::from(

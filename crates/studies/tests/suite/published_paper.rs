@@ -39,7 +39,7 @@ fn computed(names: &[&str]) -> PaperResult {
 fn claims(found: &PaperResult, expected: &[&str]) {
     let ids: Vec<&str> = found.claims.iter().map(|c| c.claim.id.as_str()).collect();
     assert_eq!(ids, expected);
-    let documented = include_str!("../../../../docs/claims.md");
+    let documented = include_str!("../../../../docs/physics.md");
     let rows = found.claims_table();
     for (judged, row) in found.claims.iter().zip(rows.lines().skip(2)) {
         println!("{row}");
@@ -82,7 +82,7 @@ fn claims(found: &PaperResult, expected: &[&str]) {
             _ => false,
         };
         assert!(known, "{row}");
-        assert!(documented.contains(row), "docs/claims.md lacks {row}");
+        assert!(documented.contains(row), "docs/physics.md lacks {row}");
     }
 }
 

@@ -1,5 +1,5 @@
 //! Mutants of the judge that a run of mutation left alive: each test kills one that nothing else did
-//! (docs/notes/mutation.md).
+//! (docs/architecture.md).
 
 use super::common;
 mod judged;
