@@ -16,7 +16,7 @@ use pinwheel_gearbox::auto::TARGET;
 use pinwheel_gearbox::resolve::{Uncertainty, run_resolved};
 use pinwheel_gearbox::{Distance, Gearbox};
 use pinwheel_scene::Scene;
-use pinwheel_studies::calibration::gears::gear;
+use pinwheel_studies::gears::gear;
 use pinwheel_studies::reference;
 use pinwheel_timeseries::Ending;
 use pinwheel_timeseries::TimeSeries;

@@ -659,7 +659,7 @@ fn program_fits_a_screen() {
         .map(str::to_owned)
         .to_vec();
     let commands = "run compare bench record explain init design fmu sweep engines stability laws schema paper solver \
-                    baseline calibrate open completions";
+                    baseline open completions";
     asked.extend(commands.split_whitespace().map(|c| format!("{c} --help")));
     for words in &asked {
         let outcome = run_in(dir.path(), words.split(' '));

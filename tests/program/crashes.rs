@@ -31,7 +31,7 @@ struct Writer {
 const SWEEP: &str = "name = \"s\"\nscene = \"paper\"\nengines = [\"native-reduced\"]\n[set]\nsolver.duration_s = 0.02\n\
     [vary]\ngear.backlash_m = { from = 0.0, to = 3.0e-4, points = 12 }\n";
 
-const WRITERS: [Writer; 15] = [
+const WRITERS: [Writer; 14] = [
     writer(
         "run paper --set solver.duration_s=0.4 --out out",
         "out",
@@ -91,7 +91,6 @@ const WRITERS: [Writer; 15] = [
         &["gear.toml"],
     ),
     writer("fmu mine.toml --out gear.fmu", "gear.fmu", &["gear.fmu"]),
-    writer("calibrate mine.toml --out out", "out", &[]),
     writer("baseline record --dir out new", "out/new", &[]),
 ];
 
@@ -397,10 +396,8 @@ fn regress_kills_tear_nothing_and_lose_nothing() {
         if only.as_ref().is_some_and(|only| writer.words()[0] != only) {
             continue;
         }
-        // Recording the whole set and calibrating take many seconds: only where more was asked for.
-        let long =
-            writer.words()[..2] == ["baseline", "record"] || writer.words()[0] == "calibrate";
-        if long && kills <= 3 {
+        // Recording the complete set takes many seconds: only where more was asked for.
+        if writer.words()[..2] == ["baseline", "record"] && kills <= 3 {
             continue;
         }
         let begin = Instant::now();
@@ -422,7 +419,7 @@ fn regress_a_limit_of_file_sizes_is_an_error() {
     let mut refused = 0;
     for writer in &WRITERS {
         let what = writer.words;
-        if what.starts_with("baseline record") || what.starts_with("calibrate") {
+        if what.starts_with("baseline record") {
             continue; // many seconds
         }
         for blocks in ["0", "1", "20"] {

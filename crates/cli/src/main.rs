@@ -47,7 +47,6 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Sweep(args) => return commands::sweep::sweep(args),
         Command::Solver(args) => return commands::solver::solver(args),
         Command::Baseline(args) => return commands::baseline::baseline(args),
-        Command::Calibrate(args) => return commands::calibrate::calibrate(args),
         Command::Stability(args) => return commands::stability::stability(args),
         Command::Record(args) => return commands::record::record(args),
         Command::Explain(args) => commands::tell::explain(args),

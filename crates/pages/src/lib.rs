@@ -20,7 +20,6 @@ pub mod animation;
 mod band;
 pub mod baseline;
 pub mod bench;
-pub mod calibration;
 pub mod comparison;
 pub mod conformance;
 pub mod design;

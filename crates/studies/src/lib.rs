@@ -8,8 +8,8 @@
 //!
 //! [`single::run`] runs one scene on one engine, [`comparison::run`] on several and compares them, [`sweep`] runs a
 //! scene with lists and ranges of its keys, [`paper::run`] computes the paper's figures again, [`baseline::check`]
-//! says what a change of the solver moved, [`bench::run`] what accuracy costs, [`calibration::run`]
-//! what verdicts are worth. A [`Control`] stops them and sees
+//! says what a change of the solver moved, [`bench::run`] what accuracy costs; [`gears::gear`]
+//! draws a random valid gear. A [`Control`] stops them and sees
 //! their progress; `write` of an outcome keeps it as files in a [`folder`], with a [`Provenance`].
 //!
 //! One run, and whether its step resolves the scene:
@@ -44,7 +44,6 @@
 pub mod band;
 pub mod baseline;
 pub mod bench;
-pub mod calibration;
 pub mod choice;
 pub mod comparison;
 pub mod conformance;
@@ -56,6 +55,7 @@ pub mod effect;
 mod error;
 pub mod explained;
 mod fourier;
+pub mod gears;
 pub mod junit;
 pub mod paper;
 mod pool;

@@ -14,7 +14,6 @@ use crate::screen;
 
 mod baseline;
 mod bench;
-mod calibrate;
 mod design;
 mod explore;
 mod fmu;
@@ -26,7 +25,6 @@ mod sweep;
 
 pub(crate) use baseline::{Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
 pub(crate) use bench::BenchArgs;
-pub(crate) use calibrate::CalibrateArgs;
 pub(crate) use design::{DesignArgs, InitArgs};
 pub(crate) use explore::ExploreArgs;
 pub(crate) use fmu::FmuArgs;
@@ -130,8 +128,6 @@ pub(crate) enum Command {
     Solver(SolverArgs),
     /// Keep accepted results, and say what a change moved.
     Baseline(BaselineArgs),
-    /// Hold stated uncertainties against true errors.
-    Calibrate(CalibrateArgs),
     /// Open the newest page, or that of a folder, in the browser.
     Open(OpenArgs),
     /// Print the completions of a shell.
@@ -282,10 +278,7 @@ const GROUPS: [(&str, &[&str]); 4] = [
         &["init", "explain", "design", "explore", "fmu"],
     ),
     ("Run and compare", &["run", "compare", "open"]),
-    (
-        "Study",
-        &["sweep", "bench", "stability", "paper", "calibrate"],
-    ),
+    ("Study", &["sweep", "bench", "stability", "paper"]),
     (
         "Tools",
         &[

@@ -2,7 +2,6 @@
 
 pub(crate) mod baseline;
 pub(crate) mod bench;
-pub(crate) mod calibrate;
 pub(crate) mod compare;
 pub(crate) mod design;
 pub(crate) mod explore;

@@ -31,7 +31,8 @@ use crate::single::{RunRecord, save};
 use crate::{StudyError, divergence};
 use foreign::Data;
 pub use refine::Effort;
-pub(crate) use refine::refine;
+#[doc(hidden)]
+pub use refine::refine;
 pub use twins::{MatchedContactRun, TwinFigure};
 
 /// Inputs of a comparison.
@@ -395,7 +396,9 @@ fn take_part(
     })
 }
 
-pub(crate) fn context(scene: &Scene) -> Context {
+#[doc(hidden)]
+#[must_use]
+pub fn context(scene: &Scene) -> Context {
     let scales = pinwheel_scene::Scales::of(scene);
     let settles = scales
         .settling_s(scene.contact.damping_n_s_m)
@@ -427,7 +430,8 @@ pub(crate) fn context(scene: &Scene) -> Context {
 const DIVERGENCE_STEP: f64 = 0.05;
 
 /// Effect of a rounding on the scene; `None` where nothing is compared or it cannot be measured.
-pub(crate) fn divergence(
+#[doc(hidden)]
+pub fn divergence(
     gearbox: &Gearbox,
     at: Progress<'_>,
     control: &Control<'_>,

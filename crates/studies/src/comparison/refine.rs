@@ -359,7 +359,7 @@ fn cpu_s(run: &Participant) -> f64 {
 }
 
 /// Runs an engine at several levels.
-pub(crate) fn refine(
+pub fn refine(
     engine: &dyn Engine,
     gearbox: &Gearbox,
     context: &Context,

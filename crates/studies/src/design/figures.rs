@@ -149,7 +149,7 @@ pub(super) struct Balances {
     pub(super) unloaded: Vec<Pose>,
 }
 
-/// Evaluation of the figures of all poses.
+/// Sums of the figures of all poses.
 pub(super) struct Summed {
     on_cranks: bool,
     pub(super) lost: Spread,

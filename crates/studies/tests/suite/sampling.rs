@@ -16,7 +16,7 @@ use pinwheel_compare::quantities::derive;
 use pinwheel_engines::{Engine, Native, Run, RunStats};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Detection, Override, Scene, Start};
-use pinwheel_studies::calibration::gears;
+use pinwheel_studies::gears;
 use pinwheel_studies::single::Outcome;
 use pinwheel_studies::{Control, reference, single};
 use pinwheel_timeseries::norms::{Distance, Statistics, View};

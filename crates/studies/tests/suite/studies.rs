@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize};
 use pinwheel_engines::{Engine, Native};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
-use pinwheel_studies::calibration::gears;
 use pinwheel_studies::design::{self, DesignFigure, ForceHarmonic};
+use pinwheel_studies::gears;
 use pinwheel_studies::stability::{Atlas, Failure, Options};
 use pinwheel_studies::{
     Control, Progress, StudyError, band, comparison, divergence, resolution, single,

@@ -250,7 +250,7 @@ fn correlation(a: &Evaluation, b: &Evaluation, place: isize, product: f64) -> f6
     }
 }
 
-/// Evaluation of products of `a[k + place]` and `b[k]` at every place; negative places count from the end.
+/// Sums of products of `a[k + place]` and `b[k]` at every place; negative places count from the end.
 fn products(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
     let length = (a.len() + b.len()).next_power_of_two();
     let mut planner = RealFftPlanner::<f64>::new();

@@ -7,8 +7,8 @@ use pinwheel_engines::{Engine, Native};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
 
-use crate::comparison::{Effort, context, refine};
-use crate::control::{Control, Progress};
+use pinwheel_studies::comparison::{Effort, context, refine};
+use pinwheel_studies::{Control, Progress};
 
 /// A tenth of the faults.
 const RESOLUTION: f64 = 1e-4;

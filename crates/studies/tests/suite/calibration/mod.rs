@@ -1,13 +1,15 @@
 //! Calibration of verdicts, on gears and runs short enough for every run of the tests.
 
+mod coverage;
+mod faults;
+
 use std::time::Duration;
 
 use pinwheel_compare::Verdict;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Layout, Override, Scene, Sleeve};
-use pinwheel_studies::calibration::{self, gears};
 use pinwheel_studies::comparison::{self, Effort};
-use pinwheel_studies::{Control, choice};
+use pinwheel_studies::{Control, choice, gears};
 
 fn effort(resolution: f64) -> Effort {
     Effort {
@@ -26,21 +28,21 @@ fn preset(name: &str, duration_s: &str) -> pinwheel_scene::CheckedScene {
 fn crossval_stated_uncertainties_cover_true_errors() {
     let mut scenes = vec![preset("paper", "0.01")];
     scenes.extend((2001..2005).map(|seed| gears::gear(seed).unwrap().check().unwrap()));
-    let input = calibration::Input {
+    let input = coverage::Input {
         scenes,
         engines: ["native-reduced", "native-lagrange"]
             .map(str::to_owned)
             .to_vec(),
         effort: effort(0.01),
     };
-    let found = calibration::run(&input, &Control::quiet()).unwrap();
+    let found = coverage::run(&input, &Control::quiet()).unwrap();
     assert!(found.rows(false).last().unwrap().cases >= 25, "{found:?}");
     let rows = found.rows(false);
     let all = rows.last().unwrap();
     // 16 times the error in the median. Two of the gears rub by explicit steps, which show no order; taken for that of kinks, u was
     // no more than one of their errors.
     assert!(
-        all.coverage() >= calibration::COVERAGE && all.sharpness < calibration::SHARPNESS,
+        all.coverage() >= coverage::COVERAGE && all.sharpness < coverage::SHARPNESS,
         "{rows:?}"
     );
     // The study can say no: of uncertainties a tenth as large, and of ones that say nothing.
