@@ -239,7 +239,7 @@ class Courses:
 
 
 def legs(drive: dict[str, Any], samples: list[float]) -> list[tuple[float, float]]:
-    """Returns the times of cuts of the run: jumps and kinks of the load and its end, each as the load's time and the solver's.
+    """Returns the times of cuts of the run: jumps and kinks of the load and its end, by the load's clock and the solver's.
 
     A sample there is the same moment but for rounding.
     """

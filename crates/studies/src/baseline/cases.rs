@@ -116,7 +116,7 @@ mod tests {
         }
     }
 
-    /// A hard case that nobody watches would break shared_error.
+    /// A hard case that nobody watches would break unnoticed.
     #[test]
     fn every_hard_case_that_holds_is_in_the_set() {
         let left_out = [
@@ -137,7 +137,7 @@ mod tests {
         }
     }
 
-    /// A method that nobody watches would move shared_error.
+    /// A method that nobody watches would move unnoticed.
     #[test]
     fn every_method_is_in_the_set() {
         let mut used = BTreeSet::new();
