@@ -46,7 +46,7 @@ struct Stage {
 /// In words, if the law cannot carry the load within a quarter of a pitch.
 pub fn contact_spring(
     gearbox: &Gearbox,
-    field: &mut dyn ContactField,
+    field: &mut ContactField,
 ) -> Result<ContactSpring, String> {
     let (layout, load) = (gearbox.layout, spring_load(&gearbox.scene));
     // Without a load nothing touches; any small load then gives the stiffness.
@@ -150,7 +150,7 @@ pub fn contact_spring(
 /// In words, if the law cannot carry the load.
 pub fn stage_stiffness(gearbox: &Gearbox) -> Result<[f64; 2], String> {
     let mut field = gearbox.contact_field().map_err(|error| error.to_string())?;
-    contact_spring(gearbox, &mut *field).map(|spring| spring.stiffness_n_m)
+    contact_spring(gearbox, &mut field).map(|spring| spring.stiffness_n_m)
 }
 
 /// Returns the load for which the spring is right, N m: what the scene ends with, as only settled means are compared, or if
@@ -216,7 +216,7 @@ fn balance(torque: f64, limit: f64, mut resisting: impl FnMut(f64) -> f64) -> Re
 /// Returns the moment of the contact forces on the pins, about the centre that `about` gives for a pair
 /// (`None`: not counted), N m.
 fn moment(
-    field: &mut dyn ContactField,
+    field: &mut ContactField,
     states: &[BodyState],
     about: impl Fn(&PairContact) -> Option<BodyState>,
 ) -> f64 {

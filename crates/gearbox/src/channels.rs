@@ -35,7 +35,7 @@ pub trait PairSource {
 }
 
 /// Contacts of an engine whose contact forces are those of our law at its states; of an RV gear with the bearings of its cranks.
-pub struct LawPairs<'a>(pub &'a mut dyn ContactField);
+pub struct LawPairs<'a>(pub &'a mut ContactField);
 
 impl PairSource for LawPairs<'_> {
     fn pair(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> Option<PairContact> {
@@ -44,7 +44,7 @@ impl PairSource for LawPairs<'_> {
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) -> bool {
         self.0.touching(bodies, visit);
-        if let Some(bearings) = self.0.bearings() {
+        if let Some(bearings) = &self.0.bearings {
             bearings.crank_pairs(bodies).iter().for_each(visit);
         }
         true

@@ -19,6 +19,7 @@ use crate::auto::{self, AUTO};
 use crate::channels::{LawPairs, Seen};
 use crate::contacts::ContactField;
 use crate::forces::GearForces;
+use crate::linear_signal::LinearSignal;
 use crate::load_profile;
 use crate::native::{reduced, segments};
 use crate::scene::{self, Drive};
@@ -43,24 +44,6 @@ impl Prescribed {
             Self::BySpeed => by_speed,
             Self::ByTorque => by_torque,
         }
-    }
-}
-
-/// A quantity that is straight in time: value + slope (t - from).
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub(crate) struct LinearSignal {
-    /// At `from_s`.
-    value: f64,
-    /// Its change a second.
-    pub(crate) slope: f64,
-    /// s
-    from_s: f64,
-}
-
-impl LinearSignal {
-    /// Its value at time `t`, s.
-    pub(crate) fn at(&self, t: f64) -> f64 {
-        self.value + self.slope * (t - self.from_s)
     }
 }
 
@@ -117,7 +100,7 @@ pub struct CoSimulation {
     breaks: Vec<f64>,
     system: Reduced<GearForces>,
     stepper: Segments,
-    field: Box<dyn ContactField>,
+    field: ContactField,
     recorder: Recorder,
     /// Prescribed signals of the input and the output.
     prescribed: [LinearSignal; 2],
@@ -356,7 +339,7 @@ impl CoSimulation {
                 bodies: seen.bodies,
                 driver_torque_n_m: input,
                 reactions: seen.reactions,
-                contacts: &mut LawPairs(self.field.as_mut()),
+                contacts: &mut LawPairs(&mut self.field),
             });
         }
         let sleeves = &seen.loads[self.gearbox.layout.external_bodies().start..];

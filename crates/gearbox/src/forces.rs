@@ -5,7 +5,7 @@ use pinwheel_mbs::{BodyState, Evaluation, Forces, Pose, Wrench, add_pair};
 
 use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
-use crate::cosimulation::LinearSignal;
+use crate::linear_signal::LinearSignal;
 use crate::load_profile::{self, LoadSegment};
 use crate::scene::{Contact as Contacts, Drive};
 use crate::{Gearbox, GearboxError};
@@ -15,7 +15,7 @@ pub(crate) struct GearForces {
     layout: Layout,
     contact: Contacts,
     drive: Drive,
-    field: Box<dyn ContactField>,
+    field: ContactField,
     /// The load of this segment.
     load: LoadSegment,
     /// Torques that are held on input and output besides, N m.
@@ -134,11 +134,11 @@ impl Forces for GearForces {
             });
             pairs.push(*pair);
         });
-        if let Some(bearings) = self.field.bearings() {
+        if let Some(bearings) = &self.field.bearings {
             bearings.add_loads(bodies, loads, None);
         }
-        if let Some(seals) = self.field.seals() {
-            seals.add(bodies, loads, |load| &mut load.moment);
+        if let Some(seals) = &self.field.seals {
+            seals.add_moments(bodies, loads, |load| &mut load.moment);
         }
         self.add_held(time, loads);
     }

@@ -98,7 +98,7 @@ impl Gearbox {
     ///
     /// # Errors
     /// Unknown law, or points too coarse for the profile.
-    pub fn contact_field(&self) -> Result<Box<dyn ContactField>, GearboxError> {
+    pub fn contact_field(&self) -> Result<ContactField, GearboxError> {
         contacts::field(&self.scene, &self.geometry, self.kernel)
     }
 
@@ -106,7 +106,7 @@ impl Gearbox {
     ///
     /// # Errors
     /// As [`contact_field`](Self::contact_field).
-    pub(crate) fn bare_field(&self) -> Result<Box<dyn ContactField>, GearboxError> {
+    pub(crate) fn bare_field(&self) -> Result<ContactField, GearboxError> {
         let mut scene = self.scene.clone().into_scene();
         scene.contact.friction_coefficient = 0.0;
         scene.bearings.sleeve_friction_coefficient = None;
@@ -117,7 +117,7 @@ impl Gearbox {
     ///
     /// # Errors
     /// As [`contact_field`](Self::contact_field).
-    pub fn frictionless_field(&self) -> Result<Box<dyn ContactField>, GearboxError> {
+    pub fn frictionless_field(&self) -> Result<ContactField, GearboxError> {
         let mut scene = self.scene.clone().into_scene();
         scene.contact.friction_coefficient = 0.0;
         scene.bearings.sleeve_friction_coefficient = None;

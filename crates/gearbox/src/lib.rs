@@ -38,6 +38,7 @@ mod frequencies;
 mod gearbox;
 mod geometry;
 pub mod guard;
+mod linear_signal;
 pub mod native;
 pub mod pressure;
 mod recorder;

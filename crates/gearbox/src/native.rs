@@ -240,7 +240,7 @@ fn integrate<F: Formulation>(
                     && whole
                 {
                     let seen = system.observe_reduced(time, &y);
-                    let contacts = contact_energy(&seen, field.as_mut());
+                    let contacts = contact_energy(&seen, &mut field);
                     energy.add(load.torque(time), &seen, &contacts);
                     recorder.record_between(&seen, [seen.driver_torques[0], load.torque(time)]);
                 }
@@ -258,7 +258,7 @@ fn integrate<F: Formulation>(
             };
             guard::check(gearbox, seen.bodies).map_err(diverged(t))?;
             if whole {
-                let contacts = contact_energy(&seen, field.as_mut());
+                let contacts = contact_energy(&seen, &mut field);
                 energy.add_sample(load.torque(t), &seen, &contacts);
                 if let Some(audit) = energy.latest() {
                     balance.add(&audit).map_err(diverged(t))?;
@@ -270,7 +270,7 @@ fn integrate<F: Formulation>(
                     bodies: seen.bodies,
                     driver_torque_n_m: seen.driver_torques[0],
                     reactions: seen.reactions,
-                    contacts: &mut LawPairs(field.as_mut()),
+                    contacts: &mut LawPairs(&mut field),
                 });
             }
             before = t;
@@ -303,7 +303,7 @@ fn diverged(time_s: f64) -> impl FnOnce(String) -> NativeError {
 }
 
 /// The contacts' energy as the forces told it, or asked for.
-fn contact_energy(seen: &Observation<'_>, field: &mut dyn ContactField) -> ContactEnergy {
+fn contact_energy(seen: &Observation<'_>, field: &mut ContactField) -> ContactEnergy {
     seen.energy.unwrap_or_else(|| field.energy(seen.bodies))
 }
 

@@ -85,7 +85,7 @@ impl Recorder {
         t: f64,
         driver_torque: f64,
         bodies: &[BodyState],
-        field: &mut dyn ContactField,
+        field: &mut ContactField,
     ) {
         let mut loads = std::mem::take(&mut self.loads);
         loads.fill(Wrench::default());
@@ -291,7 +291,7 @@ mod tests {
         field.add_loads(&bodies, &mut loads);
         let mut recorder = Recorder::new(&gearbox);
         assert!(recorder.is_empty());
-        recorder.record(0.0, 1.0, &bodies, field.as_mut());
+        recorder.record(0.0, 1.0, &bodies, &mut field);
         let seen = Observation {
             time: 1.0,
             bodies: &bodies,
@@ -338,12 +338,12 @@ mod tests {
         let mut recorder = Recorder::new(&gearbox);
         assert!(recorder.wants_channels());
         for torque in [1.0, 2.0] {
-            recorder.record(torque, torque, &bodies, field.as_mut());
+            recorder.record(torque, torque, &bodies, &mut field);
             recorder.record_channels(&mut Seen {
                 bodies: &bodies,
                 driver_torque_n_m: torque,
                 reactions: None,
-                contacts: &mut crate::channels::LawPairs(field.as_mut()),
+                contacts: &mut crate::channels::LawPairs(&mut field),
             });
         }
         let (speed, columns) = (

@@ -15,10 +15,7 @@
 mod floating;
 mod newton;
 
-use floating::OF_A_WHEEL;
-use newton::NEAR_STEPS;
-
-use pinwheel_mbs::{BodyState, Evaluation, Jacobian, Pose, Wrench};
+use pinwheel_mbs::{BodyState, Evaluation, Jacobian, Pose, Structure, Wrench};
 
 use crate::Layout;
 use crate::contacts::{ContactField, EccentricBearings, PairContact};
@@ -28,6 +25,12 @@ use crate::{Gearbox, GearboxError};
 const PITCHES: f64 = 0.2;
 /// Angles are found to this, rad: 1e-14 rad on a radius of 64 mm is 1e-11 of a penetration.
 const ANGLE: f64 = 2e-15;
+/// Steps at most; a gear takes 5 to 10.
+const MOST_STEPS: usize = 40;
+/// And from a balance near by, which takes 3 to 5; what takes longer is left to the safe beginning.
+const NEAR_STEPS: usize = 10;
+/// Unknowns of a disc, from its body.
+const OF_A_WHEEL: usize = 3;
 
 /// Angles in balance.
 #[derive(Debug, Clone, PartialEq)]
@@ -59,7 +62,7 @@ pub struct Equilibrium {
 /// ```
 pub struct Statics<'a> {
     gearbox: &'a Gearbox,
-    field: Box<dyn ContactField>,
+    field: ContactField,
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
     /// The motion about which moments are taken; see [`Statics::moving`].
@@ -104,6 +107,12 @@ impl Motion {
     }
 }
 
+/// Jacobian of discs and output, as they are free without friction.
+fn derivatives(free: usize) -> Jacobian {
+    let is_leaf = vec![false; free];
+    Jacobian::new(&Structure::SecondOrder { is_leaf }, 2 * free)
+}
+
 /// The next estimate of the root of a falling function that is `here`, not 0, with that slope at `at`, whose bracket shrinks:
 /// Newton's where it stays inside and moves by less than half of the `last` step, else the middle.
 fn next_root(at: f64, here: f64, slope: f64, (low, high): (&mut f64, &mut f64), last: f64) -> f64 {
@@ -129,8 +138,8 @@ impl<'a> Statics<'a> {
             loads: vec![Wrench::default(); gearbox.layout.bodies()],
             gearbox,
             motion: Motion::none(gearbox.layout.wheels),
-            derivatives: newton::derivatives(1 + gearbox.layout.wheels),
-            floating_slopes: newton::derivatives(1 + OF_A_WHEEL * gearbox.layout.wheels),
+            derivatives: derivatives(1 + gearbox.layout.wheels),
+            floating_slopes: derivatives(1 + OF_A_WHEEL * gearbox.layout.wheels),
             bearings: EccentricBearings::of(&gearbox.scene, &gearbox.geometry)
                 .map(EccentricBearings::frictionless),
             floated: Vec::new(),

@@ -10,7 +10,7 @@ pub const LOAD: usize = 3;
 
 /// A contact field and the arrays it works on.
 pub struct Evaluator {
-    field: Box<dyn ContactField>,
+    field: ContactField,
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
 }
@@ -18,7 +18,7 @@ pub struct Evaluator {
 impl Evaluator {
     /// For `bodies` bodies.
     #[must_use]
-    pub fn new(field: Box<dyn ContactField>, bodies: usize) -> Self {
+    pub fn new(field: ContactField, bodies: usize) -> Self {
         Self {
             field,
             bodies: vec![BodyState::default(); bodies],

@@ -11,7 +11,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::lu::Lu;
+use crate::lu::{Lu, dot};
 
 /// How f depends on y.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -177,11 +177,6 @@ impl Parted {
             axpy(factor * x, down, &mut self.leaves);
         }
     }
-}
-
-/// a . b.
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// y += a x.

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::jacobian::dot;
+/// Returns the scalar product of two vectors.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
 
 /// P A = L U with the largest pivot of each column.
 #[derive(Debug, Clone, Serialize, Deserialize)]

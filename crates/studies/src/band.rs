@@ -21,8 +21,9 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Scene, scales};
 use serde::Serialize;
 
+use crate::balances::figures::DesignFigure;
+use crate::balances::solve::few_figures;
 use crate::control::compile;
-use crate::design::{self, DesignFigure};
 use crate::{Control, Progress, StudyError};
 
 /// Depths of the disc, of the scene's own.
@@ -147,7 +148,7 @@ fn laws(scene: &Scene) -> Vec<(String, Scene)> {
 
 /// Figures of a scene; `None` where it cannot be balanced.
 fn figures(scene: &Scene, cancel: &AtomicBool) -> Result<Option<Vec<DesignFigure>>, StudyError> {
-    let found = compile(scene).and_then(|gearbox| design::few_figures(&gearbox, cancel));
+    let found = compile(scene).and_then(|gearbox| few_figures(&gearbox, cancel));
     match found {
         Ok(found) => Ok(Some(found)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),

@@ -41,6 +41,7 @@
 //! goes on where it was stopped. [`divergence::horizon`] gives how long two runs that differ by a rounding stay together,
 //! [`resolution::check`] whether a run's step resolves its scene. All results serialise.
 
+mod balances;
 pub mod band;
 pub mod baseline;
 pub mod bench;

@@ -64,7 +64,7 @@ pub fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
             .into());
     }
     let mut field = gearbox.contact_field().map_err(Ending::unsupported)?;
-    let spring = contact_spring(gearbox, &mut *field).map_err(Ending::unsupported)?;
+    let spring = contact_spring(gearbox, &mut field).map_err(Ending::unsupported)?;
     let corners = Corners::of(scene, spring.stiffness_n_m).map_err(Ending::unsupported)?;
     let frequency = spring.frequency_hz;
     let grid = Grid::new(scene, step_s(scene, frequency))?;

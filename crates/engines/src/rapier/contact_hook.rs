@@ -51,7 +51,7 @@ pub fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
 /// The table of pairs that our law fills and rapier's hook reads.
 pub struct Hooked {
     layout: Layout,
-    field: Box<dyn ContactField>,
+    field: ContactField,
     friction: f64,
     /// See [`LEAST_DEPTH`].
     least_depth_m: f64,
@@ -73,12 +73,7 @@ struct Load {
 }
 
 impl Hooked {
-    pub fn new(
-        gearbox: &Gearbox,
-        field: Box<dyn ContactField>,
-        world: &mut World,
-        step_s: f64,
-    ) -> Self {
+    pub fn new(gearbox: &Gearbox, field: ContactField, world: &mut World, step_s: f64) -> Self {
         let (layout, gear) = (gearbox.layout, &gearbox.scene.gear);
         world.contact_spring(STEP_TIMES_FREQUENCY / (step_s * std::f64::consts::TAU));
 

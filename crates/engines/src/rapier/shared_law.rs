@@ -31,7 +31,7 @@ pub(super) fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
 
 /// Pinwheel's contact law as a load.
 struct Law {
-    field: Box<dyn ContactField>,
+    field: ContactField,
     /// Loads at a sample.
     loads: Vec<Wrench>,
 }
@@ -55,6 +55,6 @@ impl Contacts for Law {
     }
 
     fn pair_source<'a>(&'a mut self, _world: &'a World, _share: f64) -> Box<dyn PairSource + 'a> {
-        Box::new(LawPairs(self.field.as_mut()))
+        Box::new(LawPairs(&mut self.field))
     }
 }

@@ -8,7 +8,7 @@ fn frequency(change: impl Fn(&mut Scene)) -> Result<f64, String> {
     let mut scene = Scene::paper();
     change(&mut scene);
     let gearbox = Gearbox::new(&scene.clone().check().unwrap()).unwrap();
-    let spring = contact_spring(&gearbox, &mut *gearbox.contact_field().unwrap())?;
+    let spring = contact_spring(&gearbox, &mut gearbox.contact_field().unwrap())?;
     Ok(spring.frequency_hz)
 }
 
@@ -16,7 +16,7 @@ fn frequency(change: impl Fn(&mut Scene)) -> Result<f64, String> {
 #[test]
 fn both_stages_are_as_stiff_as_the_law() {
     let gearbox = Gearbox::new(&Scene::paper().check().unwrap()).unwrap();
-    let spring = contact_spring(&gearbox, &mut *gearbox.contact_field().unwrap()).unwrap();
+    let spring = contact_spring(&gearbox, &mut gearbox.contact_field().unwrap()).unwrap();
     let [external, internal] = spring.stiffness_n_m;
     // K^(2/3) F^(1/3) of the paper's contacts at most, and less where less loaded.
     assert!((0.7e6..3e6).contains(&external), "{external:e}");

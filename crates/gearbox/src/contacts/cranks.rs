@@ -15,11 +15,10 @@
 mod derivatives;
 
 use arrayvec::ArrayVec;
-use pinwheel_mbs::{BodyState, Wrench};
+use pinwheel_mbs::{BodyState, ContactEnergy, Wrench};
 use pinwheel_scene::bearings::BearingLaw;
 
-use super::field::ContactEnergy;
-use super::floating::BearingLoad;
+use super::bearing_load::BearingLoad;
 use crate::Layout;
 use crate::geometry::Geometry;
 use crate::scene::Scene;

@@ -1,132 +1,108 @@
-//! The contact forces of a whole gearbox as a function of its bodies' states.
+//! All forces between the bodies of a gear as a function of their states: contacts, bearings, friction of pins, seals.
 
-use pinwheel_contact::{NormalLaw, PinLaw};
-pub use pinwheel_mbs::ContactEnergy;
-use pinwheel_mbs::{BodyState, Evaluation, Pose, Wrench};
+use pinwheel_contact::PinLaw;
+use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation, Pose, Wrench};
 
-use super::floating::EccentricBearings;
+use super::eccentric_bearings::EccentricBearings;
+use super::pair::{PairContact, PairField};
 use super::pin_friction::PinFriction;
 use super::seals::Seals;
 use crate::Sleeve;
 
-/// One pair of disc and pin at its closest points.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PairContact {
-    /// Disc number (0, 1, ...), not a body index.
-    pub wheel: usize,
-    /// The pin.
-    pub sleeve: Sleeve,
-    /// W, the disc's point closest to the pin centre; both forces act here. Ground frame, m.
-    pub point: [f64; 2],
-    /// n, unit vector from the pin centre P to W. Ground frame.
-    pub normal: [f64; 2],
-    /// delta, m: above 0 where they touch, below 0 a gap. Of a sleeve on a pin that bends, contact and bending together.
-    pub penetration_m: f64,
-    /// v_n = d(delta)/dt, m/s.
-    pub normal_rate_m_s: f64,
-    /// v_t along t = R90 n, pin relative to disc, m/s.
-    pub tangential_rate_m_s: f64,
-    /// K, N/m^1.5.
-    pub stiffness: f64,
-    /// F_n >= 0, N: pushes the pin along -n, the disc along +n.
-    pub normal_force_n: f64,
-    /// Force along t on the pin, N (opposite sign to v_t); the disc takes its reaction.
-    pub friction_force_n: f64,
-    /// Force along t **at the pin's centre** on the pin, N, its reaction on the disc at the same point:
-    /// the part of an energy's gradient that lies along the profile; 0 for laws that are normal only.
-    pub along_force_n: f64,
-    /// The pin's centre P. Ground frame, m.
-    pub centre: [f64; 2],
-}
-
-impl PairContact {
-    /// Force on the pin in the ground frame, N. The disc takes the opposite; all of it acts at W but
-    /// [`along_force_n`](Self::along_force_n), which acts at the pin's centre.
-    #[must_use]
-    pub fn force_on_sleeve(&self) -> [f64; 2] {
-        let [nx, ny] = self.normal;
-        let (fn_, ft) = (
-            self.normal_force_n,
-            self.friction_force_n + self.along_force_n,
-        );
-        [-fn_ * nx - ft * ny, -fn_ * ny + ft * nx]
-    }
-
-    /// F_n of a pair that touches, N, if it closed at `rate` (m/s) at the same positions.
-    #[must_use]
-    pub fn normal_force_at(&self, law: &PinLaw, rate: f64) -> f64 {
-        self.observed(law, rate)[0]
-    }
-
-    /// That, the force at rest, N, and the energy stored, J.
-    fn observed(&self, law: &PinLaw, rate: f64) -> [f64; 3] {
-        let (stiffness, depth) = (self.stiffness, self.penetration_m);
-        match self.sleeve {
-            Sleeve::External(_) => law.law.observed(stiffness, depth, rate),
-            Sleeve::Internal(_) => law.observed(stiffness, depth, rate),
-        }
-    }
-
-    /// Adds what the pair stores and dissipates.
-    pub(super) fn add_energy(&self, law: &PinLaw, sum: &mut ContactEnergy) {
-        let [_, elastic, stored] = self.observed(law, 0.0);
-        sum.stored_j += stored;
-        sum.damping_w += (self.normal_force_n - elastic) * self.normal_rate_m_s;
-        sum.contact_friction_w -= self.friction_force_n * self.tangential_rate_m_s;
-    }
-}
-
-/// Contact forces of a gearbox. `bodies` and loads are in [`Layout`](crate::Layout) order.
+/// Contacts of a gear with the bearings that its discs float on, and the seals of its shafts. `bodies` and loads are in
+/// [`Layout`](crate::Layout) order.
 ///
-/// Implementations keep no history: the same states give the same bits.
-pub trait ContactField: Send {
+/// It keeps no history: the same states give the same bits.
+pub struct ContactField {
+    pub(crate) contacts: Box<dyn PairField>,
+    pub(super) law: PinLaw,
+    /// Pins that rub where they turn; the loops over the pairs add their forces.
+    pub(super) pins: Option<PinFriction>,
+    /// `None`: eccentrics hold the discs rigidly.
+    pub(crate) bearings: Option<EccentricBearings>,
+    pub(crate) seals: Option<Seals>,
+}
+
+impl ContactField {
     /// Adds to what `sums` holds: loads (force, and moment about the centre of mass), moments about the pins and their
-    /// derivatives, and writes what the contacts store and dissipate. False: this field cannot tell it from such a pose, and
-    /// nothing was added. Loads of bodies in place are known to all; moments need no friction. See
-    /// [`Forces::evaluate`](pinwheel_mbs::Forces::evaluate).
+    /// derivatives, and writes what the contacts store and dissipate. Returns `false` and leaves `sums` unchanged if the
+    /// requested output is not available for this `pose`. Loads of bodies in their actual positions are always available;
+    /// moments need a gear without friction. See [`Forces::evaluate`](pinwheel_mbs::Forces::evaluate).
     ///
     /// Derivatives are those where the input turns at a constant rate. Free are all bodies but the input, in their order, and
     /// without friction the output and the discs alone.
-    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool;
+    pub fn evaluate(
+        &mut self,
+        bodies: &[BodyState],
+        pose: Pose,
+        sums: &mut Evaluation<'_>,
+    ) -> bool {
+        // Cranks stand where their bodies do, and have no levers.
+        let pose = match &self.bearings {
+            Some(bearings) if bearings.has_cranks() => {
+                if pose == Pose::AnglesOnly || sums.moments.is_some() {
+                    return false;
+                }
+                match sums.derivatives {
+                    Some(_) => pose,
+                    None => Pose::Any,
+                }
+            }
+            _ => pose,
+        };
+        if !self.contacts.evaluate(bodies, pose, sums) {
+            return false;
+        }
+        if let Some(bearings) = &self.bearings {
+            bearings.add(bodies, sums);
+        }
+        if let Some(seals) = &self.seals {
+            seals.add(bodies, sums);
+        }
+        true
+    }
 
     /// Visits every touching pair (penetration > 0), disc by disc, external before internal.
-    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact));
-
-    /// One pair, touching or not; without contact its forces are 0 and its penetration is minus the gap.
-    /// For looking at single pairs: away from contact it searches the whole curve.
-    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact;
-
-    /// The law of all pairs.
-    fn law(&self) -> &PinLaw;
-
-    /// The bearings that discs float on; `None`: eccentrics hold them rigidly.
-    fn bearings(&self) -> Option<&EccentricBearings> {
-        None
+    pub fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
+        self.contacts.touching(bodies, visit);
     }
 
-    /// The seals of the shafts.
-    fn seals(&self) -> Option<&Seals> {
-        None
+    /// Returns one pair, touching or not; without contact its forces are 0 and its penetration is minus the gap.
+    /// A crank's bearing stands in the place of a pin in its hole.
+    pub fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
+        match (&self.bearings, sleeve) {
+            (Some(bearings), Sleeve::Internal(crank)) if bearings.has_cranks() => {
+                bearings.crank_pair(bodies, wheel, crank)
+            }
+            _ => self.contacts.nearest(bodies, wheel, sleeve),
+        }
     }
 
-    /// The sleeves that rub on their pins.
-    fn on_pins(&self) -> Option<PinFriction> {
-        None
+    /// Returns the law of all pairs.
+    #[must_use]
+    pub fn law(&self) -> &PinLaw {
+        &self.law
     }
 
     /// Adds every body's contact load to `loads`.
-    fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
+    pub fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
         self.evaluate(bodies, Pose::Any, &mut Evaluation::of_loads(loads));
     }
 
-    /// Energy that the contacts store, and powers that they dissipate, at these states.
-    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
-        let (law, pins) = (*self.law(), self.on_pins());
+    /// Returns the energy that the contacts store, and the powers that they dissipate, at these states.
+    pub fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
+        let (law, pins) = (&self.law, self.pins);
         let mut sum = ContactEnergy::default();
-        self.touching(bodies, &mut |pair| {
-            pair.add_energy(&law, &mut sum);
+        self.contacts.touching(bodies, &mut |pair| {
+            pair.add_energy(law, &mut sum);
             sum.sleeve_friction_w += pins.map_or(0.0, |pins| pins.drag(bodies, pair).lost_w);
         });
+        if let Some(bearings) = &self.bearings {
+            bearings.add_energy(bodies, &mut sum);
+        }
+        if let Some(seals) = &self.seals {
+            sum.seal_friction_w += seals.lost_w(bodies);
+        }
         sum
     }
 }

@@ -1,11 +1,13 @@
 //! Contacts between discs and pins: detection, law and friction put together for a scene.
 
+mod bearing_load;
 mod cranks;
 mod detection;
+mod eccentric_bearings;
 mod field;
 mod flanks;
-mod floating;
 mod lanes;
+mod pair;
 mod pairs;
 mod pin_friction;
 mod seals;
@@ -13,17 +15,21 @@ mod seals;
 use pinwheel_contact::NormalLaw as _;
 use pinwheel_scene::scales::{law_parameters, pin_law};
 
-pub use field::{ContactEnergy, ContactField, PairContact};
-pub use floating::{BearingLoad, EccentricBearings};
-pub use pin_friction::PinFriction;
-pub use seals::Seals;
+pub use bearing_load::BearingLoad;
+pub use eccentric_bearings::EccentricBearings;
+pub use field::ContactField;
+pub use pair::PairContact;
+pub use pinwheel_mbs::ContactEnergy;
 
 use crate::GearboxError;
 use crate::geometry::Geometry;
 use crate::scene::{Detection, FrictionLaw, Scene};
 use detection::{Exact, Points};
 use lanes::LaneField;
+pub(crate) use pair::PairField;
 use pairs::Pairs;
+use pin_friction::PinFriction;
+use seals::Seals;
 
 /// Which contact loop evaluates exact detection. All give the same forces to 1e-13 relative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -75,26 +81,25 @@ fn at_most_avx2() -> pulp::Arch {
     pulp::Arch::Scalar
 }
 
-/// The contact field of a scene, with the bearings that its discs float on, sleeves that rub on their pins, and seals of its shafts.
+/// Returns all forces of a scene between its bodies: contacts, bearings that discs float on, friction of pins, and seals of shafts.
 pub(crate) fn field(
     scene: &Scene,
     geometry: &Geometry,
     kernel: Kernel,
-) -> Result<Box<dyn ContactField>, GearboxError> {
-    let contacts = contacts(scene, geometry, kernel)?;
-    let inner = match EccentricBearings::of(scene, geometry) {
-        Some(bearings) => Box::new(floating::FloatingField { contacts, bearings }),
-        None => contacts,
-    };
-    Ok(seals::with_seals(scene, inner))
+) -> Result<ContactField, GearboxError> {
+    Ok(ContactField {
+        bearings: EccentricBearings::of(scene, geometry),
+        seals: Seals::of(scene),
+        ..contacts(scene, geometry, kernel)?
+    })
 }
 
-/// The contacts alone.
+/// Returns the contacts alone, without bearings and seals.
 pub(crate) fn contacts(
     scene: &Scene,
     geometry: &Geometry,
     kernel: Kernel,
-) -> Result<Box<dyn ContactField>, GearboxError> {
+) -> Result<ContactField, GearboxError> {
     let law = pin_law(scene).ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
     // Cranks touch no hole.
     let without;
@@ -120,7 +125,8 @@ pub(crate) fn contacts(
     let in_lanes = kernel != Kernel::Scalar
         && scene.contact.friction_law == FrictionLaw::Regularised
         && geometry.is_uniform(&scene.gear);
-    Ok(match scene.contact.detection {
+    let pins = PinFriction::of(scene);
+    let contacts: Box<dyn PairField> = match scene.contact.detection {
         Detection::Exact if in_lanes => {
             Box::new(LaneField::new(scene, geometry, law, kernel.arch()))
         }
@@ -140,6 +146,13 @@ pub(crate) fn contacts(
             let points = Points::new(scene, geometry)?;
             Box::new(Pairs::new(scene, geometry, law, points))
         }
+    };
+    Ok(ContactField {
+        contacts,
+        law,
+        pins,
+        bearings: None,
+        seals: None,
     })
 }
 

@@ -6,11 +6,11 @@
 
 use pinwheel_contact::{AdamsFriction, Complex, Friction, NormalLaw, PinLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
-use pinwheel_mbs::{BodyState, Evaluation, Jacobian, Pose, Wrench};
+use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation, Jacobian, Pose, Wrench};
 
 use super::detection::{Derivatives, Detection, Touch};
-use super::field::{ContactEnergy, ContactField, PairContact};
 use super::flanks::{Flanks, Seat};
+use super::pair::{PairContact, PairField};
 use super::pin_friction::PinFriction;
 use crate::geometry::Geometry;
 use crate::scene::{self, FrictionLaw, Scene};
@@ -549,7 +549,7 @@ impl<D: Detection> Pairs<D> {
     }
 }
 
-impl<D: Detection> ContactField for Pairs<D> {
+impl<D: Detection> PairField for Pairs<D> {
     fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool {
         let friction = match &sums.derivatives {
             None => Some((None, false)),
@@ -595,14 +595,6 @@ impl<D: Detection> ContactField for Pairs<D> {
         }
         sums.energy = sums.wants_energy.then_some(energy);
         true
-    }
-
-    fn law(&self) -> &PinLaw {
-        &self.law
-    }
-
-    fn on_pins(&self) -> Option<PinFriction> {
-        self.pins
     }
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {

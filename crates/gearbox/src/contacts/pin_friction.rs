@@ -10,13 +10,13 @@ use pinwheel_contact::Real;
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::bearings::SLOW_RAD_S;
 
-use super::field::PairContact;
+use super::pair::PairContact;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
 
 /// Friction of sleeves on their pins.
 #[derive(Debug, Clone, Copy)]
-pub struct PinFriction {
+pub(crate) struct PinFriction {
     friction_coefficient: f64,
     /// mu d/2, m.
     lever_m: f64,

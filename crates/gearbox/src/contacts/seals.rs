@@ -5,15 +5,11 @@
 //! ```
 //! with slow = 1 rad/s at the input, and as much less at the output as that turns slower.
 
-use pinwheel_contact::PinLaw;
-use pinwheel_mbs::{BodyState, Evaluation, Jacobian, Pose};
+use pinwheel_mbs::{BodyState, Evaluation, Jacobian};
 
-use super::field::{ContactEnergy, ContactField, PairContact};
-use super::floating::EccentricBearings;
 use super::pairs::OUTPUT;
-use super::pin_friction::PinFriction;
+use crate::Layout;
 use crate::scene::Scene;
-use crate::{Layout, Sleeve};
 
 /// Torque that holds back a body, and the rate below which it fades.
 #[derive(Debug, Clone, Copy)]
@@ -25,7 +21,7 @@ struct Seal {
 
 /// The seals of input and output.
 #[derive(Debug, Clone, Copy)]
-pub struct Seals([Seal; 2]);
+pub(crate) struct Seals([Seal; 2]);
 
 impl Seal {
     fn moment(&self, bodies: &[BodyState]) -> f64 {
@@ -50,8 +46,24 @@ impl Seals {
         })
     }
 
+    /// Adds loads, moments, derivatives and energy as far as `sums` has them.
+    pub(super) fn add(&self, bodies: &[BodyState], sums: &mut Evaluation<'_>) {
+        if let Some(loads) = sums.loads.as_deref_mut() {
+            self.add_moments(bodies, loads, |load| &mut load.moment);
+        }
+        if let Some(moments) = sums.moments.as_deref_mut() {
+            self.add_moments(bodies, moments, |moment| moment);
+        }
+        if let Some(energy) = &mut sums.energy {
+            energy.seal_friction_w += self.lost_w(bodies);
+        }
+        if let Some(derivatives) = sums.derivatives.as_deref_mut() {
+            self.add_jacobian(bodies, derivatives);
+        }
+    }
+
     /// Adds their moments to a value of each body.
-    pub(crate) fn add<T>(
+    pub(crate) fn add_moments<T>(
         &self,
         bodies: &[BodyState],
         to: &mut [T],
@@ -63,7 +75,7 @@ impl Seals {
     }
 
     /// Adds how the output's fades where it turns slowly; the input's rate is constant.
-    pub(super) fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Jacobian) {
+    fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Jacobian) {
         let [_, output] = self.0;
         if bodies[output.body].rate.abs() < output.slow_rad_s {
             let slope = -output.torque_n_m / output.slow_rad_s;
@@ -74,71 +86,5 @@ impl Seals {
     pub(super) fn lost_w(&self, bodies: &[BodyState]) -> f64 {
         let of = |seal: &Seal| -seal.moment(bodies) * bodies[seal.body].rate;
         self.0.iter().map(of).sum()
-    }
-}
-
-/// A field with seals.
-struct Sealed {
-    inner: Box<dyn ContactField>,
-    seals: Seals,
-}
-
-/// A field with a scene's seals; the field itself where there are none.
-pub(super) fn with_seals(scene: &Scene, inner: Box<dyn ContactField>) -> Box<dyn ContactField> {
-    match Seals::of(scene) {
-        Some(seals) => Box::new(Sealed { inner, seals }),
-        None => inner,
-    }
-}
-
-impl ContactField for Sealed {
-    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool {
-        if !self.inner.evaluate(bodies, pose, sums) {
-            return false;
-        }
-        let seals = &self.seals;
-        if let Some(loads) = sums.loads.as_deref_mut() {
-            seals.add(bodies, loads, |load| &mut load.moment);
-        }
-        if let Some(moments) = sums.moments.as_deref_mut() {
-            seals.add(bodies, moments, |moment| moment);
-        }
-        if let Some(energy) = &mut sums.energy {
-            energy.seal_friction_w += seals.lost_w(bodies);
-        }
-        if let Some(derivatives) = sums.derivatives.as_deref_mut() {
-            seals.add_jacobian(bodies, derivatives);
-        }
-        true
-    }
-
-    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
-        self.inner.touching(bodies, visit);
-    }
-
-    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
-        self.inner.nearest(bodies, wheel, sleeve)
-    }
-
-    fn law(&self) -> &PinLaw {
-        self.inner.law()
-    }
-
-    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
-        let mut sum = self.inner.energy(bodies);
-        sum.seal_friction_w += self.seals.lost_w(bodies);
-        sum
-    }
-
-    fn bearings(&self) -> Option<&EccentricBearings> {
-        self.inner.bearings()
-    }
-
-    fn on_pins(&self) -> Option<PinFriction> {
-        self.inner.on_pins()
-    }
-
-    fn seals(&self) -> Option<&Seals> {
-        Some(&self.seals)
     }
 }

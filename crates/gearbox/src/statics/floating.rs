@@ -17,7 +17,7 @@ mod descent;
 use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::{BodyState, Evaluation, Pose, Wrench};
 
-use super::{ANGLE, Equilibrium, Statics, next_root};
+use super::{ANGLE, Equilibrium, OF_A_WHEEL, Statics, next_root};
 use crate::contacts::EccentricBearings;
 use crate::{GearboxError, Layout, load_profile, scene::Detection};
 
@@ -47,9 +47,6 @@ const ROUNDINGS: f64 = 4.0;
 /// Why points may leave a disc without a balance.
 const POINTS: &str = "contact.detection = \"points\": forces jump from point to point, and between two of them a disc on an \
                       elastic bearing has no balance; use detection = \"exact\"";
-
-/// Unknowns of a disc, from its body.
-pub(super) const OF_A_WHEEL: usize = 3;
 
 /// Scales of forces and places.
 #[derive(Clone, Copy)]

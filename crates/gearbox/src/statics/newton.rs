@@ -9,15 +9,9 @@
 //! It begins beyond the free play, pressed in deeper than the load will press: forces that stiffen with the depth then lead
 //! back without passing the balance, and all that will carry touches from the start.
 
-use pinwheel_mbs::{Jacobian, Structure};
-
-use super::{ANGLE, Equilibrium, Statics};
+use super::{ANGLE, Equilibrium, MOST_STEPS, Statics};
 use crate::Layout;
 
-/// Steps at most; a gear takes 5 to 10.
-const MOST_STEPS: usize = 40;
-/// And from a balance near by, which takes 3 to 5; what takes longer is left to the safe beginning.
-pub(super) const NEAR_STEPS: usize = 10;
 /// Twist to begin with, in those of the load by the estimate for adaptive steps.
 const TWIST: f64 = 2.0;
 /// Steps that no longer shrink have ended at rounding if they are shorter than this, rad.
@@ -35,12 +29,6 @@ const BEYOND: f64 = 1.001;
 
 /// Number of the output among the free bodies; the discs follow.
 const OUTPUT: usize = Layout::OUTPUT - 1;
-
-/// Jacobian of discs and output, as they are free without friction.
-pub(super) fn derivatives(free: usize) -> Jacobian {
-    let is_leaf = vec![false; free];
-    Jacobian::new(&Structure::SecondOrder { is_leaf }, 2 * free)
-}
 
 impl Statics<'_> {
     /// Stiffness, N m/rad, and damping, N m s/rad, of the output about a balance, the input locked and the discs following.

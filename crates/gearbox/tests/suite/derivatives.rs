@@ -11,7 +11,7 @@ use pinwheel_scene::{Scene, Sleeve};
 use proptest::prelude::*;
 
 /// The contacts alone.
-struct Contacts(Box<dyn ContactField>);
+struct Contacts(ContactField);
 
 impl Forces for Contacts {
     fn apply(&mut self, _: f64, bodies: &[BodyState], loads: &mut [Wrench]) {

@@ -58,7 +58,7 @@ fn both(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> (Vec<Wrench>
 
 /// Moments, loads and energy from angles and rates alone; `None` if the field cannot tell them.
 fn from_angles(
-    field: &mut dyn ContactField,
+    field: &mut ContactField,
     bodies: &[BodyState],
     moments: &mut [f64],
     loads: &mut [Wrench],
@@ -89,7 +89,7 @@ fn held(
     let energy = sums.energy.unwrap();
     let (mut all, mut written) = (vec![0.0; bodies.len()], loads.clone());
     written.fill(Wrench::default());
-    let held = from_angles(field.as_mut(), bodies, &mut all, &mut written);
+    let held = from_angles(&mut field, bodies, &mut all, &mut written);
     assert_eq!(held, known.then_some(energy));
     if known {
         assert_eq!(written, loads, "one way to the loads");
@@ -419,7 +419,7 @@ fn levers_know_wheels_that_float() {
                     let mut field = gearbox.contact_field().unwrap();
                     let mut fast = vec![Wrench::default(); bodies.len()];
                     let mut moments = vec![0.0; bodies.len()];
-                    let energy = from_angles(field.as_mut(), &bodies, &mut moments, &mut fast);
+                    let energy = from_angles(&mut field, &bodies, &mut moments, &mut fast);
                     let energy = energy.unwrap();
                     near(energy.stored_j / stored.stored_j * largest, largest);
                     near(energy.damping_w, stored.damping_w);
@@ -468,8 +468,7 @@ fn fields_know_no_history() {
                 let found = [&mut field, &mut new].map(|field| {
                     let mut loads = vec![Wrench::default(); bodies.len()];
                     let mut moments = vec![0.0; bodies.len()];
-                    let energy =
-                        from_angles(field.as_mut(), &bodies, &mut moments, &mut loads).unwrap();
+                    let energy = from_angles(field, &bodies, &mut moments, &mut loads).unwrap();
                     (moments, loads, energy)
                 });
                 assert_eq!(found[0], found[1], "{preset} {kernel:?} {k}");

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::Arms;
 use crate::mechanism::{Mechanism, Revolute};
 use crate::state::BodyId;
+use crate::tree::Arms;
 
 /// A revolute's arm on a body.
 #[derive(Debug, Clone, Copy)]

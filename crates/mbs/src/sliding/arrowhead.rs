@@ -10,7 +10,8 @@
 //! Cholesky. H is a positive diagonal plus positive rank-one terms, so no pivoting is needed.
 
 use super::contact::Row;
-use crate::jacobian::{Place, dot};
+use crate::jacobian::Place;
+use crate::lu::dot;
 
 /// Which velocities are hubs, and room for one factorisation.
 #[derive(Debug, Clone)]

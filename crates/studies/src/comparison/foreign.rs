@@ -17,7 +17,7 @@ use pinwheel_scene::{Scene, did_you_mean};
 use pinwheel_timeseries::foreign::{self, ForeignError, Map, Offset, Resampled, Twice};
 use pinwheel_timeseries::{TimeSeries, TimeSeriesError, columns, group_of};
 
-use super::context;
+use super::context::context;
 use crate::StudyError;
 
 /// Bad rows a note names.

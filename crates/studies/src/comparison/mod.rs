@@ -2,6 +2,7 @@
 //!
 //! [`run`] gives an [`Outcome`]: data only. [`Outcome::write`] keeps it as files.
 
+mod context;
 pub mod foreign;
 mod inputs;
 mod refine;
@@ -14,12 +15,12 @@ use pinwheel_compare::comparison::PairEntry;
 use pinwheel_compare::limits::Friction;
 use pinwheel_compare::model::{ModelTolerance, Prediction};
 use pinwheel_compare::{
-    Comparison, Context, Divergence, Metric, Participant, Rules, Scales, SharedModel, Status,
-    Verdict, WindowKind, compare,
+    Comparison, Divergence, Metric, Participant, Rules, SharedModel, Status, Verdict, WindowKind,
+    compare,
 };
 use pinwheel_engines::{Engine, external, recorded};
 use pinwheel_gearbox::{Explanation, Gearbox, Statement};
-use pinwheel_scene::{Assumption, Scene, Start, assumptions, load_profile};
+use pinwheel_scene::{Assumption, Scene, assumptions};
 use pinwheel_timeseries::columns;
 use serde::Serialize;
 
@@ -29,6 +30,7 @@ use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
 use crate::single::{RunRecord, save};
 use crate::{StudyError, divergence};
+pub use context::context;
 use foreign::Data;
 pub use refine::Effort;
 #[doc(hidden)]
@@ -394,35 +396,6 @@ fn take_part(
         cost: run.stats,
         status: run.ending,
     })
-}
-
-#[doc(hidden)]
-#[must_use]
-pub fn context(scene: &Scene) -> Context {
-    let scales = pinwheel_scene::Scales::of(scene);
-    let settles = scales
-        .settling_s(scene.contact.damping_n_s_m)
-        .map(|time| format!("{time:.1e}").parse().unwrap_or(time));
-    Context {
-        scene: scene.name.clone(),
-        description: scene.description.clone(),
-        duration_s: scene.solver.duration_s,
-        load_n_m: Some(load_profile::final_load(scene)),
-        load_from_s: load_profile::final_from_s(scene),
-        output_inertia_kg_m2: Some(scene.output_inertia_kg_m2()),
-        load_changes_s: load_profile::breaks(&scene.drive),
-        input_speed_rad_s: Some(scene.drive.input_speed_rad_s),
-        friction_coefficient: scene.contact.friction_coefficient,
-        settling_s: match scene.drive.start {
-            Start::Equilibrium => Some(0.0),
-            _ => settles,
-        },
-        scales: Scales {
-            force_n: Some(scales.external_force_n),
-            torque_n_m: Some(scales.wheel_torque_n_m),
-        },
-        ..Context::default()
-    }
 }
 
 /// Longest step of the two runs that differ by a rounding, in radians of the contacts' oscillation: 5e-6 s for the

@@ -8,8 +8,10 @@ use pinwheel_gearbox::statics::Statics;
 use pinwheel_scene::Scene;
 use serde::Serialize;
 
-use super::mesh::Poses;
-use super::{ARCMIN, DesignResult, FEW, Spread, twisted};
+use super::DesignResult;
+use crate::balances::poses::Poses;
+use crate::balances::solve::{FEW, twisted};
+use crate::balances::spread::{ARCMIN, Spread};
 use crate::control::{compile, of_scene};
 use crate::{Control, StudyError};
 

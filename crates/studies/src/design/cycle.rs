@@ -8,7 +8,8 @@ use pinwheel_scene::{LoadChange, Scales, Scene, Start};
 use pinwheel_timeseries::columns;
 use serde::Serialize;
 
-use super::{ARCMIN, LOST};
+use crate::balances::figures::LOST;
+use crate::balances::spread::ARCMIN;
 use crate::control::compile;
 use crate::{Control, StudyError, single};
 

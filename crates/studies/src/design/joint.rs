@@ -25,14 +25,15 @@ use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Gearbox, GearboxError};
 use serde::Serialize;
 
-use super::figures::{
+use super::Operating;
+use crate::StudyError;
+use crate::balances::figures::{
     Definition, DesignFigure, JOINT_BACKLASH, JOINT_DAMPING, JOINT_DEAD_BAND, JOINT_FRICTION,
     JOINT_FRICTION_OF_LOAD, JOINT_INPUT_INERTIA, JOINT_OUTPUT_INERTIA, JOINT_REFLECTED_INERTIA,
     JOINT_STIFFNESS, JOINT_VISCOUS, parted,
 };
-use super::mesh::Poses;
-use super::{ARCMIN, Operating, Spread};
-use crate::StudyError;
+use crate::balances::poses::Poses;
+use crate::balances::spread::{ARCMIN, Spread};
 use crate::control::of_scene;
 use crate::output::{OutputError, file_name, write_text};
 

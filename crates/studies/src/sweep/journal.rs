@@ -21,7 +21,6 @@ use std::{fs, io};
 
 use pinwheel_files::{Lock, fnv};
 use pinwheel_timeseries::TimeSeries;
-use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tempfile::Builder;
 
@@ -31,6 +30,7 @@ use crate::pool;
 use crate::sweep::SweepError;
 use crate::sweep::file::KeepTimeSeries;
 use crate::sweep::record::RunRecord;
+use crate::sweep::written::Written;
 
 /// How files of runs begin.
 const PREFIX: &str = "run-";
@@ -268,24 +268,6 @@ fn record(bytes: &[u8]) -> Option<RunRecord> {
 fn place(folder: &Path, identity: &str, extension: &str) -> PathBuf {
     let hash = fnv(identity.bytes());
     folder.join(format!("{PREFIX}{hash:016x}.{extension}"))
-}
-
-/// Size and hash of a file when it was written; another size or hash shows that it is damaged.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Written {
-    bytes: u64,
-    /// FNV-1a, 64 bits, in hexadecimal.
-    fnv: String,
-}
-
-impl Written {
-    fn of(path: &Path) -> io::Result<Self> {
-        let content = fs::read(path)?;
-        Ok(Self {
-            bytes: content.len() as u64,
-            fnv: format!("{:016x}", fnv(content)),
-        })
-    }
 }
 
 /// Keeps the time series of a run in a journal's folder: on the disk before they have their name. Its record comes last: where it

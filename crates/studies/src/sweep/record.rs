@@ -10,8 +10,8 @@ use pinwheel_timeseries::{ABOVE_ONE, Ending, EnergyAudit, NO_LOSS, efficiency, m
 use serde::{Deserialize, Serialize};
 
 use crate::sweep::PlannedRun;
-use crate::sweep::journal::Written;
 use crate::sweep::spread::{FIGURES, Spread};
+use crate::sweep::written::Written;
 
 /// Record of a run. All but the two times is the same whenever it is run again.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -10,7 +10,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use toml::Value as Toml;
 
 use super::axis::{Axis, Value};
-use super::file::leaves;
+use super::leaves::leaves;
 use crate::rng::Rng;
 use crate::sampling::hypercube;
 

@@ -6,7 +6,7 @@ use pulp::Simd;
 use super::pair_loop::{Group, Sink, Wheel};
 use crate::Sleeve;
 use crate::contacts::detection::Touch;
-use crate::contacts::field::PairContact;
+use crate::contacts::pair::PairContact;
 use crate::contacts::pairs::{Loaded, WheelFrame};
 
 /// Gives every touching pair, with rates and forces, to `visit`.

@@ -15,11 +15,11 @@ mod shapes;
 
 use pinwheel_contact::{PinLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
-use pinwheel_mbs::{BodyState, Evaluation, Pose};
+use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation, Pose};
 use pulp::Simd;
 
 use super::detection::Exact;
-use super::field::{ContactEnergy, ContactField, PairContact};
+use super::pair::{PairContact, PairField};
 use super::pairs::Pairs;
 use super::pin_friction::PinFriction;
 use crate::geometry::Geometry;
@@ -30,7 +30,7 @@ use columns::Sleeves;
 use derivatives::Derivatives;
 use joint_space::JointSpace;
 use loads::Loads;
-use pair_loop::{Sink, pair_loop};
+use pair_loop::{LanePairs, Sink, pair_loop};
 use shapes::Shapes;
 
 /// The contact field with exact detection, in lanes.
@@ -46,14 +46,6 @@ pub(super) struct LaneField {
     floats: bool,
     /// For single pairs, where lanes gain nothing.
     scalar: Pairs<Exact>,
-}
-
-/// Data that a walk over all pairs needs.
-struct LanePairs {
-    layout: Layout,
-    shapes: Shapes,
-    external: Sleeves,
-    internal: Sleeves,
 }
 
 /// One walk, as the dispatcher wants it: what is inlined here is compiled once per instruction set.
@@ -190,7 +182,7 @@ impl LaneField {
     }
 }
 
-impl ContactField for LaneField {
+impl PairField for LaneField {
     fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool {
         if self.joint_space.is_some() && pose != Pose::Any && sums.derivatives.is_none() {
             match (sums.loads.is_some(), self.floats) {
@@ -221,13 +213,5 @@ impl ContactField for LaneField {
 
     fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
         self.scalar.nearest(bodies, wheel, sleeve)
-    }
-
-    fn law(&self) -> &PinLaw {
-        &self.law
-    }
-
-    fn on_pins(&self) -> Option<PinFriction> {
-        self.pins
     }
 }

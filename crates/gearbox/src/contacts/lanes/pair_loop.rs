@@ -4,9 +4,17 @@ use pinwheel_contact::{Complex, ComplexLanes, Lanes, NormalLaw, PinLaw};
 use pinwheel_mbs::BodyState;
 use pulp::Simd;
 
-use super::LanePairs;
 use super::columns::Sleeves;
 use super::shapes::{Shapes, Touching};
+use crate::Layout;
+
+/// Columns of all pins and shapes of all curves, which one loop over the pairs reads.
+pub(super) struct LanePairs {
+    pub(super) layout: Layout,
+    pub(super) shapes: Shapes,
+    pub(super) external: Sleeves,
+    pub(super) internal: Sleeves,
+}
 
 /// A disc's frame, and what its contacts add up to (in that frame).
 pub(super) struct Wheel<S: Simd> {

@@ -144,20 +144,19 @@ impl Statics<'_> {
 mod tests {
     use std::sync::atomic::{AtomicU64, Ordering};
 
-    use pinwheel_contact::PinLaw;
     use pinwheel_mbs::{BodyState, Evaluation, Pose};
 
     use super::*;
-    use crate::contacts::{ContactField, PairContact};
+    use crate::contacts::{PairContact, PairField};
     use crate::scene::{Scene, Sleeve};
     use crate::{Gearbox, Layout};
 
     /// The largest turn of a disc from its ideal mesh at any evaluation, rad, as bits.
     static FARTHEST_SEEN: AtomicU64 = AtomicU64::new(0);
 
-    struct Watched(Box<dyn ContactField>, Gearbox);
+    struct Watched(Box<dyn PairField>, Gearbox);
 
-    impl ContactField for Watched {
+    impl PairField for Watched {
         fn evaluate(
             &mut self,
             bodies: &[BodyState],
@@ -180,10 +179,6 @@ mod tests {
 
         fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
             self.0.nearest(bodies, wheel, sleeve)
-        }
-
-        fn law(&self) -> &PinLaw {
-            self.0.law()
         }
     }
 
@@ -210,8 +205,8 @@ mod tests {
         let sets = sets.map(|set| set.parse().unwrap());
         let gearbox = Gearbox::new(&Scene::load("paper", &sets).unwrap()).unwrap();
         let mut statics = Statics::new(&gearbox).unwrap();
-        let field = gearbox.bare_field().unwrap();
-        statics.field = Box::new(Watched(field, gearbox.clone()));
+        let contacts = gearbox.bare_field().unwrap().contacts;
+        statics.field.contacts = Box::new(Watched(contacts, gearbox.clone()));
         let light = 1e-4 * gearbox.load_torque(0.1);
         let mut near = None;
         for k in 0..20 {

@@ -27,7 +27,7 @@ mod propagator;
 use serde::{Deserialize, Serialize};
 
 use self::columns::{Factors, Judge, copy, padded};
-use self::multistep::Multistep;
+use self::multistep::{Multistep, ORDERS, SAME, TERMS};
 use super::clock::Method as _;
 use super::dopri5::{Dense, Dopri5};
 use super::{
@@ -50,11 +50,6 @@ pub(super) const INFO: MethodInfo = MethodInfo {
     ..ADAPTIVE
 };
 
-/// K: the lower where contacts come and go, the higher on what is smooth; each step takes the one with the smaller error.
-const ORDERS: [usize; 2] = [3, 5];
-const HIGHEST: usize = ORDERS[1];
-/// Coefficients of polynomials through the points of the highest order and one more.
-const TERMS: usize = HIGHEST + 2;
 /// Errors, in tolerances, above which a step is not taken, and above which the next is half as long; and what the error of a
 /// step twice as long must be expected below.
 const REJECT: f64 = 3.0;
@@ -95,8 +90,6 @@ const SUCCESS: u64 = 16;
 
 /// Steps of Dormand-Prince that are remembered.
 const PIECES: usize = 8;
-/// Share of a step within which two lengths, or two times, are the same.
-const SAME: f64 = 1e-9;
 
 /// A run with steps from a tolerance.
 #[derive(Debug, Clone, Serialize, Deserialize)]

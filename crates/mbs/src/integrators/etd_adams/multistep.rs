@@ -5,11 +5,17 @@ use serde::{Deserialize, Serialize};
 use super::columns::{Columns, padded};
 use super::history::{History, Line, step_back, to_differences};
 use super::propagator::{Linear, Propagator};
-use super::{HIGHEST, ORDERS, SAME, TERMS};
 use crate::OdeSystem;
 use crate::jacobian::Jacobian;
 use crate::lu::Lu;
 
+/// Orders K: the lower where contacts come and go, the higher on what is smooth; each step takes the one with the smaller error.
+pub(super) const ORDERS: [usize; 2] = [3, 5];
+const HIGHEST: usize = ORDERS[1];
+/// Coefficients of polynomials through the points of the highest order and one more.
+pub(super) const TERMS: usize = HIGHEST + 2;
+/// Share of a step within which two lengths, or two times, are the same.
+pub(super) const SAME: f64 = 1e-9;
 /// Step matrices kept: steps go to and fro between few lengths.
 const KEPT: usize = 4;
 

@@ -1,13 +1,12 @@
-//! Contacts of discs that float on elastic bearings: those of the law, and the bearings' forces on discs and input.
+//! Elastic bearings that discs float on: their forces on discs and input, or on the cranks of an RV gear.
 
-use pinwheel_contact::PinLaw;
-use pinwheel_mbs::{BodyState, Evaluation, Jacobian, Pose, Wrench};
+use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation, Jacobian, Wrench};
 use pinwheel_scene::bearings::BearingLaw;
 
+use super::bearing_load::BearingLoad;
 use super::cranks::{Cranks, OfCrank};
-use super::field::{ContactEnergy, ContactField, PairContact};
+use super::pair::PairContact;
 use super::pairs::places;
-use super::pin_friction::PinFriction;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
@@ -23,58 +22,6 @@ pub struct EccentricBearings {
     cranks: Option<Cranks>,
 }
 
-/// One bearing at a state.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct BearingLoad {
-    /// On the disc at its centre, N, ground frame.
-    pub on_wheel: [f64; 2],
-    /// Disc's centre less the eccentric's, m, ground frame.
-    pub offset_m: [f64; 2],
-    /// Friction on the disc, N m.
-    pub drag_n_m: f64,
-    /// How fast the disc turns against the eccentric, rad/s.
-    pub(super) turning: f64,
-    /// How fast the offset grows, m/s.
-    pub(super) rate: f64,
-}
-
-impl BearingLoad {
-    /// At an offset that moves with a velocity, m/s.
-    #[inline]
-    pub(super) fn of(
-        law: &BearingLaw,
-        offset_m: [f64; 2],
-        [ux, uy]: [f64; 2],
-        turning: f64,
-    ) -> Self {
-        let [dx, dy] = offset_m;
-        let offset = (dx * dx + dy * dy).sqrt();
-        let [nx, ny] = match offset > 0.0 {
-            true => [dx / offset, dy / offset],
-            false => [0.0; 2],
-        };
-        let rate = ux * nx + uy * ny;
-        let force = law.force(offset, rate);
-        Self {
-            on_wheel: [-force * nx, -force * ny],
-            offset_m,
-            drag_n_m: law.drag(force, turning),
-            turning,
-            rate,
-        }
-    }
-
-    /// Adds what it stores and loses.
-    pub(super) fn add_energy(&self, law: &BearingLaw, sum: &mut ContactEnergy) {
-        let [dx, dy] = self.offset_m;
-        let offset = dx.hypot(dy);
-        sum.stored_j += law.stored(offset);
-        let damped = law.force(offset, self.rate) - law.force(offset, 0.0);
-        sum.damping_w += damped * self.rate;
-        sum.bearing_friction_w -= self.drag_n_m * self.turning;
-    }
-}
-
 impl EccentricBearings {
     /// Bearings of a scene whose discs float; `None`: eccentrics hold them rigidly.
     #[must_use]
@@ -88,6 +35,24 @@ impl EccentricBearings {
                 .collect(),
             cranks: Cranks::of(scene, geometry),
         })
+    }
+
+    /// True for the cranks of an RV gear.
+    pub(super) fn has_cranks(&self) -> bool {
+        self.cranks.is_some()
+    }
+
+    /// Adds loads, moments, derivatives and energy as far as `sums` has them.
+    pub(super) fn add(&self, bodies: &[BodyState], sums: &mut Evaluation<'_>) {
+        if let Some(derivatives) = sums.derivatives.as_deref_mut() {
+            self.add_jacobian(bodies, derivatives);
+        }
+        if let Some(loads) = sums.loads.as_deref_mut() {
+            self.add_loads(bodies, loads, sums.moments.as_deref_mut());
+        }
+        if let Some(energy) = &mut sums.energy {
+            self.add_energy(bodies, energy);
+        }
     }
 
     /// Bearings without friction.
@@ -156,7 +121,12 @@ impl EccentricBearings {
     }
 
     /// Load of a crank's bearing in a disc as a pair of disc and crank.
-    fn crank_pair(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> PairContact {
+    pub(super) fn crank_pair(
+        &self,
+        bodies: &[BodyState],
+        wheel: usize,
+        crank: usize,
+    ) -> PairContact {
         let (load, point) = self.in_bore(bodies, wheel, crank);
         let ([dx, dy], [fx, fy]) = (load.offset_m, load.on_wheel);
         let offset = dx.hypot(dy);
@@ -331,74 +301,13 @@ impl EccentricBearings {
         }
     }
 
-    fn add_energy(&self, bodies: &[BodyState], sum: &mut ContactEnergy) {
+    /// Adds energy stored and powers dissipated.
+    pub(super) fn add_energy(&self, bodies: &[BodyState], sum: &mut ContactEnergy) {
         if let Some(cranks) = &self.cranks {
             return cranks.add_energy(&self.law, self.layout, bodies, sum);
         }
         for wheel in 0..self.layout.wheels {
             self.load(bodies, wheel).add_energy(&self.law, sum);
         }
-    }
-}
-
-/// See the module.
-pub(super) struct FloatingField {
-    pub(super) contacts: Box<dyn ContactField>,
-    pub(super) bearings: EccentricBearings,
-}
-
-impl ContactField for FloatingField {
-    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool {
-        // Cranks stand where their bodies do, and have no levers.
-        let pose = match &self.bearings.cranks {
-            Some(_) if pose == Pose::AnglesOnly || sums.moments.is_some() => return false,
-            Some(_) if sums.derivatives.is_some() => pose,
-            Some(_) => Pose::Any,
-            None => pose,
-        };
-        if !self.contacts.evaluate(bodies, pose, sums) {
-            return false;
-        }
-        if let Some(derivatives) = sums.derivatives.as_deref_mut() {
-            self.bearings.add_jacobian(bodies, derivatives);
-        }
-        if let Some(loads) = sums.loads.as_deref_mut() {
-            let moments = sums.moments.as_deref_mut();
-            self.bearings.add_loads(bodies, loads, moments);
-        }
-        if let Some(energy) = &mut sums.energy {
-            self.bearings.add_energy(bodies, energy);
-        }
-        true
-    }
-
-    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
-        self.contacts.touching(bodies, visit);
-    }
-
-    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
-        match (&self.bearings.cranks, sleeve) {
-            // A crank's bearing stands in the place of a pin in its hole.
-            (Some(_), Sleeve::Internal(crank)) => self.bearings.crank_pair(bodies, wheel, crank),
-            _ => self.contacts.nearest(bodies, wheel, sleeve),
-        }
-    }
-
-    fn law(&self) -> &PinLaw {
-        self.contacts.law()
-    }
-
-    fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
-        let mut sum = self.contacts.energy(bodies);
-        self.bearings.add_energy(bodies, &mut sum);
-        sum
-    }
-
-    fn bearings(&self) -> Option<&EccentricBearings> {
-        Some(&self.bearings)
-    }
-
-    fn on_pins(&self) -> Option<PinFriction> {
-        self.contacts.on_pins()
     }
 }

@@ -9,14 +9,16 @@ use pinwheel_scene::{Scene, Sleeve};
 use serde::Serialize;
 
 use super::mesh::{Bearing, Pair, Pose, Pressure, Sharing, Stage};
-use super::{ARCMIN, Cycle, LOST, Operating, Spread};
+use super::spread::{ARCMIN, Spread};
 
+/// Shares of the rated torque between which lost motion is counted.
+pub(crate) const LOST: f64 = 0.03;
 /// Error of a figure due to balances: their angles are accurate to 2e-15 rad, forces to 1e-10.
 const ROUNDING: f64 = 1e-9;
 
 /// Definition of a figure, once for the table, the page, files and the comparison of two designs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Definition {
+pub(crate) struct Definition {
     key: &'static str,
     what: &'static str,
     unit: &'static str,
@@ -26,7 +28,7 @@ pub(super) struct Definition {
 /// Definitions: key, what it is, unit, how it is counted.
 macro_rules! definitions {
     ($($name:ident = $key:literal, $what:literal, $unit:literal, $how:literal;)*) => {
-        $(pub(super) const $name: Definition =
+        $(pub(crate) const $name: Definition =
             Definition { key: $key, what: $what, unit: $unit, how: $how };)*
     };
 }
@@ -134,33 +136,33 @@ pub struct DesignFigure {
 }
 
 /// Results of statics at all poses, before they are summed up.
-pub(super) struct Balances {
+pub(crate) struct Balances {
     /// Parts that the poses are made of.
-    pub(super) parts: usize,
+    pub(crate) parts: usize,
     /// Cranks carry the discs, as in an RV gear.
-    pub(super) on_cranks: bool,
+    pub(crate) on_cranks: bool,
     /// Lost motion, arcmin.
-    pub(super) lost: Vec<f64>,
+    pub(crate) lost: Vec<f64>,
     /// Stiffness in either direction, N m/arcmin.
-    pub(super) stiffness: Vec<[f64; 2]>,
+    pub(crate) stiffness: Vec<[f64; 2]>,
     /// Poses of one period under the rated load.
-    pub(super) loaded: Vec<Pose>,
+    pub(crate) loaded: Vec<Pose>,
     /// And under next to none.
-    pub(super) unloaded: Vec<Pose>,
+    pub(crate) unloaded: Vec<Pose>,
 }
 
 /// Sums of the figures of all poses.
-pub(super) struct Summed {
+pub(crate) struct Summed {
     on_cranks: bool,
-    pub(super) lost: Spread,
-    pub(super) stiffness: Spread,
-    pub(super) sharing: [Sharing; 2],
-    pub(super) pressure: [Pressure; 2],
-    pub(super) bearings: Vec<Bearing>,
+    pub(crate) lost: Spread,
+    pub(crate) stiffness: Spread,
+    pub(crate) sharing: [Sharing; 2],
+    pub(crate) pressure: [Pressure; 2],
+    pub(crate) bearings: Vec<Bearing>,
     /// Force of a pose on the bearing that carries most in it, N.
     bearing_force: Spread,
     /// Peak to peak of the transmission error, rated and unloaded, arcmin.
-    pub(super) error: [f64; 2],
+    pub(crate) error: [f64; 2],
     /// Change of the mean number of touching pins by one pin at one disc in one pose.
     quantum: f64,
 }
@@ -177,7 +179,7 @@ fn rated_w(scene: &Scene) -> f64 {
 }
 
 /// Loss of the seals at the rated speed; `None` without seals.
-pub(super) fn seal_loss(scene: &Scene) -> Option<DesignFigure> {
+pub(crate) fn seal_loss(scene: &Scene) -> Option<DesignFigure> {
     let (bearings, ratio) = (&scene.bearings, scene.ratio());
     let torques = [bearings.input_seal_n_m, bearings.output_seal_n_m];
     torques.iter().any(Option::is_some).then(|| {
@@ -189,7 +191,7 @@ pub(super) fn seal_loss(scene: &Scene) -> Option<DesignFigure> {
 
 impl Balances {
     /// Evaluation over the poses whose number leaves `of` when divided by `every`.
-    pub(super) fn summed(&self, every: usize, of: usize) -> Summed {
+    pub(crate) fn summed(&self, every: usize, of: usize) -> Summed {
         fn some<T>(list: &[T], every: usize, of: usize) -> Vec<&T> {
             list.iter().skip(of).step_by(every).collect()
         }
@@ -243,7 +245,7 @@ impl Balances {
     ///
     /// ISO 281: L10 = (C/P)^p million turns of the bearing's rings against each other, P the mean of the force's p-th power; p is
     /// 10/3 of rollers and 3 of balls, which an exponent of 3/2 tells.
-    pub(super) fn life(&self, rating_n: f64, scene: &Scene) -> DesignFigure {
+    pub(crate) fn life(&self, rating_n: f64, scene: &Scene) -> DesignFigure {
         let exponent = scene
             .bearings
             .eccentric
@@ -268,7 +270,7 @@ impl Balances {
     }
 
     /// Loss by the friction of all eccentric bearings at the rated speed and load.
-    pub(super) fn bearing_loss(&self, law: &BearingLaw, scene: &Scene) -> DesignFigure {
+    pub(crate) fn bearing_loss(&self, law: &BearingLaw, scene: &Scene) -> DesignFigure {
         let rate = bearing_rate_rad_s(scene);
         let alike = scene.cranks.map_or(1, |cranks| cranks.count) as f64;
         let percent = |bearings: &[Vec<f64>]| {
@@ -283,7 +285,7 @@ impl Balances {
     }
 
     /// Loss by the friction of all sleeves on their pins at the rated speed and load, if they roll on the discs.
-    pub(super) fn sleeve_loss(&self, scene: &Scene) -> Option<DesignFigure> {
+    pub(crate) fn sleeve_loss(&self, scene: &Scene) -> Option<DesignFigure> {
         let (bearings, gear) = (&scene.bearings, &scene.gear);
         let external = bearings.sleeve_drag(gear.external_sleeve_radius_m)?;
         let internal = bearings.sleeve_drag(gear.internal_sleeve_radius_m)?;
@@ -303,13 +305,13 @@ impl Balances {
     }
 
     /// The figures of statics.
-    pub(super) fn figures(&self) -> Vec<DesignFigure> {
+    pub(crate) fn figures(&self) -> Vec<DesignFigure> {
         parted(self.parts, |every, of| self.summed(every, of).figures())
     }
 
     /// That parts press on each other without a load by more than the torque under which lost motion is found makes of it:
     /// then nothing is lost, and the twist between +3 and -3 % says how stiff the gear is.
-    pub(super) fn preloaded(&self) -> Option<String> {
+    pub(crate) fn preloaded(&self) -> Option<String> {
         let largest = |poses: &[Pose], of: fn(&Pair) -> f64| {
             let pairs = poses.iter().flat_map(|pose| &pose.pairs);
             pairs.map(of).fold(0.0, f64::max)
@@ -324,7 +326,7 @@ impl Balances {
 
 impl Definition {
     /// The figure of a value that may be off by `uncertainty`.
-    pub(super) fn is(
+    pub(crate) fn is(
         self,
         value: impl Into<Option<f64>>,
         uncertainty: impl Into<Option<f64>>,
@@ -358,7 +360,7 @@ impl DesignFigure {
     }
 
     /// Without a value.
-    pub(super) fn withheld(self) -> Self {
+    pub(crate) fn withheld(self) -> Self {
         Self {
             value: None,
             uncertainty: None,
@@ -370,7 +372,7 @@ impl DesignFigure {
     }
 
     /// With what it is over the mesh.
-    pub(super) fn over(self, spread: &Spread) -> Self {
+    pub(crate) fn over(self, spread: &Spread) -> Self {
         Self {
             over_the_mesh: Some([spread.min, spread.max]),
             mesh_uncertainty: Some([spread.min, spread.max].map(|end| ROUNDING * end.abs())),
@@ -381,7 +383,7 @@ impl DesignFigure {
 }
 
 /// Figures of every so many poses from one on: those of all, as uncertain as those of any of so many parts differ from them.
-pub(super) fn parted(
+pub(crate) fn parted(
     parts: usize,
     of: impl Fn(usize, usize) -> Vec<DesignFigure>,
 ) -> Vec<DesignFigure> {
@@ -400,7 +402,7 @@ pub(super) fn parted(
 }
 
 impl Summed {
-    pub(super) fn figures(&self) -> Vec<DesignFigure> {
+    pub(crate) fn figures(&self) -> Vec<DesignFigure> {
         let [external, internal] = &self.sharing;
         let [loaded, unloaded] = self.error;
         let pressed = |k: usize| 1e-6 * self.pressure[k].largest_pa;
@@ -434,20 +436,4 @@ impl Summed {
         figures.push(largest(BEARING_FORCE, &self.bearing_force));
         figures
     }
-}
-
-/// The figures of runs.
-pub(super) fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<DesignFigure> {
-    let mut figures = Vec::new();
-    if let Some(cycle) = cycle {
-        let lost = cycle.lost_motion_arcmin;
-        figures.push(LOST_MOTION_RUN.is(lost, cycle.lost_motion_uncertainty_arcmin));
-        figures.push(LOOP_WIDTH.is(cycle.width_arcmin, cycle.width_uncertainty_arcmin));
-    }
-    if let Some(rated) = efficiency.last() {
-        let percent = |share: f64| 100.0 * share;
-        let value = rated.efficiency.and_then(|e| e.defined().ok()).map(percent);
-        figures.push(EFFICIENCY.is(value, rated.uncertainty.map(percent)));
-    }
-    figures
 }

@@ -6,124 +6,14 @@ use pinwheel_gearbox::contacts::PairContact;
 use pinwheel_gearbox::pressure::LinePressure;
 use pinwheel_gearbox::statics::{Equilibrium, Statics};
 use pinwheel_gearbox::{Gearbox, GearboxError};
-use pinwheel_scene::{Scene, Sleeve};
+use pinwheel_scene::Sleeve;
 use serde::Serialize;
 
-use super::Spread;
 use super::orders::ForceHarmonic;
+use super::spread::Spread;
 
-/// Poses for one passage of a pin.
-const PER_MESH: usize = 16;
-/// Poses at most, of which a passage has four at least where pins of a gear with errors meet again after many.
-const MOST: usize = 4096;
-/// Poses at most of any gear. Those of a large one with errors meet passages at places that differ from one to the next, and what
-/// parts of them differ by is in the +-.
-const MOST_OF_ALL: usize = 4 * MOST;
 /// Places around the eccentric at which the sharing is kept, of each side of it.
 const PLACES: usize = 180;
-
-/// The poses of one period.
-///
-/// With angles of the eccentrics, which are the input's but in RV gears: from the eccentric a ring pin follows the other after 2 pi/zk of the input, an internal one after
-/// 2 pi zs/(zi zk). Both come round together after 2 pi zs/(g zk), g = gcd(zs, zi): less than a turn of the input. Parts with
-/// errors of their own meet again only when the output has turned once.
-pub(super) struct Poses {
-    /// Input angles, rad.
-    pub(super) angles: Vec<f64>,
-    /// Parts of them that figures are read off.
-    pub(super) parts: usize,
-    wheels: usize,
-    /// Period of the input, rad.
-    pub(super) period: f64,
-    /// Passages of ring and output pins in it.
-    pub(super) meshes: [usize; 2],
-    /// Periods per turn of the input.
-    pub(super) per_turn: f64,
-    /// Input turns per output turn.
-    pub(super) ratio: f64,
-}
-
-/// Fewest poses of a part: a mean over them leaves out no harmonic of the mesh that is seen.
-const LEAST_PART: usize = 9;
-
-/// At least so many angles at equal distances over a period, in equal parts that take turns, and the number of parts. Every part
-/// and all together meet either mesh of every disc at as many different places as they have angles, because neither number
-/// has a factor in common with the passages.
-fn spread(period: f64, meshes: [usize; 2], least: usize) -> (Vec<f64>, usize) {
-    let alone = |n: &usize| meshes.iter().all(|mesh| gcd(*n, *mesh) == 1);
-    let parts = (3..).find(alone).unwrap_or(3);
-    let part = least.div_ceil(parts).max(LEAST_PART);
-    let count = parts * (part..).find(alone).unwrap_or(part);
-    let angle = |k: usize| period * k as f64 / count as f64;
-    ((0..count).map(angle).collect(), parts)
-}
-
-fn gcd(mut a: usize, mut b: usize) -> usize {
-    while b > 0 {
-        (a, b) = (b, a % b);
-    }
-    a
-}
-
-impl Poses {
-    /// At least so many of the same period.
-    pub(super) fn few(&self, least: usize) -> Self {
-        let (angles, parts) = spread(self.period, self.passages(), least);
-        Self {
-            angles,
-            parts,
-            ..*self
-        }
-    }
-
-    /// Numbers of all poses, in an order in which pins of both kinds stand nearly as at the one before: a balance begins at
-    /// the last.
-    pub(super) fn walk(&self) -> impl Iterator<Item = usize> + use<> {
-        let count = self.angles.len();
-        let moved = |stride: usize| {
-            let of = |mesh: usize| stride * mesh % count;
-            self.meshes.map(|mesh| of(mesh).min(count - of(mesh)))
-        };
-        let stride = (1..count)
-            .filter(|stride| gcd(*stride, count) == 1)
-            .min_by_key(|stride| moved(*stride).into_iter().max())
-            .unwrap_or(1);
-        (0..count).map(move |k| k * stride % count)
-    }
-
-    /// Passages of both kinds of pins at all discs.
-    fn passages(&self) -> [usize; 2] {
-        self.meshes.map(|mesh| mesh * self.wheels)
-    }
-
-    /// True if harmonics of both meshes can be told from so many poses.
-    pub(super) fn has_harmonics(&self) -> bool {
-        self.angles.len() > 2 * self.meshes[0].max(self.meshes[1]) + 1
-    }
-
-    pub(super) fn of(scene: &Scene) -> Self {
-        let gear = &scene.gear;
-        let g = gcd(gear.lobes(), gear.internal_sleeves);
-        let all = g * gear.external_sleeves;
-        let times = if gear.errors.is_none() { 1 } else { all };
-        let meshes = [gear.lobes() / g, gear.internal_sleeves / g].map(|mesh| mesh * times);
-        let turned = TAU * meshes[0] as f64 / gear.external_sleeves as f64;
-        let period = turned / scene.eccentric_per_input().abs();
-        let most = meshes[0].max(meshes[1]);
-        let count = (most * PER_MESH.min(MOST / most).max(4)).min(MOST_OF_ALL);
-        let wheels = gear.wheels;
-        let (angles, parts) = spread(period, meshes.map(|mesh| mesh * wheels), count);
-        Self {
-            angles,
-            parts,
-            wheels,
-            period,
-            meshes,
-            per_turn: TAU / period,
-            ratio: scene.ratio(),
-        }
-    }
-}
 
 /// Which pins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -167,17 +57,17 @@ pub struct Pair {
 }
 
 /// A balance.
-pub(super) struct Pose {
+pub(crate) struct Pose {
     /// Output angle less the ideal mesh's, rad.
-    pub(super) error_rad: f64,
-    pub(super) pairs: Vec<Pair>,
+    pub(crate) error_rad: f64,
+    pub(crate) pairs: Vec<Pair>,
     /// Force of the contacts on every disc, N: away from the input's axis, and counter-clockwise about it.
-    pub(super) bearings: Vec<[f64; 2]>,
+    pub(crate) bearings: Vec<[f64; 2]>,
 }
 
 impl Pose {
     /// `near`: the balance under the same load at the pose before, if there is one; this one afterwards.
-    pub(super) fn find(
+    pub(crate) fn find(
         statics: &mut Statics<'_>,
         gearbox: &Gearbox,
         phi: f64,
@@ -229,12 +119,12 @@ impl Pose {
     }
 
     /// Force on the bearing that carries most, N.
-    pub(super) fn largest_bearing_n(&self) -> f64 {
+    pub(crate) fn largest_bearing_n(&self) -> f64 {
         let sizes = self.bearings.iter().map(|[r, t]| r.hypot(*t));
         sizes.fold(0.0, f64::max)
     }
 
-    pub(super) fn of(&self, stage: Stage) -> impl Iterator<Item = &Pair> {
+    pub(crate) fn of(&self, stage: Stage) -> impl Iterator<Item = &Pair> {
         self.pairs.iter().filter(move |pair| stage.has(pair.sleeve))
     }
 }
@@ -291,7 +181,7 @@ pub struct Sharing {
 }
 
 impl Sharing {
-    pub(super) fn of(poses: &[&Pose], stage: Stage) -> Self {
+    pub(crate) fn of(poses: &[&Pose], stage: Stage) -> Self {
         let wheels = poses.first().map_or(1, |pose| pose.bearings.len());
         let mut force = vec![0.0_f64; 2 * PLACES];
         for pair in poses.iter().flat_map(|pose| pose.of(stage)) {
@@ -331,7 +221,7 @@ pub struct Pressure {
 }
 
 impl Pressure {
-    pub(super) fn of(poses: &[&Pose], stage: Stage) -> Self {
+    pub(crate) fn of(poses: &[&Pose], stage: Stage) -> Self {
         let mut found = Self {
             stage,
             largest_pa: 0.0,
@@ -369,13 +259,13 @@ pub struct Bearing {
 
 impl Bearing {
     /// Size of the force over the period, N.
-    pub(super) fn forces_n(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn forces_n(&self) -> impl Iterator<Item = f64> {
         (self.radial_n.iter().zip(&self.tangential_n)).map(|(r, t)| r.hypot(*t))
     }
 }
 
 impl Bearing {
-    pub(super) fn all(poses: &[&Pose]) -> Vec<Self> {
+    pub(crate) fn all(poses: &[&Pose]) -> Vec<Self> {
         let wheels = poses.first().map_or(0, |pose| pose.bearings.len());
         let part = |wheel: usize, part: usize| {
             let forces = poses.iter().map(move |pose| pose.bearings[wheel][part]);
@@ -390,47 +280,5 @@ impl Bearing {
             radial_harmonics: Vec::new(),
         };
         (0..wheels).map(bearing).collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// However many passages there are until parts with errors meet again, poses are bounded; too few for the harmonics of a mesh
-    /// they tell none.
-    #[test]
-    fn regress_poses_are_bounded() {
-        let mut scene = Scene::paper();
-        let plain = Poses::of(&scene);
-        assert!(plain.has_harmonics() && plain.angles.len() < 2 * MOST);
-        scene.gear.external_sleeves = 400;
-        assert!(Poses::of(&scene).has_harmonics());
-        scene.gear.errors.external_sleeve_radial_m = vec![1e-6; 400];
-        let large = Poses::of(&scene);
-        let count = large.angles.len();
-        assert!(count < MOST_OF_ALL + MOST, "{count}: there were 640 000");
-        assert!(!large.has_harmonics());
-    }
-
-    /// Every pose once, and of a gear of 40 pins and 8 output pins both meshes move by a twentieth at most from one to the next.
-    #[test]
-    fn a_walk_meets_every_pose_and_moves_little() {
-        let mut scene = Scene::paper();
-        (scene.gear.external_sleeves, scene.gear.internal_sleeves) = (40, 8);
-        let poses = Poses::of(&scene).few(24);
-        let (walk, count) = (poses.walk().collect::<Vec<_>>(), poses.angles.len());
-        let mut all = walk.clone();
-        all.sort_unstable();
-        assert!(all.into_iter().eq(0..count));
-        for pair in walk.windows(2) {
-            for mesh in poses.meshes {
-                let moved = (pair[1] + count - pair[0]) * mesh % count;
-                assert!(
-                    moved.min(count - moved) * 20 <= count,
-                    "{pair:?} of {count}"
-                );
-            }
-        }
     }
 }

@@ -1,0 +1,56 @@
+//! The load of one elastic bearing.
+
+use pinwheel_mbs::ContactEnergy;
+use pinwheel_scene::bearings::BearingLaw;
+
+/// One bearing at a state.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct BearingLoad {
+    /// On the disc at its centre, N, ground frame.
+    pub on_wheel: [f64; 2],
+    /// Disc's centre less the eccentric's, m, ground frame.
+    pub offset_m: [f64; 2],
+    /// Friction on the disc, N m.
+    pub drag_n_m: f64,
+    /// How fast the disc turns against the eccentric, rad/s.
+    pub(super) turning: f64,
+    /// How fast the offset grows, m/s.
+    pub(super) rate: f64,
+}
+
+impl BearingLoad {
+    /// At an offset that moves with a velocity, m/s.
+    #[inline]
+    pub(super) fn of(
+        law: &BearingLaw,
+        offset_m: [f64; 2],
+        [ux, uy]: [f64; 2],
+        turning: f64,
+    ) -> Self {
+        let [dx, dy] = offset_m;
+        let offset = (dx * dx + dy * dy).sqrt();
+        let [nx, ny] = match offset > 0.0 {
+            true => [dx / offset, dy / offset],
+            false => [0.0; 2],
+        };
+        let rate = ux * nx + uy * ny;
+        let force = law.force(offset, rate);
+        Self {
+            on_wheel: [-force * nx, -force * ny],
+            offset_m,
+            drag_n_m: law.drag(force, turning),
+            turning,
+            rate,
+        }
+    }
+
+    /// Adds what it stores and loses.
+    pub(super) fn add_energy(&self, law: &BearingLaw, sum: &mut ContactEnergy) {
+        let [dx, dy] = self.offset_m;
+        let offset = dx.hypot(dy);
+        sum.stored_j += law.stored(offset);
+        let damped = law.force(offset, self.rate) - law.force(offset, 0.0);
+        sum.damping_w += damped * self.rate;
+        sum.bearing_friction_w -= self.drag_n_m * self.turning;
+    }
+}

@@ -1,0 +1,88 @@
+//! One pair of disc and pin, and the loops over all pairs of a gear.
+
+use pinwheel_contact::{NormalLaw, PinLaw};
+use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation, Pose};
+
+use crate::Sleeve;
+
+/// One pair of disc and pin at its closest points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PairContact {
+    /// Disc number (0, 1, ...), not a body index.
+    pub wheel: usize,
+    /// The pin.
+    pub sleeve: Sleeve,
+    /// W, the disc's point closest to the pin centre; both forces act here. Ground frame, m.
+    pub point: [f64; 2],
+    /// n, unit vector from the pin centre P to W. Ground frame.
+    pub normal: [f64; 2],
+    /// delta, m: above 0 where they touch, below 0 a gap. Of a sleeve on a pin that bends, contact and bending together.
+    pub penetration_m: f64,
+    /// v_n = d(delta)/dt, m/s.
+    pub normal_rate_m_s: f64,
+    /// v_t along t = R90 n, pin relative to disc, m/s.
+    pub tangential_rate_m_s: f64,
+    /// K, N/m^1.5.
+    pub stiffness: f64,
+    /// F_n >= 0, N: pushes the pin along -n, the disc along +n.
+    pub normal_force_n: f64,
+    /// Force along t on the pin, N (opposite sign to v_t); the disc takes its reaction.
+    pub friction_force_n: f64,
+    /// Force along t **at the pin's centre** on the pin, N, its reaction on the disc at the same point:
+    /// the part of an energy's gradient that lies along the profile; 0 for laws that are normal only.
+    pub along_force_n: f64,
+    /// The pin's centre P. Ground frame, m.
+    pub centre: [f64; 2],
+}
+
+impl PairContact {
+    /// Force on the pin in the ground frame, N. The disc takes the opposite; all of it acts at W but
+    /// [`along_force_n`](Self::along_force_n), which acts at the pin's centre.
+    #[must_use]
+    pub fn force_on_sleeve(&self) -> [f64; 2] {
+        let [nx, ny] = self.normal;
+        let (fn_, ft) = (
+            self.normal_force_n,
+            self.friction_force_n + self.along_force_n,
+        );
+        [-fn_ * nx - ft * ny, -fn_ * ny + ft * nx]
+    }
+
+    /// F_n of a pair that touches, N, if it closed at `rate` (m/s) at the same positions.
+    #[must_use]
+    pub fn normal_force_at(&self, law: &PinLaw, rate: f64) -> f64 {
+        self.observed(law, rate)[0]
+    }
+
+    /// That, the force at rest, N, and the energy stored, J.
+    fn observed(&self, law: &PinLaw, rate: f64) -> [f64; 3] {
+        let (stiffness, depth) = (self.stiffness, self.penetration_m);
+        match self.sleeve {
+            Sleeve::External(_) => law.law.observed(stiffness, depth, rate),
+            Sleeve::Internal(_) => law.observed(stiffness, depth, rate),
+        }
+    }
+
+    /// Adds what the pair stores and dissipates.
+    pub(super) fn add_energy(&self, law: &PinLaw, sum: &mut ContactEnergy) {
+        let [_, elastic, stored] = self.observed(law, 0.0);
+        sum.stored_j += stored;
+        sum.damping_w += (self.normal_force_n - elastic) * self.normal_rate_m_s;
+        sum.contact_friction_w -= self.friction_force_n * self.tangential_rate_m_s;
+    }
+}
+
+/// Contacts of all discs and pins of a gear. `bodies` and loads are in [`Layout`](crate::Layout) order.
+///
+/// Implementations keep no history: the same states give the same bits.
+pub(crate) trait PairField: Send {
+    /// See [`ContactField::evaluate`](super::ContactField::evaluate).
+    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool;
+
+    /// Visits every touching pair (penetration > 0), disc by disc, external before internal.
+    fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact));
+
+    /// Returns one pair, touching or not; without contact its forces are 0 and its penetration is minus the gap.
+    /// Away from contact it searches the entire curve.
+    fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact;
+}

@@ -1,0 +1,12 @@
+//! Figures of a gear by statics: balances over one period of the mesh, and what data sheets give of them.
+//!
+//! ```text
+//! poses ──> solve ──> mesh: pairs, sharing, pressure, bearings ──> figures, orders
+//! ```
+
+pub(crate) mod figures;
+pub(crate) mod mesh;
+pub(crate) mod orders;
+pub(crate) mod poses;
+pub(crate) mod solve;
+pub(crate) mod spread;

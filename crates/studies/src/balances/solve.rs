@@ -1,0 +1,162 @@
+//! Balances at poses over one period of the mesh: the twist under shares of the load, the rated load, next to no load.
+
+use std::sync::atomic::AtomicBool;
+
+use pinwheel_gearbox::statics::{Equilibrium, Statics};
+use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_scene::{Scales, load_profile};
+
+use super::figures::{Balances, DesignFigure, LOST};
+use super::mesh::Pose;
+use super::poses::Poses;
+use super::spread::ARCMIN;
+use crate::control::of_scene;
+use crate::{Control, StudyError};
+
+/// Shares of the rated torque between which stiffness is counted.
+const STIFF: [f64; 2] = [0.5, 1.0];
+/// Share of the rated torque that stands for no load: contacts still decide where the output is.
+pub(crate) const NO_LOAD: f64 = 1e-4;
+/// Poses at which stiffness and lost motion are found.
+const POSES: usize = 24;
+/// Poses at which contact laws are compared.
+pub(crate) const FEW: usize = 24;
+
+/// The largest load of a scene in the direction in which the gear works, as a moment on the output, N m.
+///
+/// # Errors
+/// There is none.
+pub(crate) fn working_load(gearbox: &Gearbox) -> Result<f64, StudyError> {
+    let scene = &gearbox.scene;
+    let rated = load_profile::largest(&scene.drive);
+    if rated <= 0.0 {
+        return Err(StudyError::Input(format!(
+            "{}: `drive.output_torque_n_m` is 0, and a design is judged under its rated torque; give it",
+            scene.name
+        )));
+    }
+    let rounding = Scales::of(scene).rounding_n_m();
+    if rated <= rounding {
+        return Err(StudyError::Input(format!(
+            "{}: `drive.output_torque_n_m` is {rated:.1e}, and up to {rounding:.0e} N m there is only rounding in this gear; \
+             give its rated torque",
+            scene.name
+        )));
+    }
+    Ok(match gearbox.load_torque(scene.solver.duration_s) {
+        torque if torque != 0.0 => rated.copysign(torque),
+        _ => -rated.copysign(scene.drive.input_speed_rad_s),
+    })
+}
+
+/// All balances that figures are read off: the twist at a few of the poses, then the rated load and next to none at all of
+/// them; `step` is told which of these it is, from 0 on, the number of every pose, and of how many.
+pub(crate) fn balances(
+    statics: &mut Statics<'_>,
+    gearbox: &Gearbox,
+    poses: &Poses,
+    working: f64,
+    step: &mut dyn FnMut(usize, usize, usize) -> Result<(), StudyError>,
+) -> Result<Balances, StudyError> {
+    let of_scene = |source| of_scene(&gearbox.scene, source);
+    let few = poses.few(POSES.min(poses.angles.len()));
+    let (lost, stiffness) = twisted(statics, &few, gearbox, working, &mut |pose| {
+        step(0, pose, few.angles.len())
+    })?;
+    let mut at = |stage: usize, load: f64| -> Result<Vec<Pose>, StudyError> {
+        let mut near = None;
+        along(poses, |done, phi| {
+            step(stage, done, poses.angles.len())?;
+            Pose::find(statics, gearbox, phi, load, &mut near).map_err(of_scene)
+        })
+    };
+    Ok(Balances {
+        parts: poses.parts,
+        on_cranks: gearbox.scene.cranks.is_some(),
+        lost,
+        stiffness,
+        loaded: at(1, working)?,
+        unloaded: at(2, NO_LOAD * working)?,
+    })
+}
+
+/// The figures of a gear's balances at few poses: what other laws are compared by, and what follows a hand.
+///
+/// # Errors
+/// A gear without load, or one that cannot be balanced; `cancel` was set.
+pub fn few_figures(
+    gearbox: &Gearbox,
+    cancel: &AtomicBool,
+) -> Result<Vec<DesignFigure>, StudyError> {
+    let working = working_load(gearbox)?;
+    let poses = Poses::of(&gearbox.scene).few(FEW);
+    let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
+    let control = Control::silent(cancel);
+    let found = balances(&mut statics, gearbox, &poses, working, &mut |_, _, _| {
+        Ok(control.check()?)
+    })?;
+    let is_preloaded = found.preloaded().is_some();
+    Ok(told(found.figures(), is_preloaded))
+}
+
+/// Figures as they are shown: what is preloaded has no lost motion.
+pub(crate) fn told(figures: Vec<DesignFigure>, is_preloaded: bool) -> Vec<DesignFigure> {
+    let withhold = |one: DesignFigure| match is_preloaded && one.is_lost_motion() {
+        true => one.withheld(),
+        false => one,
+    };
+    figures.into_iter().map(withhold).collect()
+}
+
+/// Twist of the output from the ideal mesh under a share of the working load, in the direction of that load, arcmin. `last`: the
+/// balance under the same load before this one, as [`Statics::follow`] has it.
+pub(crate) fn twist(
+    statics: &mut Statics<'_>,
+    gearbox: &Gearbox,
+    last: &mut Option<Equilibrium>,
+    phi: f64,
+    load: f64,
+    working: f64,
+) -> Result<f64, GearboxError> {
+    let found = statics.track(last, phi, load)?;
+    let ideal = gearbox.geometry.ideal_output_angle(phi);
+    let output = found.output + gearbox.flange_twist_rad(load);
+    Ok(ARCMIN * (output - ideal) * working.signum())
+}
+
+/// Results of `find` at every pose, from its number so far on the way and its input angle.
+pub(crate) fn along<T>(
+    poses: &Poses,
+    mut find: impl FnMut(usize, f64) -> Result<T, StudyError>,
+) -> Result<Vec<T>, StudyError> {
+    let mut found: Vec<(usize, T)> = Vec::with_capacity(poses.angles.len());
+    for (done, pose) in poses.walk().enumerate() {
+        found.push((pose, find(done, poses.angles[pose])?));
+    }
+    found.sort_unstable_by_key(|(pose, _)| *pose);
+    Ok(found.into_iter().map(|(_, one)| one).collect())
+}
+
+/// Lost motion, arcmin, and stiffness in either direction, N m/arcmin, at these poses.
+pub(crate) fn twisted(
+    statics: &mut Statics<'_>,
+    poses: &Poses,
+    gearbox: &Gearbox,
+    working: f64,
+    step: &mut dyn FnMut(usize) -> Result<(), StudyError>,
+) -> Result<(Vec<f64>, Vec<[f64; 2]>), StudyError> {
+    let [low, high] = STIFF;
+    let mut at = [LOST, -LOST, low, high, -low, -high].map(|share| (share * working, None));
+    let found = along(poses, |done, phi| {
+        step(done)?;
+        let mut twists = [0.0; 6];
+        for (twisted, (load, last)) in twists.iter_mut().zip(&mut at) {
+            *twisted = twist(statics, gearbox, last, phi, *load, working)
+                .map_err(|source| of_scene(&gearbox.scene, source))?;
+        }
+        let [ahead, back, a, b, c, d] = twists;
+        let between = |turned: f64| (high - low) * working.abs() / turned.abs();
+        Ok((ahead - back, [between(b - a), between(d - c)]))
+    })?;
+    Ok(found.into_iter().unzip())
+}

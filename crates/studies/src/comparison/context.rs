@@ -1,0 +1,33 @@
+//! Facts of a scene that a comparison judges by.
+
+use pinwheel_compare::{Context, Scales};
+use pinwheel_scene::{Scene, Start, load_profile};
+
+/// Returns name, load, scales and settling time of a scene.
+#[must_use]
+pub fn context(scene: &Scene) -> Context {
+    let scales = pinwheel_scene::Scales::of(scene);
+    let settles = scales
+        .settling_s(scene.contact.damping_n_s_m)
+        .map(|time| format!("{time:.1e}").parse().unwrap_or(time));
+    Context {
+        scene: scene.name.clone(),
+        description: scene.description.clone(),
+        duration_s: scene.solver.duration_s,
+        load_n_m: Some(load_profile::final_load(scene)),
+        load_from_s: load_profile::final_from_s(scene),
+        output_inertia_kg_m2: Some(scene.output_inertia_kg_m2()),
+        load_changes_s: load_profile::breaks(&scene.drive),
+        input_speed_rad_s: Some(scene.drive.input_speed_rad_s),
+        friction_coefficient: scene.contact.friction_coefficient,
+        settling_s: match scene.drive.start {
+            Start::Equilibrium => Some(0.0),
+            _ => settles,
+        },
+        scales: Scales {
+            force_n: Some(scales.external_force_n),
+            torque_n_m: Some(scales.wheel_torque_n_m),
+        },
+        ..Context::default()
+    }
+}

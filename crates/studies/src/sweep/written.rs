@@ -1,0 +1,25 @@
+//! Evidence that a file is as it was written.
+
+use std::path::Path;
+use std::{fs, io};
+
+use pinwheel_files::fnv;
+use serde::{Deserialize, Serialize};
+
+/// Size and hash of a file when it was written; another size or hash shows that it is damaged.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Written {
+    bytes: u64,
+    /// FNV-1a, 64 bits, in hexadecimal.
+    fnv: String,
+}
+
+impl Written {
+    pub(super) fn of(path: &Path) -> io::Result<Self> {
+        let content = fs::read(path)?;
+        Ok(Self {
+            bytes: content.len() as u64,
+            fnv: format!("{:016x}", fnv(content)),
+        })
+    }
+}
