@@ -134,7 +134,7 @@ impl Spring {
             ramp: Ramp::new(scene.contact.ramp_m),
         };
         Self {
-            law: law(scene).unwrap_or_else(|| Law::Paper(plain())),
+            law: law(scene).unwrap_or_else(|| plain().into()),
             hertz,
         }
     }

@@ -44,21 +44,112 @@ pub use ramp::Ramp;
 use registry::registry;
 
 registry! {
-    paper: Paper(PaperLaw),
-    paper_conservative: PaperConservative(PaperConservative),
-    constant: Constant(ConstantStiffness),
-    hunt_crossley: HuntCrossley(Hysteresis),
-    lee_wang: LeeWang(Hysteresis),
-    herbert_mcwhannell: HerbertMcWhannell(Hysteresis),
-    lankarani_nikravesh: LankaraniNikravesh(Hysteresis),
-    flores: Flores(Hysteresis),
-    adams_impact: AdamsImpact(AdamsImpact),
-    line_contact: LineContact(LineContact),
-    line_hertz: LineHertz(LineHertz),
-    lundberg: Lundberg(LineHertz),
-    kunert: Kunert(LineContact),
-    linear: Linear(LinearSprings),
-    paper_printed: PaperPrinted(PaperPrinted),
+    laws {
+        paper: Paper,
+        paper_conservative: PaperConservative,
+        constant: Constant,
+        hunt_crossley: Hysteresis,
+        lee_wang: Hysteresis,
+        herbert_mcwhannell: Hysteresis,
+        lankarani_nikravesh: Hysteresis,
+        flores: Hysteresis,
+        adams_impact: AdamsImpact,
+        line_contact: LineContact,
+        line_hertz: LineHertz,
+        lundberg: LineHertz,
+        kunert: LineContact,
+        linear: Linear,
+        paper_printed: PaperPrinted,
+    }
+    forms {
+        Paper(PaperLaw),
+        PaperConservative(PaperConservative),
+        Constant(ConstantStiffness),
+        Hysteresis(Hysteresis),
+        AdamsImpact(AdamsImpact),
+        LineContact(LineContact),
+        LineHertz(LineHertz),
+        Linear(LinearSprings),
+        PaperPrinted(PaperPrinted),
+    }
+}
+
+/// Any law. One branch on its type, which always goes the same way, is cheap: loops over contacts are compiled once for all laws.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Law {
+    /// Index in [`LAWS`].
+    number: usize,
+    form: Form,
+}
+
+impl Law {
+    /// Returns the law called `name`, with the parameters that it reads; `None` if there is none.
+    #[must_use]
+    pub fn named(name: &str, parameters: &LawParameters) -> Option<Self> {
+        let number = LAWS.iter().position(|info| info.name == name)?;
+        let form = CONSTRUCTORS[number](parameters);
+        Some(Self { number, form })
+    }
+
+    /// Returns the facts of the law for users.
+    #[must_use]
+    pub fn info(&self) -> &'static LawInfo {
+        &LAWS[self.number]
+    }
+}
+
+impl From<PaperLaw> for Law {
+    fn from(law: PaperLaw) -> Self {
+        let number = LAWS.iter().position(|info| info.name == paper::INFO.name);
+        Self {
+            number: number.unwrap_or_default(),
+            form: Form::Paper(law),
+        }
+    }
+}
+
+impl NormalLaw for Law {
+    #[inline(always)]
+    fn force<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> R {
+        for_form!(self, law => law.force(stiffness, penetration, rate))
+    }
+
+    #[inline(always)]
+    fn stored<R: Real>(&self, stiffness: R, penetration: R) -> R {
+        for_form!(self, law => law.stored(stiffness, penetration))
+    }
+
+    #[inline(always)]
+    fn along<R: Real>(&self, stiffness: R, penetration: R) -> Option<R> {
+        for_form!(self, law => law.along(stiffness, penetration))
+    }
+
+    #[inline]
+    fn stiffness(&self, hertz: f64) -> f64 {
+        for_form!(self, law => law.stiffness(hertz))
+    }
+
+    #[inline]
+    fn exponent(&self) -> f64 {
+        for_form!(self, law => law.exponent())
+    }
+
+    fn elastic(&self, hertz: f64, depth: f64) -> f64 {
+        for_form!(self, law => law.elastic(hertz, depth))
+    }
+
+    fn depth(&self, hertz: f64, force: f64) -> f64 {
+        for_form!(self, law => law.depth(hertz, force))
+    }
+
+    fn tangent(&self, hertz: f64, depth: f64) -> f64 {
+        for_form!(self, law => law.tangent(hertz, depth))
+    }
+
+    #[inline(always)]
+    fn observed<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> [R; 3] {
+        for_form!(self, law => law.observed(stiffness, penetration, rate))
+    }
 }
 
 /// Shape of contact that a law assumes.
