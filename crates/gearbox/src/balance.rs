@@ -22,9 +22,11 @@ const MOST: f64 = 2.0;
 
 /// The account so far.
 #[derive(Debug, Clone)]
-pub(crate) struct Balance {
-    remainder_j: f64,
-    turnover_j: f64,
+pub struct Balance {
+    /// Energy that nothing accounts for, J.
+    pub remainder_j: f64,
+    /// Energy at the start and works, J.
+    pub turnover_j: f64,
 }
 
 impl Balance {
@@ -43,7 +45,7 @@ impl Balance {
     /// # Errors
     /// How much energy nothing accounts for.
     #[inline]
-    pub(crate) fn add(&mut self, audit: &EnergyAudit) -> Result<(), String> {
+    pub fn add(&mut self, audit: &EnergyAudit) -> Result<(), String> {
         self.remainder_j += audit.remainder_j;
         self.turnover_j += audit.driver_j.abs() + audit.load_j.abs();
         // A NaN is found out by the states' own guard.
@@ -59,61 +61,9 @@ impl Balance {
 }
 
 /// Energy in the contacts under the load, about, J.
-fn elastic_j(gearbox: &Gearbox) -> f64 {
+pub fn elastic_j(gearbox: &Gearbox) -> f64 {
     let scales = gearbox.error_scales();
     // Without load the scales are those of the least force.
     let least = gearbox.least_force_n() * scales.length / scales.angle;
     load_profile::largest(&gearbox.scene.drive).max(least) * scales.angle
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn audit(driver_j: f64, remainder_j: f64) -> EnergyAudit {
-        EnergyAudit {
-            from_s: 0.0,
-            to_s: 1.0,
-            driver_j,
-            load_j: -driver_j,
-            remainder_j,
-            remainder_share: Some(remainder_j / driver_j),
-            ..EnergyAudit::default()
-        }
-    }
-
-    /// The elastic energy of a gear counts before it turns anything over: by hand for the paper's, whose load twists
-    /// it, and for one without load, with the least force in its place.
-    #[test]
-    fn what_is_held_counts_as_turned_over() {
-        let held = |load: f64| {
-            let mut scene = crate::scene::Scene::paper();
-            scene.drive.output_torque_n_m = load;
-            let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
-            let scales = gearbox.error_scales();
-            let least = gearbox.least_force_n() * scales.length;
-            (elastic_j(&gearbox), scales.angle, least)
-        };
-        let (loaded, angle, _) = held(-22.0);
-        assert!((loaded / (22.0 * angle) - 1.0).abs() < 1e-12, "{loaded}");
-        let (idle, _, least) = held(0.0);
-        assert!((idle / least - 1.0).abs() < 1e-12, "{idle}");
-    }
-
-    #[test]
-    fn remainders_add_up() {
-        let mut balance = Balance {
-            remainder_j: 0.0,
-            turnover_j: 0.0,
-        };
-        assert!(balance.add(&audit(1.0, 3.0)).is_ok(), "3 of 2 J");
-        assert!(balance.add(&audit(1.0, -3.0)).is_ok(), "they cancel");
-        let mut loses = balance.clone();
-        assert!(
-            loses.add(&audit(0.1, -9.0)).is_err(),
-            "lost is as bad as gained"
-        );
-        let told = balance.add(&audit(0.1, 9.0)).unwrap_err();
-        assert!(told.contains("for 9.000e0 J"), "{told}");
-    }
 }

@@ -88,14 +88,14 @@ impl EnergyAccount {
 
     /// Times between two samples at which entries are due, both ends excluded.
     /// `least`: intervals that they make at least.
-    pub(crate) fn between(from: f64, to: f64, step: f64, least: u64) -> impl Iterator<Item = f64> {
+    pub fn between(from: f64, to: f64, step: f64, least: u64) -> impl Iterator<Item = f64> {
         let parts = ((to - from) / (STEPS * step) - ROUNDING).ceil();
         let parts = parts.max(least as f64);
         (1..parts as u64).map(move |k| from + (to - from) * k as f64 / parts)
     }
 
     /// The next entry is the first of a segment, at the time of the last one.
-    pub(crate) fn restart_at(&mut self) {
+    pub fn restart_at(&mut self) {
         self.before_segment = add(self.before_segment, self.segment.work());
         self.segment = Segment::default();
         self.scatter.restart();
@@ -135,8 +135,8 @@ impl EnergyAccount {
         self.mark(seen.time, [seen.kinetic_j, contacts.stored_j]);
     }
 
-    /// Marks the last entry.
-    fn mark(&mut self, time: f64, energies: [f64; 2]) {
+    /// Marks the last entry as the sample at `time`, s, with kinetic and stored energy, J.
+    pub fn mark(&mut self, time: f64, energies: [f64; 2]) {
         self.segment.mark(self.marks.len());
         self.marks.push(Mark {
             time,
@@ -146,8 +146,9 @@ impl EnergyAccount {
         });
     }
 
+    /// Adds an entry by its powers, W: driver, load, damping, and friction of contacts, bearings, pins and seals.
     #[inline]
-    fn enter(&mut self, time: f64, powers: Flows) {
+    pub fn enter(&mut self, time: f64, powers: Flows) {
         self.settle_passed(time);
         self.settle(time, powers);
     }
@@ -370,128 +371,4 @@ fn weighted(entries: &[Entry], weights: [f64; 4]) -> Flows {
         sum = add(sum, entry.powers.map(|power| w * power));
     }
     sum
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// An account fed with one power, samples at the entries asked for.
-    fn account(
-        segments: &[(&[f64], &dyn Fn(f64) -> f64)],
-        sampled: impl Fn(usize) -> bool,
-    ) -> EnergyAccount {
-        let mut account = EnergyAccount::default();
-        let mut entry = 0;
-        for (n, (times, power)) in segments.iter().enumerate() {
-            if n > 0 {
-                account.restart_at();
-            }
-            for &t in *times {
-                account.enter(t, [power(t); 7]);
-                if sampled(entry) {
-                    account.mark(t, [0.0; 2]);
-                }
-                entry += 1;
-            }
-        }
-        account
-    }
-
-    fn work(account: &EnergyAccount, from: f64, to: f64) -> f64 {
-        account.audit(from, to).unwrap().damping_j
-    }
-
-    /// Exact for cubics, also on unequal entries, and of order 4 otherwise.
-    #[test]
-    fn quadrature_has_its_order() {
-        let cubic = |t: f64| 1.0 + t * (2.0 - t * (3.0 - 4.0 * t));
-        let exact = |t: f64| t + t * t - t * t * t + t.powi(4);
-        let times = [0.0, 0.1, 0.25, 0.3, 0.5, 0.6];
-        let found = account(&[(&times, &cubic)], |_| true);
-        assert!((work(&found, 0.0, 0.6) - exact(0.6)).abs() < 1e-15);
-        assert!((work(&found, 0.25, 0.5) - exact(0.5) + exact(0.25)).abs() < 1e-15);
-        // At the scale of a run, where all intervals are small, unequal ones are none the less unequal.
-        let small = times.map(|t| 1e-4 * t);
-        let found = account(&[(&small, &|t| cubic(1e4 * t))], |_| true);
-        assert!((work(&found, 0.0, 6e-5) / 1e-4 - exact(0.6)).abs() < 1e-14);
-        let error = |n: usize| {
-            let times: Vec<f64> = (0..=n).map(|k| k as f64 / n as f64).collect();
-            let found = account(&[(&times, &|t| (7.0 * t).sin())], |k| k == 0 || k == n);
-            (work(&found, 0.0, 1.0) - (1.0 - 7.0_f64.cos()) / 7.0).abs()
-        };
-        let order = (error(40) / error(80)).log2();
-        assert!(order > 3.7, "{order}");
-    }
-
-    /// Whatever is a sample, the account of the same entries is the same.
-    #[test]
-    fn samples_do_not_change_the_works() {
-        let times: Vec<f64> = (0..40)
-            .map(|k| f64::from(k) * 0.1 + 0.03 * f64::from(k % 3))
-            .collect();
-        let power = |t: f64| (3.0 * t).cos() + t;
-        let all = account(&[(&times, &power)], |_| true);
-        for every in [2, 3, 5, 13] {
-            let few = account(&[(&times, &power)], |k| k % every == 0);
-            for mark in &few.marks {
-                let same = all.marks.iter().find(|m| m.time == mark.time).unwrap();
-                assert_eq!(mark, same, "every {every}");
-            }
-        }
-    }
-
-    /// However many entries there are, only samples take memory.
-    #[test]
-    fn entries_between_samples_are_not_kept() {
-        let times: Vec<f64> = (0..1000).map(f64::from).collect();
-        let found = account(&[(&times, &|t| t)], |k| k == 0 || k == 999);
-        assert_eq!(found.marks.len(), 2);
-        assert!((work(&found, 0.0, 999.0) / (999.0 * 999.0 / 2.0) - 1.0).abs() < 1e-13);
-    }
-
-    #[test]
-    fn entries_are_never_far_apart() {
-        assert_eq!(EnergyAccount::between(0.0, 1e-4, 1e-5, 1).count(), 0);
-        let times: Vec<f64> = EnergyAccount::between(0.0, 1e-3, 1e-5, 1).collect();
-        assert_eq!(times.len(), 9);
-        assert!((times[4] - 5e-4).abs() < 1e-18);
-        assert_eq!(EnergyAccount::between(0.0, 1e-6, 1e-5, 1).count(), 0);
-    }
-
-    /// A power that jumps: each side's own cubic, nothing from over the jump.
-    #[test]
-    fn no_interval_reaches_over_a_jump() {
-        let (before, after) = ([0.0, 0.1, 0.2, 0.3], [0.3, 0.35, 0.45, 0.5, 0.7]);
-        let segments: [(&[f64], &dyn Fn(f64) -> f64); 2] =
-            [(&before, &|t| t * t * t), (&after, &|t| 5.0 - t)];
-        // The sample at the jump is the first entry of the second segment.
-        let found = account(&segments, |k| k != 3);
-        let whole = work(&found, 0.0, 0.7);
-        let exact = 0.3_f64.powi(4) / 4.0 + 5.0 * 0.4 - 0.5 * (0.49 - 0.09);
-        assert!((whole - exact).abs() < 1e-15, "{whole} {exact}");
-        let part = work(&found, 0.2, 0.45);
-        let exact = (0.3_f64.powi(4) - 0.2_f64.powi(4)) / 4.0 + 5.0 * 0.15 - 0.5 * (0.2025 - 0.09);
-        assert!((part - exact).abs() < 1e-15, "{part} {exact}");
-    }
-
-    /// An account is of the samples nearest to what is asked for.
-    #[test]
-    fn accounts_are_of_the_nearest_samples() {
-        let found = account(&[(&[0.0, 1.0, 2.0, 3.0], &|_| 1.0)], |_| true);
-        for (from, to, ends) in [
-            (0.4, 2.6, (0.0, 3.0)),
-            (0.6, 2.4, (1.0, 2.0)),
-            (-5.0, 9.0, (0.0, 3.0)),
-        ] {
-            let audit = found.audit(from, to).unwrap();
-            assert_eq!((audit.from_s, audit.to_s), ends);
-        }
-        assert_eq!(found.audit(0.6, 1.4), None);
-    }
-
-    #[test]
-    fn too_little_is_no_account() {
-        assert_eq!(EnergyAccount::default().total(), None);
-    }
 }

@@ -12,7 +12,7 @@ const BESIDE_A_BREAK: u64 = 3;
 
 /// Something due.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Event {
+pub enum Event {
     /// An entry of the energy account, s.
     Entry(f64),
     /// The end of a segment, s: an entry with the load that ends. The second time is the break as the scene gives it.
@@ -23,14 +23,14 @@ pub(crate) enum Event {
 
 impl Event {
     /// When, s.
-    pub(crate) fn time(self) -> f64 {
+    pub fn time(self) -> f64 {
         let (Self::Entry(time) | Self::Break(time, _) | Self::Sample(time)) = self;
         time
     }
 
     /// Puts all that is due after the sample at `from` up to the one at `to`, s, into `list`. `breaks` increase.
     #[inline]
-    pub(crate) fn list(list: &mut Vec<Self>, from: f64, to: f64, breaks: &[f64], step: f64) {
+    pub fn list(list: &mut Vec<Self>, from: f64, to: f64, breaks: &[f64], step: f64) {
         let same = SAME * step;
         list.clear();
         let beside = |b: &f64| from - same <= *b && *b <= to + same;
@@ -69,45 +69,5 @@ impl Event {
             }
         }
         stretch(list, to, false);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn words(from: f64, to: f64, breaks: &[f64]) -> String {
-        let word = |due: &Event| match due {
-            Event::Entry(_) => 'e',
-            Event::Break(..) => 'B',
-            Event::Sample(_) => 's',
-        };
-        let mut list = vec![Event::Sample(f64::NAN)];
-        Event::list(&mut list, from, to, breaks, 1e-5);
-        assert!(list.windows(2).all(|p| p[0].time() <= p[1].time()));
-        list.iter().map(word).collect()
-    }
-
-    #[test]
-    fn breaks_come_between_entries_and_before_their_sample() {
-        assert_eq!(words(0.0, 1e-4, &[]), "s");
-        assert_eq!(words(0.0, 1e-3, &[2e-3]), "eeeeeeeees");
-        assert_eq!(words(0.0, 1e-4, &[3e-5]), "eeBeees");
-        // On the sample up to rounding, from either side; the next interval then begins at it.
-        for at in [1e-4, 1e-4 + 1e-17, 1e-4 - 1e-17] {
-            assert_eq!(words(0.0, 1e-4, &[at]), "eeBs");
-            assert_eq!(words(1e-4, 2e-4, &[at]), "ees");
-        }
-        assert_eq!(words(0.0, 1e-4, &[3e-5, 3.1e-5]), "eeBeeeBeees");
-        assert_eq!(words(0.0, 0.0, &[]), "s");
-    }
-
-    #[test]
-    fn a_run_without_breaks_has_the_entries_it_always_had() {
-        let mut due = Vec::new();
-        Event::list(&mut due, 1e-4, 3.5e-4, &[], 1e-5);
-        let times: Vec<f64> = due.into_iter().map(Event::time).collect();
-        let plain = EnergyAccount::between(1e-4, 3.5e-4, 1e-5, 1);
-        assert_eq!(times, plain.chain([3.5e-4]).collect::<Vec<_>>());
     }
 }

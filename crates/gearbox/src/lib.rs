@@ -56,3 +56,15 @@ pub use gearbox::Gearbox;
 pub use geometry::Geometry;
 pub use pinwheel_timeseries::norms::{Distance, LoadFloor};
 pub use recorder::Recorder;
+
+/// Private items that the tests of this crate reach; no part of the interface.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::balance::{Balance, elastic_j};
+    pub use crate::contacts::detection::Touch;
+    pub use crate::contacts::flanks::{Flanks, Seat};
+    pub use crate::events::Event;
+    pub use crate::forces::GearForces;
+    pub use crate::resolve::uncertainty::remedy;
+    pub use crate::run_limits::{Pace, SPAN};
+}

@@ -4,13 +4,13 @@ use serde::{Deserialize, Serialize};
 
 /// Value that changes linearly over time: value + slope (t - from).
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-pub(crate) struct LinearSignal {
+pub struct LinearSignal {
     /// At `from_s`.
-    pub(crate) value: f64,
+    pub value: f64,
     /// Its change a second.
-    pub(crate) slope: f64,
+    pub slope: f64,
     /// s
-    pub(crate) from_s: f64,
+    pub from_s: f64,
 }
 
 impl LinearSignal {

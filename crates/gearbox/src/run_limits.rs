@@ -7,7 +7,7 @@ use crate::scene::Scene;
 /// Steps from one look at whether the run must stop to the next; samples may be much farther apart.
 const LOOK: u64 = 1000;
 /// Accepted steps between two looks at the pace.
-const SPAN: u64 = 20_000;
+pub const SPAN: u64 = 20_000;
 /// Steps that may be left at the pace of the last [`SPAN`]: at ten microseconds a step five minutes.
 /// Measured most of a run worth having: 9e6 (`dopri5` on `hard-friction-narrow`, 0.6 s).
 const MOST_STEPS: f64 = 3e7;
@@ -34,7 +34,7 @@ impl Limits {
 
 /// Progress of one run with steps from a tolerance.
 #[derive(Debug, Clone)]
-pub(crate) struct Pace {
+pub struct Pace {
     /// Steps asked for.
     steps: u64,
     end: f64,
@@ -46,7 +46,7 @@ pub(crate) struct Pace {
 
 impl Pace {
     /// At time 0 of a scene whose contacts rub or do not.
-    pub(crate) fn new(scene: &Scene, has_friction: bool) -> Self {
+    pub fn new(scene: &Scene, has_friction: bool) -> Self {
         Self {
             steps: 0,
             end: scene.solver.duration_s,
@@ -69,7 +69,7 @@ impl Pace {
     ///
     /// # Errors
     /// Returns the cost of reaching the end, and a remedy.
-    pub(crate) fn look(&mut self, time: f64, steps: u64) -> Result<(), String> {
+    pub fn look(&mut self, time: f64, steps: u64) -> Result<(), String> {
         if steps < self.next_look {
             return Ok(());
         }
@@ -92,32 +92,5 @@ impl Pace {
             ));
         }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_a_pace_without_end_is_refused() {
-        let mut scene = Scene::paper();
-        scene.solver.integrator = "dopri5".to_owned();
-        let mut pace = Pace::new(&scene, false);
-        assert_eq!(pace.look(1e-12, SPAN - 1), Ok(()), "too early to tell");
-        assert_eq!(pace.look(0.01, SPAN), Ok(()));
-        // A short passage of tiny steps at a switch is over before anybody looks.
-        assert_eq!(pace.look(0.02, 2 * SPAN), Ok(()));
-        let told = pace.look(0.02 + 1e-6, 3 * SPAN).unwrap_err();
-        assert!(
-            told.contains("5.0e-11 s") && told.contains("solver.tolerance"),
-            "{told}"
-        );
-        // An implicit method is the remedy for friction, but for one that is implicit.
-        for (integrator, remedy) in [("dopri5", "\"imex2\""), ("imex2-adaptive", "tolerance")] {
-            scene.solver.integrator = integrator.to_owned();
-            let told = Pace::new(&scene, true).look(1e-9, SPAN).unwrap_err();
-            assert!(told.contains(remedy), "{told}");
-        }
     }
 }

@@ -62,12 +62,14 @@ pub struct Equilibrium {
 /// ```
 pub struct Statics<'a> {
     gearbox: &'a Gearbox,
-    field: ContactField,
+    #[doc(hidden)]
+    pub field: ContactField,
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
     /// The motion about which moments are taken; see [`Statics::moving`].
     motion: Motion,
-    derivatives: Jacobian,
+    #[doc(hidden)]
+    pub derivatives: Jacobian,
     /// Derivatives of the moments with respect to angles and to the places of discs that float.
     floating_slopes: Jacobian,
     /// Bearings on which discs float. They have no friction, because a balance at rest has none.
@@ -214,7 +216,8 @@ impl<'a> Statics<'a> {
 
     /// Moments on the discs into `out`, and that of the contacts on the output, by contacts that need neither loads
     /// nor places for them; else `None`.
-    fn frictionless_moments(
+    #[doc(hidden)]
+    pub fn frictionless_moments(
         &mut self,
         phi: f64,
         wheels: &[f64],
@@ -237,7 +240,8 @@ impl<'a> Statics<'a> {
 
     /// Moments on the discs into `out`, and that of the contacts on the output, with their derivatives in `derivatives`.
     /// `None` if the contacts have none.
-    pub(super) fn moments_with_slopes(
+    #[doc(hidden)]
+    pub fn moments_with_slopes(
         &mut self,
         phi: f64,
         wheels: &[f64],

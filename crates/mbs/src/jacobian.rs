@@ -239,7 +239,7 @@ impl Jacobian {
     }
 
     /// Multiplies every row by its factor.
-    pub(crate) fn scale_rows(&mut self, factors: &[f64]) {
+    pub fn scale_rows(&mut self, factors: &[f64]) {
         self.position.iter_mut().for_each(|p| p.scale_rows(factors));
         self.rate.scale_rows(factors);
         for (time, factor) in self.time.iter_mut().zip(factors) {
@@ -254,7 +254,8 @@ impl Jacobian {
     }
 
     /// Factors `shift` I - df/dy. False if that is singular or not finite.
-    pub(crate) fn factor(&mut self, shift: f64) -> bool {
+    #[must_use]
+    pub fn factor(&mut self, shift: f64) -> bool {
         self.shift = shift;
         let weight = shift.recip();
         let (m, l) = (self.rate.hub_count(), self.inverse.len());
@@ -292,7 +293,7 @@ impl Jacobian {
     }
 
     /// Overwrites `x` (the right-hand side, of the length of y) with the solution of the factored system.
-    pub(crate) fn solve(&mut self, x: &mut [f64]) {
+    pub fn solve(&mut self, x: &mut [f64]) {
         let Self { rhs, known, .. } = self;
         let (places, n) = (&self.rate.places, self.time.len());
         let weight = self.shift.recip();
@@ -316,100 +317,6 @@ impl Jacobian {
         rhs.write(places, rates);
         for (x, w) in positions.iter_mut().zip(rates.iter()) {
             *x = (*x + w) * weight;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use nalgebra::{DMatrix, DVector};
-    use proptest::prelude::*;
-
-    use super::*;
-
-    const N: usize = 7;
-
-    proptest! {
-        /// Any split into hubs and leaves, of first and second order, against the whole matrix.
-        #[test]
-        fn solves_what_the_whole_matrix_solves(
-            is_leaf in prop::collection::vec(any::<bool>(), N), second: bool,
-            entries in prop::collection::vec(-1.0..1.0_f64, 2 * N * N),
-            rhs in prop::collection::vec(-1.0..1.0_f64, 2 * N), shift in 3.0..1e3_f64,
-        ) {
-            let (structure, dimension) = if second {
-                (Structure::SecondOrder { is_leaf: is_leaf.clone() }, 2 * N)
-            } else {
-                (Structure::FirstOrder, N)
-            };
-            let mut jacobian = Jacobian::new(&structure, dimension);
-            let mut whole = DMatrix::identity(dimension, dimension) * shift;
-            let first = dimension - N;
-            let Jacobian { position, rate, .. } = &mut jacobian;
-            for (k, &value) in entries.iter().enumerate() {
-                let (row, column) = (k / N % N, k % N);
-                let joins_leaves = second && row != column && is_leaf[row] && is_leaf[column];
-                if k < N * N {
-                    rate.add(row, column, value);
-                    if !joins_leaves {
-                        whole[(first + row, first + column)] -= value;
-                    }
-                } else if let Some(position) = position {
-                    position.add(row, column, value);
-                    if !joins_leaves {
-                        whole[(first + row, column)] -= value;
-                    }
-                }
-            }
-            for k in 0..first {
-                whole[(k, first + k)] -= 1.0;
-            }
-            let expected = whole.lu().solve(&DVector::from_row_slice(&rhs[..dimension]));
-            prop_assume!(jacobian.factor(shift) && expected.is_some());
-            let mut x = rhs[..dimension].to_vec();
-            jacobian.solve(&mut x);
-            let expected = expected.expect("assumed");
-            for (x, e) in x.iter().zip(expected.iter()) {
-                // Leaves are not pivoted: digits are lost where one of them nearly vanishes.
-                prop_assert!((x - e).abs() < 1e-9 * (1.0 + expected.amax()), "{x} {e}");
-            }
-        }
-    }
-
-    /// Every entry is told where it was put, none between two leaves, and takes the factor of its row.
-    #[test]
-    fn entries_and_rows() {
-        let is_leaf = [false, true, false, true, true];
-        let structure = Structure::SecondOrder {
-            is_leaf: is_leaf.to_vec(),
-        };
-        let value = |row: usize, column: usize| (1 + 5 * row + column) as f64;
-        let mut jacobian = Jacobian::new(&structure, 10);
-        let position = jacobian.position.as_mut().expect("of second order");
-        for (row, time) in jacobian.time.iter_mut().enumerate() {
-            *time = -value(row, 0);
-            for column in 0..5 {
-                position.add(row, column, value(row, column));
-                jacobian.rate.add(row, column, 2.0 * value(row, column));
-            }
-        }
-        let factors = [2.0, 3.0, 5.0, 7.0, 11.0];
-        for scaled in [false, true] {
-            if scaled {
-                jacobian.scale_rows(&factors);
-            }
-            for (row, factor) in factors.into_iter().enumerate() {
-                let factor = if scaled { factor } else { 1.0 };
-                assert_eq!(jacobian.time[row], -factor * value(row, 0));
-                for column in 0..5 {
-                    let joins_leaves = row != column && is_leaf[row] && is_leaf[column];
-                    let share = if joins_leaves { 0.0 } else { factor };
-                    let wanted = share * value(row, column);
-                    let position = jacobian.position.as_ref().expect("of second order");
-                    assert_eq!(position.entry(row, column), wanted);
-                    assert_eq!(jacobian.rate.entry(row, column), 2.0 * wanted);
-                }
-            }
         }
     }
 }

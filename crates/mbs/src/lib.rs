@@ -66,3 +66,14 @@ pub use pinned::PinnedContacts;
 pub use reduced::Reduced;
 pub use saddle::SaddlePoint;
 pub use state::{BodyId, BodyState, ContactEnergy, Wrench, add_pair};
+
+/// Private items that the tests of this crate reach; no part of the interface.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::integrators::etd_adams::columns::{Columns, ROWS, padded};
+    pub use crate::integrators::etd_adams::history::{step_back, to_differences};
+    pub use crate::integrators::etd_adams::propagator::{Linear, Propagator};
+    pub use crate::integrators::rodas5p_coefficients::{A, C, D, GAMMA, H, STAGES, TIMES};
+    pub use crate::lu::Lu;
+    pub use crate::saddle::constraint_inverse;
+}

@@ -9,7 +9,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// P A = L U with the largest pivot of each column.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct Lu {
+pub struct Lu {
     n: usize,
     /// A, row by row, then both factors.
     entries: Vec<f64>,
@@ -20,7 +20,8 @@ pub(crate) struct Lu {
 }
 
 impl Lu {
-    pub(crate) fn new(n: usize) -> Self {
+    /// Zeros of an `n` x `n` matrix.
+    pub fn new(n: usize) -> Self {
         Self {
             n,
             entries: vec![0.0; n * n],
@@ -30,12 +31,12 @@ impl Lu {
     }
 
     /// A, row by row, to be written before [`factor`](Self::factor).
-    pub(crate) fn entries_mut(&mut self) -> &mut [f64] {
+    pub fn entries_mut(&mut self) -> &mut [f64] {
         &mut self.entries
     }
 
     /// False if the matrix is singular or not finite.
-    pub(crate) fn factor(&mut self) -> bool {
+    pub fn factor(&mut self) -> bool {
         let n = self.n;
         for k in 0..n {
             let (mut best, mut largest) = (k, 0.0);
@@ -71,7 +72,7 @@ impl Lu {
     }
 
     /// Overwrites `x` (the right-hand side) with the solution.
-    pub(crate) fn solve(&self, x: &mut [f64]) {
+    pub fn solve(&self, x: &mut [f64]) {
         let n = self.n;
         for (k, &swap) in self.swaps.iter().enumerate() {
             x.swap(k, swap);
@@ -83,52 +84,6 @@ impl Lu {
         for k in (0..n).rev() {
             let row = &self.entries[k * n + k + 1..(k + 1) * n];
             x[k] = (x[k] - dot(row, &x[k + 1..])) * self.inverse[k];
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use nalgebra::{DMatrix, DVector};
-    use proptest::prelude::*;
-
-    use super::*;
-
-    proptest! {
-        #[test]
-        fn solves_what_nalgebra_solves(
-            n in 1_usize..9, values in prop::collection::vec(-1.0..1.0_f64, 81), zero_first: bool,
-        ) {
-            let mut a = DMatrix::from_row_slice(n, n, &values[..n * n]);
-            if zero_first {
-                a[(0, 0)] = 0.0; // asks for a pivot
-            }
-            let b = DVector::from_row_slice(&values[values.len() - n..]);
-            let expected = a.clone().full_piv_lu().solve(&b);
-            let mut lu = Lu::new(n);
-            lu.entries_mut().copy_from_slice(a.transpose().as_slice());
-            let condition = a.clone().svd(false, false).singular_values;
-            prop_assume!(condition.min() > 1e-6);
-            prop_assert!(lu.factor());
-            let mut x = b.as_slice().to_vec();
-            lu.solve(&mut x);
-            let expected = expected.expect("regular");
-            for (x, e) in x.iter().zip(expected.iter()) {
-                prop_assert!((x - e).abs() < 1e-13 / condition.min() * (1.0 + expected.amax()), "{x} {e}");
-            }
-        }
-    }
-
-    #[test]
-    fn singular_and_infinite_matrices_are_refused() {
-        for entries in [
-            [1.0, 2.0, 2.0, 4.0],
-            [0.0; 4],
-            [1.0, f64::NAN, 0.0, f64::NAN],
-        ] {
-            let mut lu = Lu::new(2);
-            lu.entries_mut().copy_from_slice(&entries);
-            assert!(!lu.factor(), "{entries:?}");
         }
     }
 }

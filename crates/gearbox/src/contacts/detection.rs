@@ -12,22 +12,22 @@ use crate::scene::{self, Scene};
 
 /// A touching pair in the disc's frame.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Touch {
+pub struct Touch {
     /// W, m from the disc's centre.
-    pub(super) point: Complex,
+    pub point: Complex,
     /// n, from the pin centre to W.
-    pub(super) normal: Complex,
+    pub normal: Complex,
     /// delta, m; above 0 but for [`Detection::profile_gap`] and [`Detection::hole_gap`].
-    pub(super) penetration: f64,
+    pub penetration: f64,
     /// K, N/m^1.5.
-    pub(super) stiffness: f64,
+    pub stiffness: f64,
     /// Growth of K as P moves along t = R90 n, N/m^2.5; 0 where K is constant or only known at points.
-    pub(super) stiffness_slope: f64,
+    pub stiffness_slope: f64,
 }
 
 impl Touch {
     /// A pin of that radius, its centre in `p`, touches a point; K there.
-    pub(super) fn at_point(p: Complex, point: Complex, radius: f64, stiffness: f64) -> Self {
+    pub fn at_point(p: Complex, point: Complex, radius: f64, stiffness: f64) -> Self {
         let arm = point - p;
         Self {
             point,

@@ -14,7 +14,8 @@ use crate::Sleeve;
 ///
 /// It keeps no history: the same states give the same bits.
 pub struct ContactField {
-    pub(crate) contacts: Box<dyn PairField>,
+    /// Contacts between discs and pins.
+    pub contacts: Box<dyn PairField>,
     pub(super) law: PinLaw,
     /// Pins that rub where they turn; the loops over the pairs add their forces.
     pub(super) pins: Option<PinFriction>,

@@ -13,8 +13,8 @@ use pinwheel_contact::Complex;
 use super::detection::Touch;
 use crate::geometry::Geometry;
 
-/// See the module.
-pub(super) struct Flanks {
+/// Edge of a disc whose flanks are turned.
+pub struct Flanks {
     /// e^{i delta}.
     turn: Complex,
     lobes: f64,
@@ -32,7 +32,7 @@ struct Corner {
 
 /// Where on the profile a pin touches.
 #[derive(Clone, Copy)]
-pub(super) enum Seat {
+pub enum Seat {
     /// Beside the curve's point e^{ia}.
     Foot(Complex),
     /// At a corner between flanks, or in a hole.
@@ -41,7 +41,7 @@ pub(super) enum Seat {
 
 impl Flanks {
     /// `None`: flanks are not turned.
-    pub(super) fn of(geometry: &Geometry) -> Option<Self> {
+    pub fn of(geometry: &Geometry) -> Option<Self> {
         let turn = geometry.flanks?;
         let curve = &geometry.curve;
         let half = PI / f64::from(curve.lobes());
@@ -80,7 +80,7 @@ impl Flanks {
 
     /// Chooses from the feet on either disc, in the order of [`turns`](Self::turns), the touch of a pin centred at
     /// `p`; `stiffness` is K where the curve bends by a kappa.
-    pub(super) fn touch(
+    pub fn touch(
         &self,
         p: Complex,
         radius: f64,
@@ -101,33 +101,6 @@ impl Flanks {
                 let k = stiffness(corner.curvature);
                 (Touch::at_point(p, point, radius, k), Seat::Corner)
             }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::Scene;
-
-    /// In the middle of a pit a pin may lie on both flanks: the deeper one counts.
-    #[test]
-    fn of_two_flanks_the_nearer_is_touched() {
-        let mut scene = Scene::paper();
-        scene.gear.modification.rotational_rad = 1e-4;
-        let flanks = Flanks::of(&Geometry::new(&scene).unwrap()).unwrap();
-        let pit = PI / flanks.lobes;
-        let at = |angle: f64, penetration: f64| {
-            let point = Complex::unit(angle).scale(0.05);
-            let mut touch = Touch::at_point(Complex::default(), point, 0.006, 1e9);
-            touch.penetration = penetration;
-            (touch, Seat::Foot(Complex::unit(angle)))
-        };
-        for (ccw, cw) in [(1e-6, 2e-6), (2e-6, 1e-6)] {
-            let feet = [at(pit + 1e-3, ccw), at(pit - 1e-3, cw)];
-            let p = Complex::unit(pit).scale(0.056);
-            let (touch, _) = flanks.touch(p, 0.006, feet, |_| 1e9);
-            assert_eq!(touch.penetration, 2e-6);
         }
     }
 }

@@ -2,10 +2,10 @@
 
 mod bearing_load;
 mod cranks;
-mod detection;
+pub(crate) mod detection;
 mod eccentric_bearings;
 mod field;
-mod flanks;
+pub(crate) mod flanks;
 mod lanes;
 mod pair;
 mod pairs;
@@ -18,7 +18,7 @@ use pinwheel_scene::scales::{law_parameters, pin_law};
 pub use bearing_load::BearingLoad;
 pub use eccentric_bearings::EccentricBearings;
 pub use field::ContactField;
-pub use pair::PairContact;
+pub use pair::{PairContact, PairField};
 pub use pinwheel_mbs::ContactEnergy;
 
 use crate::GearboxError;
@@ -26,7 +26,6 @@ use crate::geometry::Geometry;
 use crate::scene::{Detection, FrictionLaw, Scene};
 use detection::{Exact, Points};
 use lanes::LaneField;
-pub(crate) use pair::PairField;
 use pairs::Pairs;
 use pin_friction::PinFriction;
 use seals::Seals;
@@ -82,7 +81,8 @@ fn at_most_avx2() -> pulp::Arch {
 }
 
 /// Returns all forces of a scene between its bodies: contacts, bearings that discs float on, friction of pins, and seals of shafts.
-pub(crate) fn field(
+#[doc(hidden)]
+pub fn field(
     scene: &Scene,
     geometry: &Geometry,
     kernel: Kernel,
@@ -154,20 +154,4 @@ pub(crate) fn contacts(
         bearings: None,
         seals: None,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bad_input_points_have_no_force_along_the_profile() {
-        let mut scene = Scene::paper();
-        scene.contact.detection = Detection::Points;
-        scene.contact.law = "paper-conservative".to_owned();
-        let geometry = Geometry::new(&scene).unwrap();
-        let told = field(&scene, &geometry, Kernel::Lanes).map(|_| ());
-        let told = told.unwrap_err().to_string();
-        assert!(told.contains("detection = \"exact\""), "{told}");
-    }
 }

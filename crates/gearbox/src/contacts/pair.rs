@@ -75,7 +75,7 @@ impl PairContact {
 /// Contacts of all discs and pins of a gear. `bodies` and loads are in [`Layout`](crate::Layout) order.
 ///
 /// Implementations keep no history: the same states give the same bits.
-pub(crate) trait PairField: Send {
+pub trait PairField: Send {
     /// See [`ContactField::evaluate`](super::ContactField::evaluate).
     fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool;
 

@@ -78,32 +78,3 @@ impl Scatter {
         (self.len, self.is_known) = (0, false);
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn seen(power: impl Fn(f64) -> f64, entries: u32, h: f64) -> Scatter {
-        let mut scatter = Scatter::default();
-        for k in 0..entries {
-            let t = h * f64::from(k);
-            scatter.add(t, [power(t), 0.0]);
-        }
-        scatter
-    }
-
-    /// Next to nothing where the power is smooth, the power's own size where entries do not follow it, the range of few.
-    #[test]
-    fn what_is_between_entries_is_told_from_them() {
-        let off = |scatter: &Scatter| scatter.squares().map(f64::sqrt);
-        assert!(off(&seen(|t| 1.0 + t * t * t, 50, 0.1))[0] < 1e-12);
-        let smooth = off(&seen(f64::sin, 200, 0.1))[0];
-        let coarse = off(&seen(f64::sin, 200, 1.5))[0];
-        assert!(smooth < 1e-6 && coarse > 0.5, "{smooth} {coarse}");
-        let few = seen(|t| t, 3, 1.0);
-        assert!((off(&few)[0] - 4.0).abs() < 1e-12, "{few:?}");
-        let mut ended = few.clone();
-        ended.restart();
-        assert_eq!(ended.squares(), few.squares());
-    }
-}

@@ -119,7 +119,7 @@ impl Uncertainty {
 }
 
 /// Remedy for a run that was not resolved.
-pub(super) fn remedy(target: f64, error: Option<Distance>, budget: u64) -> String {
+pub fn remedy(target: f64, error: Option<Distance>, budget: u64) -> String {
     let reached = error.map(|e| e.worst()).filter(|e| e.is_finite());
     match reached {
         Some(worst) if worst < 0.1 => format!(
@@ -136,54 +136,5 @@ pub(super) fn remedy(target: f64, error: Option<Distance>, budget: u64) -> Strin
             "Nothing is known of its error; a shorter solver.duration_s or more than {:.0e} evaluations would tell.",
             budget as f64
         ),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_known_is_told() {
-        let level = |evaluations, failure: Option<&str>| Level {
-            integrator: "dopri5".to_owned(),
-            setting: "a tolerance of 1e-6".to_owned(),
-            evaluations,
-            moved: None,
-            failure: failure.map(str::to_owned),
-        };
-        let mut found = Uncertainty {
-            target: 1e-3,
-            error: None,
-            verdict: Verdict::Resolved,
-            chosen: 1,
-            levels: vec![level(100, None), level(200, None)],
-        };
-        assert!(found.is_resolved());
-        assert_eq!((found.cost(), found.notes().len()), (1.5, 1));
-        found.levels.push(level(100, Some("t = 1 s: a disc")));
-        found.verdict = Verdict::NotResolved {
-            reason: String::new(),
-            remedy: String::new(),
-        };
-        assert!(!found.is_resolved());
-        assert_eq!(found.cost(), 2.0);
-        let notes = found.notes();
-        assert!(notes[1].contains("1 of 3 runs") && notes[1].contains("a disc"));
-    }
-
-    /// Figures that nearly hold want a little more; time series that mean nothing want another scene.
-    #[test]
-    fn remedies_suit_what_was_reached() {
-        let of = |forces: f64| {
-            let error = Distance {
-                forces,
-                ..Distance::default()
-            };
-            remedy(1e-3, Some(error), 1000)
-        };
-        assert!(of(0.09).contains("hold to 9e-2"));
-        assert!(of(0.1).contains("not to be trusted"));
-        assert!(of(f64::NAN).contains("Nothing is known"));
     }
 }

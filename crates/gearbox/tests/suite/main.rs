@@ -1,18 +1,35 @@
 //! The tests of this crate as one program: linking is most of what a small test costs.
 
+mod auto;
+mod balance;
 mod balances;
 mod channels;
 mod common;
+mod cosimulation;
 mod derivatives;
+mod descent;
 mod deviations;
+mod efficiency;
+mod energy;
+mod events;
 mod exponential;
+mod flanks;
 mod floating;
+mod forces;
+mod frequencies;
+mod gearbox;
 mod guard;
 mod kernels;
 mod native_forms;
+mod newton;
+mod pressure;
 mod published_energy;
 mod published_statics;
 mod published_stiffness;
+mod recorder;
+mod refinement;
 mod resolve;
 mod rosenbrock;
+mod run_limits;
 mod sliding;
+mod uncertainty;

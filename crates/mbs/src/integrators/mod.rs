@@ -39,14 +39,14 @@ mod clock;
 mod dop853;
 mod dop853_coefficients;
 mod dopri5;
-mod etd_adams;
+pub(crate) mod etd_adams;
 mod explicit;
 mod heun;
 mod imex;
 mod imex_adaptive;
 mod rk4;
 mod rodas5p;
-mod rodas5p_coefficients;
+pub(crate) mod rodas5p_coefficients;
 mod segments;
 mod weighted;
 

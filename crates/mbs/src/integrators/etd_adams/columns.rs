@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 /// Rows summed side by side. Each row's sum takes its columns in order, so that all processors round alike.
-pub(super) const ROWS: usize = 8;
+pub const ROWS: usize = 8;
 
 /// Length of a vector that is padded with 0 to whole blocks.
-pub(super) fn padded(length: usize) -> usize {
+pub fn padded(length: usize) -> usize {
     length.next_multiple_of(ROWS)
 }
 
@@ -37,14 +37,15 @@ fn squares(a: &[f64], b: &[f64]) -> f64 {
 
 /// A matrix; rows are padded to blocks of [`ROWS`].
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Columns {
+pub struct Columns {
     columns: usize,
     /// Block by block, the columns of each one after the other.
     entries: Vec<[f64; ROWS]>,
 }
 
 impl Columns {
-    pub(super) fn zero(rows: usize, columns: usize) -> Self {
+    /// Zeros.
+    pub fn zero(rows: usize, columns: usize) -> Self {
         Self {
             columns,
             entries: vec![[0.0; ROWS]; rows.div_ceil(ROWS) * columns],
@@ -57,13 +58,15 @@ impl Columns {
         }
     }
 
+    /// Entry of a row and a column.
     #[inline(always)]
-    pub(super) fn entry(&self, row: usize, column: usize) -> f64 {
+    pub fn entry(&self, row: usize, column: usize) -> f64 {
         self.entries[row / ROWS * self.columns + column][row % ROWS]
     }
 
+    /// Entry of a row and a column, to be changed.
     #[inline(always)]
-    pub(super) fn entry_mut(&mut self, row: usize, column: usize) -> &mut f64 {
+    pub fn entry_mut(&mut self, row: usize, column: usize) -> &mut f64 {
         &mut self.entries[row / ROWS * self.columns + column][row % ROWS]
     }
 
@@ -82,7 +85,7 @@ impl Columns {
 
     /// out, padded = the columns from `first` on, as many as x has entries, times x.
     #[inline(always)]
-    pub(super) fn multiply(&self, first: usize, x: &[f64], out: &mut [f64]) {
+    pub fn multiply(&self, first: usize, x: &[f64], out: &mut [f64]) {
         let out = out.as_chunks_mut::<ROWS>().0;
         // No zipped iterators: the compiler may leave them outside of a function that has vector instructions.
         for (b, out) in out.iter_mut().enumerate() {
@@ -240,31 +243,5 @@ impl pulp::WithSimd for Judge<'_> {
             }
         }
         sums
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// More rows than a block has: the product is that by rows, bit by bit.
-    #[test]
-    fn products_are_those_by_rows() {
-        let (rows, columns) = (ROWS + 3, 7);
-        let mut matrix = Columns::zero(rows, columns);
-        let number = |k: usize| (1.7 * k as f64).sin();
-        for i in 0..rows {
-            for j in 0..columns {
-                *matrix.entry_mut(i, j) = number(i * columns + j);
-            }
-        }
-        let x: Vec<f64> = (0..4).map(|k| number(100 + k)).collect();
-        let mut out = vec![0.0; padded(rows)];
-        matrix.multiply(2, &x, &mut out);
-        for (i, out) in out.iter().take(rows).enumerate() {
-            let terms = x.iter().enumerate();
-            let sum = terms.fold(0.0, |sum, (j, x)| sum + x * number(i * columns + 2 + j));
-            assert_eq!(*out, sum, "row {i}");
-        }
     }
 }

@@ -237,7 +237,7 @@ fn advance<const N: usize>(differences: &mut [f64], width: usize, column: usize,
 
 /// Coefficients b_k of a polynomial become its backward differences at a distance of `share` units: one after the other, of `width`
 /// each.
-pub(super) fn to_differences(coefficients: &mut [f64], width: usize, share: f64) {
+pub fn to_differences(coefficients: &mut [f64], width: usize, share: f64) {
     let count = coefficients.len() / width;
     let mut factor = 1.0;
     for j in 0..count {
@@ -256,51 +256,8 @@ pub(super) fn to_differences(coefficients: &mut [f64], width: usize, share: f64)
 }
 
 /// Backward differences of a polynomial, all that are not 0, become those one point before.
-pub(super) fn step_back(differences: &mut [f64], width: usize) {
+pub fn step_back(differences: &mut [f64], width: usize) {
     for k in 0..differences.len() - width {
         differences[k] -= differences[k + width];
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A polynomial by its coefficients, by its differences at another distance, and those one point before.
-    #[test]
-    fn differences_are_those_of_the_polynomial() {
-        let (coefficients, share) = ([0.3, -1.2, 2.0, 0.7, -0.4], 0.6);
-        let value = |s: f64| {
-            let mut power = 1.0;
-            let terms = coefficients.iter().zip(1..).map(|(b, k)| {
-                let term = b * power;
-                power *= s / f64::from(k);
-                term
-            });
-            terms.sum::<f64>()
-        };
-        let difference = |at: f64, order: u32| {
-            let mut weight = 1.0;
-            let terms = (0..=order).map(|i| {
-                let term = weight * value(share * (at - f64::from(i)));
-                weight *= -f64::from(order - i) / f64::from(i + 1);
-                term
-            });
-            terms.sum::<f64>()
-        };
-        // Two columns, the other of which is twice this one.
-        let mut differences: Vec<f64> = coefficients.iter().flat_map(|b| [*b, 2.0 * b]).collect();
-        to_differences(&mut differences, 2, share);
-        for at in [0.0, -1.0, -2.0] {
-            for (order, both) in (0..).zip(differences.chunks_exact(2)) {
-                let exact = difference(at, order);
-                assert!(
-                    (both[0] - exact).abs() < 1e-13,
-                    "{at} {order}: {both:?} {exact}"
-                );
-                assert!((both[1] - 2.0 * exact).abs() < 1e-13);
-            }
-            step_back(&mut differences, 2);
-        }
     }
 }

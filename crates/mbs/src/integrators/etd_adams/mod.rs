@@ -19,10 +19,10 @@
 //! sample takes anyway, so that both cost one. The sample is then the predicted state, unless it is too far off. Steps change
 //! by factors of two (and to whatever an uneven distance to the next sample asks for), so that all processors take the same.
 
-mod columns;
-mod history;
+pub(crate) mod columns;
+pub(crate) mod history;
 mod multistep;
-mod propagator;
+pub(crate) mod propagator;
 
 use serde::{Deserialize, Serialize};
 

@@ -67,22 +67,22 @@ pub(super) const POWERS: [[f64; MOST]; MOST] = powers();
 
 /// L, of systems of second order with the unit matrix in the first rows, which have no remainder g.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Linear {
+pub struct Linear {
     /// Dimension of x.
     pub(super) dimension: usize,
     /// First row with a remainder.
-    pub(super) first: usize,
+    pub first: usize,
     /// Rows from the first on.
-    rows: Columns,
+    pub rows: Columns,
     /// Factors that convert the entries to units in which all components are alike.
     alike: Columns,
     /// Bound of |L| in these units, in which positions and rates are alike too, 1/s.
-    pub(super) size: f64,
+    pub size: f64,
 }
 
 impl Linear {
     /// `scale`: errors of the components that weigh alike.
-    pub(super) fn new(structure: &Structure, scale: &[f64]) -> Self {
+    pub fn new(structure: &Structure, scale: &[f64]) -> Self {
         let dimension = scale.len();
         let first = match structure {
             Structure::FirstOrder => 0,
@@ -172,13 +172,13 @@ impl Linear {
 
 /// Effect of a time `tau` on a state and on a polynomial remainder.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Propagator {
+pub struct Propagator {
     /// s; NaN: none.
     pub(super) tau: f64,
     /// Differences of the remainder.
     terms: usize,
     /// Factors of x, then those of the differences of the remainder, from the 0th on.
-    matrix: Columns,
+    pub matrix: Columns,
     /// Upper rows of phi_k+1 and of phi_k, with columns for whole blocks of rates: scratch.
     above: Columns,
     here: Columns,
@@ -187,7 +187,8 @@ pub(super) struct Propagator {
 }
 
 impl Propagator {
-    pub(super) fn new(linear: &Linear, terms: usize) -> Self {
+    /// Propagator of no time yet, with room for so many differences.
+    pub fn new(linear: &Linear, terms: usize) -> Self {
         let n = linear.dimension;
         let blocks = linear.remainders().div_ceil(ROWS);
         let upper = Columns::zero(linear.upper(), linear.first + blocks * ROWS);
@@ -203,7 +204,7 @@ impl Propagator {
 
     /// Becomes that of `tau`, for a remainder by its backward differences at a distance of `unit`: what multiplies the j-th of them
     /// is h Gamma_j where both are h.
-    pub(super) fn build(&mut self, linear: &Linear, tau: f64, unit: f64) {
+    pub fn build(&mut self, linear: &Linear, tau: f64, unit: f64) {
         pulp::Arch::new().dispatch(Build {
             to: self,
             linear,
@@ -233,12 +234,12 @@ impl Propagator {
     }
 
     /// The state `tau` later: `known` holds x and then as many differences as there are.
-    pub(super) fn advance(&self, known: &[f64], x: &mut [f64]) {
+    pub fn advance(&self, known: &[f64], x: &mut [f64]) {
         self.matrix.multiply(0, known, x);
     }
 
     /// Factors of what it makes of a state; false: it cannot be undone.
-    pub(super) fn factor(&self, linear: &Linear, back: &mut Lu) -> bool {
+    pub fn factor(&self, linear: &Linear, back: &mut Lu) -> bool {
         let n = linear.dimension;
         for (i, row) in back.entries_mut().chunks_exact_mut(n).enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
@@ -249,7 +250,7 @@ impl Propagator {
     }
 
     /// The state `tau` earlier, where the remainder had these differences.
-    pub(super) fn retreat(&self, back: &Lu, differences: &[f64], x: &mut [f64], out: &mut [f64]) {
+    pub fn retreat(&self, back: &Lu, differences: &[f64], x: &mut [f64], out: &mut [f64]) {
         self.matrix.multiply(x.len(), differences, out);
         for (x, gained) in x.iter_mut().zip(out) {
             *x -= *gained;
@@ -352,61 +353,6 @@ impl pulp::WithSimd for Build<'_> {
                 let column = n + j * count + c;
                 to.matrix.combine(column, &POWERS[j][..=j], n + c, count);
             }
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::integrators::etd_adams::columns::padded;
-
-    /// More freedoms than a block has rows: told as a system of first order it has the same propagator, and what it does can be
-    /// undone.
-    #[test]
-    fn upper_rows_give_the_lower_ones() {
-        let (freedoms, terms, tau) = (ROWS + 1, 5, -0.7);
-        let n = 2 * freedoms;
-        let second = Structure::SecondOrder {
-            is_leaf: vec![false; freedoms],
-        };
-        let number = |k: usize| (1.7 * k as f64).sin();
-        let [whole, halves] = [Structure::FirstOrder, second].map(|structure| {
-            let mut linear = Linear::new(&structure, &vec![1.0; n]);
-            let below = freedoms - linear.first;
-            for i in 0..freedoms {
-                if below > 0 {
-                    *linear.rows.entry_mut(i, freedoms + i) = 1.0;
-                }
-                for j in 0..n {
-                    *linear.rows.entry_mut(below + i, j) = number(n * i + j);
-                }
-            }
-            linear.size = 20.0;
-            let mut propagator = Propagator::new(&linear, terms);
-            propagator.build(&linear, tau, 0.4);
-            (linear, propagator)
-        });
-        for i in 0..n {
-            for j in 0..n + terms * freedoms {
-                let (k, c) = (
-                    j.saturating_sub(n) / freedoms,
-                    j.saturating_sub(n) % freedoms,
-                );
-                let other = if j < n { j } else { n + k * n + freedoms + c };
-                let (a, b) = (halves.1.matrix.entry(i, j), whole.1.matrix.entry(i, other));
-                assert!((a - b).abs() < 1e-11, "{i}, {j}: {a} {b}");
-            }
-        }
-        let known: Vec<f64> = (0..n + terms * freedoms).map(number).collect();
-        let (mut x, mut out) = (vec![0.0; padded(n)], vec![0.0; padded(n)]);
-        halves.1.advance(&known, &mut x);
-        let mut back = Lu::new(n);
-        assert!(halves.1.factor(&halves.0, &mut back));
-        x.truncate(n);
-        halves.1.retreat(&back, &known[n..], &mut x, &mut out);
-        for (x, known) in x.iter().zip(&known) {
-            assert!((x - known).abs() < 1e-9, "{x} {known}");
         }
     }
 }

@@ -1,0 +1,159 @@
+//! Gears whose shafts an importer drives.
+
+use pinwheel_gearbox::cosimulation::{CoSimulation, Prescribed, Setup, start};
+use pinwheel_gearbox::internals::GearForces;
+use pinwheel_gearbox::{Gearbox, native};
+use pinwheel_mbs::{Evaluation, Forces as _, Jacobian, Pose, Structure};
+use pinwheel_scene::Scene;
+
+const SPEED: f64 = 52.34;
+
+fn gearbox(sets: &[&str], channels: &[&str]) -> Gearbox {
+    let sets: Vec<_> = sets.iter().map(|set| set.parse().unwrap()).collect();
+    let mut scene = Scene::load("paper", &sets).unwrap().into_scene();
+    scene.drive.input_speed_rad_s = SPEED;
+    scene.output.channels = channels.iter().map(|&c| c.to_owned()).collect();
+    Gearbox::new(&scene.check().unwrap()).unwrap()
+}
+
+/// The columns of a run's last sample.
+fn last(gearbox: &Gearbox) -> Vec<f64> {
+    let run = native::run(gearbox, &mut |_| false)
+        .unwrap()
+        .whole()
+        .unwrap();
+    let channels = run.time_series.channels().iter();
+    channels.map(|c| *c.values.last().unwrap()).collect()
+}
+
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let largest = b.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    let off = a.iter().zip(b).map(|(a, b)| (a - b).abs() / largest);
+    // A NaN is no small distance.
+    off.fold(0.0, |most: f64, off| if off <= most { most } else { off })
+}
+
+/// A torque that is held from 10 ms on does what a change of the scene's load does, and is told with it.
+#[test]
+fn a_held_torque_is_a_change_of_the_load() {
+    for method in ["dopri5", "etd-adams"] {
+        let integrator = format!("solver.integrator=\"{method}\"");
+        let own = [
+            "solver.tolerance=1e-9",
+            "solver.duration_s=0.02",
+            &integrator,
+        ];
+        let mut sets = own.to_vec();
+        sets.push("drive.load_changes=[{ time_s = 0.01, output_torque_n_m = 40.0 }]");
+        let expected = last(&gearbox(&sets, &[]));
+        let gear = gearbox(&own, &[]);
+        let mut unit = CoSimulation::new(&gear, Setup::of(&gear.scene.drive)).unwrap();
+        unit.advance(0.01, &|| false).unwrap();
+        let steps = unit.counts().steps;
+        unit.prescribe([(SPEED, 0.0), (0.0, 0.0)]);
+        assert_eq!(unit.counts().steps, steps, "nothing has changed");
+        let mut row = Vec::new();
+        assert_eq!(unit.observe(&mut row).load_torque_n_m, 22.0);
+        unit.prescribe([(SPEED, 0.0), (18.0, 0.0)]);
+        assert_eq!(unit.counts().steps, 0, "the method begins anew");
+        assert_eq!(unit.observe(&mut row).load_torque_n_m, 40.0);
+        unit.advance(0.02, &|| false).unwrap();
+        unit.observe(&mut row);
+        let off = apart(&row, &expected);
+        eprintln!("{method} {off:e}");
+        assert!(off < 1e-5, "{method}: {off:e}");
+    }
+}
+
+/// A unit starts with the load and the speed that it is given, as a gear does that has them.
+#[test]
+fn starts_are_those_of_the_load_and_the_speed() {
+    let gear = gearbox(&["drive.start=equilibrium"], &[]);
+    let usual = Setup::of(&gear.scene.drive);
+    for (speed, torque) in [(SPEED, 0.0), (SPEED, 10.0), (20.0, 0.0), (20.0, 10.0)] {
+        let setup = Setup {
+            speeds_rad_s: [speed, 0.0],
+            torque_n_m: torque,
+            ..usual
+        };
+        let load = format!("drive.output_torque_n_m={}", 22.0 + torque);
+        let mut scene = gearbox(&["drive.start=equilibrium", &load], &[])
+            .scene
+            .into_scene();
+        scene.drive.input_speed_rad_s = speed;
+        let other = Gearbox::new(&scene.check().unwrap()).unwrap();
+        assert_eq!(start(&gear, &setup).unwrap(), other.initial_states());
+    }
+}
+
+/// Channels of a unit are those of a run, forces of joints among them; and rows without channels are the contract's alone.
+#[test]
+fn channels_are_those_of_a_run() {
+    let sets = ["solver.duration_s=0.002", "solver.tolerance=1e-8"];
+    for channels in [
+        &["eccentric_bearing_*", "transmission_error_arcmin"][..],
+        &[],
+    ] {
+        let gear = gearbox(&sets, channels);
+        let mut unit = CoSimulation::new(&gear, Setup::of(&gear.scene.drive)).unwrap();
+        let mut row = Vec::new();
+        unit.advance(0.002, &|| false).unwrap();
+        unit.observe(&mut row);
+        let off = apart(&row, &last(&gear));
+        assert!(off < 1e-5, "{off:e}");
+    }
+}
+
+/// Derivatives of a torque that is held and rises, beside those of the gear.
+#[test]
+fn held_torques_have_slopes() {
+    let gear = gearbox(&[], &[]);
+    let structure = Structure::SecondOrder {
+        is_leaf: vec![false; 3],
+    };
+    let bodies = gear.initial_states();
+    let by_time = |slope: f64, usual: bool| {
+        let mut forces = GearForces::new(&gear).unwrap();
+        (forces.held[1].slope, forces.speed_in_torque_out) = (slope, usual);
+        let mut derivatives = Jacobian::new(&structure, 6);
+        let mut sums = Evaluation::of_slopes(&mut derivatives);
+        let known = forces.evaluate(0.1, &bodies, Pose::Prescribed, &mut sums);
+        known.then(|| derivatives.time[0])
+    };
+    let (level, rising) = (by_time(0.0, true).unwrap(), by_time(500.0, true).unwrap());
+    assert!((rising - level - 500.0).abs() < 1e-9, "{level} {rising}");
+    assert_eq!(by_time(500.0, false), None);
+}
+
+/// An importer's tolerance is the method's.
+#[test]
+fn tolerances_are_those_asked_for() {
+    let gear = gearbox(&["solver.integrator=auto"], &[]);
+    let setup = Setup {
+        tolerance: Some(1e-7),
+        ..Setup::of(&gear.scene.drive)
+    };
+    let unit = CoSimulation::new(&gear, setup).unwrap();
+    let found = unit.method().1;
+    assert!((found / 1e-7 - 1.0).abs() < 1e-9, "{found:e}");
+}
+
+/// States of as many numbers but of other shafts are refused, and nothing has changed.
+#[test]
+fn bad_input_states_of_other_shafts_are_refused() {
+    let two = gearbox(&[], &[]);
+    let three = gearbox(&["gear.wheels=3"], &[]);
+    let mut usual = CoSimulation::new(&two, Setup::of(&two.scene.drive)).unwrap();
+    let both = Setup {
+        output: Prescribed::BySpeed,
+        speeds_rad_s: [SPEED, -SPEED / 15.0],
+        ..Setup::of(&three.scene.drive)
+    };
+    let mut prescribed = CoSimulation::new(&three, both).unwrap();
+    let (of_usual, of_held) = (usual.save(), prescribed.save());
+    // After the time comes the number of states.
+    assert_eq!(of_usual[..9], of_held[..9]);
+    assert!(!usual.restore(&of_held) && !prescribed.restore(&of_usual));
+    assert_eq!((usual.save(), prescribed.save()), (of_usual, of_held));
+}
