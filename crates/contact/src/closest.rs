@@ -61,7 +61,8 @@ impl Epitrochoid {
     /// C(a) is moved along its tangent onto the ray. What is left beside the ray (w) changes the radius by
     /// less than w times the steepest slope of the curve against circles. Points that near to `p` lie within asin(away/|p|) of
     /// the ray and |p| - away or more from the origin: too far for the curve, whose radius grows by e^(slope angle) at most.
-    fn outside_by_ray(&self, p: Complex, start: [Complex; 2], away: f64) -> bool {
+    #[doc(hidden)]
+    pub fn outside_by_ray(&self, p: Complex, start: [Complex; 2], away: f64) -> bool {
         let radius = p.norm();
         let ray = p.scale(1.0 / radius);
         let [mut u, mut v] = start;
@@ -206,68 +207,5 @@ impl Epitrochoid {
             a = next;
         }
         a
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn local_and_global_search_agree_to_rounding() {
-        let curve = Epitrochoid::new(0.0028, 16, 0.7).unwrap();
-        for k in 0..400 {
-            let at = curve.at(0.0157 * f64::from(k));
-            let p = at.position - at.normal.scale(1e-5 * f64::from(k % 7 + 1));
-            let start = Complex::unit(0.0157 * f64::from(k) + 1e-3 * f64::from(k % 5 - 2));
-            let local = curve.foot_within(p, [start, start.powu(16)], 0.0).unwrap();
-            let global = curve.closest(p);
-            assert!((local.distance - global.distance).abs() < 1e-16);
-            assert!((local.at.position - at.position).norm() < 1e-14);
-        }
-    }
-
-    /// Whatever the start, what is called outside is farther from the curve than asked; and from a start close by, all that
-    /// lies on the ray beyond what the steepest slope allows is called so.
-    #[test]
-    fn rays_tell_what_is_outside() {
-        let mut told = 0;
-        for (zk, m) in [(16, 0.7), (40, 0.6), (5, 0.9)] {
-            let curve = Epitrochoid::new(0.0028, zk, m).unwrap();
-            let pitch = std::f64::consts::TAU / f64::from(zk);
-            for k in 0..150_u32 {
-                let a = 0.042 * f64::from(k);
-                let at = curve.at(a).position;
-                for (j, lift) in [0.5, 0.999, 1.0 - 1e-8, 1.0 + 1e-8, 1.001, 1.05, 1.5]
-                    .into_iter()
-                    .enumerate()
-                {
-                    let p = at.scale(lift);
-                    let distance = curve.closest(p).distance;
-                    for away in [0.0, 1e-5, 1e-3] {
-                        let outside = |from: f64| {
-                            let start = Complex::unit(from);
-                            curve.outside_by_ray(p, [start, start.powu(zk)], away)
-                        };
-                        let grown = (curve.steepest * (away / p.norm()).asin()).exp();
-                        let clear = p.norm() - away - at.norm() * grown > 1e-9 * at.norm();
-                        let near = a + 2e-3 * pitch * (f64::from(k % 5) - 2.0);
-                        assert!(outside(near) || !clear, "{zk} {k} {lift} {away}");
-                        for from in [
-                            near,
-                            a + 0.3 * f64::from(k % 7),
-                            a + 3.0,
-                            a - 0.5 * j as f64,
-                        ] {
-                            if outside(from) {
-                                assert!(distance > away, "{zk} {k} {lift} {away} {from}");
-                                told += 1;
-                            }
-                        }
-                    }
-                }
-            }
-        }
-        assert!(told > 1000, "{told}");
     }
 }

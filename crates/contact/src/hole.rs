@@ -39,21 +39,3 @@ impl Hole {
         (penetration > 0.0).then(|| (penetration, offset.scale(1.0 / distance)))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn penetration_is_signed_by_clearance() {
-        let hole = Hole {
-            centre: Complex::new(0.038, 0.0),
-            radius: 0.0088,
-        };
-        assert!(hole.penetration(Complex::new(0.0407, 0.0), 0.006).is_none());
-        let (depth, normal) = hole.penetration(Complex::new(0.0409, 0.0), 0.006).unwrap();
-        assert!((depth - 1e-4).abs() < 1e-15 && normal == Complex::ONE);
-        // A pin in the very centre touches nothing, whatever direction that is.
-        assert!(hole.penetration(hole.centre, 0.006).is_none());
-    }
-}

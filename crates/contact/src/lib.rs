@@ -74,3 +74,9 @@ pub use laws::{
 };
 pub use points::{HolePoints, ProfilePoints, Vertex};
 pub use real::Real;
+
+/// Private items that the tests of this crate reach; no part of the interface.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::search::Search;
+}

@@ -17,3 +17,9 @@ mod package;
 pub use instance::{Instance, Refusal};
 pub use model::{Model, Variable, What};
 pub use package::{Imprint, Package, PackageError};
+
+/// Private items that the tests of this crate reach; no part of the interface.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::package::{Unit, identifier};
+}

@@ -77,10 +77,11 @@ impl Imprint {
 }
 
 /// A unit of FMI, as `UnitDefinitions` has it.
-struct Unit {
+pub struct Unit {
     /// How names end that have it.
     ending: &'static str,
-    name: &'static str,
+    /// Its name in descriptions.
+    pub name: &'static str,
     /// Exponents of kg, m, s, rad; 0 where they are not whole.
     base: [i32; 4],
     factor: f64,
@@ -132,7 +133,7 @@ const UNITS: [Unit; 18] = [
 
 impl Unit {
     /// That of a variable; `None`: a number without.
-    fn of(name: &str) -> Option<&'static Self> {
+    pub fn of(name: &str) -> Option<&'static Self> {
         let name = name.split_once('[').map_or(name, |(array, _)| array);
         let numbered = name.trim_end_matches(|c: char| c.is_ascii_digit());
         // The number of a pin or disc, but not the 2 of m2.
@@ -141,7 +142,7 @@ impl Unit {
     }
 
     /// As the description defines it.
-    fn definition(&self) -> String {
+    pub fn definition(&self) -> String {
         if self.base == [0; 4] {
             return format!("    <Unit name=\"{}\"/>\n", self.name);
         }
@@ -431,52 +432,12 @@ fn platform() -> Option<&'static str> {
 }
 
 /// A name as an identifier of C.
-fn identifier(name: &str) -> String {
+pub fn identifier(name: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '_' };
     let text: String = name.chars().map(plain).take(64).collect();
     if text.starts_with(|c: char| c.is_ascii_alphabetic()) {
         text
     } else {
         format!("gear_{text}")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn units_follow_names() {
-        for (name, unit) in [
-            ("input_torque_n_m", Some("N.m")),
-            ("external_sleeve_force_n_12", Some("N")),
-            ("mass.wheel.moment_kg_m2", Some("kg.m2")),
-            ("wheel_0_external_stiffness_n_m15_3", Some("N/m1.5")),
-            ("transmission_error_arcmin", Some("arcmin")),
-            ("contact.damping_n_s_m", Some("N.s/m")),
-            ("contact.external_spring_n_m", Some("N/m")),
-            ("mass.density_kg_m3", Some("kg/m3")),
-            ("contact.friction_ramp_m_s", Some("m/s")),
-            ("wheel_0_external_pressure_sliding_w_m2_3", Some("W/m2")),
-            ("efficiency", None),
-            ("external_contact_ratio_0", None),
-        ] {
-            assert_eq!(Unit::of(name).map(|unit| unit.name), unit, "{name}");
-        }
-        let arcmin = UNITS.iter().find(|unit| unit.name == "arcmin");
-        assert!(arcmin.is_some_and(|unit| unit.definition().contains("factor=\"2.908")));
-    }
-
-    #[test]
-    fn names_become_identifiers() {
-        for (name, wanted) in [
-            ("paper", "paper"),
-            ("backlash-0.6", "backlash_0_6"),
-            ("2 wheels", "gear_2_wheels"),
-            ("", "gear_"),
-            ("\u{e4}", "gear__"),
-        ] {
-            assert_eq!(identifier(name), wanted);
-        }
     }
 }

@@ -29,13 +29,13 @@ use crate::law::{Law, LawError};
 use crate::{ABI, LOAD, STATE};
 
 /// A null address, a handle that is none, an index out of range.
-const ARGUMENT: i32 = -1;
+pub const ARGUMENT: i32 = -1;
 /// The scene.
-const SCENE: i32 = -2;
+pub const SCENE: i32 = -2;
 /// States or loads that are no numbers.
-const NOT_FINITE: i32 = -3;
+pub const NOT_FINITE: i32 = -3;
 /// A fault of this library.
-const FAULT: i32 = -4;
+pub const FAULT: i32 = -4;
 
 /// Law as C sees it: only ever a number in the shape of an address.
 #[repr(C)]
@@ -50,7 +50,8 @@ thread_local! {
 }
 
 /// Why a call failed: its status and words.
-struct Failure(i32, String);
+#[doc(hidden)]
+pub struct Failure(i32, String);
 
 impl From<LawError> for Failure {
     fn from(error: LawError) -> Self {
@@ -82,7 +83,8 @@ fn guarded<T>(failed: impl FnOnce(i32) -> T, call: impl FnOnce() -> Result<T, Fa
 }
 
 /// Runs a call on the law behind a handle.
-fn on<T>(
+#[doc(hidden)]
+pub fn on<T>(
     handle: *const PinwheelLaw,
     failed: impl FnOnce(i32) -> T,
     call: impl FnOnce(&mut Law) -> Result<T, Failure>,
@@ -335,6 +337,3 @@ pub extern "C" fn pinwheel_law_close(law: *mut PinwheelLaw) {
         },
     );
 }
-
-#[cfg(test)]
-mod tests;

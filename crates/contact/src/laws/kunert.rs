@@ -18,21 +18,3 @@ pub(super) const INFO: LawInfo = LawInfo {
     materials: "steel: fitted to it",
     ..line_contact::INFO
 };
-
-#[cfg(test)]
-mod tests {
-    use super::super::NormalLaw as _;
-    use super::*;
-
-    /// The formula as printed, with H = 1: 1000 N on 10 mm.
-    #[test]
-    fn published_depth_is_kunert_s() {
-        let parameters = LawParameters {
-            stiffness_multiplier: 1.0,
-            ..LawParameters::default()
-        };
-        let law = new(&parameters);
-        let depth = 1e-3 * 4.05e-5 * 1000.0_f64.powf(0.925) / 10.0_f64.powf(0.85);
-        assert!((law.force(0.0, depth, 0.0) / 1000.0 - 1.0).abs() < 1e-12);
-    }
-}

@@ -82,20 +82,3 @@ pub(super) const INFO: LawInfo = LawInfo {
     materials: "steel: Palmgren measured bearings",
     stiffness: None,
 };
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Palmgren's formula itself, with H = 1: 1000 N on 10 mm.
-    #[test]
-    fn depth_is_palmgren_s() {
-        let parameters = LawParameters {
-            stiffness_multiplier: 1.0,
-            ..LawParameters::default()
-        };
-        let law = new(&parameters);
-        let depth = 1e-3 * 3.84e-5 * 1000.0_f64.powf(0.9) / 10.0_f64.powf(0.8);
-        assert!((law.force(0.0, depth, 0.0) / 1000.0 - 1.0).abs() < 1e-12);
-    }
-}

@@ -51,20 +51,3 @@ pub(super) const INFO: LawInfo = LawInfo {
     materials: "any elastic one, by modulus and Poisson's ratio",
     stiffness: None,
 };
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values() {
-        let law = PaperLaw {
-            damping: 8.0,
-            ramp: Ramp::new(1e-5),
-        };
-        assert_eq!(law.force(1e8, 4e-4, 0.0), 1e8 * (4e-4 * 0.02));
-        // Half way up the ramp everything counts half.
-        assert!((law.force(1e8, 5e-6, 0.1) - 0.5 * (1e8 * 5e-6_f64.powf(1.5) + 0.8)).abs() < 1e-12);
-        assert_eq!(law.force(1e8, 1e-6, -10.0), 0.0);
-    }
-}

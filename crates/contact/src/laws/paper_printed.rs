@@ -37,15 +37,3 @@ pub(super) const INFO: LawInfo = LawInfo {
     domain: "studies of the published model only: the force is adhesive for v < -K delta^1.5/C",
     ..paper::INFO
 };
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pulls_where_the_paper_s_law_is_clamped() {
-        let law = new(&LawParameters::default());
-        assert_eq!(law.force(1e8, 4e-4, 0.0), 1e8 * 4e-4 * 0.02);
-        assert!(law.force(1e8, 1e-5, -10.0) < -70.0);
-    }
-}

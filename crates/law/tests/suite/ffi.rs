@@ -1,7 +1,11 @@
 //! The functions of the header, called as C would.
+#![allow(unsafe_code, reason = "this is what a caller in C does")]
 
-use super::*;
+use std::ffi::{CStr, CString};
+use std::ptr;
+
 use pinwheel_gearbox::Gearbox;
+use pinwheel_law::ffi::*;
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::Scene;
 

@@ -1,8 +1,8 @@
 //! The test vectors that are handed to authors of solvers are what the law gives.
 
-#[path = "../examples/vectors.rs"]
+#[path = "../../examples/vectors.rs"]
 #[allow(unreachable_pub, reason = "an example's main file")]
-mod vectors;
+mod example;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -23,7 +23,7 @@ fn read(text: &str, names: usize) -> BTreeMap<String, Vec<f64>> {
 fn regress_vectors_are_what_the_law_gives() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../reference/law-vectors");
     let stored = |name: &str| std::fs::read_to_string(folder.join(name)).expect(name);
-    let now = vectors::files().expect("forces");
+    let now = example::files().expect("forces");
     for (name, text) in &now {
         if *name == "cases.csv" {
             assert_eq!(
@@ -51,7 +51,7 @@ fn regress_vectors_are_what_the_law_gives() {
         }
     }
     let (_, contacts) = &now[2];
-    for (case, ..) in vectors::cases() {
+    for (case, ..) in example::cases() {
         let touching = contacts
             .lines()
             .filter(|line| line.starts_with(&format!("{case},")))
@@ -63,7 +63,7 @@ fn regress_vectors_are_what_the_law_gives() {
 /// From the contacts alone, by hand, come the loads on the bodies: signs, points of attack and order as documented.
 #[test]
 fn forces_on_bodies_are_those_of_their_contacts() {
-    let files = vectors::files().expect("forces");
+    let files = example::files().expect("forces");
     let (bodies, contacts) = (read(&files[1].1, 2), read(&files[2].1, 3));
     let mut sums: BTreeMap<String, [f64; 3]> =
         bodies.keys().map(|key| (key.clone(), [0.0; 3])).collect();

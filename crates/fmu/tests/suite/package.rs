@@ -6,25 +6,17 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufWriter, Cursor, Read as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::SystemTime;
 
+use pinwheel_fmu::internals::{Unit, identifier};
 use pinwheel_fmu::{Imprint, Package};
 use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_scene::{Override, Scene};
 use zip::ZipArchive;
 
-/// `libpinwheel_fmu` of this build, beside the tests.
-fn library() -> PathBuf {
-    let name = format!(
-        "{}pinwheel_fmu{}",
-        std::env::consts::DLL_PREFIX,
-        std::env::consts::DLL_SUFFIX
-    );
-    let here = std::env::current_exe().expect("this test");
-    here.parent().expect("its folder").join(name)
-}
+use crate::library;
 
 fn gearbox(scene: &str, sets: &[&str]) -> Gearbox {
     let sets: Vec<Override> = sets.iter().map(|set| set.parse().expect(set)).collect();
@@ -129,7 +121,7 @@ fn hard_entries_are_those_of_the_standard() {
             "{library:?}"
         );
         assert!(
-            entries[library[0]] == fs::read(self::library()).expect("there"),
+            entries[library[0]] == fs::read(crate::library()).expect("there"),
             "{name}"
         );
     }
@@ -187,5 +179,40 @@ fn crossval_a_unit_in_fmpy_is_the_native_run() {
         println!("{scene}\n{}", String::from_utf8_lossy(&measured.stdout));
         let said = String::from_utf8_lossy(&measured.stderr);
         assert!(measured.status.success(), "{scene}: {said}");
+    }
+}
+
+#[test]
+fn units_follow_names() {
+    for (name, unit) in [
+        ("input_torque_n_m", Some("N.m")),
+        ("external_sleeve_force_n_12", Some("N")),
+        ("mass.wheel.moment_kg_m2", Some("kg.m2")),
+        ("wheel_0_external_stiffness_n_m15_3", Some("N/m1.5")),
+        ("transmission_error_arcmin", Some("arcmin")),
+        ("contact.damping_n_s_m", Some("N.s/m")),
+        ("contact.external_spring_n_m", Some("N/m")),
+        ("mass.density_kg_m3", Some("kg/m3")),
+        ("contact.friction_ramp_m_s", Some("m/s")),
+        ("wheel_0_external_pressure_sliding_w_m2_3", Some("W/m2")),
+        ("efficiency", None),
+        ("external_contact_ratio_0", None),
+    ] {
+        assert_eq!(Unit::of(name).map(|unit| unit.name), unit, "{name}");
+    }
+    let arcmin = Unit::of("transmission_error_arcmin");
+    assert!(arcmin.is_some_and(|unit| unit.definition().contains("factor=\"2.908")));
+}
+
+#[test]
+fn names_become_identifiers() {
+    for (name, wanted) in [
+        ("paper", "paper"),
+        ("backlash-0.6", "backlash_0_6"),
+        ("2 wheels", "gear_2_wheels"),
+        ("", "gear_"),
+        ("\u{e4}", "gear__"),
+    ] {
+        assert_eq!(identifier(name), wanted);
     }
 }

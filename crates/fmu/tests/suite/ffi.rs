@@ -2,7 +2,7 @@
 #![allow(unsafe_code, reason = "this is what an importer does")]
 
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::ptr;
 use std::sync::Mutex;
 
@@ -10,6 +10,8 @@ use libloading::{Library, Symbol};
 use pinwheel_fmu::Model;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Scene;
+
+use crate::library;
 
 static HEARD: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
@@ -35,19 +37,6 @@ unsafe extern "C" fn hear(
 struct Callbacks {
     logger: *const c_void,
     others: [*const c_void; 4],
-}
-
-/// `libpinwheel_fmu` of this build, beside the tests.
-fn library() -> PathBuf {
-    let name = format!(
-        "{}pinwheel_fmu{}",
-        std::env::consts::DLL_PREFIX,
-        std::env::consts::DLL_SUFFIX
-    );
-    let here = std::env::current_exe().expect("this test");
-    let library = here.parent().expect("its folder").join(name);
-    assert!(library.is_file(), "{} is not there", library.display());
-    library
 }
 
 type Component = *mut c_void;
