@@ -1,6 +1,6 @@
 //! The closest-point search of [`closest`](crate::Epitrochoid::foot_within) for several points at once.
 //!
-//! A point P is seen from C(a0), a0 near its foot, in directions turned by a0 and in units of R: with q the offset,
+//! A point P is taken relative to C(a0), a0 near its foot, in directions turned by a0 and in units of R: with q the offset,
 //! E = e^{i zs a0}, and for a = a0 + d
 //!
 //! ```text
@@ -35,7 +35,7 @@ pub struct FeetLanes<S: Simd> {
     pub foot: LocalFeet<S>,
 }
 
-/// Feet seen from C(a0) in directions turned by a0; where `inside` is not set the values hold no meaning.
+/// Feet relative to C(a0), in directions turned by a0; where `inside` is not set the values hold no meaning.
 #[derive(Debug, Clone, Copy)]
 pub struct LocalFeet<S: Simd> {
     /// Set where the point lies inside the curve.

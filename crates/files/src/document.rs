@@ -47,7 +47,7 @@ fn line_of(head: &[u8]) -> usize {
     1 + head.iter().filter(|&&byte| byte == b'\n').count()
 }
 
-/// Reads a TOML text as a type; `file` is how messages name it, `remedy` where an example is found.
+/// Reads a TOML text as a type; `file` is how messages name it, `remedy` the place of an example.
 ///
 /// # Errors
 /// The first fault: its line, its key, and for a mistyped name what was meant.

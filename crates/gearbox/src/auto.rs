@@ -289,7 +289,7 @@ impl<'a> Planner<'a> {
             step_s: FIRST_RADIANS / self.frequencies.touch_rad_s,
             ..self.plan(EXPONENTIAL, SMOOTH * self.twist(), &reason)
         };
-        // Its steps end at all that is seen, so that a longer bound would be none.
+        // Its steps end at every sample, so a longer bound would have no effect.
         let seen = EnergyAccount::between(0.0, solver.sample_s, plan.step_s, 1).count() + 1;
         let longest = EXPONENTIAL_STEP * plan.longest_step_s;
         Plan {

@@ -48,7 +48,7 @@ impl Balance {
     pub fn add(&mut self, audit: &EnergyAudit) -> Result<(), String> {
         self.remainder_j += audit.remainder_j;
         self.turnover_j += audit.driver_j.abs() + audit.load_j.abs();
-        // A NaN is found out by the states' own guard.
+        // The guard of the states detects a NaN.
         if self.remainder_j.abs() > MOST * self.turnover_j {
             return Err(format!(
                 "nothing accounts for {:.3e} J of energy, with {:.3e} J turned over: the method does not follow the \

@@ -241,7 +241,7 @@ impl Values {
         }
     }
 
-    /// Looks at the pairs asked for; what those have that are not found: forces of none where only forces are asked for.
+    /// Evaluates the requested pairs. Where only forces are requested, pairs that do not touch have forces of 0.
     fn find(&mut self, seen: &mut Seen<'_>) -> Option<f64> {
         self.found.fill(None);
         let (found, pairs, layout) = (&mut self.found, &self.pairs, self.layout);

@@ -101,7 +101,7 @@ impl EnergyAccount {
         self.scatter.restart();
     }
 
-    /// Adds an entry between samples. `load`: N m on the output shaft; `contacts`: of the state seen.
+    /// Adds an entry between samples. `load`: N m on the output shaft; `contacts`: energy of the same state.
     pub(crate) fn add(&mut self, load: f64, seen: &Observation<'_>, contacts: &ContactEnergy) {
         self.enter(seen.time, powers(load, seen, contacts));
     }

@@ -1,4 +1,4 @@
-//! Contact forces and the load as the mechanism's applied forces, whole or with the friction told apart.
+//! Contact forces and the load as the mechanism's applied forces, with the friction included or listed separately.
 
 use pinwheel_mbs::sliding::Contact;
 use pinwheel_mbs::{BodyState, Evaluation, Forces, Pose, Wrench, add_pair};
@@ -57,7 +57,7 @@ impl GearForces {
         self.load.torque(time) + self.held[1].at(time)
     }
 
-    /// Where the present segment begins, s: what [`restart_at`](Forces::restart_at) was told, or an earlier time of the same segment.
+    /// Returns the time at which the present segment of the load begins, s.
     pub fn segment_s(&self) -> f64 {
         self.load.from_s
     }

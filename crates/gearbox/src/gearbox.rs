@@ -173,8 +173,8 @@ impl Gearbox {
         }
     }
 
-    /// Below this a pin carries nothing to speak of, N: Hertz' force at a hundred-thousandth of its radius. What
-    /// stands in for the load of a gear without any; it grows and shrinks with the gear.
+    /// Returns the force floor, N: the Hertz force at a penetration of 1e-5 pin radii. It replaces the load as the reference for
+    /// an unloaded gear and scales with its size.
     #[must_use]
     pub fn least_force_n(&self) -> f64 {
         self.flat_stiffness * least_depth(&self.scene).powf(1.5)

@@ -23,7 +23,7 @@ use crate::{Gearbox, GearboxError};
 
 /// Elastic twist allowed beyond the free play, in pitches (2 pi/zs): the guard of dynamic runs is 0.25.
 const PITCHES: f64 = 0.2;
-/// Angles are found to this, rad: 1e-14 rad on a radius of 64 mm is 1e-11 of a penetration.
+/// Tolerance of angles, rad: 1e-14 rad on a radius of 64 mm is 1e-11 of a penetration.
 const ANGLE: f64 = 2e-15;
 /// Steps at most; a gear takes 5 to 10.
 const MOST_STEPS: usize = 40;

@@ -95,7 +95,7 @@ pub enum MechanismError {
     /// More or contradictory constraints than coordinates, or the same one twice.
     #[error("constraints are redundant: {constraint} adds nothing to the others")]
     Redundant {
-        /// The first constraint found to depend on the others.
+        /// Number of the first constraint that depends on the others.
         constraint: String,
     },
     /// The exact elimination does not apply.
@@ -140,7 +140,7 @@ impl Mechanism {
     /// Checks indices and values.
     ///
     /// # Errors
-    /// The first fault found.
+    /// Returns the first fault as an error.
     pub fn check(&self) -> Result<(), MechanismError> {
         let n = self.bodies.len();
         let value = |what: String| Err(MechanismError::Value { what });

@@ -93,7 +93,7 @@ pub struct ErrorScales {
     pub frequency: f64,
 }
 
-/// A state seen from outside: poses, loads, reactions.
+/// Poses, loads, reactions and energies of one state.
 #[derive(Debug, Clone, Copy)]
 pub struct Observation<'a> {
     /// Time, s.

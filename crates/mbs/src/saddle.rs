@@ -6,7 +6,7 @@
 //! ```
 //! With mu = -lambda it is symmetric indefinite: [M D'; D 0][a; mu] = [F; gamma]. Its graph has a
 //! node for each body (3 unknowns), revolute (2) and driver (1), and an edge wherever a constraint
-//! touches a body. Nodes are eliminated in an order found once, least degree first. A constraint's
+//! touches a body. Nodes are eliminated in an order of least degree first, which is determined once. A constraint's
 //! pivot is zero until a body of its own is eliminated, so it waits:
 //! * a joint of the spanning forest (and a driver across it) for its outer body; the rows so chosen
 //!   are independent whatever the pose, because each has a body to itself;

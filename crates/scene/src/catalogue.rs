@@ -262,7 +262,7 @@ impl Catalogue {
     fn attempt(&self) -> Result<Draft, Fault> {
         let (gear, suggested) = self.plan()?;
         let text = self.write(&gear, &suggested);
-        // No line number: the user has not seen the text yet.
+        // No line number: the user does not have the text yet.
         let scene = Scene::from_toml(&text, "draft", &[]).map_err(|error| match error {
             SceneError::Key {
                 key, what, remedy, ..

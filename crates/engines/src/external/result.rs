@@ -202,7 +202,7 @@ fn ends_its_lines(file: &mut File) -> bool {
 #[cfg(feature = "parquet")]
 fn parquet_of(file: File, samples: usize) -> Result<TimeSeries, String> {
     let read = pinwheel_timeseries::read_time_series(file, samples + 1);
-    // Python's writers compress unless they are told not to.
+    // Python's writers compress by default.
     read.map_err(|error| format!("{error}; write doubles, without compression"))
 }
 

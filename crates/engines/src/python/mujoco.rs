@@ -69,7 +69,7 @@ pub struct Attached {
     pub loads: Vec<f64>,
 }
 
-/// All runs that MuJoCo may call back for. Its callback is process-wide: it is found by its data.
+/// All runs that MuJoCo may call back for. Its callback is process-wide: the data that it is given say which run it belongs to.
 pub static ATTACHED: Mutex<Vec<Attached>> = Mutex::new(Vec::new());
 
 /// Lets MuJoCo call back for a run, in the place of an earlier one of the same law or the same data: freed memory is

@@ -1,4 +1,4 @@
-//! How the contact point is found: the exact curve, or discrete points as published.
+//! Contact detection: on the exact curve, or on discrete points as published.
 
 use pinwheel_contact::{
     Complex, Epitrochoid, Foot, HertzStiffness, Hole, HolePoints, Law, NormalLaw, ProfilePoints,
@@ -194,7 +194,7 @@ impl Shapes {
 pub(super) struct Exact(Shapes, bool);
 
 impl Exact {
-    /// The slope of K is only found for laws with a force along the profile.
+    /// Computes the slope of K only for laws with a force along the profile.
     pub(super) fn new(scene: &Scene, geometry: &Geometry, law: &Law) -> Self {
         Self(Shapes::new(scene, geometry), law.along(1.0, 1.0).is_some())
     }

@@ -34,7 +34,7 @@ pub enum Verdict {
     },
 }
 
-/// A run's numerical uncertainty, and how it was found.
+/// Numerical uncertainty of a run, and the runs that it was estimated from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Uncertainty {
     /// Requested target: relative L2 of the forces and of the driver's torque.

@@ -2,8 +2,8 @@
 //!
 //! Unknowns are the output's angle and three coordinates of every disc; each body must be free of force and moment. With
 //! clearance there are states that nothing holds, so no bracket and no cold start can be relied upon. A continuation can: it
-//! begins at the balance of rigid eccentrics, displaces each disc by a small share s of what its bearing gives way under the
-//! force found there, and takes the bearing's offsets from s to all of themselves:
+//! begins at the balance of rigid eccentrics, displaces each disc by a small share s of the deflection of its bearing under the
+//! force at that balance, and takes the bearing's offsets from s to all of themselves:
 //!
 //! ```text
 //! offset of the bearing under F:   s (g + (F/K)^(1/p)),   s -> 1
@@ -387,7 +387,7 @@ impl Statics<'_> {
             }
         }
         let none = || GearboxError::NoEquilibrium { load_n_m: load };
-        // Several bearings a disc do not all give way along the forces found: their clearance comes last.
+        // The bearings of one disc do not all deflect along these forces: their clearance comes last.
         let tight = if self.gearbox.scene.cranks.is_some() {
             0.0
         } else {

@@ -237,7 +237,7 @@ pub fn method(name: &str) -> Option<&'static MethodInfo> {
     METHODS.iter().find(|method| method.name == name)
 }
 
-/// The table of all methods: a row is a module, whose `INFO` says what users are told, and how a run begins.
+/// Table of all methods. A row is a module with its `INFO`, the facts for users, and the constructor of a run.
 macro_rules! methods {
     (|$settings:ident, $t:ident, $y:ident| $($module:ident => $begin:expr,)*) => {
         /// All methods.

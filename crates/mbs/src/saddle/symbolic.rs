@@ -1,4 +1,4 @@
-//! The order of elimination and the fill it makes, found once a mechanism.
+//! Order of elimination and its fill, determined once for a mechanism.
 //!
 //! Nodes are bodies, then revolutes, then drivers. A body may go at any time; a constraint waits for the
 //! bodies [`prerequisites`] names, so that its pivot is regular whenever D has full rank:

@@ -2,7 +2,7 @@
 
 use crate::BodyId;
 
-/// Two touching bodies, seen by an implicit treatment of their friction.
+/// Two touching bodies as an implicit treatment of their friction needs them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     /// The two bodies; the normal points from the first into the second.

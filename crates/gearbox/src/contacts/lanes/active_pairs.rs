@@ -1,4 +1,4 @@
-//! Touching pairs one by one, found several at a time.
+//! Visits touching pairs one by one; lanes search for them several at a time.
 
 use pinwheel_contact::{PinLaw, Real, RegularisedCoulomb};
 use pulp::Simd;

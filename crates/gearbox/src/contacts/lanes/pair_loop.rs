@@ -137,11 +137,11 @@ pub(super) trait Sink {
     /// A group of which some lanes touch.
     fn group<S: Simd>(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>);
 
-    /// All groups of a disc (body index `body`) were seen.
+    /// Ends a disc (body index `body`), all of whose groups were evaluated.
     #[inline(always)]
     fn end<S: Simd>(&mut self, _body: usize, _wheel: &Wheel<S>) {}
 
-    /// All discs were seen; `sleeves`: external and internal, with what was left in their columns.
+    /// Ends the loop after the last disc; `sleeves`: columns of ring pins and output pins, with the sums in them.
     #[inline(always)]
     fn finish(&mut self, _sleeves: [&Sleeves; 2]) {}
 }
