@@ -71,7 +71,7 @@ pub struct Epitrochoid {
     /// Largest |d(radius)/d(polar angle)| / radius: tan of the angle between normal and radius.
     #[doc(hidden)]
     pub steepest: f64,
-    /// Share of the searches' tolerances that this curve needs, at most 1; see [`Epitrochoid::settling_share`].
+    /// Share of the searches' tolerances that this curve needs, at most 1; see `settling_share`.
     #[doc(hidden)]
     pub settling: f64,
     /// Constants of the search in lanes.

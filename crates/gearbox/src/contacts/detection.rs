@@ -17,7 +17,7 @@ pub struct Touch {
     pub point: Complex,
     /// n, from the pin centre to W.
     pub normal: Complex,
-    /// delta, m; above 0 but for [`Detection::profile_gap`] and [`Detection::hole_gap`].
+    /// delta, m; above 0 but for `Detection::profile_gap` and `Detection::hole_gap`.
     pub penetration: f64,
     /// K, N/m^1.5.
     pub stiffness: f64,
