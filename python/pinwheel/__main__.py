@@ -1,9 +1,8 @@
-"""`python -m pinwheel` and the command `pinwheel`: the program that comes with the package."""
+"""`python -m pinwheel` and the command `pinwheel`: the program, with the engines that this Python has."""
 
 from __future__ import annotations
 
 import os
-import subprocess
 import sys
 from pathlib import Path
 
@@ -17,24 +16,14 @@ def beside(library: str) -> str | None:
     return str(found[0]) if found and f"PINWHEEL_{library.upper()}" not in os.environ else None
 
 
-def program() -> Path:
-    """The program that comes with the package."""
-    found = FOLDER / ("pinwheel.exe" if os.name == "nt" else "pinwheel")
-    if not found.is_file():
-        raise FileNotFoundError(f"{found} is not there; install the package again with pip, which builds it")
-    return found
-
-
 def main() -> int:
     """Runs the program with this process's arguments; its exit status."""
-    try:
-        found = program()
-    except FileNotFoundError as error:
-        print(f"error: {error}", file=sys.stderr)
-        return 2
-    if os.name != "nt":
-        os.execv(found, ["pinwheel", *sys.argv[1:]])
-    return subprocess.run([found, *sys.argv[1:]], check=False).returncode
+    from pinwheel import _core
+
+    for library in ("law", "fmu"):
+        if place := beside(library):
+            os.environ[f"PINWHEEL_{library.upper()}"] = place
+    return _core.program(["pinwheel", *sys.argv[1:]])
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import html
 import subprocess
+import sys
 import tempfile
 import webbrowser
 from pathlib import Path
@@ -29,15 +30,13 @@ class Explorer:
     """
 
     def __init__(self, scene: Scene, height: int) -> None:
-        from pinwheel.__main__ import program
-
         self.scene, self.height = scene, height
         self._folder = tempfile.TemporaryDirectory(prefix="pinwheel-")
         file = Path(self._folder.name) / "scene.toml"
         scene.save(file)
         # A session of its own: what interrupts a cell does not end it.
         self._program = subprocess.Popen(
-            [program(), "explore", file, "--embed"],
+            [sys.executable, "-m", "pinwheel", "explore", file, "--embed"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,

@@ -13,7 +13,7 @@ use pinwheel::studies::output::{OutputError, write_text};
 
 use crate::args::{self, OutArgs, label, quoted};
 use crate::failure::Failure;
-use crate::{interrupt, screen};
+use crate::{interrupt, screen, words};
 
 /// An output folder in the making. Dropped without [`publish`](Self::publish) it leaves nothing.
 #[derive(Debug)]
@@ -132,8 +132,7 @@ pub(crate) fn all_or(scenes: &[String]) -> String {
 
 /// Files that the command line names, whatever they are for.
 fn named_files() -> Vec<PathBuf> {
-    let words = std::env::args_os().skip(1);
-    folder::named_files(words.flat_map(|word| {
+    folder::named_files(words::typed().flat_map(|word| {
         // `--against=FILE`
         let value = word.to_str().and_then(|word| word.split_once('='));
         let value = value.map(|(_, value)| PathBuf::from(value));

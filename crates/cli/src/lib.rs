@@ -2,6 +2,8 @@
 //!
 //! The exit status is explained by [`args::STATUS`].
 //! Results go to stdout, progress to stderr and only when that is a terminal.
+//!
+//! A library, so that the extension module of the Python package holds the program too.
 
 mod args;
 mod commands;
@@ -11,24 +13,28 @@ mod interrupt;
 mod loopback;
 mod progress;
 mod screen;
+mod words;
 
-use std::process::ExitCode;
+use std::ffi::OsString;
 
 use crate::args::Command;
 use crate::failure::Failure;
 
-fn main() -> ExitCode {
+/// Carries out one command line, whose first word is the program's name, and returns the exit status. Once in a process: it
+/// installs the handler of Ctrl-C.
+#[must_use]
+pub fn main(words: Vec<OsString>) -> u8 {
+    words::set(words);
     keep_freed_memory();
     interrupt::outlive_limits();
     let outcome = args::parse().and_then(|command| match command {
         None => Ok(0),
         Some(command) => interrupt::install().and_then(|()| dispatch(&command)),
     });
-    let code = outcome.unwrap_or_else(|failure: Failure| {
+    outcome.unwrap_or_else(|failure: Failure| {
         screen::complain(&failure.message);
         failure.code
-    });
-    ExitCode::from(code)
+    })
 }
 
 /// glibc gives a large block back to the system when it is freed, unless a larger one was freed before: without this a sweep

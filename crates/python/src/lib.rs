@@ -15,7 +15,15 @@ mod supervise;
 mod sweep;
 mod time_series;
 
+use std::ffi::OsString;
+
 use pyo3::prelude::*;
+
+/// Carries out a command line, whose first word is the program's name, and returns the exit status. Once in a process.
+#[pyfunction]
+fn program(py: Python<'_>, words: Vec<OsString>) -> u8 {
+    py.detach(|| pinwheel_cli::main(words))
+}
 
 /// Rust side of the package `pinwheel`; see there.
 #[pymodule]
@@ -46,6 +54,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(design::design, module)?,
         wrap_pyfunction!(design::fmu, module)?,
         wrap_pyfunction!(files::write, module)?,
+        wrap_pyfunction!(program, module)?,
     ] {
         module.add_function(function)?;
     }

@@ -10,7 +10,7 @@ use pinwheel::scene::{Override, Scene, preset};
 use pinwheel::studies::output::file_name;
 
 use crate::failure::Failure;
-use crate::screen;
+use crate::{screen, words};
 
 mod baseline;
 mod bench;
@@ -325,7 +325,7 @@ pub(crate) fn definition() -> clap::Command {
 
 /// The command to carry out; `None` when help or version was asked for and shown.
 pub(crate) fn parse() -> Result<Option<Command>, Failure> {
-    let matches = definition().try_get_matches();
+    let matches = definition().try_get_matches_from(words::all());
     let json = matches.as_ref().is_ok_and(wants_json);
     match matches.and_then(|matches| Program::from_arg_matches(&matches)) {
         Ok(program) => {
@@ -346,7 +346,7 @@ pub(crate) fn parse() -> Result<Option<Command>, Failure> {
                 Err(Failure::input("no command given; see the examples above"))
             }
             _ => {
-                let words = std::env::args_os().filter_map(|word| word.into_string().ok());
+                let words = words::all().iter().filter_map(|word| word.to_str());
                 let message = error.render().to_string();
                 Err(Failure::input(on_one_line(&message, &asked(words))))
             }
@@ -364,7 +364,7 @@ fn wants_json(matches: &clap::ArgMatches) -> bool {
 }
 
 /// The program and the command that is typed, if it is one.
-fn asked(words: impl Iterator<Item = String>) -> String {
+fn asked<'a>(words: impl Iterator<Item = &'a str>) -> String {
     let of = definition();
     let command = words
         .skip(1)
@@ -446,11 +446,7 @@ pub(crate) fn overrides(set: &[String]) -> Result<Vec<Override>, Failure> {
 /// The command again, as one would type it for the same results: without where they go, how they are told and how many threads
 /// work.
 pub(crate) fn typed() -> String {
-    without_places(
-        std::env::args_os()
-            .skip(1)
-            .map(|word| word.to_string_lossy().into_owned()),
-    )
+    without_places(words::typed().map(|word| word.to_string_lossy().into_owned()))
 }
 
 fn without_places(words: impl IntoIterator<Item = String>) -> String {
