@@ -4,10 +4,10 @@ use pinwheel::gearbox::Gearbox;
 use pinwheel::pages;
 use pinwheel::scene::CheckedScene;
 use pinwheel::studies::comparison::{self, Effort, Input, foreign};
-use pinwheel::studies::{Provenance, StudyError, choice, design_diff, effect, junit, single};
+use pinwheel::studies::{Provenance, choice, design_diff, junit};
 
-use super::run::name_idle;
-use crate::args::{self, CompareArgs};
+use super::idle;
+use crate::args::{self, CompareArgs, SceneArgs};
 use crate::failure::{ENGINE, Failure};
 use crate::folder::{Folder, check_junit};
 use crate::progress::watched;
@@ -53,7 +53,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
             junit::of_comparison(&found.comparison),
         )?;
     }
-    idle(args, &gearbox)?;
+    name_idle(&args.scene, &gearbox)?;
 
     if let Some(broken) = found.broken(asked_by_name) {
         screen::complain(&broken);
@@ -63,30 +63,17 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
 }
 
 /// Names the settings of the model without which a native run is equal to the bit; those of solvers other engines may read.
-fn idle(args: &CompareArgs, gearbox: &Gearbox) -> Result<(), Failure> {
-    let sets = &args.scene.set;
+fn name_idle(args: &SceneArgs, gearbox: &Gearbox) -> Result<(), Failure> {
     let is_model = |set: &String| !set.starts_with("solver.");
-    if !sets.iter().any(is_model) {
+    if !args.set.iter().any(is_model) {
         return Ok(());
     }
     let engine = choice::find("native-reduced", &gearbox.scene)?;
-    let (spec, overrides) = (&args.scene.scene, args::overrides(sets)?);
-    let mut idle = watched("compare", |control| {
-        match single::run(gearbox, engine.as_ref(), false, control) {
-            Ok(run) => Ok(effect::idle(
-                spec,
-                &overrides,
-                engine.as_ref(),
-                &run,
-                control,
-            )?),
-            Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
-            // A scene that the native solver refuses is no matter here.
-            Err(_) => Ok(Vec::new()),
-        }
+    let mut idle = idle::find("compare", args, gearbox, |settings, control| {
+        settings.idle(engine.as_ref(), control)
     })?;
-    idle.retain(|place| is_model(&sets[*place]));
-    name_idle(sets, &idle, "the native time series of this scene");
+    idle.retain(|place| is_model(&args.set[*place]));
+    idle::name(args, &idle, "the native time series of this scene");
     Ok(())
 }
 

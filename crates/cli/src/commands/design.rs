@@ -1,12 +1,16 @@
 //! `pinwheel init` and `pinwheel design`: from a catalogue to a scene, and from a scene to a designer's figures.
 
 use std::path::Path;
+use std::time::Instant;
 
+use pinwheel::gearbox::Gearbox;
 use pinwheel::pages;
 use pinwheel::scene::Fault;
 use pinwheel::scene::catalogue::ARGUMENTS;
-use pinwheel::studies::{Provenance, design};
+use pinwheel::studies::Provenance;
+use pinwheel::studies::design::{self, DesignResult};
 
+use super::idle;
 use crate::args::{self, DesignArgs, InitArgs, quoted};
 use crate::failure::Failure;
 use crate::folder::{self, Folder};
@@ -60,17 +64,29 @@ fn by_flag(fault: &Fault) -> Failure {
 pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "design")?;
+    let begun = Instant::now();
     let mut found = watched("design", |control| {
         design::run(&gearbox, !args.statics, control)
+    })?;
+    let took = begun.elapsed();
+    let made = Provenance::here(args::typed());
+    let page = |found: &DesignResult, gearbox: &Gearbox| {
+        pages::design::page(found, gearbox, &made, interrupt::flag())
+    };
+    let idle = idle::find("design", &args.scene, &gearbox, |settings, control| {
+        let own = page(&found, &gearbox)?;
+        let equal = |other: &_, without: &_| Ok(page(other, without)? == own);
+        settings.idle_in_design(&found, took, equal, control)
     })?;
     if let Some(stated) = args.stated_stiffness_n_m_arcmin {
         found.fit_rest(stated)?;
     }
-    let made = Provenance::here(args::typed());
     found.write(folder.path(), &made)?;
-    let page = pages::design::page(&found, &gearbox, &made, interrupt::flag())?;
+    let page = page(&found, &gearbox)?;
     folder.show(
         &page,
         &pages::design::text(&found, screen::manner().verbose),
-    )
+    )?;
+    idle::name(&args.scene, &idle, "the figures and files of this design");
+    Ok(())
 }

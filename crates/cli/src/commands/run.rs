@@ -1,22 +1,14 @@
 //! `pinwheel run`: one scene, one engine.
 
 use pinwheel::pages;
-use pinwheel::studies::{Provenance, choice, effect, single};
+use pinwheel::studies::{Provenance, choice, single};
 
+use super::idle;
 use crate::args::{self, RunArgs};
 use crate::failure::{ENGINE, Failure, INCONCLUSIVE};
 use crate::folder::Folder;
 use crate::progress::watched;
 use crate::screen;
-
-/// Names on stderr those of `sets`, by their places, without which `of` is equal to the bit.
-pub(super) fn name_idle(sets: &[String], idle: &[usize], of: &str) {
-    for set in idle.iter().map(|place| &sets[*place]) {
-        screen::show_on_stderr(&format!(
-            "note: --set {set} has no effect on {of}: without it they are equal to the bit"
-        ));
-    }
-}
 
 pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
     let gearbox = args.scene.load()?;
@@ -25,22 +17,23 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
     let engine = choice::find(&name, scene)?;
     single::prepare(engine.as_ref(), &gearbox)?;
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "run")?;
-    let sets = args::overrides(&args.scene.set)?;
-    let mut idle = Vec::new();
     let found = watched("run", |control| {
         let found = single::run(&gearbox, engine.as_ref(), !args.unchecked, control)?;
-        if !args.unchecked {
-            idle = effect::idle(&args.scene.scene, &sets, engine.as_ref(), &found, control)?;
-        }
         match args.unchecked || found.diverged().is_some() {
             // What broke off has no figure whose band could be of use.
             true => Ok(found),
             false => found.with_bands(&gearbox, control),
         }
     })?;
+    let idle = match args.unchecked {
+        true => Vec::new(),
+        false => idle::find("run", &args.scene, &gearbox, |settings, control| {
+            settings.idle_in_run(engine.as_ref(), &found.run, control)
+        })?,
+    };
     found.write(folder.path(), &Provenance::here(args::typed()))?;
     let place = folder.publish()?;
-    name_idle(&args.scene.set, &idle, "the time series of this scene");
+    idle::name(&args.scene, &idle, "the time series of this scene");
     let time_series = place.join(single::file(&found.run.ending));
     let time_series = time_series.display();
 

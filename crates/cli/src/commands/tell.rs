@@ -3,6 +3,7 @@
 use pinwheel::studies::{choice, explained};
 use pinwheel::{engines::external, pages, scene};
 
+use super::idle;
 use crate::args::{ExplainArgs, JsonArgs};
 use crate::failure::Failure;
 use crate::screen;
@@ -11,7 +12,13 @@ use crate::screen;
 pub(crate) fn explain(args: &ExplainArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
     let found = explained::explain(&gearbox);
-    screen::show_or_json(args.out.json, &found, || pages::explain::text(&found))
+    screen::show_or_json(args.out.json, &found, || pages::explain::text(&found))?;
+    let engine = choice::find("native", &gearbox.scene)?;
+    let idle = idle::find("explain", &args.scene, &gearbox, |settings, control| {
+        settings.idle_in_explanation(engine.as_ref(), control)
+    })?;
+    idle::name(&args.scene, &idle, "the native time series of this scene");
+    Ok(())
 }
 
 /// Shows the engines that this build can compare.
