@@ -9,14 +9,14 @@ use pinwheel::report::sanitize::{sanitize, shortened};
 use pinwheel::report::terminal::{BAD, paragraph, styled};
 use pinwheel::studies::output::reason;
 
-use crate::args::Manner;
+use crate::args::manner::Manner;
 use crate::failure::Failure;
 
 static MANNER: OnceLock<Manner> = OnceLock::new();
 
 /// From now on the program speaks like this.
 pub(crate) fn speak(manner: Manner) {
-    manner.colours().write_global();
+    manner.color.write_global();
     let _ = MANNER.set(manner);
 }
 

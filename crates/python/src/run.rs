@@ -102,7 +102,8 @@ pub(crate) fn run(
     let (engine, ending) = (found.engine.clone(), found.run.ending.clone());
     let ran = Ran::of(py, found)?;
     if !ending.is_finished() {
-        return Err(ended(&engine, &ending, Some(Py::new(py, ran)?)));
+        let partial = Py::new(py, ran)?.into_any();
+        return Err(ended(&engine, &ending, Some(partial)));
     }
     Ok(ran)
 }

@@ -17,6 +17,7 @@ mod bench;
 mod design;
 mod explore;
 mod fmu;
+pub(crate) mod manner;
 mod named;
 mod paper;
 mod solver;
@@ -28,6 +29,7 @@ pub(crate) use bench::BenchArgs;
 pub(crate) use design::{DesignArgs, InitArgs};
 pub(crate) use explore::ExploreArgs;
 pub(crate) use fmu::FmuArgs;
+use manner::Manner;
 pub(crate) use paper::PaperArgs;
 pub(crate) use solver::{SolverAction, SolverArgs, Solvers};
 pub(crate) use stability::StabilityArgs;
@@ -44,46 +46,6 @@ struct Program {
     command: Command,
     #[command(flatten)]
     manner: Manner,
-}
-
-/// How the program speaks, whatever it does.
-#[derive(Debug, Clone, Copy, Default, Args)]
-pub(crate) struct Manner {
-    /// No progress; of a study only where its results are.
-    #[arg(long, short, global = true, conflicts_with = "verbose")]
-    pub(crate) quiet: bool,
-    /// Also the files written, and of a comparison every engine's figures.
-    #[arg(long, short, global = true)]
-    pub(crate) verbose: bool,
-    /// Colours.
-    #[arg(long, value_name = "WHEN", global = true, default_value = "auto")]
-    color: Colour,
-    /// Results as JSON (of the command, if it takes `--json`).
-    #[arg(skip)]
-    pub(crate) json: bool,
-}
-
-/// When colours are used.
-#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
-#[clap(rename_all = "lower")]
-enum Colour {
-    /// Where a terminal shows them.
-    #[default]
-    Auto,
-    /// In pipes and files as well.
-    Always,
-    /// Nowhere.
-    Never,
-}
-
-impl Manner {
-    pub(crate) fn colours(self) -> anstream::ColorChoice {
-        match self.color {
-            Colour::Auto => anstream::ColorChoice::Auto,
-            Colour::Always => anstream::ColorChoice::AlwaysAnsi,
-            Colour::Never => anstream::ColorChoice::Never,
-        }
-    }
 }
 
 /// What to do.
