@@ -137,8 +137,8 @@ impl Settings<'_> {
             .collect())
     }
 
-    /// Returns the places of those without which the design `found` is equal to the bit, and so are other results of it by
-    /// `equal`; none where `found` took more than some seconds.
+    /// Returns the places of those without which the design `found` is equal to the bit, and other results of it are `equal`;
+    /// none where `found` took more than some seconds.
     ///
     /// # Errors
     /// Cancelled.
@@ -146,19 +146,17 @@ impl Settings<'_> {
         self,
         found: &DesignResult,
         took: Duration,
-        mut equal: impl FnMut(&DesignResult, &Gearbox) -> Result<bool, StudyError>,
         control: &Control<'_>,
+        mut equal: impl FnMut(&DesignResult, &Gearbox) -> Result<bool, StudyError>,
     ) -> Result<Vec<usize>, StudyError> {
         if took > LONGEST_DESIGN {
             return Ok(Vec::new());
         }
-        self.without_effect(|without| {
-            match found.repeated(without, control) {
-                Ok(Some(other)) => equal(&other, without),
-                Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
-                // Without this setting there is no design, or another one.
-                _ => Ok(false),
-            }
+        self.without_effect(|without| match found.repeated(without, control) {
+            Ok(Some(other)) => equal(&other, without),
+            Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
+            // Without this setting there is no design, or another one.
+            _ => Ok(false),
         })
     }
 }

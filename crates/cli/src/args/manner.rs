@@ -20,6 +20,9 @@ pub(crate) struct Manner {
     /// Results as JSON (of the command, if it takes `--json`).
     #[arg(skip)]
     pub(crate) json: bool,
+    /// Name of the command.
+    #[arg(skip)]
+    pub(crate) command: &'static str,
 }
 
 /// When colours are used.

@@ -1,11 +1,10 @@
 //! `pinwheel bench`: what accuracy costs in every engine, integrator and step.
 
 use pinwheel::pages;
-use pinwheel::studies::Provenance;
 use pinwheel::studies::bench::{self, Options, WorkPrecision};
 use pinwheel::studies::folder::PAGE;
 
-use crate::args::{self, BenchArgs};
+use crate::args::BenchArgs;
 use crate::failure::{ENGINE, Failure, STOPPED};
 use crate::folder::Folder;
 use crate::progress::watched;
@@ -21,12 +20,9 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
     )?;
     let engines = bench::engines(&args.solvers.join_named(&args.engines)?, &scene)?;
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "bench")?;
-    let measured = watched("bench", |control| {
-        bench::run(&scene, &engines, &options, control)
-    })?;
+    let measured = watched(|control| bench::run(&scene, &engines, &options, control))?;
 
-    let made = Provenance::here(args::typed());
-    measured.write(folder.path(), &made)?;
+    let made = folder.write(|dir, made| measured.write(dir, made))?;
     let page = pages::bench::page(&measured, &made);
     let text = pages::bench::text(&measured);
     if measured.complete {

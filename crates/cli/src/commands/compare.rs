@@ -4,7 +4,7 @@ use pinwheel::gearbox::Gearbox;
 use pinwheel::pages;
 use pinwheel::scene::CheckedScene;
 use pinwheel::studies::comparison::{self, Effort, Input, foreign};
-use pinwheel::studies::{Provenance, choice, design_diff, junit};
+use pinwheel::studies::{choice, design_diff, junit};
 
 use super::idle;
 use crate::args::{self, CompareArgs, SceneArgs};
@@ -32,13 +32,10 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         data: &data,
     };
     let effort = effort(args, &args.scene.scene, scene)?;
-    let mut found = watched("compare", |control| {
-        comparison::run_with(&input, effort, control)
-    })?;
+    let mut found = watched(|control| comparison::run_with(&input, effort, control))?;
     // An engine that was asked for by name and is left out ends in an error.
     found.comparison.passed &= found.broken(asked_by_name).is_none();
-    let made = Provenance::here(args::typed());
-    found.write(folder.path(), &made)?;
+    let made = folder.write(|dir, made| found.write(dir, made))?;
     let page = pages::comparison::page(&found, &made, interrupt::flag())?;
     let mut text = pages::comparison::text(scene, &found);
     if screen::manner().verbose {
@@ -69,12 +66,12 @@ fn name_idle(args: &SceneArgs, gearbox: &Gearbox) -> Result<(), Failure> {
         return Ok(());
     }
     let engine = choice::find("native-reduced", &gearbox.scene)?;
-    let mut idle = idle::find("compare", args, gearbox, |settings, control| {
-        settings.idle(engine.as_ref(), control)
-    })?;
-    idle.retain(|place| is_model(&args.set[*place]));
-    idle::name(args, &idle, "the native time series of this scene");
-    Ok(())
+    let of = "the native time series of this scene";
+    idle::name(args, gearbox, of, |settings, control| {
+        let mut idle = settings.idle(engine.as_ref(), control)?;
+        idle.retain(|place| is_model(&args.set[*place]));
+        Ok(idle)
+    })
 }
 
 /// Two designs by one engine.
@@ -92,9 +89,8 @@ fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failu
         engine: engine.as_ref(),
         efforts: [a?, b?],
     };
-    let found = watched("compare", |control| design_diff::run(&input, control))?;
-    let made = Provenance::here(args::typed());
-    found.write(folder.path(), &made)?;
+    let found = watched(|control| design_diff::run(&input, control))?;
+    let made = folder.write(|dir, made| found.write(dir, made))?;
     let page = pages::design_diff::page(&found, &made, interrupt::flag())?;
     folder.show(&page, &pages::design_diff::text(&found))?;
     if let Some((name, reason)) = found.broken() {

@@ -7,11 +7,10 @@ use pinwheel::gearbox::Gearbox;
 use pinwheel::pages;
 use pinwheel::scene::Fault;
 use pinwheel::scene::catalogue::ARGUMENTS;
-use pinwheel::studies::Provenance;
 use pinwheel::studies::design::{self, DesignResult};
 
 use super::idle;
-use crate::args::{self, DesignArgs, InitArgs, quoted};
+use crate::args::{DesignArgs, InitArgs, quoted};
 use crate::failure::Failure;
 use crate::folder::{self, Folder};
 use crate::progress::watched;
@@ -65,28 +64,22 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "design")?;
     let begun = Instant::now();
-    let mut found = watched("design", |control| {
-        design::run(&gearbox, !args.statics, control)
-    })?;
+    let mut found = watched(|control| design::run(&gearbox, !args.statics, control))?;
     let took = begun.elapsed();
-    let made = Provenance::here(args::typed());
-    let page = |found: &DesignResult, gearbox: &Gearbox| {
-        pages::design::page(found, gearbox, &made, interrupt::flag())
-    };
-    let idle = idle::find("design", &args.scene, &gearbox, |settings, control| {
-        let own = page(&found, &gearbox)?;
-        let equal = |other: &_, without: &_| Ok(page(other, without)? == own);
-        settings.idle_in_design(&found, took, equal, control)
-    })?;
     if let Some(stated) = args.stated_stiffness_n_m_arcmin {
         found.fit_rest(stated)?;
     }
-    found.write(folder.path(), &made)?;
-    let page = page(&found, &gearbox)?;
-    folder.show(
-        &page,
-        &pages::design::text(&found, screen::manner().verbose),
-    )?;
-    idle::name(&args.scene, &idle, "the figures and files of this design");
-    Ok(())
+    let made = folder.write(|dir, made| found.write(dir, made))?;
+    let page = |found: &DesignResult, gearbox: &Gearbox| {
+        pages::design::page(found, gearbox, &made, interrupt::flag())
+    };
+    let html = page(&found, &gearbox)?;
+    let text = pages::design::text(&found, screen::manner().verbose);
+    folder.show(&html, &text)?;
+    let of = "the figures and files of this design";
+    idle::name(&args.scene, &gearbox, of, |settings, control| {
+        settings.idle_in_design(&found, took, control, |other, gearbox| {
+            Ok(page(other, gearbox)? == html)
+        })
+    })
 }

@@ -291,6 +291,17 @@ fn plain(status: u16, why: impl Into<String>) -> Answer {
     Answer::new(status, "text/plain", why)
 }
 
+/// Answers a question that the page's script put right and that has no result.
+fn reason(why: impl Into<Value>) -> Answer {
+    told(&json!({ "reason": why.into() }))
+}
+
+impl From<Failure> for Answer {
+    fn from(failure: Failure) -> Self {
+        plain(500, failure.message)
+    }
+}
+
 /// Balances as the page's script reads them; null: they were given up.
 fn balanced(found: Result<Value, StudyError>) -> Value {
     match found {
@@ -313,7 +324,7 @@ impl Explorer {
         let path = self.entry.admit(question)?;
         // What asks for balances says which page it is.
         let (path, tab) = path.split_once('?').unwrap_or((path, ""));
-        let found = match question.method.as_str() {
+        match question.method.as_str() {
             "GET" => match path {
                 "/" => self.page(&question.gone),
                 "/status" => Ok(told(&self.status())),
@@ -329,44 +340,35 @@ impl Explorer {
                 match path {
                     "/run" => self.run(tab, &values, &question.gone),
                     "/save" => self.save(&values),
-                    "/compare" => Ok(self.compare(&values)),
+                    "/compare" => self.compare(&values),
                     "/balances" | "/bands" => {
                         self.balances(tab, path == "/bands", &values, &question.gone)
                     }
                     _ => Ok(plain(404, "there is nothing here")),
                 }
             }
-            _ => return Err(plain(405, "only GET and POST")),
-        };
-        found.map_err(|failure| plain(500, failure.message))
+            _ => Err(plain(405, "only GET and POST")),
+        }
     }
 
-    fn page(&self, gone: &AtomicBool) -> Result<Answer, Failure> {
-        let scene = match live::scene(&self.spec, &self.settled, &[]) {
-            Ok(scene) => scene,
-            Err(error) => {
-                let why = format!("{error}\n\nMend the file and load this page again.");
-                return Ok(plain(422, why));
-            }
-        };
+    fn page(&self, gone: &AtomicBool) -> Result<Answer, Answer> {
+        let mend = |why| format!("{why}\n\nMend the file and load this page again.");
+        let scene = live::scene(&self.spec, &self.settled, &[]);
+        let scene = scene.map_err(|why| plain(422, mend(why)))?;
         *lock(&self.span_s) = live::span_s(&scene);
         let made = Provenance::here(args::typed());
-        Ok(match live::page(&scene, &made, gone)? {
-            Ok(text) => page(text),
-            Err(why) => plain(422, why),
-        })
+        let text = live::page(&scene, &made, gone).map_err(Failure::from)?;
+        text.map(page).map_err(|why| plain(422, why))
     }
 
     /// A run of a state, and its balances beside it where they take no longer than a hand would wait; given up once its page is
     /// `gone`.
-    fn run(&self, tab: &str, values: &live::Values, gone: &AtomicBool) -> Result<Answer, Failure> {
+    fn run(&self, tab: &str, values: &live::Values, gone: &AtomicBool) -> Result<Answer, Answer> {
         let begun = Instant::now();
         let stop = Arc::default();
         self.newest(tab, &stop);
-        let gearbox = match live::gearbox(&self.spec, &self.settled, values) {
-            Ok(gearbox) => Arc::new(gearbox),
-            Err(error) => return Ok(told(&json!({"reason": error}))),
-        };
+        let gearbox = live::gearbox(&self.spec, &self.settled, values);
+        let gearbox = Arc::new(gearbox.map_err(reason)?);
         let without = *lock(&self.without);
         let hears = (without.left == 0).then(|| {
             let (tells, hears) = mpsc::channel();
@@ -382,7 +384,7 @@ impl Explorer {
         if found.is_err() {
             stop.store(true, Ordering::Relaxed);
         }
-        let found = found?;
+        let found = found.map_err(Failure::from)?;
         let patience = match found {
             Ok(_) => PATIENCE.saturating_sub(begun.elapsed()),
             Err(_) => Duration::ZERO,
@@ -390,13 +392,9 @@ impl Explorer {
         let figures = hears.and_then(|hears| hears.recv_timeout(patience).ok());
         *lock(&self.without) = without.after(figures.as_ref());
         stop.store(true, Ordering::Relaxed);
-        Ok(told(&match found {
-            Ok(mut run) => {
-                run["balanced"] = figures.map_or(LATE, balanced);
-                run
-            }
-            Err(why) => json!({"reason": why}),
-        }))
+        let mut run = found.map_err(reason)?;
+        run["balanced"] = figures.map_or(LATE, balanced);
+        Ok(told(&run))
     }
 
     /// Balances of the newest state that was asked for; `stop` gives them up.
@@ -406,12 +404,9 @@ impl Explorer {
         laws: bool,
         values: &live::Values,
         stop: &Arc<AtomicBool>,
-    ) -> Result<Answer, Failure> {
+    ) -> Result<Answer, Answer> {
         self.newest(tab, stop);
-        let gearbox = match live::gearbox(&self.spec, &self.settled, values) {
-            Ok(gearbox) => gearbox,
-            Err(error) => return Ok(told(&json!({"reason": error}))),
-        };
+        let gearbox = live::gearbox(&self.spec, &self.settled, values).map_err(reason)?;
         let begun = Instant::now();
         let found = live::balances(&gearbox, laws, stop);
         if !laws && found.is_ok() {
@@ -431,11 +426,8 @@ impl Explorer {
     }
 
     /// Writes the scene's file, with what was moved, into the working folder; never over another one.
-    fn save(&self, values: &live::Values) -> Result<Answer, Failure> {
-        let (name, text) = match live::file(&self.spec, &self.sets, values) {
-            Ok(file) => file,
-            Err(error) => return Ok(told(&json!({"reason": error}))),
-        };
+    fn save(&self, values: &live::Values) -> Result<Answer, Answer> {
+        let (name, text) = live::file(&self.spec, &self.sets, values).map_err(reason)?;
         let stem = file_name(&name);
         let stem = stem.split("-explored").next().unwrap_or_default();
         let mut number = 1;
@@ -448,26 +440,23 @@ impl Explorer {
                 Ok(file) => break (name, file),
                 // Another program may have taken the name this very moment.
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => number += 1,
-                Err(error) => return Err(Failure::input(format!("{name}: {error}"))),
+                Err(error) => return Err(plain(500, format!("{name}: {error}"))),
             }
         };
         file.write_all(text.as_bytes()).map_err(|error| {
             // What is there of it is ours.
             let _ = std::fs::remove_file(&name);
-            Failure::input(format!("{name}: {error}"))
+            plain(500, format!("{name}: {error}"))
         })?;
         Ok(told(&json!({"file": name})))
     }
 
     /// Starts a comparison of all engines, unless one is under way.
-    fn compare(self: &Arc<Self>, values: &live::Values) -> Answer {
-        let scene = match live::scene(&self.spec, &self.sets, values) {
-            Ok(scene) => scene,
-            Err(error) => return told(&json!({"reason": error})),
-        };
+    fn compare(self: &Arc<Self>, values: &live::Values) -> Result<Answer, Answer> {
+        let scene = live::scene(&self.spec, &self.sets, values).map_err(reason)?;
         let mut compared = lock(&self.compared);
         if compared.running {
-            return told(&json!({"reason": "a comparison is under way"}));
+            return Err(reason("a comparison is under way"));
         }
         *compared = Compared {
             running: true,
@@ -484,7 +473,7 @@ impl Explorer {
                 Err(failure) => compared.told = failure.message,
             }
         }));
-        told(&json!({}))
+        Ok(told(&json!({})))
     }
 
     /// When the scene's file was written, and how a comparison stands.
@@ -535,8 +524,7 @@ impl Explorer {
             ..Effort::of(scene)
         };
         let found = comparison::run_with(&input, effort, &control)?;
-        let made = Provenance::here(args::typed());
-        found.write(folder.path(), &made)?;
+        let made = folder.write(|dir, made| found.write(dir, made))?;
         let page = pages::comparison::page(&found, &made, interrupt::flag())?;
         folder.write_page(&page)?;
         let place = folder.publish()?;

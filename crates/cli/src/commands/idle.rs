@@ -1,34 +1,37 @@
-//! Settings of a command line that do nothing, named on stderr.
+//! Settings of a command line that do nothing, named on stderr once the results are out.
 
 use pinwheel::gearbox::Gearbox;
 use pinwheel::studies::effect::Settings;
 use pinwheel::studies::{Control, StudyError};
 
 use crate::args::{self, SceneArgs};
-use crate::failure::Failure;
+use crate::failure::{Failure, STOPPED};
 use crate::progress::watched;
 use crate::screen;
 
-/// Finds the settings of `args`, whose scene is `gearbox`, that do nothing by `find`, under the progress of the command `label`.
-pub(super) fn find(
-    label: &str,
+/// Names the settings of `args`, whose scene is `gearbox`, without which `of` are equal to the bit by `find`.
+pub(super) fn name(
     args: &SceneArgs,
     gearbox: &Gearbox,
+    of: &str,
     find: impl FnOnce(Settings<'_>, &Control<'_>) -> Result<Vec<usize>, StudyError>,
-) -> Result<Vec<usize>, Failure> {
+) -> Result<(), Failure> {
     let settings = Settings {
         spec: &args.scene,
         sets: &args::overrides(&args.set)?,
         gearbox,
     };
-    Ok(watched(label, |control| find(settings, control))?)
-}
-
-/// Names those at the places `idle`, without which `of` are equal to the bit.
-pub(super) fn name(args: &SceneArgs, idle: &[usize], of: &str) {
+    let idle = watched(|control| find(settings, control)).map_err(|error| match error {
+        StudyError::Cancelled => Failure {
+            code: STOPPED,
+            message: "stopped; the results are complete".to_owned(),
+        },
+        error => error.into(),
+    })?;
     for set in idle.iter().map(|place| &args.set[*place]) {
         screen::show_on_stderr(&format!(
             "note: --set {set} has no effect on {of}: without it they are equal to the bit"
         ));
     }
+    Ok(())
 }

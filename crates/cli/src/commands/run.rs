@@ -1,10 +1,10 @@
 //! `pinwheel run`: one scene, one engine.
 
 use pinwheel::pages;
-use pinwheel::studies::{Provenance, choice, single};
+use pinwheel::studies::{choice, single};
 
 use super::idle;
-use crate::args::{self, RunArgs};
+use crate::args::RunArgs;
 use crate::failure::{ENGINE, Failure, INCONCLUSIVE};
 use crate::folder::Folder;
 use crate::progress::watched;
@@ -17,7 +17,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
     let engine = choice::find(&name, scene)?;
     single::prepare(engine.as_ref(), &gearbox)?;
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "run")?;
-    let found = watched("run", |control| {
+    let found = watched(|control| {
         let found = single::run(&gearbox, engine.as_ref(), !args.unchecked, control)?;
         match args.unchecked || found.diverged().is_some() {
             // What broke off has no figure whose band could be of use.
@@ -25,15 +25,14 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
             false => found.with_bands(&gearbox, control),
         }
     })?;
-    let idle = match args.unchecked {
-        true => Vec::new(),
-        false => idle::find("run", &args.scene, &gearbox, |settings, control| {
-            settings.idle_in_run(engine.as_ref(), &found.run, control)
-        })?,
-    };
-    found.write(folder.path(), &Provenance::here(args::typed()))?;
+    folder.write(|dir, made| found.write(dir, made))?;
     let place = folder.publish()?;
-    idle::name(&args.scene, &idle, "the time series of this scene");
+    if !args.unchecked {
+        let of = "the time series of this scene";
+        idle::name(&args.scene, &gearbox, of, |settings, control| {
+            settings.idle_in_run(engine.as_ref(), &found.run, control)
+        })?;
+    }
     let time_series = place.join(single::file(&found.run.ending));
     let time_series = time_series.display();
 

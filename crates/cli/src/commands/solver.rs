@@ -5,9 +5,9 @@ use std::path::Path;
 use pinwheel::engines::external::{self, Manifest, Solver, scaffold::Language};
 use pinwheel::pages;
 use pinwheel::studies::output::file_name;
-use pinwheel::studies::{Provenance, conformance, junit};
+use pinwheel::studies::{conformance, junit};
 
-use crate::args::{self, OutArgs, SceneArgs, SolverAction, SolverArgs};
+use crate::args::{OutArgs, SceneArgs, SolverAction, SolverArgs};
 use crate::failure::{DIFFER, Failure};
 use crate::folder::{Folder, check_junit, relative};
 use crate::progress::watched;
@@ -52,11 +52,8 @@ fn check(file: &Path, junit: Option<&Path>, out: &OutArgs) -> Result<u8, Failure
     let label = format!("{}-check", file_name(&name));
     let folder = Folder::of(out, label, &relative(file))?;
     check_junit(junit, folder.place())?;
-    let found = watched("solver check", |control| {
-        conformance::check(&solver, control)
-    })?;
-    let made = Provenance::here(args::typed());
-    found.write(folder.path(), &made)?;
+    let found = watched(|control| conformance::check(&solver, control))?;
+    let made = folder.write(|dir, made| found.write(dir, made))?;
     let page = pages::conformance::page(&found, &made);
     folder.show(&page, &pages::conformance::text(&found))?;
     if let Some(path) = junit {

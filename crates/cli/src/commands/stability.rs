@@ -2,8 +2,8 @@
 
 use pinwheel::pages;
 use pinwheel::scene::Scene;
+use pinwheel::studies::StudyError;
 use pinwheel::studies::stability::{Atlas, Method, Options, SERVED};
-use pinwheel::studies::{Provenance, StudyError};
 
 use crate::args::{self, StabilityArgs, quoted};
 use crate::failure::{DIFFER, Failure, INCONCLUSIVE, STOPPED};
@@ -30,14 +30,13 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
     let folder = Folder::of(&args.out, "stability", &all_or(&args.scenes))?;
     interrupt::check()?;
     let jobs = args.jobs.map_or_else(args::cores, usize::from);
-    let stopped = match watched("stability", |control| atlas.go_on(jobs, control)) {
+    let stopped = match watched(|control| atlas.go_on(jobs, control)) {
         Ok(()) => false,
         Err(StudyError::Cancelled) if atlas.done().count() > 0 => true,
         Err(error) => return Err(error.into()),
     };
 
-    let made = Provenance::here(args::typed());
-    atlas.write(folder.path(), &made)?;
+    let made = folder.write(|dir, made| atlas.write(dir, made))?;
     let page = pages::stability::page(&atlas, &made);
     if stopped {
         let place = folder.publish_partial(&page)?;

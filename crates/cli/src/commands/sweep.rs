@@ -1,7 +1,6 @@
 //! `pinwheel sweep`: a study as data.
 
 use pinwheel::pages;
-use pinwheel::studies::Provenance;
 use pinwheel::studies::folder::PAGE;
 use pinwheel::studies::sweep::{
     self, Begin, Guests, Journal, Plan, RunRecord, Sweep, SweepError, execute,
@@ -30,7 +29,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     };
     let journal = Journal::begin(&out, begin, &args::typed())?;
     let jobs = args.jobs.map_or_else(args::cores, usize::from);
-    let records = watched("sweep", |control| execute(&plan, &journal, jobs, control));
+    let records = watched(|control| execute(&plan, &journal, jobs, control));
     let records = match records {
         Err(fault) if journal.in_its_folder() == 0 => {
             journal.remove()?;
@@ -42,11 +41,9 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
         records => records?,
     };
     let folder = prepare()?;
-    let (table, made) = (
-        sweep::results(&plan, &records),
-        Provenance::here(args::typed()),
-    );
-    sweep::write(folder.path(), &plan, &records, &table, &journal, &made)?;
+    let table = sweep::results(&plan, &records);
+    let made =
+        folder.write(|dir, made| sweep::write(dir, &plan, &records, &table, &journal, made))?;
     let page = pages::sweep::page(&plan, &records, &table, &made);
     let csv = out.join("results.csv").display().to_string();
     let text = pages::sweep::text(&plan, &records, &[("results", csv.clone())]);

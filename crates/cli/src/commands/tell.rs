@@ -14,11 +14,10 @@ pub(crate) fn explain(args: &ExplainArgs) -> Result<(), Failure> {
     let found = explained::explain(&gearbox);
     screen::show_or_json(args.out.json, &found, || pages::explain::text(&found))?;
     let engine = choice::find("native", &gearbox.scene)?;
-    let idle = idle::find("explain", &args.scene, &gearbox, |settings, control| {
+    let of = "the native time series of this scene";
+    idle::name(&args.scene, &gearbox, of, |settings, control| {
         settings.idle_in_explanation(engine.as_ref(), control)
-    })?;
-    idle::name(&args.scene, &idle, "the native time series of this scene");
-    Ok(())
+    })
 }
 
 /// Shows the engines that this build can compare.

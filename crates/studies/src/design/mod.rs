@@ -536,13 +536,14 @@ impl DesignResult {
         Ok(())
     }
 
-    /// Makes the design of another gear; `None` if it differs in a bit from this one.
+    /// Makes the design of another gear, with the rest fitted to this one; `None` if it differs in a bit from this one.
     pub(crate) fn repeated(
         &self,
         gearbox: &Gearbox,
         control: &Control<'_>,
     ) -> Result<Option<Self>, StudyError> {
         let own = self.clone();
+        let rest = self.rest;
         // Most settings move the statics, a fraction of the cost.
         let statics = Self {
             scene: own.scene,
@@ -551,6 +552,7 @@ impl DesignResult {
             cycle: own.cycle,
             efficiency: own.efficiency,
             joint: own.joint,
+            rest,
             ..figures_of(gearbox, false, control)?
         };
         if statics != *self {
@@ -558,6 +560,7 @@ impl DesignResult {
         }
         let found = Self {
             scene: statics.scene,
+            rest,
             ..run(gearbox, self.cycle.is_some(), control)?
         };
         Ok((found == *self).then_some(found))
