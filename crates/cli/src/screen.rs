@@ -98,16 +98,14 @@ pub(crate) fn show_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     show(&text)
 }
 
-/// One or the other.
+/// Writes a value as JSON where that is asked for, and as a text otherwise.
 pub(crate) fn show_or_json(
-    json: bool,
     value: &impl serde::Serialize,
     text: impl FnOnce() -> String,
 ) -> Result<(), Failure> {
-    if json {
-        show_json(value)
-    } else {
-        show(&text())
+    match manner().json {
+        true => show_json(value),
+        false => show(&text()),
     }
 }
 

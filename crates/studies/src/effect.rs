@@ -47,10 +47,7 @@ impl Settings<'_> {
                 continue;
             };
             let is_idle = without == self.gearbox.scene
-                || match Gearbox::new(&without) {
-                    Ok(without) => equal(&without)?,
-                    Err(_) => false,
-                };
+                || Gearbox::new(&without).map_or(Ok(false), |without| equal(&without))?;
             idle.extend(is_idle.then_some(place));
         }
         Ok(idle)
@@ -69,7 +66,7 @@ impl Settings<'_> {
     ) -> Result<Vec<usize>, StudyError> {
         let takes_long = run.stats.wall_s > LONGEST_RUN.as_secs_f64();
         let is_other = engine.track() != SharedModel::Native;
-        if self.sets.is_empty() || takes_long || is_other || !run.ending.is_finished() {
+        if takes_long || is_other || !run.ending.is_finished() {
             return Ok(Vec::new());
         }
         let at = control.piece(Progress::new(0, 1, "without single settings"));
@@ -99,9 +96,6 @@ impl Settings<'_> {
         engine: &dyn Engine,
         control: &Control<'_>,
     ) -> Result<Vec<usize>, StudyError> {
-        if self.sets.is_empty() {
-            return Ok(Vec::new());
-        }
         let limit = TimeLimit {
             most: LONGEST_RUN,
             suggested_limit_s: 1.0,
@@ -122,19 +116,14 @@ impl Settings<'_> {
         engine: &dyn Engine,
         control: &Control<'_>,
     ) -> Result<Vec<usize>, StudyError> {
-        let idle = self.idle(engine, control)?;
-        if idle.is_empty() {
-            return Ok(idle);
-        }
         let own = explain(self.gearbox);
         let alike = self.without_effect(|without| {
             let other = explain(without);
             Ok(other.model == own.model && other.derived == own.derived)
         })?;
-        Ok(idle
-            .into_iter()
-            .filter(|place| alike.contains(place))
-            .collect())
+        let mut idle = self.idle(engine, control)?;
+        idle.retain(|place| alike.contains(place));
+        Ok(idle)
     }
 
     /// Returns the places of those without which the design `found` is equal to the bit, and other results of it are `equal`;

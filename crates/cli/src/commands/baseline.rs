@@ -43,10 +43,9 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
     let recorded = watched(|control| baseline::record(here, earlier, reason, &options, control))?;
     let text = pages::baseline::recorded(name, &recorded);
     if recorded.scenes.is_empty() {
-        return Err(Failure {
-            code: INCONCLUSIVE,
-            message: format!("{}; name other scenes by --only", text.replace('\n', "; ")),
-        });
+        let text = text.replace('\n', "; ");
+        let message = format!("{text}; name other scenes by --only");
+        return Err(Failure::new(INCONCLUSIVE, message));
     }
     interrupt::check()?;
     recorded.baseline.write(&folder)?;
@@ -102,7 +101,7 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
 
 fn list(args: &ListArgs) -> Result<u8, Failure> {
     let listed = Baseline::list(&args.dir)?;
-    screen::show_or_json(args.out.json, &listed, || {
+    screen::show_or_json(&listed, || {
         if listed.is_empty() {
             let dir = args.dir.display();
             return format!("no baselines in {dir}; `pinwheel baseline record` makes one");

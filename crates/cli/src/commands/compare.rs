@@ -8,7 +8,7 @@ use pinwheel::studies::{choice, design_diff, junit};
 
 use super::idle;
 use crate::args::{self, CompareArgs, SceneArgs};
-use crate::failure::{ENGINE, Failure};
+use crate::failure::Failure;
 use crate::folder::{Folder, check_junit};
 use crate::progress::watched;
 use crate::{interrupt, screen};
@@ -52,11 +52,10 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     }
     name_idle(&args.scene, &gearbox)?;
 
-    if let Some(broken) = found.broken(asked_by_name) {
-        screen::complain(&broken);
-        return Ok(ENGINE);
+    match found.broken(asked_by_name) {
+        Some(broken) => Err(Failure::engine(broken)),
+        None => Ok(found.exit_status()),
     }
-    Ok(found.exit_status())
 }
 
 /// Names the settings of the model without which a native run is equal to the bit; those of solvers other engines may read.
@@ -94,10 +93,9 @@ fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failu
     let page = pages::design_diff::page(&found, &made, interrupt::flag())?;
     folder.show(&page, &pages::design_diff::text(&found))?;
     if let Some((name, reason)) = found.broken() {
-        screen::complain(&format!(
+        return Err(Failure::engine(format!(
             "{name} {reason}; try a smaller solver.step_s or another solver.integrator"
-        ));
-        return Ok(ENGINE);
+        )));
     }
     Ok(0)
 }

@@ -11,7 +11,7 @@ use std::io::Write as _;
 use std::net::TcpListener;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, mpsc};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 
@@ -26,7 +26,7 @@ use serde_json::{Value, json};
 use crate::args::{self, ExploreArgs};
 use crate::failure::Failure;
 use crate::folder::Folder;
-use crate::loopback::{self, Answer, Question};
+use crate::loopback::{self, Answer, Question, locked};
 use crate::{interrupt, screen};
 
 /// Where the page is, if nothing else is there.
@@ -102,7 +102,7 @@ impl Entry {
             }
             Self::Browser { token, cookie, key } => {
                 if let Some(given) = path.strip_prefix("/?token=") {
-                    let mut own = lock(token);
+                    let mut own = locked(token);
                     if own.as_deref() != Some(given) {
                         return Err(refused(
                             "this address was used before: start `pinwheel explore` again",
@@ -231,7 +231,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     }
     drop(opened);
     // It stops by itself, and leaves no draft.
-    let work = lock(&explorer.compared).work.take();
+    let work = locked(&explorer.compared).work.take();
     if let Some(work) = work {
         let _ = work.join();
     }
@@ -355,7 +355,7 @@ impl Explorer {
         let mend = |why| format!("{why}\n\nMend the file and load this page again.");
         let scene = live::scene(&self.spec, &self.settled, &[]);
         let scene = scene.map_err(|why| plain(422, mend(why)))?;
-        *lock(&self.span_s) = live::span_s(&scene);
+        *locked(&self.span_s) = live::span_s(&scene);
         let made = Provenance::here(args::typed());
         let text = live::page(&scene, &made, gone).map_err(Failure::from)?;
         text.map(page).map_err(|why| plain(422, why))
@@ -369,7 +369,7 @@ impl Explorer {
         self.newest(tab, &stop);
         let gearbox = live::gearbox(&self.spec, &self.settled, values);
         let gearbox = Arc::new(gearbox.map_err(reason)?);
-        let without = *lock(&self.without);
+        let without = *locked(&self.without);
         let hears = (without.left == 0).then(|| {
             let (tells, hears) = mpsc::channel();
             // Where the thread has ended they are late.
@@ -379,7 +379,7 @@ impl Explorer {
             hears
         });
         // Not locked while it runs: others are answered meanwhile.
-        let span_s = *lock(&self.span_s);
+        let span_s = *locked(&self.span_s);
         let found = live::motion(&gearbox, span_s, gone);
         if found.is_err() {
             stop.store(true, Ordering::Relaxed);
@@ -390,7 +390,7 @@ impl Explorer {
             Err(_) => Duration::ZERO,
         };
         let figures = hears.and_then(|hears| hears.recv_timeout(patience).ok());
-        *lock(&self.without) = without.after(figures.as_ref());
+        *locked(&self.without) = without.after(figures.as_ref());
         stop.store(true, Ordering::Relaxed);
         let mut run = found.map_err(reason)?;
         run["balanced"] = figures.map_or(LATE, balanced);
@@ -411,7 +411,7 @@ impl Explorer {
         let found = live::balances(&gearbox, laws, stop);
         if !laws && found.is_ok() {
             let late = begun.elapsed() > PATIENCE;
-            *lock(&self.without) = if late { Without::MOST } else { Without::NONE };
+            *locked(&self.without) = if late { Without::MOST } else { Without::NONE };
         }
         Ok(told(&balanced(found)))
     }
@@ -419,7 +419,7 @@ impl Explorer {
     /// Gives up the balances of a page that are under way; `stop` stops those that it asks for now.
     fn newest(&self, tab: &str, stop: &Arc<AtomicBool>) {
         let own = (tab.to_owned(), Arc::clone(stop));
-        let (before, running) = std::mem::replace(&mut *lock(&self.balancing), own);
+        let (before, running) = std::mem::replace(&mut *locked(&self.balancing), own);
         if before == tab {
             running.store(true, Ordering::Relaxed);
         }
@@ -454,7 +454,7 @@ impl Explorer {
     /// Starts a comparison of all engines, unless one is under way.
     fn compare(self: &Arc<Self>, values: &live::Values) -> Result<Answer, Answer> {
         let scene = live::scene(&self.spec, &self.sets, values).map_err(reason)?;
-        let mut compared = lock(&self.compared);
+        let mut compared = locked(&self.compared);
         if compared.running {
             return Err(reason("a comparison is under way"));
         }
@@ -466,7 +466,7 @@ impl Explorer {
         let explorer = Arc::clone(self);
         compared.work = Some(std::thread::spawn(move || {
             let done = explorer.compared(&scene);
-            let mut compared = lock(&explorer.compared);
+            let mut compared = locked(&explorer.compared);
             compared.running = false;
             match done {
                 Ok((text, place)) => (compared.page, compared.place) = (Some(text), place),
@@ -483,7 +483,7 @@ impl Explorer {
             time.duration_since(SystemTime::UNIX_EPOCH)
                 .unwrap_or_default()
         });
-        let compared = lock(&self.compared);
+        let compared = locked(&self.compared);
         json!({
             "stamp": since.map_or(0.0, |since| since.as_secs_f64()),
             "compares": compared.told,
@@ -493,7 +493,7 @@ impl Explorer {
     }
 
     fn comparison(&self) -> Answer {
-        match &lock(&self.compared).page {
+        match &locked(&self.compared).page {
             Some(text) => page(text.clone()),
             None => plain(404, "nothing was compared yet"),
         }
@@ -501,7 +501,7 @@ impl Explorer {
 
     /// The page of a comparison, and its folder.
     fn compared(&self, scene: &CheckedScene) -> Result<(String, String), Failure> {
-        let gearbox = Gearbox::new(scene).map_err(|error| Failure::input(error.to_string()))?;
+        let gearbox = Gearbox::new(scene).map_err(Failure::input)?;
         let engines = choice::engines(&[] as &[&str], scene)?;
         // Never in the place of what `compare` wrote for the file itself.
         let name = format!("{}-explored-compare", args::label(&self.spec));
@@ -513,7 +513,7 @@ impl Explorer {
             data: &[],
         };
         let report = |progress: Progress<'_>| {
-            lock(&self.compared).told = format!(
+            locked(&self.compared).told = format!(
                 "Compares: {} of {}, {}",
                 progress.done, progress.total, progress.piece
             );
@@ -530,10 +530,6 @@ impl Explorer {
         let place = folder.publish()?;
         Ok((page, place.display().to_string()))
     }
-}
-
-fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
-    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

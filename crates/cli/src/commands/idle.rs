@@ -16,16 +16,16 @@ pub(super) fn name(
     of: &str,
     find: impl FnOnce(Settings<'_>, &Control<'_>) -> Result<Vec<usize>, StudyError>,
 ) -> Result<(), Failure> {
+    if args.set.is_empty() {
+        return Ok(());
+    }
     let settings = Settings {
         spec: &args.scene,
         sets: &args::overrides(&args.set)?,
         gearbox,
     };
     let idle = watched(|control| find(settings, control)).map_err(|error| match error {
-        StudyError::Cancelled => Failure {
-            code: STOPPED,
-            message: "stopped; the results are complete".to_owned(),
-        },
+        StudyError::Cancelled => Failure::new(STOPPED, "stopped; the results are complete"),
         error => error.into(),
     })?;
     for set in idle.iter().map(|place| &args.set[*place]) {

@@ -5,12 +5,12 @@ use pinwheel::studies::{choice, single};
 
 use super::idle;
 use crate::args::RunArgs;
-use crate::failure::{ENGINE, Failure, INCONCLUSIVE};
+use crate::failure::{Failure, INCONCLUSIVE};
 use crate::folder::Folder;
 use crate::progress::watched;
 use crate::screen;
 
-pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
     let scene = &gearbox.scene;
     let name = args.solvers.only(args.engine.as_slice())?;
@@ -38,19 +38,17 @@ pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
 
     if let Some(diverged) = found.diverged() {
         let remedy = single::remedy(&gearbox, found.track);
-        screen::complain(&format!(
+        return Err(Failure::engine(format!(
             "{diverged}; what there is until then is in {time_series}; {remedy}"
-        ));
-        return Ok(ENGINE);
+        )));
     }
     let text = pages::single::text(&found, Some(&time_series.to_string()));
     screen::show_found(&text, &place, "run.json")?;
     if screen::manner().quiet {
         screen::show(&format!("courses: {time_series}"))?;
     }
-    if let Some(unresolved) = found.unresolved(&gearbox) {
-        screen::complain(&unresolved);
-        return Ok(INCONCLUSIVE);
+    match found.unresolved(&gearbox) {
+        Some(unresolved) => Err(Failure::new(INCONCLUSIVE, unresolved)),
+        None => Ok(()),
     }
-    Ok(0)
 }

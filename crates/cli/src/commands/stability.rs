@@ -8,8 +8,8 @@ use pinwheel::studies::stability::{Atlas, Method, Options, SERVED};
 use crate::args::{self, StabilityArgs, quoted};
 use crate::failure::{DIFFER, Failure, INCONCLUSIVE, STOPPED};
 use crate::folder::{Folder, all_or};
+use crate::interrupt;
 use crate::progress::watched;
-use crate::{interrupt, screen};
 
 pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
     let options = match args.quick {
@@ -46,12 +46,12 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
         } else {
             format!(" --out {}", quoted(&place.display().to_string()))
         };
-        screen::complain(&format!(
+        let message = format!(
             "stopped; {done} of {all} scenes are in {}; `{}{out} --resume` does the rest",
             place.display(),
             made.command
-        ));
-        return Ok(STOPPED);
+        );
+        return Err(Failure::new(STOPPED, message));
     }
     folder.show(&page, &pages::stability::text(&atlas))?;
     let unserved = atlas.unserved();
@@ -59,10 +59,7 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
         let nothing = atlas.findings().any(|(_, shown)| !shown);
         return Ok(if nothing { INCONCLUSIVE } else { 0 });
     }
-    screen::complain(&format!(
-        "no method gives {} within {} %; see the page",
-        unserved.join(", "),
-        100.0 * SERVED
-    ));
-    Ok(DIFFER)
+    let (names, percent) = (unserved.join(", "), 100.0 * SERVED);
+    let message = format!("no method gives {names} within {percent} %; see the page");
+    Err(Failure::new(DIFFER, message))
 }

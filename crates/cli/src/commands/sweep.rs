@@ -7,16 +7,15 @@ use pinwheel::studies::sweep::{
 };
 
 use crate::args::{self, SweepArgs};
-use crate::failure::{ENGINE, Failure};
+use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
-pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
+pub(crate) fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     let plan = plan(args)?;
     if args.list {
-        screen::show(&pages::sweep::list(&plan))?;
-        return Ok(0);
+        return screen::show(&pages::sweep::list(&plan));
     }
     let file = args.file.display().to_string();
     let prepare = || Folder::of_scenes(&args.out, &[&file], "sweep");
@@ -54,16 +53,15 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     screen::show_with_page(&text, &place.join(PAGE))?;
     let broken = |record: &&RunRecord| !record.ending.is_finished();
     let Some(first) = records.iter().find(broken) else {
-        return Ok(0);
+        return Ok(());
     };
-    screen::complain(&format!(
+    Err(Failure::engine(format!(
         "{} of {} runs did not finish, the first on {}: {}; see {csv}",
         records.iter().filter(broken).count(),
         records.len(),
         first.engine,
         first.reason(),
-    ));
-    Ok(ENGINE)
+    )))
 }
 
 fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
