@@ -317,6 +317,30 @@ fn regress_keys_that_do_nothing_are_named() {
         let keys: Vec<&str> = keys.collect();
         assert_eq!(keys, ["contact.restitution", "base"], "{command}: {told}");
     }
+    for (command, more) in [
+        ("design", "--statics --set drive.output_torque_n_m=20"),
+        // No figure of statics knows these.
+        ("design", "--set mass.wheel.mass_kg=0.7"),
+        ("design", "--set solver.step_s=2e-5"),
+        ("design", "--set contact.band_laws=[\"kunert\"]"),
+        ("explain", "--set gear.hole_radius_m=0.00881"),
+        (
+            "explain",
+            "--set drive.load_changes=[{time_s=0.005,output_torque_n_m=30}]",
+        ),
+    ] {
+        let out = ["", " --out r --force"][usize::from(command == "design")];
+        let typed = format!("{command} paper{out} {more} --set contact.restitution=0.3");
+        let told = run_in(dir.path(), words(&typed));
+        let of = match command {
+            "design" => "the figures and files of this design",
+            _ => "the native time series of this scene",
+        };
+        let note = format!(
+            "note: --set contact.restitution=0.3 has no effect on {of}: without it they are equal to the bit\n"
+        );
+        assert_eq!((told.code, told.stderr), (Some(0), note), "{typed}");
+    }
     // Nothing for 2 ms, and then all: it is not the beginning that counts.
     assert_eq!(
         run("--set drive.load_changes=[{time_s=0.005,output_torque_n_m=30}]"),

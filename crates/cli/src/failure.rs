@@ -31,31 +31,27 @@ pub(crate) struct Failure {
 }
 
 impl Failure {
-    pub(crate) fn input(message: impl Into<String>) -> Self {
-        Self {
-            code: INPUT,
-            message: message.into(),
-        }
+    pub(crate) fn new(code: u8, message: impl ToString) -> Self {
+        let message = message.to_string();
+        Self { code, message }
     }
 
-    pub(crate) fn engine(message: impl Into<String>) -> Self {
-        Self {
-            code: ENGINE,
-            message: message.into(),
-        }
+    pub(crate) fn input(message: impl ToString) -> Self {
+        Self::new(INPUT, message)
+    }
+
+    pub(crate) fn engine(message: impl ToString) -> Self {
+        Self::new(ENGINE, message)
     }
 
     pub(crate) fn stopped() -> Self {
-        Self {
-            code: STOPPED,
-            message: "stopped; nothing was written".to_owned(),
-        }
+        Self::new(STOPPED, "stopped; nothing was written")
     }
 }
 
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
-        Self::input(error.to_string())
+        Self::input(error)
     }
 }
 
@@ -81,8 +77,8 @@ impl From<FolderError> for Failure {
 impl From<ChoiceError> for Failure {
     fn from(error: ChoiceError) -> Self {
         match error {
-            ChoiceError::NotBuilt { .. } => Self::engine(error.to_string()),
-            _ => Self::input(error.to_string()),
+            ChoiceError::NotBuilt { .. } => Self::engine(error),
+            _ => Self::input(error),
         }
     }
 }
@@ -100,7 +96,7 @@ impl From<StudyError> for Failure {
             StudyError::Input(_)
             | StudyError::Load(_)
             | StudyError::Scene { .. }
-            | StudyError::Compare(CompareError::Unmatched { .. }) => Self::input(error.to_string()),
+            | StudyError::Compare(CompareError::Unmatched { .. }) => Self::input(error),
             StudyError::Output(error) => error.into(),
             StudyError::Choice(error) => error.into(),
             StudyError::Ended {
@@ -115,7 +111,7 @@ impl From<StudyError> for Failure {
             StudyError::Unrepeated(_) => {
                 Self::engine(format!("{error}; --unchecked leaves that out"))
             }
-            error => Self::engine(error.to_string()),
+            error => Self::engine(error),
         }
     }
 }
@@ -125,16 +121,14 @@ impl From<SweepError> for Failure {
         match error {
             SweepError::Output(error) => error.into(),
             SweepError::Stopped { finished: 0, .. } => Self::stopped(),
-            SweepError::Stopped { finished, runs } => Self {
-                code: STOPPED,
-                message: format!(
-                    "stopped; {finished} of {runs} runs are kept: go on with --resume"
-                ),
-            },
+            SweepError::Stopped { finished, runs } => Self::new(
+                STOPPED,
+                format!("stopped; {finished} of {runs} runs are kept: go on with --resume"),
+            ),
             SweepError::Begun { .. } => Self::input(format!(
                 "{error}; go on with --resume, or start over with --force"
             )),
-            error => Self::input(error.to_string()),
+            error => Self::input(error),
         }
     }
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use pinwheel::scene::preset;
+use pinwheel::studies::Provenance;
 use pinwheel::studies::file::{self, Ours};
 pub(crate) use pinwheel::studies::folder::Request;
 use pinwheel::studies::folder::{self, PAGE, leftovers};
@@ -82,6 +83,16 @@ impl Folder {
     /// Returns the target as the user wrote it.
     pub(crate) fn place(&self) -> &Path {
         self.0.place()
+    }
+
+    /// Writes the files of a result by `write`; returns how pages and files name what made them.
+    pub(crate) fn write<E: Into<Failure>>(
+        &self,
+        write: impl FnOnce(&Path, &Provenance) -> Result<(), E>,
+    ) -> Result<Provenance, Failure> {
+        let made = Provenance::here(args::typed());
+        write(self.path(), &made).map_err(E::into)?;
+        Ok(made)
     }
 
     /// Writes the page.

@@ -17,14 +17,10 @@ const REDRAW_MS: u64 = 100;
 /// Parts of the bar.
 const PARTS: u64 = 1000;
 
-/// Works under a bar with a label; a stop that the user asked for is a failure of its own.
-pub(crate) fn watched<T, E>(
-    label: &str,
-    work: impl FnOnce(&Control<'_>) -> Result<T, E>,
-) -> Result<T, E> {
+/// Works under a bar with the command's name; a stop that the user asked for is a failure of its own.
+pub(crate) fn watched<T, E>(work: impl FnOnce(&Control<'_>) -> Result<T, E>) -> Result<T, E> {
     interrupt::watched();
     let bar = Bar {
-        label,
         started: Instant::now(),
         visible: std::io::stderr().is_terminal() && !screen::manner().quiet,
         drawn_ms: AtomicU64::new(0),
@@ -39,15 +35,14 @@ pub(crate) fn watched<T, E>(
 }
 
 /// A bar that is nothing where nobody sees it.
-struct Bar<'a> {
-    label: &'a str,
+struct Bar {
     started: Instant,
     visible: bool,
     drawn_ms: AtomicU64,
     bar: OnceLock<ProgressBar>,
 }
 
-impl Bar<'_> {
+impl Bar {
     fn show(&self, progress: Progress<'_>) {
         if !self.visible {
             return;
@@ -67,7 +62,7 @@ impl Bar<'_> {
             {
                 bar.set_style(style.progress_chars("=> "));
             }
-            bar.set_prefix(self.label.to_owned());
+            bar.set_prefix(screen::manner().command);
             // Single pieces take many seconds: the clock shows that something happens.
             bar.enable_steady_tick(Duration::from_millis(500));
             bar

@@ -9,14 +9,14 @@ use pinwheel::report::sanitize::{sanitize, shortened};
 use pinwheel::report::terminal::{BAD, paragraph, styled};
 use pinwheel::studies::output::reason;
 
-use crate::args::Manner;
+use crate::args::manner::Manner;
 use crate::failure::Failure;
 
 static MANNER: OnceLock<Manner> = OnceLock::new();
 
 /// From now on the program speaks like this.
 pub(crate) fn speak(manner: Manner) {
-    manner.colours().write_global();
+    manner.color.write_global();
     let _ = MANNER.set(manner);
 }
 
@@ -98,16 +98,14 @@ pub(crate) fn show_json(value: &impl serde::Serialize) -> Result<(), Failure> {
     show(&text)
 }
 
-/// One or the other.
+/// Writes a value as JSON where that is asked for, and as a text otherwise.
 pub(crate) fn show_or_json(
-    json: bool,
     value: &impl serde::Serialize,
     text: impl FnOnce() -> String,
 ) -> Result<(), Failure> {
-    if json {
-        show_json(value)
-    } else {
-        show(&text())
+    match manner().json {
+        true => show_json(value),
+        false => show(&text()),
     }
 }
 

@@ -10,6 +10,7 @@ use pinwheel::scene::did_you_mean;
 use pinwheel::studies::StudyError;
 use pinwheel::studies::design::{self as designs, Drawing};
 use pinwheel::{Gearbox, pages};
+use pyo3::conversion::FromPyObjectOwned;
 use pyo3::prelude::*;
 
 use crate::errors::{Raises, input, of_key, plain};
@@ -17,56 +18,39 @@ use crate::scene::Core;
 use crate::studies::made;
 use crate::supervise::{Desk, supervised};
 
-/// A catalogue's data by name, in SI; what is left out is suggested.
-#[derive(FromPyObject)]
-#[pyo3(from_item_all)]
-pub(crate) struct Given {
-    ratio: usize,
-    cranks: Option<usize>,
-    pin_circle_diameter_m: f64,
-    torque_n_m: f64,
-    speed_rad_s: f64,
-    material: String,
-    pin_diameter_m: Option<f64>,
-    eccentricity_m: Option<f64>,
-    wheels: Option<usize>,
-    output_pins: Option<usize>,
-    output_pin_diameter_m: Option<f64>,
-    output_circle_diameter_m: Option<f64>,
-    face_width_m: Option<f64>,
-    backlash_m: Option<f64>,
-    friction: Option<f64>,
+/// Returns the value of a key of a dictionary.
+fn value<'py, T: FromPyObjectOwned<'py>>(given: &Bound<'py, PyAny>, key: &str) -> PyResult<T> {
+    given.get_item(key)?.extract().map_err(Into::into)
 }
 
-/// The scene of a catalogue's data, as a scene file.
+/// The scene of a catalogue's data by name, in SI, as a scene file; what is `None` is suggested.
 #[pyfunction]
-pub(crate) fn gear(name: String, given: Given) -> Raises<String> {
+pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
+    let material: String = value(given, "material")?;
     let mut materials = MATERIALS.iter();
-    let Some(material) = materials.find(|material| material.name == given.material) else {
-        let known: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
-        let remedy = did_you_mean(&given.material, &known);
-        return Err(input(format!(
-            "there is no material `{}`; {remedy}",
-            given.material
-        )));
-    };
+    let found = materials.find(|known| known.name == material);
+    let material = found.ok_or_else(|| {
+        let known: Vec<&str> = MATERIALS.iter().map(|known| known.name).collect();
+        let remedy = did_you_mean(&material, &known);
+        input(format!("there is no material `{material}`; {remedy}"))
+    })?;
     let catalogue = Catalogue {
         name,
-        ratio: given.ratio,
-        cranks: given.cranks,
-        pin_circle_diameter_m: given.pin_circle_diameter_m,
-        torque_n_m: given.torque_n_m,
-        speed_rad_s: given.speed_rad_s,
+        ratio: value(given, "ratio")?,
+        cranks: value(given, "cranks")?,
+        pin_circle_diameter_m: value(given, "pin_circle_diameter_m")?,
+        torque_n_m: value(given, "torque_n_m")?,
+        speed_rad_s: value(given, "speed_rad_s")?,
         material: *material,
-        pin_diameter_m: given.pin_diameter_m,
-        eccentricity_m: given.eccentricity_m,
-        wheels: given.wheels,
-        output_pins: given.output_pins,
-        output_pin_diameter_m: given.output_pin_diameter_m,
-        output_circle_diameter_m: given.output_circle_diameter_m,
-        face_width_m: given.face_width_m,
-        backlash_m: given.backlash_m,
-        friction_coefficient: given.friction,
+        pin_diameter_m: value(given, "pin_diameter_m")?,
+        eccentricity_m: value(given, "eccentricity_m")?,
+        wheels: value(given, "wheels")?,
+        output_pins: value(given, "output_pins")?,
+        output_pin_diameter_m: value(given, "output_pin_diameter_m")?,
+        output_circle_diameter_m: value(given, "output_circle_diameter_m")?,
+        face_width_m: value(given, "face_width_m")?,
+        backlash_m: value(given, "backlash_m")?,
+        friction_coefficient: value(given, "friction")?,
     };
     let draft = catalogue.draft().map_err(|fault| {
         let typed = |text: &str| {
@@ -137,7 +121,6 @@ pub(crate) fn design(
     let found = supervised(py, &Desk::new(), progress.as_ref(), |control| {
         designs::run(&gearbox, runs, control)
     })?;
-    let found = found?;
     Ok(Designed { found, gearbox })
 }
 

@@ -10,8 +10,6 @@ use pinwheel::time_series::Ending;
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError};
 use pyo3::prelude::*;
 
-use crate::run::Ran;
-
 /// Exception to raise: Python's own, or an error of the library as the package's exception.
 pub(crate) struct Raised(PyErr);
 
@@ -89,7 +87,7 @@ pub(crate) fn of_key(message: &str, key: Option<&str>, remedy: &str) -> Raised {
 }
 
 /// How a run of `engine` ended other than finished; `partial`: what it had computed until then.
-pub(crate) fn ended(engine: &str, ending: &Ending, partial: Option<Py<Ran>>) -> Raised {
+pub(crate) fn ended(engine: &str, ending: &Ending, partial: Option<Py<PyAny>>) -> Raised {
     let class = match ending {
         Ending::Diverged { .. } => "Diverged",
         Ending::Unsupported { .. } => "Unsupported",

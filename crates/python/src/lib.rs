@@ -26,37 +26,36 @@ fn program(py: Python<'_>, words: Vec<OsString>) -> u8 {
 }
 
 /// Rust side of the package `pinwheel`; see there.
-#[pymodule]
-fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
-    pinwheel::engines::python::use_this_interpreter();
-    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add_class::<scene::Core>()?;
-    module.add_class::<time_series::Columns>()?;
-    module.add_class::<law::Law>()?;
-    module.add_class::<run::Ran>()?;
-    module.add_class::<studies::Compared>()?;
-    module.add_class::<studies::Benched>()?;
-    module.add_class::<sweep::Sweep>()?;
-    module.add_class::<design::Designed>()?;
-    for function in [
-        wrap_pyfunction!(scene::key, module)?,
-        wrap_pyfunction!(scene::keys, module)?,
-        wrap_pyfunction!(scene::presets, module)?,
-        wrap_pyfunction!(law::laws, module)?,
-        wrap_pyfunction!(run::run, module)?,
-        wrap_pyfunction!(studies::compare, module)?,
-        wrap_pyfunction!(studies::bench, module)?,
-        wrap_pyfunction!(studies::explain, module)?,
-        wrap_pyfunction!(studies::engines, module)?,
-        wrap_pyfunction!(sweep::perform, module)?,
-        wrap_pyfunction!(scene::schema, module)?,
-        wrap_pyfunction!(design::gear, module)?,
-        wrap_pyfunction!(design::design, module)?,
-        wrap_pyfunction!(design::fmu, module)?,
-        wrap_pyfunction!(files::write, module)?,
-        wrap_pyfunction!(program, module)?,
-    ] {
-        module.add_function(function)?;
+#[pyo3::pymodule]
+mod _core {
+    use pyo3::prelude::*;
+
+    #[pymodule_export]
+    use crate::design::{Designed, design, fmu, gear};
+    #[pymodule_export]
+    use crate::files::write;
+    #[pymodule_export]
+    use crate::law::{Law, laws};
+    #[pymodule_export]
+    use crate::program;
+    #[pymodule_export]
+    use crate::run::{Ran, run};
+    #[pymodule_export]
+    use crate::scene::{Core, key, keys, presets, schema};
+    #[pymodule_export]
+    use crate::studies::{Benched, Compared, bench, compare, engines, explain};
+    #[pymodule_export]
+    use crate::sweep::{Sweep, perform};
+    #[pymodule_export]
+    use crate::time_series::Columns;
+
+    #[pymodule_export]
+    #[allow(non_upper_case_globals)]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    #[pymodule_init]
+    fn init(_module: &Bound<'_, PyModule>) -> PyResult<()> {
+        pinwheel::engines::python::use_this_interpreter();
+        Ok(())
     }
-    Ok(())
 }

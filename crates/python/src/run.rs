@@ -2,7 +2,7 @@
 
 use pinwheel::engines::Engine;
 use pinwheel::pages;
-use pinwheel::studies::{StudyError, choice, single};
+use pinwheel::studies::{Control, StudyError, choice, single};
 use pinwheel::time_series::Ending;
 use pyo3::prelude::*;
 use serde_json::to_string;
@@ -81,13 +81,17 @@ pub(crate) fn run(
         }
         Asked::Own(guest) => (guest, Some(guest)),
     };
-    let found = supervised(py, &desk, progress.as_ref(), |control| {
+    let work = |control: &Control<'_>| {
         let gearbox = pinwheel::compile(checked)?;
         let found = single::run(&gearbox, engine, check, control)?;
         match check {
             true => found.with_bands(&gearbox, control),
             false => Ok(found),
         }
+    };
+    let progress = progress.as_ref();
+    let found = supervised(py, &desk, progress, |control| {
+        Ok::<_, Raised>(work(control))
     })?;
     let found = found.map_err(|error| {
         let failed = |ending: &Ending| matches!(ending, Ending::Failed { .. });
@@ -102,7 +106,8 @@ pub(crate) fn run(
     let (engine, ending) = (found.engine.clone(), found.run.ending.clone());
     let ran = Ran::of(py, found)?;
     if !ending.is_finished() {
-        return Err(ended(&engine, &ending, Some(Py::new(py, ran)?)));
+        let partial = Py::new(py, ran)?.into_any();
+        return Err(ended(&engine, &ending, Some(partial)));
     }
     Ok(ran)
 }

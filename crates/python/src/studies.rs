@@ -100,7 +100,7 @@ pub(crate) fn compare(
     let data = foreign::open(pairs)?;
     let (longest_s, resolution) = effort;
     let effort = Effort::asked(checked, "", &[], longest_s, resolution)?;
-    let found = supervised(py, &desk, progress.as_ref(), |control| {
+    let outcome = supervised(py, &desk, progress.as_ref(), |control| {
         let gearbox = foreign::with_channels(&data, pinwheel::compile(checked)?)?;
         let input = comparison::Input {
             gearbox: &gearbox,
@@ -109,7 +109,6 @@ pub(crate) fn compare(
         };
         comparison::run_with(&input, effort, control)
     })?;
-    let outcome = found?;
     let failure = raised.iter().find_map(|(name, raised)| {
         let mut all = outcome.participants.iter();
         let failed = all.find(|one| {
@@ -175,7 +174,7 @@ pub(crate) fn bench(
     let found = supervised(py, &desk, progress.as_ref(), |control| {
         benches::run(checked, &own, &options, control)
     })?;
-    Ok(Benched(found?))
+    Ok(Benched(found))
 }
 
 /// Model and assumptions of a scene: (for programs, JSON; for people, text).

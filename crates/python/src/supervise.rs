@@ -13,6 +13,8 @@ use pyo3::exceptions::{PyException, PyRuntimeError};
 use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict};
 
+use crate::errors::{Raised, Raises, plain};
+
 /// How often signals are looked for and progress is told.
 const EVERY: Duration = Duration::from_millis(50);
 /// As deep as a main thread's.
@@ -99,20 +101,20 @@ impl Drop for Ending {
     }
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Does `work`. `progress(done, total, piece, simulated_s, of_s)` is called now and then; what it raises stops the work.
 ///
 /// # Errors
-/// `KeyboardInterrupt`, or what `progress` raised; the work has ended by then.
-pub(crate) fn supervised<T: Send>(
+/// `KeyboardInterrupt`, or what `progress` raised; the work has ended by then. Or its own.
+pub(crate) fn supervised<T: Send, E: Into<Raised> + Send>(
     py: Python<'_>,
     desk: &Desk,
     progress: Option<&Py<PyAny>>,
-    work: impl FnOnce(&Control<'_>) -> T + Send,
-) -> PyResult<T> {
+    work: impl FnOnce(&Control<'_>) -> Result<T, E> + Send,
+) -> Raises<T> {
     let cancel = AtomicBool::new(false);
     let seen = Arc::new(Mutex::new(Seen::default()));
     let (done, raised) = py.detach(|| {
@@ -167,14 +169,15 @@ pub(crate) fn supervised<T: Send>(
         })
     });
     if let Some(error) = raised {
-        return Err(error);
+        return Err(error.into());
     }
     if let Some(progress) = progress {
         let mut last = lock(&seen).clone();
         last.done = last.total;
         call(py, progress, &last)?;
     }
-    done.map_err(|error| PyRuntimeError::new_err(format!("no thread is left: {error}")))
+    let done = done.map_err(|error| plain(format!("no thread is left: {error}")))?;
+    done.map_err(E::into)
 }
 
 /// The package's word for a run that was stopped.

@@ -1,8 +1,8 @@
 //! Sweeps: planned and kept here, run by threads here or, batch by batch, by workers elsewhere.
 
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use pinwheel::pages;
 use pinwheel::scene::Override;
@@ -17,7 +17,7 @@ use pyo3::prelude::*;
 use crate::errors::{Raised, Raises, input, plain};
 use crate::guests::{self, Asked};
 use crate::studies::made;
-use crate::supervise::{Desk, supervised};
+use crate::supervise::{Desk, lock, supervised};
 
 /// Command that the manifest of a folder names.
 const COMMAND: &str = "pinwheel.sweep in Python";
@@ -32,10 +32,6 @@ pub(crate) struct Sweep {
     /// `None` after the results are written.
     journal: Mutex<Option<Journal>>,
     records: Mutex<Vec<Option<RunRecord>>>,
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Error of a call that came too late.
@@ -119,12 +115,11 @@ impl Sweep {
 
     /// Runs everything that the journal lacks on `jobs` threads.
     fn execute(&self, py: Python<'_>, jobs: usize, progress: Option<Py<PyAny>>) -> Raises<()> {
-        let found = supervised(py, &self.desk, progress.as_ref(), |control| {
+        let records = supervised(py, &self.desk, progress.as_ref(), |control| {
             let journal = lock(&self.journal);
-            let journal = journal.as_ref()?;
-            Some(sweeps::execute(&self.plan, journal, jobs, control))
+            let journal = journal.as_ref().ok_or_else(over)?;
+            Ok::<_, Raised>(sweeps::execute(&self.plan, journal, jobs, control)?)
         })?;
-        let records = found.ok_or_else(over)??;
         *lock(&self.records) = records.into_iter().map(Some).collect();
         Ok(())
     }

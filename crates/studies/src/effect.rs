@@ -1,59 +1,153 @@
-//! Settings that do nothing: a run made again without each of them.
+//! Settings that do nothing: a result made again without each of them.
+
+use std::time::Duration;
 
 use pinwheel_engines::{Cancelled, Engine, Run, SharedModel};
-use pinwheel_scene::{CheckedScene, Override, Scene};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::{Override, Scene};
 
-use crate::control::{Control, Progress};
-use crate::single::Outcome;
+use crate::StudyError;
+use crate::control::{Control, Progress, TimeLimit};
+use crate::design::DesignResult;
+use crate::explained::explain;
 
-/// Longest run that is made again, s of wall time.
-const LONGEST_S: f64 = 2.0;
+/// Longest run that is made again, of wall time.
+const LONGEST_RUN: Duration = Duration::from_secs(2);
+/// Longest design that is made again, of wall time.
+const LONGEST_DESIGN: Duration = Duration::from_secs(6);
 /// Samples of a run by which most settings show that they do something, and the rest of it need not be made.
 const FIRST: f64 = 10.0;
 
-/// Returns the places in `sets` of those without which the run `outcome` is equal to the bit, in all samples, steps and evaluations. A
-/// setting that no valid scene goes without is none of them, and no run of minutes or of another's solver is made again for this.
-///
-/// # Errors
-/// Cancelled.
-pub fn idle(
-    spec: &str,
-    sets: &[Override],
-    engine: &dyn Engine,
-    outcome: &Outcome,
-    control: &Control<'_>,
-) -> Result<Vec<usize>, Cancelled> {
-    let takes_long = outcome.run.stats.wall_s > LONGEST_S;
-    if takes_long || outcome.track != SharedModel::Native || !outcome.run.ending.is_finished() {
-        return Ok(Vec::new());
-    }
-    let at = control.piece(Progress::new(0, 1, "without single settings"));
-    let first = |scene: &CheckedScene| {
-        let short = scene.changed(|scene| {
-            let solver = &mut scene.solver;
-            solver.duration_s = solver.duration_s.min(FIRST * solver.sample_s);
-        });
-        short.map(|scene| engine.run(&scene, &at)).ok().transpose()
-    };
-    let with = first(&outcome.scene)?;
-    let mut idle = Vec::new();
-    for place in 0..sets.len() {
-        // Labels are there for people.
-        if ["name", "description"].contains(&sets[place].key()) {
-            continue;
+/// Settings of a command line, with the scene that they gave.
+#[derive(Debug, Clone, Copy)]
+pub struct Settings<'a> {
+    /// Scene file or preset.
+    pub spec: &'a str,
+    /// Settings as they were typed.
+    pub sets: &'a [Override],
+    /// Scene with all of them, compiled.
+    pub gearbox: &'a Gearbox,
+}
+
+impl Settings<'_> {
+    /// Returns the places in `sets` of those without which the scene is equal, or has results that are `equal` to its own. A label
+    /// is none of them, nor is a setting that no valid scene goes without.
+    fn without_effect(
+        self,
+        mut equal: impl FnMut(&Gearbox) -> Result<bool, StudyError>,
+    ) -> Result<Vec<usize>, StudyError> {
+        let mut idle = Vec::new();
+        for (place, set) in self.sets.iter().enumerate() {
+            // Labels are there for people.
+            if ["name", "description"].contains(&set.key()) {
+                continue;
+            }
+            let others = [&self.sets[..place], &self.sets[place + 1..]].concat();
+            let Ok(without) = Scene::load(self.spec, &others) else {
+                continue;
+            };
+            let is_idle = without == self.gearbox.scene
+                || Gearbox::new(&without).map_or(Ok(false), |without| equal(&without))?;
+            idle.extend(is_idle.then_some(place));
         }
-        let others = [&sets[..place], &sets[place + 1..]].concat();
-        let Ok(without) = Scene::load(spec, &others) else {
-            continue;
-        };
-        let times = |scene: &Scene| scene.solver.sample_times_s();
-        let same = without == outcome.scene
-            || times(&without) == times(&outcome.scene)
-                && equal(with.as_ref(), first(&without)?.as_ref())
-                && equal(Some(&outcome.run), Some(&engine.run(&without, &at)?));
-        idle.extend(same.then_some(place));
+        Ok(idle)
     }
-    Ok(idle)
+
+    /// Returns the places of those without which `run`, of the scene on `engine`, is equal to the bit, in all samples, steps and
+    /// evaluations. No run of minutes or of another's solver is made again for this.
+    ///
+    /// # Errors
+    /// Cancelled.
+    pub fn idle_in_run(
+        self,
+        engine: &dyn Engine,
+        run: &Run,
+        control: &Control<'_>,
+    ) -> Result<Vec<usize>, StudyError> {
+        let takes_long = run.stats.wall_s > LONGEST_RUN.as_secs_f64();
+        let is_other = engine.track() != SharedModel::Native;
+        if takes_long || is_other || !run.ending.is_finished() {
+            return Ok(Vec::new());
+        }
+        let at = control.piece(Progress::new(0, 1, "without single settings"));
+        let first = |gearbox: &Gearbox| -> Result<Option<Run>, Cancelled> {
+            let short = gearbox.with_solver(|solver| {
+                solver.duration_s = solver.duration_s.min(FIRST * solver.sample_s);
+            });
+            let run = short.ok().map(|short| engine.run_compiled(&short, &at));
+            run.transpose()
+        };
+        let with = first(self.gearbox)?;
+        let times = |gearbox: &Gearbox| gearbox.scene.solver.sample_times_s();
+        self.without_effect(|without| {
+            Ok(times(without) == times(self.gearbox)
+                && equal(with.as_ref(), first(without)?.as_ref())
+                && equal(Some(run), Some(&engine.run_compiled(without, &at)?)))
+        })
+    }
+
+    /// Returns the places of those without which a run of the scene on the native `engine` is equal to the bit; none where it does
+    /// not finish in two seconds.
+    ///
+    /// # Errors
+    /// Cancelled.
+    pub fn idle(
+        self,
+        engine: &dyn Engine,
+        control: &Control<'_>,
+    ) -> Result<Vec<usize>, StudyError> {
+        let limit = TimeLimit {
+            most: LONGEST_RUN,
+            suggested_limit_s: 1.0,
+            outside: false,
+        };
+        let at = control.piece(Progress::new(0, 1, engine.name()));
+        let run = limit.run(engine, self.gearbox, &at)?;
+        self.idle_in_run(engine, &run, control)
+    }
+
+    /// Returns the places of those of [`idle`](Self::idle) without which the scene is explained alike, too: its model and what
+    /// follows from its dimensions.
+    ///
+    /// # Errors
+    /// Cancelled.
+    pub fn idle_in_explanation(
+        self,
+        engine: &dyn Engine,
+        control: &Control<'_>,
+    ) -> Result<Vec<usize>, StudyError> {
+        let own = explain(self.gearbox);
+        let alike = self.without_effect(|without| {
+            let other = explain(without);
+            Ok(other.model == own.model && other.derived == own.derived)
+        })?;
+        let mut idle = self.idle(engine, control)?;
+        idle.retain(|place| alike.contains(place));
+        Ok(idle)
+    }
+
+    /// Returns the places of those without which the design `found` is equal to the bit, and other results of it are `equal`;
+    /// none where `found` took more than some seconds.
+    ///
+    /// # Errors
+    /// Cancelled.
+    pub fn idle_in_design(
+        self,
+        found: &DesignResult,
+        took: Duration,
+        control: &Control<'_>,
+        mut equal: impl FnMut(&DesignResult, &Gearbox) -> Result<bool, StudyError>,
+    ) -> Result<Vec<usize>, StudyError> {
+        if took > LONGEST_DESIGN {
+            return Ok(Vec::new());
+        }
+        self.without_effect(|without| match found.repeated(without, control) {
+            Ok(Some(other)) => equal(&other, without),
+            Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
+            // Without this setting there is no design, or another one.
+            _ => Ok(false),
+        })
+    }
 }
 
 fn equal(one: Option<&Run>, other: Option<&Run>) -> bool {

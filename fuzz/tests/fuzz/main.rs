@@ -148,3 +148,21 @@ fn bad_input_any_bytes_end_in_a_result_or_a_message() {
     let findings = findings.into_inner().unwrap();
     assert!(findings.is_empty(), "{}", findings.join("\n"));
 }
+
+/// Requests that servers took for two, by RUSTSEC-2020-0008, 2020-0031, 2020-0093, 2021-0020, 2021-0078, 2021-0079, 2022-0066,
+/// 2026-0033 and 2026-0034, and by RFC 9112: these are one question, whatever follows it, and all others of the corpus are none.
+#[test]
+fn published_requests_are_one_question_or_none() {
+    let one = "absolute asterisk authority balances bare-feeds cookie-bytes empty-lines-first get-with-body long-body \
+               most-headers old-until-closed padded-length page run save status token upgrade";
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus/requests");
+    let mut taken: Vec<String> = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if pinwheel_fuzz::targets::requests(&std::fs::read(&path).unwrap()) {
+            taken.push(path.file_name().unwrap().to_string_lossy().into_owned());
+        }
+    }
+    taken.sort();
+    assert_eq!(taken.join(" "), one);
+}

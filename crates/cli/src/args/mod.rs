@@ -17,6 +17,7 @@ mod bench;
 mod design;
 mod explore;
 mod fmu;
+pub(crate) mod manner;
 mod named;
 mod paper;
 mod solver;
@@ -28,6 +29,7 @@ pub(crate) use bench::BenchArgs;
 pub(crate) use design::{DesignArgs, InitArgs};
 pub(crate) use explore::ExploreArgs;
 pub(crate) use fmu::FmuArgs;
+use manner::Manner;
 pub(crate) use paper::PaperArgs;
 pub(crate) use solver::{SolverAction, SolverArgs, Solvers};
 pub(crate) use stability::StabilityArgs;
@@ -44,46 +46,6 @@ struct Program {
     command: Command,
     #[command(flatten)]
     manner: Manner,
-}
-
-/// How the program speaks, whatever it does.
-#[derive(Debug, Clone, Copy, Default, Args)]
-pub(crate) struct Manner {
-    /// No progress; of a study only where its results are.
-    #[arg(long, short, global = true, conflicts_with = "verbose")]
-    pub(crate) quiet: bool,
-    /// Also the files written, and of a comparison every engine's figures.
-    #[arg(long, short, global = true)]
-    pub(crate) verbose: bool,
-    /// Colours.
-    #[arg(long, value_name = "WHEN", global = true, default_value = "auto")]
-    color: Colour,
-    /// Results as JSON (of the command, if it takes `--json`).
-    #[arg(skip)]
-    pub(crate) json: bool,
-}
-
-/// When colours are used.
-#[derive(Debug, Clone, Copy, Default, clap::ValueEnum)]
-#[clap(rename_all = "lower")]
-enum Colour {
-    /// Where a terminal shows them.
-    #[default]
-    Auto,
-    /// In pipes and files as well.
-    Always,
-    /// Nowhere.
-    Never,
-}
-
-impl Manner {
-    pub(crate) fn colours(self) -> anstream::ColorChoice {
-        match self.color {
-            Colour::Auto => anstream::ColorChoice::Auto,
-            Colour::Always => anstream::ColorChoice::AlwaysAnsi,
-            Colour::Never => anstream::ColorChoice::Never,
-        }
-    }
 }
 
 /// What to do.
@@ -272,24 +234,13 @@ or failed, 4 nothing was shown of something, or it is inconclusive and a setting
 of yours would settle it, 130 interrupted.";
 
 /// The commands by what they are for.
-const GROUPS: [(&str, &[&str]); 4] = [
-    (
-        "Design a gear",
-        &["init", "explain", "design", "explore", "fmu"],
-    ),
-    ("Run and compare", &["run", "compare", "open"]),
-    ("Study", &["sweep", "bench", "stability", "paper"]),
+const GROUPS: [(&str, &str); 4] = [
+    ("Design a gear", "init explain design explore fmu"),
+    ("Run and compare", "run compare open"),
+    ("Study", "sweep bench stability paper"),
     (
         "Tools",
-        &[
-            "engines",
-            "laws",
-            "solver",
-            "record",
-            "baseline",
-            "schema",
-            "completions",
-        ],
+        "engines laws solver record baseline schema completions",
     ),
 ];
 
@@ -298,7 +249,7 @@ fn by_groups(program: &clap::Command) -> String {
     let mut text = "{about}\n\n{usage-heading} {usage}\n".to_owned();
     for (group, names) in GROUPS {
         let _ = writeln!(text, "\n{group}:");
-        for name in names {
+        for name in names.split(' ') {
             let about = program
                 .find_subcommand(name)
                 .and_then(clap::Command::get_about);
@@ -327,13 +278,19 @@ pub(crate) fn definition() -> clap::Command {
 pub(crate) fn parse() -> Result<Option<Command>, Failure> {
     let matches = definition().try_get_matches_from(words::all());
     let json = matches.as_ref().is_ok_and(wants_json);
+    let typed = matches
+        .as_ref()
+        .ok()
+        .and_then(clap::ArgMatches::subcommand_name);
+    let mut names = GROUPS.iter().flat_map(|(_, names)| names.split(' '));
+    let command = names.find(|name| typed == Some(name)).unwrap_or_default();
     match matches.and_then(|matches| Program::from_arg_matches(&matches)) {
         Ok(program) => {
-            let manner = Manner {
+            screen::speak(Manner {
                 json,
+                command,
                 ..program.manner
-            };
-            screen::speak(manner);
+            });
             Ok(Some(program.command))
         }
         Err(error) => match error.kind() {
@@ -499,7 +456,7 @@ mod tests {
     #[test]
     fn every_command_is_in_one_group_on_a_line() {
         let mut of = definition();
-        let grouped = || GROUPS.iter().flat_map(|(_, names)| names.iter().copied());
+        let grouped = || GROUPS.iter().flat_map(|(_, names)| names.split(' '));
         let known: Vec<&str> = of.get_subcommands().map(clap::Command::get_name).collect();
         for name in &known {
             assert_eq!(grouped().filter(|other| other == name).count(), 1, "{name}");

@@ -25,7 +25,7 @@ impl Solvers {
     pub(crate) fn join(&self) -> Result<Vec<String>, Failure> {
         let joined = self.files.iter().map(|file| external::admit(file));
         let names: Result<_, _> = joined.collect();
-        names.map_err(|error| Failure::input(error.to_string()))
+        names.map_err(Failure::input)
     }
 
     /// The one engine that `names` and they give; `native` if there is none.

@@ -2,9 +2,9 @@
 
 use pinwheel::pages;
 use pinwheel::studies::baseline::{self, Baseline, FILE, Options, Verdict, made};
-use pinwheel::studies::{Provenance, junit};
+use pinwheel::studies::junit;
 
-use crate::args::{self, Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
+use crate::args::{Action, BaselineArgs, CheckArgs, ListArgs, RecordBaselineArgs, Which};
 use crate::failure::{DIFFER, Failure, INCONCLUSIVE};
 use crate::folder::{Folder, Request, check_junit, name_leftovers};
 use crate::progress::watched;
@@ -40,15 +40,12 @@ fn record_baseline(args: &RecordBaselineArgs) -> Result<u8, Failure> {
     };
     let here = made(options.kernel);
     let reason = reason.unwrap_or("first record");
-    let recorded = watched("baseline", |control| {
-        baseline::record(here, earlier, reason, &options, control)
-    })?;
+    let recorded = watched(|control| baseline::record(here, earlier, reason, &options, control))?;
     let text = pages::baseline::recorded(name, &recorded);
     if recorded.scenes.is_empty() {
-        return Err(Failure {
-            code: INCONCLUSIVE,
-            message: format!("{}; name other scenes by --only", text.replace('\n', "; ")),
-        });
+        let text = text.replace('\n', "; ");
+        let message = format!("{text}; name other scenes by --only");
+        return Err(Failure::new(INCONCLUSIVE, message));
     }
     interrupt::check()?;
     recorded.baseline.write(&folder)?;
@@ -83,12 +80,9 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
         solvers: args.running.solvers.join()?,
     };
     let here = made(options.kernel);
-    let found = watched("baseline", |control| {
-        baseline::check(&accepted, here, &options, control)
-    })?;
+    let found = watched(|control| baseline::check(&accepted, here, &options, control))?;
 
-    let made = Provenance::here(args::typed());
-    baseline::write(name, &found, &accepted, folder.path(), &made)?;
+    let made = folder.write(|dir, made| baseline::write(name, &found, &accepted, dir, made))?;
     let page = pages::baseline::page(name, &accepted, &found, &made);
     folder.show(&page, &pages::baseline::text(name, &found))?;
     if let Some(path) = &args.junit {
@@ -107,7 +101,7 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
 
 fn list(args: &ListArgs) -> Result<u8, Failure> {
     let listed = Baseline::list(&args.dir)?;
-    screen::show_or_json(args.out.json, &listed, || {
+    screen::show_or_json(&listed, || {
         if listed.is_empty() {
             let dir = args.dir.display();
             return format!("no baselines in {dir}; `pinwheel baseline record` makes one");

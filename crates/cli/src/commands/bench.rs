@@ -1,17 +1,16 @@
 //! `pinwheel bench`: what accuracy costs in every engine, integrator and step.
 
 use pinwheel::pages;
-use pinwheel::studies::Provenance;
-use pinwheel::studies::bench::{self, Options, WorkPrecision};
+use pinwheel::studies::bench::{self, Options, Series};
 use pinwheel::studies::folder::PAGE;
 
-use crate::args::{self, BenchArgs};
-use crate::failure::{ENGINE, Failure, STOPPED};
+use crate::args::BenchArgs;
+use crate::failure::{Failure, STOPPED};
 use crate::folder::Folder;
 use crate::progress::watched;
 use crate::screen;
 
-pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
+pub(crate) fn bench(args: &BenchArgs) -> Result<(), Failure> {
     let scene = args.scene.load()?.scene;
     let options = Options::asked(
         args.target,
@@ -21,40 +20,27 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<u8, Failure> {
     )?;
     let engines = bench::engines(&args.solvers.join_named(&args.engines)?, &scene)?;
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "bench")?;
-    let measured = watched("bench", |control| {
-        bench::run(&scene, &engines, &options, control)
-    })?;
+    let measured = watched(|control| bench::run(&scene, &engines, &options, control))?;
 
-    let made = Provenance::here(args::typed());
-    measured.write(folder.path(), &made)?;
+    let made = folder.write(|dir, made| measured.write(dir, made))?;
     let page = pages::bench::page(&measured, &made);
     let text = pages::bench::text(&measured);
-    if measured.complete {
-        folder.show(&page, &text)?;
-        return Ok(ended(args, &measured));
+    if !measured.complete {
+        let out = folder.publish_partial(&page)?;
+        screen::show_with_page(&text, &out.join(PAGE))?;
+        let stopped = "stopped; what had been measured until then is in";
+        return Err(Failure::new(
+            STOPPED,
+            format!("{stopped} {}", out.display()),
+        ));
     }
-    let out = folder.publish_partial(&page)?;
-    screen::show_with_page(&text, &out.join(PAGE))?;
-    screen::complain(&format!(
-        "stopped; what had been measured until then is in {}",
-        out.display()
-    ));
-    Ok(STOPPED)
-}
-
-/// 3 if an engine that was asked for by name gave no point at all.
-fn ended(args: &BenchArgs, measured: &WorkPrecision) -> u8 {
-    let silent = measured.series.iter().find_map(|series| {
-        let reason = pages::bench::failure(series)?;
-        Some((series.label(), reason))
-    });
-    match silent {
-        Some((label, reason)) if !args.engines.is_empty() => {
-            screen::complain(&format!(
-                "{label} gave no result: {reason}; leave it out with --engines, or change the scene"
-            ));
-            ENGINE
-        }
-        _ => 0,
+    folder.show(&page, &text)?;
+    // An engine that was asked for by name gave no point at all.
+    let failed = |series: &Series| Some((series.label(), pages::bench::failure(series)?));
+    match measured.series.iter().find_map(failed) {
+        Some((label, reason)) if !args.engines.is_empty() => Err(Failure::engine(format!(
+            "{label} gave no result: {reason}; leave it out with --engines, or change the scene"
+        ))),
+        _ => Ok(()),
     }
 }

@@ -4,11 +4,11 @@ use pinwheel::gearbox::Gearbox;
 use pinwheel::pages;
 use pinwheel::scene::CheckedScene;
 use pinwheel::studies::comparison::{self, Effort, Input, foreign};
-use pinwheel::studies::{Provenance, StudyError, choice, design_diff, effect, junit, single};
+use pinwheel::studies::{choice, design_diff, junit};
 
-use super::run::name_idle;
-use crate::args::{self, CompareArgs};
-use crate::failure::{ENGINE, Failure};
+use super::idle;
+use crate::args::{self, CompareArgs, SceneArgs};
+use crate::failure::Failure;
 use crate::folder::{Folder, check_junit};
 use crate::progress::watched;
 use crate::{interrupt, screen};
@@ -32,13 +32,10 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         data: &data,
     };
     let effort = effort(args, &args.scene.scene, scene)?;
-    let mut found = watched("compare", |control| {
-        comparison::run_with(&input, effort, control)
-    })?;
+    let mut found = watched(|control| comparison::run_with(&input, effort, control))?;
     // An engine that was asked for by name and is left out ends in an error.
     found.comparison.passed &= found.broken(asked_by_name).is_none();
-    let made = Provenance::here(args::typed());
-    found.write(folder.path(), &made)?;
+    let made = folder.write(|dir, made| found.write(dir, made))?;
     let page = pages::comparison::page(&found, &made, interrupt::flag())?;
     let mut text = pages::comparison::text(scene, &found);
     if screen::manner().verbose {
@@ -53,41 +50,27 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
             junit::of_comparison(&found.comparison),
         )?;
     }
-    idle(args, &gearbox)?;
+    name_idle(&args.scene, &gearbox)?;
 
-    if let Some(broken) = found.broken(asked_by_name) {
-        screen::complain(&broken);
-        return Ok(ENGINE);
+    match found.broken(asked_by_name) {
+        Some(broken) => Err(Failure::engine(broken)),
+        None => Ok(found.exit_status()),
     }
-    Ok(found.exit_status())
 }
 
 /// Names the settings of the model without which a native run is equal to the bit; those of solvers other engines may read.
-fn idle(args: &CompareArgs, gearbox: &Gearbox) -> Result<(), Failure> {
-    let sets = &args.scene.set;
+fn name_idle(args: &SceneArgs, gearbox: &Gearbox) -> Result<(), Failure> {
     let is_model = |set: &String| !set.starts_with("solver.");
-    if !sets.iter().any(is_model) {
+    if !args.set.iter().any(is_model) {
         return Ok(());
     }
     let engine = choice::find("native-reduced", &gearbox.scene)?;
-    let (spec, overrides) = (&args.scene.scene, args::overrides(sets)?);
-    let mut idle = watched("compare", |control| {
-        match single::run(gearbox, engine.as_ref(), false, control) {
-            Ok(run) => Ok(effect::idle(
-                spec,
-                &overrides,
-                engine.as_ref(),
-                &run,
-                control,
-            )?),
-            Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
-            // A scene that the native solver refuses is no matter here.
-            Err(_) => Ok(Vec::new()),
-        }
-    })?;
-    idle.retain(|place| is_model(&sets[*place]));
-    name_idle(sets, &idle, "the native time series of this scene");
-    Ok(())
+    let of = "the native time series of this scene";
+    idle::name(args, gearbox, of, |settings, control| {
+        let mut idle = settings.idle(engine.as_ref(), control)?;
+        idle.retain(|place| is_model(&args.set[*place]));
+        Ok(idle)
+    })
 }
 
 /// Two designs by one engine.
@@ -105,16 +88,14 @@ fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failu
         engine: engine.as_ref(),
         efforts: [a?, b?],
     };
-    let found = watched("compare", |control| design_diff::run(&input, control))?;
-    let made = Provenance::here(args::typed());
-    found.write(folder.path(), &made)?;
+    let found = watched(|control| design_diff::run(&input, control))?;
+    let made = folder.write(|dir, made| found.write(dir, made))?;
     let page = pages::design_diff::page(&found, &made, interrupt::flag())?;
     folder.show(&page, &pages::design_diff::text(&found))?;
     if let Some((name, reason)) = found.broken() {
-        screen::complain(&format!(
+        return Err(Failure::engine(format!(
             "{name} {reason}; try a smaller solver.step_s or another solver.integrator"
-        ));
-        return Ok(ENGINE);
+        )));
     }
     Ok(0)
 }

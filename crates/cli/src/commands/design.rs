@@ -1,13 +1,16 @@
 //! `pinwheel init` and `pinwheel design`: from a catalogue to a scene, and from a scene to a designer's figures.
 
 use std::path::Path;
+use std::time::Instant;
 
+use pinwheel::gearbox::Gearbox;
 use pinwheel::pages;
 use pinwheel::scene::Fault;
 use pinwheel::scene::catalogue::ARGUMENTS;
-use pinwheel::studies::{Provenance, design};
+use pinwheel::studies::design::{self, DesignResult};
 
-use crate::args::{self, DesignArgs, InitArgs, quoted};
+use super::idle;
+use crate::args::{DesignArgs, InitArgs, quoted};
 use crate::failure::Failure;
 use crate::folder::{self, Folder};
 use crate::progress::watched;
@@ -60,17 +63,23 @@ fn by_flag(fault: &Fault) -> Failure {
 pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "design")?;
-    let mut found = watched("design", |control| {
-        design::run(&gearbox, !args.statics, control)
-    })?;
+    let begun = Instant::now();
+    let mut found = watched(|control| design::run(&gearbox, !args.statics, control))?;
+    let took = begun.elapsed();
     if let Some(stated) = args.stated_stiffness_n_m_arcmin {
         found.fit_rest(stated)?;
     }
-    let made = Provenance::here(args::typed());
-    found.write(folder.path(), &made)?;
-    let page = pages::design::page(&found, &gearbox, &made, interrupt::flag())?;
-    folder.show(
-        &page,
-        &pages::design::text(&found, screen::manner().verbose),
-    )
+    let made = folder.write(|dir, made| found.write(dir, made))?;
+    let page = |found: &DesignResult, gearbox: &Gearbox| {
+        pages::design::page(found, gearbox, &made, interrupt::flag())
+    };
+    let html = page(&found, &gearbox)?;
+    let text = pages::design::text(&found, screen::manner().verbose);
+    folder.show(&html, &text)?;
+    let of = "the figures and files of this design";
+    idle::name(&args.scene, &gearbox, of, |settings, control| {
+        settings.idle_in_design(&found, took, control, |other, gearbox| {
+            Ok(page(other, gearbox)? == html)
+        })
+    })
 }

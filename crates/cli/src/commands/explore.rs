@@ -11,7 +11,7 @@ use std::io::Write as _;
 use std::net::TcpListener;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, mpsc};
+use std::sync::{Arc, Mutex, mpsc};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 
@@ -26,7 +26,7 @@ use serde_json::{Value, json};
 use crate::args::{self, ExploreArgs};
 use crate::failure::Failure;
 use crate::folder::Folder;
-use crate::loopback::{self, Answer, Question};
+use crate::loopback::{self, Answer, Question, locked};
 use crate::{interrupt, screen};
 
 /// Where the page is, if nothing else is there.
@@ -102,7 +102,7 @@ impl Entry {
             }
             Self::Browser { token, cookie, key } => {
                 if let Some(given) = path.strip_prefix("/?token=") {
-                    let mut own = lock(token);
+                    let mut own = locked(token);
                     if own.as_deref() != Some(given) {
                         return Err(refused(
                             "this address was used before: start `pinwheel explore` again",
@@ -231,7 +231,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     }
     drop(opened);
     // It stops by itself, and leaves no draft.
-    let work = lock(&explorer.compared).work.take();
+    let work = locked(&explorer.compared).work.take();
     if let Some(work) = work {
         let _ = work.join();
     }
@@ -291,6 +291,17 @@ fn plain(status: u16, why: impl Into<String>) -> Answer {
     Answer::new(status, "text/plain", why)
 }
 
+/// Answers a question that the page's script put right and that has no result.
+fn reason(why: impl Into<Value>) -> Answer {
+    told(&json!({ "reason": why.into() }))
+}
+
+impl From<Failure> for Answer {
+    fn from(failure: Failure) -> Self {
+        plain(500, failure.message)
+    }
+}
+
 /// Balances as the page's script reads them; null: they were given up.
 fn balanced(found: Result<Value, StudyError>) -> Value {
     match found {
@@ -313,7 +324,7 @@ impl Explorer {
         let path = self.entry.admit(question)?;
         // What asks for balances says which page it is.
         let (path, tab) = path.split_once('?').unwrap_or((path, ""));
-        let found = match question.method.as_str() {
+        match question.method.as_str() {
             "GET" => match path {
                 "/" => self.page(&question.gone),
                 "/status" => Ok(told(&self.status())),
@@ -329,45 +340,36 @@ impl Explorer {
                 match path {
                     "/run" => self.run(tab, &values, &question.gone),
                     "/save" => self.save(&values),
-                    "/compare" => Ok(self.compare(&values)),
+                    "/compare" => self.compare(&values),
                     "/balances" | "/bands" => {
                         self.balances(tab, path == "/bands", &values, &question.gone)
                     }
                     _ => Ok(plain(404, "there is nothing here")),
                 }
             }
-            _ => return Err(plain(405, "only GET and POST")),
-        };
-        found.map_err(|failure| plain(500, failure.message))
+            _ => Err(plain(405, "only GET and POST")),
+        }
     }
 
-    fn page(&self, gone: &AtomicBool) -> Result<Answer, Failure> {
-        let scene = match live::scene(&self.spec, &self.settled, &[]) {
-            Ok(scene) => scene,
-            Err(error) => {
-                let why = format!("{error}\n\nMend the file and load this page again.");
-                return Ok(plain(422, why));
-            }
-        };
-        *lock(&self.span_s) = live::span_s(&scene);
+    fn page(&self, gone: &AtomicBool) -> Result<Answer, Answer> {
+        let mend = |why| format!("{why}\n\nMend the file and load this page again.");
+        let scene = live::scene(&self.spec, &self.settled, &[]);
+        let scene = scene.map_err(|why| plain(422, mend(why)))?;
+        *locked(&self.span_s) = live::span_s(&scene);
         let made = Provenance::here(args::typed());
-        Ok(match live::page(&scene, &made, gone)? {
-            Ok(text) => page(text),
-            Err(why) => plain(422, why),
-        })
+        let text = live::page(&scene, &made, gone).map_err(Failure::from)?;
+        text.map(page).map_err(|why| plain(422, why))
     }
 
     /// A run of a state, and its balances beside it where they take no longer than a hand would wait; given up once its page is
     /// `gone`.
-    fn run(&self, tab: &str, values: &live::Values, gone: &AtomicBool) -> Result<Answer, Failure> {
+    fn run(&self, tab: &str, values: &live::Values, gone: &AtomicBool) -> Result<Answer, Answer> {
         let begun = Instant::now();
         let stop = Arc::default();
         self.newest(tab, &stop);
-        let gearbox = match live::gearbox(&self.spec, &self.settled, values) {
-            Ok(gearbox) => Arc::new(gearbox),
-            Err(error) => return Ok(told(&json!({"reason": error}))),
-        };
-        let without = *lock(&self.without);
+        let gearbox = live::gearbox(&self.spec, &self.settled, values);
+        let gearbox = Arc::new(gearbox.map_err(reason)?);
+        let without = *locked(&self.without);
         let hears = (without.left == 0).then(|| {
             let (tells, hears) = mpsc::channel();
             // Where the thread has ended they are late.
@@ -377,26 +379,22 @@ impl Explorer {
             hears
         });
         // Not locked while it runs: others are answered meanwhile.
-        let span_s = *lock(&self.span_s);
+        let span_s = *locked(&self.span_s);
         let found = live::motion(&gearbox, span_s, gone);
         if found.is_err() {
             stop.store(true, Ordering::Relaxed);
         }
-        let found = found?;
+        let found = found.map_err(Failure::from)?;
         let patience = match found {
             Ok(_) => PATIENCE.saturating_sub(begun.elapsed()),
             Err(_) => Duration::ZERO,
         };
         let figures = hears.and_then(|hears| hears.recv_timeout(patience).ok());
-        *lock(&self.without) = without.after(figures.as_ref());
+        *locked(&self.without) = without.after(figures.as_ref());
         stop.store(true, Ordering::Relaxed);
-        Ok(told(&match found {
-            Ok(mut run) => {
-                run["balanced"] = figures.map_or(LATE, balanced);
-                run
-            }
-            Err(why) => json!({"reason": why}),
-        }))
+        let mut run = found.map_err(reason)?;
+        run["balanced"] = figures.map_or(LATE, balanced);
+        Ok(told(&run))
     }
 
     /// Balances of the newest state that was asked for; `stop` gives them up.
@@ -406,17 +404,14 @@ impl Explorer {
         laws: bool,
         values: &live::Values,
         stop: &Arc<AtomicBool>,
-    ) -> Result<Answer, Failure> {
+    ) -> Result<Answer, Answer> {
         self.newest(tab, stop);
-        let gearbox = match live::gearbox(&self.spec, &self.settled, values) {
-            Ok(gearbox) => gearbox,
-            Err(error) => return Ok(told(&json!({"reason": error}))),
-        };
+        let gearbox = live::gearbox(&self.spec, &self.settled, values).map_err(reason)?;
         let begun = Instant::now();
         let found = live::balances(&gearbox, laws, stop);
         if !laws && found.is_ok() {
             let late = begun.elapsed() > PATIENCE;
-            *lock(&self.without) = if late { Without::MOST } else { Without::NONE };
+            *locked(&self.without) = if late { Without::MOST } else { Without::NONE };
         }
         Ok(told(&balanced(found)))
     }
@@ -424,18 +419,15 @@ impl Explorer {
     /// Gives up the balances of a page that are under way; `stop` stops those that it asks for now.
     fn newest(&self, tab: &str, stop: &Arc<AtomicBool>) {
         let own = (tab.to_owned(), Arc::clone(stop));
-        let (before, running) = std::mem::replace(&mut *lock(&self.balancing), own);
+        let (before, running) = std::mem::replace(&mut *locked(&self.balancing), own);
         if before == tab {
             running.store(true, Ordering::Relaxed);
         }
     }
 
     /// Writes the scene's file, with what was moved, into the working folder; never over another one.
-    fn save(&self, values: &live::Values) -> Result<Answer, Failure> {
-        let (name, text) = match live::file(&self.spec, &self.sets, values) {
-            Ok(file) => file,
-            Err(error) => return Ok(told(&json!({"reason": error}))),
-        };
+    fn save(&self, values: &live::Values) -> Result<Answer, Answer> {
+        let (name, text) = live::file(&self.spec, &self.sets, values).map_err(reason)?;
         let stem = file_name(&name);
         let stem = stem.split("-explored").next().unwrap_or_default();
         let mut number = 1;
@@ -448,26 +440,23 @@ impl Explorer {
                 Ok(file) => break (name, file),
                 // Another program may have taken the name this very moment.
                 Err(error) if error.kind() == std::io::ErrorKind::AlreadyExists => number += 1,
-                Err(error) => return Err(Failure::input(format!("{name}: {error}"))),
+                Err(error) => return Err(plain(500, format!("{name}: {error}"))),
             }
         };
         file.write_all(text.as_bytes()).map_err(|error| {
             // What is there of it is ours.
             let _ = std::fs::remove_file(&name);
-            Failure::input(format!("{name}: {error}"))
+            plain(500, format!("{name}: {error}"))
         })?;
         Ok(told(&json!({"file": name})))
     }
 
     /// Starts a comparison of all engines, unless one is under way.
-    fn compare(self: &Arc<Self>, values: &live::Values) -> Answer {
-        let scene = match live::scene(&self.spec, &self.sets, values) {
-            Ok(scene) => scene,
-            Err(error) => return told(&json!({"reason": error})),
-        };
-        let mut compared = lock(&self.compared);
+    fn compare(self: &Arc<Self>, values: &live::Values) -> Result<Answer, Answer> {
+        let scene = live::scene(&self.spec, &self.sets, values).map_err(reason)?;
+        let mut compared = locked(&self.compared);
         if compared.running {
-            return told(&json!({"reason": "a comparison is under way"}));
+            return Err(reason("a comparison is under way"));
         }
         *compared = Compared {
             running: true,
@@ -477,14 +466,14 @@ impl Explorer {
         let explorer = Arc::clone(self);
         compared.work = Some(std::thread::spawn(move || {
             let done = explorer.compared(&scene);
-            let mut compared = lock(&explorer.compared);
+            let mut compared = locked(&explorer.compared);
             compared.running = false;
             match done {
                 Ok((text, place)) => (compared.page, compared.place) = (Some(text), place),
                 Err(failure) => compared.told = failure.message,
             }
         }));
-        told(&json!({}))
+        Ok(told(&json!({})))
     }
 
     /// When the scene's file was written, and how a comparison stands.
@@ -494,7 +483,7 @@ impl Explorer {
             time.duration_since(SystemTime::UNIX_EPOCH)
                 .unwrap_or_default()
         });
-        let compared = lock(&self.compared);
+        let compared = locked(&self.compared);
         json!({
             "stamp": since.map_or(0.0, |since| since.as_secs_f64()),
             "compares": compared.told,
@@ -504,7 +493,7 @@ impl Explorer {
     }
 
     fn comparison(&self) -> Answer {
-        match &lock(&self.compared).page {
+        match &locked(&self.compared).page {
             Some(text) => page(text.clone()),
             None => plain(404, "nothing was compared yet"),
         }
@@ -512,7 +501,7 @@ impl Explorer {
 
     /// The page of a comparison, and its folder.
     fn compared(&self, scene: &CheckedScene) -> Result<(String, String), Failure> {
-        let gearbox = Gearbox::new(scene).map_err(|error| Failure::input(error.to_string()))?;
+        let gearbox = Gearbox::new(scene).map_err(Failure::input)?;
         let engines = choice::engines(&[] as &[&str], scene)?;
         // Never in the place of what `compare` wrote for the file itself.
         let name = format!("{}-explored-compare", args::label(&self.spec));
@@ -524,7 +513,7 @@ impl Explorer {
             data: &[],
         };
         let report = |progress: Progress<'_>| {
-            lock(&self.compared).told = format!(
+            locked(&self.compared).told = format!(
                 "Compares: {} of {}, {}",
                 progress.done, progress.total, progress.piece
             );
@@ -535,17 +524,12 @@ impl Explorer {
             ..Effort::of(scene)
         };
         let found = comparison::run_with(&input, effort, &control)?;
-        let made = Provenance::here(args::typed());
-        found.write(folder.path(), &made)?;
+        let made = folder.write(|dir, made| found.write(dir, made))?;
         let page = pages::comparison::page(&found, &made, interrupt::flag())?;
         folder.write_page(&page)?;
         let place = folder.publish()?;
         Ok((page, place.display().to_string()))
     }
-}
-
-fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
-    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

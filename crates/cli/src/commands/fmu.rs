@@ -38,7 +38,7 @@ pub(crate) fn fmu(args: &FmuArgs) -> Result<(), Failure> {
         "variables": package.variables(),
         "method": package.method(),
     });
-    screen::show_or_json(args.json, &told, || {
+    screen::show_or_json(&told, || {
         format!(
             "unit    {0} ({1} variables, {2}, {3})\nnext    import {0} in a master of FMI 2.0 co-simulation: docs/fmu.md",
             file.display(),

@@ -6,6 +6,7 @@ pub(crate) mod compare;
 pub(crate) mod design;
 pub(crate) mod explore;
 pub(crate) mod fmu;
+mod idle;
 pub(crate) mod open;
 pub(crate) mod paper;
 pub(crate) mod record;

@@ -1,10 +1,10 @@
 //! `pinwheel paper`: every figure and every claim of the paper, computed again, on one page.
 
 use pinwheel::pages;
+use pinwheel::studies::StudyError;
 use pinwheel::studies::paper::{self, Options};
-use pinwheel::studies::{Provenance, StudyError};
 
-use crate::args::{self, PaperArgs};
+use crate::args::PaperArgs;
 use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::interrupt;
@@ -14,29 +14,25 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<(), Failure> {
     let figures = args.figures.clone();
     let folder = Folder::prepare(&args.out.or("paper"), args.out.force)?;
     let peer = if figures.is_empty() || figures.iter().any(|f| f == "10") {
-        watched("paper", |control| {
-            paper::peer(args.against.as_deref(), control)
-        })
-        .map_err(|error| match error {
-            StudyError::Ended { .. } => {
-                Failure::engine(format!("{error}; choose another with --against"))
+        watched(|control| paper::peer(args.against.as_deref(), control)).map_err(|error| {
+            match error {
+                StudyError::Ended { .. } => {
+                    Failure::engine(format!("{error}; choose another with --against"))
+                }
+                error => error.into(),
             }
-            error => error.into(),
         })?
     } else {
         None
     };
     let options = Options { figures, peer };
-    let found = watched("paper", |control| paper::run(&options, control)).map_err(|error| {
-        match error {
-            StudyError::Cancelled => Failure::stopped(),
-            error => Failure::engine(format!(
-                "the paper's figures cannot be computed: {error}; leave the figure out with --figures"
-            )),
-        }
+    let found = watched(|control| paper::run(&options, control)).map_err(|error| match error {
+        StudyError::Cancelled => Failure::stopped(),
+        error => Failure::engine(format!(
+            "the paper's figures cannot be computed: {error}; leave the figure out with --figures"
+        )),
     })?;
-    let made = Provenance::here(args::typed());
-    found.write(folder.path(), &options, &made)?;
+    let made = folder.write(|dir, made| found.write(dir, &options, made))?;
     let page = pages::paper::page(&found, &made, interrupt::flag())?;
     folder.show(&page, &pages::paper::text(&found))
 }

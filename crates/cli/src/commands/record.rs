@@ -20,9 +20,8 @@ pub(crate) fn record(args: &RecordArgs) -> Result<u8, Failure> {
             ));
         }
         for engine in engines {
-            let found = watched("record", |control| {
-                recording::record(engine.as_ref(), scene, &args.out, control)
-            })?;
+            let found =
+                watched(|control| recording::record(engine.as_ref(), scene, &args.out, control))?;
             failed |= matches!(found, Recorded::Broken(_));
             let said = match found {
                 Recorded::Kept { samples, bytes } => {

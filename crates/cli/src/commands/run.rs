@@ -1,64 +1,54 @@
 //! `pinwheel run`: one scene, one engine.
 
 use pinwheel::pages;
-use pinwheel::studies::{Provenance, choice, effect, single};
+use pinwheel::studies::{choice, single};
 
-use crate::args::{self, RunArgs};
-use crate::failure::{ENGINE, Failure, INCONCLUSIVE};
+use super::idle;
+use crate::args::RunArgs;
+use crate::failure::{Failure, INCONCLUSIVE};
 use crate::folder::Folder;
 use crate::progress::watched;
 use crate::screen;
 
-/// Names on stderr those of `sets`, by their places, without which `of` is equal to the bit.
-pub(super) fn name_idle(sets: &[String], idle: &[usize], of: &str) {
-    for set in idle.iter().map(|place| &sets[*place]) {
-        screen::show_on_stderr(&format!(
-            "note: --set {set} has no effect on {of}: without it they are equal to the bit"
-        ));
-    }
-}
-
-pub(crate) fn run(args: &RunArgs) -> Result<u8, Failure> {
+pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
     let scene = &gearbox.scene;
     let name = args.solvers.only(args.engine.as_slice())?;
     let engine = choice::find(&name, scene)?;
     single::prepare(engine.as_ref(), &gearbox)?;
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "run")?;
-    let sets = args::overrides(&args.scene.set)?;
-    let mut idle = Vec::new();
-    let found = watched("run", |control| {
+    let found = watched(|control| {
         let found = single::run(&gearbox, engine.as_ref(), !args.unchecked, control)?;
-        if !args.unchecked {
-            idle = effect::idle(&args.scene.scene, &sets, engine.as_ref(), &found, control)?;
-        }
         match args.unchecked || found.diverged().is_some() {
             // What broke off has no figure whose band could be of use.
             true => Ok(found),
             false => found.with_bands(&gearbox, control),
         }
     })?;
-    found.write(folder.path(), &Provenance::here(args::typed()))?;
+    folder.write(|dir, made| found.write(dir, made))?;
     let place = folder.publish()?;
-    name_idle(&args.scene.set, &idle, "the time series of this scene");
+    if !args.unchecked {
+        let of = "the time series of this scene";
+        idle::name(&args.scene, &gearbox, of, |settings, control| {
+            settings.idle_in_run(engine.as_ref(), &found.run, control)
+        })?;
+    }
     let time_series = place.join(single::file(&found.run.ending));
     let time_series = time_series.display();
 
     if let Some(diverged) = found.diverged() {
         let remedy = single::remedy(&gearbox, found.track);
-        screen::complain(&format!(
+        return Err(Failure::engine(format!(
             "{diverged}; what there is until then is in {time_series}; {remedy}"
-        ));
-        return Ok(ENGINE);
+        )));
     }
     let text = pages::single::text(&found, Some(&time_series.to_string()));
     screen::show_found(&text, &place, "run.json")?;
     if screen::manner().quiet {
         screen::show(&format!("courses: {time_series}"))?;
     }
-    if let Some(unresolved) = found.unresolved(&gearbox) {
-        screen::complain(&unresolved);
-        return Ok(INCONCLUSIVE);
+    match found.unresolved(&gearbox) {
+        Some(unresolved) => Err(Failure::new(INCONCLUSIVE, unresolved)),
+        None => Ok(()),
     }
-    Ok(0)
 }

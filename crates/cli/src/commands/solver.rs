@@ -5,9 +5,9 @@ use std::path::Path;
 use pinwheel::engines::external::{self, Manifest, Solver, scaffold::Language};
 use pinwheel::pages;
 use pinwheel::studies::output::file_name;
-use pinwheel::studies::{Provenance, conformance, junit};
+use pinwheel::studies::{conformance, junit};
 
-use crate::args::{self, OutArgs, SceneArgs, SolverAction, SolverArgs};
+use crate::args::{OutArgs, SceneArgs, SolverAction, SolverArgs};
 use crate::failure::{DIFFER, Failure};
 use crate::folder::{Folder, check_junit, relative};
 use crate::progress::watched;
@@ -34,7 +34,7 @@ fn new(language: Language, name: &str) -> Result<u8, Failure> {
         .map_err(|error| Failure::input(format!("{name} cannot be written: {error}")))?;
     let place = folder.publish()?;
     let solver = Solver::open(&place.join("solver.toml"));
-    let solver = solver.map_err(|error| Failure::engine(error.to_string()))?;
+    let solver = solver.map_err(Failure::engine)?;
     let build = solver.manifest().build.as_ref();
     let build = build.map_or_else(String::new, |build| {
         format!("  cd {name} && {build} && cd ..\n")
@@ -47,16 +47,13 @@ fn new(language: Language, name: &str) -> Result<u8, Failure> {
 }
 
 fn check(file: &Path, junit: Option<&Path>, out: &OutArgs) -> Result<u8, Failure> {
-    let solver = Solver::open(file).map_err(|error| Failure::input(error.to_string()))?;
+    let solver = Solver::open(file).map_err(Failure::input)?;
     let name = solver.manifest().name.clone();
     let label = format!("{}-check", file_name(&name));
     let folder = Folder::of(out, label, &relative(file))?;
     check_junit(junit, folder.place())?;
-    let found = watched("solver check", |control| {
-        conformance::check(&solver, control)
-    })?;
-    let made = Provenance::here(args::typed());
-    found.write(folder.path(), &made)?;
+    let found = watched(|control| conformance::check(&solver, control))?;
+    let made = folder.write(|dir, made| found.write(dir, made))?;
     let page = pages::conformance::page(&found, &made);
     folder.show(&page, &pages::conformance::text(&found))?;
     if let Some(path) = junit {
@@ -70,7 +67,7 @@ fn job(scene: &SceneArgs, folder: &Path) -> Result<u8, Failure> {
     let library = external::law_library();
     let draft = Folder::fresh(folder)?;
     external::write_job(&gearbox, draft.path(), library.as_deref().ok())
-        .map_err(|error| Failure::engine(error.to_string()))?;
+        .map_err(Failure::engine)?;
     draft.publish()?;
     let law = library.map_or_else(|remedy| remedy, |path| path.display().to_string());
     screen::show(&format!(

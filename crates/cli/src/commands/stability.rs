@@ -2,14 +2,14 @@
 
 use pinwheel::pages;
 use pinwheel::scene::Scene;
+use pinwheel::studies::StudyError;
 use pinwheel::studies::stability::{Atlas, Method, Options, SERVED};
-use pinwheel::studies::{Provenance, StudyError};
 
 use crate::args::{self, StabilityArgs, quoted};
 use crate::failure::{DIFFER, Failure, INCONCLUSIVE, STOPPED};
 use crate::folder::{Folder, all_or};
+use crate::interrupt;
 use crate::progress::watched;
-use crate::{interrupt, screen};
 
 pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
     let options = match args.quick {
@@ -30,14 +30,13 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
     let folder = Folder::of(&args.out, "stability", &all_or(&args.scenes))?;
     interrupt::check()?;
     let jobs = args.jobs.map_or_else(args::cores, usize::from);
-    let stopped = match watched("stability", |control| atlas.go_on(jobs, control)) {
+    let stopped = match watched(|control| atlas.go_on(jobs, control)) {
         Ok(()) => false,
         Err(StudyError::Cancelled) if atlas.done().count() > 0 => true,
         Err(error) => return Err(error.into()),
     };
 
-    let made = Provenance::here(args::typed());
-    atlas.write(folder.path(), &made)?;
+    let made = folder.write(|dir, made| atlas.write(dir, made))?;
     let page = pages::stability::page(&atlas, &made);
     if stopped {
         let place = folder.publish_partial(&page)?;
@@ -47,12 +46,12 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
         } else {
             format!(" --out {}", quoted(&place.display().to_string()))
         };
-        screen::complain(&format!(
+        let message = format!(
             "stopped; {done} of {all} scenes are in {}; `{}{out} --resume` does the rest",
             place.display(),
             made.command
-        ));
-        return Ok(STOPPED);
+        );
+        return Err(Failure::new(STOPPED, message));
     }
     folder.show(&page, &pages::stability::text(&atlas))?;
     let unserved = atlas.unserved();
@@ -60,10 +59,7 @@ pub(crate) fn stability(args: &StabilityArgs) -> Result<u8, Failure> {
         let nothing = atlas.findings().any(|(_, shown)| !shown);
         return Ok(if nothing { INCONCLUSIVE } else { 0 });
     }
-    screen::complain(&format!(
-        "no method gives {} within {} %; see the page",
-        unserved.join(", "),
-        100.0 * SERVED
-    ));
-    Ok(DIFFER)
+    let (names, percent) = (unserved.join(", "), 100.0 * SERVED);
+    let message = format!("no method gives {names} within {percent} %; see the page");
+    Err(Failure::new(DIFFER, message))
 }

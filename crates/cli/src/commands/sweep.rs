@@ -1,23 +1,21 @@
 //! `pinwheel sweep`: a study as data.
 
 use pinwheel::pages;
-use pinwheel::studies::Provenance;
 use pinwheel::studies::folder::PAGE;
 use pinwheel::studies::sweep::{
     self, Begin, Guests, Journal, Plan, RunRecord, Sweep, SweepError, execute,
 };
 
 use crate::args::{self, SweepArgs};
-use crate::failure::{ENGINE, Failure};
+use crate::failure::Failure;
 use crate::folder::Folder;
 use crate::progress::watched;
 use crate::{interrupt, screen};
 
-pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
+pub(crate) fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     let plan = plan(args)?;
     if args.list {
-        screen::show(&pages::sweep::list(&plan))?;
-        return Ok(0);
+        return screen::show(&pages::sweep::list(&plan));
     }
     let file = args.file.display().to_string();
     let prepare = || Folder::of_scenes(&args.out, &[&file], "sweep");
@@ -30,7 +28,7 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     };
     let journal = Journal::begin(&out, begin, &args::typed())?;
     let jobs = args.jobs.map_or_else(args::cores, usize::from);
-    let records = watched("sweep", |control| execute(&plan, &journal, jobs, control));
+    let records = watched(|control| execute(&plan, &journal, jobs, control));
     let records = match records {
         Err(fault) if journal.in_its_folder() == 0 => {
             journal.remove()?;
@@ -42,11 +40,9 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
         records => records?,
     };
     let folder = prepare()?;
-    let (table, made) = (
-        sweep::results(&plan, &records),
-        Provenance::here(args::typed()),
-    );
-    sweep::write(folder.path(), &plan, &records, &table, &journal, &made)?;
+    let table = sweep::results(&plan, &records);
+    let made =
+        folder.write(|dir, made| sweep::write(dir, &plan, &records, &table, &journal, made))?;
     let page = pages::sweep::page(&plan, &records, &table, &made);
     let csv = out.join("results.csv").display().to_string();
     let text = pages::sweep::text(&plan, &records, &[("results", csv.clone())]);
@@ -57,16 +53,15 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<u8, Failure> {
     screen::show_with_page(&text, &place.join(PAGE))?;
     let broken = |record: &&RunRecord| !record.ending.is_finished();
     let Some(first) = records.iter().find(broken) else {
-        return Ok(0);
+        return Ok(());
     };
-    screen::complain(&format!(
+    Err(Failure::engine(format!(
         "{} of {} runs did not finish, the first on {}: {}; see {csv}",
         records.iter().filter(broken).count(),
         records.len(),
         first.engine,
         first.reason(),
-    ));
-    Ok(ENGINE)
+    )))
 }
 
 fn plan(args: &SweepArgs) -> Result<Plan, Failure> {

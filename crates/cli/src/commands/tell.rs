@@ -3,7 +3,8 @@
 use pinwheel::studies::{choice, explained};
 use pinwheel::{engines::external, pages, scene};
 
-use crate::args::{ExplainArgs, JsonArgs};
+use super::idle;
+use crate::args::ExplainArgs;
 use crate::failure::Failure;
 use crate::screen;
 
@@ -11,18 +12,23 @@ use crate::screen;
 pub(crate) fn explain(args: &ExplainArgs) -> Result<(), Failure> {
     let gearbox = args.scene.load()?;
     let found = explained::explain(&gearbox);
-    screen::show_or_json(args.out.json, &found, || pages::explain::text(&found))
+    screen::show_or_json(&found, || pages::explain::text(&found))?;
+    let engine = choice::find("native", &gearbox.scene)?;
+    let of = "the native time series of this scene";
+    idle::name(&args.scene, &gearbox, of, |settings, control| {
+        settings.idle_in_explanation(engine.as_ref(), control)
+    })
 }
 
 /// Shows the engines that this build can compare.
-pub(crate) fn engines(args: &JsonArgs) -> Result<(), Failure> {
+pub(crate) fn engines() -> Result<(), Failure> {
     let listed = choice::listed();
-    screen::show_or_json(args.json, &listed, || pages::engines::text(&listed))
+    screen::show_or_json(&listed, || pages::engines::text(&listed))
 }
 
 /// The contact laws a scene can name.
-pub(crate) fn laws(args: &JsonArgs) -> Result<(), Failure> {
-    screen::show_or_json(args.json, &pages::laws::json(), pages::laws::text)
+pub(crate) fn laws() -> Result<(), Failure> {
+    screen::show_or_json(&pages::laws::json(), pages::laws::text)
 }
 
 /// Shows the schema by which editors complete and check scenes, or solvers from outside their job files.

@@ -374,6 +374,36 @@ impl DesignResult {
         Ok(())
     }
 
+    /// Makes the design of another gear, with the rest fitted to this one; `None` if it differs in a bit from this one.
+    pub(crate) fn repeated(
+        &self,
+        gearbox: &Gearbox,
+        control: &Control<'_>,
+    ) -> Result<Option<Self>, StudyError> {
+        let own = self.clone();
+        let rest = self.rest;
+        // Most settings move the statics, a fraction of the cost.
+        let statics = Self {
+            scene: own.scene,
+            figures: own.figures,
+            bands: own.bands,
+            cycle: own.cycle,
+            efficiency: own.efficiency,
+            joint: own.joint,
+            rest,
+            ..figures_of(gearbox, false, control)?
+        };
+        if statics != *self {
+            return Ok(None);
+        }
+        let found = Self {
+            scene: statics.scene,
+            rest,
+            ..run(gearbox, self.cycle.is_some(), control)?
+        };
+        Ok((found == *self).then_some(found))
+    }
+
     /// The eccentric bearing with the largest force; the first of discs that carry alike.
     #[must_use]
     pub fn most_loaded(&self) -> Option<&Bearing> {

@@ -1,0 +1,37 @@
+//! Options that say how the program speaks.
+
+use anstream::ColorChoice;
+use clap::Args;
+
+use super::named::{Named, named};
+
+/// How the program speaks, whatever it does.
+#[derive(Debug, Clone, Copy, Default, Args)]
+pub(crate) struct Manner {
+    /// No progress; of a study only where its results are.
+    #[arg(long, short, global = true, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Also the files written, and of a comparison every engine's figures.
+    #[arg(long, short, global = true)]
+    pub(crate) verbose: bool,
+    /// Colours.
+    #[arg(long, value_name = "WHEN", global = true, value_parser = named(COLOURS), default_value = "auto")]
+    pub(crate) color: ColorChoice,
+    /// Results as JSON (of the command, if it takes `--json`).
+    #[arg(skip)]
+    pub(crate) json: bool,
+    /// Name of the command.
+    #[arg(skip)]
+    pub(crate) command: &'static str,
+}
+
+/// When colours are used.
+const COLOURS: &[Named<ColorChoice>] = &[
+    ("auto", "Where a terminal shows them", ColorChoice::Auto),
+    (
+        "always",
+        "In pipes and files as well",
+        ColorChoice::AlwaysAnsi,
+    ),
+    ("never", "Nowhere", ColorChoice::Never),
+];
