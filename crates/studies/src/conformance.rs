@@ -4,21 +4,25 @@
 //! shares the law is held against the native one on every law and kind of contact it honours, column by column; a solver
 //! with contacts of its own is asked for signs and sizes.
 
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use pinwheel_compare::quantities::{Quantity, derive};
 use pinwheel_contact::laws;
 use pinwheel_engines::external::Solver;
-use pinwheel_engines::{AccuracySetting, Cancelled, Ending, Engine, Native, Run, SharedModel};
+use pinwheel_engines::{
+    AccuracySetting, Cancelled, Ending, Engine, Halt, Native, Run, SharedModel,
+};
 use pinwheel_gearbox::Frequencies;
-use pinwheel_scene::{CheckedScene, LoadChange, Override, Scene, Start};
+use pinwheel_scene::{CheckedScene, Override, Scene};
 use pinwheel_timeseries::convergence::{self, KINKS, Method, ORDER_MARGIN, Rough, Step};
 use pinwheel_timeseries::norms::{View, mean, relative_l2};
 use pinwheel_timeseries::{TimeSeries, columns};
 use quick_junit::TestSuite;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
 use crate::control::{Control, Progress, compile};
@@ -136,98 +140,67 @@ const ENDS_S: f64 = 3.0;
 /// Time after which a solver is ended that is tried on a run without end.
 const PATIENCE: Duration = Duration::from_millis(300);
 
+/// One trial as `trials.toml` has it.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+struct Trial {
+    name: String,
+    must: String,
+    /// Keys of its scene.
+    set: Vec<String>,
+    /// Word that counts its scenes.
+    what: String,
+    /// True if a refusal of a scene is no failure.
+    may_refuse: bool,
+    scenes: Vec<Held>,
+}
+
+/// A scene that is held against the native run.
+#[derive(Debug, Clone, Deserialize)]
+struct Held {
+    name: String,
+    /// Keys that it changes.
+    set: Vec<String>,
+}
+
+/// All trials, embedded; a test reads them.
+static TRIALS: LazyLock<Vec<Trial>> = LazyLock::new(|| {
+    let table: BTreeMap<String, Vec<Trial>> =
+        toml::from_str(include_str!("trials.toml")).unwrap_or_default();
+    table.into_values().flatten().collect()
+});
+
+/// Solver, control and keys with which trials are made.
 struct Trials<'a> {
     solver: &'a Solver,
     /// Without progress.
     control: Control<'a>,
-    scene: CheckedScene,
+    /// Keys of every scene.
+    set: [String; 2],
 }
-
-/// Name, requirement and runs of a trial.
-type Trial = (&'static str, &'static str, fn(&Trials<'_>) -> Seen);
-
-/// The trials in their order. The first must pass for the others to mean anything.
-const TRIALS: &[Trial] = &[
-    (
-        "runs",
-        "a run finishes, with all columns, at samples that no step hits",
-        runs,
-    ),
-    (
-        "repeats",
-        "again the same bits, by steps no longer than asked for",
-        repeats,
-    ),
-    (
-        "start",
-        "the first row holds the start state's forces, with the documented signs",
-        start,
-    ),
-    (
-        ACCURACY,
-        "the error falls as [refine] states, down to the native run's",
-        accuracy,
-    ),
-    (
-        LAWS,
-        "every law that it honours gives what the native solver gives",
-        of_laws,
-    ),
-    (
-        "contacts",
-        "damping, discs that are cut, and play give what the native solver gives",
-        contacts,
-    ),
-    (
-        "friction",
-        "friction gives what the native solver gives, driven either way",
-        friction,
-    ),
-    (
-        "load changes",
-        "a load that jumps gives what the native solver gives",
-        load_changes,
-    ),
-    (
-        "bad ends",
-        "steps far too long and a broken job end as they must",
-        bad_ends,
-    ),
-    (
-        "stop",
-        "a run that is stopped, or takes too long, ends at once",
-        stop,
-    ),
-];
-/// Name of the trial on the paper's gear.
-const ACCURACY: &str = "accuracy";
-/// Name of the trial of every law.
-const LAWS: &str = "laws";
 
 /// Tries a solver.
 ///
 /// # Errors
 /// Stopped; a scene of the suite that cannot be modelled.
 pub fn check(solver: &Solver, control: &Control<'_>) -> Result<Outcome, StudyError> {
-    let mut laws = laws::LAWS.iter().map(|law| law.name);
-    let law = laws.find(|law| solver.manifest().honours_law(law));
-    let sets = [
-        Override::new("contact.law", law.unwrap_or("paper")),
-        Override::new("solver.duration_s", "0.02"),
-    ];
     let solver = &solver.clone().with_spaces();
+    let law = honoured(solver).next().unwrap_or("paper");
     let trials = Trials {
         solver,
         control: Control::silent(control.cancel),
-        scene: Scene::load("paper", &sets)?,
+        set: [
+            format!("contact.law={law}"),
+            "solver.duration_s=0.02".to_owned(),
+        ],
     };
     let mut findings: Vec<Finding> = Vec::new();
-    for (done, (name, must, trial)) in TRIALS.iter().enumerate() {
+    for (done, trial) in TRIALS.iter().enumerate() {
         control.check()?;
-        (control.progress)(Progress::new(done, TRIALS.len(), name));
+        (control.progress)(Progress::new(done, TRIALS.len(), &trial.name));
         let seen = match findings.first() {
             Some(first) if first.state == State::Failed => skipped("it does not run"),
-            _ => trial(&trials),
+            _ => trials.make(trial),
         };
         let (state, seen) = match seen {
             Ok(seen) => (State::Passed, seen),
@@ -235,8 +208,8 @@ pub fn check(solver: &Solver, control: &Control<'_>) -> Result<Outcome, StudyErr
             Err(Miss::Study(error)) => return Err(error),
         };
         findings.push(Finding {
-            name,
-            must,
+            name: &trial.name,
+            must: &trial.must,
             state,
             seen,
         });
@@ -263,15 +236,44 @@ fn answer(findings: &[Finding], track: SharedModel) -> String {
             with(State::Passed).count()
         );
     }
-    match with(State::Passed).find(|f| [ACCURACY, LAWS].contains(&f.name)) {
+    match with(State::Passed).find(|f| ["accuracy", "laws"].contains(&f.name)) {
         Some(shown) => format!("agrees: {}", shown.seen),
         None => "nothing shown: no law of its own ran".to_owned(),
     }
 }
 
+/// Laws that a solver honours.
+fn honoured(solver: &Solver) -> impl Iterator<Item = &'static str> {
+    let laws = laws::LAWS.iter().map(|law| law.name);
+    laws.filter(|law| solver.manifest().honours_law(law))
+}
+
 impl Trials<'_> {
-    fn changed(&self, change: impl FnOnce(&mut Scene)) -> Result<CheckedScene, Miss> {
-        self.scene.changed(change).or_else(failed)
+    fn make(&self, trial: &Trial) -> Seen {
+        let scene = self.scene(&trial.set)?;
+        match trial.name.as_str() {
+            "runs" => self.runs(&scene),
+            "repeats" => self.repeats(&scene),
+            "start" => self.start(&scene),
+            "accuracy" => self.accuracy(&scene),
+            "bad ends" => self.bad_ends(&scene),
+            "stop" => self.stop(&scene),
+            "laws" => {
+                let law = |name: &str| Held {
+                    name: name.to_owned(),
+                    set: vec![format!("contact.law={name}")],
+                };
+                self.all_held(trial, &honoured(self.solver).map(law).collect::<Vec<_>>())
+            }
+            _ => self.all_held(trial, &trial.scenes),
+        }
+    }
+
+    /// The preset `paper` with these keys.
+    fn scene(&self, set: &[String]) -> Result<CheckedScene, Miss> {
+        let keys = self.set.iter().chain(set).map(|key| key.parse());
+        let keys: Result<Vec<Override>, _> = keys.collect();
+        Scene::load("paper", &keys.or_else(failed)?).or_else(failed)
     }
 
     fn shares_the_law(&self) -> bool {
@@ -312,14 +314,17 @@ impl Trials<'_> {
 
     /// Holds the solver against the native one on a short scene, as long as its vibration asks for; the relative L2 of the
     /// quantity that is farthest off. What the solver's own step explains is made smaller until it is [`RIGHT`].
-    fn held(&self, change: &dyn Fn(&mut Scene)) -> Result<f64, Miss> {
-        let scene = self.changed(|scene| {
-            change(scene);
+    fn held(&self, scene: &CheckedScene) -> Result<f64, Miss> {
+        let scene = scene.changed(|scene| {
             let rad_s = Frequencies::of(scene).contact_rad_s;
+            for change in &mut scene.drive.load_changes {
+                change.time_s *= SHORT_RAD / rad_s;
+            }
             let solver = &mut scene.solver;
             (solver.duration_s, solver.sample_s) = (SHORT_RAD / rad_s, 0.01 * SHORT_RAD / rad_s);
             (solver.step_s, solver.tolerance) = (STEP_RAD / rad_s, 1e-7);
-        })?;
+        });
+        let scene = scene.or_else(failed)?;
         let mut fine = self.own(&scene)?.time_series;
         if !self.shares_the_law() {
             return Ok(0.0);
@@ -345,20 +350,27 @@ impl Trials<'_> {
         right(off, RIGHT, &fine, &truth)
     }
 
-    /// Holds the solver against the native one on several scenes, which `what` counts. Where it `may_refuse` one, by status 4, that
-    /// is no failure.
-    fn all_held(&self, what: &str, may_refuse: bool, scenes: &[Case<'_>]) -> Seen {
+    /// Holds the solver against the native one on several scenes. One that its manifest rules out is not held.
+    fn all_held(&self, trial: &Trial, scenes: &[Held]) -> Seen {
         let (mut worst, mut off, mut not) = (NATIVE, Vec::new(), Vec::new());
-        for (name, change) in scenes {
-            match self.held(change) {
+        for Held { name, set } in scenes {
+            let scene = self.scene(set)?;
+            if let Err(Halt::Ended(ending)) = self.solver.supports(&scene) {
+                not.push(format!("{name}: {ending}"));
+                continue;
+            }
+            match self.held(&scene) {
                 Ok(near) => worst = worst.max(near),
-                Err(Miss::Ended(State::Failed, why)) if !(may_refuse && why.contains(CANNOT)) => {
+                Err(Miss::Ended(State::Failed, why))
+                    if !(trial.may_refuse && why.contains(CANNOT)) =>
+                {
                     off.push(format!("{name}: {why}"));
                 }
                 Err(Miss::Ended(_, why)) => not.push(format!("{name}: {why}")),
                 Err(error) => return Err(error),
             }
         }
+        let what = &trial.what;
         let held = scenes.len() - off.len() - not.len();
         let mut seen = format!("{held} of {} {what}", scenes.len());
         if self.shares_the_law() {
@@ -368,238 +380,178 @@ impl Trials<'_> {
             seen.push_str(&format!("; not held: {}", not.join("; ")));
         }
         match off.as_slice() {
-            [] if held == 0 => skipped(seen),
+            [] if held == 0 => skipped(not.join("; ")),
             [] => Ok(seen),
             [only] => failed(only),
             [first, more @ ..] => failed(format!("{first} ({} more of {what})", more.len())),
         }
     }
-}
 
-fn runs(trials: &Trials<'_>) -> Seen {
-    let scene = trials.changed(|scene| scene.solver.sample_s = 1.03e-4)?;
-    let run = trials.own(&scene)?;
-    let rows = run.time_series.len();
-    Ok(format!("{rows} rows, {:.2} s CPU", run.stats.cpu_s))
-}
+    fn runs(&self, scene: &CheckedScene) -> Seen {
+        let run = self.own(scene)?;
+        let rows = run.time_series.len();
+        Ok(format!("{rows} rows, {:.2} s CPU", run.stats.cpu_s))
+    }
 
-fn repeats(trials: &Trials<'_>) -> Seen {
-    let (run, again) = (trials.own(&trials.scene)?, trials.own(&trials.scene)?);
-    if run.time_series != again.time_series {
-        return failed(format!(
-            "again {}",
-            place(&again.time_series, &run.time_series)
-        ));
-    }
-    let (steps, calls) = (run.stats.steps, run.stats.rhs_calls);
-    let (duration_s, step_s) = (trials.scene.solver.duration_s, trials.scene.solver.step_s);
-    let refinement = trials.solver.info().refinement;
-    let is_stepped = refinement.is_some_and(|refine| refine.knob == AccuracySetting::Step);
-    let least = duration_s / step_s * (1.0 - 1e-6);
-    if is_stepped && (1..least as u64).contains(&steps) {
-        return failed(format!(
-            "{steps} steps over {duration_s} s are longer than solver.step_s = {step_s} s"
-        ));
-    }
-    let seen = format!("the same bits, {calls} evaluations of the forces, {steps} steps");
-    if trials.shares_the_law() && calls < steps.max(1) {
-        return failed(format!(
-            "{seen}: close the handle (pinwheel_law_close), or write right_hand_sides into result.json"
-        ));
-    }
-    Ok(seen)
-}
-
-/// At rest under load, the balances of power and torque say what must come.
-fn start(trials: &Trials<'_>) -> Seen {
-    let scene = trials.changed(|scene| scene.drive.start = Start::Equilibrium)?;
-    let time_series = trials.own(&scene)?.time_series;
-    let native = trials.native(Native::REDUCED, &scene)?;
-    let first = |run: &TimeSeries| run.channel(columns::OUTPUT_ANGLE).map(|angle| angle[0]);
-    let [angle, known] = [&time_series, &native].map(|run| first(run).unwrap_or(f64::NAN));
-    if !((angle - known).abs() < 1e-12) {
-        return failed(format!(
-            "output_angle_rad is {angle:e} at t = 0, not {known:e}"
-        ));
-    }
-    let rows = [&time_series, &native].map(|run| run.select(&[0]));
-    if trials.shares_the_law() && !(apart(&rows[0], &rows[1]) <= FIRST) {
-        return failed(place(&rows[0], &rows[1]));
-    }
-    let values = |name: &str| time_series.channel(name).unwrap_or_default();
-    let late = |name: &str| mean(&values(name)[time_series.len() / 2..]);
-    let (driver, output) = (late(columns::INPUT_TORQUE), late(columns::OUTPUT_TORQUE));
-    let last = values(columns::OUTPUT_ANGLE).last();
-    let turned = last.map_or(f64::NAN, |last| last - angle);
-    let (load, lobes) = (scene.drive.output_torque_n_m, scene.gear.lobes() as f64);
-    let wanted = -scene.drive.input_speed_rad_s * scene.solver.duration_s / lobes;
-    for (name, is, should) in [
-        (columns::OUTPUT_TORQUE, output, -load),
-        (columns::INPUT_TORQUE, driver, load / lobes),
-        (columns::OUTPUT_ANGLE, turned, wanted),
-    ] {
-        if !((is / should - 1.0).abs() < 0.25) {
+    fn repeats(&self, scene: &CheckedScene) -> Seen {
+        let (run, again) = (self.own(scene)?, self.own(scene)?);
+        if run.time_series != again.time_series {
             return failed(format!(
-                "{name} is {is:.4}, but balance asks for about {should:.4}"
+                "again {}",
+                place(&again.time_series, &run.time_series)
             ));
         }
-    }
-    Ok(format!(
-        "torques {driver:.3} and {output:.2} N m, output turned by {turned:.4} rad"
-    ))
-}
-
-fn accuracy(trials: &Trials<'_>) -> Seen {
-    let (Some((knob, ratio, method)), Some(stated)) = (
-        trials.refinement(2.0, Rough::Kinks),
-        trials.solver.info().refinement,
-    ) else {
-        return skipped("its manifest has no [refine]");
-    };
-    // The examples show 2.71 (RK4), 2.01 (implicit midpoint) and 1.93 (Heun).
-    let (finest, least) = match knob {
-        AccuracySetting::Step => (5e-6, method.allowed_order() - ORDER_MARGIN),
-        AccuracySetting::Tolerance => (1e-7, TOLERANCE_SHARE * stated.order),
-    };
-    let run = |coarser: i32| trials.at(&trials.scene, knob, finest * ratio.powi(coarser));
-    let (coarsest, middle, finest) = (run(2)?, run(1)?, run(0)?);
-    let [fine, coarse] = [(&middle, &finest), (&coarsest, &middle)].map(|(coarse, fine)| Step {
-        ratio,
-        difference: apart(coarse, fine),
-    });
-    if fine.difference == 0.0 && coarse.difference == 0.0 {
-        return failed("three settings give the same bits: it does not read the key of [refine]");
-    }
-    let seen = convergence::observed_order(fine, coarse).unwrap_or(f64::NAN);
-    let order = format!(
-        "order {seen:.2} of {}, differences {:.1e} and {:.1e}",
-        stated.order, coarse.difference, fine.difference
-    );
-    // At rounding there is no order left to see.
-    let falls = fine.difference < 1e-10 || seen >= least;
-    if !trials.shares_the_law() {
-        return if falls { Ok(order) } else { failed(order) };
-    }
-    let truth = trials.native(Native::RESOLVED, &trials.scene)?;
-    let known = convergence::estimate(&[fine, coarse], None, method, 0.0);
-    let own = known.map_or(f64::NAN, |known| known.u) + NATIVE;
-    if !falls || !(apart(&finest, &truth) <= own) {
-        return failed(format!("{}; {order}", place(&finest, &truth)));
-    }
-    Ok(format!("to {own:.1e} with native-resolved; {order}"))
-}
-
-/// A scene by its name, and what makes it.
-type Case<'a> = (&'a str, &'a dyn Fn(&mut Scene));
-
-fn of_laws(trials: &Trials<'_>) -> Seen {
-    let honoured = laws::LAWS.iter().map(|law| law.name);
-    let honoured = honoured.filter(|law| trials.solver.manifest().honours_law(law));
-    let by = |law: &'static str| move |scene: &mut Scene| law.clone_into(&mut scene.contact.law);
-    let changes: Vec<_> = honoured.map(|law| (law, by(law))).collect();
-    let scenes = changes.iter().map(|(law, change)| (*law, change as _));
-    trials.all_held("laws", false, &scenes.collect::<Vec<Case<'_>>>())
-}
-
-fn contacts(trials: &Trials<'_>) -> Seen {
-    let scenes: &[Case<'_>] = &[
-        ("damping", &|scene| scene.contact.damping_n_s_m *= 10.0),
-        ("cut", &|scene| scene.gear.modification.equidistant_m = 2e-5),
-        ("play", &|scene| scene.gear.backlash_m = 2e-5),
-    ];
-    trials.all_held("kinds", true, scenes)
-}
-
-fn friction(trials: &Trials<'_>) -> Seen {
-    if !trials.solver.manifest().honours.friction {
-        return skipped("refused before it starts: honours.friction is not set");
-    }
-    let driven = |sense: f64| {
-        move |scene: &mut Scene| {
-            // A ramp that explicit steps follow (hard-friction-wide).
-            let contact = &mut scene.contact;
-            (contact.friction_coefficient, contact.friction_ramp_m_s) = (0.1, 5e-3);
-            scene.drive.input_speed_rad_s *= sense;
+        let (steps, calls) = (run.stats.steps, run.stats.rhs_calls);
+        let (duration_s, step_s) = (scene.solver.duration_s, scene.solver.step_s);
+        let refinement = self.solver.info().refinement;
+        let is_stepped = refinement.is_some_and(|refine| refine.knob == AccuracySetting::Step);
+        let least = duration_s / step_s * (1.0 - 1e-6);
+        if is_stepped && (1..least as u64).contains(&steps) {
+            return failed(format!(
+                "{steps} steps over {duration_s} s are longer than solver.step_s = {step_s} s"
+            ));
         }
-    };
-    let scenes: [Case<'_>; 2] = [("forwards", &driven(1.0)), ("backwards", &driven(-1.0))];
-    trials.all_held("directions", false, &scenes)
-}
-
-fn load_changes(trials: &Trials<'_>) -> Seen {
-    if !trials.solver.manifest().honours.load_changes {
-        return skipped("refused before it starts: honours.load_changes is not set");
-    }
-    let jump = |scene: &mut Scene| {
-        scene.drive.load_changes = vec![LoadChange {
-            time_s: 0.37 * SHORT_RAD / Frequencies::of(scene).contact_rad_s,
-            output_torque_n_m: 30.0,
-            ramp_s: 0.0,
-        }];
-    };
-    trials.all_held("jumps", false, &[("jump", &jump)])
-}
-
-fn bad_ends(trials: &Trials<'_>) -> Seen {
-    let gearbox = compile(&trials.scene)?;
-    let broken = trials.solver.run_broken_job(&gearbox, &trials.control)?;
-    let broken = match broken.ending {
-        Ending::Failed { reason } | Ending::Unsupported { reason } => reason,
-        Ending::Finished => return failed("broken job: it said that it finished"),
-        ending => return failed(format!("broken job: it {ending}")),
-    };
-    let refinement = trials.solver.info().refinement;
-    if refinement.is_none_or(|refinement| refinement.knob != AccuracySetting::Step) {
-        return Ok(format!("broken job: {broken}"));
-    }
-    let scene = trials.changed(|scene| {
-        (scene.solver.step_s, scene.solver.sample_s) = (1e-3, 1e-3);
-        scene.solver.duration_s = 0.1;
-        // Ten times as stiff, so that any explicit step of a millisecond fails.
-        scene.contact.stiffness_multiplier = 0.1;
-    })?;
-    match trials.solver.run(&scene, &trials.control)?.ending {
-        ending @ (Ending::Finished | Ending::Diverged { .. }) => {
-            Ok(format!("long steps: it {ending}; broken job: {broken}"))
+        let seen = format!("the same bits, {calls} evaluations of the forces, {steps} steps");
+        if self.shares_the_law() && calls < steps.max(1) {
+            return failed(format!(
+                "{seen}: close the handle (pinwheel_law_close), or write right_hand_sides into result.json"
+            ));
         }
-        ending => failed(format!("long steps: it {ending}")),
+        Ok(seen)
     }
-}
 
-/// Stops a run without end, a second at the shortest of steps, by hand and by a limit.
-fn stop(trials: &Trials<'_>) -> Seen {
-    let scene = trials.changed(|scene| {
-        (scene.solver.step_s, scene.solver.tolerance) = (1e-9, 1e-13);
-        (scene.solver.duration_s, scene.solver.sample_s) = (1.0, 1e-3);
-    })?;
-    let gearbox = compile(&scene)?;
-    let (by_hand, begun) = (AtomicBool::new(false), Instant::now());
-    let wait = |_: Progress<'_>| {
-        let enough = begun.elapsed() > PATIENCE;
-        by_hand.fetch_or(enough || trials.control.is_cancelled(), Ordering::Relaxed);
-    };
-    let stopped = Control::new(&by_hand, &wait);
-    let hasty = trials.solver.clone().within(PATIENCE);
-    let mut seen = Vec::new();
-    for (by, solver, control) in [
-        ("Ctrl-C", trials.solver, &stopped),
-        ("timeout", &hasty, &trials.control),
-    ] {
-        let asked = Instant::now() + PATIENCE;
-        let ended = solver.run_compiled(&gearbox, control);
-        trials.control.check()?;
-        let late_s = asked.elapsed().as_secs_f64();
-        match ended {
-            Err(Cancelled) => {}
-            Ok(run) if matches!(run.ending, Ending::TimedOut { .. }) => {}
-            Ok(run) => return failed(run.ending),
+    /// At rest under load, the balances of power and torque say what must come.
+    fn start(&self, scene: &CheckedScene) -> Seen {
+        let time_series = self.own(scene)?.time_series;
+        let native = self.native(Native::REDUCED, scene)?;
+        let first = |run: &TimeSeries| run.channel(columns::OUTPUT_ANGLE).map(|angle| angle[0]);
+        let [angle, known] = [&time_series, &native].map(|run| first(run).unwrap_or(f64::NAN));
+        if !((angle - known).abs() < 1e-12) {
+            return failed(format!(
+                "output_angle_rad is {angle:e} at t = 0, not {known:e}"
+            ));
         }
-        if late_s > ENDS_S {
-            return failed(format!("{by}: ended within {late_s:.1} s"));
+        let rows = [&time_series, &native].map(|run| run.select(&[0]));
+        if self.shares_the_law() && !(apart(&rows[0], &rows[1]) <= FIRST) {
+            return failed(place(&rows[0], &rows[1]));
         }
-        seen.push(format!("{by}: ended within {late_s:.1} s"));
+        let values = |name: &str| time_series.channel(name).unwrap_or_default();
+        let late = |name: &str| mean(&values(name)[time_series.len() / 2..]);
+        let (driver, output) = (late(columns::INPUT_TORQUE), late(columns::OUTPUT_TORQUE));
+        let last = values(columns::OUTPUT_ANGLE).last();
+        let turned = last.map_or(f64::NAN, |last| last - angle);
+        let (load, lobes) = (scene.drive.output_torque_n_m, scene.gear.lobes() as f64);
+        let wanted = -scene.drive.input_speed_rad_s * scene.solver.duration_s / lobes;
+        for (name, is, should) in [
+            (columns::OUTPUT_TORQUE, output, -load),
+            (columns::INPUT_TORQUE, driver, load / lobes),
+            (columns::OUTPUT_ANGLE, turned, wanted),
+        ] {
+            if !((is / should - 1.0).abs() < 0.25) {
+                return failed(format!(
+                    "{name} is {is:.4}, but balance asks for about {should:.4}"
+                ));
+            }
+        }
+        Ok(format!(
+            "torques {driver:.3} and {output:.2} N m, output turned by {turned:.4} rad"
+        ))
     }
-    Ok(seen.join("; "))
+
+    fn accuracy(&self, scene: &CheckedScene) -> Seen {
+        let (Some((knob, ratio, method)), Some(stated)) = (
+            self.refinement(2.0, Rough::Kinks),
+            self.solver.info().refinement,
+        ) else {
+            return skipped("its manifest has no [refine]");
+        };
+        // The examples show 2.71 (RK4), 2.01 (implicit midpoint) and 1.93 (Heun).
+        let (finest, least) = match knob {
+            AccuracySetting::Step => (5e-6, method.allowed_order() - ORDER_MARGIN),
+            AccuracySetting::Tolerance => (1e-7, TOLERANCE_SHARE * stated.order),
+        };
+        let run = |coarser: i32| self.at(scene, knob, finest * ratio.powi(coarser));
+        let (coarsest, middle, finest) = (run(2)?, run(1)?, run(0)?);
+        let [fine, coarse] =
+            [(&middle, &finest), (&coarsest, &middle)].map(|(coarse, fine)| Step {
+                ratio,
+                difference: apart(coarse, fine),
+            });
+        if fine.difference == 0.0 && coarse.difference == 0.0 {
+            return failed(
+                "three settings give the same bits: it does not read the key of [refine]",
+            );
+        }
+        let seen = convergence::observed_order(fine, coarse).unwrap_or(f64::NAN);
+        let order = format!(
+            "order {seen:.2} of {}, differences {:.1e} and {:.1e}",
+            stated.order, coarse.difference, fine.difference
+        );
+        // At rounding there is no order left to see.
+        let falls = fine.difference < 1e-10 || seen >= least;
+        if !self.shares_the_law() {
+            return if falls { Ok(order) } else { failed(order) };
+        }
+        let truth = self.native(Native::RESOLVED, scene)?;
+        let known = convergence::estimate(&[fine, coarse], None, method, 0.0);
+        let own = known.map_or(f64::NAN, |known| known.u) + NATIVE;
+        if !falls || !(apart(&finest, &truth) <= own) {
+            return failed(format!("{}; {order}", place(&finest, &truth)));
+        }
+        Ok(format!("to {own:.1e} with native-resolved; {order}"))
+    }
+
+    fn bad_ends(&self, scene: &CheckedScene) -> Seen {
+        let gearbox = compile(scene)?;
+        let broken = self.solver.run_broken_job(&gearbox, &self.control)?;
+        let broken = match broken.ending {
+            Ending::Failed { reason } | Ending::Unsupported { reason } => reason,
+            Ending::Finished => return failed("broken job: it said that it finished"),
+            ending => return failed(format!("broken job: it {ending}")),
+        };
+        let refinement = self.solver.info().refinement;
+        if refinement.is_none_or(|refinement| refinement.knob != AccuracySetting::Step) {
+            return Ok(format!("broken job: {broken}"));
+        }
+        match self.solver.run(scene, &self.control)?.ending {
+            ending @ (Ending::Finished | Ending::Diverged { .. }) => {
+                Ok(format!("long steps: it {ending}; broken job: {broken}"))
+            }
+            ending => failed(format!("long steps: it {ending}")),
+        }
+    }
+
+    /// Stops a run without end by hand and by a limit.
+    fn stop(&self, scene: &CheckedScene) -> Seen {
+        let gearbox = compile(scene)?;
+        let (by_hand, begun) = (AtomicBool::new(false), Instant::now());
+        let wait = |_: Progress<'_>| {
+            let enough = begun.elapsed() > PATIENCE;
+            by_hand.fetch_or(enough || self.control.is_cancelled(), Ordering::Relaxed);
+        };
+        let stopped = Control::new(&by_hand, &wait);
+        let hasty = self.solver.clone().within(PATIENCE);
+        let mut seen = Vec::new();
+        for (by, solver, control) in [
+            ("Ctrl-C", self.solver, &stopped),
+            ("timeout", &hasty, &self.control),
+        ] {
+            let asked = Instant::now() + PATIENCE;
+            let ended = solver.run_compiled(&gearbox, control);
+            self.control.check()?;
+            let late_s = asked.elapsed().as_secs_f64();
+            match ended {
+                Err(Cancelled) => {}
+                Ok(run) if matches!(run.ending, Ending::TimedOut { .. }) => {}
+                Ok(run) => return failed(run.ending),
+            }
+            if late_s > ENDS_S {
+                return failed(format!("{by}: ended within {late_s:.1} s"));
+            }
+            seen.push(format!("{by}: ended within {late_s:.1} s"));
+        }
+        Ok(seen.join("; "))
+    }
 }
 
 /// First words of the refusal of a scene ([`Ending::Unsupported`]).
@@ -676,4 +628,19 @@ fn off_at(column: &str, share: f64, time_s: f64) -> String {
         time_s => format!("{time_s:.3e} s"),
     };
     format!("{column} is {percent:.decimals$} % off at t = {time}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_trials_can_be_read() {
+        let judged = TRIALS.iter().filter(|trial| trial.what.is_empty());
+        assert_eq!((judged.count(), TRIALS.len()), (6, 10));
+        for held in TRIALS.iter().flat_map(|trial| &trial.scenes) {
+            let keys = held.set.iter().map(|key| key.parse().unwrap());
+            Scene::load("paper", &keys.collect::<Vec<Override>>()).unwrap();
+        }
+    }
 }

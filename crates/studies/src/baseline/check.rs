@@ -129,23 +129,19 @@ pub fn check(
                 found.map(|accepted| (scene, accepted))
             });
             let mut found = CaseCheck::new(&case.name, way.name);
-            let (trouble, verdict) = match (accepted, way.refused.as_ref()) {
+            match (accepted, way.refused) {
                 (Some(accepted), None) => {
                     jobs.push(way.job);
                     known.push((cases.len(), accepted));
-                    (None, Verdict::Same)
                 }
-                (Some(_), Some(reason)) => (Some(format!("refused: {reason}")), Verdict::Worse),
-                (None, Some(reason)) if !every => {
-                    (Some(format!("refused: {reason}")), Verdict::New)
+                (None, Some(_)) if every => continue,
+                (accepted, refused) => {
+                    let remedy = || format!("`baseline record --only {}` adds it", case.name);
+                    let refused = refused.map(|reason| format!("refused: {reason}"));
+                    found.trouble = Some(refused.unwrap_or_else(remedy));
+                    found.verdict = accepted.map_or(Verdict::New, |_| Verdict::Worse);
                 }
-                (None, Some(_)) => continue,
-                (None, None) => {
-                    let remedy = format!("`baseline record --only {}` adds it", case.name);
-                    (Some(remedy), Verdict::New)
-                }
-            };
-            (found.trouble, found.verdict) = (trouble, verdict);
+            }
             cases.push(found);
         }
     }

@@ -65,17 +65,12 @@ pub fn record(
     let mut left_out = Vec::new();
     let (mut jobs, mut plans) = (Vec::new(), Vec::new());
     for case in options.scenes()? {
-        let (refused, ways): (Vec<_>, Vec<_>) = options
-            .ways(case)?
-            .into_iter()
-            .partition(|way| way.refused.is_some());
-        for way in refused {
-            left_out.push(LeftOut::new(
-                case,
-                &way,
-                way.refused.clone().unwrap_or_default(),
-            ));
-        }
+        let ways = options.ways(case)?.into_iter();
+        let (refused, ways): (Vec<_>, Vec<_>) = ways.partition(|way| way.refused.is_some());
+        left_out.extend(refused.into_iter().map(|way| {
+            let reason = way.refused.clone().unwrap_or_default();
+            LeftOut::new(case, &way, reason)
+        }));
         if ways.is_empty() {
             continue;
         }

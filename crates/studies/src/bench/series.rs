@@ -24,7 +24,7 @@ const STAGNANT: f64 = 1.3;
 const PATIENCE: f64 = 3.0;
 
 /// Cost of a setting.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Cost {
     /// Least CPU time of the runs, s.
     pub cpu_min_s: f64,
@@ -287,22 +287,16 @@ mod tests {
 
     /// A series of three points, each with its CPU time and error; infinite: it diverged.
     fn series(track: SharedModel, knob: AccuracySetting, points: [(f64, f64); 3]) -> Series {
-        let point = |(cpu_s, force_l2): (f64, f64)| Point {
+        let point = |(cpu_min_s, force_l2): (f64, f64)| Point {
             setting: 2.0,
             ending: Ending::Finished,
             errors: vec![Errors {
                 force_l2,
-                force_max: 0.0,
-                torque_l2: 0.0,
-                torque_max: 0.0,
+                ..Errors::default()
             }],
             cost: Some(Cost {
-                cpu_min_s: cpu_s,
-                cpu_median_s: cpu_s,
-                runs: 1,
-                rhs_calls: None,
-                steps: 1,
-                rejected_steps: 0,
+                cpu_min_s,
+                ..Cost::default()
             }),
         };
         Series {
@@ -330,22 +324,16 @@ mod tests {
             long.stop(0.6, 1e-8, &options)
         };
         let (native, shared) = (SharedModel::Native, SharedModel::SharedLaw);
-        let infinite = f64::INFINITY;
+        let own = SharedModel::OwnContact;
         assert_eq!(tighter(1.9), None);
         assert_eq!(tighter(2.1), Some(Stopped::TooLong));
         assert_eq!(stop(native, 0.1, 1e-6, 4e-6), None);
         assert_eq!(stop(native, 1.0, 1e-6, 4e-6), Some(Stopped::GoodEnough));
         assert_eq!(stop(shared, 1e3, 1e-2, 4e-2), Some(Stopped::TooLong));
-        let stagnant = stop(SharedModel::OwnContact, 1.0, 1e-2, 1e-2);
-        assert_eq!(stagnant, Some(Stopped::Stagnates));
+        assert_eq!(stop(own, 1.0, 1e-2, 1e-2), Some(Stopped::Stagnates));
         assert_eq!(stop(shared, 1.0, 1e-2, 1e-2), None);
-        let near = stop(native, 1.0, 1e-10, 1e-9);
-        assert_eq!(near, Some(Stopped::AtTheReference));
-        assert_eq!(stop(native, 1.0, infinite, infinite), None);
-        let none = Series {
-            points: Vec::new(),
-            ..series(native, AccuracySetting::Step, [(0.0, 0.0); 3])
-        };
-        assert_eq!(none.stop(1.0, 1e-8, &options), None);
+        let at = Some(Stopped::AtTheReference);
+        assert_eq!(stop(native, 1.0, 1e-10, 1e-9), at);
+        assert_eq!(stop(native, 1.0, f64::INFINITY, f64::INFINITY), None);
     }
 }
