@@ -94,14 +94,16 @@ impl Statement {
 
     /// The figure of these numbers and curves.
     pub(super) fn figure(&self, of: Measured) -> PaperFigure {
-        let plots = self.plots.iter().filter_map(|plot| {
-            let (_, x, curves) = of.plots.iter().find(|(key, ..)| *key == plot.key)?;
-            Some(Plot {
-                title: filled(&plot.title, &of).0,
+        let plots = of.plots.iter().map(|(key, x, curves)| {
+            let words = self.plots.iter().find(|plot| plot.key == *key);
+            let words = words.cloned().unwrap_or_default();
+            Plot {
+                key: key.clone(),
+                title: filled(&words.title, &of).0,
                 x: x.clone(),
                 curves: curves.clone(),
-                ..plot.clone()
-            })
+                ..words
+            }
         });
         PaperFigure {
             id: self.id.clone(),
