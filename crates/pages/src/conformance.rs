@@ -3,11 +3,12 @@
 use pinwheel_report::study::{Section, Study, Tone, Verdict};
 use pinwheel_report::terminal::{self, BAD, GOOD, TITLE, styled};
 use pinwheel_studies::Provenance;
-use pinwheel_studies::conformance::{Outcome, State};
+use pinwheel_studies::conformance::Outcome;
+use pinwheel_studies::junit::State;
 use pinwheel_timeseries::table::{Mark, Table};
 
 /// A state in a word, and how that is marked.
-fn shown(state: &State) -> (&'static str, Mark) {
+fn shown(state: State) -> (&'static str, Mark) {
     match state {
         State::Passed => ("passed", Mark::Good),
         State::Failed => ("FAILED", Mark::Bad),
@@ -17,7 +18,7 @@ fn shown(state: &State) -> (&'static str, Mark) {
 
 fn headline(found: &Outcome) -> String {
     let [passed, failed, skipped] =
-        [State::Passed, State::Failed, State::Skipped].map(|state| found.count(&state));
+        [State::Passed, State::Failed, State::Skipped].map(|state| found.count(state));
     if found.passed() {
         format!("{passed} trials passed, {skipped} skipped")
     } else {
@@ -29,8 +30,8 @@ fn headline(found: &Outcome) -> String {
 fn table(found: &Outcome, terminal: bool) -> Table {
     let table = Table::of("Trials of the solver", &found.findings)
         .text("", "trial", |finding| finding.name)
-        .text("", "result", |finding| shown(&finding.state).0)
-        .marked(|finding| shown(&finding.state).1);
+        .text("", "result", |finding| shown(finding.state).0)
+        .marked(|finding| shown(finding.state).1);
     let table = if terminal {
         table.text("", "seen", |finding| match finding.state {
             State::Failed => format!("must: {}. Seen: {}", finding.must, finding.seen),

@@ -5,27 +5,34 @@ use std::time::Duration;
 
 use pinwheel_compare::{Assessment, Comparison, Status, Verdict};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+use serde::Serialize;
 
 use crate::baseline::{self, CaseCheck, Check};
 use crate::file;
 use crate::output::OutputError;
 
 /// How a case ended.
-pub(crate) enum Ended {
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum State {
     /// It holds.
     Passed,
-    /// It does not, and why.
-    Failed(String),
-    /// It was not judged, and why.
-    Skipped(String),
+    /// It does not.
+    Failed,
+    /// It was not judged.
+    Skipped,
 }
 
-/// A case.
-pub(crate) fn case(name: impl Into<String>, ended: Ended) -> TestCase {
-    let (mut status, why) = match ended {
-        Ended::Passed => return TestCase::new(name.into(), TestCaseStatus::success()),
-        Ended::Failed(why) => (TestCaseStatus::non_success(NonSuccessKind::Failure), why),
-        Ended::Skipped(why) => (TestCaseStatus::skipped(), why),
+pub(crate) fn passed(holds: bool) -> State {
+    if holds { State::Passed } else { State::Failed }
+}
+
+/// A case; `why` it did not pass.
+pub(crate) fn case(name: impl Into<String>, state: State, why: &str) -> TestCase {
+    let mut status = match state {
+        State::Passed => TestCaseStatus::success(),
+        State::Failed => TestCaseStatus::non_success(NonSuccessKind::Failure),
+        State::Skipped => TestCaseStatus::skipped(),
     };
     status.set_message(why);
     TestCase::new(name.into(), status)
@@ -73,22 +80,17 @@ pub fn write(path: &Path, name: &str, suites: Vec<TestSuite>) -> Result<(), Outp
 #[must_use]
 pub fn of_comparison(comparison: &Comparison) -> Vec<TestSuite> {
     let scene = &comparison.context.scene;
-    let findings = comparison.findings.iter().map(|finding| {
-        let ended = match finding.status {
-            0 => Ended::Passed,
-            _ => Ended::Failed(finding.line.clone()),
-        };
-        case(&finding.name, ended)
-    });
+    let findings = comparison.findings.iter();
+    let findings = findings.map(|it| case(&it.name, passed(it.status == 0), &it.line));
     let findings = suite(&format!("{scene}: shown"), findings);
     let runs = comparison.engines.iter().map(|engine| {
         let why = engine.status.reason().unwrap_or_default();
-        let ended = match engine.status {
-            Status::Finished => Ended::Passed,
-            Status::Diverged { .. } | Status::Failed { .. } => Ended::Failed(why),
-            _ => Ended::Skipped(why),
+        let state = match engine.status {
+            Status::Finished => State::Passed,
+            Status::Diverged { .. } | Status::Failed { .. } => State::Failed,
+            _ => State::Skipped,
         };
-        let mut case = case(&engine.name, ended);
+        let mut case = case(&engine.name, state, &why);
         if let Ok(time) = Duration::try_from_secs_f64(engine.cost.wall_s) {
             case.set_time(time);
         }
@@ -98,66 +100,63 @@ pub fn of_comparison(comparison: &Comparison) -> Vec<TestSuite> {
     let pairs = comparison.pairs.iter().map(|pair| {
         let cases = pair.entries.iter().map(|entry| {
             let name = format!("{} ({})", entry.quantity, entry.window.word());
-            case(name, ended(&entry.result))
+            let (state, why) = ended(&entry.result);
+            case(name, state, &why)
         });
         suite(&format!("{scene}: {} and {}", pair.a, pair.b), cases)
     });
     [findings, runs].into_iter().chain(pairs).collect()
 }
 
-/// A verdict's word, with what it rests on. What asks for something is a failure.
-fn ended(found: &Assessment) -> Ended {
+/// State of a verdict, and its word with what it rests on. What asks for something is a failure.
+fn ended(found: &Assessment) -> (State, String) {
     let word = found.verdict.word();
     let number = |value: Option<f64>| value.map_or("unknown".to_owned(), |v| format!("{v:.2e}"));
-    match found.verdict {
-        Verdict::Inconclusive if found.actionable => {
-            Ended::Failed(format!("{word}: {}; {}", found.reason, found.remedy))
+    let reason = format!("{word}: {}", found.reason);
+    match (found.verdict, found.actionable) {
+        (Verdict::Inconclusive, true) => (State::Failed, format!("{reason}; {}", found.remedy)),
+        (Verdict::Inconclusive | Verdict::NotCompared, _) => (State::Skipped, reason),
+        (Verdict::Differ, true) => {
+            let (difference, bound) = (number(found.difference), number(found.bound));
+            let against = found.against.word();
+            let why = format!("{word}: {difference} against a {against} of {bound}");
+            (State::Failed, why)
         }
-        Verdict::Inconclusive | Verdict::NotCompared => {
-            Ended::Skipped(format!("{word}: {}", found.reason))
-        }
-        Verdict::Differ if found.actionable => Ended::Failed(format!(
-            "{word}: {} against a {} of {}",
-            number(found.difference),
-            found.against.word(),
-            number(found.bound)
-        )),
-        Verdict::Differ | Verdict::Agree => Ended::Passed,
+        (Verdict::Differ | Verdict::Agree, _) => (State::Passed, reason),
     }
 }
 
 /// Every scene and solver of a baseline.
 #[must_use]
 pub fn of_baseline(name: &str, check: &Check) -> TestSuite {
+    let holds = |verdict| !matches!(verdict, baseline::Verdict::Worse | baseline::Verdict::New);
     let cases = check.cases.iter().map(|found| {
-        let why = || found.trouble.clone().unwrap_or_else(|| worse(found));
-        let ended = match found.verdict {
-            baseline::Verdict::Worse => Ended::Failed(why()),
-            baseline::Verdict::New => Ended::Failed(format!("nothing shown: {}", why())),
-            _ => Ended::Passed,
+        let nothing = match found.verdict {
+            baseline::Verdict::New => "nothing shown: ",
+            _ => "",
         };
-        case(format!("{}, {}", found.scene, found.choice), ended)
+        let why = found.trouble.clone().unwrap_or_else(|| worse(found));
+        let name = format!("{}, {}", found.scene, found.choice);
+        case(
+            name,
+            passed(holds(found.verdict)),
+            &format!("{nothing}{why}"),
+        )
     });
-    let answers = check.answers(name).into_iter().map(|answer| {
-        let ended = match answer.verdict {
-            baseline::Verdict::Worse | baseline::Verdict::New => Ended::Failed(answer.text),
-            _ => Ended::Passed,
-        };
-        case(answer.name, ended)
-    });
+    let answers = check.answers(name).into_iter();
+    let answers = answers.map(|it| case(it.name, passed(holds(it.verdict)), &it.text));
     suite(&format!("baseline {name}"), answers.chain(cases))
 }
 
 /// Every error and count of a case that rose beyond its limit.
 fn worse(case: &CaseCheck) -> String {
     let is_worse = |verdict| verdict == baseline::Verdict::Worse;
-    let errors = case.quantities.iter().filter(|q| is_worse(q.verdict));
-    let errors = errors.map(|q| {
-        let (label, before, after) = (q.label, q.error_before, q.error_after);
+    let errors = case.quantities.iter().filter(|it| is_worse(it.verdict));
+    let errors = errors.map(|it| {
+        let (label, before, after) = (it.label, it.error_before, it.error_after);
         format!("error of {label} {before:.2e}, now {after:.2e}")
     });
-    let counts = case.costs.iter().filter(|cost| is_worse(cost.verdict));
-    let counts =
-        counts.map(|cost| format!("{} {:.0}, now {:.0}", cost.label, cost.before, cost.after));
+    let counts = case.costs.iter().filter(|it| is_worse(it.verdict));
+    let counts = counts.map(|it| format!("{} {:.0}, now {:.0}", it.label, it.before, it.after));
     errors.chain(counts).collect::<Vec<_>>().join("; ")
 }

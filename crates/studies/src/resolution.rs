@@ -93,46 +93,38 @@ pub fn check(
         spent += found.counts.evaluations;
         Ok::<_, StudyError>((found, words, spent as f64 / evaluations.max(1) as f64))
     };
-    let (coarser, other, cost) = again(0.5)?;
-    if coarser.ending.is_finished() {
-        return Ok(Resolution {
-            other,
-            moved: Some(gearbox.distance(&coarser.time_series, time_series)),
-            error: error(gearbox, (&coarser.time_series, time_series), from_s),
-            most: MOST,
-            failure: None,
-            cost,
-        });
-    }
-    let (finer, other, cost) = again(2.0)?;
-    let ended = finer.ending.is_finished();
-    let moved = ended.then(|| gearbox.distance(time_series, &finer.time_series));
+    let coarser = again(0.5)?;
+    let failure = coarser.0.ending.failure();
+    let finished = coarser.0.ending.is_finished();
+    let (run, other, cost) = if finished { coarser } else { again(2.0)? };
+    let (pair, most) = match finished {
+        true => ([&run.time_series, time_series], MOST),
+        false => ([time_series, &run.time_series], MOST_TO_FINER),
+    };
+    let moved = run.ending.is_finished();
+    let moved = moved.then(|| gearbox.distance(pair[0], pair[1]));
     let error = moved.and_then(|moved| {
-        let left = error(gearbox, (time_series, &finer.time_series), from_s)?;
-        Some(left.plus(&moved))
+        let left = error(gearbox, pair, from_s)?;
+        Some(if finished { left } else { left.plus(&moved) })
     });
     Ok(Resolution {
         other,
         moved,
         error,
-        most: MOST_TO_FINER,
-        failure: coarser.ending.failure(),
+        most,
+        failure,
         cost,
     })
 }
 
-/// Error of the finer of two runs that are a refinement apart.
-fn error(
-    gearbox: &Gearbox,
-    (coarser, finer): (&TimeSeries, &TimeSeries),
-    from_s: f64,
-) -> Option<Distance> {
+/// Error of the second of two runs, which is a refinement finer than the first.
+fn error(gearbox: &Gearbox, pair: [&TimeSeries; 2], from_s: f64) -> Option<Distance> {
     let (scene, info) = (&gearbox.scene, method(&gearbox.scene.solver.integrator)?);
     let is_stepped = info.family == Family::Explicit && !info.adaptive;
     if is_stepped && unfollowed(scene, scene.solver.step_s).is_some() {
         return None;
     }
-    let [coarser, finer] = [coarser, finer].map(|time_series| {
+    let [coarser, finer] = pair.map(|time_series| {
         let rows: Vec<usize> = time_series.window(from_s, f64::INFINITY).collect();
         time_series.select(&rows)
     });

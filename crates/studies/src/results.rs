@@ -87,36 +87,31 @@ impl Results {
                 sampling: Some(sampling).filter(|_| !is_rounding),
             });
         };
-        let [torque, torque_at_most] = [
-            shares.map(|d| d.driver_torque),
-            shares.map(|d| d.torque_at_most),
-        ];
-        if let Some(Figures {
-            statistics: found,
-            sampling,
-        }) = figures_of(&run.time_series, columns::INPUT_TORQUE, from_s)
-        {
-            let quantity = columns::INPUT_TORQUE;
-            for (figure, value, (size, share), sampling) in [
-                ("mean", found.mean, (found.rms, torque), sampling.mean),
-                ("min", found.min, (found.peak, torque_at_most), sampling.min),
-                ("max", found.max, (found.peak, torque_at_most), sampling.max),
-            ] {
-                let name = format!("{figure}_{quantity}");
-                push(&name, value, size, share, sampling);
-            }
-        }
-        let forces = shares.map(|d| d.forces);
-        let force_at_most = shares.map(|d| d.force_at_most);
-        for group in [columns::EXTERNAL_FORCE, columns::INTERNAL_FORCE] {
-            if let Some(Figures {
-                statistics: found,
-                sampling,
-            }) = figures_of(&run.time_series, group, from_s)
-            {
-                let (peak, mean) = (format!("peak_{group}"), format!("mean_{group}"));
-                push(&peak, found.peak, found.peak, force_at_most, sampling.peak);
-                push(&mean, found.mean, found.rms, forces, sampling.mean);
+        let share = |of: fn(&Distance) -> f64| shares.as_ref().map(of);
+        let torque = share(|d| d.driver_torque);
+        let of_torque = [torque, share(|d| d.torque_at_most)];
+        let of_forces = [share(|d| d.forces), share(|d| d.force_at_most)];
+        for (quantity, kinds, [all, at_most]) in [
+            (
+                columns::INPUT_TORQUE,
+                &["mean", "min", "max"][..],
+                of_torque,
+            ),
+            (columns::EXTERNAL_FORCE, &["peak", "mean"], of_forces),
+            (columns::INTERNAL_FORCE, &["peak", "mean"], of_forces),
+        ] {
+            let Some(of) = figures_of(&run.time_series, quantity, from_s) else {
+                continue;
+            };
+            let (found, sampling) = (of.statistics, of.sampling);
+            for &kind in kinds {
+                let (value, size, share, sampling) = match kind {
+                    "mean" => (found.mean, found.rms, all, sampling.mean),
+                    "min" => (found.min, found.peak, at_most, sampling.min),
+                    "max" => (found.max, found.peak, at_most, sampling.max),
+                    _ => (found.peak, found.peak, at_most, sampling.peak),
+                };
+                push(&format!("{kind}_{quantity}"), value, size, share, sampling);
             }
         }
         let account = run.stats.energy.last();

@@ -41,29 +41,9 @@ pub fn scenes() -> &'static [SceneCase] {
     &SET.scene
 }
 
-/// By which a scene is run.
-#[derive(Debug, Clone)]
-pub(super) struct Way<'a> {
-    /// Name in the baseline.
-    pub(super) name: &'a str,
-    /// Keys it sets.
-    pub(super) sets: &'a [String],
-    /// A solver that joined instead of our own.
-    pub(super) solver: Option<&'a str>,
-    /// Why that solver refuses the scene.
-    pub(super) refused: Option<String>,
-}
-
-impl Way<'static> {
-    /// A choice of the set.
-    pub(super) fn of(name: &'static str) -> Self {
-        Self {
-            name,
-            sets: SET.choice.get(name).map_or(&[], Vec::as_slice),
-            solver: None,
-            refused: None,
-        }
-    }
+/// Keys that a choice of ours sets.
+pub(super) fn sets(choice: &str) -> &'static [String] {
+    SET.choice.get(choice).map_or(&[], Vec::as_slice)
 }
 
 impl SceneCase {
@@ -110,7 +90,7 @@ mod tests {
             let mut choices = BTreeSet::new();
             for choice in &case.choices {
                 assert!(choices.insert(choice), "{choice} twice in {}", case.name);
-                let scene = case.scene(Way::of(choice).sets).unwrap();
+                let scene = case.scene(sets(choice)).unwrap();
                 assert!(choice.contains(&scene.solver.integrator), "{choice}");
             }
         }
@@ -143,7 +123,7 @@ mod tests {
         let mut used = BTreeSet::new();
         for case in scenes() {
             for choice in &case.choices {
-                let scene = case.scene(Way::of(choice).sets).unwrap();
+                let scene = case.scene(sets(choice)).unwrap();
                 used.insert(scene.solver.integrator.clone());
             }
         }

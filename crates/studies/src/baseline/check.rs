@@ -7,8 +7,7 @@ use serde::Serialize;
 use super::Options;
 use super::file::{Baseline, CaseSnapshot, Made, SceneSnapshot};
 use super::judge::{self, CostCheck, QuantityCheck, Verdict};
-use super::record::plain_job;
-use super::runner::{Finished, RunResult, run_all};
+use super::runner::{RunResult, run_all};
 use crate::StudyError;
 use crate::control::Control;
 
@@ -130,23 +129,19 @@ pub fn check(
                 found.map(|accepted| (scene, accepted))
             });
             let mut found = CaseCheck::new(&case.name, way.name);
-            let (trouble, verdict) = match (accepted, way.refused.as_ref()) {
+            match (accepted, way.refused) {
                 (Some(accepted), None) => {
-                    jobs.push(plain_job(case, &way, options)?);
+                    jobs.push(way.job);
                     known.push((cases.len(), accepted));
-                    (None, Verdict::Same)
                 }
-                (Some(_), Some(reason)) => (Some(format!("refused: {reason}")), Verdict::Worse),
-                (None, Some(reason)) if !every => {
-                    (Some(format!("refused: {reason}")), Verdict::New)
+                (None, Some(_)) if every => continue,
+                (accepted, refused) => {
+                    let remedy = || format!("`baseline record --only {}` adds it", case.name);
+                    let refused = refused.map(|reason| format!("refused: {reason}"));
+                    found.trouble = Some(refused.unwrap_or_else(remedy));
+                    found.verdict = accepted.map_or(Verdict::New, |_| Verdict::Worse);
                 }
-                (None, Some(_)) => continue,
-                (None, None) => {
-                    let remedy = format!("`baseline record --only {}` adds it", case.name);
-                    (Some(remedy), Verdict::New)
-                }
-            };
-            (found.trouble, found.verdict) = (trouble, verdict);
+            }
             cases.push(found);
         }
     }
@@ -205,9 +200,26 @@ impl CaseCheck {
             }
         };
         self.bits = run.bits;
-        self.quantities = self.quantities(&run, scene, accepted);
+        // A quantity that cannot be compared is worse than any other.
+        let mut unlike = None;
+        for (&quantity, before) in &accepted.quantity {
+            let after = run.statistics.get(&quantity);
+            let known = after.zip(scene.converged.get(&quantity));
+            let judge = |(after, truth)| judge::quantity(quantity, after, before, truth);
+            match known.and_then(judge) {
+                Some(check) => self.quantities.push(check),
+                None => unlike = Some(quantity),
+            }
+        }
+        let mut known = run.statistics.keys().copied();
+        let new = known.find(|quantity| !accepted.quantity.contains_key(quantity));
         self.costs = judge::costs(accepted, &run.costs, adaptive);
-        self.verdict = judge::case(&self.quantities, &self.costs).max(self.verdict);
+        self.verdict = judge::case(&self.quantities, &self.costs);
+        if let Some(quantity) = new.or(unlike) {
+            let label = quantity.label();
+            let trouble = format!("{label}: the run and the baseline hold different figures of it");
+            (self.trouble, self.verdict) = (Some(trouble), Verdict::Worse);
+        }
     }
 
     /// The scene, with the choice where it is not `by` that the line is on.
@@ -220,35 +232,6 @@ impl CaseCheck {
             Some(trouble) => format!("{case} ({trouble})"),
             None => case,
         }
-    }
-
-    fn quantities(
-        &mut self,
-        run: &Finished,
-        scene: &SceneSnapshot,
-        accepted: &CaseSnapshot,
-    ) -> Vec<QuantityCheck> {
-        let mut found = Vec::new();
-        for (&quantity, before) in &accepted.quantity {
-            let after = run.statistics.get(&quantity);
-            let known = after.zip(scene.converged.get(&quantity));
-            let judge = |(after, truth)| judge::quantity(quantity, after, before, truth);
-            match known.and_then(judge) {
-                Some(check) => found.push(check),
-                None => self.unlike(quantity.label()),
-            }
-        }
-        let mut known = run.statistics.keys();
-        if let Some(new) = known.find(|quantity| !accepted.quantity.contains_key(quantity)) {
-            self.unlike(new.label());
-        }
-        found
-    }
-
-    /// A quantity that cannot be compared is worse than any other.
-    fn unlike(&mut self, label: &str) {
-        let trouble = format!("{label}: the run and the baseline hold different figures of it");
-        (self.trouble, self.verdict) = (Some(trouble), Verdict::Worse);
     }
 
     /// The quantity that moved most in units of its rounding limit, if any is compared.

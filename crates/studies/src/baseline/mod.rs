@@ -16,7 +16,7 @@ mod snapshot;
 
 use std::path::Path;
 
-use cases::Way;
+use cases::sets;
 use pinwheel_engines::{Halt, by_name};
 use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_timeseries::Ending;
@@ -35,6 +35,7 @@ pub use file::{
 pub use judge::{CostCheck, QuantityCheck, Verdict};
 pub use record::{LeftOut, Record, record};
 pub use runner::Costs;
+use runner::Job;
 pub use snapshot::{Quantity, Statistics};
 
 /// How the set is run.
@@ -78,21 +79,46 @@ impl Options {
 
     /// By which a scene of the set is run: our choices, or the solvers that joined.
     fn ways<'a>(&'a self, case: &'static SceneCase) -> Result<Vec<Way<'a>>, StudyError> {
-        if self.solvers.is_empty() {
-            return Ok(case.choices.iter().map(|name| Way::of(name)).collect());
-        }
-        let scene = case.scene(&[])?;
-        let way = |name: &'a String| Way {
-            name,
-            sets: &[],
-            solver: Some(name),
-            refused: by_name(name, &scene).and_then(|engine| match engine.supports(&scene) {
+        let names = match self.solvers.as_slice() {
+            [] => &case.choices,
+            _ => &self.solvers,
+        };
+        let way = |name: &'a String| {
+            let solver = self.solvers.contains(name).then(|| name.clone());
+            let sets = if solver.is_some() { &[] } else { sets(name) };
+            let scene = case.scene(sets)?;
+            let engine = solver.as_ref().and_then(|name| by_name(name, &scene));
+            let refused = engine.and_then(|engine| match engine.supports(&scene) {
                 Err(Halt::Ended(Ending::Unsupported { reason })) => Some(reason),
                 _ => None,
-            }),
+            });
+            let job = Job {
+                label: format!("{}, {name}", case.name),
+                scene: scene.into_scene(),
+                kernel: self.kernel,
+                solver,
+            };
+            Ok(Way {
+                name,
+                sets,
+                refused,
+                job,
+            })
         };
-        Ok(self.solvers.iter().map(way).collect())
+        names.iter().map(way).collect()
     }
+}
+
+/// One scene of the set by one of our choices or a solver that joined.
+struct Way<'a> {
+    /// Name in the baseline.
+    name: &'a str,
+    /// Keys it sets.
+    sets: &'static [String],
+    /// Why a solver that joined refuses the scene.
+    refused: Option<String>,
+    /// The run that is kept or checked.
+    job: Job,
 }
 
 /// This program, on this machine, today.

@@ -6,13 +6,13 @@ use pinwheel_gearbox::contacts::Kernel;
 use pinwheel_scene::Scene;
 use pinwheel_timeseries::Ending;
 
-use super::Options;
-use super::cases::{SceneCase, Way, scenes};
+use super::cases::{SceneCase, scenes};
 use super::file::{
     Acceptance, Baseline, CaseSnapshot, Converged, FORMAT, Made, QuantitySnapshot, SceneSnapshot,
 };
 use super::runner::{Finished, Job, RunResult, run_all};
 use super::snapshot::{Quantity, Statistics};
+use super::{Options, Way};
 use crate::control::{Control, compile};
 use crate::{StudyError, reference};
 
@@ -25,6 +25,16 @@ pub struct LeftOut {
     pub choice: String,
     /// Why.
     pub reason: String,
+}
+
+impl LeftOut {
+    fn new(case: &SceneCase, way: &Way<'_>, reason: String) -> Self {
+        Self {
+            scene: case.name.clone(),
+            choice: way.name.to_owned(),
+            reason,
+        }
+    }
 }
 
 /// Result of recording.
@@ -52,36 +62,29 @@ pub fn record(
     if let Some(earlier) = &earlier {
         earlier.made_by(&options.solvers)?;
     }
-    let chosen = options.scenes()?;
     let mut left_out = Vec::new();
     let (mut jobs, mut plans) = (Vec::new(), Vec::new());
-    for case in &chosen {
-        let mut ways = Vec::new();
-        for way in options.ways(case)? {
-            match way.refused {
-                Some(reason) => left_out.push(LeftOut {
-                    scene: case.name.clone(),
-                    choice: way.name.to_owned(),
-                    reason,
-                }),
-                None => ways.push(way),
-            }
-        }
+    for case in options.scenes()? {
+        let ways = options.ways(case)?.into_iter();
+        let (refused, ways): (Vec<_>, Vec<_>) = ways.partition(|way| way.refused.is_some());
+        left_out.extend(refused.into_iter().map(|way| {
+            let reason = way.refused.clone().unwrap_or_default();
+            LeftOut::new(case, &way, reason)
+        }));
         if ways.is_empty() {
             continue;
         }
         jobs.extend(converged_jobs(&case.scene(&[])?.into_scene()));
         for way in &ways {
-            let plain = plain_job(case, way, options)?;
-            jobs.push(plain.clone());
-            jobs.extend(roundings(&plain));
+            jobs.push(way.job.clone());
+            jobs.extend(roundings(&way.job));
         }
-        plans.push((*case, ways));
+        plans.push((case, ways));
     }
     let mut results = run_all(&jobs, options.threads, control)?.into_iter();
     let mut recorded = Vec::new();
     for (case, ways) in plans {
-        let scene = scene(case, &ways, options, &mut results, &mut left_out)?;
+        let scene = scene(case, &ways, &mut results, &mut left_out)?;
         recorded.extend((!scene.cases.is_empty()).then_some(scene));
     }
     let only = match options.only.as_slice() {
@@ -134,20 +137,6 @@ impl Record {
     }
 }
 
-/// The run that is kept or checked.
-pub(super) fn plain_job(
-    case: &SceneCase,
-    way: &Way<'_>,
-    options: &Options,
-) -> Result<Job, StudyError> {
-    Ok(Job {
-        label: format!("{}, {}", case.name, way.name),
-        scene: case.scene(way.sets)?.into_scene(),
-        kernel: options.kernel,
-        solver: way.solver.map(str::to_owned),
-    })
-}
-
 /// The converged run and the one that tells its error.
 fn converged_jobs(scene: &Scene) -> [Job; 2] {
     let [second, first] = reference::settings(scene, "dopri5");
@@ -187,7 +176,6 @@ fn roundings(plain: &Job) -> Vec<Job> {
 fn scene(
     case: &'static SceneCase,
     ways: &[Way<'_>],
-    options: &Options,
     results: &mut impl Iterator<Item = RunResult>,
     left_out: &mut Vec<LeftOut>,
 ) -> Result<SceneSnapshot, StudyError> {
@@ -199,34 +187,21 @@ fn scene(
         let broken = |ending| StudyError::Broken(format!("{}, {choice}: {ending}", case.name));
         result.map_err(broken)
     };
-    let (fine, coarse) = (
-        finished("converged", next())?,
-        finished("converged", next())?,
-    );
+    let fine = finished("converged", next())?;
+    let coarse = finished("converged", next())?;
     let gearbox = compile(&case.scene(&[])?.into_scene())?;
     let converged = converged(fine, &coarse, gearbox.error_scales().length);
     let mut cases = Vec::new();
     for way in ways {
         let plain = next();
-        let others = roundings(&plain_job(case, way, options)?);
-        let others: Vec<RunResult> = others.iter().map(|_| next()).collect();
-        let mut leave = |reason: String| {
-            left_out.push(LeftOut {
-                scene: case.name.clone(),
-                choice: way.name.to_owned(),
-                reason,
-            });
-        };
+        let others: Vec<RunResult> = roundings(&way.job).iter().map(|_| next()).collect();
         if let Err(Ending::Unsupported { reason }) = plain {
-            leave(reason);
+            left_out.push(LeftOut::new(case, way, reason));
             continue;
         }
         let plain = finished(way.name, plain)?;
-        let varied: Result<Vec<_>, _> = others
-            .into_iter()
-            .map(|run| finished(way.name, run))
-            .collect();
-        let varied = varied?;
+        let varied = others.into_iter().map(|run| finished(way.name, run));
+        let varied = varied.collect::<Result<Vec<_>, _>>()?;
         // Share by which two runs differ in right-hand sides.
         let count = plain.costs.right_hand_sides;
         let spread = |run: &Finished| {
@@ -241,7 +216,7 @@ fn scene(
         };
         match snapshot.sound(&converged) {
             Ok(()) => cases.push(snapshot),
-            Err(reason) => leave(reason),
+            Err(reason) => left_out.push(LeftOut::new(case, way, reason)),
         }
     }
     Ok(SceneSnapshot {

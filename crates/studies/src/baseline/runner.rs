@@ -53,33 +53,32 @@ pub(super) struct Job {
 fn run(job: &Job, cancel: &AtomicBool) -> Result<RunResult, StudyError> {
     let mut gearbox = control::compile(&job.scene)?;
     gearbox.kernel = job.kernel;
-    let (ending, time_series, costs, account, joint_m);
-    match &job.solver {
+    let (ending, time_series, costs, account, joint_m) = match &job.solver {
         None => {
             let mut watch = |_| cancel.load(Ordering::Relaxed);
             let run = control::run_compiled(&gearbox, &mut watch)?;
-            costs = Costs {
+            let costs = Costs {
                 right_hand_sides: run.counts.evaluations,
                 steps: run.counts.steps,
                 rejections: run.counts.rejected,
                 newton_steps: run.newton_steps,
             };
-            (account, joint_m) = (run.energy.total(), Some(run.joint_drift_m));
-            (ending, time_series) = (run.ending, run.time_series);
+            let (account, joint_m) = (run.energy.total(), Some(run.joint_drift_m));
+            (run.ending, run.time_series, costs, account, joint_m)
         }
         // It keeps no account of energy, and not all have joints.
         Some(solver) => {
             let run = control::run_on(solver, &job.scene, &Control::silent(cancel))?;
-            costs = Costs {
+            let costs = Costs {
                 right_hand_sides: run.stats.rhs_calls,
                 steps: run.stats.steps,
                 rejections: run.stats.rejected_steps,
                 ..Costs::default()
             };
-            (account, joint_m) = (None, run.stats.joint_drift_m);
-            (ending, time_series) = (run.ending, run.time_series);
+            let joint_m = run.stats.joint_drift_m;
+            (run.ending, run.time_series, costs, None, joint_m)
         }
-    }
+    };
     if !ending.is_finished() {
         return Ok(Err(ending));
     }

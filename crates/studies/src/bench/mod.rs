@@ -6,6 +6,7 @@
 
 mod front;
 mod norms;
+mod options;
 mod ranking;
 mod series;
 mod settings;
@@ -14,16 +15,17 @@ mod table;
 pub use front::CostAt;
 pub use norms::{Errors, Span};
 use norms::{errors, spans};
+pub use options::Options;
 pub use ranking::{Advantage, Entry, Ranking};
+use series::Setup;
 pub use series::{Cost, Measure, Point, Series};
 pub use settings::Stopped;
 
 use std::path::Path;
-use std::sync::atomic::Ordering;
 
 use pinwheel_engines::{Engine, SharedModel, by_name, registry};
 use pinwheel_mbs::integrators::METHODS;
-use pinwheel_scene::{Scene, did_you_mean};
+use pinwheel_scene::Scene;
 use serde::Serialize;
 
 use crate::control::{Control, Progress, compile};
@@ -31,88 +33,6 @@ use crate::output::{OutputError, write_with};
 use crate::provenance::{Provenance, Summary};
 use crate::reference::{self, Reference};
 use crate::{StudyError, choice};
-
-/// Choices of a bench.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Options {
-    /// Relative L2 force error over the whole run at which engines are ranked.
-    pub target: f64,
-    /// Runs of one setting at most; the cost is their minimum and median.
-    pub repeats: usize,
-    /// CPU time at which a setting is no longer repeated for its own sake, s.
-    pub repeat_s: f64,
-    /// A foreign engine's single run takes no longer than this, s CPU.
-    pub longest_s: f64,
-    /// Limit of the native solver's single run, s CPU. It has many more series than a foreign engine.
-    pub longest_native_s: f64,
-    /// Integrators of the native solver; empty: all.
-    pub methods: Vec<String>,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            target: 1e-4,
-            repeats: 5,
-            repeat_s: 1.0,
-            longest_s: 20.0,
-            longest_native_s: 2.0,
-            methods: Vec::new(),
-        }
-    }
-}
-
-impl Options {
-    /// Options that a user chooses: the error at which engines are ranked, runs of a setting, CPU seconds of a peer's
-    /// run, of which the native solver gets a tenth, and integrators.
-    ///
-    /// # Errors
-    /// A number that measures nothing, or an integrator that is not there.
-    pub fn asked(
-        target: f64,
-        repeats: usize,
-        longest_s: f64,
-        methods: Vec<String>,
-    ) -> Result<Self, StudyError> {
-        for (name, value) in [("target", target), ("longest", longest_s)] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(StudyError::Input(format!(
-                    "{name}: {value} is not a positive number; leave it out for the default"
-                )));
-            }
-        }
-        if repeats == 0 {
-            return Err(StudyError::Input(
-                "repeats: 0 measures nothing; use 1 or more".to_owned(),
-            ));
-        }
-        let known = method_names();
-        if let Some(name) = methods.iter().find(|name| !known.contains(&name.as_str())) {
-            let remedy = did_you_mean(name, &known);
-            let what = format!("there is no integrator `{name}`; {remedy}");
-            return Err(StudyError::Input(what));
-        }
-        Ok(Self {
-            target,
-            repeats,
-            longest_s,
-            longest_native_s: 0.1 * longest_s,
-            methods,
-            ..Self::default()
-        })
-    }
-
-    /// How long a single run of an engine may take, s CPU.
-    #[must_use]
-    pub fn longest(&self, track: SharedModel) -> f64 {
-        match track {
-            SharedModel::Native => self.longest_native_s,
-            SharedModel::SharedLaw | SharedModel::OwnContact | SharedModel::Measured => {
-                self.longest_s
-            }
-        }
-    }
-}
 
 /// The study's result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -194,26 +114,25 @@ pub fn engines(names: &[String], scene: &Scene) -> Result<Vec<Box<dyn Engine>>, 
         return Ok(engines);
     }
     let mut engines: Vec<Box<dyn Engine>> = Vec::new();
-    let mut add = |engine: Box<dyn Engine>| {
-        if engine.track() == SharedModel::Native && !native.contains(&engine.name()) {
-            return Err(StudyError::Input(format!(
-                "{} chooses its own integrator and step, which is what is varied here; name native, native-reduced \
-                 or native-lagrange",
-                engine.name()
-            )));
-        }
-        if engines.iter().all(|other| other.name() != engine.name()) {
-            engines.push(engine);
-        }
-        Ok(())
-    };
-    for name in names {
-        if name.trim() == "native" {
-            for engine in native.iter().filter_map(|form| by_name(form, scene)) {
-                add(engine)?;
+    for name in names.iter().map(|name| name.trim()) {
+        let named: Vec<Box<dyn Engine>> = match name {
+            "native" => native
+                .iter()
+                .filter_map(|form| by_name(form, scene))
+                .collect(),
+            _ => vec![choice::find(name, scene)?],
+        };
+        for engine in named {
+            if engine.track() == SharedModel::Native && !native.contains(&engine.name()) {
+                return Err(StudyError::Input(format!(
+                    "{} chooses its own integrator and step, which is what is varied here; name native, native-reduced \
+                     or native-lagrange",
+                    engine.name()
+                )));
             }
-        } else {
-            add(choice::find(name.trim(), scene)?)?;
+            if engines.iter().all(|other| other.name() != engine.name()) {
+                engines.push(engine);
+            }
         }
     }
     Ok(engines)
@@ -230,9 +149,9 @@ pub fn run(
     options: &Options,
     control: &Control<'_>,
 ) -> Result<WorkPrecision, StudyError> {
-    let each = engines.iter();
-    let tasks = each.flat_map(|engine| methods(engine.as_ref(), options));
-    let tasks: Vec<(&dyn Engine, Option<&str>)> = tasks.collect();
+    let tasks = engines.iter();
+    let tasks = tasks.flat_map(|engine| methods(engine.as_ref(), options));
+    let tasks: Vec<_> = tasks.collect();
     let total = tasks.len() + 2;
     let mut done = 0;
     let (reference, [time_series, second]) = reference::run(scene, control, &mut |piece| {
@@ -243,21 +162,22 @@ pub fn run(
     let least = compile(scene)?.least_loads();
     let error = |span| errors(&second, &time_series, span, least);
     let reference_errors: Vec<Errors> = windows.iter().map(error).collect();
+    let setup = Setup {
+        scene,
+        options,
+        reference: &time_series,
+        windows: &windows,
+        least,
+        reference_error: reference_errors[0].force_l2,
+        control,
+    };
     let mut all = Vec::new();
-    for (engine, method) in tasks {
-        if control.cancel.load(Ordering::Relaxed) {
+    for by in tasks {
+        if control.is_cancelled() {
             break;
         }
         let mut announce = |piece: &str| (control.progress)(Progress::new(done, total, piece));
-        let truth = series::Truth {
-            time_series: &time_series,
-            windows: &windows,
-            least,
-            error: reference_errors[0].force_l2,
-        };
-        let by = (engine, method);
-        let series = series::run(scene, by, &truth, options, control, &mut announce)?;
-        all.push(series);
+        all.push(setup.series(by, &mut announce)?);
         done += 1;
     }
     let differences = engines.iter().map(|engine| {
@@ -272,14 +192,8 @@ pub fn run(
         reference_errors,
         series: all,
         differences: differences.collect(),
-        complete: !control.cancel.load(Ordering::Relaxed),
+        complete: !control.is_cancelled(),
     })
-}
-
-/// Integrators of the native solver.
-#[must_use]
-pub fn method_names() -> Vec<&'static str> {
-    METHODS.iter().map(|method| method.name).collect()
 }
 
 /// The methods of an engine: ours for the native forms, its own for others.

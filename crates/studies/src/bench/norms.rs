@@ -19,7 +19,7 @@ pub struct Span {
 }
 
 /// Relative errors in one window; dimensionless.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Errors {
     /// L2, all pin forces together.
     pub force_l2: f64,

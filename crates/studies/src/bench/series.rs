@@ -2,23 +2,29 @@
 
 use std::time::Duration;
 
-use pinwheel_engines::{AccuracySetting, Ending, Engine, Run, SharedModel};
-use pinwheel_gearbox::Gearbox;
+use pinwheel_engines::{AccuracySetting, Ending, Engine, SharedModel};
 use pinwheel_mbs::integrators;
 use pinwheel_scene::Scene;
 use pinwheel_timeseries::TimeSeries;
 use pinwheel_timeseries::norms::LoadFloor;
 use serde::Serialize;
 
-use super::Options;
 use super::front::{CostAt, cost_at};
 use super::norms::{Errors, Span, errors};
-use super::settings::{State, Stopped, settings};
+use super::options::Options;
+use super::settings::{Stopped, settings};
 use crate::StudyError;
-use crate::control::{Control, TimeLimit};
+use crate::control::{Control, TimeLimit, compile};
+
+/// A run this cheap (s) is made whatever it brings.
+const CHEAP_S: f64 = 0.25;
+/// An error that falls by less than this factor over two settings does not fall.
+const STAGNANT: f64 = 1.3;
+/// A run is given up after this many times the time it may take.
+const PATIENCE: f64 = 3.0;
 
 /// Cost of a setting.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Cost {
     /// Least CPU time of the runs, s.
     pub cpu_min_s: f64,
@@ -103,6 +109,41 @@ impl Series {
         self.points.iter().filter_map(known).collect()
     }
 
+    /// Returns the reason to stop before a run at a finer `setting`; `None`: go on.
+    fn stop(&self, setting: f64, reference_error: f64, options: &Options) -> Option<Stopped> {
+        let ratio = self.points.last()?.setting / setting;
+        let error = |before: usize| {
+            let point = self.points.iter().rev().nth(before);
+            let errors = point.and_then(|point| point.errors.first());
+            errors.map_or(f64::INFINITY, |errors| errors.force_l2)
+        };
+        // A run that diverged early says nothing of what a whole one costs.
+        let finished = self.points.iter().rev();
+        let mut finished = finished.filter(|point| point.ending.is_finished());
+        let mut cpu_s = || Some(finished.next()?.cost?.cpu_min_s);
+        let (last_s, before_s) = (cpu_s().unwrap_or(0.0), cpu_s().unwrap_or(0.0));
+        // What a tighter tolerance costs is not known before, and may be less: RODAS5P rubs cheaply from where its steps land on
+        // the friction's ramp. Two runs that took too long end a series; one that takes far too long is given up.
+        let next = match self.knob {
+            AccuracySetting::Step => last_s * ratio,
+            AccuracySetting::Tolerance => last_s.min(before_s),
+        };
+        let (error, error_before) = (error(0), error(2));
+        if error <= 0.1 * reference_error || error == 0.0 {
+            return Some(Stopped::AtTheReference);
+        }
+        if error <= 0.1 * options.target && next > CHEAP_S {
+            return Some(Stopped::GoodEnough);
+        }
+        if next > options.longest(self.track) {
+            return Some(Stopped::TooLong);
+        }
+        let stagnant = self.track == SharedModel::OwnContact
+            && error.is_finite()
+            && error_before < STAGNANT * error;
+        stagnant.then_some(Stopped::Stagnates)
+    }
+
     /// Cost of a relative L2 force error in a window.
     #[must_use]
     pub fn cost_at(&self, window: usize, error: f64, measure: Measure) -> Option<CostAt> {
@@ -110,166 +151,189 @@ impl Series {
     }
 }
 
-/// Reference from which the errors of points are measured.
-pub(super) struct Truth<'a> {
-    pub(super) time_series: &'a TimeSeries,
+/// Scene, choices, and the reference from which errors are measured.
+pub(super) struct Setup<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) options: &'a Options,
+    pub(super) reference: &'a TimeSeries,
     pub(super) windows: &'a [Span],
     /// Loads that count as none.
     pub(super) least: LoadFloor,
     /// Upper estimate of the reference's error.
-    pub(super) error: f64,
+    pub(super) reference_error: f64,
+    pub(super) control: &'a Control<'a>,
 }
 
-/// Runs a series.
-pub(super) fn run(
-    scene: &Scene,
-    (engine, method): (&dyn Engine, Option<&str>),
-    truth: &Truth<'_>,
-    options: &Options,
-    control: &Control<'_>,
-    announce: &mut dyn FnMut(&str),
-) -> Result<Series, StudyError> {
-    let own = engine.info().refinement.map(|refinement| refinement.knob);
-    let knob = method.map_or(own.unwrap_or(AccuracySetting::Step), AccuracySetting::of);
-    let mut series = Series {
-        engine: engine.name().to_owned(),
-        version: engine.version(),
-        track: engine.track(),
-        method: method.unwrap_or("own").to_owned(),
-        order: method.and_then(integrators::method).map(|m| m.order),
-        knob,
-        points: Vec::new(),
-        stopped: Stopped::Finished,
-    };
-    let mut state = State {
-        track: series.track,
-        cpu_s: 0.0,
-        cpu_before_s: 0.0,
-        error: f64::INFINITY,
-        error_before: f64::INFINITY,
-        reference_error: truth.error,
-    };
-    let (mut before, mut last_error) = (None, f64::INFINITY);
-    for setting in settings(knob, scene) {
-        if let Some(coarser) = before
-            && let Some(reason) = state.stop(knob, coarser / setting, options)
-        {
-            series.stopped = reason;
-            break;
-        }
-        announce(&format!("{}, {setting:.1e}", series.label()));
-        let mut scene = scene.clone();
-        if let Some(method) = method {
-            method.clone_into(&mut scene.solver.integrator);
-        }
-        knob.set(&mut scene, setting);
-        let point = match point(&scene, engine, setting, truth, options, control) {
-            Err(StudyError::Cancelled) => {
-                series.stopped = Stopped::Interrupted;
-                break;
-            }
-            other => other?,
+impl Setup<'_> {
+    /// Runs a series.
+    pub(super) fn series(
+        &self,
+        (engine, method): (&dyn Engine, Option<&str>),
+        announce: &mut dyn FnMut(&str),
+    ) -> Result<Series, StudyError> {
+        let own = engine.info().refinement.map(|refinement| refinement.knob);
+        let own = own.unwrap_or(AccuracySetting::Step);
+        let mut series = Series {
+            engine: engine.name().to_owned(),
+            version: engine.version(),
+            track: engine.track(),
+            method: method.unwrap_or("own").to_owned(),
+            order: method.and_then(integrators::method).map(|m| m.order),
+            knob: method.map_or(own, AccuracySetting::of),
+            points: Vec::new(),
+            stopped: Stopped::Finished,
         };
-        let ended = match point.ending {
-            Ending::Finished | Ending::Diverged { .. } => None,
-            Ending::TimedOut { .. } => Some(Stopped::TooLong),
-            Ending::Unsupported { .. } | Ending::Absent { .. } | Ending::Failed { .. } => {
-                Some(Stopped::Failed)
+        series.stopped = self.refine(&mut series, engine, method, announce)?;
+        Ok(series)
+    }
+
+    /// Adds point after point to a series, until there is a reason to stop.
+    fn refine(
+        &self,
+        series: &mut Series,
+        engine: &dyn Engine,
+        method: Option<&str>,
+        announce: &mut dyn FnMut(&str),
+    ) -> Result<Stopped, StudyError> {
+        for setting in settings(series.knob, self.scene) {
+            if let Some(reason) = series.stop(setting, self.reference_error, self.options) {
+                return Ok(reason);
+            }
+            announce(&format!("{}, {setting:.1e}", series.label()));
+            let mut scene = self.scene.clone();
+            if let Some(method) = method {
+                method.clone_into(&mut scene.solver.integrator);
+            }
+            series.knob.set(&mut scene, setting);
+            let point = match self.point(&scene, engine, setting) {
+                Err(StudyError::Cancelled) => return Ok(Stopped::Interrupted),
+                point => point?,
+            };
+            let ended = match point.ending {
+                Ending::Finished | Ending::Diverged { .. } => None,
+                Ending::TimedOut { .. } => Some(Stopped::TooLong),
+                _ => Some(Stopped::Failed),
+            };
+            series.points.push(point);
+            if let Some(reason) = ended {
+                return Ok(reason);
+            }
+        }
+        Ok(Stopped::Finished)
+    }
+
+    /// One setting, as often as is worth it.
+    fn point(&self, scene: &Scene, engine: &dyn Engine, setting: f64) -> Result<Point, StudyError> {
+        let without = |ending| {
+            Ok(Point {
+                setting,
+                ending,
+                errors: Vec::new(),
+                cost: None,
+            })
+        };
+        let gearbox = match compile(scene) {
+            Err(StudyError::Scene { source, .. }) => return without(Ending::unsupported(source)),
+            gearbox => gearbox?,
+        };
+        let options = self.options;
+        let longest_s = PATIENCE * options.longest(engine.track());
+        let limit = TimeLimit {
+            most: Duration::from_secs_f64(longest_s),
+            suggested_limit_s: options.longest_s / longest_s,
+            outside: true,
+        };
+        let mut times = Vec::new();
+        let run = loop {
+            let run = limit.run(engine, &gearbox, self.control)?;
+            if !matches!(run.ending, Ending::Finished | Ending::Diverged { .. }) {
+                return without(run.ending);
+            }
+            times.push(run.stats.cpu_s);
+            let spent: f64 = times.iter().sum();
+            let is_short = times[0] < 0.5 * options.repeat_s;
+            let least = options.repeats.min(if is_short { 3 } else { 2 });
+            let enough = times.len() >= least && spent >= options.repeat_s;
+            if !run.ending.is_finished() || enough || times.len() >= options.repeats {
+                break run;
             }
         };
-        // A run that diverged early says nothing of what a whole one costs.
-        if point.ending == Ending::Finished
-            && let Some(cost) = point.cost
-        {
-            state.cpu_before_s = std::mem::replace(&mut state.cpu_s, cost.cpu_min_s);
-        }
-        state.error_before = last_error;
-        last_error = state.error;
-        state.error = point.errors.first().map_or(f64::INFINITY, |e| e.force_l2);
-        series.points.push(point);
-        if let Some(reason) = ended {
-            series.stopped = reason;
-            break;
-        }
-        before = Some(setting);
+        times.sort_by(f64::total_cmp);
+        let middle = [(times.len() - 1) / 2, times.len() / 2].map(|k| times[k]);
+        let cost = Cost {
+            cpu_min_s: times[0],
+            cpu_median_s: 0.5 * (middle[0] + middle[1]),
+            runs: times.len(),
+            rhs_calls: (run.stats.rhs_calls > 0).then_some(run.stats.rhs_calls),
+            steps: run.stats.steps,
+            rejected_steps: run.stats.rejected_steps,
+        };
+        let (found, reference) = (&run.time_series, self.reference);
+        let whole = run.ending.is_finished() && found.len() == reference.len();
+        let windows = self.windows.iter().filter(|_| whole);
+        let errors = windows.map(|window| errors(found, reference, window, self.least));
+        Ok(Point {
+            setting,
+            errors: errors.collect(),
+            ending: run.ending,
+            cost: Some(cost),
+        })
     }
-    Ok(series)
 }
 
-/// One setting, as often as is worth it.
-fn point(
-    scene: &Scene,
-    engine: &dyn Engine,
-    setting: f64,
-    truth: &Truth<'_>,
-    options: &Options,
-    control: &Control<'_>,
-) -> Result<Point, StudyError> {
-    let without = |ending| Point {
-        setting,
-        ending,
-        errors: Vec::new(),
-        cost: None,
-    };
-    let checked = scene.clone().check().map_err(Ending::unsupported);
-    let compiled = checked.and_then(|scene| Gearbox::new(&scene).map_err(Ending::unsupported));
-    let gearbox = match compiled {
-        Ok(gearbox) => gearbox,
-        Err(ending) => return Ok(without(ending)),
-    };
-    let longest = options.longest(engine.track());
-    let patience = TimeLimit {
-        most: Duration::from_secs_f64(PATIENCE * longest),
-        suggested_limit_s: options.longest_s / (PATIENCE * longest),
-        outside: true,
-    };
-    let mut times = Vec::new();
-    let mut first: Option<Run> = None;
-    loop {
-        let run = patience.run(engine, &gearbox, control)?;
-        if !matches!(run.ending, Ending::Finished | Ending::Diverged { .. }) {
-            return Ok(without(run.ending));
-        }
-        times.push(run.stats.cpu_s);
-        let finished = run.ending.is_finished();
-        let run = first.get_or_insert(run);
-        let spent: f64 = times.iter().sum();
-        let is_short = run.stats.cpu_s < 0.5 * options.repeat_s;
-        let least = options.repeats.min(if is_short { 3 } else { 2 });
-        let enough = times.len() >= least && spent >= options.repeat_s;
-        if !finished || enough || times.len() >= options.repeats.max(1) {
-            break;
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A series of three points, each with its CPU time and error; infinite: it diverged.
+    fn series(track: SharedModel, knob: AccuracySetting, points: [(f64, f64); 3]) -> Series {
+        let point = |(cpu_min_s, force_l2): (f64, f64)| Point {
+            setting: 2.0,
+            ending: Ending::Finished,
+            errors: vec![Errors {
+                force_l2,
+                ..Errors::default()
+            }],
+            cost: Some(Cost {
+                cpu_min_s,
+                ..Cost::default()
+            }),
+        };
+        Series {
+            engine: String::new(),
+            version: String::new(),
+            track,
+            method: String::new(),
+            order: None,
+            knob,
+            points: points.map(point).into(),
+            stopped: Stopped::Finished,
         }
     }
-    let Some(run) = first else {
-        return Ok(without(Ending::failed("never ran")));
-    };
-    times.sort_by(f64::total_cmp);
-    let cost = Cost {
-        cpu_min_s: times[0],
-        cpu_median_s: median(&times),
-        runs: times.len(),
-        rhs_calls: (run.stats.rhs_calls > 0).then_some(run.stats.rhs_calls),
-        steps: run.stats.steps,
-        rejected_steps: run.stats.rejected_steps,
-    };
-    let whole = run.ending.is_finished() && run.time_series.len() == truth.time_series.len();
-    let windows = truth.windows.iter().filter(|_| whole);
-    let error = |window| errors(&run.time_series, truth.time_series, window, truth.least);
-    let errors = windows.map(error).collect();
-    Ok(Point {
-        setting,
-        ending: run.ending,
-        errors,
-        cost: Some(cost),
-    })
-}
 
-/// A run is given up after this many times the time it may take.
-const PATIENCE: f64 = 3.0;
-
-/// Median of values in order, of which there are some.
-fn median(sorted: &[f64]) -> f64 {
-    let n = sorted.len();
-    0.5 * (sorted[(n - 1) / 2] + sorted[n / 2])
+    #[test]
+    fn a_series_stops_for_a_reason() {
+        let options = Options::default();
+        let stop = |track, cpu_s, error, before| {
+            let points = [(0.0, before), (0.0, 1.0), (cpu_s, error)];
+            series(track, AccuracySetting::Step, points).stop(1.0, 1e-8, &options)
+        };
+        let tighter = |before_s| {
+            let points = [(0.0, 1.0), (before_s, 2e-2), (2.1, 1e-2)];
+            let long = series(SharedModel::Native, AccuracySetting::Tolerance, points);
+            long.stop(0.6, 1e-8, &options)
+        };
+        let (native, shared) = (SharedModel::Native, SharedModel::SharedLaw);
+        let own = SharedModel::OwnContact;
+        assert_eq!(tighter(1.9), None);
+        assert_eq!(tighter(2.1), Some(Stopped::TooLong));
+        assert_eq!(stop(native, 0.1, 1e-6, 4e-6), None);
+        assert_eq!(stop(native, 1.0, 1e-6, 4e-6), Some(Stopped::GoodEnough));
+        assert_eq!(stop(shared, 1e3, 1e-2, 4e-2), Some(Stopped::TooLong));
+        assert_eq!(stop(own, 1.0, 1e-2, 1e-2), Some(Stopped::Stagnates));
+        assert_eq!(stop(shared, 1.0, 1e-2, 1e-2), None);
+        let at = Some(Stopped::AtTheReference);
+        assert_eq!(stop(native, 1.0, 1e-10, 1e-9), at);
+        assert_eq!(stop(native, 1.0, f64::INFINITY, f64::INFINITY), None);
+    }
 }

@@ -1,10 +1,8 @@
-//! The settings a method is tried with, coarse to fine, and when to stop.
+//! The settings a method is tried with, coarse to fine, and reasons to stop.
 
-use pinwheel_engines::{AccuracySetting, SharedModel};
+use pinwheel_engines::AccuracySetting;
 use pinwheel_scene::Scene;
 use serde::Serialize;
-
-use super::Options;
 
 /// Steps as multiples of the scene's: the coarsest, and how often it is halved.
 const COARSEST: f64 = 8.0;
@@ -75,55 +73,6 @@ impl Stopped {
     }
 }
 
-/// A run this cheap (s) is made whatever it brings.
-const CHEAP_S: f64 = 0.25;
-/// An error that falls by less than this factor over two settings does not fall.
-const STAGNANT: f64 = 1.3;
-
-/// Facts of a series after a run.
-pub(super) struct State {
-    pub(super) track: SharedModel,
-    /// CPU time of the last run, s, and of the one before.
-    pub(super) cpu_s: f64,
-    pub(super) cpu_before_s: f64,
-    /// Error of the last run; infinite if it failed.
-    pub(super) error: f64,
-    /// Error two runs before.
-    pub(super) error_before: f64,
-    /// Upper estimate of the reference's own error.
-    pub(super) reference_error: f64,
-}
-
-impl State {
-    /// Returns the reason to stop before a run whose setting is `ratio` times finer; `None`: go on.
-    pub(super) fn stop(
-        &self,
-        knob: AccuracySetting,
-        ratio: f64,
-        options: &Options,
-    ) -> Option<Stopped> {
-        // What a tighter tolerance costs is not known before, and may be less: RODAS5P rubs cheaply from where its steps land on
-        // the friction's ramp. Two runs that took too long end a series; one that takes far too long is given up.
-        let next = match knob {
-            AccuracySetting::Step => self.cpu_s * ratio,
-            AccuracySetting::Tolerance => self.cpu_s.min(self.cpu_before_s),
-        };
-        if self.error <= 0.1 * self.reference_error || self.error == 0.0 {
-            return Some(Stopped::AtTheReference);
-        }
-        if self.error <= 0.1 * options.target && next > CHEAP_S {
-            return Some(Stopped::GoodEnough);
-        }
-        if next > options.longest(self.track) {
-            return Some(Stopped::TooLong);
-        }
-        let stagnant = self.track == SharedModel::OwnContact
-            && self.error.is_finite()
-            && self.error_before < STAGNANT * self.error;
-        stagnant.then_some(Stopped::Stagnates)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -147,56 +96,5 @@ mod tests {
         let tolerances = settings(AccuracySetting::Tolerance, &Scene::paper());
         assert_eq!(tolerances[0], 1e-2);
         assert_eq!((tolerances[1], tolerances[16]), (3.2e-3, 1e-10));
-    }
-
-    #[test]
-    fn a_series_stops_for_a_reason() {
-        let options = Options::default();
-        let state = |track, cpu_s, error, error_before| State {
-            track,
-            cpu_s,
-            cpu_before_s: 0.0,
-            error,
-            error_before,
-            reference_error: 1e-8,
-        };
-        let stop = |state: State| state.stop(AccuracySetting::Step, 2.0, &options);
-        let tighter = |cpu_before_s| {
-            let long = state(SharedModel::Native, 2.1, 1e-2, 2e-2);
-            let long = State {
-                cpu_before_s,
-                ..long
-            };
-            long.stop(AccuracySetting::Tolerance, 3.2, &options)
-        };
-        assert_eq!(tighter(1.9), None);
-        assert_eq!(tighter(2.1), Some(Stopped::TooLong));
-        assert_eq!(stop(state(SharedModel::Native, 0.1, 1e-6, 4e-6)), None);
-        assert_eq!(
-            stop(state(SharedModel::Native, 1.0, 1e-6, 4e-6)),
-            Some(Stopped::GoodEnough)
-        );
-        assert_eq!(
-            stop(state(SharedModel::SharedLaw, 1e3, 1e-2, 4e-2)),
-            Some(Stopped::TooLong)
-        );
-        assert_eq!(
-            stop(state(SharedModel::OwnContact, 1.0, 1e-2, 1e-2)),
-            Some(Stopped::Stagnates)
-        );
-        assert_eq!(stop(state(SharedModel::SharedLaw, 1.0, 1e-2, 1e-2)), None);
-        assert_eq!(
-            stop(state(SharedModel::Native, 1.0, 1e-10, 1e-9)),
-            Some(Stopped::AtTheReference)
-        );
-        assert_eq!(
-            stop(state(
-                SharedModel::Native,
-                1.0,
-                f64::INFINITY,
-                f64::INFINITY
-            )),
-            None
-        );
     }
 }

@@ -4,23 +4,18 @@ use pinwheel_contact::Complex;
 use pinwheel_gearbox::Geometry;
 use pinwheel_scene::{Scene, free_play};
 
-use super::figure::{Curve, Measured, Plot, number, numbers};
+use super::figure::{Curve, Measured, number};
 use super::read::{DRAWN, DYING, EXTERNAL, INTERNAL, STEADY, peak};
 use super::runs::{Cases, Model, Runs};
 use crate::StudyError;
 use crate::control::of_scene;
 
-/// As numbers name the backlashes.
-pub(super) const NAMES: [&str; 3] = ["0", "0.3_mm", "0.6_mm"];
-
 /// The smallest turn of a disc from its ideal mesh to the first touch, rad, found on the curve itself.
-fn turn_to_touch(scene: &Scene, backlash: f64) -> Result<f64, StudyError> {
-    let mut loose = scene.clone();
-    loose.gear.backlash_m = backlash;
-    let gear = &loose.gear;
-    let geometry = Geometry::new(&loose).map_err(|source| of_scene(scene, source))?;
+fn turn_to_touch(scene: &Scene) -> Result<f64, StudyError> {
+    let gear = &scene.gear;
+    let geometry = Geometry::new(scene).map_err(|source| of_scene(scene, source))?;
     let centre = Complex::new(gear.eccentricity_m, 0.0);
-    let circle = geometry.curve.pitch_radius() + backlash;
+    let circle = geometry.curve.pitch_radius() + gear.backlash_m;
     let gap = |turn: f64| {
         let back = Complex::unit(-(geometry.ideal_wheel_angle(0, 0.0) + turn));
         let at = |direction: &Complex| (direction.scale(circle) - centre) * back;
@@ -45,60 +40,46 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let exact = runs.backlashes(Model::Ours)?;
     let fine = runs.backlashes(Model::FINE)?;
     let coarse = runs.backlashes(Model::ROUGH)?;
-    let peaks =
-        |cases: &Cases, group, window| cases.each(|time_series| peak(time_series, group, window));
-    let external = peaks(&exact, EXTERNAL, STEADY);
-    let internal = peaks(&exact, INTERNAL, STEADY);
-    let early = peaks(&exact, INTERNAL, DYING);
-    let growth = |name: &str, peaks: &[f64]| number(name, peaks[2] / peaks[0] - 1.0, "");
-    let plot = |model: Model, [key, title]: [&str; 2], group: &str, window: (f64, f64)| {
-        let cases = if model == Model::Ours { &exact } else { &fine };
-        let title = format!("{title}, {}", model.words());
-        cases.plot([key, &title, "Force (N)"], &format!("{group}_0"), window)
+    let growth = |name: &str, cases: &Cases, group: &str, window| {
+        let peaks = cases.each(|run| peak(run, group, window));
+        number(name, peaks[2] / peaks[0] - 1.0, "")
     };
-    let (ours, points) = (Model::Ours, Model::FINE);
-    let of_external = "Force on ring pin 0";
-    let of_internal = "Force on output pin 0";
-    let start = "The start: force on output pin 0";
-    let mut twelve = numbers("external_peak", &NAMES, &external, "N");
+    let mut twelve = exact.peaks("external_peak", EXTERNAL, STEADY);
     twelve.extend([
-        growth("growth", &external),
-        growth("growth_4000_points", &peaks(&fine, EXTERNAL, STEADY)),
+        growth("growth", &exact, EXTERNAL, STEADY),
+        growth("growth_4000_points", &fine, EXTERNAL, STEADY),
     ]);
-    let mut thirteen = numbers("internal_peak", &NAMES, &internal, "N");
-    thirteen.extend(numbers("internal_peak_start", &NAMES, &early, "N"));
+    let mut thirteen = exact.peaks("internal_peak", INTERNAL, STEADY);
+    thirteen.extend(exact.peaks("internal_peak_start", INTERNAL, DYING));
     thirteen.extend([
-        growth("growth_steady", &internal),
-        growth("growth_0.06_to_0.15_s", &early),
-        growth("growth_steady_4000_points", &peaks(&fine, INTERNAL, STEADY)),
-        growth(
-            "growth_steady_600_points",
-            &peaks(&coarse, INTERNAL, STEADY),
-        ),
+        growth("growth_steady", &exact, INTERNAL, STEADY),
+        growth("growth_0.06_to_0.15_s", &exact, INTERNAL, DYING),
+        growth("growth_steady_4000_points", &fine, INTERNAL, STEADY),
+        growth("growth_steady_600_points", &coarse, INTERNAL, STEADY),
     ]);
-    let plots = vec![
-        plot(ours, ["fig-12a", of_external], EXTERNAL, DRAWN),
-        plot(points, ["fig-12b", of_external], EXTERNAL, DRAWN),
+    let external = vec![
+        exact.plot("fig-12a", EXTERNAL, DRAWN),
+        fine.plot("fig-12b", EXTERNAL, DRAWN),
     ];
-    let twelve = Measured::new("fig-12", twelve, plots);
-    let plots = vec![
-        plot(ours, ["fig-13a", of_internal], INTERNAL, DRAWN),
-        plot(ours, ["fig-13b", start], INTERNAL, (0.0, 0.24)),
+    let internal = vec![
+        exact.plot("fig-13a", INTERNAL, DRAWN),
+        exact.plot("fig-13b", INTERNAL, (0.0, 0.24)),
     ];
-    let thirteen = Measured::new("fig-13", thirteen, plots);
-    Ok(vec![eleven()?, twelve, thirteen])
+    Ok(vec![
+        eleven()?,
+        Measured::new("fig-12", twelve, external),
+        Measured::new("fig-13", thirteen, internal),
+    ])
 }
 
 fn eleven() -> Result<Measured, StudyError> {
-    let scene = Scene::paper();
     let x: Vec<f64> = (1..=12).map(|k| f64::from(k) * 0.05).collect();
-    let mut found = Vec::new();
-    let mut closed = Vec::new();
+    let (mut found, mut closed) = (Vec::new(), Vec::new());
     for d_mm in &x {
-        found.push(1e3 * turn_to_touch(&scene, 1e-3 * d_mm)?);
-        let mut gear = scene.gear.clone();
-        gear.backlash_m = 1e-3 * d_mm;
-        closed.push(1e3 * free_play(&gear));
+        let mut scene = Scene::paper();
+        scene.gear.backlash_m = 1e-3 * d_mm;
+        found.push(1e3 * turn_to_touch(&scene)?);
+        closed.push(1e3 * free_play(&scene.gear));
     }
     let last = x.len() - 1;
     let numbers = vec![
@@ -110,9 +91,7 @@ fn eleven() -> Result<Measured, StudyError> {
         Curve::points("first touch on the curve", found),
         Curve::line("closed form", closed),
     ];
-    let title = "Free turn of an unloaded disc to one side";
-    let words = ["fig-11", title, "Tolerance d (mm)", "Free play (mrad)"];
-    let plot = Plot::new(words, x, curves);
+    let plot = ("fig-11".to_owned(), x, curves);
     Ok(Measured::new("fig-11", numbers, vec![plot]))
 }
 
@@ -123,8 +102,9 @@ mod tests {
     /// From the geometry, d psi/d d: 17.003 rad per metre; the curve bends away, so the found play is a little off for large d.
     #[test]
     fn free_play_is_found_on_the_curve() {
-        let scene = Scene::paper();
-        let found = turn_to_touch(&scene, 1e-5).unwrap();
+        let mut scene = Scene::paper();
+        scene.gear.backlash_m = 1e-5;
+        let found = turn_to_touch(&scene).unwrap();
         assert!((found / 1e-5 - 17.003).abs() < 0.02, "{}", found / 1e-5);
     }
 }

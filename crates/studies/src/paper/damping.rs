@@ -2,15 +2,13 @@
 
 use pinwheel_scene::{Scene, scales};
 
-use super::figure::{Curve, Measured, Plot, number, numbers};
-use super::read::{EXTERNAL, INPUT, INTERNAL, OUTPUT, STEADY, mean, part, peak, range};
+use super::figure::{Curve, Measured, number};
+use super::read::{EXTERNAL, INPUT, INTERNAL, OUTPUT, STEADY, mean, part};
 use super::runs::{Model, Runs};
 use crate::StudyError;
 
-/// Dampings drawn, N s/m: the paper's 8 and lower ones, which it does not name.
-const DAMPINGS: [f64; 4] = [0.5, 2.0, 4.0, 8.0];
-/// As numbers name them.
-const NAMES: [&str; 4] = ["c_0.5", "c_2", "c_4", "c_8"];
+/// Dampings drawn, N s/m, as numbers name them: the paper's 8 and lower ones, which it does not name.
+const DAMPINGS: [(&str, f64); 4] = [("c_0.5", 0.5), ("c_2", 2.0), ("c_4", 4.0), ("c_8", 8.0)];
 /// Shown from where the first swings are over, s.
 const SHOWN: (f64, f64) = (0.1, 0.6);
 /// The paper's damping and those tried above it, N s/m.
@@ -21,27 +19,13 @@ pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let cases = runs.cases(Model::Ours, &DAMPINGS, label, |s, damping| {
         s.contact.damping_n_s_m = damping;
     })?;
-    let ranges = |what: &str, channel: &str| {
-        let values = cases.each(|time_series| range(part(time_series, channel, STEADY)));
-        numbers(what, &NAMES, &values, "N m")
-    };
-    let peaks = |what: &str, group: &str| {
-        let values = cases.each(|time_series| peak(time_series, group, STEADY));
-        numbers(what, &NAMES, &values, "N")
-    };
-    let plot = |words: [&str; 3], channel: &str| cases.plot(words, channel, SHOWN);
-    let input = ["fig-07a", "Torque at the input shaft", "Input torque (N m)"];
-    let title = "Torque at the output shaft";
-    let output = ["fig-07b", title, "Output torque (N m)"];
-    let internal = ["fig-08a", "Force on output pin 0", "Force (N)"];
-    let external = ["fig-08b", "Force on ring pin 0", "Force (N)"];
-    let [i, e] = [INTERNAL, EXTERNAL].map(|group| format!("{group}_0"));
-    let mut seven = ranges("input_range", INPUT);
-    seven.extend(ranges("output_range", OUTPUT));
-    let mut eight = peaks("internal_peak", INTERNAL);
-    eight.extend(peaks("external_peak", EXTERNAL));
-    let torques = vec![plot(input, INPUT), plot(output, OUTPUT)];
-    let forces = vec![plot(internal, &i), plot(external, &e)];
+    let plot = |key: &str, channel: &str| cases.plot(key, channel, SHOWN);
+    let mut seven = cases.ranges("input_range", INPUT, STEADY);
+    seven.extend(cases.ranges("output_range", OUTPUT, STEADY));
+    let mut eight = cases.peaks("internal_peak", INTERNAL, STEADY);
+    eight.extend(cases.peaks("external_peak", EXTERNAL, STEADY));
+    let torques = vec![plot("fig-07a", INPUT), plot("fig-07b", OUTPUT)];
+    let forces = vec![plot("fig-08a", INTERNAL), plot("fig-08b", EXTERNAL)];
     Ok(vec![
         Measured::new("fig-07", seven, torques),
         Measured::new("fig-08", eight, forces),
@@ -96,12 +80,7 @@ pub(super) fn above(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         number("one_per_cent", 0.01 * stiffness, "N/m^1.5"),
         number("damping_used", scene.contact.damping_n_s_m, "N s/m"),
     ]);
-    let words = [
-        "damping-above-8",
-        "Mean input torque, 0.2 to 0.4 s",
-        "Contact damping (N s/m)",
-        "Input torque (N m)",
-    ];
-    found.plots.push(Plot::new(words, ABOVE.to_vec(), curves));
+    let plot = ("damping-above-8".to_owned(), ABOVE.to_vec(), curves);
+    found.plots.push(plot);
     Ok(vec![found])
 }

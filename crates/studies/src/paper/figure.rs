@@ -1,8 +1,61 @@
-//! A figure of the paper as data: what it says, our curves, our numbers, the verdict.
+//! Figures and claims of the paper as data: what it says, our curves, our numbers, the verdict.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::statements::ClaimVerdict;
+/// Verdict on a statement of the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClaimVerdict {
+    /// Our figures say the same.
+    Holds,
+    /// True under a condition the paper does not make; the remark names it.
+    Conditional,
+    /// Our figures say otherwise.
+    DoesNotHold,
+    /// The claim has no meaning that could be computed.
+    Meaningless,
+}
+
+impl ClaimVerdict {
+    /// As a table says it.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Conditional => "holds under a condition",
+            Self::DoesNotHold => "does not hold",
+            Self::Meaningless => "has no meaning",
+        }
+    }
+}
+
+/// One claim as listed.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Claim {
+    /// Key.
+    pub id: String,
+    /// Statement of the paper.
+    pub claim: String,
+    /// Where.
+    pub place: String,
+    /// How it is judged.
+    pub judged_by: String,
+    /// Why the verdict is what it is.
+    pub remark: String,
+}
+
+/// A claim with our figure.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JudgedClaim {
+    /// The claim.
+    pub claim: Claim,
+    /// Our figure, in words with units.
+    pub figure: String,
+    /// The numbers in that figure, in its order.
+    pub numbers: Vec<f64>,
+    /// The verdict.
+    pub verdict: ClaimVerdict,
+}
 
 /// One figure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -39,7 +92,8 @@ pub struct Number {
 }
 
 /// Curves on one pair of axes, the paper's.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct Plot {
     /// `fig-07a`: name of its data file.
     pub key: String,
@@ -55,34 +109,10 @@ pub struct Plot {
     #[serde(skip)]
     pub x: Vec<f64>,
     /// Curves over `x`; not a number where a curve has no value.
+    #[serde(skip_deserializing)]
     pub curves: Vec<Curve>,
     /// Note on what to look at.
     pub note: String,
-}
-
-impl Plot {
-    /// Curves; `[key, title, x_label, y_label]`.
-    pub(super) fn new(words: [&str; 4], x: Vec<f64>, curves: Vec<Curve>) -> Self {
-        let [key, title, x_label, y_label] = words.map(str::to_owned);
-        Self {
-            key,
-            title,
-            x_label,
-            y_label,
-            x,
-            curves,
-            ..Self::default()
-        }
-    }
-
-    /// Curves over time; `[key, title, y_label]`.
-    pub(super) fn over_time(
-        [key, title, y_label]: [&str; 3],
-        x: Vec<f64>,
-        curves: Vec<Curve>,
-    ) -> Self {
-        Self::new([key, title, "Time (s)", y_label], x, curves)
-    }
 }
 
 /// One curve.
@@ -124,17 +154,20 @@ pub(super) struct Measured {
     pub(super) numbers: Vec<Number>,
     /// Parts of the sentences that are no numbers.
     pub(super) words: Vec<(&'static str, String)>,
-    pub(super) plots: Vec<Plot>,
+    pub(super) plots: Vec<Drawn>,
 }
+
+/// Key of a plot, its horizontal values, and its curves over them.
+pub(super) type Drawn = (String, Vec<f64>, Vec<Curve>);
 
 impl Measured {
     /// Numbers and curves of a figure.
-    pub(super) fn new(id: &'static str, numbers: Vec<Number>, plots: Vec<Plot>) -> Self {
+    pub(super) fn new(id: &'static str, numbers: Vec<Number>, plots: Vec<Drawn>) -> Self {
         Self {
             id,
             numbers,
-            words: Vec::new(),
             plots,
+            ..Self::default()
         }
     }
 
@@ -152,12 +185,4 @@ pub(super) fn number(name: impl Into<String>, value: f64, unit: &str) -> Number 
         value,
         unit: unit.to_owned(),
     }
-}
-
-/// Numbers of one kind: `what_name` for every name.
-pub(super) fn numbers(what: &str, names: &[&str], values: &[f64], unit: &str) -> Vec<Number> {
-    let named = names.iter().zip(values);
-    named
-        .map(|(name, value)| number(format!("{what}_{name}"), *value, unit))
-        .collect()
 }

@@ -17,9 +17,9 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-pub use figure::{Curve, Number, PaperFigure, Plot};
-pub use peer::{Peer, peer};
-pub use statements::{Claim, ClaimVerdict, JudgedClaim};
+pub use figure::{Claim, ClaimVerdict, Curve, JudgedClaim, Number, PaperFigure, Plot};
+pub use peer::peer;
+pub use runs::Peer;
 
 use crate::StudyError;
 use crate::control::{Control, Progress};
@@ -53,12 +53,6 @@ pub struct Cost {
     pub ours_s: f64,
 }
 
-/// Names of the figures, as [`Options::figures`] takes them; those of one group are computed together.
-pub const NAMES: [&str; 16] = [
-    "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16", "17", "18", "spectra",
-    "damping",
-];
-
 /// A figure by its name, as `9`, `09` or `fig-9`.
 ///
 /// # Errors
@@ -66,17 +60,18 @@ pub const NAMES: [&str; 16] = [
 pub fn named(word: &str) -> Result<String, String> {
     let word = word.trim();
     let name = word.trim_start_matches("fig-").trim_start_matches('0');
-    if NAMES.contains(&name) {
+    let names = GROUPS.map(|(names, ..)| names).concat();
+    if names.contains(&name) {
         return Ok(name.to_owned());
     }
-    let names = NAMES.join(", ");
+    let names = names.join(", ");
     Err(format!("there is no figure `{word}`; name some of {names}"))
 }
 
 /// Choices of figures and engines.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// Some of [`NAMES`]; none: all.
+    /// Names that [`named`] gives; none: all.
     pub figures: Vec<String>,
     /// Run that stands in Adams' place in Fig. 10.
     pub peer: Option<Peer>,

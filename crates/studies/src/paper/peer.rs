@@ -6,29 +6,12 @@ use pinwheel_scene::{Detection, Scene};
 use pinwheel_timeseries::TimeSeries;
 use pinwheel_timeseries::norms::rows_at;
 
-use super::figure::{Curve, Measured, Plot, number};
+use super::figure::{Curve, Measured, number};
 use super::read::{DRAWN, EXTERNAL, INTERNAL, STEADY, all, largest, part, peak, times};
-use super::runs::{Model, Runs};
+use super::runs::{Model, Peer, Runs};
 use crate::StudyError;
 use crate::choice::find_or_recorded;
 use crate::control::{Control, Progress, compile};
-
-/// Time series of an engine that detects and resolves contact itself, on the paper's scene and sample times.
-#[derive(Debug, Clone)]
-pub struct Peer {
-    /// Name, with its version.
-    pub name: String,
-    /// Computed now, or recorded earlier.
-    pub live: bool,
-    /// How it differs from the native solver.
-    pub differences: String,
-    /// Why no nearer relative of Adams was taken, if so.
-    pub note: String,
-    /// Its time series.
-    pub time_series: TimeSeries,
-    /// Wall time, s, if known.
-    pub wall_s: Option<f64>,
-}
 
 /// The engine named, live or else recorded; or of the preferred ones the first that is recorded or in this build.
 /// `None` if there is none at all.
@@ -56,17 +39,14 @@ pub fn peer(named: Option<&str>, control: &Control<'_>) -> Result<Option<Peer>, 
         let why = "it takes minutes; name it with --against to run it";
         let recording = recorded::instead(name, &scene, why);
         let engine = recording.or_else(|| by_name(name, &scene));
-        match engine.filter(|engine| engine.supports(&scene).is_ok()) {
-            Some(engine) => {
-                let note = if missing.is_empty() {
-                    String::new()
-                } else {
-                    format!("Neither built in nor recorded: {}.", missing.join(", "))
-                };
-                return run(engine.as_ref(), &gearbox, note, control).map(Some);
-            }
-            None => missing.push(name),
+        if let Some(engine) = engine.filter(|engine| engine.supports(&scene).is_ok()) {
+            let note = match missing.join(", ") {
+                names if names.is_empty() => names,
+                names => format!("Neither built in nor recorded: {names}."),
+            };
+            return run(engine.as_ref(), &gearbox, note, control).map(Some);
         }
+        missing.push(name);
     }
     Ok(None)
 }
@@ -102,53 +82,37 @@ fn spikes(values: &[f64]) -> f64 {
 
 /// A course at the times `x`; not a number where it has no sample (recordings are thinned).
 fn on_grid(time_series: &TimeSeries, name: &str, x: &[f64]) -> Vec<f64> {
-    let values = time_series.channel(name).unwrap_or(&[]);
+    let values = part(time_series, name, (0.0, f64::MAX));
     let at = |row: Option<usize>| row.and_then(|row| values.get(row)).copied();
     rows_at(x, time_series.time_s())
         .map(|row| at(row).unwrap_or(f64::NAN))
         .collect()
 }
 
-/// A change to a scene, with its name.
-type Suspect = (&'static str, fn(&mut Scene));
-
-/// Possible causes of Adams' spikes, each switched on in our own solver.
-fn suspects() -> [Suspect; 5] {
-    fn impact(scene: &mut Scene) {
-        "adams-impact".clone_into(&mut scene.contact.law);
-    }
-    fn stiff(scene: &mut Scene) {
-        impact(scene);
-        scene.contact.constant_stiffness_n_m15 *= 40.0;
-    }
-    fn facets(scene: &mut Scene, count: usize) {
-        scene.contact.detection = Detection::Points;
-        (scene.contact.wheel_points, scene.contact.hole_points) = (count, 20);
-    }
-    [
-        ("one stiffness for all contacts, Adams' IMPACT", impact),
-        ("the same with 40 times the stiffness", stiff),
-        ("a faceted disc, 600 vertices", |s| facets(s, 600)),
-        ("a faceted disc, 300 vertices", |s| facets(s, 300)),
-        (
-            "a faceted disc, 300 vertices, IMPACT of 40 times the stiffness",
-            |s| {
-                stiff(s);
-                facets(s, 300);
-            },
-        ),
-    ]
-}
+/// Possible causes of Adams' spikes, each switched on in our own solver: name, Adams' IMPACT with so many times the stiffness, and
+/// vertices of a faceted disc.
+const SUSPECTS: [(&str, Option<f64>, Option<usize>); 5] = [
+    (
+        "one stiffness for all contacts, Adams' IMPACT",
+        Some(1.0),
+        None,
+    ),
+    ("the same with 40 times the stiffness", Some(40.0), None),
+    ("a faceted disc, 600 vertices", None, Some(600)),
+    ("a faceted disc, 300 vertices", None, Some(300)),
+    (
+        "a faceted disc, 300 vertices, IMPACT of 40 times the stiffness",
+        Some(40.0),
+        Some(300),
+    ),
+];
 
 pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let ours = runs.get(Model::Ours, |_| {})?;
     let published = runs.get(Model::FINE, |_| {})?;
-    let within = |time_series: &TimeSeries, window| {
-        [EXTERNAL, INTERNAL].map(|group| peak(time_series, group, window))
-    };
-    let spiky = |time_series: &TimeSeries| {
-        [EXTERNAL, INTERNAL].map(|g| spikes(&all(time_series, g, STEADY)))
-    };
+    let groups = [EXTERNAL, INTERNAL];
+    let within = |run: &TimeSeries, window| groups.map(|group| peak(run, group, window));
+    let spiky = |run: &TimeSeries| groups.map(|group| spikes(&all(run, group, STEADY)));
     let mut found = Measured::new("fig-10", Vec::new(), Vec::new());
     let mut add = |name: &str, [external, internal]: [f64; 2]| {
         for (kind, value) in [("external", external), ("internal", internal)] {
@@ -160,9 +124,16 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     add("_later", within(&ours.time_series, (0.1, 0.6)));
     add("_first", within(&ours.time_series, (0.0, 0.05)));
     let mut tried = Vec::new();
-    for (name, change) in suspects() {
+    for (name, impact, vertices) in SUSPECTS {
         let seen = runs.get(Model::Ours, |s| {
-            change(s);
+            if let Some(times) = impact {
+                "adams-impact".clone_into(&mut s.contact.law);
+                s.contact.constant_stiffness_n_m15 *= times;
+            }
+            if let Some(count) = vertices {
+                s.contact.detection = Detection::Points;
+                (s.contact.wheel_points, s.contact.hole_points) = (count, 20);
+            }
             s.solver.step_s = 5e-6; // for the stiffest of them
         });
         tried.push(match seen {
@@ -195,24 +166,16 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         found.words = vec![("other", other), ("differences", differences)];
     }
     found.words.push(("tried", tried.join("; ")));
-    for (key, kind, group) in [
-        ("fig-10a", "internal", INTERNAL),
-        ("fig-10b", "external", EXTERNAL),
-    ] {
-        let channel = format!("{group}_0");
+    for (key, group) in [("fig-10a", INTERNAL), ("fig-10b", EXTERNAL)] {
         let x = times(&ours.time_series, DRAWN);
-        let line = |label: &str, time_series: &TimeSeries| {
-            Curve::line(label, part(time_series, &channel, DRAWN))
-        };
+        let line = |label: &str, run: &TimeSeries| Curve::line(label, part(run, group, DRAWN));
         let mut curves = vec![
             line("ours, exact profile", &ours.time_series),
             line("ours, 4000 points", &published.time_series),
         ];
-        let other = |peer: &Peer| Curve::line(&peer.name, on_grid(&peer.time_series, &channel, &x));
+        let other = |peer: &Peer| Curve::line(&peer.name, on_grid(&peer.time_series, group, &x));
         curves.extend(runs.peer.map(other));
-        let title = format!("Force on {kind} pin 0");
-        let words = [key, &title, "Force (N)"];
-        found.plots.push(Plot::over_time(words, x, curves));
+        found.plots.push((key.to_owned(), x, curves));
     }
     Ok(vec![found])
 }

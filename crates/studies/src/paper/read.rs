@@ -16,10 +16,11 @@ pub(super) const DRAWN: (f64, f64) = (0.24, 0.36);
 /// The start-up transient after its first swings, s.
 pub(super) const DYING: (f64, f64) = (0.06, 0.15);
 
-/// The values of one channel within a window; none if there is no such channel.
+/// The values of one channel, or of the first of a group, within a window; none if there is no such channel.
 pub(super) fn part<'a>(time_series: &'a TimeSeries, name: &str, window: (f64, f64)) -> &'a [f64] {
     let range = time_series.window(window.0, window.1);
     let values = time_series.channel(name);
+    let values = values.or_else(|| time_series.group(name).first().copied());
     values.and_then(|values| values.get(range)).unwrap_or(&[])
 }
 

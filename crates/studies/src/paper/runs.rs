@@ -8,14 +8,13 @@ use std::time::Instant;
 use pinwheel_scene::{Detection, Scene};
 use pinwheel_timeseries::TimeSeries;
 
-use super::Peer;
-use super::figure::{Curve, Plot};
-use super::read::{part, times};
+use super::figure::{Curve, Drawn, Number, number};
+use super::read::{part, peak, range, times};
 use crate::StudyError;
 use crate::control::{Control, complete};
 
-/// Backlashes drawn, m. Of those in the paper's figures only the largest is named.
-pub(super) const BACKLASHES: [f64; 3] = [0.0, 3e-4, 6e-4];
+/// Backlashes drawn, m, as numbers name them. Of those in the paper's figures only the largest is named.
+pub(super) const BACKLASHES: [(&str, f64); 3] = [("0", 0.0), ("0.3_mm", 3e-4), ("0.6_mm", 6e-4)];
 
 /// How contacts are found and the equations solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,7 +39,7 @@ impl Model {
     }
 
     /// The paper's scene with this model.
-    pub(super) fn scene(self) -> Scene {
+    fn scene(self) -> Scene {
         let mut scene = Scene::paper();
         match self {
             Self::Ours => "rk4".clone_into(&mut scene.solver.integrator),
@@ -53,6 +52,23 @@ impl Model {
         }
         scene
     }
+}
+
+/// Time series of an engine that detects and resolves contact itself, on the paper's scene and sample times.
+#[derive(Debug, Clone)]
+pub struct Peer {
+    /// Name, with its version.
+    pub name: String,
+    /// Computed now, or recorded earlier.
+    pub live: bool,
+    /// How it differs from the native solver.
+    pub differences: String,
+    /// Why no nearer relative of Adams was taken, if so.
+    pub note: String,
+    /// Its time series.
+    pub time_series: TimeSeries,
+    /// Wall time, s, if known.
+    pub wall_s: Option<f64>,
 }
 
 /// Time series with what they cost.
@@ -75,7 +91,7 @@ impl<'a> Runs<'a> {
         Self {
             control,
             peer,
-            known: RefCell::new(HashMap::new()),
+            known: RefCell::default(),
         }
     }
 
@@ -101,21 +117,35 @@ impl<'a> Runs<'a> {
         Ok(run)
     }
 
-    /// One run for each value of what `change` sets; `label` names its curve.
+    /// One run for each value of what `change` sets, named for numbers; `label` names its curve.
     pub(super) fn cases(
         &self,
         model: Model,
-        values: &[f64],
+        values: &[(&'static str, f64)],
         label: impl Fn(f64) -> String,
         change: impl Fn(&mut Scene, f64),
     ) -> Result<Cases, StudyError> {
-        let run = |&value: &f64| Ok((label(value), self.get(model, |s| change(s, value))?));
+        let run = |&(name, value): &(_, f64)| {
+            let run = self.get(model, |scene| change(scene, value))?;
+            Ok((name, label(value), run))
+        };
         values.iter().map(run).collect::<Result<_, _>>().map(Cases)
     }
 
     /// One run for each of [`BACKLASHES`].
     pub(super) fn backlashes(&self, model: Model) -> Result<Cases, StudyError> {
         self.cases(model, &BACKLASHES, backlash, |s, d| s.gear.backlash_m = d)
+    }
+
+    /// One run for each model, named for numbers.
+    pub(super) fn models<const N: usize>(
+        &self,
+        models: [(&'static str, Model); N],
+        change: fn(&mut Scene),
+    ) -> Result<Cases, StudyError> {
+        let run = |(name, model): (_, Model)| Ok((name, model.words(), self.get(model, change)?));
+        let each = models.map(run);
+        each.into_iter().collect::<Result<_, _>>().map(Cases)
     }
 
     /// How many there are.
@@ -129,23 +159,51 @@ pub(super) fn backlash(backlash_m: f64) -> String {
     format!("d = {} mm", (backlash_m * 1e6).round() / 1e3)
 }
 
-/// Runs that one plot shows, each with the name of its curve; all on the same sample times.
-pub(super) struct Cases(pub(super) Vec<(String, Rc<Run>)>);
+/// Runs that one plot shows, each with its name in numbers and that of its curve; all on the same sample times.
+pub(super) struct Cases(pub(super) Vec<(&'static str, String, Rc<Run>)>);
 
 impl Cases {
-    /// A number of every run.
+    /// A figure of every run.
     pub(super) fn each(&self, of: impl Fn(&TimeSeries) -> f64) -> Vec<f64> {
-        self.0.iter().map(|(_, run)| of(&run.time_series)).collect()
+        self.0
+            .iter()
+            .map(|(.., run)| of(&run.time_series))
+            .collect()
     }
 
-    /// A channel of every run within a window; `[key, title, y_label]`.
-    pub(super) fn plot(&self, words: [&str; 3], channel: &str, window: (f64, f64)) -> Plot {
-        let first = self.0.first();
-        let x = first.map(|(_, run)| times(&run.time_series, window));
-        let curve = |(label, run): &(String, Rc<Run>)| {
-            Curve::line(label, part(&run.time_series, channel, window))
-        };
-        let curves = self.0.iter().map(curve).collect();
-        Plot::over_time(words, x.unwrap_or_default(), curves)
+    /// A number of every run: `what_name`.
+    pub(super) fn numbers(
+        &self,
+        what: &str,
+        unit: &str,
+        of: impl Fn(&TimeSeries) -> f64,
+    ) -> Vec<Number> {
+        let named = self.0.iter().zip(self.each(of));
+        let named = named.map(|((name, ..), value)| number(format!("{what}_{name}"), value, unit));
+        named.collect()
+    }
+
+    /// Largest less smallest of a torque within a window.
+    pub(super) fn ranges(&self, what: &str, channel: &str, window: (f64, f64)) -> Vec<Number> {
+        self.numbers(what, "N m", |run| range(part(run, channel, window)))
+    }
+
+    /// Largest of a group of forces within a window.
+    pub(super) fn peaks(&self, what: &str, group: &str, window: (f64, f64)) -> Vec<Number> {
+        self.numbers(what, "N", |run| peak(run, group, window))
+    }
+
+    /// A channel of every run, or the first of a group, within a window.
+    pub(super) fn plot(&self, key: &str, channel: &str, window: (f64, f64)) -> Drawn {
+        let x = self
+            .0
+            .first()
+            .map(|(.., run)| times(&run.time_series, window));
+        let course = |run: &Run| part(&run.time_series, channel, window).to_vec();
+        let curves = self
+            .0
+            .iter()
+            .map(|(_, label, run)| Curve::line(label, course(run)));
+        (key.to_owned(), x.unwrap_or_default(), curves.collect())
     }
 }

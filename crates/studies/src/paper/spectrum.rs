@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use super::figure::{Curve, Measured, Plot, number};
+use super::figure::{Curve, Measured, number};
 use super::read::{INPUT, OUTPUT, mean, part};
 use super::runs::{Model, Runs};
 use crate::StudyError;
@@ -48,11 +48,16 @@ fn predicted(scene: &Scene, highest: f64) -> Vec<(f64, &'static str)> {
         .collect()
 }
 
+/// Place of an order in a spectrum.
+fn bin(order: f64) -> usize {
+    (order * TURNS.1 as f64).round() as usize
+}
+
 /// Share of the variation within [`SPREAD`] bins of the predicted orders.
 fn share(bins: &[f64], orders: &[(f64, &str)]) -> f64 {
     let mut wanted = vec![false; bins.len()];
     for (order, _) in orders {
-        let at = (order * TURNS.1 as f64).round() as usize;
+        let at = bin(*order);
         for k in at.saturating_sub(SPREAD)..=at + SPREAD {
             if let Some(bin) = wanted.get_mut(k) {
                 *bin = true;
@@ -70,7 +75,6 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let turn = TAU / scene.drive.input_speed_rad_s;
     let shown = HIGHEST * TURNS.1;
     let orders = predicted(&scene, SAMPLES as f64 / 2.0);
-    let bin = |order: f64| (order * TURNS.1 as f64).round() as usize;
     let cases = [
         (Model::Ours, 0.0, "exact profile"),
         (Model::Ours, 6e-4, "exact profile, d = 0.6 mm"),
@@ -79,10 +83,7 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     ];
     let x: Vec<f64> = (1..=shown).map(|k| k as f64 / TURNS.1 as f64).collect();
     let mut found = Measured::new("spectrum", Vec::new(), Vec::new());
-    for (key, shaft, channel) in [
-        ("spectrum-a", "input", INPUT),
-        ("spectrum-b", "output", OUTPUT),
-    ] {
+    for (key, channel) in [("spectrum-a", INPUT), ("spectrum-b", OUTPUT)] {
         let mut curves = Vec::new();
         for (model, backlash, words) in cases {
             let run = runs.get(model, |s| {
@@ -116,16 +117,7 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
             }
             curves.push(Curve::line(words, bins.get(1..=shown).unwrap_or(&[])));
         }
-        found.plots.push(Plot {
-            key: key.into(),
-            title: format!("Spectrum of the {shaft} torque"),
-            x_label: "Order (multiples of the input's 8.33 Hz)".into(),
-            y_label: "Amplitude (N m)".into(),
-            y_log: true,
-            x: x.clone(),
-            curves,
-            note: "Points: predicted orders, 16 and its multiples (external mesh), 8.533 and its multiples (internal mesh).".into(),
-        });
+        found.plots.push((key.to_owned(), x.clone(), curves));
     }
     let frequencies = derived(&scene).frequencies;
     let mesh = frequencies.iter().find(|f| f.order == 16.0);

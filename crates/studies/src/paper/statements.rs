@@ -4,64 +4,9 @@
 //! Each number is computed once, for a figure; figures and claims are rows of that file, judged from these numbers by the
 //! conditions that stand there and by nothing else.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 
-use super::figure::{Measured, PaperFigure};
-
-/// Verdict on a statement of the paper.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ClaimVerdict {
-    /// Our figures say the same.
-    Holds,
-    /// True under a condition the paper does not make; the remark names it.
-    Conditional,
-    /// Our figures say otherwise.
-    DoesNotHold,
-    /// The claim has no meaning that could be computed.
-    Meaningless,
-}
-
-impl ClaimVerdict {
-    /// As a table says it.
-    #[must_use]
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Holds => "holds",
-            Self::Conditional => "holds under a condition",
-            Self::DoesNotHold => "does not hold",
-            Self::Meaningless => "has no meaning",
-        }
-    }
-}
-
-/// One claim as listed.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Claim {
-    /// Key.
-    pub id: String,
-    /// Statement of the paper.
-    pub claim: String,
-    /// Where.
-    pub place: String,
-    /// How it is judged.
-    pub judged_by: String,
-    /// Why the verdict is what it is.
-    pub remark: String,
-}
-
-/// A claim with our figure.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct JudgedClaim {
-    /// The claim.
-    pub claim: Claim,
-    /// Our figure, in words with units.
-    pub figure: String,
-    /// The numbers in that figure, in its order.
-    pub numbers: Vec<f64>,
-    /// The verdict.
-    pub verdict: ClaimVerdict,
-}
+use super::figure::{Claim, ClaimVerdict, JudgedClaim, Measured, PaperFigure, Plot};
 
 /// The file, as it is written.
 #[derive(Debug, Deserialize)]
@@ -92,6 +37,8 @@ pub(super) struct Statement {
     why: String,
     /// How a claim is judged, in words.
     judged_by: String,
+    /// Axes and words of the figure's plots.
+    plots: Vec<Plot>,
     holds_if: Vec<Condition>,
     partly_if: Vec<Condition>,
     partly_if_any: Vec<Condition>,
@@ -147,6 +94,17 @@ impl Statement {
 
     /// The figure of these numbers and curves.
     pub(super) fn figure(&self, of: Measured) -> PaperFigure {
+        let plots = of.plots.iter().map(|(key, x, curves)| {
+            let words = self.plots.iter().find(|plot| plot.key == *key);
+            let words = words.cloned().unwrap_or_default();
+            Plot {
+                key: key.clone(),
+                title: filled(&words.title, &of).0,
+                x: x.clone(),
+                curves: curves.clone(),
+                ..words
+            }
+        });
         PaperFigure {
             id: self.id.clone(),
             name: self.place.clone(),
@@ -155,8 +113,8 @@ impl Statement {
             found: filled(&self.found, &of).0,
             why: filled(&self.why, &of).0,
             verdict: self.verdict(&of),
+            plots: plots.collect(),
             numbers: of.numbers,
-            plots: of.plots,
         }
     }
 

@@ -4,32 +4,25 @@ use std::f64::consts::TAU;
 
 use pinwheel_scene::{Scene, Start};
 
-use super::figure::{Curve, Measured, Plot, number, numbers};
-use super::read::{DRAWN, DYING, INPUT, OUTPUT, STEADY, mean, part, range, times};
-use super::runs::{Model, Runs, backlash};
+use super::figure::{Curve, Measured, number};
+use super::read::{DRAWN, DYING, INPUT, OUTPUT, STEADY, mean, part, times};
+use super::runs::{BACKLASHES, Model, Runs, backlash};
 use crate::StudyError;
 
 /// How long the longer time is, s; the paper does not say.
 const LONG: f64 = 1.8;
-/// The smallest and the largest backlash, m.
-const ENDS: [f64; 2] = [0.0, 6e-4];
-
 pub(super) fn figures(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     Ok(vec![
-        ripple(runs, "fig-14", INPUT, "input")?,
-        ripple(runs, "fig-15", OUTPUT, "output")?,
+        ripple(runs, "fig-14", INPUT)?,
+        ripple(runs, "fig-15", OUTPUT)?,
         sixteen(runs)?,
     ])
 }
 
-fn ripple(
-    runs: &Runs<'_>,
-    id: &'static str,
-    channel: &str,
-    shaft: &str,
-) -> Result<Measured, StudyError> {
+fn ripple(runs: &Runs<'_>, id: &'static str, channel: &str) -> Result<Measured, StudyError> {
     let mut found = Measured::new(id, Vec::new(), Vec::new());
     let moving = Start::Kinematic;
+    let ends = [BACKLASHES[0], BACKLASHES[2]];
     for (name, model, start, window) in [
         ("range_start", Model::Ours, moving, DYING),
         ("range_steady", Model::Ours, moving, STEADY),
@@ -37,24 +30,19 @@ fn ripple(
         ("range_steady_4000_points", Model::FINE, moving, STEADY),
         ("range_steady_600_points", Model::ROUGH, moving, STEADY),
     ] {
-        let cases = runs.cases(model, &ENDS, backlash, |s, d| {
+        let cases = runs.cases(model, &ends, backlash, |s, d| {
             s.gear.backlash_m = d;
             s.drive.start = start;
         })?;
-        let ranges = cases.each(|time_series| range(part(time_series, channel, window)));
-        let ranges = numbers(name, &["0", "0.6_mm"], &ranges, "N m");
-        found.numbers.extend(ranges);
+        found.numbers.extend(cases.ranges(name, channel, window));
     }
-    let axis = format!("{}{} torque (N m)", shaft[..1].to_uppercase(), &shaft[1..]);
-    for (letter, title, model, window) in [
-        ("a", "The start: torque", Model::Ours, (0.0, 0.24)),
-        ("b", "Torque", Model::Ours, DRAWN),
-        ("c", "Torque", Model::FINE, DRAWN),
+    for (letter, model, window) in [
+        ("a", Model::Ours, (0.0, 0.24)),
+        ("b", Model::Ours, DRAWN),
+        ("c", Model::FINE, DRAWN),
     ] {
-        let title = format!("{title} at the {shaft} shaft, {}", model.words());
-        let key = format!("{id}{letter}");
-        let plot = runs.backlashes(model)?;
-        let plot = plot.plot([&key, &title, &axis], channel, window);
+        let cases = runs.backlashes(model)?;
+        let plot = cases.plot(&format!("{id}{letter}"), channel, window);
         found.plots.push(plot);
     }
     Ok(found)
@@ -100,11 +88,6 @@ fn sixteen(runs: &Runs<'_>) -> Result<Measured, StudyError> {
         let label = format!("{}, {}", backlash(d), model.words());
         curves.push(Curve::line(label, thin(torque)));
     }
-    let title = "Torque at the output shaft";
-    let words = ["fig-16", title, "Output torque (N m)"];
-    found.plots.push(Plot {
-        note: "Drag over the first 0.2 s to see what the paper calls random.".into(),
-        ..Plot::over_time(words, x, curves)
-    });
+    found.plots.push(("fig-16".to_owned(), x, curves));
     Ok(found)
 }

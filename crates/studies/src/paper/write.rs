@@ -85,18 +85,11 @@ mod tests {
     #[test]
     fn curves_as_csv() {
         let plot = Plot {
-            key: "fig".into(),
-            title: String::new(),
             x_label: "Time (s)".into(),
             y_label: "Force (N)".into(),
-            y_log: false,
             x: vec![0.0, 0.5],
-            curves: vec![Curve {
-                label: "d = 0, exact".into(),
-                points: false,
-                y: vec![1.5, f64::NAN],
-            }],
-            note: String::new(),
+            curves: vec![Curve::line("d = 0, exact", [1.5, f64::NAN])],
+            ..Plot::default()
         };
         let mut text = Vec::new();
         table(&plot).write_csv(&mut text).unwrap();

@@ -287,20 +287,17 @@ impl Atlas {
             let name = method.solver.as_ref()?;
             let cells: Vec<&Cell> = self.done().filter_map(|row| row.cells.get(place)).collect();
             let right = cells.iter().filter(|cell| cell.is_right()).count();
-            let mut failures = cells.iter().filter_map(|cell| cell.failure.as_ref());
-            let first = failures
-                .next()
-                .map_or_else(String::new, |why| format!("; first: {}", why.sentence()));
-            Some(match right {
-                0 => (
-                    format!("{name}: nothing shown: right in no scene{first}"),
-                    false,
-                ),
-                _ => (
-                    format!("{name}: right in {right} of {} scenes", cells.len()),
-                    true,
-                ),
-            })
+            if right > 0 {
+                let line = format!("{name}: right in {right} of {} scenes", cells.len());
+                return Some((line, true));
+            }
+            let first = cells.iter().find_map(|cell| cell.failure.as_ref());
+            let first = first.map(|why| format!("; first: {}", why.sentence()));
+            let first = first.unwrap_or_default();
+            Some((
+                format!("{name}: nothing shown: right in no scene{first}"),
+                false,
+            ))
         })
     }
 
@@ -328,29 +325,17 @@ fn row(name: &str, options: &Options, control: &Control<'_>) -> Result<SceneRow,
         refused: None,
         cells: Vec::new(),
     };
-    let (reference, [time_series, _]) = match reference::run(&scene, control, &mut |_| {}) {
-        Ok(found) => found,
+    match reference::run(&scene, control, &mut |_| {}) {
+        Ok((reference, [time_series, _])) => {
+            let judge = verdict::Judge::new(&time_series, Scales::of(&scene));
+            let methods = options.methods.iter();
+            let cells = methods.map(|method| cell(&scene, method, options, &judge, control));
+            row.cells = cells.collect::<Result<_, _>>()?;
+            row.reference = Some(reference);
+        }
         Err(StudyError::Cancelled) => return Err(StudyError::Cancelled),
-        Err(refused) => {
-            row.refused = Some(refused.to_string());
-            return Ok(row);
-        }
-    };
-    for method in &options.methods {
-        let mut scene = scene.clone();
-        if method.solver.is_none() {
-            scene.solver.formulation = method.formulation;
-            scene.solver.integrator.clone_from(&method.integrator);
-        }
-        let judge = verdict::Judge {
-            reference: &time_series,
-            level: LoadMagnitude::of(&time_series),
-            scales: Scales::of(&scene),
-        };
-        let cell = cell(&scene, method, options, &judge, control)?;
-        row.cells.push(cell);
+        Err(refused) => row.refused = Some(refused.to_string()),
     }
-    row.reference = Some(reference);
     Ok(row)
 }
 
@@ -361,25 +346,25 @@ fn cell(
     judge: &verdict::Judge<'_>,
     control: &Control<'_>,
 ) -> Result<Cell, StudyError> {
+    let (mut scene, mut method) = (scene.clone(), method.clone());
     // A scene that asks for a tenth of the usual tolerance gets a tenth of the method's.
     let share = (scene.solver.tolerance / Scene::paper().solver.tolerance).min(1.0);
-    let method = Method {
-        tolerance: method.tolerance.map(|tolerance| tolerance * share),
-        ..method.clone()
-    };
-    let at = |step: f64| {
-        let mut scene = scene.clone();
-        scene.solver.step_s = step;
-        scene.solver.tolerance = method.tolerance.unwrap_or(scene.solver.tolerance);
-        let engine = method.solver.as_deref().unwrap_or("native");
+    method.tolerance = method.tolerance.map(|tolerance| tolerance * share);
+    scene.solver.tolerance = method.tolerance.unwrap_or(scene.solver.tolerance);
+    if method.solver.is_none() {
+        scene.solver.formulation = method.formulation;
+        scene.solver.integrator.clone_from(&method.integrator);
+    }
+    let engine = method.solver.as_deref().unwrap_or("native");
+    let mut at = |step_s: f64| {
+        scene.solver.step_s = step_s;
         run_on(engine, &scene, &Control::silent(control.cancel))
     };
+    let run = at(options.step_s)?;
     let mut cell = Cell {
-        method: method.clone(),
+        failure: judge.failure(&run),
         ..Cell::default()
     };
-    let run = at(options.step_s)?;
-    cell.failure = judge.failure(&run);
     if run.ending.is_finished() {
         cell.error = judge.error(&run.time_series);
         cell.level = Some(LoadMagnitude::of(&run.time_series));
@@ -394,5 +379,5 @@ fn cell(
         (cell.largest_step_s, cell.fails_first) = search::largest_step(options, stable, first)?;
         cell.never_failed = cell.fails_first.is_none() && cell.largest_step_s.is_some();
     }
-    Ok(cell)
+    Ok(Cell { method, ..cell })
 }

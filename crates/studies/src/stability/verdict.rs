@@ -99,13 +99,22 @@ impl Failure {
 
 /// Reference against which runs are judged.
 pub(super) struct Judge<'a> {
-    pub(super) reference: &'a TimeSeries,
-    pub(super) level: LoadMagnitude,
+    reference: &'a TimeSeries,
+    level: LoadMagnitude,
     /// Sizes of the scene.
-    pub(super) scales: Scales,
+    scales: Scales,
 }
 
-impl Judge<'_> {
+impl<'a> Judge<'a> {
+    pub(super) fn new(reference: &'a TimeSeries, scales: Scales) -> Self {
+        let level = LoadMagnitude::of(reference);
+        Self {
+            reference,
+            level,
+            scales,
+        }
+    }
+
     /// Against the reference; `None` where that has no forces to speak of.
     pub(super) fn error(&self, time_series: &TimeSeries) -> Option<Distance> {
         let floor = FORCE_SHARE * self.scales.external_force_n;

@@ -30,6 +30,7 @@ fn computed(names: &[&str]) -> PaperResult {
     for figure in &found.figures {
         println!("{} {:?}: {}", figure.id, figure.verdict, figure.found);
         assert!(!figure.found.contains("NaN") && !figure.why.is_empty());
+        assert!(figure.plots.iter().all(|plot| !plot.title.is_empty()));
     }
     found
 }

@@ -1,0 +1,88 @@
+//! Choices of a bench.
+
+use pinwheel_engines::SharedModel;
+use pinwheel_mbs::integrators::METHODS;
+use pinwheel_scene::did_you_mean;
+use serde::Serialize;
+
+use crate::StudyError;
+
+/// Choices of a bench.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Options {
+    /// Relative L2 force error over the whole run at which engines are ranked.
+    pub target: f64,
+    /// Runs of one setting at most; the cost is their minimum and median.
+    pub repeats: usize,
+    /// CPU time at which a setting is no longer repeated for its own sake, s.
+    pub repeat_s: f64,
+    /// A foreign engine's single run takes no longer than this, s CPU.
+    pub longest_s: f64,
+    /// Limit of the native solver's single run, s CPU. It has many more series than a foreign engine.
+    pub longest_native_s: f64,
+    /// Integrators of the native solver; empty: all.
+    pub methods: Vec<String>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            target: 1e-4,
+            repeats: 5,
+            repeat_s: 1.0,
+            longest_s: 20.0,
+            longest_native_s: 2.0,
+            methods: Vec::new(),
+        }
+    }
+}
+
+impl Options {
+    /// Options that a user chooses: the error at which engines are ranked, runs of a setting, CPU seconds of a peer's
+    /// run, of which the native solver gets a tenth, and integrators.
+    ///
+    /// # Errors
+    /// A number that measures nothing, or an integrator that is not there.
+    pub fn asked(
+        target: f64,
+        repeats: usize,
+        longest_s: f64,
+        methods: Vec<String>,
+    ) -> Result<Self, StudyError> {
+        for (name, value) in [("target", target), ("longest", longest_s)] {
+            if !(value > 0.0 && value.is_finite()) {
+                return Err(StudyError::Input(format!(
+                    "{name}: {value} is not a positive number; leave it out for the default"
+                )));
+            }
+        }
+        if repeats == 0 {
+            return Err(StudyError::Input(
+                "repeats: 0 measures nothing; use 1 or more".to_owned(),
+            ));
+        }
+        let known: Vec<&str> = METHODS.iter().map(|method| method.name).collect();
+        if let Some(name) = methods.iter().find(|name| !known.contains(&name.as_str())) {
+            let remedy = did_you_mean(name, &known);
+            let what = format!("there is no integrator `{name}`; {remedy}");
+            return Err(StudyError::Input(what));
+        }
+        Ok(Self {
+            target,
+            repeats,
+            longest_s,
+            longest_native_s: 0.1 * longest_s,
+            methods,
+            ..Self::default()
+        })
+    }
+
+    /// How long a single run of an engine may take, s CPU.
+    #[must_use]
+    pub fn longest(&self, track: SharedModel) -> f64 {
+        match track {
+            SharedModel::Native => self.longest_native_s,
+            _ => self.longest_s,
+        }
+    }
+}
