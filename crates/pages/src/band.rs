@@ -4,6 +4,7 @@ use pinwheel_contact::laws::law_info;
 use pinwheel_report::format::significant;
 use pinwheel_report::study::Block;
 use pinwheel_studies::band::{Band, Bands, ROLLERS};
+use pinwheel_timeseries::columns;
 use pinwheel_timeseries::table::Table;
 
 /// Figures that are told where there is little room: key, name, unit.
@@ -44,9 +45,22 @@ pub(crate) fn interval(band: [f64; 2]) -> String {
     format!("{low} to {high}")
 }
 
-/// `310 to 322 by contact law`.
-pub(crate) fn by_law(band: [f64; 2]) -> String {
-    format!("{} by contact law", interval(band))
+/// Bounds of a figure: `310 to 322 by contact law; ± 0.2 numerical`. Without a band, or without the uncertainty `off` that has a
+/// `cause`, that part is left out.
+pub(crate) fn bounds(laws: Option<[f64; 2]>, off: &str, cause: &str) -> String {
+    let laws = laws.map(|laws| format!("{} by contact law", interval(laws)));
+    let off = (!off.is_empty()).then(|| format!("{off} {cause}"));
+    let parts: Vec<String> = laws.into_iter().chain(off).collect();
+    parts.join("; ")
+}
+
+/// Key of the band that bounds the peak of a quantity of runs.
+pub(crate) fn key_of_peak(quantity: &str) -> Option<&'static str> {
+    match quantity {
+        columns::EXTERNAL_FORCE => Some("external_force_n"),
+        columns::INTERNAL_FORCE => Some("internal_force_n"),
+        _ => None,
+    }
 }
 
 fn ends(band: &Band) -> [f64; 2] {

@@ -5,7 +5,6 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_report::animation::markup;
 use pinwheel_report::format::{self, NONE, significant};
 use pinwheel_report::stack::stack;
 use pinwheel_report::study::{Axis, Block, Chart, Fact, Mark, Section, Study, Style, Tile};
@@ -69,11 +68,6 @@ pub fn page(
     cancel: &AtomicBool,
 ) -> Result<String, Cancelled> {
     let scene = &found.scene;
-    let motion = animation::of(gearbox, cancel)?;
-    let motion = motion.map(|(view, begin_s)| {
-        let heading = Block::Heading("The gearbox in motion".to_owned());
-        [heading, Block::Html(markup(&[view], begin_s))]
-    });
     let caption = "For a data sheet; after \u{b1} how far a figure may be off numerically: by the poses that were looked at, or by the run's own \
                    verification";
     let all = figures(caption, &found.figures, |one| how(found, one));
@@ -118,7 +112,7 @@ pub fn page(
             Block::Facts(notes(found).into_iter().map(fact).collect()),
             Block::Html(files(found)),
         ],
-        aside: motion.into_iter().flatten().collect(),
+        aside: animation::aside(gearbox, cancel)?,
         sections,
         ..Study::default()
     };
@@ -252,11 +246,9 @@ pub fn headline(one: &DesignFigure) -> (String, String) {
     let (shown, bound) = known(value, one.uncertainty);
     let laws = wide(one);
     let shown = laws.map_or(shown, |laws| band::rounded(value, laws));
-    let bound = Some(bound).filter(|bound| !bound.is_empty());
     // The sign stays with its number.
-    let bound = bound.map(|bound| format!("{} numerical", bound.replace(' ', "\u{a0}")));
-    let parts: Vec<String> = laws.map(band::by_law).into_iter().chain(bound).collect();
-    (shown, parts.join("; "))
+    let bound = bound.replace(' ', "\u{a0}");
+    (shown, band::bounds(laws, &bound, "numerical"))
 }
 
 /// Its band, where that is wider than the figure is off numerically.

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::Cancelled;
 use pinwheel_report::format::{self, NONE, significant};
-use pinwheel_report::study::{Block, Section, Study, Tile, TimeSeries, Tone, Verdict};
+use pinwheel_report::study::{Block, Section, Study, Tile, Tone, Verdict};
 use pinwheel_report::terminal::{self, TITLE, paragraph, styled};
 use pinwheel_scene::keys::key;
 use pinwheel_studies::Provenance;
@@ -12,8 +12,8 @@ use pinwheel_studies::design_diff::{DesignDiff, FigureDiff, Judged, KeyDiff};
 use pinwheel_timeseries::table::{Mark, Table, TableOf};
 use serde_json::Value;
 
-use crate::animation;
 use crate::design::{self, HEADLINES, figure, with_uncertainty};
+use crate::{animation, time_series};
 
 /// Keys that one reads before the figures; more are folded.
 const MANY: usize = 12;
@@ -341,13 +341,13 @@ fn figures(found: &DesignDiff) -> Section {
 }
 
 fn over_time(found: &DesignDiff) -> Option<Section> {
-    let time_series = TimeSeries::of(&found.comparison, &found.participants)?;
+    let time_series = time_series::block(&found.comparison, &found.participants, true)?;
     let windows = found.time_series.iter();
     let mut tables = windows.map(|(window, rows)| {
         let caption = format!("Means and peaks, {} window", window.word());
         table(found, &caption, rows.iter())
     });
-    let mut blocks = vec![Block::TimeSeries(time_series)];
+    let mut blocks = vec![time_series];
     blocks.extend(tables.next());
     let rest: Vec<Block> = tables.collect();
     if !rest.is_empty() {

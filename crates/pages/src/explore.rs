@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_contact::laws::LAWS;
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::{Gearbox, auto};
-use pinwheel_report::animation::{Animation, markup};
+use pinwheel_report::script;
 use pinwheel_report::study::{Block, Study};
 use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::{CheckedScene, Formulation, Override, Scene, edited, preset, scales};
@@ -17,7 +17,7 @@ use pinwheel_studies::{Control, Provenance, StudyError, band, design};
 use pinwheel_timeseries::columns;
 use serde_json::{Value, json};
 
-use crate::animation;
+use crate::animation::{self, Animation, markup};
 use crate::design::{HEADLINES, headline};
 
 /// Key, label, unit, units in the key's own, and the ends of its slider as shares of the scene's value, or in the unit
@@ -361,7 +361,6 @@ pub fn page(
     };
     let views = [view.clone().titled("A"), view.titled("B")];
     let data = json!({ "first": rest, "sliders": sliders(scene), "rigid": RIGID });
-    let data = data.to_string().replace('<', "\\u003c");
     let law = &scene.contact.law;
     let laws: String = LAWS
         .iter()
@@ -374,7 +373,7 @@ pub fn page(
         include_str!("../templates/explore.html"),
         motion = markup(&views, 0.0),
         laws = laws,
-        data = data
+        data = script::json_text(&data)
     );
     let study = Study {
         title: scene.name.clone(),
@@ -383,7 +382,11 @@ pub fn page(
                at a few poses of the mesh follow. The run is quick and not verified: its curves are good to half a per cent. \
                Contacts, and eccentric bearings that have a stiffness, are all that gives way."
             .to_owned(),
-        below: vec![Block::Explorer(explorer)],
+        below: vec![Block::Live {
+            markup: explorer,
+            scripts: script::code(include_str!("../assets/explore.js")),
+            asks: true,
+        }],
         ..Study::default()
     };
     Ok(Ok(crate::render(study, made)))

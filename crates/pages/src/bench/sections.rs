@@ -1,7 +1,6 @@
 //! The sections: costs at given errors, work-precision plots, the reference, what is unequal, all points.
 
 use pinwheel_engines::{AccuracySetting, SharedModel};
-use pinwheel_report::colours;
 use pinwheel_report::format::{NONE, limit, plain};
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Style};
 use pinwheel_studies::bench::{self, Advantage, Errors, Measure, Ranking, WorkPrecision};
@@ -9,6 +8,7 @@ use pinwheel_studies::reference::Solution;
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use super::figures;
+use crate::colours;
 
 /// All sections of the scene.
 pub(super) fn all(study: &WorkPrecision, rankings: &[Ranking]) -> Vec<Section> {

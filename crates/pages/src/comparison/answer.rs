@@ -9,47 +9,22 @@ use pinwheel_compare::{
     Assessment, Comparison, SharedModel, Status, Verdict as Judged, quantities,
 };
 use pinwheel_engines::{Form, info, known, lacking};
-use pinwheel_report::comparison::{self, Headline};
 use pinwheel_report::format::significant;
 use pinwheel_report::study::{Fact, Mark, Tile, Tone, Verdict};
-use pinwheel_report::words;
 use pinwheel_studies::band::declined;
 use pinwheel_studies::comparison::{Largest, MatchedContactRun, Outcome};
-use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
 
+use super::figures::{best, figures, numerical};
 use super::twins::{self, percent};
+use super::words;
 use crate::band;
 
 /// How shares are written: by signs of a page or of a terminal.
 pub(super) type Number = fn(f64) -> String;
 
-/// A headline figure with what bounds it.
-pub(super) struct Figure {
-    pub(super) label: String,
-    pub(super) value: String,
-    pub(super) unit: String,
-    /// How far it is from the exact solution of its equations.
-    pub(super) numerical: String,
-    /// Least and largest by contact law.
-    pub(super) band: String,
-}
-
-impl Figure {
-    /// Bounds of the figure, in words.
-    pub(super) fn bounds(&self) -> String {
-        let numerical = match self.numerical.as_str() {
-            "" => String::new(),
-            off => format!("{off} numerical"),
-        };
-        let parts = [self.band.clone(), numerical].into_iter();
-        let parts: Vec<String> = parts.filter(|part| !part.is_empty()).collect();
-        parts.join("; ")
-    }
-}
-
 /// The answer.
 pub(super) struct Answer<'a> {
-    found: &'a Outcome,
+    pub(super) found: &'a Outcome,
     number: Number,
 }
 
@@ -60,58 +35,6 @@ impl<'a> Answer<'a> {
 
     pub(super) fn comparison(&self) -> &'a Comparison {
         &self.found.comparison
-    }
-
-    /// Forces, driver torque and efficiency.
-    pub(super) fn figures(&self) -> Vec<Figure> {
-        let comparison = &self.found.comparison;
-        let headlines = comparison::headlines(comparison).into_iter();
-        let headlines = headlines.filter(|one| one.quantity.name != quantities::OUTPUT_TORQUE);
-        let mut figures: Vec<Figure> = headlines.map(|one| self.figure(&one)).collect();
-        // What bears the load first.
-        figures.sort_by_key(|figure| figure.unit != "N");
-        let best = comparison::best(comparison);
-        let efficiency = best.and_then(|(best, window)| comparison::efficiency_of(best, window));
-        figures.extend(efficiency.map(|tile| {
-            let known = tile.value != pinwheel_report::format::NONE;
-            let off = tile.unit.trim_end_matches('%').trim();
-            Figure {
-                label: tile.label,
-                value: tile.value,
-                unit: if known { "%" } else { "" }.to_owned(),
-                numerical: off.to_owned(),
-                band: if known { String::new() } else { tile.detail },
-            }
-        }));
-        figures
-    }
-
-    fn figure(&self, one: &Headline<'_>) -> Figure {
-        let key = match one.quantity.name.as_str() {
-            EXTERNAL_FORCE => "external_force_n",
-            INTERNAL_FORCE => "internal_force_n",
-            _ => "",
-        };
-        let bands = self.found.bands.as_ref();
-        let band = bands.and_then(|bands| bands.of(key, one.value));
-        let (value, numerical) = one.words();
-        Figure {
-            label: one.label.replace(" sleeve", ""),
-            value: band.map_or(value, |band| band::rounded(one.value, band)),
-            unit: one.quantity.unit.clone(),
-            numerical,
-            band: band.map_or_else(String::new, band::by_law),
-        }
-    }
-
-    /// The figures as tiles: their bounds below them.
-    pub(super) fn tiles(&self) -> Vec<Tile> {
-        let figures = self.figures().into_iter();
-        let tiles = figures.map(|one| {
-            let bounds = one.bounds();
-            Tile::new(one.label, one.value, bounds).unit(one.unit)
-        });
-        tiles.collect()
     }
 
     /// The verdict with the figure that people come for.
@@ -178,9 +101,9 @@ impl<'a> Answer<'a> {
             );
             return (Tone::Bad, "Differs".to_owned(), said);
         }
-        let plain = comparison::verdict(&found.comparison);
+        let (tone, word) = self.of_engines();
         let open = |said: String| (Tone::Open, "Not confirmed".to_owned(), said);
-        if plain.tone == Tone::Good && found.is_unexplained() {
+        if tone == Tone::Good && found.is_unexplained() {
             let largest = found.largest().map(|largest| self.apart(&largest));
             return open(largest.unwrap_or_default());
         }
@@ -188,15 +111,32 @@ impl<'a> Answer<'a> {
             Some((pair, entry)) => self.who(pair, entry),
             None => self.unbalanced().unwrap_or_else(|| self.first_figure()),
         };
-        if let (Tone::Good, Some(scope)) = (plain.tone, self.scope()) {
-            return (Tone::Open, format!("{}, {scope}", plain.headline), said);
+        if let (Tone::Good, Some(scope)) = (tone, self.scope()) {
+            return (Tone::Open, format!("{word}, {scope}"), said);
         }
-        (plain.tone, plain.headline, said)
+        (tone, word, said)
+    }
+
+    /// Verdict of the engines, without what limits it. An engine that cannot run a scene says so beforehand; that is no finding.
+    fn of_engines(&self) -> (Tone, String) {
+        let comparison = &self.found.comparison;
+        let engines = || comparison.engines.iter();
+        let broken = engines().filter(|e| e.status.is_broken()).count();
+        let finished = engines().any(|e| e.status.is_finished());
+        let (tone, word) = match (comparison.exit_status(), broken) {
+            _ if !finished => (Tone::Open, "No engine could run this scene"),
+            (1, _) => (Tone::Bad, "Differs"),
+            (_, 1) => (Tone::Bad, "1 engine did not finish"),
+            (_, 2..) => return (Tone::Bad, format!("{broken} engines did not finish")),
+            (0, _) => (Tone::Good, "Pass"),
+            _ => (Tone::Open, "Not confirmed"),
+        };
+        (tone, word.to_owned())
     }
 
     fn first_figure(&self) -> String {
-        let figures = self.figures().into_iter();
-        let forces: Vec<Figure> = figures.filter(|figure| figure.unit == "N").collect();
+        let figures = figures(self.found).into_iter();
+        let forces: Vec<Tile> = figures.filter(|figure| figure.unit == "N").collect();
         match forces.as_slice() {
             [external, internal] => format!(
                 "largest pin force {} N external, {} N internal",
@@ -234,14 +174,11 @@ impl<'a> Answer<'a> {
 
     /// `ring pin force 479 N here, 303 N by rapier-colliders`.
     fn apart(&self, most: &Largest<'_>) -> String {
-        let quantity = self.found.comparison.quantities.iter();
-        let mut quantity = quantity.filter(|q| q.name == most.quantity);
-        let (label, unit) = quantity
-            .next()
-            .map_or((most.quantity, ""), |q| (&q.label, &q.unit));
+        let (label, unit) = quantities::label_and_unit(most.quantity);
         let [here, there] = [most.here, most.there].map(|value| significant(value, 3));
         let by = words::short(most.engine);
-        format!("{} {here} {unit} here, {there} by {by}", brief(label))
+        let label = label.to_lowercase();
+        format!("{label} {here} {unit} here, {there} by {by}")
     }
 
     /// Can I trust it: equations, integration, contacts, law, fit, measurement and what was done to its data.
@@ -280,7 +217,7 @@ impl<'a> Answer<'a> {
     }
 
     /// `reduced and exudyn-constrained, output pin force, D = 2e-4 (U 4e-3)`.
-    fn who(&self, pair: &Pair, entry: &'a PairEntry) -> String {
+    fn who(&self, pair: &Pair, entry: &PairEntry) -> String {
         let result = &entry.result;
         let [a, b] = [&pair.a, &pair.b].map(|name| words::short(name));
         let label = self.label(entry);
@@ -290,13 +227,12 @@ impl<'a> Answer<'a> {
             _ => String::new(),
         };
         let d = (self.number)(size(result));
-        format!("{a} and {b}, {}: D = {d}{bound}", brief(label))
+        format!("{a} and {b}, {label}: D = {d}{bound}")
     }
 
-    fn label(&self, entry: &'a PairEntry) -> &'a str {
-        let mut quantity = self.found.comparison.quantities.iter();
-        let quantity = quantity.find(|q| q.name == entry.quantity);
-        quantity.map_or(entry.quantity.as_str(), |q| &q.label)
+    /// An entry's quantity within a sentence.
+    fn label(&self, entry: &PairEntry) -> String {
+        words::label(&self.found.comparison, &entry.quantity).to_lowercase()
     }
 
     fn equations(&self) -> Fact {
@@ -349,8 +285,8 @@ impl<'a> Answer<'a> {
 
     fn integration(&self) -> Option<Fact> {
         let comparison = &self.found.comparison;
-        let (best, window) = comparison::best(comparison)?;
-        let off = |engine: &EngineSummary| comparison::numerical(comparison, engine, window);
+        let (best, window) = best(comparison)?;
+        let off = |engine: &EngineSummary| numerical(comparison, engine, window);
         let fact = |mark, text| Some(Fact::new("integration", mark, text));
         let Some(own) = off(best) else {
             return fact(
@@ -503,7 +439,7 @@ impl<'a> Answer<'a> {
             let pairs = pairs.filter_map(|(pair, entry)| Some((pair, entry, apart(entry)?)));
             if let Some((of, farthest, l2)) = pairs.max_by(|a, b| a.2.total_cmp(&b.2)) {
                 (pair, entry) = (of, farthest);
-                let place = brief(self.label(entry));
+                let place = self.label(entry);
                 said = format!(
                     "{said}; at most {} apart (relative L2, {place})",
                     (self.number)(l2)
@@ -618,11 +554,6 @@ impl<'a> Answer<'a> {
             .map(|text| Fact::new("next", Mark::None, text))
             .collect()
     }
-}
-
-/// `External sleeve force` within a sentence.
-fn brief(label: &str) -> String {
-    label.to_lowercase().replace(" sleeve", "")
 }
 
 /// Why engines have no figures, those of one reason together.

@@ -3,17 +3,19 @@
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::quantities::INPUT_TORQUE;
-use pinwheel_compare::{Comparison, Counts, SharedModel, Verdict, WindowKind};
+use pinwheel_compare::{Comparison, Counts, SharedModel, Verdict};
 use pinwheel_report::format::{self, significant};
 use pinwheel_report::study::{Fact, Tone};
 use pinwheel_report::terminal::{self, BAD, GOOD, OPEN, QUIET, TITLE, paragraph, styled};
-use pinwheel_report::words;
 use pinwheel_scene::Scene;
 use pinwheel_studies::comparison::Outcome;
 use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use super::answer::{self, Answer};
+use super::figures::{figures, window};
+use super::sections::mark;
+use super::words;
 use crate::band;
 
 /// The answer, without the place of the page: at most a screen. What was done to measured data is told as far as there is room,
@@ -47,16 +49,15 @@ fn with_notes(
 ) -> String {
     let mut text = format!("{}\n\n", styled(TITLE, &paragraph(&crate::title(scene))));
     text += &format!("{}\n", terminal::facts(&answer.shown()));
-    let figures = answer.figures();
-    text += &terminal::pairs(figures.iter().map(|one| {
+    text += &terminal::pairs(figures(answer.found).into_iter().map(|one| {
         let value = format!("{} {}", one.value, one.unit);
         // Four words would not stand on one line.
-        let bounds = one.bounds().replace("by contact law", "by law");
+        let bounds = one.detail.replace("by contact law", "by law");
         let value = match one.value.as_str() {
             format::NONE => one.value.clone(),
             _ => format!("{value:12}"),
         };
-        (one.label.as_str(), format!("{value} {bounds}"))
+        (one.label, format!("{value} {bounds}"))
     }));
     let facts = |title: &str, facts: &[Fact]| match facts {
         [] => String::new(),
@@ -141,18 +142,11 @@ fn total(answer: &Answer<'_>) -> String {
     )
 }
 
-/// The window figures are shown for: the steady one, or the whole run.
-fn shown_window(comparison: &Comparison) -> Option<WindowKind> {
-    [WindowKind::Steady, WindowKind::Whole, WindowKind::Transient]
-        .into_iter()
-        .find(|kind| comparison.windows.iter().any(|window| window.kind == *kind))
-}
-
 /// Statement on an engine or a pair in a row, and its mark.
 type Said = (String, Mark);
 
 fn engines(comparison: &Comparison) -> Table {
-    let window = shown_window(comparison);
+    let window = window(comparison);
     let statistics = |engine: &EngineSummary, quantity: &str| {
         let figures = engine.figures_in(window?)?;
         figures.quantities.get(quantity).copied()
@@ -188,20 +182,12 @@ fn own_verdict(engine: &EngineSummary) -> Said {
             false => ("left out".to_owned(), Mark::Muted),
         };
     }
-    let verdicts = engine.judged.iter().map(|entry| entry.result.verdict);
-    let mut compared = verdicts.filter(|verdict| *verdict != Verdict::NotCompared);
+    let verdicts = engine.judged.iter().map(|entry| &entry.result);
+    let mut compared = verdicts.filter(|one| one.verdict != Verdict::NotCompared);
     let last = compared.next_back();
-    last.map_or_else(Said::default, |verdict| {
-        (verdict.word().to_owned(), mark(verdict))
+    last.map_or_else(Said::default, |one| {
+        (one.verdict.word().to_owned(), mark(one))
     })
-}
-
-fn mark(verdict: Verdict) -> Mark {
-    match verdict {
-        Verdict::Agree => Mark::Good,
-        Verdict::Differ => Mark::Bad,
-        Verdict::Inconclusive | Verdict::NotCompared => Mark::Muted,
-    }
 }
 
 /// How far measured data are from each engine, quantity by quantity.
@@ -262,10 +248,7 @@ fn pairs(comparison: &Comparison) -> Table {
         });
         let said = worst.map_or_else(Said::default, |(pair, entry)| {
             let said = words::verdict(&entry.result, brief_number);
-            (
-                format!("{}: {said}", name(pair)),
-                mark(entry.result.verdict),
-            )
+            (format!("{}: {said}", name(pair)), mark(&entry.result))
         });
         rows.push((shares.to_owned(), Some(counts), said));
     }
@@ -276,7 +259,7 @@ fn pairs(comparison: &Comparison) -> Table {
     for (pair, entry) in open.into_iter().take(LISTED) {
         let said = words::verdict(&entry.result, brief_number);
         let said = format!("{said}; {}", place(entry));
-        rows.push((name(pair), None, (said, mark(entry.result.verdict))));
+        rows.push((name(pair), None, (said, mark(&entry.result))));
     }
     Table::of("", &rows)
         .text("", "pairs that share", |(shares, ..)| shares)

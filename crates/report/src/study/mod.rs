@@ -26,11 +26,9 @@ pub use chart::{Axis, Chart, Series, Style};
 pub use grid::{Grid, GridAxis, GridFigure};
 pub use page::render;
 
-use pinwheel_compare::{Comparison, Participant};
+pub use pinwheel_files::output::escape;
 pub use pinwheel_timeseries::table::Mark;
 use pinwheel_timeseries::table::Table;
-
-use crate::chart_data::ChartData;
 
 /// Everything on one study's page. Strings may hold any characters: all are escaped, except
 /// [`Block::Html`]; `` `backticks` `` in running text become code.
@@ -197,8 +195,6 @@ pub enum Block {
     Charts(Vec<Chart>),
     /// Figures over parameters, with a choice of axes.
     Grid(Grid),
-    /// Time series of several runs, one quantity at a time. One on a page at most.
-    TimeSeries(TimeSeries),
     /// Blocks behind a line that opens them.
     Details {
         /// The line.
@@ -217,8 +213,15 @@ pub enum Block {
     },
     /// Text as a terminal or a file shows it.
     Code(String),
-    /// Live part of a page that a program serves: markup with everything that its script fills.
-    Explorer(String),
+    /// Markup that scripts fill, with the plotting library at hand.
+    Live {
+        /// The markup, placed as it is.
+        markup: String,
+        /// Elements with its data and code, for the end of the page (see [`crate::script`]).
+        scripts: String,
+        /// True if the scripts ask the program that serves the page.
+        asks: bool,
+    },
     /// Markup written by this program; placed as it is. Inline styles and scripts are allowed,
     /// anything from elsewhere is not.
     Html(String),
@@ -283,28 +286,5 @@ impl Block {
 impl From<Table> for Block {
     fn from(table: Table) -> Self {
         Self::Table(table)
-    }
-}
-
-/// Time series as a comparison's page draws them: values, and differences to any of the runs.
-#[derive(Debug, Clone)]
-pub struct TimeSeries(ChartData);
-
-impl TimeSeries {
-    /// Time series of the participants of a comparison, which are no engines and have their colours in order; `None` if
-    /// nobody has any.
-    #[must_use]
-    pub fn of(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
-        ChartData::of(comparison, participants, true).map(Self)
-    }
-
-    /// Time series of engines, each with the colour that it has on every page; `None` if nobody has any.
-    #[must_use]
-    pub fn of_engines(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
-        let mut data = ChartData::of(comparison, participants, false)?;
-        data.notes.push(
-            "Samples of recordings are marks. No engine is the truth: differences can be taken to any.".to_owned(),
-        );
-        Some(Self(data))
     }
 }

@@ -4,11 +4,8 @@ use pinwheel_files::output::escape;
 use pinwheel_timeseries::table::{Column, Table};
 use serde_json::{Value, json};
 
-use super::{
-    Block, Chart, Fact, Item, Mark, Section, Study, Tile, TimeSeries, Tone, Verdict, chart,
-};
-use crate::chart_data::{ChartData, json_for_script};
-use crate::{packed, table};
+use super::{Block, Chart, Fact, Item, Mark, Section, Study, Tile, Tone, Verdict, chart};
+use crate::{script, table};
 
 /// Drawings of the page's scripts, in the order of its blocks.
 #[derive(Default)]
@@ -18,9 +15,10 @@ struct Drawn<'a> {
     later: Vec<Value>,
     /// True if a block lets the reader choose axes.
     grids: bool,
-    time_series: Option<&'a ChartData>,
+    /// Data and code of live parts.
+    live: Vec<&'a str>,
     /// True if the page asks the program that serves it.
-    explorer: bool,
+    asks: bool,
 }
 
 /// Fills in a study's page. The page depends on the study alone: the same study gives the same bytes.
@@ -66,7 +64,7 @@ pub fn render(study: &Study) -> String {
         machine = pairs("Machine", &study.machine),
         appendix = appendix,
         made = escape(study.made.as_deref().unwrap_or_default()),
-        connect = if drawn.explorer {
+        connect = if drawn.asks {
             "; connect-src 'self'"
         } else {
             ""
@@ -78,34 +76,24 @@ pub fn render(study: &Study) -> String {
 impl Drawn<'_> {
     /// The data of what is drawn, and the scripts that draw it.
     fn scripts(&self) -> String {
-        let script = |code: &str| format!("<script>{code}</script>\n");
-        let data = |id: &str, json: String| {
-            format!("<script type=\"application/json\" id=\"{id}\">{json}</script>\n")
-        };
-        let mut all = script(include_str!("../../assets/shell.js"));
-        all += &script(include_str!("../../assets/packed.js"));
+        let mut all = script::code(include_str!("../../assets/shell.js"));
+        all += &script::code(include_str!("../../assets/packed.js"));
         if !self.later.is_empty() {
-            let packed = packed::text(&json!(self.later).to_string());
+            let packed = script::packed(json!(self.later).to_string().as_bytes());
             all += &format!("<script type=\"text/plain\" id=\"later-data\">{packed}</script>\n");
         }
-        if self.grids || self.explorer || !self.charts.is_empty() || self.time_series.is_some() {
-            all += &script(include_str!("../../assets/vendor/uplot/uPlot.iife.min.js"));
-            all += &script(include_str!("../../assets/charts.js"));
+        if self.grids || !self.live.is_empty() || !self.charts.is_empty() {
+            all += &script::code(include_str!("../../assets/vendor/uplot/uPlot.iife.min.js"));
+            all += &script::code(include_str!("../../assets/charts.js"));
         }
         if self.grids {
-            all += &script(include_str!("../../assets/grid.js"));
+            all += &script::code(include_str!("../../assets/grid.js"));
         }
-        if let Some(time_series) = self.time_series {
-            all += &data("chart-data", json_for_script(time_series));
-            all += &script(include_str!("../../assets/time_series.js"));
-        }
-        if self.explorer {
-            all += &script(include_str!("../../assets/explore.js"));
-        }
+        all.extend(self.live.iter().copied());
         if !self.charts.is_empty() {
             let charts: Vec<Value> = self.charts.iter().map(|one| chart::json(one)).collect();
-            all += &data("study-data", json_for_script(&charts));
-            all += &script(include_str!("../../assets/study.js"));
+            all += &script::data("study-data", &charts);
+            all += &script::code(include_str!("../../assets/study.js"));
         }
         all
     }
@@ -266,26 +254,20 @@ fn block_html<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> String {
             )
         }
         Block::Html(markup) => markup.clone(),
-        Block::Explorer(markup) => {
-            drawn.explorer = true;
+        Block::Live {
+            markup,
+            scripts,
+            asks,
+        } => {
+            drawn.live.push(scripts);
+            drawn.asks |= asks;
             markup.clone()
-        }
-        Block::TimeSeries(TimeSeries(data)) => {
-            drawn.time_series = Some(data);
-            let notes = data
-                .notes
-                .iter()
-                .map(|note| format!("<p class=\"note\">{}</p>", escape(note)));
-            format!(
-                include_str!("../../templates/time_series.html"),
-                notes = notes.collect::<String>()
-            )
         }
         Block::Grid(grid) => {
             drawn.grids = true;
             format!(
                 "<div class=\"grid\"><noscript><p class=\"notice\">Charts and maps need a script; the table of runs has all figures.</p></noscript><script type=\"application/json\">{}</script></div>",
-                json_for_script(grid)
+                script::json_text(grid)
             )
         }
     }

@@ -1,14 +1,11 @@
 //! One colour and dash for each engine, on every page the same.
 
 use pinwheel_engines::info;
+use pinwheel_report::COLOURS as COUNT;
 
-/// Colours of lines in the style sheet (`--line-0` ...).
-pub const COUNT: usize = 16;
-
-/// The style of each name: known engines have their own, others one that follows from their name. Two on one page share
+/// Style of each name: known engines have their own, others one that follows from their name. Two on one page share
 /// a colour only if there are more than [`COUNT`]; then they differ by dash.
-#[must_use]
-pub fn styles(names: &[&str]) -> Vec<usize> {
+pub(crate) fn styles(names: &[&str]) -> Vec<usize> {
     let known = |name: &str| info(name).and_then(|info| info.colour);
     let mut taken: Vec<usize> = names.iter().filter_map(|n| known(n)).collect();
     names

@@ -5,18 +5,18 @@
 
 use std::f64::consts::{PI, TAU};
 
-use pinwheel_files::output::escape;
+use pinwheel_report::format::significant;
+use pinwheel_report::script::json_text;
+use pinwheel_report::study::escape;
 use pinwheel_scene::Scene;
 use pinwheel_timeseries::{TimeSeries, columns};
 use serde::Serialize;
 use serde_json::json;
 
-use crate::chart_data::json_for_script;
 use crate::packed::{Rounding, Writer};
 
 /// Channels that an animation of a scene needs beside the contract's (`output.channels` of the scene).
-#[must_use]
-pub fn needed(scene: &Scene) -> Vec<String> {
+pub(super) fn needed(scene: &Scene) -> Vec<String> {
     let mut needed = vec![
         "transmission_error_arcmin",
         "wheel_transmission_error_arcmin_*",
@@ -69,8 +69,7 @@ fn magnified(largest: f64, wanted: f64) -> f64 {
 }
 
 /// How far apart samples of a scene should be, s, and how long a stretch fits into one page, s.
-#[must_use]
-pub fn sampling(scene: &Scene) -> (f64, f64) {
+pub(super) fn sampling(scene: &Scene) -> (f64, f64) {
     let turn = TAU / scene.drive.input_speed_rad_s.abs().max(1e-9);
     let sleeve = turn / scene.gear.external_sleeves as f64;
     // Vibration of the discs on their contacts, about 1 kHz, must not be lost either.
@@ -81,7 +80,7 @@ pub fn sampling(scene: &Scene) -> (f64, f64) {
 
 /// One gearbox, ready to be drawn.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Animation {
+pub(crate) struct Animation {
     title: String,
     /// Parts have errors.
     deviates: bool,
@@ -202,8 +201,7 @@ impl GearJson {
 impl Animation {
     /// Packs the samples from `from_s` to `to_s`, evenly spaced; `None` if a channel is missing or there
     /// are fewer than two samples.
-    #[must_use]
-    pub fn of(
+    pub(crate) fn of(
         title: impl Into<String>,
         scene: &Scene,
         time_series: &TimeSeries,
@@ -293,8 +291,7 @@ impl Animation {
 
 impl Animation {
     /// Sets another title.
-    #[must_use]
-    pub fn titled(self, title: impl Into<String>) -> Self {
+    pub(crate) fn titled(self, title: impl Into<String>) -> Self {
         Self {
             title: title.into(),
             ..self
@@ -302,16 +299,14 @@ impl Animation {
     }
 
     /// Data for the page's script, to take the place of another animation of as many samples.
-    #[must_use]
-    pub fn json(&self) -> serde_json::Value {
+    pub(crate) fn json(&self) -> serde_json::Value {
         json!(self.view)
     }
 }
 
 /// Markup of one block with a clock for all of `views`, which must have the same sample times; style and script
 /// are included, so there should be one block on a page. `begin_s`: where it starts and begins again.
-#[must_use]
-pub fn markup(views: &[Animation], begin_s: f64) -> String {
+pub(crate) fn markup(views: &[Animation], begin_s: f64) -> String {
     let Some(first) = views.first() else {
         return String::new();
     };
@@ -322,7 +317,7 @@ pub fn markup(views: &[Animation], begin_s: f64) -> String {
     let data = json!({ "views": data, "begin": begin.min(first.view.count - 1) });
     let drawn = views.iter().map(|Animation { title, view, .. }| {
         format!(
-            include_str!("../templates/gearbox.html"),
+            include_str!("../../templates/gearbox.html"),
             title = escape(title),
             wheels = view.gear.wheels,
             lobes = view.gear.zk - 1,
@@ -337,19 +332,19 @@ pub fn markup(views: &[Animation], begin_s: f64) -> String {
         )
     });
     format!(
-        include_str!("../templates/gearboxes.html"),
-        css = include_str!("../assets/animation.css"),
+        include_str!("../../templates/gearboxes.html"),
+        css = include_str!("../../assets/animation.css"),
         views = drawn.collect::<String>(),
         wheels = wheels.collect::<String>(),
-        full = crate::format::significant(first.view.full, 3),
+        full = significant(first.view.full, 3),
         deviations = match views.iter().any(|v| v.deviates) {
             true => " and its errors; parts stand where theirs put them, to scale",
             false => "",
         },
-        data = json_for_script(&data),
-        gearbox = include_str!("../assets/gearbox.js"),
-        picture = include_str!("../assets/gearbox-picture.js"),
-        animation = include_str!("../assets/animation.js")
+        data = json_text(&data),
+        gearbox = include_str!("../../assets/gearbox.js"),
+        picture = include_str!("../../assets/gearbox-picture.js"),
+        animation = include_str!("../../assets/animation.js")
     )
 }
 

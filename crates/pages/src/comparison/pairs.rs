@@ -3,12 +3,12 @@
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::{Against, Assessment, Metric, Quantity, SharedModel, Verdict, WindowKind};
+use pinwheel_report::format::{self, NONE, relative, relative_or_none, significant};
+use pinwheel_report::study::{Block, Item};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
-use super::{Page, mark};
-use crate::format::{self, NONE, relative, relative_or_none, significant};
-use crate::study::{Block, Item};
-use crate::words;
+use super::sections::{Page, mark};
+use super::words;
 
 /// Pairs of one verdict that are listed without a fold.
 const FEW: usize = 3;
@@ -231,7 +231,7 @@ impl Page<'_> {
         }
         table
             .text("", "largest difference", |entry| {
-                let quantity = self.quantity_of(&entry.quantity);
+                let quantity = words::quantity(self.comparison, &entry.quantity);
                 let metrics = entry.metrics.as_ref();
                 let found = metrics.and_then(|metrics| largest(metrics, quantity));
                 found.unwrap_or_else(|| NONE.to_owned())

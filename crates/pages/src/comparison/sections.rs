@@ -1,80 +1,29 @@
-//! The page of a comparison: its study, from the blocks that every page is made of.
-
-mod answer;
-mod pairs;
-
-pub use answer::{Headline, best, efficiency_of, headlines, numerical, verdict};
+//! Sections of a comparison's page: tracks with their pairs and figures, energy, costs, engines.
 
 use std::collections::BTreeMap;
 
 use pinwheel_compare::comparison::{EngineSummary, Figures};
 use pinwheel_compare::uncertainty::Norm;
 use pinwheel_compare::{
-    Assessment, Comparison, Metric, Participant, Quantity, SharedModel, Verdict, WindowKind,
-    quantities,
+    Assessment, Comparison, Metric, Quantity, SharedModel, Verdict, WindowKind, quantities,
 };
+use pinwheel_report::format;
+use pinwheel_report::study::{Block, Section};
 use pinwheel_timeseries::norms::Statistics;
 use pinwheel_timeseries::table::{Mark, Shown, Table, TableOf};
 
-use crate::animation::{self, Animation};
-use crate::study::{Block, Section, Study, TimeSeries};
-use crate::{colours, format, words};
-
-/// The study of a comparison of `participants`. `motion`: the gearbox in motion and the time it begins at, s; `model`: what was
-/// modelled, left out and assumed; `scene_toml`: the scene with every key, as run.
-#[must_use]
-pub fn study(
-    comparison: &Comparison,
-    participants: &[Participant],
-    motion: Option<(Animation, f64)>,
-    model: Vec<Table>,
-    scene_toml: String,
-) -> Study {
-    let page = Page::new(comparison);
-    let mut sections = Vec::new();
-    if let Some(time_series) = TimeSeries::of_engines(comparison, participants) {
-        let blocks = [Block::TimeSeries(time_series)];
-        sections.push(Section::new("courses", "Over time", blocks));
-    }
-    sections.extend(page.tracks());
-    sections.extend(page.energy());
-    sections.push(page.costs());
-    let model = model.into_iter().filter(|table| !table.is_empty());
-    let model: Vec<Block> = model.map(Block::Table).collect();
-    sections.push(Section::new("model", "Model", model).folded(""));
-    sections.push(page.engines());
-    let engines = comparison.engines.len();
-    let plural = if engines == 1 { "" } else { "s" };
-    let motion = motion.map(|(view, begin_s)| {
-        let heading = Block::Heading("The gearbox in motion".to_owned());
-        [heading, Block::Html(animation::markup(&[view], begin_s))]
-    });
-    let scene = Block::Code(scene_toml);
-    Study {
-        title: comparison.context.scene.clone(),
-        eyebrow: format!("Comparison of {engines} engine{plural} on the scene"),
-        lead: comparison.context.description.clone(),
-        verdict: Some(verdict(comparison)),
-        top: answer::inconclusive(comparison),
-        tiles_title: page.tiles_title(),
-        tiles: page.tiles(),
-        below: page.below(),
-        aside: motion.into_iter().flatten().collect(),
-        sections,
-        appendix: vec![Block::folded("The scene, every key", [scene])],
-        ..Study::default()
-    }
-}
+use super::{pairs, words};
+use crate::colours;
 
 /// Common data of the parts of the page.
-struct Page<'a> {
-    comparison: &'a Comparison,
+pub(super) struct Page<'a> {
+    pub(super) comparison: &'a Comparison,
     /// Colour and dash of each engine by its name.
     styles: BTreeMap<&'a str, usize>,
 }
 
 impl<'a> Page<'a> {
-    fn new(comparison: &'a Comparison) -> Self {
+    pub(super) fn new(comparison: &'a Comparison) -> Self {
         let names: Vec<&str> = comparison.engines.iter().map(|e| e.name.as_str()).collect();
         let styles = colours::styles(&names);
         Self {
@@ -95,24 +44,19 @@ impl<'a> Page<'a> {
             .coloured(|row| self.styles.get(engine(row).name.as_str()).copied())
     }
 
-    fn quantity_of(&self, name: &str) -> Option<&'a Quantity> {
-        let mut all = self.comparison.quantities.iter();
-        all.find(|q| q.name == name)
-    }
-
-    /// A quantity in words; its name if the comparison does not list it.
-    fn quantity(&self, name: &'a str) -> &'a str {
-        self.quantity_of(name).map_or(name, |q| &q.label)
+    /// A quantity in words.
+    pub(super) fn quantity(&self, name: &'a str) -> &'a str {
+        words::label(self.comparison, name)
     }
 
     /// A quantity and a window, e.g. `driver torque, steady`.
-    fn place(&self, quantity: &'a str, window: WindowKind) -> String {
+    pub(super) fn place(&self, quantity: &'a str, window: WindowKind) -> String {
         let label = self.quantity(quantity).to_lowercase();
         format!("{label}, {}", window.word())
     }
 
     /// A window in words, e.g. `Steady, 0.3–0.6 s`.
-    fn window(&self, kind: WindowKind) -> String {
+    pub(super) fn window(&self, kind: WindowKind) -> String {
         let word = match kind {
             WindowKind::Steady => "Steady",
             WindowKind::Transient => "Transient",
@@ -127,7 +71,7 @@ impl<'a> Page<'a> {
 
     /// Sections in the order measured, shared law, own contact, native: who has measured asks for that, and native runs
     /// stand in the tables of all others, so that only what they say among themselves is left for the end.
-    fn tracks(&self) -> Vec<Section> {
+    pub(super) fn tracks(&self) -> Vec<Section> {
         let finished = self.comparison.engines.iter();
         let finished = finished.filter(|e| e.status.is_finished());
         let mut names: Vec<SharedModel> = finished.map(|e| e.track).collect();
@@ -277,7 +221,7 @@ impl<'a> Page<'a> {
     }
 
     /// Where the energy of each run went.
-    fn energy(&self) -> Option<Section> {
+    pub(super) fn energy(&self) -> Option<Section> {
         let engines = self.comparison.engines.iter();
         let rows = engines.flat_map(|e| e.cost.energy.iter().map(move |energy| (e, energy)));
         let mut table = self
@@ -319,7 +263,7 @@ impl<'a> Page<'a> {
     }
 
     /// Section with the cost of every run.
-    fn costs(&self) -> Section {
+    pub(super) fn costs(&self) -> Section {
         let all = &self.comparison.engines;
         // Measured data cost this machine nothing, and a recording's time was another machine's.
         let own = |e: &&EngineSummary| e.track != SharedModel::Measured;
@@ -369,7 +313,7 @@ impl<'a> Page<'a> {
     }
 
     /// The engines in words.
-    fn engines(&self) -> Section {
+    pub(super) fn engines(&self) -> Section {
         let table = self
             .of_engines(
                 "The engines and how they differ",
@@ -392,7 +336,7 @@ impl<'a> Page<'a> {
 }
 
 /// How a verdict is marked: what is open stands back.
-fn mark(found: &Assessment) -> Mark {
+pub(super) fn mark(found: &Assessment) -> Mark {
     match found.verdict {
         Verdict::Agree => Mark::Good,
         Verdict::Differ => Mark::Bad,
