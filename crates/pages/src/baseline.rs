@@ -22,11 +22,11 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
     let bad = |verdict: Verdict| verdict == Verdict::Worse;
     let passed = check.cases.iter().filter(|case| !bad(case.verdict)).count();
     let all = cases_table("Every scene by every solver", check.cases.iter());
-    let mut cases = Section::new("cases", "All cases", vec![Block::Table(all)]);
+    let mut cases = Section::new("cases", "All cases").with(all);
     if passed == check.cases.len() {
         cases = cases.folded(format!("{passed} cases, none worse"));
     }
-    let mut costs = Section::new("costs", "Costs", costs_blocks(check));
+    let mut costs = Section::new("costs", "Costs").with(costs_block(check));
     let mut counts = check.cases.iter().flat_map(|case| &case.costs);
     if !counts.any(|cost| bad(cost.verdict)) {
         costs = costs.folded("Counts of the program's work, none worse");
@@ -50,12 +50,14 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
             detail: sentences(name, check).join("; "),
         }),
         sections: vec![
-            Section::new("moved", "What moved", moved_blocks(&moved)),
+            Section::new("moved", "What moved").with(moved_blocks(&moved)),
             cases,
             costs,
-            Section::new("limits", "Limits", [limits::table().into()])
+            Section::new("limits", "Limits")
+                .with(limits::table())
                 .folded("What a figure may move by, and why"),
-            Section::new("history", "History", history_blocks(baseline, check))
+            Section::new("history", "History")
+                .with(history_blocks(baseline, check))
                 .folded("What was accepted, when and why"),
         ],
         ..Study::default()
@@ -272,8 +274,7 @@ fn cases_table<'a>(caption: &str, cases: impl Iterator<Item = &'a CaseCheck>) ->
 
 fn moved_blocks(moved: &[Moved<'_>]) -> Vec<Block> {
     if moved.is_empty() {
-        let text = "Every quantity of every case is the accepted one to rounding.";
-        return vec![Block::Text(text.to_owned())];
+        return vec!["Every quantity of every case is the accepted one to rounding.".into()];
     }
     let table = Table::of("Quantities beyond their rounding", moved)
         .text("", "Case", |(case, _)| place(case))
@@ -291,14 +292,13 @@ fn moved_blocks(moved: &[Moved<'_>]) -> Vec<Block> {
         .number("", "Peak before", |(_, of)| of.peak[0])
         .number("", "Peak after", |(_, of)| of.peak[1])
         .text("", "Verdict", |(_, of)| of.verdict.label())
-        .marked(|(_, of)| mark(of.verdict))
-        .done();
+        .marked(|(_, of)| mark(of.verdict));
     let text = "Change, rounding and errors are shares of the quantity's size; errors are against the converged run, which \
                 was recorded with the accepted ones.";
-    vec![Block::Text(text.to_owned()), Block::Table(table)]
+    vec![text.into(), table.into()]
 }
 
-fn costs_blocks(check: &Check) -> Vec<Block> {
+fn costs_block(check: &Check) -> Block {
     let costs = check.cases.iter();
     let costs = costs.flat_map(|case| case.costs.iter().map(move |cost| (case, cost)));
     let differ = costs.filter(|(_, cost)| cost.before != cost.after);
@@ -315,10 +315,10 @@ fn costs_blocks(check: &Check) -> Vec<Block> {
         .text("", "Verdict", |(_, cost)| cost.verdict.label())
         .marked(|(_, cost)| mark(cost.verdict))
         .done();
-    vec![match table.is_empty() {
-        true => Block::text("No count differs from the accepted one."),
-        false => Block::Table(table),
-    }]
+    match table.is_empty() {
+        true => "No count differs from the accepted one.".into(),
+        false => table.into(),
+    }
 }
 
 fn history_blocks(baseline: &Baseline, check: &Check) -> Vec<Block> {
@@ -330,13 +330,7 @@ fn history_blocks(baseline: &Baseline, check: &Check) -> Vec<Block> {
     };
     let table = Table::of("Why results were accepted", &baseline.accepted)
         .text("", "Date", |one| &one.date)
-        .text("", "Reason", |one| &one.reason)
-        .done();
-    vec![
-        Block::List(vec![
-            made("Before", &check.before),
-            made("After", &check.after),
-        ]),
-        Block::Table(table),
-    ]
+        .text("", "Reason", |one| &one.reason);
+    let states = vec![made("Before", &check.before), made("After", &check.after)];
+    vec![Block::List(states), table.into()]
 }

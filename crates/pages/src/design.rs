@@ -71,19 +71,19 @@ pub fn page(
     let caption = "For a data sheet; after \u{b1} how far a figure may be off numerically: by the poses that were looked at, or by the run's own \
                    verification";
     let all = figures(caption, &found.figures, |one| how(found, one));
-    let mut blocks = vec![all.into()];
+    let mut first = Section::new("figures", "Figures").with(all);
     if !found.shares().is_empty() {
         let caption = "Compliance: what gives way under the rated load";
-        blocks.push(Block::Html(stack(caption, &found.shares())));
+        first = first.with(Block::Html(stack(caption, &found.shares())));
     }
     if !found.budget.is_empty() {
-        blocks.push(budget(found).into());
+        first = first.with(budget(found));
     }
     if let Some(bands) = &found.bands {
-        blocks.extend(band::blocks(bands));
+        first = first.with(band::blocks(bands));
     }
     let mut sections = vec![
-        Section::new("figures", "Figures", blocks),
+        first,
         torsion(found),
         transmission(found),
         sharing(found),
@@ -108,7 +108,7 @@ pub fn page(
         tiles_title: format!("At {} N m", figure(found.rated_torque_n_m)),
         tiles: tiles(found),
         below: vec![
-            Block::Heading("May I use them, and what next?".to_owned()),
+            Block::heading("May I use them, and what next?"),
             Block::Facts(notes(found).into_iter().map(fact).collect()),
             Block::Html(files(found)),
         ],
@@ -381,19 +381,14 @@ fn joint(joint: &Joint) -> Section {
     .number("", "Stiffness", |spring| spring.stiffness_n_m_per_rad)
     .unit("N m/rad")
     .shown(SHOWN);
-    Section::new(
-        "joint",
-        "As a joint",
-        [
-            Block::Text(format!(
-                "The gear as one joint of a robot's model, of ratio {}: the files `joint_mujoco.xml`, `joint.urdf` and `joint.sdf` hold it, \
-                 the latter two for Drake as well. It has no transmission error, and everywhere the mesh's mean stiffness and play.",
-                joint.ratio
-            )),
-            figures("What the joint is made of", &joint.figures, counted).into(),
-            Block::folded("Springs in parallel", [springs.done().into()]),
-        ],
-    )
+    Section::new("joint", "As a joint")
+        .with(format!(
+            "The gear as one joint of a robot's model, of ratio {}: the files `joint_mujoco.xml`, `joint.urdf` and `joint.sdf` hold it, \
+             the latter two for Drake as well. It has no transmission error, and everywhere the mesh's mean stiffness and play.",
+            joint.ratio
+        ))
+        .with(figures("What the joint is made of", &joint.figures, counted))
+        .with(Block::folded("Springs in parallel", springs))
 }
 
 /// Twist over torque, by statics and by a run.
@@ -432,14 +427,9 @@ fn torsion(found: &DesignResult) -> Section {
              Friction is regularised: a contact that hardly slides gives way slowly.",
         );
     }
-    Section::new(
-        "torsion",
-        "Lost motion and stiffness",
-        [
-            Block::Text(text),
-            Block::Charts(vec![torsion_chart(&[("", found)])]),
-        ],
-    )
+    Section::new("torsion", "Lost motion and stiffness")
+        .with(text)
+        .with(vec![torsion_chart(&[("", found)])])
 }
 
 /// Names of the loads of transmission errors and their orders.
@@ -494,18 +484,13 @@ fn transmission(found: &DesignResult) -> Section {
         .unit("arcmin")
         .shown(SHOWN)
         .text("", "Of", |(_, h)| h.of);
-    Section::new(
-        "transmission-error",
-        "Transmission error",
-        [
-            Block::text(
-                "Output angle less that of the ideal mesh, about its mean, over one period in which both meshes come round. What repeats with the \
-                 mesh excites the machine at its order times the input's speed.",
-            ),
-            Block::Charts(transmission_charts(&[("", found)]).into()),
-            Block::folded("Largest orders", [orders.done().into()]),
-        ],
-    )
+    Section::new("transmission-error", "Transmission error")
+        .with(
+            "Output angle less that of the ideal mesh, about its mean, over one period in which both meshes come round. What repeats with the \
+             mesh excites the machine at its order times the input's speed.",
+        )
+        .with(Vec::from(transmission_charts(&[("", found)])))
+        .with(Block::folded("Largest orders", orders))
 }
 
 /// Table of the compliance budget, part by part.
@@ -571,17 +556,12 @@ fn efficiency(found: &DesignResult) -> Section {
         .unit("%")
         .said(|run| Some(format::signed_percent(run.efficiency?.created_share)))
         .text("", "Run", |run| run.status);
-    Section::new(
-        "efficiency",
-        "Efficiency",
-        [
-            Block::text(
-                "Runs with the scene's own friction and damping. Losses of bearings, seals and oil are not in the model. What a contact law creates or \
-                 destroys by itself stands beside them.",
-            ),
-            efficiency.done().into(),
-        ],
-    )
+    Section::new("efficiency", "Efficiency")
+        .with(
+            "Runs with the scene's own friction and damping. Losses of bearings, seals and oil are not in the model. What a contact law creates or \
+             destroys by itself stands beside them.",
+        )
+        .with(efficiency)
 }
 
 fn dimensions(found: &DesignResult) -> Section {
@@ -594,6 +574,6 @@ fn dimensions(found: &DesignResult) -> Section {
     .number("", "mm", |line| 1e3 * line.value)
     .shown(SHOWN)
     .text("", "How", |line| line.how);
-    let sizes = Block::folded("What follows from the dimensions", [sizes.done().into()]);
-    Section::new("dimensions", "Dimensions", [sizes])
+    let sizes = Block::folded("What follows from the dimensions", sizes);
+    Section::new("dimensions", "Dimensions").with(sizes)
 }

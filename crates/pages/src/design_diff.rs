@@ -274,7 +274,7 @@ fn table<'a>(
     let table = both(found, caption, rows)
         .text("", "Judged", |row| judged(row).0)
         .marked(|row| judged(row).1);
-    table.done().into()
+    table.into()
 }
 
 /// Keys with the values of both scenes.
@@ -303,13 +303,13 @@ fn scene(found: &DesignDiff) -> Section {
     let stated = keys("Keys that differ", false);
     let many = found.changed.iter().filter(|c| !c.follows).count();
     let mut blocks: Vec<Block> = match stated {
-        Some(table) if many > MANY => vec![Block::folded(format!("{many} keys differ"), [table])],
+        Some(table) if many > MANY => vec![Block::folded(format!("{many} keys differ"), table)],
         other => other.into_iter().collect(),
     };
     if found.identical() {
-        blocks.push(Block::text(
-            "Every key of both scenes has the same value, but for name and description.",
-        ));
+        blocks.push(
+            "Every key of both scenes has the same value, but for name and description.".into(),
+        );
     }
     let derived = found.derived.iter();
     let mut differing = derived.filter(|row| row.judged != Judged::Same).peekable();
@@ -320,24 +320,19 @@ fn scene(found: &DesignDiff) -> Section {
     if let Some(followed) = keys("Keys that both scenes leave to a formula", true) {
         blocks.push(Block::folded(
             "Keys that differ because others do",
-            [followed],
+            followed,
         ));
     }
-    Section::new("scene", "What changed", blocks)
+    Section::new("scene", "What changed").with(blocks)
 }
 
 fn figures(found: &DesignDiff) -> Section {
-    Section::new(
-        "figures",
-        "Figures",
-        [
-            Block::text(
-                "After \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own verification. A difference below \
-                 both together was not shown.",
-            ),
-            table(found, "Figures of both designs", found.figures.iter()),
-        ],
-    )
+    Section::new("figures", "Figures")
+        .with(
+            "After \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own verification. A difference below \
+             both together was not shown.",
+        )
+        .with(table(found, "Figures of both designs", found.figures.iter()))
 }
 
 fn over_time(found: &DesignDiff) -> Option<Section> {
@@ -347,13 +342,15 @@ fn over_time(found: &DesignDiff) -> Option<Section> {
         let caption = format!("Means and peaks, {} window", window.word());
         table(found, &caption, rows.iter())
     });
-    let mut blocks = vec![time_series];
-    blocks.extend(tables.next());
+    let first = Vec::from_iter(tables.next());
     let rest: Vec<Block> = tables.collect();
-    if !rest.is_empty() {
-        blocks.push(Block::folded("Other windows", rest));
-    }
-    Some(Section::new("courses", "Over time", blocks))
+    let section = Section::new("courses", "Over time")
+        .with(time_series)
+        .with(first);
+    Some(match rest.is_empty() {
+        true => section,
+        false => section.with(Block::folded("Other windows", rest)),
+    })
 }
 
 fn curves(found: &DesignDiff) -> Section {
@@ -362,7 +359,7 @@ fn curves(found: &DesignDiff) -> Section {
     charts.extend(design::transmission_charts(&designs));
     charts.extend(design::sharing_charts(&designs));
     charts.push(design::bearing_chart(&designs));
-    Section::new("curves", "Side by side", [Block::Charts(charts)])
+    Section::new("curves", "Side by side").with(charts)
 }
 
 /// Both in motion, over the time that both run.
@@ -372,5 +369,5 @@ fn motion(found: &DesignDiff, cancel: &AtomicBool) -> Result<Option<Section>, Ca
     let (step, duration) = (a.0.min(b.0), a.1.min(b.1));
     let both = [0, 1].map(|k| (found.names[k].as_str(), scenes[k]));
     let motion = animation::beside(both, (0.0, duration), step, 0.5 * duration, cancel)?;
-    Ok(motion.map(|motion| Section::new("motion", "Motion", [motion])))
+    Ok(motion.map(|motion| Section::new("motion", "Motion").with(motion)))
 }

@@ -29,7 +29,7 @@ pub(crate) fn aside(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Vec<Block>
     let title = format!("{}, native solver", scene.name);
     let found = window(gearbox, &title, (0.0, duration), step, cancel)?;
     Ok(found.map_or_else(Vec::new, |(view, _)| {
-        let heading = Block::Heading("The gearbox in motion".to_owned());
+        let heading = Block::heading("The gearbox in motion");
         vec![heading, Block::Html(markup(&[view], 0.5 * duration))]
     }))
 }

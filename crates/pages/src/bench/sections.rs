@@ -48,18 +48,16 @@ fn costs(study: &WorkPrecision, rankings: &[Ranking]) -> Section {
             Some(_) => Mark::Warn,
             None => Mark::Muted,
         });
-    let blocks = [
-        Block::Text(format!(
+    Section::new("costs", "Costs")
+        .with(format!(
             "CPU time at which each series reaches a relative L2 error of {} in all pin forces, window by window; \
              after that, over the whole run, ten times that error and a tenth of it. Costs are interpolated on the \
              front of each series in the log-log plane; `\u{2264}` says that the coarsest run is already better, `>` \
              that the finest is still worse.",
             limit(target)
-        )),
-        table.done().into(),
-        leads(rankings).into(),
-    ];
-    Section::new("costs", "Costs", blocks)
+        ))
+        .with(table)
+        .with(leads(rankings))
 }
 
 /// The native solver against the fastest peer, window by window.
@@ -94,11 +92,11 @@ fn leads(rankings: &[Ranking]) -> Table {
 
 /// Error against cost, two charts a window.
 fn plots(study: &WorkPrecision) -> Section {
-    let mut blocks = vec![Block::text(
+    let mut section = Section::new("plots", "Work and precision").with(
         "Each point is one step or tolerance, its cost the least CPU time of several runs. Lower and further left is \
          better. Right-hand-side calls do not depend on the machine, and do not see what an engine spends beside \
          them.",
-    )];
+    );
     let charts = |window: usize, saddle_point: bool| {
         let both = [Measure::Cpu, Measure::Rhs];
         Block::Charts(both.map(|of| chart(study, window, of, saddle_point)).into())
@@ -107,18 +105,16 @@ fn plots(study: &WorkPrecision) -> Section {
         let title = format!("{}: {} s to {} s", window.name, window.from_s, window.to_s);
         let charts = charts(k, false);
         // One pair is read first.
-        blocks.push(match k {
+        section = section.with(match k {
             0 => charts,
-            _ => Block::folded(title, [charts]),
+            _ => Block::folded(title, charts),
         });
     }
     if study.series.iter().any(is_saddle_point) {
-        blocks.push(Block::folded(
-            "The saddle-point form: all bodies and joints, factored along the joint tree",
-            [charts(0, true)],
-        ));
+        let title = "The saddle-point form: all bodies and joints, factored along the joint tree";
+        section = section.with(Block::folded(title, charts(0, true)));
     }
-    Section::new("plots", "Work and precision", blocks)
+    section
 }
 
 fn is_saddle_point(series: &bench::Series) -> bool {
@@ -197,21 +193,16 @@ fn reference(study: &WorkPrecision) -> Section {
             .number("", label, |(_, errors)| of(errors))
             .shown(Shown::Relative);
     }
-    Section::new(
-        "reference",
-        "Reference",
-        [
-            Block::Text(format!(
+    Section::new("reference", "Reference")
+        .with(format!(
                 "Everything is measured against the reduced form by {}. A second method, {}, gives the same time \
                  series up to the distances below: the error of the worse of \
                  the two, and so an upper estimate of the reference's. Errors near it say no more than that they are \
                  small.",
                 named(&found.solution),
                 named(&found.second)
-            )),
-            table.done().into(),
-        ],
-    )
+            ))
+            .with(table)
 }
 
 /// Section on differences of the engines that the figures do not compare.
@@ -251,16 +242,12 @@ fn differences(study: &WorkPrecision) -> Section {
         ));
     }
     let details = study.differences.iter();
-    let details = details.map(|(name, text)| Block::Text(format!("`{name}`: {text}")));
+    let details = details.map(|(name, text)| format!("`{name}`: {text}").into());
     let details: Vec<Block> = details.collect();
-    Section::new(
-        "unequal",
-        "What is unequal",
-        [
-            Block::List(points),
-            Block::folded("How each engine differs, in its own words", details),
-        ],
-    )
+    let title = "How each engine differs, in its own words";
+    Section::new("unequal", "What is unequal")
+        .with(Block::List(points))
+        .with(Block::folded(title, details))
 }
 
 /// Every point of every series.
@@ -273,12 +260,12 @@ fn points(study: &WorkPrecision) -> Section {
         let mut table = all.clone().rows(|row| rows.contains(&row)).without_empty();
         table.caption = series.label();
         let summary = format!("{} ({} settings)", series.label(), series.points.len());
-        Block::folded(summary, [table.into()])
+        Block::folded(summary, table)
     });
-    let about = Block::text(
-        "The same figures, at full precision and with the errors of the driver torque, stand in `bench.csv` beside \
-         this page.",
-    );
-    let blocks: Vec<Block> = [about].into_iter().chain(tables).collect();
-    Section::new("points", "All runs", blocks)
+    Section::new("points", "All runs")
+        .with(
+            "The same figures, at full precision and with the errors of the driver torque, stand in `bench.csv` beside \
+             this page.",
+        )
+        .with(tables.collect::<Vec<_>>())
 }

@@ -34,18 +34,19 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
     let answer = Answer::new(found, format::relative);
     let mut sections = Vec::new();
     if let Some(time_series) = time_series::block(comparison, participants, false) {
-        sections.push(Section::new("courses", "Over time", [time_series]));
+        sections.push(Section::new("courses", "Over time").with(time_series));
     }
     // Details stand below the first screen.
     let mut details = twins::blocks(found);
     details.extend(found.bands.iter().flat_map(band::blocks));
     if !details.is_empty() {
-        sections.push(Section::new("models", "Models", details));
+        sections.push(Section::new("models", "Models").with(details));
     }
     sections.extend(page.tracks());
     sections.extend(page.energy());
     sections.push(page.costs());
-    sections.push(Section::new("model", "Model", model(found)).folded(""));
+    let model = Section::new("model", "Model").with(model(found));
+    sections.push(model.folded(""));
     sections.push(page.engines());
     let versions = participants.iter();
     let versions = versions.map(|p| (p.name.clone(), p.version.clone()));
@@ -58,7 +59,7 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
         },
         lead: comparison.context.description.clone(),
         verdict: Some(answer.verdict()),
-        top: vec![Block::Facts(answer.shown())],
+        top: vec![answer.shown().into()],
         tiles_title: figures::best(comparison).map_or_else(String::new, |(engine, window)| {
             format!("{}, by {}", page.window(window), engine.name)
         }),
@@ -66,7 +67,7 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
         below: below(&answer),
         aside: animation::aside(&found.gearbox, cancel)?,
         sections,
-        appendix: vec![Block::folded("The scene, every key", [scene])],
+        appendix: vec![Block::folded("The scene, every key", scene)],
         versions: versions.collect(),
         made: Some(made.date.clone()),
         ..Study::default()
@@ -77,8 +78,7 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
 /// Facts below the figures, and remarks.
 fn below(answer: &Answer<'_>) -> Vec<Block> {
     let under = |title: &str, facts: Vec<Fact>| {
-        let heading = Block::Heading(title.to_owned());
-        let facts = (!facts.is_empty()).then_some([heading, Block::Facts(facts)]);
+        let facts = (!facts.is_empty()).then(|| [Block::heading(title), facts.into()]);
         facts.into_iter().flatten()
     };
     let mut unchecked = answer.unchecked(answer::MOST);

@@ -113,7 +113,7 @@ impl<'a> Page<'a> {
                  map states are used.",
             ),
         };
-        let mut blocks = vec![Block::text(about)];
+        let mut blocks = vec![about.into()];
         if track == SharedModel::Measured {
             blocks.extend(words::of_measured(self.comparison).map(Block::Text));
         }
@@ -131,7 +131,7 @@ impl<'a> Page<'a> {
         blocks.extend(self.matrices(track, explains));
         blocks.extend(pairs);
         blocks.extend(figures);
-        Some(Section::new(format!("track-{}", place + 1), title, blocks))
+        Some(Section::new(format!("track-{}", place + 1), title).with(blocks))
     }
 
     /// Every engine of a track against every other, window by window.
@@ -141,14 +141,14 @@ impl<'a> Page<'a> {
         if all.is_empty() {
             return Vec::new();
         }
-        let heading = "Every engine against every other".to_owned();
-        let mut blocks = vec![Block::Heading(heading)];
+        let mut blocks = vec![Block::heading("Every engine against every other")];
         if explains {
-            blocks.push(Block::text(
+            blocks.push(
                 "Each cell shows the relative difference that decides the pair's verdict, and after \u{b1} the numerical \
                  uncertainty of both together, or how it was measured. Green agrees, red differs; the darker, the more of \
-                 that uncertainty is used. Choose a cell for all that was compared.",
-            ));
+                 that uncertainty is used. Choose a cell for all that was compared."
+                    .into(),
+            );
         }
         for matrix in all {
             // One triangle: a difference has no direction.
@@ -166,7 +166,7 @@ impl<'a> Page<'a> {
                     .marked(|(i, _)| result(*i).map_or(Mark::None, mark))
                     .linked(|(i, _)| Some(pairs::id(cell(*i)?.pair)));
             }
-            blocks.push(table.done().into());
+            blocks.push(table.into());
         }
         blocks
     }
@@ -215,7 +215,7 @@ impl<'a> Page<'a> {
             }
         }
         if !blocks.is_empty() {
-            blocks.insert(0, Block::Heading("Figures of each engine".to_owned()));
+            blocks.insert(0, Block::heading("Figures of each engine"));
         }
         blocks
     }
@@ -254,12 +254,10 @@ impl<'a> Page<'a> {
             .shown(Shown::Percent)
             .done()
             .without_empty();
-        let about = Block::text(
-            "Growth of kinetic and stored energy = work of driver and load \u{2212} losses + remainder. The remainder is what \
-             nothing accounts for: an integrator's error, or a contact law that creates energy because it has no potential.",
-        );
-        let there = !table.is_empty();
-        there.then(|| Section::new("energy", "Energy", [about, table.into()]).folded(""))
+        let about = "Growth of kinetic and stored energy = work of driver and load \u{2212} losses + remainder. The remainder is \
+                     what nothing accounts for: an integrator's error, or a contact law that creates energy because it has no potential.";
+        let section = Section::new("energy", "Energy");
+        (!table.is_empty()).then(|| section.with(about).with(table).folded(""))
     }
 
     /// Section with the cost of every run.
@@ -307,9 +305,10 @@ impl<'a> Page<'a> {
                 let all: Vec<&str> = all.map(String::as_str).collect();
                 all.join("; ").trim_start_matches("; ").to_owned()
             });
-        let about = "Times are of this machine, but for those of recorded runs; counts are not.";
-        let blocks = [Block::text(about), table.done().without_empty().into()];
-        Section::new("costs", "Costs", blocks).folded("")
+        Section::new("costs", "Costs")
+            .with("Times are of this machine, but for those of recorded runs; counts are not.")
+            .with(table.done().without_empty())
+            .folded("")
     }
 
     /// The engines in words.
@@ -328,10 +327,9 @@ impl<'a> Page<'a> {
                 let recorded = e.cost.recorded.clone();
                 e.status.reason().or(recorded).unwrap_or_default()
             })
-            .marked(|e| Mark::bad(e.status.is_broken()))
-            .done();
-        let blocks = [Block::Table(table)];
-        Section::new("engines", "Engines", blocks).folded("how they differ")
+            .marked(|e| Mark::bad(e.status.is_broken()));
+        let section = Section::new("engines", "Engines").with(table);
+        section.folded("how they differ")
     }
 }
 
@@ -396,7 +394,7 @@ fn without_efficiency(rows: &[(&EngineSummary, &Figures)]) -> Vec<Block> {
             true => String::new(),
             false => format!(" of {}", names.join(", ")),
         };
-        Block::text(format!("No efficiency{whose}: {reason}."))
+        format!("No efficiency{whose}: {reason}.").into()
     });
     said.collect()
 }

@@ -1,7 +1,7 @@
 //! The atlas as maps: a table of scenes and methods for every question, shaded and with its figure in every cell.
 
 use pinwheel_report::format;
-use pinwheel_report::study::{Block, Section};
+use pinwheel_report::study::Section;
 use pinwheel_studies::stability::{Atlas, Cell, Failure, SceneRow};
 use pinwheel_timeseries::table::{Mark, Table};
 
@@ -139,7 +139,7 @@ pub(super) fn sections(atlas: &Atlas) -> Vec<Section> {
     let step_s = format::seconds(options.step_s);
     // The first map answers; the others are looked up.
     let section = |id: &str, title: &str, text: String, table: Table| {
-        let section = Section::new(id, title, [Block::Text(text), table.into()]);
+        let section = Section::new(id, title).with(text).with(table);
         match id {
             "map" => section,
             _ => section.folded("of every scene with every method"),

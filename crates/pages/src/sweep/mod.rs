@@ -53,9 +53,9 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
         && !grid.figures.is_empty()
         && grid.axes.iter().any(|axis| axis.values.len() > 1)
     {
-        sections.push(Section::new("figures", "Figures", [Block::Grid(grid)]));
+        sections.push(Section::new("figures", "Figures").with(Block::Grid(grid)));
     }
-    let all = Section::new("runs", "Runs", runs(plan, table));
+    let all = Section::new("runs", "Runs").with(runs(plan, table));
     // Where there is something to look at before.
     sections.push(if sections.is_empty() {
         all
@@ -63,7 +63,7 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
         all.folded("Every run: what was varied, how it ended, its figures")
     });
     let file = Block::Code(sweep.text.trim_end().to_owned());
-    let file = Section::new("sweep", "Sweep file", [file]);
+    let file = Section::new("sweep", "Sweep file").with(file);
     sections.push(file.folded("What was asked for"));
     let versions = records.iter();
     let versions = versions.map(|record| (record.engine.clone(), record.engine_version.clone()));
@@ -327,16 +327,14 @@ fn runs(plan: &Plan, table: &Table) -> Vec<Block> {
     }
     let mut blocks = Vec::new();
     if shown.len() < all {
-        blocks.push(Block::Text(format!(
-            "The first {} of {all} runs; results.csv has all.",
-            shown.len()
-        )));
+        let count = shown.len();
+        blocks.push(format!("The first {count} of {all} runs; results.csv has all.").into());
     }
-    blocks.push(Block::Table(shown));
+    blocks.push(shown.into());
     if !reasons.is_empty() {
         blocks.push(Block::folded(
             "Remarks on runs: how they ended, and which figures to read with care",
-            [Block::List(reasons)],
+            Block::List(reasons),
         ));
     }
     blocks

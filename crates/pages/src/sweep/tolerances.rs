@@ -124,7 +124,7 @@ pub(super) fn section(plan: &Plan, table: &Table, all: &[SampleResult]) -> Secti
     let mut blocks = Vec::new();
     for found in all {
         if all.len() > 1 {
-            blocks.push(Block::Heading(place(found)));
+            blocks.push(Block::heading(place(found)));
         }
         if let Some(of) = &found.yielded {
             blocks.push(limits(&plan.sweep.specification, of));
@@ -137,9 +137,10 @@ pub(super) fn section(plan: &Plan, table: &Table, all: &[SampleResult]) -> Secti
             blocks.insert(0, Block::Charts(charts));
         }
     }
-    blocks.push(Block::text("In brackets: where a quantile lies with 95 % confidence. A key's share of the variance is by \
-         regression where a straight line explains 70 % of it or more, otherwise by first-order Sobol indices."));
-    Section::new("tolerances", "Tolerances", blocks)
+    Section::new("tolerances", "Tolerances").with(blocks).with(
+        "In brackets: where a quantile lies with 95 % confidence. A key's share of the variance is by regression where a \
+         straight line explains 70 % of it or more, otherwise by first-order Sobol indices.",
+    )
 }
 
 fn limits(limits: &[Limit], of: &Yield) -> Block {
@@ -148,13 +149,13 @@ fn limits(limits: &[Limit], of: &Yield) -> Block {
         let most = limit.most.map(|x| format!("at most {x}"));
         least.into_iter().chain(most).collect::<Vec<_>>().join(", ")
     };
-    let table = Table::of(yield_in_words(of), limits.iter().zip(&of.alone))
+    Table::of(yield_in_words(of), limits.iter().zip(&of.alone))
         .text("", "Figure", |(limit, _)| named(&limit.figure))
         .text("", "Limit", |(limit, _)| words(limit))
         .number("", "Runs that keep it", |(_, share)| 100.0 * **share)
         .unit("%")
-        .shown(Shown::Decimals(1));
-    Block::Table(table.done())
+        .shown(Shown::Decimals(1))
+        .into()
 }
 
 fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
@@ -191,7 +192,7 @@ fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
         })
         .unit("%")
         .shown(Shown::Decimals(0));
-    [Block::Table(spread.done()), Block::Table(keys.done())]
+    [spread.into(), keys.into()]
 }
 
 /// How the first figures are distributed, with their limits.

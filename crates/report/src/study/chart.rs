@@ -8,12 +8,12 @@ use serde_json::{Value, json};
 /// One chart.
 ///
 /// ```
-/// use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Study, Style, render};
+/// use pinwheel_report::study::{Axis, Chart, Section, Series, Study, Style, render};
 ///
 /// let errors = Series::line("dopri5", [1e-5, 1e-4], [3e-9, 3e-4]).styled(Style::Both);
 /// let (x, y) = (Axis::log("Step (s)"), Axis::log("Relative L2 of the forces"));
 /// let chart = Chart::new("Error against step", x, y, vec![errors]);
-/// let section = Section::new("order", "Order", [Block::Charts(vec![chart])]);
+/// let section = Section::new("order", "Order").with(vec![chart]);
 /// let page = render(&Study { title: "mine".into(), sections: vec![section], ..Study::default() });
 /// assert!(page.contains("Error against step"));
 /// ```

@@ -6,14 +6,13 @@
 //!
 //! ```
 //! use pinwheel_report::study::{Section, Study, render};
-//! use pinwheel_timeseries::table::Table;
+//! use pinwheel_timeseries::table::{Table, TableOf};
 //!
 //! let table = Table::of("Driver torque", [("native", 1.4529)])
 //!     .text("", "engine", |row| row.0)
 //!     .number("", "torque", |row| row.1)
-//!     .unit("N m")
-//!     .done();
-//! let section = Section::new("torque", "Torque", [table.into()]);
+//!     .unit("N m");
+//! let section = Section::new("torque", "Torque").with(table);
 //! let page = render(&Study { title: "mine".into(), sections: vec![section], ..Study::default() });
 //! assert!(page.contains("Torque") && page.contains("1.4529"));
 //! ```
@@ -28,7 +27,7 @@ pub use page::render;
 
 pub use pinwheel_files::output::escape;
 pub use pinwheel_timeseries::table::Mark;
-use pinwheel_timeseries::table::Table;
+use pinwheel_timeseries::table::{Table, TableOf};
 
 /// Everything on one study's page. Strings may hold any characters: all are escaped, except
 /// [`Block::Html`]; `` `backticks` `` in running text become code.
@@ -149,28 +148,27 @@ pub struct Section {
 }
 
 impl Section {
-    /// A section of blocks.
-    pub fn new(
-        id: impl Into<String>,
-        title: impl Into<String>,
-        blocks: impl Into<Vec<Block>>,
-    ) -> Self {
+    /// A section without blocks.
+    pub fn new(id: impl Into<String>, title: impl Into<String>) -> Self {
         Self {
             id: id.into(),
             title: title.into(),
-            blocks: blocks.into(),
+            blocks: Vec::new(),
         }
+    }
+
+    /// Appends a block, or several.
+    #[must_use]
+    pub fn with(mut self, blocks: impl Into<Blocks>) -> Self {
+        self.blocks.extend(blocks.into().0);
+        self
     }
 
     /// Folds the section behind its title, with `beside` next to it.
     #[must_use]
     pub fn folded(self, beside: impl Into<String>) -> Self {
-        let fold = Block::Details {
-            summary: beside.into(),
-            blocks: self.blocks,
-        };
         Self {
-            blocks: vec![fold],
+            blocks: vec![Block::folded(beside, self.blocks)],
             ..self
         }
     }
@@ -269,17 +267,69 @@ pub struct Item {
 }
 
 impl Block {
-    /// Blocks behind a line that opens them.
-    pub fn folded(summary: impl Into<String>, blocks: impl Into<Vec<Self>>) -> Self {
-        Self::Details {
-            summary: summary.into(),
-            blocks: blocks.into(),
-        }
+    /// A heading inside a section.
+    pub fn heading(text: impl Into<String>) -> Self {
+        Self::Heading(text.into())
     }
 
-    /// A paragraph.
-    pub fn text(text: impl Into<String>) -> Self {
-        Self::Text(text.into())
+    /// Blocks behind a line that opens them.
+    pub fn folded(summary: impl Into<String>, blocks: impl Into<Blocks>) -> Self {
+        Self::Details {
+            summary: summary.into(),
+            blocks: blocks.into().0,
+        }
+    }
+}
+
+/// A block or several; strings are paragraphs.
+#[derive(Debug, Clone, Default)]
+pub struct Blocks(pub Vec<Block>);
+
+impl<B: Into<Block>> From<B> for Blocks {
+    fn from(block: B) -> Self {
+        Self(vec![block.into()])
+    }
+}
+
+impl<const N: usize> From<[Block; N]> for Blocks {
+    fn from(blocks: [Block; N]) -> Self {
+        Self(blocks.into())
+    }
+}
+
+impl From<Vec<Block>> for Blocks {
+    fn from(blocks: Vec<Block>) -> Self {
+        Self(blocks)
+    }
+}
+
+impl From<&str> for Block {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Block {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<Vec<Fact>> for Block {
+    fn from(facts: Vec<Fact>) -> Self {
+        Self::Facts(facts)
+    }
+}
+
+impl From<Vec<Chart>> for Block {
+    fn from(charts: Vec<Chart>) -> Self {
+        Self::Charts(charts)
+    }
+}
+
+impl<R> From<TableOf<R>> for Block {
+    fn from(table: TableOf<R>) -> Self {
+        Self::Table(table.done())
     }
 }
 
