@@ -1,7 +1,7 @@
 //! Bands of other contact laws, in words and as a table.
 
 use pinwheel_contact::laws::law_info;
-use pinwheel_report::format::significant;
+use pinwheel_report::format::{joined, significant};
 use pinwheel_report::study::Block;
 use pinwheel_studies::band::{Band, Bands, ROLLERS};
 use pinwheel_timeseries::columns;
@@ -50,8 +50,7 @@ pub(crate) fn interval(band: [f64; 2]) -> String {
 pub(crate) fn bounds(laws: Option<[f64; 2]>, off: &str, cause: &str) -> String {
     let laws = laws.map(|laws| format!("{} by contact law", interval(laws)));
     let off = (!off.is_empty()).then(|| format!("{off} {cause}"));
-    let parts: Vec<String> = laws.into_iter().chain(off).collect();
-    parts.join("; ")
+    joined("; ", laws.into_iter().chain(off))
 }
 
 /// Key of the band that bounds the peak of a quantity of runs.
@@ -94,12 +93,10 @@ pub(crate) fn about(bands: &Bands) -> String {
 pub(crate) fn fit(bands: &Bands) -> Option<String> {
     let (key, name, unit) = TOLD[0];
     let own = bands.get(key)?.own;
-    let told: Vec<String> = bands
-        .fitted(key, own)
-        .into_iter()
-        .map(|(cut, value)| format!("{:.0} \u{b5}m: {} {unit}", 1e6 * cut, significant(value, 3)))
-        .collect();
-    (!told.is_empty()).then(|| format!("{name}; profile cut by {}", told.join(", by ")))
+    let fitted = bands.fitted(key, own).into_iter();
+    let cut = |(cut, value)| format!("{:.0} \u{b5}m: {} {unit}", 1e6 * cut, significant(value, 3));
+    let told = joined(", by ", fitted.map(cut));
+    (!told.is_empty()).then(|| format!("{name}; profile cut by {told}"))
 }
 
 /// Label of a figure for which the scene's own law lies outside of the band.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use pinwheel_report::format::joined;
 use pinwheel_report::study::{self, Block, Section, Study, Tone};
 use pinwheel_report::terminal::{self, QUIET, TITLE, styled};
 use pinwheel_studies::Provenance;
@@ -47,7 +48,7 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
                 Verdict::Same | Verdict::Better => Tone::Good,
             },
             headline: headline(check.verdict).to_owned(),
-            detail: sentences(name, check).join("; "),
+            detail: joined("; ", sentences(name, check)),
         }),
         sections: vec![
             Section::new("moved", "What moved").with(moved_blocks(&moved)),
@@ -74,22 +75,17 @@ pub fn text(name: &str, check: &Check) -> String {
         .partition(|case| case.verdict == Verdict::Same);
     moved.sort_by_key(|case| std::cmp::Reverse(case.verdict));
     let lines = sentences(name, check);
-    let mut text: Vec<String> = lines.iter().map(|line| terminal::paragraph(line)).collect();
+    let mut text: Vec<String> = lines.map(|line| terminal::paragraph(&line)).collect();
     if !moved.is_empty() {
-        text.push(
-            terminal::table(&cases_table("", moved.into_iter()))
-                .trim_end()
-                .to_owned(),
-        );
+        let table = terminal::table(&cases_table("", moved.into_iter()));
+        text.push(table.trim_end().to_owned());
     }
     let mut solvers: Vec<&str> = same.iter().map(|case| case.choice.as_str()).collect();
     solvers.sort_unstable();
     let groups = solvers.chunk_by(|a, b| a == b);
-    let named: Vec<String> = groups
-        .map(|group| format!("{} {}", group[0], group.len()))
-        .collect();
-    if !named.is_empty() {
-        let list = format!("same to rounding: {}", named.join(", "));
+    let named = groups.map(|group| format!("{} {}", group[0], group.len()));
+    if !solvers.is_empty() {
+        let list = format!("same to rounding: {}", joined(", ", named));
         text.push(styled(QUIET, &terminal::paragraph(&list)));
     }
     text.join("\n")
@@ -126,8 +122,7 @@ pub fn recorded(name: &str, record: &Record) -> String {
                 };
                 format!("{}{by} {off} % in {label}", scene.name)
             });
-        let named: Vec<String> = named.collect();
-        let (cases, named) = (errors.len(), named.join(", "));
+        let (cases, named) = (errors.len(), joined(", ", named));
         match far {
             _ if cases == 0 => format!("{solver}: nothing recorded"),
             0 => format!(
@@ -150,11 +145,7 @@ pub fn recorded(name: &str, record: &Record) -> String {
     });
     let kept = record.baseline.scenes.len() - record.scenes.len();
     let kept = (kept > 0).then(|| format!("other scenes, kept as they were: {kept}"));
-    lines
-        .chain(left_out)
-        .chain(kept)
-        .collect::<Vec<_>>()
-        .join("\n")
+    joined("\n", lines.chain(left_out).chain(kept))
 }
 
 /// The baselines that there are, with the reasons for which they were accepted.
@@ -200,9 +191,8 @@ fn headline(verdict: Verdict) -> &'static str {
 }
 
 /// One line on each solver.
-fn sentences(name: &str, check: &Check) -> Vec<String> {
-    let answers = check.answers(name).into_iter();
-    answers.map(|answer| answer.text).collect()
+fn sentences(name: &str, check: &Check) -> impl Iterator<Item = String> {
+    check.answers(name).into_iter().map(|answer| answer.text)
 }
 
 fn mark(verdict: Verdict) -> Mark {

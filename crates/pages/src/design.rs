@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_report::format::{self, NONE, significant};
+use pinwheel_report::format::{self, NONE, joined, significant};
 use pinwheel_report::stack::stack;
 use pinwheel_report::study::{Axis, Block, Chart, Fact, Mark, Section, Study, Style, Tile};
 use pinwheel_report::terminal::{self, TITLE, list, styled};
@@ -40,8 +40,8 @@ fn given_way(found: &DesignResult) -> (&'static str, String) {
     match found.budget.split_last() {
         None => (CONTACTS, CONTACTS_ONLY.to_owned()),
         Some((last, before)) => {
-            let names: Vec<&str> = before.iter().map(|share| share.part).collect();
-            let names = [names.join(", "), last.part.to_owned()].join(" and ");
+            let before = joined(", ", before.iter().map(|share| share.part));
+            let names = joined(" and ", [&before, last.part]);
             (
                 "what gives way",
                 format!(
@@ -124,11 +124,8 @@ fn files(found: &DesignResult) -> String {
     let link = |name: &str| format!("<a href=\"{name}\">{name}</a>");
     let discs = (0..found.discs.len()).map(|number| link(&format!("disc_{number}.dxf")));
     let joint = found.joint.iter().map(|_| link("joint.urdf"));
-    let links: Vec<String> = discs.chain(joint).collect();
-    format!(
-        "<p class=\"about\">Drawings beside this page: {}</p>",
-        links.join(", ")
-    )
+    let links = joined(", ", discs.chain(joint));
+    format!("<p class=\"about\">Drawings beside this page: {links}</p>")
 }
 
 /// Notes on the figures before they are used, and on the next step.

@@ -3,7 +3,7 @@
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::Cancelled;
-use pinwheel_report::format::{self, NONE, significant};
+use pinwheel_report::format::{self, NONE, joined, significant};
 use pinwheel_report::study::{Block, Section, Study, Tile, Tone, Verdict};
 use pinwheel_report::terminal::{self, TITLE, paragraph, styled};
 use pinwheel_scene::keys::key;
@@ -118,15 +118,10 @@ fn verdict(found: &DesignDiff) -> Verdict {
     } else {
         let most = most(found).into_iter();
         // `torsional stiffness × 43.5`.
-        let most: Vec<String> = most
-            .map(|row| format!("{} {}", row.what, change(row)))
-            .collect();
-        match most.as_slice() {
-            [] => format!("{differ} of {total} figures differ by more than their uncertainty"),
-            most => format!(
-                "{differ} of {total} figures differ, most: {}",
-                most.join("; ")
-            ),
+        let most = most.map(|row| format!("{} {}", row.what, change(row)));
+        match joined("; ", most).as_str() {
+            "" => format!("{differ} of {total} figures differ by more than their uncertainty"),
+            most => format!("{differ} of {total} figures differ, most: {most}"),
         }
     };
     let unknown = total - same - below - differ;

@@ -1,7 +1,7 @@
 //! One run on a terminal.
 
 use pinwheel_gearbox::Efficiency;
-use pinwheel_report::format::{self, NONE};
+use pinwheel_report::format::{self, NONE, joined};
 use pinwheel_report::terminal::{TITLE, pairs, styled};
 use pinwheel_studies::band::{Band, Bands};
 use pinwheel_studies::results::{Figure, Results};
@@ -85,9 +85,9 @@ fn results(found: &Results, bands: Option<&Bands>, looked: bool) -> Vec<(&'stati
         let share = known(found.get(name)?, 100.0);
         Some(format!("{cause} {share} %"))
     });
-    let lost: Vec<String> = lost.collect();
+    let lost = joined(", ", lost);
     if !lost.is_empty() {
-        rows.push(("friction", lost.join(", ")));
+        rows.push(("friction", lost));
     }
     if !rows.is_empty() {
         let how = match found.uncertainty {

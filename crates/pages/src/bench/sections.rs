@@ -1,7 +1,7 @@
 //! The sections: costs at given errors, work-precision plots, the reference, what is unequal, all points.
 
 use pinwheel_engines::{AccuracySetting, SharedModel};
-use pinwheel_report::format::{NONE, limit, plain};
+use pinwheel_report::format::{NONE, joined, limit, plain};
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Style};
 use pinwheel_studies::bench::{self, Advantage, Errors, Measure, Ranking, WorkPrecision};
 use pinwheel_studies::reference::Solution;
@@ -234,12 +234,9 @@ fn differences(study: &WorkPrecision) -> Section {
         let mut costs = s.points.iter().filter_map(|p| p.cost).peekable();
         costs.peek().is_some() && costs.all(|cost| cost.rhs_calls.is_none())
     });
-    let uncounted: Vec<&str> = uncounted.map(|s| s.engine.as_str()).collect();
+    let uncounted = joined(", ", uncounted.map(|s| &s.engine));
     if !uncounted.is_empty() {
-        points.push(format!(
-            "Right-hand sides are not counted by {}.",
-            uncounted.join(", ")
-        ));
+        points.push(format!("Right-hand sides are not counted by {uncounted}."));
     }
     let details = study.differences.iter();
     let details = details.map(|(name, text)| format!("`{name}`: {text}").into());

@@ -9,7 +9,7 @@ use pinwheel_compare::{
     Assessment, Comparison, SharedModel, Status, Verdict as Judged, quantities,
 };
 use pinwheel_engines::{Form, info, known, lacking};
-use pinwheel_report::format::significant;
+use pinwheel_report::format::{joined, significant};
 use pinwheel_report::study::{Fact, Mark, Tile, Tone, Verdict};
 use pinwheel_studies::band::declined;
 use pinwheel_studies::comparison::{Largest, MatchedContactRun, Outcome};
@@ -149,7 +149,7 @@ impl<'a> Answer<'a> {
     /// Who agrees, and what differs most, in a sentence each.
     fn summary(&self) -> String {
         let (engines, programs) = self.agreeing();
-        let agree = match engines.len() {
+        let agree = match engines {
             0 => "No two engines agree.".to_owned(),
             n if programs == 1 => format!("{n} solvers of one program agree."),
             n => format!("{n} engines of {programs} programs agree."),
@@ -161,15 +161,15 @@ impl<'a> Answer<'a> {
         agree + &most
     }
 
-    /// Engines that agree with another one on the scene's own law, and of how many programs they are.
-    fn agreeing(&self) -> (BTreeSet<&'a str>, usize) {
+    /// Number of engines that agree with another one on the scene's own law, and of their programs.
+    fn agreeing(&self) -> (usize, usize) {
         let agree = self.pairs_of(SHARES);
         let agree = agree.filter(|(_, entry)| entry.result.verdict == Judged::Agree);
         let engines = agree.flat_map(|(pair, _)| [pair.a.as_str(), pair.b.as_str()]);
         let engines: BTreeSet<&str> = engines.collect();
         let programs = engines.iter().map(|name| pinwheel_engines::family(name));
         let programs = programs.collect::<BTreeSet<&str>>().len();
-        (engines, programs)
+        (engines.len(), programs)
     }
 
     /// `ring pin force 479 N here, 303 N by rapier-colliders`.
@@ -249,17 +249,11 @@ impl<'a> Answer<'a> {
         match programs {
             1 => fact(
                 Mark::Warn,
-                format!(
-                    "{} solvers of our own agree; no other program. At most {worst}",
-                    engines.len()
-                ),
+                format!("{engines} solvers of our own agree; no other program. At most {worst}"),
             ),
             _ => fact(
                 Mark::Good,
-                format!(
-                    "{} engines of {programs} programs agree; at most {worst}",
-                    engines.len()
-                ),
+                format!("{engines} engines of {programs} programs agree; at most {worst}"),
             ),
         }
     }
@@ -274,10 +268,9 @@ impl<'a> Answer<'a> {
         let worst = off.iter().map(|(_, result)| *result);
         let worst = worst.max_by(|a, b| size(a).total_cmp(&size(b)))?;
         let names: BTreeSet<&str> = off.iter().map(|(e, _)| words::short(&e.name)).collect();
-        let names: Vec<&str> = names.into_iter().collect();
         Some(format!(
             "{}: output torque and load do not give the output its acceleration, by {} (limit {})",
-            names.join(", "),
+            joined(", ", names),
             (self.number)(size(worst)),
             (self.number)(worst.bound.unwrap_or_default())
         ))
@@ -338,12 +331,9 @@ impl<'a> Answer<'a> {
                 percent(twin.worst()?.difference())
             ))
         });
-        let twins: Vec<String> = twins.collect();
+        let twins = joined(", ", twins);
         if !twins.is_empty() {
-            parts.push(format!(
-                "{} from native runs with the same contacts",
-                twins.join(", ")
-            ));
+            parts.push(format!("{twins} from native runs with the same contacts"));
         }
         let alike = self.pairs_of(own);
         let alike = alike.filter(|(pair, entry)| {
@@ -473,12 +463,9 @@ impl<'a> Answer<'a> {
         let mut facts = Vec::new();
         let mut tell = |names: Vec<&str>, why: &str| {
             if !names.is_empty() {
-                let families: BTreeSet<&str> = names
-                    .iter()
-                    .map(|name| pinwheel_engines::family(name))
-                    .collect();
-                let families: Vec<&str> = families.into_iter().collect();
-                let text = format!("{} ({} engines): {why}", families.join(", "), names.len());
+                let families = names.iter().map(|name| pinwheel_engines::family(name));
+                let families = joined(", ", families.collect::<BTreeSet<&str>>());
+                let text = format!("{families} ({} engines): {why}", names.len());
                 facts.push(Fact::new("engines", Mark::None, text));
             }
         };
@@ -497,11 +484,10 @@ impl<'a> Answer<'a> {
         facts.extend(told_as_facts(&left_out));
         let recorded = comparison.engines.iter();
         let recorded = recorded.filter(|engine| engine.cost.recorded.is_some());
-        let recorded: Vec<&str> = recorded.map(|engine| words::short(&engine.name)).collect();
+        let recorded = joined(", ", recorded.map(|engine| words::short(&engine.name)));
         if !recorded.is_empty() {
             let text = format!(
-                "{}: not run here but recorded before; Engines on the page says when and why",
-                recorded.join(", ")
+                "{recorded}: not run here but recorded before; Engines on the page says when and why"
             );
             facts.push(Fact::new("recorded", Mark::None, text));
         }

@@ -7,7 +7,7 @@ use pinwheel_compare::uncertainty::Norm;
 use pinwheel_compare::{
     Assessment, Comparison, Metric, Quantity, SharedModel, Verdict, WindowKind, quantities,
 };
-use pinwheel_report::format;
+use pinwheel_report::format::{self, joined};
 use pinwheel_report::study::{Block, Section};
 use pinwheel_timeseries::norms::Statistics;
 use pinwheel_timeseries::table::{Mark, Shown, Table, TableOf};
@@ -302,8 +302,7 @@ impl<'a> Page<'a> {
             .text("", "Settings and notes", |e| {
                 let notes = e.cost.recorded.iter().chain(&e.cost.notes);
                 let all = [&e.cost.settings].into_iter().chain(notes);
-                let all: Vec<&str> = all.map(String::as_str).collect();
-                all.join("; ").trim_start_matches("; ").to_owned()
+                joined("; ", all.filter(|said| !said.is_empty()))
             });
         Section::new("costs", "Costs")
             .with("Times are of this machine, but for those of recorded runs; counts are not.")
@@ -387,12 +386,12 @@ fn without_efficiency(rows: &[(&EngineSummary, &Figures)]) -> Vec<Block> {
     let reasons = words::distinct(rows.iter().filter_map(of));
     let said = reasons.into_iter().map(|reason| {
         let without = rows.iter().filter(|row| of(row).as_ref() == Some(&reason));
-        let names: Vec<&str> = without
-            .map(|(engine, _)| words::short(&engine.name))
-            .collect();
-        let whose = match names.len() == rows.len() {
+        let whose = match without.clone().count() == rows.len() {
             true => String::new(),
-            false => format!(" of {}", names.join(", ")),
+            false => {
+                let names = without.map(|(engine, _)| words::short(&engine.name));
+                format!(" of {}", joined(", ", names))
+            }
         };
         format!("No efficiency{whose}: {reason}.").into()
     });

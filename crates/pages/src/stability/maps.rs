@@ -1,6 +1,6 @@
 //! The atlas as maps: a table of scenes and methods for every question, shaded and with its figure in every cell.
 
-use pinwheel_report::format;
+use pinwheel_report::format::{self, joined};
 use pinwheel_report::study::Section;
 use pinwheel_studies::stability::{Atlas, Cell, Failure, SceneRow};
 use pinwheel_timeseries::table::{Mark, Table};
@@ -77,12 +77,12 @@ fn error(cell: &Cell) -> Place {
         };
     };
     let [forces, driver] = [error.forces, error.driver_torque].map(format::relative);
-    let words = [format!("{forces} / {driver}")].into_iter();
-    let words: Vec<String> = words.chain(failed.map(str::to_owned)).collect();
+    let both = format!("{forces} / {driver}");
+    let words = joined(", ", [both.as_str()].into_iter().chain(failed));
     Place {
         key: Some(error.forces),
         shade: Some(share(error.forces, ERRORS)),
-        ..Place::marked(words.join(", "), mark)
+        ..Place::marked(words, mark)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The study on a terminal: what each method gets right. The page has the map of scenes.
 
-use pinwheel_report::format;
+use pinwheel_report::format::{self, joined};
 use pinwheel_report::terminal::{self, TITLE, styled};
 use pinwheel_studies::stability::Atlas;
 use pinwheel_timeseries::table::{Mark, Table};
@@ -38,7 +38,7 @@ pub fn text(atlas: &Atlas) -> String {
         )
         .text("", "fails in", |(k, _)| {
             let wrong = cells(*k).filter(|(_, cell)| !cell.is_right());
-            wrong.map(|(scene, _)| scene).collect::<Vec<_>>().join(", ")
+            joined(", ", wrong.map(|(scene, _)| scene))
         })
         .marked(|_| Mark::Bad);
     let refused = atlas

@@ -1,7 +1,7 @@
 //! A sweep's page: figures over what was varied, and every run in a table.
 
 use pinwheel_compare::quantities;
-use pinwheel_report::format::{count, plain, readable_unit, seconds, significant};
+use pinwheel_report::format::{count, joined, plain, readable_unit, seconds, significant};
 use pinwheel_report::study::{
     Block, Grid, GridAxis, GridFigure, Section, Study, Tile, Tone, Verdict,
 };
@@ -123,7 +123,7 @@ fn answer(grid: &Grid, plan: &Plan) -> Option<Verdict> {
             let (name, unit) = parts(&axis.label);
             format!("{} {}{unit}", name.to_lowercase(), axis.values[*place])
         });
-        words.collect::<Vec<_>>().join(", ")
+        joined(", ", words)
     };
     let off = figure.uncertainty.iter().flatten().copied();
     let off = off.fold(f64::NAN, f64::max);

@@ -1,5 +1,6 @@
 //! A sweep on a terminal.
 
+use pinwheel_report::format::joined;
 use pinwheel_report::terminal::{self, BAD, TITLE, pairs, styled};
 use pinwheel_studies::sweep::{self, Plan, RunRecord};
 use pinwheel_timeseries::table::{Shown, Table};
@@ -49,7 +50,7 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
     let row = |label: &str, value: String| (label.to_owned(), value);
     let mut rows = vec![
         row("runs", runs.join(", ")),
-        row("varied", plan.keys().collect::<Vec<_>>().join(", ")),
+        row("varied", joined(", ", plan.keys())),
         row(
             "time",
             format!("{cpu:.1} s CPU for {:.3} s simulated", simulated_s(plan)),

@@ -1,7 +1,7 @@
 //! Results of a sample, on the page and on a terminal.
 
 use pinwheel_compare::quantities::label_and_unit;
-use pinwheel_report::format::significant;
+use pinwheel_report::format::{joined, significant};
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Tone, Verdict};
 use pinwheel_studies::sweep::{FigureOfSample, Limit, Plan, Quantile, SampleResult, Yield};
 use pinwheel_timeseries::table::{Shown, Table, Values};
@@ -46,8 +46,7 @@ pub(super) fn yield_in_words(found: &Yield) -> String {
 pub(super) fn place(found: &SampleResult) -> String {
     let varied = found.varied.iter();
     let varied = varied.map(|(key, value)| format!("{key} = {value}"));
-    let words: Vec<String> = [found.engine.clone()].into_iter().chain(varied).collect();
-    words.join(", ")
+    joined(", ", [found.engine.clone()].into_iter().chain(varied))
 }
 
 /// Keys that decide a figure, in words, with their share of the variance.
@@ -66,7 +65,7 @@ pub(super) fn decides(figure: &FigureOfSample) -> String {
     keys.sort_by(|a, b| b.0.total_cmp(&a.0));
     let words = keys.iter().take(MOST_KEYS);
     let words = words.map(|(share, key)| format!("{key} {:.0} %", 100.0 * share.min(1.0)));
-    words.collect::<Vec<_>>().join(", ")
+    joined(", ", words)
 }
 
 /// Fewer runs have none beyond their outer quantiles.
@@ -147,7 +146,7 @@ fn limits(limits: &[Limit], of: &Yield) -> Block {
     let words = |limit: &Limit| {
         let least = limit.least.map(|x| format!("at least {x}"));
         let most = limit.most.map(|x| format!("at most {x}"));
-        least.into_iter().chain(most).collect::<Vec<_>>().join(", ")
+        joined(", ", least.into_iter().chain(most))
     };
     Table::of(yield_in_words(of), limits.iter().zip(&of.alone))
         .text("", "Figure", |(limit, _)| named(&limit.figure))

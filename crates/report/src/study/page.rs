@@ -5,6 +5,7 @@ use pinwheel_timeseries::table::{Column, Table};
 use serde_json::{Value, json};
 
 use super::{Block, Chart, Fact, Item, Mark, Section, Study, Tile, Tone, Verdict, chart};
+use crate::format::joined;
 use crate::{script, table};
 
 /// Drawings of the page's scripts, in the order of its blocks.
@@ -339,9 +340,9 @@ fn cell(column: &Column, row: usize, first: bool) -> String {
         (true, mark),
     ];
     let classes = classes.into_iter().filter(|(there, _)| *there);
-    let classes: Vec<&str> = classes.map(|(_, class)| class).collect();
+    let classes = joined(" ", classes.map(|(_, class)| class));
     let tag = if first { "th" } else { "td" };
-    let mut attributes = format!(" class=\"{}\"", classes.join(" "));
+    let mut attributes = format!(" class=\"{}\"", classes);
     if first {
         attributes += " scope=\"row\"";
     } else {
