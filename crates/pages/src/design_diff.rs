@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_engines::Cancelled;
 use pinwheel_report::format::{self, NONE, joined, significant};
 use pinwheel_report::study::{Block, Section, Study, Tile, Tone, Verdict};
+use pinwheel_report::table::named;
 use pinwheel_report::terminal::{self, TITLE, paragraph, styled};
 use pinwheel_scene::keys::key;
 use pinwheel_studies::Provenance;
@@ -59,7 +60,7 @@ pub fn page(
 #[must_use]
 pub fn text(found: &DesignDiff) -> String {
     let [a, b] = &found.names;
-    let mut text = format!("{}\n", styled(TITLE, &format!("{a} and {b}")));
+    let mut text = styled(TITLE, &format!("{a} and {b}")) + "\n";
     let stated = || found.changed.iter().filter(|change| !change.follows);
     if stated().next().is_some() {
         text.push_str(&terminal::table(&keys(found, "", stated()).done()));
@@ -70,9 +71,7 @@ pub fn text(found: &DesignDiff) -> String {
         text.push_str(&format!("and {keys} from them\n"));
     }
     let derived = found.derived.iter().filter(|r| r.judged != Judged::Same);
-    let means = found.time_series.iter().take(1);
-    let means = means.flat_map(|(_, rows)| rows);
-    let means = means.filter(|row| SERIES.contains(&row.key.as_str()));
+    let means = steady(found).filter(|row| SERIES.contains(&row.key.as_str()));
     let all = derived.chain(&found.figures).chain(means);
     let figures = both(found, "", all)
         .said(|row| match row.judged {
@@ -83,32 +82,34 @@ pub fn text(found: &DesignDiff) -> String {
             Judged::Differ => Mark::None,
             _ => Mark::Muted,
         });
-    let hidden =
-        "not shown: the difference is below the uncertainty of both together (after \u{b1})";
     let mut all = found.figures.iter();
     let below = all.any(|row| row.judged == Judged::BelowUncertainty);
     let note = match below {
-        true => paragraph(hidden),
-        false => String::new(),
+        true => {
+            "not shown: the difference is below the uncertainty of both together (after \u{b1})"
+        }
+        false => "",
     };
     format!(
-        "{text}\n{}{note}\n{}",
+        "{text}\n{}{}\n{}",
         terminal::table(&figures.done()),
+        paragraph(note),
         paragraph(&verdict(found).headline)
     )
 }
 
+/// Means and peaks of the first window.
+fn steady(found: &DesignDiff) -> impl Iterator<Item = &FigureDiff> {
+    let first = found.time_series.first();
+    first.into_iter().flat_map(|(_, rows)| rows)
+}
+
 fn verdict(found: &DesignDiff) -> Verdict {
-    let steady = || found.time_series.iter().take(1);
-    let all = || {
-        found
-            .figures
-            .iter()
-            .chain(steady().flat_map(|(_, rows)| rows))
-    };
+    let all = || found.figures.iter().chain(steady(found));
     let count = |judged: Judged| all().filter(|row| row.judged == judged).count();
     let (same, below) = (count(Judged::Same), count(Judged::BelowUncertainty));
     let (differ, total) = (count(Judged::Differ), all().count());
+    let unknown = total - same - below - differ;
     let headline = if found.identical() {
         "The designs are identical: every key has the same value".to_owned()
     } else if differ == 0 {
@@ -124,16 +125,15 @@ fn verdict(found: &DesignDiff) -> Verdict {
             most => format!("{differ} of {total} figures differ, most: {most}"),
         }
     };
-    let unknown = total - same - below - differ;
-    let mut detail = format!(
-        "{}; {} the same, {below} with a difference below the uncertainty",
-        counted(
-            found.changed.len(),
-            "key of the scene differs",
-            "keys of the scene differ"
-        ),
-        counted(same, "figure is", "figures are"),
+    let changed = found.changed.len();
+    let changed = counted(
+        changed,
+        "key of the scene differs",
+        "keys of the scene differ",
     );
+    let same = counted(same, "figure is", "figures are");
+    let mut detail =
+        format!("{changed}; {same} the same, {below} with a difference below the uncertainty");
     if unknown > 0 {
         detail.push_str(&format!(", of {unknown} it is not known"));
     }
@@ -141,11 +141,7 @@ fn verdict(found: &DesignDiff) -> Verdict {
         detail.push_str(&format!(". {name}: {reason}"));
     }
     Verdict {
-        tone: if found.broken().is_some() {
-            Tone::Bad
-        } else {
-            Tone::Neutral
-        },
+        tone: found.broken().map_or(Tone::Neutral, |_| Tone::Bad),
         headline,
         detail: format!("{detail}."),
     }
@@ -175,9 +171,7 @@ fn value(value: Option<&Value>) -> String {
     match value {
         None => NONE.to_owned(),
         Some(Value::String(text)) => text.clone(),
-        Some(Value::Number(number)) => number
-            .as_f64()
-            .map_or_else(|| number.to_string(), format::plain),
+        Some(Value::Number(number)) => number.as_f64().map_or(number.to_string(), format::plain),
         Some(other) => other.to_string(),
     }
 }
@@ -192,14 +186,6 @@ fn change(row: &FigureDiff) -> String {
         }
         Some(share) => significant(share, 1),
         None => NONE.to_owned(),
-    }
-}
-
-/// Name of the row's figure, with the unit that is shown.
-fn label(row: &FigureDiff) -> String {
-    match scaled(row).0.as_str() {
-        "" => row.what.clone(),
-        unit => format!("{} ({unit})", row.what),
     }
 }
 
@@ -220,7 +206,7 @@ fn tiles(found: &DesignDiff) -> Vec<Tile> {
     let tile = |row: &FigureDiff| {
         let [a, b] = row
             .values
-            .map(|v| v.map_or_else(|| NONE.to_owned(), figure));
+            .map(|value| value.map_or(NONE.to_owned(), figure));
         let judged = match row.judged {
             Judged::Same => "the same".to_owned(),
             Judged::Differ => change(row),
@@ -249,6 +235,7 @@ fn both<'a>(
     caption: &str,
     rows: impl Iterator<Item = &'a FigureDiff>,
 ) -> TableOf<&'a FigureDiff> {
+    let label = |row: &FigureDiff| named(&row.what, &scaled(row).0);
     let mut table = Table::of(caption, rows).text("", "Figure", |row| label(row));
     for (k, name) in found.names.iter().enumerate() {
         table = table

@@ -7,9 +7,15 @@ use crate::format;
 /// A column's heading with its unit.
 #[must_use]
 pub fn heading(column: &Column) -> String {
-    match column.unit.as_str() {
-        "" => column.label.clone(),
-        unit => format!("{} ({unit})", column.label),
+    named(&column.label, &column.unit)
+}
+
+/// A name with its unit, which may be empty.
+#[must_use]
+pub fn named(label: &str, unit: &str) -> String {
+    match unit {
+        "" => label.to_owned(),
+        unit => format!("{label} ({unit})"),
     }
 }
 

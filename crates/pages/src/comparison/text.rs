@@ -54,7 +54,7 @@ fn with_notes(
         // Four words would not stand on one line.
         let bounds = one.detail.replace("by contact law", "by law");
         let value = match one.value.as_str() {
-            format::NONE => one.value.clone(),
+            format::NONE => one.value,
             _ => format!("{value:12}"),
         };
         (one.label, format!("{value} {bounds}"))
@@ -70,9 +70,9 @@ fn with_notes(
     let more = notes.len() - kept;
     told.extend(notes.into_iter().take(kept));
     if more > 0 {
-        let text =
+        let more =
             format!("{more} more on what was done to it: `--verbose`, or Measured on the page");
-        told.push(Fact::new(answer::DATA, Mark::None, text));
+        told.push(Fact::new(answer::DATA, Mark::None, more));
     }
     text += &facts("can I trust it", &told);
     let mut unchecked = answer.unchecked(reasons);
@@ -109,7 +109,7 @@ pub fn details(found: &Outcome) -> String {
     let told = words::of_windows(comparison).chain(budgets(comparison));
     let told = told.chain(words::of_measured(comparison));
     let twins = found.twins.iter().filter_map(super::twins::line);
-    text + &lines(told.chain(twins))
+    text + &terminal::paragraphs(told.chain(twins))
 }
 
 /// A share as a terminal shows it.
@@ -118,12 +118,6 @@ fn share(value: f64) -> String {
         true => format!("{}\u{202f}%", significant(100.0 * value, 2)),
         false => brief_number(value),
     }
-}
-
-/// Each as a paragraph of its own.
-fn lines(all: impl IntoIterator<Item = String>) -> String {
-    let lines = all.into_iter();
-    lines.map(|line| paragraph(&line) + "\n").collect()
 }
 
 /// The last lines: what all verdicts amount to.
@@ -135,11 +129,8 @@ fn total(answer: &Answer<'_>) -> String {
         Tone::Open => OPEN,
         Tone::Neutral => QUIET,
     };
-    let counts = words::counts(answer.comparison());
-    styled(
-        style,
-        &paragraph(&format!("{}  {counts}", word.to_uppercase())),
-    )
+    let (word, counts) = (word.to_uppercase(), words::counts(answer.comparison()));
+    styled(style, &paragraph(&format!("{word}  {counts}")))
 }
 
 /// Statement on an engine or a pair in a row, and its mark.
@@ -152,7 +143,6 @@ fn engines(comparison: &Comparison) -> Table {
         figures.quantities.get(quantity).copied()
     };
     let peak = |engine: &EngineSummary, quantity| Some(statistics(engine, quantity)?.peak);
-    let recorded = |engine: &EngineSummary| engine.cost.recorded.is_some();
     Table::of("", &comparison.engines)
         .text("", "engine", |engine| &engine.name)
         .number("", "torque N m", |engine| {
@@ -167,7 +157,7 @@ fn engines(comparison: &Comparison) -> Table {
             Some(engine.cost.wall_s).filter(|wall| *wall > 0.0)
         })
         .shown(Shown::Decimals(2))
-        .said(|engine| recorded(engine).then(|| "recorded".to_owned()))
+        .said(|engine| engine.cost.recorded.as_ref().map(|_| "recorded".to_owned()))
         .text("", "load", |engine| own_verdict(engine).0)
         .marked(|engine| own_verdict(engine).1)
         .done()
@@ -263,10 +253,10 @@ fn pairs(comparison: &Comparison) -> Table {
     }
     Table::of("", &rows)
         .text("", "pairs that share", |(shares, ..)| shares)
-        .whole("", "agree", |(_, counts, _)| Some(counts.as_ref()?.agree))
-        .whole("", "differ", |(_, counts, _)| Some(counts.as_ref()?.differ))
+        .whole("", "agree", |(_, counts, _)| Some((*counts)?.agree))
+        .whole("", "differ", |(_, counts, _)| Some((*counts)?.differ))
         .whole("", "inconcl.", |(_, counts, _)| {
-            Some(counts.as_ref()?.inconclusive)
+            Some((*counts)?.inconclusive)
         })
         .text("", "at worst", |(.., (said, _))| said)
         .marked(|(.., (_, mark))| *mark)

@@ -1,7 +1,7 @@
 //! The study on a terminal: what each method gets right. The page has the map of scenes.
 
 use pinwheel_report::format::{self, joined};
-use pinwheel_report::terminal::{self, TITLE, styled};
+use pinwheel_report::terminal::{self, TITLE, paragraphs, styled};
 use pinwheel_studies::stability::Atlas;
 use pinwheel_timeseries::table::{Mark, Table};
 
@@ -44,15 +44,12 @@ pub fn text(atlas: &Atlas) -> String {
     let refused = atlas
         .done()
         .filter_map(|row| Some((&row.scene, row.refused.as_ref()?)));
-    let refused =
-        refused.map(|(scene, why)| terminal::paragraph(&format!("{scene}: {why}")) + "\n");
-    let findings = atlas.findings();
-    let findings = findings.map(|(line, _)| terminal::paragraph(&line) + "\n");
+    let refused = refused.map(|(scene, why)| format!("{scene}: {why}"));
     format!(
         "{}\n{}{}{}The map of scenes and methods is on the page.",
         styled(TITLE, "stability"),
-        findings.collect::<String>(),
+        paragraphs(atlas.findings().map(|(line, _)| line)),
         terminal::table(&table.done().without_empty()),
-        refused.collect::<String>()
+        paragraphs(refused)
     )
 }

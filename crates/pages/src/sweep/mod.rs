@@ -5,6 +5,7 @@ use pinwheel_report::format::{count, joined, plain, readable_unit, seconds, sign
 use pinwheel_report::study::{
     Block, Grid, GridAxis, GridFigure, Section, Study, Tile, Tone, Verdict,
 };
+use pinwheel_report::table::named;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::sweep::{self, Axis, Plan, RunRecord, STATICS, Value};
 use pinwheel_timeseries::table::{Column, Table, Values};
@@ -235,15 +236,6 @@ fn grid(plan: &Plan, records: &[RunRecord], table: &Table) -> Grid {
         figures: figures.take(MOST_FIGURES).collect(),
         runs: (0..plan.runs.len()).map(|run| plan.places(run)).collect(),
         axes,
-    }
-}
-
-/// Name and unit.
-fn named(label: &str, unit: &str) -> String {
-    if unit.is_empty() {
-        label.to_owned()
-    } else {
-        format!("{label} ({unit})")
     }
 }
 

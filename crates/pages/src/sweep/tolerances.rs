@@ -98,7 +98,7 @@ pub(super) fn between(figure: &FigureOfSample) -> [Option<&Quantile>; 3] {
 
 pub(super) fn named(name: &str) -> String {
     let (label, unit) = label_and_unit(name);
-    super::named(&label, &unit)
+    pinwheel_report::table::named(&label, &unit)
 }
 
 /// The verdict of a sweep with a specification, of its worst sample.
