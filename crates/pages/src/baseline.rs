@@ -107,21 +107,18 @@ pub fn recorded(name: &str, record: &Record) -> String {
             .iter()
             .filter(|(.., error)| *error > limits::FAR_OFF)
             .count();
-        let named = errors
-            .iter()
-            .take(far.clamp(1, 3))
-            .map(|(scene, case, quantity, error)| {
-                let by = match case.choice == *solver {
-                    true => String::new(),
-                    false => format!(" by {}", case.choice),
-                };
-                let label = quantity.label();
-                let off = match 100.0 * error {
-                    percent if percent < 0.1 => format!("{percent:.1e}"),
-                    percent => format!("{percent:.1}"),
-                };
-                format!("{}{by} {off} % in {label}", scene.name)
-            });
+        let named = errors.iter().take(far.clamp(1, 3));
+        let named = named.map(|(scene, case, quantity, error)| {
+            let by = match case.choice == *solver {
+                true => String::new(),
+                false => format!(" by {}", case.choice),
+            };
+            let off = match 100.0 * error {
+                percent if percent < 0.1 => format!("{percent:.1e}"),
+                percent => format!("{percent:.1}"),
+            };
+            format!("{}{by} {off} % in {}", scene.name, quantity.label())
+        });
         let (cases, named) = (errors.len(), joined(", ", named));
         match far {
             _ if cases == 0 => format!("{solver}: nothing recorded"),
@@ -154,14 +151,9 @@ pub fn list(listed: &[Listed]) -> String {
     let mut text = String::new();
     for one in listed {
         let made = &one.made;
-        text.push_str(&format!(
-            "{}  {} scenes, made {}, {} build, {}\n",
-            styled(TITLE, &one.name),
-            one.scenes,
-            made.date,
-            made.build,
-            made.vectors
-        ));
+        let (name, scenes) = (styled(TITLE, &one.name), one.scenes);
+        let when = format!("made {}, {} build, {}", made.date, made.build, made.vectors);
+        text.push_str(&format!("{name}  {scenes} scenes, {when}\n"));
         let row = |a: &Acceptance| [" ", &a.date, &a.reason].map(str::to_owned);
         text.push_str(&terminal::list(one.accepted.iter().map(row)));
     }
@@ -206,10 +198,9 @@ fn mark(verdict: Verdict) -> Mark {
 
 /// `1e-5 > 2e-5`, or the one figure where both are the same.
 fn both<T: PartialEq>(before: T, after: T, words: impl Fn(T) -> String) -> String {
-    if before == after {
-        words(after)
-    } else {
-        format!("{} > {}", words(before), words(after))
+    match before == after {
+        true => words(after),
+        false => format!("{} > {}", words(before), words(after)),
     }
 }
 
@@ -244,11 +235,9 @@ fn cases_table<'a>(caption: &str, cases: impl Iterator<Item = &'a CaseCheck>) ->
         .number("", "Change", |case| Some(most(case)?.change))
         .shown(Shown::Relative)
         .text("", "Error before > after", |case| {
-            most(case).map_or_else(String::new, |moved| {
-                both(moved.error_before, moved.error_after, |error| {
-                    format!("{error:.2e}")
-                })
-            })
+            let error = |error: f64| format!("{error:.2e}");
+            let errors = most(case).map(|of| both(of.error_before, of.error_after, error));
+            errors.unwrap_or_default()
         })
         .text("", "Right-hand sides", |case| {
             count(case).map_or_else(String::new, |cost| {

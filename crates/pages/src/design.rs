@@ -42,12 +42,10 @@ fn given_way(found: &DesignResult) -> (&'static str, String) {
         Some((last, before)) => {
             let before = joined(", ", before.iter().map(|share| share.part));
             let names = joined(" and ", [&before, last.part]);
-            (
-                "what gives way",
-                format!(
-                    "Lost motion and stiffness are those of {names}; all else, and the housing, is rigid here."
-                ),
-            )
+            let said = format!(
+                "Lost motion and stiffness are those of {names}; all else, and the housing, is rigid here."
+            );
+            ("what gives way", said)
         }
     }
 }
@@ -165,10 +163,8 @@ pub fn text(found: &DesignResult, whole: bool) -> String {
     }
     rows.extend(notes(found));
     if !whole {
-        rows.push((
-            "counted",
-            "how each figure is: --verbose, or the page".to_owned(),
-        ));
+        let verbose = "how each figure is: --verbose, or the page";
+        rows.push(("counted", verbose.to_owned()));
     }
     format!(
         "{}\n{}\n{}",
@@ -189,17 +185,16 @@ pub fn draft(draft: &Draft) -> String {
         row("wall, hole to profile", mm(of.walls.hole_to_profile_m), ""),
         row("wall, hole to hole", mm(of.walls.hole_to_hole_m), ""),
         row("gap, pin to pin", mm(of.walls.sleeve_to_sleeve_m), ""),
-        row(
-            "sharpest bend of the pins' path",
-            mm(of.smallest_convex_radius_m),
-            "a larger pin radius undercuts the disc",
-        ),
-        row(
-            "largest pin force",
-            format!("{} N", figure(of.external_force_estimate_n)),
-            "external, rigid: 4 T/(e zs zk)",
-        ),
     ];
+    let bend = mm(of.smallest_convex_radius_m);
+    let undercut = "a larger pin radius undercuts the disc";
+    rows.push(row("sharpest bend of the pins' path", bend, undercut));
+    let force = format!("{} N", figure(of.external_force_estimate_n));
+    rows.push(row(
+        "largest pin force",
+        force,
+        "external, rigid: 4 T/(e zs zk)",
+    ));
     for key in &draft.suggested {
         let name = key.rsplit('.').next().unwrap_or(key);
         rows.push(row("suggested", String::new(), name));

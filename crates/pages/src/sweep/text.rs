@@ -74,10 +74,8 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
         if let Some(of) = &found.yielded {
             rows.push(row("yield", tolerances::yield_in_words(of)));
         }
-        for figure in tolerances::shown(plan, found)
-            .into_iter()
-            .take(MOST_FIGURES)
-        {
+        let shown = tolerances::shown(plan, found).into_iter();
+        for figure in shown.take(MOST_FIGURES) {
             let name = tolerances::named(&figure.name);
             rows.push(row(&name, tolerances::in_words(figure)));
         }
@@ -117,8 +115,7 @@ fn result(plan: &Plan, records: &[RunRecord]) -> String {
             .shown(Shown::Digits(5))
             .uncertain(|(_, record)| uncertainty(record, &column, value(record)?));
     }
-    let more = records.len().saturating_sub(MOST_RUNS);
-    let more = match more {
+    let more = match records.len().saturating_sub(MOST_RUNS) {
         0 => String::new(),
         more => format!("and {more} more in the results\n"),
     };
