@@ -1,5 +1,7 @@
 //! One colour and dash for each engine, on every page the same.
 
+use std::collections::BTreeMap;
+
 use pinwheel_engines::info;
 use pinwheel_report::COLOURS as COUNT;
 
@@ -22,6 +24,13 @@ pub(crate) fn styles(names: &[&str]) -> Vec<usize> {
             })
         })
         .collect()
+}
+
+/// Style of each name by the name.
+pub(crate) fn by_name<'a>(names: impl IntoIterator<Item = &'a str>) -> BTreeMap<&'a str, usize> {
+    let names: Vec<&str> = names.into_iter().collect();
+    let styles = styles(&names);
+    names.into_iter().zip(styles).collect()
 }
 
 /// A place that follows from the name alone (FNV-1a).

@@ -3,7 +3,7 @@
 use pinwheel_engines::{AccuracySetting, SharedModel};
 use pinwheel_report::format::{NONE, joined, limit, plain};
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Style};
-use pinwheel_studies::bench::{self, Advantage, Errors, Measure, Ranking, WorkPrecision};
+use pinwheel_studies::bench::{self, Advantage, CostAt, Errors, Measure, Ranking, WorkPrecision};
 use pinwheel_studies::reference::Solution;
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
@@ -62,8 +62,9 @@ fn costs(study: &WorkPrecision, rankings: &[Ranking]) -> Section {
 
 /// The native solver against the fastest peer, window by window.
 fn leads(rankings: &[Ranking]) -> Table {
-    let lead = |ranking: &Ranking, words: fn(&Advantage) -> String| {
-        let words = ranking.advantage.as_ref().map(words);
+    let lead = |ranking: &Ranking, side: fn(&Advantage) -> (&String, CostAt)| {
+        let side = ranking.advantage.as_ref().map(side);
+        let words = side.map(|(name, cost)| format!("{name}, {}", figures::cpu(cost)));
         words.unwrap_or_else(|| NONE.to_owned())
     };
     Table::of("The native solver against the fastest peer", rankings)
@@ -71,14 +72,10 @@ fn leads(rankings: &[Ranking]) -> Table {
         .number("", "Force error", |ranking| ranking.error)
         .said(|ranking| limit(ranking.error))
         .text("", "Fastest native", |ranking| {
-            lead(ranking, |of| {
-                format!("{}, {}", of.native, figures::cpu(of.native_cpu_s))
-            })
+            lead(ranking, |of| (&of.native, of.native_cpu_s))
         })
         .text("", "Fastest peer", |ranking| {
-            lead(ranking, |of| {
-                format!("{}, {}", of.peer, figures::cpu(of.peer_cpu_s))
-            })
+            lead(ranking, |of| (&of.peer, of.peer_cpu_s))
         })
         .number("", "Ratio of CPU times", |ranking| {
             Some(ranking.advantage.as_ref()?.ratio)
@@ -124,9 +121,7 @@ fn is_saddle_point(series: &bench::Series) -> bool {
 fn chart(study: &WorkPrecision, window: usize, measure: Measure, saddle_point: bool) -> Chart {
     // An engine and method has one colour on all charts.
     let labels: Vec<String> = study.series.iter().map(bench::Series::label).collect();
-    let names: Vec<&str> = labels.iter().map(String::as_str).collect();
-    let styles = colours::styles(&names);
-    let colour = |label: &str| Some(styles[names.iter().position(|name| *name == label)?]);
+    let styles = colours::by_name(labels.iter().map(String::as_str));
     let all = study.series.iter();
     let all = all.filter(|series| is_saddle_point(series) == saddle_point);
     let series = all.filter_map(|series| {
@@ -140,7 +135,7 @@ fn chart(study: &WorkPrecision, window: usize, measure: Measure, saddle_point: b
         let drawn = Series {
             // Engines that do not count calls have fewer points than settings.
             tags: tags.take(x.len()).collect(),
-            colour: colour(&series.label()),
+            colour: styles.get(series.label().as_str()).copied(),
             ..Series::line(series.label(), x, y).styled(Style::Both)
         };
         (!drawn.x.is_empty()).then_some(drawn)
@@ -219,11 +214,8 @@ fn differences(study: &WorkPrecision) -> Section {
          have; its cost is in the native figures."
             .to_owned(),
     ];
-    if study
-        .series
-        .iter()
-        .any(|s| s.track == SharedModel::OwnContact)
-    {
+    let mut series = study.series.iter();
+    if series.any(|s| s.track == SharedModel::OwnContact) {
         points.push(
             "Own-contact engines resolve contact or friction themselves. Their error here holds the difference of the \
              models, and does not vanish with the step."

@@ -24,12 +24,9 @@ pub(super) struct Page<'a> {
 
 impl<'a> Page<'a> {
     pub(super) fn new(comparison: &'a Comparison) -> Self {
-        let names: Vec<&str> = comparison.engines.iter().map(|e| e.name.as_str()).collect();
-        let styles = colours::styles(&names);
-        Self {
-            comparison,
-            styles: names.into_iter().zip(styles).collect(),
-        }
+        let names = comparison.engines.iter().map(|e| e.name.as_str());
+        let styles = colours::by_name(names);
+        Self { comparison, styles }
     }
 
     /// A table of rows that each belong to an engine, which the first column names.
@@ -62,11 +59,11 @@ impl<'a> Page<'a> {
             WindowKind::Transient => "Transient",
             WindowKind::Whole => "Whole run",
         };
-        let found = self.comparison.windows.iter().find(|w| w.kind == kind);
-        found.map_or_else(
-            || word.to_owned(),
-            |window| format!("{word}, {}", span(window.from_s, window.to_s)),
-        )
+        let mut windows = self.comparison.windows.iter();
+        match windows.find(|window| window.kind == kind) {
+            Some(window) => format!("{word}, {}", span(window.from_s, window.to_s)),
+            None => word.to_owned(),
+        }
     }
 
     /// Sections in the order measured, shared law, own contact, native: who has measured asks for that, and native runs
@@ -188,12 +185,11 @@ impl<'a> Page<'a> {
             let mut table = self.of_engines(&label, rows.iter().copied(), |(engine, _)| engine);
             for quantity in &loads {
                 for (name, of, norm) in statistics(quantity) {
+                    let label = format!("{}, {name}", quantity.label);
                     table = table
-                        .number(
-                            "",
-                            &format!("{}, {name}", quantity.label),
-                            |(_, figures)| figures.quantities.get(&quantity.name).map(of),
-                        )
+                        .number("", &label, |(_, figures)| {
+                            figures.quantities.get(&quantity.name).map(of)
+                        })
                         .unit(&quantity.unit)
                         .uncertain(|(engine, figures)| {
                             let sampling = figures.sampling.get(&quantity.name).map_or(0.0, of);
@@ -312,12 +308,9 @@ impl<'a> Page<'a> {
 
     /// The engines in words.
     pub(super) fn engines(&self) -> Section {
+        let (caption, engines) = ("The engines and how they differ", &self.comparison.engines);
         let table = self
-            .of_engines(
-                "The engines and how they differ",
-                &self.comparison.engines,
-                |e| e,
-            )
+            .of_engines(caption, engines, |e| e)
             .text("", "Version", |e| &e.version)
             .text("", "Shares", |e| e.track.shares())
             .text("", "What it is", |e| &e.summary)
