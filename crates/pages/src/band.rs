@@ -66,7 +66,7 @@ fn ends(band: &Band) -> [f64; 2] {
     band.of_own_law.map(|share| share * band.own)
 }
 
-/// That the scene's own law lies outside of what is defensible, and what to do.
+/// Sentence on a scene whose own law lies outside of what is defensible, with the remedy.
 pub(crate) fn outside(bands: &Bands) -> Option<String> {
     if bands.holds_own() {
         return None;

@@ -266,7 +266,7 @@ fn with_band(one: &DesignFigure) -> String {
     }
 }
 
-/// How a figure is counted, its spread over the mesh, and what only this gear's outcome knows.
+/// Rule by which a figure is counted, its spread over the mesh, and what only this gear's outcome knows.
 fn how(found: &DesignResult, one: &DesignFigure) -> String {
     let mut parts = vec![counted(one)];
     if one.key == "lost_motion_run_arcmin" {
@@ -277,7 +277,7 @@ fn how(found: &DesignResult, one: &DesignFigure) -> String {
     parts.join("; ")
 }
 
-/// Why a figure is not there.
+/// Reasons why a figure is not there.
 fn withheld(found: &DesignResult, one: &DesignFigure) -> Vec<String> {
     let mut parts = Vec::new();
     if one.key == "efficiency_rated_percent" {
@@ -331,7 +331,7 @@ fn figures(
         .done()
 }
 
-/// How a figure is counted, and its spread over the mesh.
+/// Rule by which a figure is counted, and its spread over the mesh.
 fn counted(one: &DesignFigure) -> String {
     let Some(spread) = one.over_the_mesh else {
         return one.how.to_owned();

@@ -218,7 +218,7 @@ fn tiles(found: &DesignDiff) -> Vec<Tile> {
     found.figures.iter().filter(wanted).map(tile).collect()
 }
 
-/// In words, and how it is marked.
+/// A verdict in words, and its mark.
 fn judged(row: &FigureDiff) -> (&'static str, Mark) {
     match row.judged {
         Judged::Same => ("the same", Mark::Muted),

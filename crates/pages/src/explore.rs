@@ -87,7 +87,7 @@ pub type Values = [(String, String)];
 /// The scene of a state.
 ///
 /// # Errors
-/// Why there is none: it names keys.
+/// The reason why there is none, with the keys.
 pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedScene, String> {
     let mut all = sets.to_vec();
     for (key, value) in values {
@@ -187,7 +187,7 @@ pub fn file(spec: &str, sets: &[Override], values: &Values) -> Result<(String, S
     ))
 }
 
-/// How long a state is looked at, s: a turn of the input of the scene as it is, the same for both.
+/// Duration of a state, s: a turn of the input of the scene as it is, the same for both.
 #[must_use]
 pub fn span_s(scene: &Scene) -> f64 {
     (TAU / scene.drive.input_speed_rad_s.abs().max(1e-9)).min(scene.solver.duration_s)
@@ -196,7 +196,7 @@ pub fn span_s(scene: &Scene) -> f64 {
 /// The gear of a state, as it is looked at.
 ///
 /// # Errors
-/// Why there is none: it names keys.
+/// The reason why there is none, with the keys.
 pub fn gearbox(spec: &str, sets: &[Override], values: &Values) -> Result<Gearbox, String> {
     quick(&scene(spec, sets, values)?)
 }

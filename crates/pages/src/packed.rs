@@ -16,7 +16,7 @@ const FINEST: i32 = 46;
 /// A column that never reaches this is zero.
 const TINY: f64 = 1e-280;
 
-/// How finely a column is rounded.
+/// Rounding of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Rounding {
     /// To this many binary digits of the column's largest value.

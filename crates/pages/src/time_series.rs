@@ -93,7 +93,7 @@ struct ChartQuantity {
 struct ChartChannel {
     /// Number within the group, or empty.
     label: String,
-    /// Which engines have it, by number.
+    /// Engines that have it, by number.
     engines: Vec<usize>,
     /// Places of the samples kept (none: all), values of the first of these engines, differences of the others to it.
     packed: String,
@@ -193,20 +193,20 @@ fn drawn<'a>(
     drawn
 }
 
-/// Where each of `times` stands in `whole`; `None` if one does not.
-fn standing(times: &[f64], whole: &[f64]) -> Option<Vec<usize>> {
+/// Places of `times` among `all`; `None` if one is not there.
+fn standing(times: &[f64], all: &[f64]) -> Option<Vec<usize>> {
     let mut at = 0;
     let place = |t: &f64| {
         let near = SAME_TIME * t.abs().max(SAME_TIME);
-        while at < whole.len() && whole[at] < t - near {
+        while at < all.len() && all[at] < t - near {
             at += 1;
         }
-        (at < whole.len() && (whole[at] - t).abs() <= near).then_some(at)
+        (at < all.len() && (all[at] - t).abs() <= near).then_some(at)
     };
     times.iter().map(place).collect()
 }
 
-/// How much of the time series is drawn.
+/// Part of the time series that is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Plan {
     /// Channels of a group at most.
@@ -279,7 +279,7 @@ impl Plan {
         }
     }
 
-    /// Which of `count` channels are drawn: evenly spaced, the first among them.
+    /// Numbers of those of `count` channels that are drawn: evenly spaced, the first among them.
     fn chosen(self, count: usize) -> Vec<usize> {
         let kept = count.min(self.channels);
         (0..kept).map(|k| k * count / kept).collect()

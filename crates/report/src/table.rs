@@ -68,7 +68,7 @@ pub(crate) fn of_row<T: Clone>(list: &[Option<T>], row: usize) -> Option<T> {
     list.get(row).cloned().flatten()
 }
 
-/// How a cell is marked.
+/// Mark of a cell.
 pub(crate) fn mark(column: &Column, row: usize) -> Mark {
     column.marks.get(row).copied().unwrap_or_default()
 }

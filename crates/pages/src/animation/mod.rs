@@ -34,7 +34,7 @@ pub(crate) fn aside(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Vec<Block>
     }))
 }
 
-/// How far apart samples of the scene's motion are, and how long a page shows it, s.
+/// Distance of the samples of a scene's motion, and the time that a page shows, s.
 pub(crate) fn sampled(scene: &Scene) -> (f64, f64) {
     let (step, stretch) = sampling(scene);
     (step, scene.solver.duration_s.min(stretch))

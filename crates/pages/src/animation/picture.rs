@@ -46,7 +46,7 @@ const PER_SLEEVE: f64 = 24.0;
 const LEAST: f64 = 1e-3;
 /// Radians of a minute of arc.
 const ARCMIN: f64 = PI / (180.0 * 60.0);
-/// How far a disc is drawn off its eccentric at most, as a share of the pins' circle.
+/// Largest distance at which a disc is drawn off its eccentric, as a share of the pins' circle.
 const OFFSET: f64 = 0.02;
 
 /// Packed channels in their order, each with its factor: torques, angles in rad, forces, offsets in mm.
@@ -88,7 +88,7 @@ fn magnified(largest: f64, wanted: f64) -> f64 {
     steps.next().unwrap_or(1.0) * decade
 }
 
-/// How far apart samples of a scene should be, s, and how long a stretch fits into one page, s.
+/// Distance of the samples of a scene, s, and the longest stretch that fits into one page, s.
 pub(super) fn sampling(scene: &Scene) -> (f64, f64) {
     let turn = TAU / scene.drive.input_speed_rad_s.abs().max(1e-9);
     let sleeve = turn / scene.gear.external_sleeves as f64;

@@ -19,7 +19,7 @@ use super::twins::{self, percent};
 use super::words;
 use crate::band;
 
-/// How shares are written: by signs of a page or of a terminal.
+/// Format of shares: by signs of a page or of a terminal.
 pub(super) type Number = fn(f64) -> String;
 
 /// The answer.
@@ -145,7 +145,7 @@ impl<'a> Answer<'a> {
         }
     }
 
-    /// Who agrees, and what differs most, in a sentence each.
+    /// Engines that agree, and what differs most, in a sentence each.
     fn summary(&self) -> String {
         let (engines, programs) = self.agreeing();
         let agree = match engines {
@@ -500,7 +500,7 @@ impl<'a> Answer<'a> {
     }
 }
 
-/// Why engines have no figures, those of one reason together.
+/// Reasons why engines have no figures, with the engines of each.
 pub(super) fn left_out(comparison: &Comparison) -> Vec<(Vec<&str>, String)> {
     let mut reasons: Vec<(Vec<&str>, String)> = Vec::new();
     let is_late = |engine: &&EngineSummary| matches!(engine.status, Status::TimedOut { .. });

@@ -1,6 +1,7 @@
 //! A comparison of engines on one scene.
 
 mod answer;
+mod common;
 mod figures;
 mod pairs;
 mod sections;
@@ -19,7 +20,7 @@ use pinwheel_studies::comparison::Outcome;
 use pinwheel_timeseries::table::Table;
 
 use answer::Answer;
-use sections::Page;
+use common::Page;
 pub use text::{details, text};
 
 use crate::{animation, band, time_series};

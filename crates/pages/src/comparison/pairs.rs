@@ -7,7 +7,7 @@ use pinwheel_report::format::{self, NONE, relative, relative_or_none, significan
 use pinwheel_report::study::{Block, Item};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
-use super::sections::{Page, mark};
+use super::common::{Page, mark};
 use super::words;
 
 /// Pairs of one verdict that are listed without a fold.
@@ -184,7 +184,7 @@ impl Page<'_> {
         found.into_iter().map(text).collect()
     }
 
-    /// Why the limits and tolerances of a track are what they are, each reason once.
+    /// Reasons of the limits and tolerances of a track, each once.
     fn reasons(&self, track: SharedModel) -> Vec<String> {
         let pairs = self.comparison.pairs.iter().filter(|p| p.track == track);
         let of_pairs = pairs.flat_map(|p| &p.entries).flat_map(|e| &e.assessments);

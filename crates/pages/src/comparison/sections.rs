@@ -1,71 +1,17 @@
 //! Sections of a comparison's page: tracks with their pairs and figures, energy, costs, engines.
 
-use std::collections::BTreeMap;
-
 use pinwheel_compare::comparison::{EngineSummary, Figures};
 use pinwheel_compare::uncertainty::Norm;
-use pinwheel_compare::{
-    Assessment, Comparison, Metric, Quantity, SharedModel, Verdict, WindowKind, quantities,
-};
+use pinwheel_compare::{Assessment, Metric, Quantity, SharedModel, quantities};
 use pinwheel_report::format::{self, joined};
 use pinwheel_report::study::{Block, Section};
 use pinwheel_timeseries::norms::Statistics;
-use pinwheel_timeseries::table::{Mark, Shown, Table, TableOf};
+use pinwheel_timeseries::table::{Mark, Shown, Table};
 
+use super::common::{Page, mark, span};
 use super::{pairs, words};
-use crate::colours;
-
-/// Common data of the parts of the page.
-pub(super) struct Page<'a> {
-    pub(super) comparison: &'a Comparison,
-    /// Colour and dash of each engine by its name.
-    styles: BTreeMap<&'a str, usize>,
-}
 
 impl<'a> Page<'a> {
-    pub(super) fn new(comparison: &'a Comparison) -> Self {
-        let names = comparison.engines.iter().map(|e| e.name.as_str());
-        let styles = colours::by_name(names);
-        Self { comparison, styles }
-    }
-
-    /// A table of rows that each belong to an engine, which the first column names.
-    fn of_engines<R>(
-        &self,
-        caption: &str,
-        rows: impl IntoIterator<Item = R>,
-        engine: impl Fn(&R) -> &'a EngineSummary,
-    ) -> TableOf<R> {
-        Table::of(caption, rows)
-            .text("", "Engine", |row| &engine(row).name)
-            .coloured(|row| self.styles.get(engine(row).name.as_str()).copied())
-    }
-
-    /// A quantity in words.
-    pub(super) fn quantity(&self, name: &'a str) -> &'a str {
-        words::label(self.comparison, name)
-    }
-
-    /// A quantity and a window, e.g. `driver torque, steady`.
-    pub(super) fn place(&self, quantity: &'a str, window: WindowKind) -> String {
-        let label = self.quantity(quantity).to_lowercase();
-        format!("{label}, {}", window.word())
-    }
-
-    /// A window in words, e.g. `Steady, 0.3–0.6 s`.
-    pub(super) fn window(&self, kind: WindowKind) -> String {
-        let word = match kind {
-            WindowKind::Steady => "Steady",
-            WindowKind::Transient => "Transient",
-            WindowKind::Whole => "Whole run",
-        };
-        let mut windows = self.comparison.windows.iter();
-        match windows.find(|window| window.kind == kind) {
-            Some(window) => format!("{word}, {}", span(window.from_s, window.to_s)),
-            None => word.to_owned(),
-        }
-    }
-
     /// Sections in the order measured, shared law, own contact, native: who has measured asks for that, and native runs
     /// stand in the tables of all others, so that only what they say among themselves is left for the end.
     pub(super) fn tracks(&self) -> Vec<Section> {
@@ -216,7 +162,7 @@ impl<'a> Page<'a> {
         blocks
     }
 
-    /// Where the energy of each run went.
+    /// Section on the energy of each run.
     pub(super) fn energy(&self) -> Option<Section> {
         let engines = self.comparison.engines.iter();
         let rows = engines.flat_map(|e| e.cost.energy.iter().map(move |energy| (e, energy)));
@@ -325,16 +271,6 @@ impl<'a> Page<'a> {
     }
 }
 
-/// How a verdict is marked: what is open stands back.
-pub(super) fn mark(found: &Assessment) -> Mark {
-    match found.verdict {
-        Verdict::Agree => Mark::Good,
-        Verdict::Differ => Mark::Bad,
-        Verdict::Inconclusive if found.actionable => Mark::Warn,
-        Verdict::Inconclusive | Verdict::NotCompared => Mark::Muted,
-    }
-}
-
 /// The figure that decides, with its uncertainty, or else with how it was measured.
 fn decisive(found: &Assessment) -> String {
     let figure = format::relative_or_none(found.difference.map(f64::abs));
@@ -344,7 +280,7 @@ fn decisive(found: &Assessment) -> String {
     }
 }
 
-/// How dark a share of a bound is: nothing of it 0, all of it and more 1.
+/// Shade of a share of a bound: 0 for nothing of it, 1 for all of it and more.
 fn shade(share: f64) -> f64 {
     match share.is_nan() {
         true => 0.0,
@@ -373,7 +309,7 @@ fn statistics(quantity: &Quantity) -> &'static [Shows] {
     }
 }
 
-/// Why engines have no efficiency, each reason once.
+/// Reasons why engines have no efficiency, each once.
 fn without_efficiency(rows: &[(&EngineSummary, &Figures)]) -> Vec<Block> {
     let of = |(_, figures): &(_, &Figures)| figures.efficiency_reason.clone();
     let reasons = words::distinct(rows.iter().filter_map(of));
@@ -389,11 +325,6 @@ fn without_efficiency(rows: &[(&EngineSummary, &Figures)]) -> Vec<Block> {
         format!("No efficiency{whose}: {reason}.").into()
     });
     said.collect()
-}
-
-fn span(from_s: f64, to_s: f64) -> String {
-    let [from, to] = [from_s, to_s].map(format::plain);
-    format!("{from}\u{2013}{to}\u{202f}s")
 }
 
 #[cfg(test)]

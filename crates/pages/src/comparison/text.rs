@@ -13,8 +13,8 @@ use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use super::answer::{self, Answer};
+use super::common::mark;
 use super::figures::{figures, window};
-use super::sections::mark;
 use super::words;
 use crate::band;
 
@@ -180,7 +180,7 @@ fn own_verdict(engine: &EngineSummary) -> Said {
     })
 }
 
-/// How far measured data are from each engine, quantity by quantity.
+/// Distances of measured data from each engine, quantity by quantity.
 fn measured(comparison: &Comparison) -> Table {
     let pairs = comparison.pairs.iter();
     let pairs = pairs.filter(|p| p.track == SharedModel::Measured);

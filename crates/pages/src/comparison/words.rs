@@ -144,7 +144,7 @@ pub(super) fn inconclusive(comparison: &Comparison) -> Vec<(String, String)> {
     told
 }
 
-/// Who leaves it inconclusive and why, with the remedy where there is one.
+/// Participant that leaves an assessment inconclusive, with the reason and the remedy where there is one.
 pub(super) fn why(found: &Assessment) -> Option<(String, String)> {
     let who = found.participant.clone()?;
     let why = match found.remedy.as_str() {

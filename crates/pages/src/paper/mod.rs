@@ -178,7 +178,7 @@ fn costs(found: &PaperResult) -> Section {
         .folded("time of a run, beside the paper's")
 }
 
-/// How a verdict is marked.
+/// Mark of a verdict.
 fn mark(verdict: ClaimVerdict) -> Mark {
     match verdict {
         ClaimVerdict::Holds => Mark::Good,

@@ -12,7 +12,7 @@ const ERRORS: [f64; 2] = [1e-6, 1.0];
 /// Remainders of the energy account above this are marked: ten times what the paper's law creates.
 const REMAINDER: f64 = 0.1;
 
-/// Where `value` lies between `low` and `high`, by its logarithm.
+/// Place of `value` between `low` and `high`, by its logarithm.
 fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
     ((value.max(f64::MIN_POSITIVE) / low).ln() / (high / low).ln()).clamp(0.0, 1.0)
 }

@@ -5,7 +5,7 @@ use pinwheel_report::terminal::{self, TITLE, paragraphs, styled};
 use pinwheel_studies::stability::Atlas;
 use pinwheel_timeseries::table::{Mark, Table};
 
-/// In how many scenes a method gives the right picture, and what it asks of the step; without the place of the page.
+/// Number of scenes in which each method gives the right picture, and its smallest step; without the place of the page.
 #[must_use]
 pub fn text(atlas: &Atlas) -> String {
     let scenes: Vec<_> = atlas.done().filter(|row| row.refused.is_none()).collect();

@@ -255,7 +255,7 @@ fn axis(axis: &Axis) -> GridAxis {
     }
 }
 
-/// How far a figure may be off: the engine's own statement, what lies between samples, and of means what the window's place does to them.
+/// Uncertainty of a figure: the engine's own statement, what lies between samples, and of means what the window's place does to them.
 fn uncertainty(record: &RunRecord, column: &str, value: f64) -> Option<f64> {
     let torque = column.contains("torque") || column == "efficiency";
     let [forces, driver] = record.uncertainty.unwrap_or([f64::NAN; 2]);

@@ -33,7 +33,7 @@ pub fn list(plan: &Plan) -> String {
     format!("{}\n{table}", styled(TITLE, &plan.sweep.name))
 }
 
-/// How the runs ended and where the results are; `files`: pairs of a word and a place.
+/// Endings of the runs and places of the results; `files`: pairs of a word and a place.
 #[must_use]
 pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> String {
     let count = |wanted: &str| {

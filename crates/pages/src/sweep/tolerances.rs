@@ -42,7 +42,7 @@ pub(super) fn yield_in_words(found: &Yield) -> String {
     )
 }
 
-/// Where a sample stands: its engine and what else is varied.
+/// A sample in words: its engine and what else is varied.
 pub(super) fn place(found: &SampleResult) -> String {
     let varied = found.varied.iter();
     let varied = varied.map(|(key, value)| format!("{key} = {value}"));
@@ -187,7 +187,7 @@ fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
     [spread.into(), keys.into()]
 }
 
-/// How the first figures are distributed, with their limits.
+/// Distributions of the first figures, with their limits.
 fn charts(plan: &Plan, table: &Table, found: &SampleResult) -> Vec<Chart> {
     let figures = shown(plan, found).into_iter().take(MOST_CHARTS);
     let chart = |figure: &FigureOfSample| {

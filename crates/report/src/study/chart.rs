@@ -77,7 +77,7 @@ impl Axis {
 pub struct Series {
     /// Name in the legend.
     pub label: String,
-    /// How it is drawn.
+    /// Its style.
     pub style: Style,
     /// Horizontal values.
     pub x: Vec<f64>,
@@ -108,7 +108,7 @@ impl Series {
     }
 }
 
-/// How a curve is drawn.
+/// Style of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Style {

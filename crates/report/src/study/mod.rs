@@ -76,7 +76,7 @@ pub struct Verdict {
     pub detail: String,
 }
 
-/// How an answer is shown.
+/// Tone of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tone {
     /// All that is asked for holds.
@@ -106,7 +106,7 @@ pub struct Tile {
     pub value: String,
     /// Its unit, or empty.
     pub unit: String,
-    /// How it was found, or what it compares with.
+    /// Its bounds, or what it compares with.
     pub detail: String,
 }
 
@@ -232,7 +232,7 @@ pub struct Fact {
     pub label: String,
     /// The answer.
     pub text: String,
-    /// How it is marked.
+    /// Its mark.
     pub mark: Mark,
 }
 
@@ -254,7 +254,7 @@ pub struct Item {
     pub id: String,
     /// Name.
     pub name: String,
-    /// How it is marked.
+    /// Its mark.
     pub mark: Mark,
     /// Verdict in words.
     pub said: String,
