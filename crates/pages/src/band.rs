@@ -1,9 +1,10 @@
 //! Bands of other contact laws, in words and as a table.
 
 use pinwheel_contact::laws::law_info;
-use pinwheel_report::format::significant;
+use pinwheel_report::format::{joined, significant};
 use pinwheel_report::study::Block;
 use pinwheel_studies::band::{Band, Bands, ROLLERS};
+use pinwheel_timeseries::columns;
 use pinwheel_timeseries::table::Table;
 
 /// Figures that are told where there is little room: key, name, unit.
@@ -44,16 +45,28 @@ pub(crate) fn interval(band: [f64; 2]) -> String {
     format!("{low} to {high}")
 }
 
-/// `310 to 322 by contact law`.
-pub(crate) fn by_law(band: [f64; 2]) -> String {
-    format!("{} by contact law", interval(band))
+/// Bounds of a figure: `310 to 322 by contact law; ± 0.2 numerical`. Without a band, or without the uncertainty `off` that has a
+/// `cause`, that part is left out.
+pub(crate) fn bounds(laws: Option<[f64; 2]>, off: &str, cause: &str) -> String {
+    let laws = laws.map(|laws| format!("{} by contact law", interval(laws)));
+    let off = (!off.is_empty()).then(|| format!("{off} {cause}"));
+    joined("; ", laws.into_iter().chain(off))
+}
+
+/// Key of the band that bounds the peak of a quantity of runs.
+pub(crate) fn key_of_peak(quantity: &str) -> Option<&'static str> {
+    match quantity {
+        columns::EXTERNAL_FORCE => Some("external_force_n"),
+        columns::INTERNAL_FORCE => Some("internal_force_n"),
+        _ => None,
+    }
 }
 
 fn ends(band: &Band) -> [f64; 2] {
     band.of_own_law.map(|share| share * band.own)
 }
 
-/// That the scene's own law lies outside of what is defensible, and what to do.
+/// Sentence on a scene whose own law lies outside of what is defensible, with the remedy.
 pub(crate) fn outside(bands: &Bands) -> Option<String> {
     if bands.holds_own() {
         return None;
@@ -80,12 +93,10 @@ pub(crate) fn about(bands: &Bands) -> String {
 pub(crate) fn fit(bands: &Bands) -> Option<String> {
     let (key, name, unit) = TOLD[0];
     let own = bands.get(key)?.own;
-    let told: Vec<String> = bands
-        .fitted(key, own)
-        .into_iter()
-        .map(|(cut, value)| format!("{:.0} \u{b5}m: {} {unit}", 1e6 * cut, significant(value, 3)))
-        .collect();
-    (!told.is_empty()).then(|| format!("{name}; profile cut by {}", told.join(", by ")))
+    let fitted = bands.fitted(key, own).into_iter();
+    let cut = |(cut, value)| format!("{:.0} \u{b5}m: {} {unit}", 1e6 * cut, significant(value, 3));
+    let told = joined(", by ", fitted.map(cut));
+    (!told.is_empty()).then(|| format!("{name}; profile cut by {told}"))
 }
 
 /// Label of a figure for which the scene's own law lies outside of the band.

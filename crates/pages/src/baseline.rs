@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use pinwheel_report::format::joined;
 use pinwheel_report::study::{self, Block, Section, Study, Tone};
 use pinwheel_report::terminal::{self, QUIET, TITLE, styled};
 use pinwheel_studies::Provenance;
@@ -22,11 +23,11 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
     let bad = |verdict: Verdict| verdict == Verdict::Worse;
     let passed = check.cases.iter().filter(|case| !bad(case.verdict)).count();
     let all = cases_table("Every scene by every solver", check.cases.iter());
-    let mut cases = Section::new("cases", "All cases", vec![Block::Table(all)]);
+    let mut cases = Section::new("cases", "All cases").with(all);
     if passed == check.cases.len() {
         cases = cases.folded(format!("{passed} cases, none worse"));
     }
-    let mut costs = Section::new("costs", "Costs", costs_blocks(check));
+    let mut costs = Section::new("costs", "Costs").with(costs_block(check));
     let mut counts = check.cases.iter().flat_map(|case| &case.costs);
     if !counts.any(|cost| bad(cost.verdict)) {
         costs = costs.folded("Counts of the program's work, none worse");
@@ -47,15 +48,17 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
                 Verdict::Same | Verdict::Better => Tone::Good,
             },
             headline: headline(check.verdict).to_owned(),
-            detail: sentences(name, check).join("; "),
+            detail: joined("; ", sentences(name, check)),
         }),
         sections: vec![
-            Section::new("moved", "What moved", moved_blocks(&moved)),
+            Section::new("moved", "What moved").with(moved_blocks(&moved)),
             cases,
             costs,
-            Section::new("limits", "Limits", [limits::table().into()])
+            Section::new("limits", "Limits")
+                .with(limits::table())
                 .folded("What a figure may move by, and why"),
-            Section::new("history", "History", history_blocks(baseline, check))
+            Section::new("history", "History")
+                .with(history_blocks(baseline, check))
                 .folded("What was accepted, when and why"),
         ],
         ..Study::default()
@@ -72,22 +75,17 @@ pub fn text(name: &str, check: &Check) -> String {
         .partition(|case| case.verdict == Verdict::Same);
     moved.sort_by_key(|case| std::cmp::Reverse(case.verdict));
     let lines = sentences(name, check);
-    let mut text: Vec<String> = lines.iter().map(|line| terminal::paragraph(line)).collect();
+    let mut text: Vec<String> = lines.map(|line| terminal::paragraph(&line)).collect();
     if !moved.is_empty() {
-        text.push(
-            terminal::table(&cases_table("", moved.into_iter()))
-                .trim_end()
-                .to_owned(),
-        );
+        let table = terminal::table(&cases_table("", moved.into_iter()));
+        text.push(table.trim_end().to_owned());
     }
     let mut solvers: Vec<&str> = same.iter().map(|case| case.choice.as_str()).collect();
     solvers.sort_unstable();
     let groups = solvers.chunk_by(|a, b| a == b);
-    let named: Vec<String> = groups
-        .map(|group| format!("{} {}", group[0], group.len()))
-        .collect();
-    if !named.is_empty() {
-        let list = format!("same to rounding: {}", named.join(", "));
+    let named = groups.map(|group| format!("{} {}", group[0], group.len()));
+    if !solvers.is_empty() {
+        let list = format!("same to rounding: {}", joined(", ", named));
         text.push(styled(QUIET, &terminal::paragraph(&list)));
     }
     text.join("\n")
@@ -109,23 +107,19 @@ pub fn recorded(name: &str, record: &Record) -> String {
             .iter()
             .filter(|(.., error)| *error > limits::FAR_OFF)
             .count();
-        let named = errors
-            .iter()
-            .take(far.clamp(1, 3))
-            .map(|(scene, case, quantity, error)| {
-                let by = match case.choice == *solver {
-                    true => String::new(),
-                    false => format!(" by {}", case.choice),
-                };
-                let label = quantity.label();
-                let off = match 100.0 * error {
-                    percent if percent < 0.1 => format!("{percent:.1e}"),
-                    percent => format!("{percent:.1}"),
-                };
-                format!("{}{by} {off} % in {label}", scene.name)
-            });
-        let named: Vec<String> = named.collect();
-        let (cases, named) = (errors.len(), named.join(", "));
+        let named = errors.iter().take(far.clamp(1, 3));
+        let named = named.map(|(scene, case, quantity, error)| {
+            let by = match case.choice == *solver {
+                true => String::new(),
+                false => format!(" by {}", case.choice),
+            };
+            let off = match 100.0 * error {
+                percent if percent < 0.1 => format!("{percent:.1e}"),
+                percent => format!("{percent:.1}"),
+            };
+            format!("{}{by} {off} % in {}", scene.name, quantity.label())
+        });
+        let (cases, named) = (errors.len(), joined(", ", named));
         match far {
             _ if cases == 0 => format!("{solver}: nothing recorded"),
             0 => format!(
@@ -148,11 +142,7 @@ pub fn recorded(name: &str, record: &Record) -> String {
     });
     let kept = record.baseline.scenes.len() - record.scenes.len();
     let kept = (kept > 0).then(|| format!("other scenes, kept as they were: {kept}"));
-    lines
-        .chain(left_out)
-        .chain(kept)
-        .collect::<Vec<_>>()
-        .join("\n")
+    joined("\n", lines.chain(left_out).chain(kept))
 }
 
 /// The baselines that there are, with the reasons for which they were accepted.
@@ -161,14 +151,9 @@ pub fn list(listed: &[Listed]) -> String {
     let mut text = String::new();
     for one in listed {
         let made = &one.made;
-        text.push_str(&format!(
-            "{}  {} scenes, made {}, {} build, {}\n",
-            styled(TITLE, &one.name),
-            one.scenes,
-            made.date,
-            made.build,
-            made.vectors
-        ));
+        let (name, scenes) = (styled(TITLE, &one.name), one.scenes);
+        let when = format!("made {}, {} build, {}", made.date, made.build, made.vectors);
+        text.push_str(&format!("{name}  {scenes} scenes, {when}\n"));
         let row = |a: &Acceptance| [" ", &a.date, &a.reason].map(str::to_owned);
         text.push_str(&terminal::list(one.accepted.iter().map(row)));
     }
@@ -198,9 +183,8 @@ fn headline(verdict: Verdict) -> &'static str {
 }
 
 /// One line on each solver.
-fn sentences(name: &str, check: &Check) -> Vec<String> {
-    let answers = check.answers(name).into_iter();
-    answers.map(|answer| answer.text).collect()
+fn sentences(name: &str, check: &Check) -> impl Iterator<Item = String> {
+    check.answers(name).into_iter().map(|answer| answer.text)
 }
 
 fn mark(verdict: Verdict) -> Mark {
@@ -214,10 +198,9 @@ fn mark(verdict: Verdict) -> Mark {
 
 /// `1e-5 > 2e-5`, or the one figure where both are the same.
 fn both<T: PartialEq>(before: T, after: T, words: impl Fn(T) -> String) -> String {
-    if before == after {
-        words(after)
-    } else {
-        format!("{} > {}", words(before), words(after))
+    match before == after {
+        true => words(after),
+        false => format!("{} > {}", words(before), words(after)),
     }
 }
 
@@ -252,11 +235,9 @@ fn cases_table<'a>(caption: &str, cases: impl Iterator<Item = &'a CaseCheck>) ->
         .number("", "Change", |case| Some(most(case)?.change))
         .shown(Shown::Relative)
         .text("", "Error before > after", |case| {
-            most(case).map_or_else(String::new, |moved| {
-                both(moved.error_before, moved.error_after, |error| {
-                    format!("{error:.2e}")
-                })
-            })
+            let error = |error: f64| format!("{error:.2e}");
+            let errors = most(case).map(|of| both(of.error_before, of.error_after, error));
+            errors.unwrap_or_default()
         })
         .text("", "Right-hand sides", |case| {
             count(case).map_or_else(String::new, |cost| {
@@ -272,8 +253,7 @@ fn cases_table<'a>(caption: &str, cases: impl Iterator<Item = &'a CaseCheck>) ->
 
 fn moved_blocks(moved: &[Moved<'_>]) -> Vec<Block> {
     if moved.is_empty() {
-        let text = "Every quantity of every case is the accepted one to rounding.";
-        return vec![Block::Text(text.to_owned())];
+        return vec!["Every quantity of every case is the accepted one to rounding.".into()];
     }
     let table = Table::of("Quantities beyond their rounding", moved)
         .text("", "Case", |(case, _)| place(case))
@@ -291,14 +271,13 @@ fn moved_blocks(moved: &[Moved<'_>]) -> Vec<Block> {
         .number("", "Peak before", |(_, of)| of.peak[0])
         .number("", "Peak after", |(_, of)| of.peak[1])
         .text("", "Verdict", |(_, of)| of.verdict.label())
-        .marked(|(_, of)| mark(of.verdict))
-        .done();
+        .marked(|(_, of)| mark(of.verdict));
     let text = "Change, rounding and errors are shares of the quantity's size; errors are against the converged run, which \
                 was recorded with the accepted ones.";
-    vec![Block::Text(text.to_owned()), Block::Table(table)]
+    vec![text.into(), table.into()]
 }
 
-fn costs_blocks(check: &Check) -> Vec<Block> {
+fn costs_block(check: &Check) -> Block {
     let costs = check.cases.iter();
     let costs = costs.flat_map(|case| case.costs.iter().map(move |cost| (case, cost)));
     let differ = costs.filter(|(_, cost)| cost.before != cost.after);
@@ -315,10 +294,10 @@ fn costs_blocks(check: &Check) -> Vec<Block> {
         .text("", "Verdict", |(_, cost)| cost.verdict.label())
         .marked(|(_, cost)| mark(cost.verdict))
         .done();
-    vec![match table.is_empty() {
-        true => Block::text("No count differs from the accepted one."),
-        false => Block::Table(table),
-    }]
+    match table.is_empty() {
+        true => "No count differs from the accepted one.".into(),
+        false => table.into(),
+    }
 }
 
 fn history_blocks(baseline: &Baseline, check: &Check) -> Vec<Block> {
@@ -330,13 +309,7 @@ fn history_blocks(baseline: &Baseline, check: &Check) -> Vec<Block> {
     };
     let table = Table::of("Why results were accepted", &baseline.accepted)
         .text("", "Date", |one| &one.date)
-        .text("", "Reason", |one| &one.reason)
-        .done();
-    vec![
-        Block::List(vec![
-            made("Before", &check.before),
-            made("After", &check.after),
-        ]),
-        Block::Table(table),
-    ]
+        .text("", "Reason", |one| &one.reason);
+    let states = vec![made("Before", &check.before), made("After", &check.after)];
+    vec![Block::List(states), table.into()]
 }

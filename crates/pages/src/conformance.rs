@@ -78,7 +78,7 @@ pub fn page(found: &Outcome, made: &Provenance) -> String {
             headline: found.answer.clone(),
             detail: format!("{}; {}, {}", headline(found), found.version, found.track.as_str()),
         }),
-        sections: vec![Section::new("trials", "Trials", [table(found, false).into()])],
+        sections: vec![Section::new("trials", "Trials").with(table(found, false))],
         ..Study::default()
     };
     crate::render(study, made)

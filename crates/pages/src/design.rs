@@ -5,8 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_report::animation::markup;
-use pinwheel_report::format::{self, NONE, significant};
+use pinwheel_report::format::{self, NONE, joined, significant};
 use pinwheel_report::stack::stack;
 use pinwheel_report::study::{Axis, Block, Chart, Fact, Mark, Section, Study, Style, Tile};
 use pinwheel_report::terminal::{self, TITLE, list, styled};
@@ -41,14 +40,12 @@ fn given_way(found: &DesignResult) -> (&'static str, String) {
     match found.budget.split_last() {
         None => (CONTACTS, CONTACTS_ONLY.to_owned()),
         Some((last, before)) => {
-            let names: Vec<&str> = before.iter().map(|share| share.part).collect();
-            let names = [names.join(", "), last.part.to_owned()].join(" and ");
-            (
-                "what gives way",
-                format!(
-                    "Lost motion and stiffness are those of {names}; all else, and the housing, is rigid here."
-                ),
-            )
+            let before = joined(", ", before.iter().map(|share| share.part));
+            let names = joined(" and ", [&before, last.part]);
+            let said = format!(
+                "Lost motion and stiffness are those of {names}; all else, and the housing, is rigid here."
+            );
+            ("what gives way", said)
         }
     }
 }
@@ -69,27 +66,22 @@ pub fn page(
     cancel: &AtomicBool,
 ) -> Result<String, Cancelled> {
     let scene = &found.scene;
-    let motion = animation::of(gearbox, cancel)?;
-    let motion = motion.map(|(view, begin_s)| {
-        let heading = Block::Heading("The gearbox in motion".to_owned());
-        [heading, Block::Html(markup(&[view], begin_s))]
-    });
     let caption = "For a data sheet; after \u{b1} how far a figure may be off numerically: by the poses that were looked at, or by the run's own \
                    verification";
     let all = figures(caption, &found.figures, |one| how(found, one));
-    let mut blocks = vec![all.into()];
+    let mut first = Section::new("figures", "Figures").with(all);
     if !found.shares().is_empty() {
         let caption = "Compliance: what gives way under the rated load";
-        blocks.push(Block::Html(stack(caption, &found.shares())));
+        first = first.with(Block::Html(stack(caption, &found.shares())));
     }
     if !found.budget.is_empty() {
-        blocks.push(budget(found).into());
+        first = first.with(budget(found));
     }
     if let Some(bands) = &found.bands {
-        blocks.extend(band::blocks(bands));
+        first = first.with(band::blocks(bands));
     }
     let mut sections = vec![
-        Section::new("figures", "Figures", blocks),
+        first,
         torsion(found),
         transmission(found),
         sharing(found),
@@ -114,11 +106,11 @@ pub fn page(
         tiles_title: format!("At {} N m", figure(found.rated_torque_n_m)),
         tiles: tiles(found),
         below: vec![
-            Block::Heading("May I use them, and what next?".to_owned()),
+            Block::heading("May I use them, and what next?"),
             Block::Facts(notes(found).into_iter().map(fact).collect()),
             Block::Html(files(found)),
         ],
-        aside: motion.into_iter().flatten().collect(),
+        aside: animation::aside(gearbox, cancel)?,
         sections,
         ..Study::default()
     };
@@ -130,11 +122,8 @@ fn files(found: &DesignResult) -> String {
     let link = |name: &str| format!("<a href=\"{name}\">{name}</a>");
     let discs = (0..found.discs.len()).map(|number| link(&format!("disc_{number}.dxf")));
     let joint = found.joint.iter().map(|_| link("joint.urdf"));
-    let links: Vec<String> = discs.chain(joint).collect();
-    format!(
-        "<p class=\"about\">Drawings beside this page: {}</p>",
-        links.join(", ")
-    )
+    let links = joined(", ", discs.chain(joint));
+    format!("<p class=\"about\">Drawings beside this page: {links}</p>")
 }
 
 /// Notes on the figures before they are used, and on the next step.
@@ -174,10 +163,8 @@ pub fn text(found: &DesignResult, whole: bool) -> String {
     }
     rows.extend(notes(found));
     if !whole {
-        rows.push((
-            "counted",
-            "how each figure is: --verbose, or the page".to_owned(),
-        ));
+        let verbose = "how each figure is: --verbose, or the page";
+        rows.push(("counted", verbose.to_owned()));
     }
     format!(
         "{}\n{}\n{}",
@@ -198,17 +185,16 @@ pub fn draft(draft: &Draft) -> String {
         row("wall, hole to profile", mm(of.walls.hole_to_profile_m), ""),
         row("wall, hole to hole", mm(of.walls.hole_to_hole_m), ""),
         row("gap, pin to pin", mm(of.walls.sleeve_to_sleeve_m), ""),
-        row(
-            "sharpest bend of the pins' path",
-            mm(of.smallest_convex_radius_m),
-            "a larger pin radius undercuts the disc",
-        ),
-        row(
-            "largest pin force",
-            format!("{} N", figure(of.external_force_estimate_n)),
-            "external, rigid: 4 T/(e zs zk)",
-        ),
     ];
+    let bend = mm(of.smallest_convex_radius_m);
+    let undercut = "a larger pin radius undercuts the disc";
+    rows.push(row("sharpest bend of the pins' path", bend, undercut));
+    let force = format!("{} N", figure(of.external_force_estimate_n));
+    rows.push(row(
+        "largest pin force",
+        force,
+        "external, rigid: 4 T/(e zs zk)",
+    ));
     for key in &draft.suggested {
         let name = key.rsplit('.').next().unwrap_or(key);
         rows.push(row("suggested", String::new(), name));
@@ -252,11 +238,9 @@ pub fn headline(one: &DesignFigure) -> (String, String) {
     let (shown, bound) = known(value, one.uncertainty);
     let laws = wide(one);
     let shown = laws.map_or(shown, |laws| band::rounded(value, laws));
-    let bound = Some(bound).filter(|bound| !bound.is_empty());
     // The sign stays with its number.
-    let bound = bound.map(|bound| format!("{} numerical", bound.replace(' ', "\u{a0}")));
-    let parts: Vec<String> = laws.map(band::by_law).into_iter().chain(bound).collect();
-    (shown, parts.join("; "))
+    let bound = bound.replace(' ', "\u{a0}");
+    (shown, band::bounds(laws, &bound, "numerical"))
 }
 
 /// Its band, where that is wider than the figure is off numerically.
@@ -282,7 +266,7 @@ fn with_band(one: &DesignFigure) -> String {
     }
 }
 
-/// How a figure is counted, its spread over the mesh, and what only this gear's outcome knows.
+/// Rule by which a figure is counted, its spread over the mesh, and what only this gear's outcome knows.
 fn how(found: &DesignResult, one: &DesignFigure) -> String {
     let mut parts = vec![counted(one)];
     if one.key == "lost_motion_run_arcmin" {
@@ -293,7 +277,7 @@ fn how(found: &DesignResult, one: &DesignFigure) -> String {
     parts.join("; ")
 }
 
-/// Why a figure is not there.
+/// Reasons why a figure is not there.
 fn withheld(found: &DesignResult, one: &DesignFigure) -> Vec<String> {
     let mut parts = Vec::new();
     if one.key == "efficiency_rated_percent" {
@@ -347,7 +331,7 @@ fn figures(
         .done()
 }
 
-/// How a figure is counted, and its spread over the mesh.
+/// Rule by which a figure is counted, and its spread over the mesh.
 fn counted(one: &DesignFigure) -> String {
     let Some(spread) = one.over_the_mesh else {
         return one.how.to_owned();
@@ -389,19 +373,14 @@ fn joint(joint: &Joint) -> Section {
     .number("", "Stiffness", |spring| spring.stiffness_n_m_per_rad)
     .unit("N m/rad")
     .shown(SHOWN);
-    Section::new(
-        "joint",
-        "As a joint",
-        [
-            Block::Text(format!(
-                "The gear as one joint of a robot's model, of ratio {}: the files `joint_mujoco.xml`, `joint.urdf` and `joint.sdf` hold it, \
-                 the latter two for Drake as well. It has no transmission error, and everywhere the mesh's mean stiffness and play.",
-                joint.ratio
-            )),
-            figures("What the joint is made of", &joint.figures, counted).into(),
-            Block::folded("Springs in parallel", [springs.done().into()]),
-        ],
-    )
+    Section::new("joint", "As a joint")
+        .with(format!(
+            "The gear as one joint of a robot's model, of ratio {}: the files `joint_mujoco.xml`, `joint.urdf` and `joint.sdf` hold it, \
+             the latter two for Drake as well. It has no transmission error, and everywhere the mesh's mean stiffness and play.",
+            joint.ratio
+        ))
+        .with(figures("What the joint is made of", &joint.figures, counted))
+        .with(Block::folded("Springs in parallel", springs))
 }
 
 /// Twist over torque, by statics and by a run.
@@ -440,14 +419,9 @@ fn torsion(found: &DesignResult) -> Section {
              Friction is regularised: a contact that hardly slides gives way slowly.",
         );
     }
-    Section::new(
-        "torsion",
-        "Lost motion and stiffness",
-        [
-            Block::Text(text),
-            Block::Charts(vec![torsion_chart(&[("", found)])]),
-        ],
-    )
+    Section::new("torsion", "Lost motion and stiffness")
+        .with(text)
+        .with(vec![torsion_chart(&[("", found)])])
 }
 
 /// Names of the loads of transmission errors and their orders.
@@ -502,18 +476,13 @@ fn transmission(found: &DesignResult) -> Section {
         .unit("arcmin")
         .shown(SHOWN)
         .text("", "Of", |(_, h)| h.of);
-    Section::new(
-        "transmission-error",
-        "Transmission error",
-        [
-            Block::text(
-                "Output angle less that of the ideal mesh, about its mean, over one period in which both meshes come round. What repeats with the \
-                 mesh excites the machine at its order times the input's speed.",
-            ),
-            Block::Charts(transmission_charts(&[("", found)]).into()),
-            Block::folded("Largest orders", [orders.done().into()]),
-        ],
-    )
+    Section::new("transmission-error", "Transmission error")
+        .with(
+            "Output angle less that of the ideal mesh, about its mean, over one period in which both meshes come round. What repeats with the \
+             mesh excites the machine at its order times the input's speed.",
+        )
+        .with(Vec::from(transmission_charts(&[("", found)])))
+        .with(Block::folded("Largest orders", orders))
 }
 
 /// Table of the compliance budget, part by part.
@@ -579,17 +548,12 @@ fn efficiency(found: &DesignResult) -> Section {
         .unit("%")
         .said(|run| Some(format::signed_percent(run.efficiency?.created_share)))
         .text("", "Run", |run| run.status);
-    Section::new(
-        "efficiency",
-        "Efficiency",
-        [
-            Block::text(
-                "Runs with the scene's own friction and damping. Losses of bearings, seals and oil are not in the model. What a contact law creates or \
-                 destroys by itself stands beside them.",
-            ),
-            efficiency.done().into(),
-        ],
-    )
+    Section::new("efficiency", "Efficiency")
+        .with(
+            "Runs with the scene's own friction and damping. Losses of bearings, seals and oil are not in the model. What a contact law creates or \
+             destroys by itself stands beside them.",
+        )
+        .with(efficiency)
 }
 
 fn dimensions(found: &DesignResult) -> Section {
@@ -602,6 +566,6 @@ fn dimensions(found: &DesignResult) -> Section {
     .number("", "mm", |line| 1e3 * line.value)
     .shown(SHOWN)
     .text("", "How", |line| line.how);
-    let sizes = Block::folded("What follows from the dimensions", [sizes.done().into()]);
-    Section::new("dimensions", "Dimensions", [sizes])
+    let sizes = Block::folded("What follows from the dimensions", sizes);
+    Section::new("dimensions", "Dimensions").with(sizes)
 }

@@ -3,8 +3,9 @@
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::Cancelled;
-use pinwheel_report::format::{self, NONE, significant};
-use pinwheel_report::study::{Block, Section, Study, Tile, TimeSeries, Tone, Verdict};
+use pinwheel_report::format::{self, NONE, joined, significant};
+use pinwheel_report::study::{Block, Section, Study, Tile, Tone, Verdict};
+use pinwheel_report::table::named;
 use pinwheel_report::terminal::{self, TITLE, paragraph, styled};
 use pinwheel_scene::keys::key;
 use pinwheel_studies::Provenance;
@@ -12,8 +13,8 @@ use pinwheel_studies::design_diff::{DesignDiff, FigureDiff, Judged, KeyDiff};
 use pinwheel_timeseries::table::{Mark, Table, TableOf};
 use serde_json::Value;
 
-use crate::animation;
 use crate::design::{self, HEADLINES, figure, with_uncertainty};
+use crate::{animation, time_series};
 
 /// Keys that one reads before the figures; more are folded.
 const MANY: usize = 12;
@@ -59,7 +60,7 @@ pub fn page(
 #[must_use]
 pub fn text(found: &DesignDiff) -> String {
     let [a, b] = &found.names;
-    let mut text = format!("{}\n", styled(TITLE, &format!("{a} and {b}")));
+    let mut text = styled(TITLE, &format!("{a} and {b}")) + "\n";
     let stated = || found.changed.iter().filter(|change| !change.follows);
     if stated().next().is_some() {
         text.push_str(&terminal::table(&keys(found, "", stated()).done()));
@@ -70,9 +71,7 @@ pub fn text(found: &DesignDiff) -> String {
         text.push_str(&format!("and {keys} from them\n"));
     }
     let derived = found.derived.iter().filter(|r| r.judged != Judged::Same);
-    let means = found.time_series.iter().take(1);
-    let means = means.flat_map(|(_, rows)| rows);
-    let means = means.filter(|row| SERIES.contains(&row.key.as_str()));
+    let means = steady(found).filter(|row| SERIES.contains(&row.key.as_str()));
     let all = derived.chain(&found.figures).chain(means);
     let figures = both(found, "", all)
         .said(|row| match row.judged {
@@ -83,32 +82,34 @@ pub fn text(found: &DesignDiff) -> String {
             Judged::Differ => Mark::None,
             _ => Mark::Muted,
         });
-    let hidden =
-        "not shown: the difference is below the uncertainty of both together (after \u{b1})";
     let mut all = found.figures.iter();
     let below = all.any(|row| row.judged == Judged::BelowUncertainty);
     let note = match below {
-        true => paragraph(hidden),
-        false => String::new(),
+        true => {
+            "not shown: the difference is below the uncertainty of both together (after \u{b1})"
+        }
+        false => "",
     };
     format!(
-        "{text}\n{}{note}\n{}",
+        "{text}\n{}{}\n{}",
         terminal::table(&figures.done()),
+        paragraph(note),
         paragraph(&verdict(found).headline)
     )
 }
 
+/// Means and peaks of the first window.
+fn steady(found: &DesignDiff) -> impl Iterator<Item = &FigureDiff> {
+    let first = found.time_series.first();
+    first.into_iter().flat_map(|(_, rows)| rows)
+}
+
 fn verdict(found: &DesignDiff) -> Verdict {
-    let steady = || found.time_series.iter().take(1);
-    let all = || {
-        found
-            .figures
-            .iter()
-            .chain(steady().flat_map(|(_, rows)| rows))
-    };
+    let all = || found.figures.iter().chain(steady(found));
     let count = |judged: Judged| all().filter(|row| row.judged == judged).count();
     let (same, below) = (count(Judged::Same), count(Judged::BelowUncertainty));
     let (differ, total) = (count(Judged::Differ), all().count());
+    let unknown = total - same - below - differ;
     let headline = if found.identical() {
         "The designs are identical: every key has the same value".to_owned()
     } else if differ == 0 {
@@ -118,27 +119,21 @@ fn verdict(found: &DesignDiff) -> Verdict {
     } else {
         let most = most(found).into_iter();
         // `torsional stiffness × 43.5`.
-        let most: Vec<String> = most
-            .map(|row| format!("{} {}", row.what, change(row)))
-            .collect();
-        match most.as_slice() {
-            [] => format!("{differ} of {total} figures differ by more than their uncertainty"),
-            most => format!(
-                "{differ} of {total} figures differ, most: {}",
-                most.join("; ")
-            ),
+        let most = most.map(|row| format!("{} {}", row.what, change(row)));
+        match joined("; ", most).as_str() {
+            "" => format!("{differ} of {total} figures differ by more than their uncertainty"),
+            most => format!("{differ} of {total} figures differ, most: {most}"),
         }
     };
-    let unknown = total - same - below - differ;
-    let mut detail = format!(
-        "{}; {} the same, {below} with a difference below the uncertainty",
-        counted(
-            found.changed.len(),
-            "key of the scene differs",
-            "keys of the scene differ"
-        ),
-        counted(same, "figure is", "figures are"),
+    let changed = found.changed.len();
+    let changed = counted(
+        changed,
+        "key of the scene differs",
+        "keys of the scene differ",
     );
+    let same = counted(same, "figure is", "figures are");
+    let mut detail =
+        format!("{changed}; {same} the same, {below} with a difference below the uncertainty");
     if unknown > 0 {
         detail.push_str(&format!(", of {unknown} it is not known"));
     }
@@ -146,11 +141,7 @@ fn verdict(found: &DesignDiff) -> Verdict {
         detail.push_str(&format!(". {name}: {reason}"));
     }
     Verdict {
-        tone: if found.broken().is_some() {
-            Tone::Bad
-        } else {
-            Tone::Neutral
-        },
+        tone: found.broken().map_or(Tone::Neutral, |_| Tone::Bad),
         headline,
         detail: format!("{detail}."),
     }
@@ -180,9 +171,7 @@ fn value(value: Option<&Value>) -> String {
     match value {
         None => NONE.to_owned(),
         Some(Value::String(text)) => text.clone(),
-        Some(Value::Number(number)) => number
-            .as_f64()
-            .map_or_else(|| number.to_string(), format::plain),
+        Some(Value::Number(number)) => number.as_f64().map_or(number.to_string(), format::plain),
         Some(other) => other.to_string(),
     }
 }
@@ -197,14 +186,6 @@ fn change(row: &FigureDiff) -> String {
         }
         Some(share) => significant(share, 1),
         None => NONE.to_owned(),
-    }
-}
-
-/// Name of the row's figure, with the unit that is shown.
-fn label(row: &FigureDiff) -> String {
-    match scaled(row).0.as_str() {
-        "" => row.what.clone(),
-        unit => format!("{} ({unit})", row.what),
     }
 }
 
@@ -225,7 +206,7 @@ fn tiles(found: &DesignDiff) -> Vec<Tile> {
     let tile = |row: &FigureDiff| {
         let [a, b] = row
             .values
-            .map(|v| v.map_or_else(|| NONE.to_owned(), figure));
+            .map(|value| value.map_or(NONE.to_owned(), figure));
         let judged = match row.judged {
             Judged::Same => "the same".to_owned(),
             Judged::Differ => change(row),
@@ -237,7 +218,7 @@ fn tiles(found: &DesignDiff) -> Vec<Tile> {
     found.figures.iter().filter(wanted).map(tile).collect()
 }
 
-/// In words, and how it is marked.
+/// A verdict in words, and its mark.
 fn judged(row: &FigureDiff) -> (&'static str, Mark) {
     match row.judged {
         Judged::Same => ("the same", Mark::Muted),
@@ -254,6 +235,7 @@ fn both<'a>(
     caption: &str,
     rows: impl Iterator<Item = &'a FigureDiff>,
 ) -> TableOf<&'a FigureDiff> {
+    let label = |row: &FigureDiff| named(&row.what, &scaled(row).0);
     let mut table = Table::of(caption, rows).text("", "Figure", |row| label(row));
     for (k, name) in found.names.iter().enumerate() {
         table = table
@@ -274,7 +256,7 @@ fn table<'a>(
     let table = both(found, caption, rows)
         .text("", "Judged", |row| judged(row).0)
         .marked(|row| judged(row).1);
-    table.done().into()
+    table.into()
 }
 
 /// Keys with the values of both scenes.
@@ -303,13 +285,13 @@ fn scene(found: &DesignDiff) -> Section {
     let stated = keys("Keys that differ", false);
     let many = found.changed.iter().filter(|c| !c.follows).count();
     let mut blocks: Vec<Block> = match stated {
-        Some(table) if many > MANY => vec![Block::folded(format!("{many} keys differ"), [table])],
+        Some(table) if many > MANY => vec![Block::folded(format!("{many} keys differ"), table)],
         other => other.into_iter().collect(),
     };
     if found.identical() {
-        blocks.push(Block::text(
-            "Every key of both scenes has the same value, but for name and description.",
-        ));
+        blocks.push(
+            "Every key of both scenes has the same value, but for name and description.".into(),
+        );
     }
     let derived = found.derived.iter();
     let mut differing = derived.filter(|row| row.judged != Judged::Same).peekable();
@@ -320,40 +302,37 @@ fn scene(found: &DesignDiff) -> Section {
     if let Some(followed) = keys("Keys that both scenes leave to a formula", true) {
         blocks.push(Block::folded(
             "Keys that differ because others do",
-            [followed],
+            followed,
         ));
     }
-    Section::new("scene", "What changed", blocks)
+    Section::new("scene", "What changed").with(blocks)
 }
 
 fn figures(found: &DesignDiff) -> Section {
-    Section::new(
-        "figures",
-        "Figures",
-        [
-            Block::text(
-                "After \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own verification. A difference below \
-                 both together was not shown.",
-            ),
-            table(found, "Figures of both designs", found.figures.iter()),
-        ],
-    )
+    Section::new("figures", "Figures")
+        .with(
+            "After \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own verification. A difference below \
+             both together was not shown.",
+        )
+        .with(table(found, "Figures of both designs", found.figures.iter()))
 }
 
 fn over_time(found: &DesignDiff) -> Option<Section> {
-    let time_series = TimeSeries::of(&found.comparison, &found.participants)?;
+    let time_series = time_series::block(&found.comparison, &found.participants, true)?;
     let windows = found.time_series.iter();
     let mut tables = windows.map(|(window, rows)| {
         let caption = format!("Means and peaks, {} window", window.word());
         table(found, &caption, rows.iter())
     });
-    let mut blocks = vec![Block::TimeSeries(time_series)];
-    blocks.extend(tables.next());
+    let first = Vec::from_iter(tables.next());
     let rest: Vec<Block> = tables.collect();
-    if !rest.is_empty() {
-        blocks.push(Block::folded("Other windows", rest));
-    }
-    Some(Section::new("courses", "Over time", blocks))
+    let section = Section::new("courses", "Over time")
+        .with(time_series)
+        .with(first);
+    Some(match rest.is_empty() {
+        true => section,
+        false => section.with(Block::folded("Other windows", rest)),
+    })
 }
 
 fn curves(found: &DesignDiff) -> Section {
@@ -362,7 +341,7 @@ fn curves(found: &DesignDiff) -> Section {
     charts.extend(design::transmission_charts(&designs));
     charts.extend(design::sharing_charts(&designs));
     charts.push(design::bearing_chart(&designs));
-    Section::new("curves", "Side by side", [Block::Charts(charts)])
+    Section::new("curves", "Side by side").with(charts)
 }
 
 /// Both in motion, over the time that both run.
@@ -372,5 +351,5 @@ fn motion(found: &DesignDiff, cancel: &AtomicBool) -> Result<Option<Section>, Ca
     let (step, duration) = (a.0.min(b.0), a.1.min(b.1));
     let both = [0, 1].map(|k| (found.names[k].as_str(), scenes[k]));
     let motion = animation::beside(both, (0.0, duration), step, 0.5 * duration, cancel)?;
-    Ok(motion.map(|motion| Section::new("motion", "Motion", [motion])))
+    Ok(motion.map(|motion| Section::new("motion", "Motion").with(motion)))
 }

@@ -21,12 +21,9 @@ pub fn text(explanation: &Explanation<'_>) -> String {
     let sizes = list(figures(explanation, false));
     section("What follows from the dimensions", sizes);
     section("To be expected", list(expected(explanation)));
-    let frequencies = explanation.derived.frequencies.iter().map(|frequency| {
-        [
-            frequency.what.to_owned(),
-            format!("{:.3} Hz", frequency.hertz),
-            format!("order {:.4} of the input", frequency.order),
-        ]
+    let frequencies = explanation.derived.frequencies.iter().map(|of| {
+        let order = format!("order {:.4} of the input", of.order);
+        [of.what.to_owned(), format!("{:.3} Hz", of.hertz), order]
     });
     section("Frequencies", list(frequencies));
     let assumptions = explanation.assumptions.iter();
@@ -58,10 +55,9 @@ fn figures(explanation: &Explanation<'_>, forces: bool) -> Vec<[String; 3]> {
 
 fn expected(explanation: &Explanation<'_>) -> Vec<[String; 3]> {
     let phase = |what: &str, same: bool| {
-        let how = if same {
-            "in phase: no ripple cancels"
-        } else {
-            "out of phase: ripple partly cancels"
+        let how = match same {
+            true => "in phase: no ripple cancels",
+            false => "out of phase: ripple partly cancels",
         };
         [what.to_owned(), String::new(), how.to_owned()]
     };

@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_contact::laws::LAWS;
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::{Gearbox, auto};
-use pinwheel_report::animation::{Animation, markup};
+use pinwheel_report::script;
 use pinwheel_report::study::{Block, Study};
 use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::{CheckedScene, Formulation, Override, Scene, edited, preset, scales};
@@ -17,93 +17,45 @@ use pinwheel_studies::{Control, Provenance, StudyError, band, design};
 use pinwheel_timeseries::columns;
 use serde_json::{Value, json};
 
-use crate::animation;
+use crate::animation::{self, Animation, markup};
 use crate::design::{HEADLINES, headline};
 
-/// Key, label, unit, units in the key's own, and the ends of its slider as shares of the scene's value, or in the unit
-/// where that is 0.
-const SLIDERS: [(&str, &str, &str, f64, [f64; 2], [f64; 2]); 10] = [
-    (
-        "gear.eccentricity_m",
-        "Eccentricity",
-        "mm",
-        1e3,
-        [0.5, 1.5],
-        [0.1, 5.0],
-    ),
-    (
-        "gear.external_sleeve_radius_m",
-        "Pin radius",
-        "mm",
-        1e3,
-        [0.4, 1.8],
-        [0.5, 20.0],
-    ),
-    (
-        "gear.backlash_m",
-        "Backlash",
-        "\u{b5}m",
-        1e6,
-        [0.0, 3.0],
-        [0.0, 300.0],
-    ),
-    (
-        "gear.modification.equidistant_m",
-        "Profile cut by",
-        "\u{b5}m",
-        1e6,
-        [0.0, 4.0],
-        [0.0, 50.0],
-    ),
-    (
-        "gear.modification.radial_m",
-        "Generating circle larger by",
-        "\u{b5}m",
-        1e6,
-        [0.0, 4.0],
-        [-50.0, 50.0],
-    ),
-    (
-        "drive.output_torque_n_m",
-        "Load",
-        "N m",
-        1.0,
-        [0.1, 2.0],
-        [0.0, 100.0],
-    ),
-    (
-        "drive.input_speed_rad_s",
-        "Input speed",
-        "rad/s",
-        1.0,
-        [0.2, 2.0],
-        [1.0, 300.0],
-    ),
-    (
-        "cranks.circle_radius_m",
-        "Circle of the cranks",
-        "mm",
-        1e3,
-        [0.7, 1.3],
-        [10.0, 100.0],
-    ),
-    (
-        "cranks.support_stiffness_n_m",
-        "Stiffness of a crank's support",
-        "N/\u{b5}m",
-        1e-6,
-        [0.1, 4.0],
-        [100.0, 2000.0],
-    ),
-    (
-        CLEARANCE,
-        "Eccentric bearing's clearance",
-        "\u{b5}m",
-        1e6,
-        [0.0, 4.0],
-        [0.0, 20.0],
-    ),
-];
+/// A key that a slider moves.
+struct Slider {
+    key: &'static str,
+    label: &'static str,
+    /// Its unit, and how many of it are one of the key's own.
+    unit: (&'static str, f64),
+    /// Ends as shares of the scene's value.
+    shares: [f64; 2],
+    /// Ends in the slider's unit, where the scene's value is 0.
+    ends: [f64; 2],
+}
+
+const MM: (&str, f64) = ("mm", 1e3);
+const UM: (&str, f64) = ("\u{b5}m", 1e6);
+const N_UM: (&str, f64) = ("N/\u{b5}m", 1e-6);
+
+macro_rules! sliders {
+    ($($key:tt, $label:literal, $unit:expr, $shares:expr, $ends:expr;)*) => {
+        const SLIDERS: &[Slider] = &[
+            $(Slider { key: $key, label: $label, unit: $unit, shares: $shares, ends: $ends },)*
+        ];
+    };
+}
+
+sliders! {
+    "gear.eccentricity_m", "Eccentricity", MM, [0.5, 1.5], [0.1, 5.0];
+    "gear.external_sleeve_radius_m", "Pin radius", MM, [0.4, 1.8], [0.5, 20.0];
+    "gear.backlash_m", "Backlash", UM, [0.0, 3.0], [0.0, 300.0];
+    "gear.modification.equidistant_m", "Profile cut by", UM, [0.0, 4.0], [0.0, 50.0];
+    "gear.modification.radial_m", "Generating circle larger by", UM, [0.0, 4.0], [-50.0, 50.0];
+    "drive.output_torque_n_m", "Load", ("N m", 1.0), [0.1, 2.0], [0.0, 100.0];
+    "drive.input_speed_rad_s", "Input speed", ("rad/s", 1.0), [0.2, 2.0], [1.0, 300.0];
+    "cranks.circle_radius_m", "Circle of the cranks", MM, [0.7, 1.3], [10.0, 100.0];
+    "cranks.support_stiffness_n_m", "Stiffness of a crank's support", N_UM, [0.1, 4.0], [100.0, 2000.0];
+    CLEARANCE, "Eccentric bearing's clearance", UM, [0.0, 4.0], [0.0, 20.0];
+}
 const CLEARANCE: &str = "bearings.eccentric.clearance_m";
 /// Its slider counts decades and ends at a rigid bearing, which is no key at all.
 const STIFFNESS: &str = "bearings.eccentric.stiffness_n_m";
@@ -135,11 +87,11 @@ pub type Values = [(String, String)];
 /// The scene of a state.
 ///
 /// # Errors
-/// Why there is none: it names keys.
+/// The reason why there is none, with the keys.
 pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedScene, String> {
     let mut all = sets.to_vec();
     for (key, value) in values {
-        let known = SLIDERS.iter().any(|slider| slider.0 == key) || key == LAW;
+        let known = SLIDERS.iter().any(|slider| slider.key == key) || key == LAW;
         if known && key != CLEARANCE {
             let set = format!("{key}={value}").parse::<Override>();
             all.push(set.map_err(|error| error.to_string())?);
@@ -196,7 +148,7 @@ pub fn file(spec: &str, sets: &[Override], values: &Values) -> Result<(String, S
                 moved.push(Override::new(key, value));
             }
             (LAW, _) => moved.push(Override::new(key, value)),
-            _ if SLIDERS.iter().any(|slider| slider.0 == key) => {
+            _ if SLIDERS.iter().any(|slider| slider.key == key) => {
                 moved.push(Override::new(key, value));
             }
             _ => {}
@@ -235,7 +187,7 @@ pub fn file(spec: &str, sets: &[Override], values: &Values) -> Result<(String, S
     ))
 }
 
-/// How long a state is looked at, s: a turn of the input of the scene as it is, the same for both.
+/// Duration of a state, s: a turn of the input of the scene as it is, the same for both.
 #[must_use]
 pub fn span_s(scene: &Scene) -> f64 {
     (TAU / scene.drive.input_speed_rad_s.abs().max(1e-9)).min(scene.solver.duration_s)
@@ -244,7 +196,7 @@ pub fn span_s(scene: &Scene) -> f64 {
 /// The gear of a state, as it is looked at.
 ///
 /// # Errors
-/// Why there is none: it names keys.
+/// The reason why there is none, with the keys.
 pub fn gearbox(spec: &str, sets: &[Override], values: &Values) -> Result<Gearbox, String> {
     quick(&scene(spec, sets, values)?)
 }
@@ -361,7 +313,6 @@ pub fn page(
     };
     let views = [view.clone().titled("A"), view.titled("B")];
     let data = json!({ "first": rest, "sliders": sliders(scene), "rigid": RIGID });
-    let data = data.to_string().replace('<', "\\u003c");
     let law = &scene.contact.law;
     let laws: String = LAWS
         .iter()
@@ -374,7 +325,7 @@ pub fn page(
         include_str!("../templates/explore.html"),
         motion = markup(&views, 0.0),
         laws = laws,
-        data = data
+        data = script::json_text(&data)
     );
     let study = Study {
         title: scene.name.clone(),
@@ -383,7 +334,11 @@ pub fn page(
                at a few poses of the mesh follow. The run is quick and not verified: its curves are good to half a per cent. \
                Contacts, and eccentric bearings that have a stiffness, are all that gives way."
             .to_owned(),
-        below: vec![Block::Explorer(explorer)],
+        below: vec![Block::Live {
+            markup: explorer,
+            scripts: script::code(include_str!("../assets/explore.js")),
+            asks: true,
+        }],
         ..Study::default()
     };
     Ok(Ok(crate::render(study, made)))
@@ -404,19 +359,19 @@ pub fn settled(spec: &str, sets: &[Override]) -> Vec<Override> {
 fn sliders(scene: &Scene) -> Vec<Value> {
     let keys = serde_json::to_value(scene).unwrap_or_default();
     // Those of cranks are an RV gear's alone.
-    let there = |key: &str| !key.starts_with("cranks.") || scene.cranks.is_some();
-    let shown = SLIDERS.iter().filter(|slider| there(slider.0));
-    let found = shown.map(|(key, label, unit, factor, shares, ends)| {
-        let path = format!("/{}", key.replace('.', "/"));
+    let there = |one: &&Slider| !one.key.starts_with("cranks.") || scene.cranks.is_some();
+    let found = SLIDERS.iter().filter(there).map(|one| {
+        let path = format!("/{}", one.key.replace('.', "/"));
+        let (unit, factor) = one.unit;
         let value = keys.pointer(&path).and_then(Value::as_f64).unwrap_or(0.0) * factor;
         let [from, to] = match value {
-            0.0 => *ends,
-            value => {
-                let ends = shares.map(|share| share * value);
-                [ends[0].min(ends[1]), ends[0].max(ends[1])]
-            }
+            0.0 => one.ends,
+            value if value < 0.0 => [one.shares[1] * value, one.shares[0] * value],
+            value => one.shares.map(|share| share * value),
         };
-        json!({"key": key, "label": label, "unit": unit, "factor": factor, "value": value, "from": from, "to": to})
+        json!({
+            "key": one.key, "label": one.label, "unit": unit, "factor": factor, "value": value, "from": from, "to": to,
+        })
     });
     let mut found: Vec<Value> = found.collect();
     let bearing = BearingLaw::of(scene);

@@ -1,13 +1,14 @@
 //! The contact laws a scene can name.
 
 use pinwheel_contact::laws::{LAWS, LawInfo, Shape};
+use pinwheel_report::format::joined;
 use pinwheel_report::terminal::{TITLE, pairs, paragraph, styled};
 use serde_json::json;
 
 /// All laws, one after the other.
 #[must_use]
 pub fn text() -> String {
-    LAWS.iter().map(in_words).collect::<Vec<_>>().join("\n")
+    joined("\n", LAWS.iter().map(in_words))
 }
 
 /// All laws, one after the other, as JSON.

@@ -16,10 +16,11 @@
 //! assert!(text.contains("hunt-crossley"), "what a scene's contact.law may be");
 //! ```
 
-pub mod animation;
+mod animation;
 mod band;
 pub mod baseline;
 pub mod bench;
+mod colours;
 pub mod comparison;
 pub mod conformance;
 pub mod design;
@@ -28,10 +29,12 @@ pub mod engines;
 pub mod explain;
 pub mod explore;
 pub mod laws;
+mod packed;
 pub mod paper;
 pub mod single;
 pub mod stability;
 pub mod sweep;
+mod time_series;
 
 use pinwheel_report::study::{self, Study};
 use pinwheel_scene::Scene;

@@ -1,7 +1,7 @@
 //! One run on a terminal.
 
 use pinwheel_gearbox::Efficiency;
-use pinwheel_report::format::{self, NONE};
+use pinwheel_report::format::{self, NONE, joined};
 use pinwheel_report::terminal::{TITLE, pairs, styled};
 use pinwheel_studies::band::{Band, Bands};
 use pinwheel_studies::results::{Figure, Results};
@@ -36,13 +36,13 @@ fn forces(peak: &Figure, mean: Option<&Figure>, laws: Option<&Band>) -> String {
     let peak = match of(peak) {
         None => format!("{} N", known(peak, 1.0)),
         Some(laws) => {
-            let off = match parts(peak, 1.0).1 {
-                off if off.is_empty() => off,
-                off if peak.is_off_by_sampling() => format!("; {off} by sampling"),
-                off => format!("; {off} numerical"),
+            let cause = match peak.is_off_by_sampling() {
+                true => "by sampling",
+                false => "numerical",
             };
             let value = band::rounded(peak.value, laws);
-            format!("{value} N ({}{off})", band::by_law(laws))
+            let bounds = band::bounds(Some(laws), &parts(peak, 1.0).1, cause);
+            format!("{value} N ({bounds})")
         }
     };
     format!("peak {peak}, mean {mean} N")
@@ -61,21 +61,13 @@ fn results(found: &Results, bands: Option<&Bands>, looked: bool) -> Vec<(&'stati
         let said = format!("mean {mean} N m; {least} to {most}, from {from_s} s on");
         rows.push(("driver torque", said));
     }
-    for (label, group, key) in [
-        (
-            "external forces",
-            columns::EXTERNAL_FORCE,
-            "external_force_n",
-        ),
-        (
-            "internal forces",
-            columns::INTERNAL_FORCE,
-            "internal_force_n",
-        ),
+    for (label, group) in [
+        ("external forces", columns::EXTERNAL_FORCE),
+        ("internal forces", columns::INTERNAL_FORCE),
     ] {
         if let Some(peak) = found.get(&format!("peak_{group}")) {
             let mean = found.get(&format!("mean_{group}"));
-            let laws = bands.and_then(|bands| bands.get(key));
+            let laws = bands.and_then(|bands| bands.get(band::key_of_peak(group)?));
             rows.push((label, forces(peak, mean, laws)));
         }
     }
@@ -93,9 +85,9 @@ fn results(found: &Results, bands: Option<&Bands>, looked: bool) -> Vec<(&'stati
         let share = known(found.get(name)?, 100.0);
         Some(format!("{cause} {share} %"))
     });
-    let lost: Vec<String> = lost.collect();
+    let lost = joined(", ", lost);
     if !lost.is_empty() {
-        rows.push(("friction", lost.join(", ")));
+        rows.push(("friction", lost));
     }
     if !rows.is_empty() {
         let how = match found.uncertainty {

@@ -64,10 +64,9 @@ pub fn seconds(value: f64) -> String {
         return NONE.to_owned();
     }
     let (scaled, unit) = match value.abs() {
-        0.0 => return "0\u{202f}s".to_owned(),
-        v if v < 1e-6 => (value * 1e9, "ns"),
-        v if v < 1e-3 => (value * 1e6, "\u{b5}s"),
-        v if v < 0.1 => (value * 1e3, "ms"),
+        v if v < 1e-6 && v > 0.0 => (value * 1e9, "ns"),
+        v if v < 1e-3 && v > 0.0 => (value * 1e6, "\u{b5}s"),
+        v if v < 0.1 && v > 0.0 => (value * 1e3, "ms"),
         v if v < 120.0 => (value, "s"),
         _ => (value / 60.0, "min"),
     };
@@ -169,6 +168,16 @@ pub fn count(value: u64) -> String {
     text
 }
 
+/// Words one after the other.
+pub fn joined<W: AsRef<str>>(separator: &str, words: impl IntoIterator<Item = W>) -> String {
+    let mut text = String::new();
+    for (k, word) in words.into_iter().enumerate() {
+        text.push_str(if k > 0 { separator } else { "" });
+        text.push_str(word.as_ref());
+    }
+    text
+}
+
 /// Without zeros at the end of the decimals.
 fn trim_zeros(text: &str) -> &str {
     match text.contains('.') {
@@ -204,19 +213,12 @@ pub fn minus(text: &str) -> String {
 }
 
 fn superscript(exponent: &str) -> String {
-    exponent
-        .chars()
-        .map(|c| match c {
-            '-' => '\u{207b}',
-            '1' => '\u{b9}',
-            '2' => '\u{b2}',
-            '3' => '\u{b3}',
-            digit => digit
-                .to_digit(10)
-                .and_then(|d| char::from_u32(0x2070 + d))
-                .unwrap_or(digit),
-        })
-        .collect()
+    const RAISED: [char; 10] = [
+        '\u{2070}', '\u{b9}', '\u{b2}', '\u{b3}', '\u{2074}', '\u{2075}', '\u{2076}', '\u{2077}',
+        '\u{2078}', '\u{2079}',
+    ];
+    let raised = |c: char| c.to_digit(10).map_or('\u{207b}', |d| RAISED[d as usize]);
+    exponent.chars().map(raised).collect()
 }
 
 #[cfg(test)]

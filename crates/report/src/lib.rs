@@ -1,23 +1,20 @@
-//! The report: one self-contained HTML page.
+//! The report: one self-contained HTML page, and text for terminals.
 //!
 //! ```text
-//!  Comparison, time_series ─> comparison ─┐
-//!  any study's findings ─────────────>├─> study (tiles, tables, charts) ─> one HTML file, nothing outside it
-//!  angles, forces      ─> animation ──┘
+//!  findings of any study ─> study (tiles, facts, tables, charts) ─> one HTML file, nothing outside it
+//!                       └─> terminal (facts, tables)
 //! ```
 //!
-//! [`comparison::study`] makes the study of a comparison, [`study::render`] the page of any study. A page opens without a network, reads without a script (every table
-//! is plain HTML), and draws its time series with an embedded plotting library.
+//! [`study::render`] makes the page of any study. A page opens without a network, reads without a script (every table
+//! is plain HTML), and draws its time series with an embedded plotting library. No study and no engine is known here.
 
-pub mod animation;
-mod chart_data;
-pub mod colours;
-pub mod comparison;
 pub mod format;
-mod packed;
 pub mod sanitize;
+pub mod script;
 pub mod stack;
 pub mod study;
 pub mod table;
 pub mod terminal;
-pub mod words;
+
+/// Colours of lines in the style sheet (`--line-0` ...).
+pub const COLOURS: usize = 16;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use pinwheel_files::output::escape;
 
-use crate::colours;
+use crate::COLOURS;
 use crate::format::significant;
 
 /// Markup of the bar. A part is as long as its share, and the list below names all of them, however short they are.
@@ -12,7 +12,7 @@ use crate::format::significant;
 pub fn stack(caption: &str, parts: &[(&str, f64)]) -> String {
     let (mut bar, mut names) = (String::new(), String::new());
     for (k, (name, share)) in parts.iter().enumerate() {
-        let (name, colour) = (escape(name), k % colours::COUNT);
+        let (name, colour) = (escape(name), k % COLOURS);
         let percent = 100.0 * share.clamp(0.0, 1.0);
         let told = significant(100.0 * share, 2);
         let _ = write!(

@@ -7,9 +7,15 @@ use crate::format;
 /// A column's heading with its unit.
 #[must_use]
 pub fn heading(column: &Column) -> String {
-    match column.unit.as_str() {
-        "" => column.label.clone(),
-        unit => format!("{} ({unit})", column.label),
+    named(&column.label, &column.unit)
+}
+
+/// A name with its unit, which may be empty.
+#[must_use]
+pub fn named(label: &str, unit: &str) -> String {
+    match unit {
+        "" => label.to_owned(),
+        unit => format!("{label} ({unit})"),
     }
 }
 
@@ -62,7 +68,7 @@ pub(crate) fn of_row<T: Clone>(list: &[Option<T>], row: usize) -> Option<T> {
     list.get(row).cloned().flatten()
 }
 
-/// How a cell is marked.
+/// Mark of a cell.
 pub(crate) fn mark(column: &Column, row: usize) -> Mark {
     column.marks.get(row).copied().unwrap_or_default()
 }

@@ -193,6 +193,13 @@ pub fn paragraph(text: &str) -> String {
     wrapped(text, width()).join("\n")
 }
 
+/// Paragraphs that fit the terminal, each with its line end.
+#[must_use]
+pub fn paragraphs<T: AsRef<str>>(texts: impl IntoIterator<Item = T>) -> String {
+    let texts = texts.into_iter();
+    texts.map(|text| paragraph(text.as_ref()) + "\n").collect()
+}
+
 /// The text in parts of at most `width` characters: broken at spaces, a longer word after a hyphen or a slash, else
 /// anywhere.
 fn wrapped(text: &str, width: usize) -> Vec<String> {

@@ -59,7 +59,7 @@ pub(super) fn column<R>(
         })
 }
 
-/// Why a series has no finished point; `None` if it has one.
+/// Reason why a series has no finished point; `None` if it has one.
 #[must_use]
 pub fn failure(series: &Series) -> Option<String> {
     if series
@@ -87,7 +87,7 @@ pub fn failure(series: &Series) -> Option<String> {
     })
 }
 
-/// Why a series has no more points.
+/// Reason why a series has no more points.
 pub(super) fn end(series: &Series) -> String {
     failure(series).unwrap_or_else(|| series.stopped.words().to_owned())
 }

@@ -1,7 +1,7 @@
 //! The page of `pinwheel bench`: headline, what errors cost, the reference, what is unequal, all runs.
 
 use pinwheel_report::format::{limit, significant};
-use pinwheel_report::study::{Block, Section, Study, Tone, Verdict};
+use pinwheel_report::study::{Section, Study, Tone, Verdict};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::bench::{Ranking, WorkPrecision};
 
@@ -35,7 +35,7 @@ pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
     if !measured.complete {
         let text = "The measurement was stopped by the user. What had been measured until then stands here; what is missing is \
                     not a result.";
-        let stopped = Section::new("incomplete", "Incomplete", [Block::text(text)]);
+        let stopped = Section::new("incomplete", "Incomplete").with(text);
         study.sections.insert(0, stopped);
     }
     crate::render(study, made)

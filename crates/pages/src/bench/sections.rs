@@ -1,14 +1,14 @@
 //! The sections: costs at given errors, work-precision plots, the reference, what is unequal, all points.
 
 use pinwheel_engines::{AccuracySetting, SharedModel};
-use pinwheel_report::colours;
-use pinwheel_report::format::{NONE, limit, plain};
+use pinwheel_report::format::{NONE, joined, limit, plain};
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Style};
-use pinwheel_studies::bench::{self, Advantage, Errors, Measure, Ranking, WorkPrecision};
+use pinwheel_studies::bench::{self, Advantage, CostAt, Errors, Measure, Ranking, WorkPrecision};
 use pinwheel_studies::reference::Solution;
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use super::figures;
+use crate::colours;
 
 /// All sections of the scene.
 pub(super) fn all(study: &WorkPrecision, rankings: &[Ranking]) -> Vec<Section> {
@@ -48,24 +48,23 @@ fn costs(study: &WorkPrecision, rankings: &[Ranking]) -> Section {
             Some(_) => Mark::Warn,
             None => Mark::Muted,
         });
-    let blocks = [
-        Block::Text(format!(
+    Section::new("costs", "Costs")
+        .with(format!(
             "CPU time at which each series reaches a relative L2 error of {} in all pin forces, window by window; \
              after that, over the whole run, ten times that error and a tenth of it. Costs are interpolated on the \
              front of each series in the log-log plane; `\u{2264}` says that the coarsest run is already better, `>` \
              that the finest is still worse.",
             limit(target)
-        )),
-        table.done().into(),
-        leads(rankings).into(),
-    ];
-    Section::new("costs", "Costs", blocks)
+        ))
+        .with(table)
+        .with(leads(rankings))
 }
 
 /// The native solver against the fastest peer, window by window.
 fn leads(rankings: &[Ranking]) -> Table {
-    let lead = |ranking: &Ranking, words: fn(&Advantage) -> String| {
-        let words = ranking.advantage.as_ref().map(words);
+    let lead = |ranking: &Ranking, side: fn(&Advantage) -> (&String, CostAt)| {
+        let side = ranking.advantage.as_ref().map(side);
+        let words = side.map(|(name, cost)| format!("{name}, {}", figures::cpu(cost)));
         words.unwrap_or_else(|| NONE.to_owned())
     };
     Table::of("The native solver against the fastest peer", rankings)
@@ -73,14 +72,10 @@ fn leads(rankings: &[Ranking]) -> Table {
         .number("", "Force error", |ranking| ranking.error)
         .said(|ranking| limit(ranking.error))
         .text("", "Fastest native", |ranking| {
-            lead(ranking, |of| {
-                format!("{}, {}", of.native, figures::cpu(of.native_cpu_s))
-            })
+            lead(ranking, |of| (&of.native, of.native_cpu_s))
         })
         .text("", "Fastest peer", |ranking| {
-            lead(ranking, |of| {
-                format!("{}, {}", of.peer, figures::cpu(of.peer_cpu_s))
-            })
+            lead(ranking, |of| (&of.peer, of.peer_cpu_s))
         })
         .number("", "Ratio of CPU times", |ranking| {
             Some(ranking.advantage.as_ref()?.ratio)
@@ -94,11 +89,11 @@ fn leads(rankings: &[Ranking]) -> Table {
 
 /// Error against cost, two charts a window.
 fn plots(study: &WorkPrecision) -> Section {
-    let mut blocks = vec![Block::text(
+    let mut section = Section::new("plots", "Work and precision").with(
         "Each point is one step or tolerance, its cost the least CPU time of several runs. Lower and further left is \
          better. Right-hand-side calls do not depend on the machine, and do not see what an engine spends beside \
          them.",
-    )];
+    );
     let charts = |window: usize, saddle_point: bool| {
         let both = [Measure::Cpu, Measure::Rhs];
         Block::Charts(both.map(|of| chart(study, window, of, saddle_point)).into())
@@ -107,18 +102,16 @@ fn plots(study: &WorkPrecision) -> Section {
         let title = format!("{}: {} s to {} s", window.name, window.from_s, window.to_s);
         let charts = charts(k, false);
         // One pair is read first.
-        blocks.push(match k {
+        section = section.with(match k {
             0 => charts,
-            _ => Block::folded(title, [charts]),
+            _ => Block::folded(title, charts),
         });
     }
     if study.series.iter().any(is_saddle_point) {
-        blocks.push(Block::folded(
-            "The saddle-point form: all bodies and joints, factored along the joint tree",
-            [charts(0, true)],
-        ));
+        let title = "The saddle-point form: all bodies and joints, factored along the joint tree";
+        section = section.with(Block::folded(title, charts(0, true)));
     }
-    Section::new("plots", "Work and precision", blocks)
+    section
 }
 
 fn is_saddle_point(series: &bench::Series) -> bool {
@@ -128,9 +121,7 @@ fn is_saddle_point(series: &bench::Series) -> bool {
 fn chart(study: &WorkPrecision, window: usize, measure: Measure, saddle_point: bool) -> Chart {
     // An engine and method has one colour on all charts.
     let labels: Vec<String> = study.series.iter().map(bench::Series::label).collect();
-    let names: Vec<&str> = labels.iter().map(String::as_str).collect();
-    let styles = colours::styles(&names);
-    let colour = |label: &str| Some(styles[names.iter().position(|name| *name == label)?]);
+    let styles = colours::by_name(labels.iter().map(String::as_str));
     let all = study.series.iter();
     let all = all.filter(|series| is_saddle_point(series) == saddle_point);
     let series = all.filter_map(|series| {
@@ -144,7 +135,7 @@ fn chart(study: &WorkPrecision, window: usize, measure: Measure, saddle_point: b
         let drawn = Series {
             // Engines that do not count calls have fewer points than settings.
             tags: tags.take(x.len()).collect(),
-            colour: colour(&series.label()),
+            colour: styles.get(series.label().as_str()).copied(),
             ..Series::line(series.label(), x, y).styled(Style::Both)
         };
         (!drawn.x.is_empty()).then_some(drawn)
@@ -197,21 +188,16 @@ fn reference(study: &WorkPrecision) -> Section {
             .number("", label, |(_, errors)| of(errors))
             .shown(Shown::Relative);
     }
-    Section::new(
-        "reference",
-        "Reference",
-        [
-            Block::Text(format!(
+    Section::new("reference", "Reference")
+        .with(format!(
                 "Everything is measured against the reduced form by {}. A second method, {}, gives the same time \
                  series up to the distances below: the error of the worse of \
                  the two, and so an upper estimate of the reference's. Errors near it say no more than that they are \
                  small.",
                 named(&found.solution),
                 named(&found.second)
-            )),
-            table.done().into(),
-        ],
-    )
+            ))
+            .with(table)
 }
 
 /// Section on differences of the engines that the figures do not compare.
@@ -228,11 +214,8 @@ fn differences(study: &WorkPrecision) -> Section {
          have; its cost is in the native figures."
             .to_owned(),
     ];
-    if study
-        .series
-        .iter()
-        .any(|s| s.track == SharedModel::OwnContact)
-    {
+    let mut series = study.series.iter();
+    if series.any(|s| s.track == SharedModel::OwnContact) {
         points.push(
             "Own-contact engines resolve contact or friction themselves. Their error here holds the difference of the \
              models, and does not vanish with the step."
@@ -243,24 +226,17 @@ fn differences(study: &WorkPrecision) -> Section {
         let mut costs = s.points.iter().filter_map(|p| p.cost).peekable();
         costs.peek().is_some() && costs.all(|cost| cost.rhs_calls.is_none())
     });
-    let uncounted: Vec<&str> = uncounted.map(|s| s.engine.as_str()).collect();
+    let uncounted = joined(", ", uncounted.map(|s| &s.engine));
     if !uncounted.is_empty() {
-        points.push(format!(
-            "Right-hand sides are not counted by {}.",
-            uncounted.join(", ")
-        ));
+        points.push(format!("Right-hand sides are not counted by {uncounted}."));
     }
     let details = study.differences.iter();
-    let details = details.map(|(name, text)| Block::Text(format!("`{name}`: {text}")));
+    let details = details.map(|(name, text)| format!("`{name}`: {text}").into());
     let details: Vec<Block> = details.collect();
-    Section::new(
-        "unequal",
-        "What is unequal",
-        [
-            Block::List(points),
-            Block::folded("How each engine differs, in its own words", details),
-        ],
-    )
+    let title = "How each engine differs, in its own words";
+    Section::new("unequal", "What is unequal")
+        .with(Block::List(points))
+        .with(Block::folded(title, details))
 }
 
 /// Every point of every series.
@@ -273,12 +249,12 @@ fn points(study: &WorkPrecision) -> Section {
         let mut table = all.clone().rows(|row| rows.contains(&row)).without_empty();
         table.caption = series.label();
         let summary = format!("{} ({} settings)", series.label(), series.points.len());
-        Block::folded(summary, [table.into()])
+        Block::folded(summary, table)
     });
-    let about = Block::text(
-        "The same figures, at full precision and with the errors of the driver torque, stand in `bench.csv` beside \
-         this page.",
-    );
-    let blocks: Vec<Block> = [about].into_iter().chain(tables).collect();
-    Section::new("points", "All runs", blocks)
+    Section::new("points", "All runs")
+        .with(
+            "The same figures, at full precision and with the errors of the driver torque, stand in `bench.csv` beside \
+             this page.",
+        )
+        .with(tables.collect::<Vec<_>>())
 }

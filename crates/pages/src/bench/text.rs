@@ -19,36 +19,33 @@ pub fn text(study: &WorkPrecision) -> String {
     let table = table
         .text("", "note", |(series, entry)| note(series, entry.cpu_s))
         .marked(|_| Mark::Muted);
-    let mut text = format!(
-        "{}\n{}",
-        styled(
-            TITLE,
-            &format!(
-                "{}: cost of a relative L2 force error of {:e} over {} s",
-                study.scene.name, ranking.error, study.scene.solver.duration_s
-            )
-        ),
-        terminal::table(&table.done())
+    let title = format!(
+        "{}: cost of a relative L2 force error of {:e} over {} s",
+        study.scene.name, ranking.error, study.scene.solver.duration_s
     );
-    text.push_str(&format!(
-        "reference: {} against {}, apart {:.1e}\n",
+    let reference = format!(
+        "reference: {} against {}, apart {:.1e}",
         study.reference.solution.method,
         study.reference.second.method,
         study.reference_errors[0].force_l2
-    ));
-    if let Some(lead) = &ranking.advantage {
+    );
+    let lead = ranking.advantage.as_ref().map(|lead| {
         let [words, peer] = match lead.peer_cpu_s.reached() {
             true => ["", "the fastest peer that got there"],
             false => ["no peer got there; ", "which stopped before"],
         };
         let least = if lead.at_least { "at least " } else { "" };
-        text.push_str(&terminal::paragraph(&format!(
+        format!(
             "{words}native ({}) is {least}{:.0} times faster than {}, {peer}",
             lead.native, lead.ratio, lead.peer
-        )));
-        text.push('\n');
-    }
-    text
+        )
+    });
+    format!(
+        "{}\n{}{reference}\n{}",
+        styled(TITLE, &title),
+        terminal::table(&table.done()),
+        terminal::paragraphs(lead)
+    )
 }
 
 fn note(series: &bench::Series, cost: Option<CostAt>) -> String {

@@ -9,47 +9,22 @@ use pinwheel_compare::{
     Assessment, Comparison, SharedModel, Status, Verdict as Judged, quantities,
 };
 use pinwheel_engines::{Form, info, known, lacking};
-use pinwheel_report::comparison::{self, Headline};
-use pinwheel_report::format::significant;
+use pinwheel_report::format::{joined, significant};
 use pinwheel_report::study::{Fact, Mark, Tile, Tone, Verdict};
-use pinwheel_report::words;
 use pinwheel_studies::band::declined;
 use pinwheel_studies::comparison::{Largest, MatchedContactRun, Outcome};
-use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
 
+use super::figures::{best, figures, numerical};
 use super::twins::{self, percent};
+use super::words;
 use crate::band;
 
-/// How shares are written: by signs of a page or of a terminal.
+/// Format of shares: by signs of a page or of a terminal.
 pub(super) type Number = fn(f64) -> String;
-
-/// A headline figure with what bounds it.
-pub(super) struct Figure {
-    pub(super) label: String,
-    pub(super) value: String,
-    pub(super) unit: String,
-    /// How far it is from the exact solution of its equations.
-    pub(super) numerical: String,
-    /// Least and largest by contact law.
-    pub(super) band: String,
-}
-
-impl Figure {
-    /// Bounds of the figure, in words.
-    pub(super) fn bounds(&self) -> String {
-        let numerical = match self.numerical.as_str() {
-            "" => String::new(),
-            off => format!("{off} numerical"),
-        };
-        let parts = [self.band.clone(), numerical].into_iter();
-        let parts: Vec<String> = parts.filter(|part| !part.is_empty()).collect();
-        parts.join("; ")
-    }
-}
 
 /// The answer.
 pub(super) struct Answer<'a> {
-    found: &'a Outcome,
+    pub(super) found: &'a Outcome,
     number: Number,
 }
 
@@ -60,58 +35,6 @@ impl<'a> Answer<'a> {
 
     pub(super) fn comparison(&self) -> &'a Comparison {
         &self.found.comparison
-    }
-
-    /// Forces, driver torque and efficiency.
-    pub(super) fn figures(&self) -> Vec<Figure> {
-        let comparison = &self.found.comparison;
-        let headlines = comparison::headlines(comparison).into_iter();
-        let headlines = headlines.filter(|one| one.quantity.name != quantities::OUTPUT_TORQUE);
-        let mut figures: Vec<Figure> = headlines.map(|one| self.figure(&one)).collect();
-        // What bears the load first.
-        figures.sort_by_key(|figure| figure.unit != "N");
-        let best = comparison::best(comparison);
-        let efficiency = best.and_then(|(best, window)| comparison::efficiency_of(best, window));
-        figures.extend(efficiency.map(|tile| {
-            let known = tile.value != pinwheel_report::format::NONE;
-            let off = tile.unit.trim_end_matches('%').trim();
-            Figure {
-                label: tile.label,
-                value: tile.value,
-                unit: if known { "%" } else { "" }.to_owned(),
-                numerical: off.to_owned(),
-                band: if known { String::new() } else { tile.detail },
-            }
-        }));
-        figures
-    }
-
-    fn figure(&self, one: &Headline<'_>) -> Figure {
-        let key = match one.quantity.name.as_str() {
-            EXTERNAL_FORCE => "external_force_n",
-            INTERNAL_FORCE => "internal_force_n",
-            _ => "",
-        };
-        let bands = self.found.bands.as_ref();
-        let band = bands.and_then(|bands| bands.of(key, one.value));
-        let (value, numerical) = one.words();
-        Figure {
-            label: one.label.replace(" sleeve", ""),
-            value: band.map_or(value, |band| band::rounded(one.value, band)),
-            unit: one.quantity.unit.clone(),
-            numerical,
-            band: band.map_or_else(String::new, band::by_law),
-        }
-    }
-
-    /// The figures as tiles: their bounds below them.
-    pub(super) fn tiles(&self) -> Vec<Tile> {
-        let figures = self.figures().into_iter();
-        let tiles = figures.map(|one| {
-            let bounds = one.bounds();
-            Tile::new(one.label, one.value, bounds).unit(one.unit)
-        });
-        tiles.collect()
     }
 
     /// The verdict with the figure that people come for.
@@ -148,17 +71,17 @@ impl<'a> Answer<'a> {
 
     /// Reason why an agreement proves less than it could: engines that agree are all our own, or share the contact law.
     fn scope(&self) -> Option<&'static str> {
-        let agrees = |of: fn(SharedModel) -> bool| {
-            let mut entries = self.pairs_of(of);
-            entries.any(|(_, entry)| entry.result.verdict == Judged::Agree)
-        };
+        let agreeing = self.entries(|_| true);
+        let agreeing = agreeing.filter(|(_, entry)| entry.result.verdict == Judged::Agree);
+        let tracks: BTreeSet<SharedModel> = agreeing.map(|(pair, _)| pair.track).collect();
+        let independent = [SharedModel::OwnContact, SharedModel::Measured];
         let mut twins = self.found.twins.iter();
-        if agrees(|track| matches!(track, SharedModel::OwnContact | SharedModel::Measured))
-            || twins.any(|twin| twin.verdict == Judged::Agree)
+        if twins.any(|twin| twin.verdict == Judged::Agree)
+            || independent.iter().any(|track| tracks.contains(track))
         {
             return None;
         }
-        Some(match agrees(|track| track == SharedModel::SharedLaw) {
+        Some(match tracks.contains(&SharedModel::SharedLaw) {
             true => "one contact law, shared by all engines that agree",
             false => "our own engines alone",
         })
@@ -178,25 +101,41 @@ impl<'a> Answer<'a> {
             );
             return (Tone::Bad, "Differs".to_owned(), said);
         }
-        let plain = comparison::verdict(&found.comparison);
-        let open = |said: String| (Tone::Open, "Not confirmed".to_owned(), said);
-        if plain.tone == Tone::Good && found.is_unexplained() {
+        let (tone, word) = self.of_engines();
+        if tone == Tone::Good && found.is_unexplained() {
             let largest = found.largest().map(|largest| self.apart(&largest));
-            return open(largest.unwrap_or_default());
+            let said = largest.unwrap_or_default();
+            return (Tone::Open, "Not confirmed".to_owned(), said);
         }
-        let said = match self.worst(Judged::Differ, |_| true) {
-            Some((pair, entry)) => self.who(pair, entry),
-            None => self.unbalanced().unwrap_or_else(|| self.first_figure()),
+        let said = self.worst(Judged::Differ, |_| true);
+        let said = said.or_else(|| self.unbalanced());
+        let said = said.unwrap_or_else(|| self.first_figure());
+        if let (Tone::Good, Some(scope)) = (tone, self.scope()) {
+            return (Tone::Open, format!("{word}, {scope}"), said);
+        }
+        (tone, word, said)
+    }
+
+    /// Verdict of the engines, without what limits it. An engine that cannot run a scene says so beforehand; that is no finding.
+    fn of_engines(&self) -> (Tone, String) {
+        let comparison = &self.found.comparison;
+        let engines = || comparison.engines.iter();
+        let broken = engines().filter(|e| e.status.is_broken()).count();
+        let finished = engines().any(|e| e.status.is_finished());
+        let (tone, word) = match (comparison.exit_status(), broken) {
+            _ if !finished => (Tone::Open, "No engine could run this scene"),
+            (1, _) => (Tone::Bad, "Differs"),
+            (_, 1) => (Tone::Bad, "1 engine did not finish"),
+            (_, 2..) => return (Tone::Bad, format!("{broken} engines did not finish")),
+            (0, _) => (Tone::Good, "Pass"),
+            _ => (Tone::Open, "Not confirmed"),
         };
-        if let (Tone::Good, Some(scope)) = (plain.tone, self.scope()) {
-            return (Tone::Open, format!("{}, {scope}", plain.headline), said);
-        }
-        (plain.tone, plain.headline, said)
+        (tone, word.to_owned())
     }
 
     fn first_figure(&self) -> String {
-        let figures = self.figures().into_iter();
-        let forces: Vec<Figure> = figures.filter(|figure| figure.unit == "N").collect();
+        let figures = figures(self.found).into_iter();
+        let forces: Vec<Tile> = figures.filter(|figure| figure.unit == "N").collect();
         match forces.as_slice() {
             [external, internal] => format!(
                 "largest pin force {} N external, {} N internal",
@@ -206,10 +145,10 @@ impl<'a> Answer<'a> {
         }
     }
 
-    /// Who agrees, and what differs most, in a sentence each.
+    /// Engines that agree, and what differs most, in a sentence each.
     fn summary(&self) -> String {
         let (engines, programs) = self.agreeing();
-        let agree = match engines.len() {
+        let agree = match engines {
             0 => "No two engines agree.".to_owned(),
             n if programs == 1 => format!("{n} solvers of one program agree."),
             n => format!("{n} engines of {programs} programs agree."),
@@ -221,27 +160,24 @@ impl<'a> Answer<'a> {
         agree + &most
     }
 
-    /// Engines that agree with another one on the scene's own law, and of how many programs they are.
-    fn agreeing(&self) -> (BTreeSet<&'a str>, usize) {
-        let agree = self.pairs_of(SHARES);
+    /// Number of engines that agree with another one on the scene's own law, and of their programs.
+    fn agreeing(&self) -> (usize, usize) {
+        let agree = self.entries(SHARES);
         let agree = agree.filter(|(_, entry)| entry.result.verdict == Judged::Agree);
         let engines = agree.flat_map(|(pair, _)| [pair.a.as_str(), pair.b.as_str()]);
         let engines: BTreeSet<&str> = engines.collect();
         let programs = engines.iter().map(|name| pinwheel_engines::family(name));
         let programs = programs.collect::<BTreeSet<&str>>().len();
-        (engines, programs)
+        (engines.len(), programs)
     }
 
     /// `ring pin force 479 N here, 303 N by rapier-colliders`.
     fn apart(&self, most: &Largest<'_>) -> String {
-        let quantity = self.found.comparison.quantities.iter();
-        let mut quantity = quantity.filter(|q| q.name == most.quantity);
-        let (label, unit) = quantity
-            .next()
-            .map_or((most.quantity, ""), |q| (&q.label, &q.unit));
+        let (label, unit) = quantities::label_and_unit(most.quantity);
         let [here, there] = [most.here, most.there].map(|value| significant(value, 3));
         let by = words::short(most.engine);
-        format!("{} {here} {unit} here, {there} by {by}", brief(label))
+        let label = label.to_lowercase();
+        format!("{label} {here} {unit} here, {there} by {by}")
     }
 
     /// Can I trust it: equations, integration, contacts, law, fit, measurement and what was done to its data.
@@ -259,28 +195,22 @@ impl<'a> Answer<'a> {
         facts
     }
 
-    fn pairs_of(
+    /// Entries of the pairs that `of` chooses.
+    fn entries(
         &self,
-        of: fn(SharedModel) -> bool,
+        of: impl Fn(&Pair) -> bool,
     ) -> impl Iterator<Item = (&'a Pair, &'a PairEntry)> {
         let pairs = self.found.comparison.pairs.iter();
-        let pairs = pairs.filter(move |pair| of(pair.track));
+        let pairs = pairs.filter(move |pair| of(pair));
         pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)))
     }
 
-    /// The pair of a verdict whose difference is the largest.
-    fn worst(
-        &self,
-        verdict: Judged,
-        of: fn(SharedModel) -> bool,
-    ) -> Option<(&'a Pair, &'a PairEntry)> {
-        let entries = self.pairs_of(of);
+    /// Pair of a verdict whose difference is the largest: `reduced and exudyn-constrained, output pin force: D = 2e-4, U = 4e-3`.
+    fn worst(&self, verdict: Judged, of: impl Fn(&Pair) -> bool) -> Option<String> {
+        let entries = self.entries(of);
         let entries = entries.filter(|(_, entry)| entry.result.verdict == verdict);
-        entries.max_by(|(_, a), (_, b)| size(&a.result).total_cmp(&size(&b.result)))
-    }
-
-    /// `reduced and exudyn-constrained, output pin force, D = 2e-4 (U 4e-3)`.
-    fn who(&self, pair: &Pair, entry: &'a PairEntry) -> String {
+        let worst = entries.max_by(|(_, a), (_, b)| size(&a.result).total_cmp(&size(&b.result)));
+        let (pair, entry) = worst?;
         let result = &entry.result;
         let [a, b] = [&pair.a, &pair.b].map(|name| words::short(name));
         let label = self.label(entry);
@@ -290,58 +220,47 @@ impl<'a> Answer<'a> {
             _ => String::new(),
         };
         let d = (self.number)(size(result));
-        format!("{a} and {b}, {}: D = {d}{bound}", brief(label))
+        Some(format!("{a} and {b}, {label}: D = {d}{bound}"))
     }
 
-    fn label(&self, entry: &'a PairEntry) -> &'a str {
-        let mut quantity = self.found.comparison.quantities.iter();
-        let quantity = quantity.find(|q| q.name == entry.quantity);
-        quantity.map_or(entry.quantity.as_str(), |q| &q.label)
+    /// An entry's quantity within a sentence.
+    fn label(&self, entry: &PairEntry) -> String {
+        words::label(&self.found.comparison, &entry.quantity).to_lowercase()
     }
 
     fn equations(&self) -> Fact {
         let fact = |mark, text| Fact::new("equations", mark, text);
-        if let Some((pair, entry)) = self.worst(Judged::Differ, SHARES) {
-            return fact(Mark::Bad, format!("they differ: {}", self.who(pair, entry)));
+        if let Some(worst) = self.worst(Judged::Differ, SHARES) {
+            return fact(Mark::Bad, format!("they differ: {worst}"));
         }
-        let Some((pair, entry)) = self.worst(Judged::Agree, SHARES) else {
+        let Some(worst) = self.worst(Judged::Agree, SHARES) else {
             let text = "nothing agrees yet: no two engines with the scene's law were compared";
             return fact(Mark::Warn, text.to_owned());
         };
-        let (engines, programs) = self.agreeing();
-        let worst = self.who(pair, entry);
-        match programs {
-            1 => fact(
+        let (mark, agree) = match self.agreeing() {
+            (n, 1) => (
                 Mark::Warn,
-                format!(
-                    "{} solvers of our own agree; no other program. At most {worst}",
-                    engines.len()
-                ),
+                format!("{n} solvers of our own agree; no other program. At"),
             ),
-            _ => fact(
+            (n, programs) => (
                 Mark::Good,
-                format!(
-                    "{} engines of {programs} programs agree; at most {worst}",
-                    engines.len()
-                ),
+                format!("{n} engines of {programs} programs agree; at"),
             ),
-        }
+        };
+        fact(mark, format!("{agree} most {worst}"))
     }
 
     /// Engines whose own output torque and load do not give the output its acceleration.
     fn unbalanced(&self) -> Option<String> {
         let engines = self.found.comparison.engines.iter();
         let alone = engines.flat_map(|e| e.judged.iter().map(move |entry| (e, &entry.result)));
-        let off: Vec<_> = alone
-            .filter(|(_, result)| result.verdict == Judged::Differ)
-            .collect();
-        let worst = off.iter().map(|(_, result)| *result);
+        let off = alone.filter(|(_, result)| result.verdict == Judged::Differ);
+        let worst = off.clone().map(|(_, result)| result);
         let worst = worst.max_by(|a, b| size(a).total_cmp(&size(b)))?;
-        let names: BTreeSet<&str> = off.iter().map(|(e, _)| words::short(&e.name)).collect();
-        let names: Vec<&str> = names.into_iter().collect();
+        let names: BTreeSet<&str> = off.map(|(e, _)| words::short(&e.name)).collect();
         Some(format!(
             "{}: output torque and load do not give the output its acceleration, by {} (limit {})",
-            names.join(", "),
+            joined(", ", names),
             (self.number)(size(worst)),
             (self.number)(worst.bound.unwrap_or_default())
         ))
@@ -349,14 +268,12 @@ impl<'a> Answer<'a> {
 
     fn integration(&self) -> Option<Fact> {
         let comparison = &self.found.comparison;
-        let (best, window) = comparison::best(comparison)?;
-        let off = |engine: &EngineSummary| comparison::numerical(comparison, engine, window);
-        let fact = |mark, text| Some(Fact::new("integration", mark, text));
+        let (best, window) = best(comparison)?;
+        let off = |engine: &EngineSummary| numerical(comparison, engine, window);
+        let fact = |mark, text: &str| Some(Fact::new("integration", mark, text));
         let Some(own) = off(best) else {
-            return fact(
-                Mark::Warn,
-                "how far the runs are from the exact solution is not known".to_owned(),
-            );
+            let unknown = "how far the runs are from the exact solution is not known";
+            return fact(Mark::Warn, unknown);
         };
         let mut text = format!(
             "{} is within {} of the exact solution, by its coarser runs",
@@ -367,21 +284,16 @@ impl<'a> Answer<'a> {
         let form = |e: &&EngineSummary| info(&e.name).and_then(|info| info.form);
         let mut scene = comparison.engines.iter();
         let scene = scene.find(|e| matches!(form(e), Some(Form::Reduced | Form::Lagrange)));
-        if let Some((engine, off)) = scene
-            .filter(|e| e.name != best.name)
-            .and_then(|e| Some((e, off(e)?)))
-        {
-            text += &format!(
-                "; the scene's own step ({}) {}",
-                engine.name,
-                (self.number)(off)
-            );
+        let scene = scene.filter(|e| e.name != best.name);
+        if let Some((engine, off)) = scene.and_then(|e| Some((&e.name, off(e)?))) {
+            let off = (self.number)(off);
+            text += &format!("; the scene's own step ({engine}) {off}");
         }
         let mark = match own <= comparison.resolution {
             true => Mark::Good,
             false => Mark::Warn,
         };
-        fact(mark, text)
+        fact(mark, &text)
     }
 
     fn contacts(&self) -> Fact {
@@ -391,7 +303,6 @@ impl<'a> Answer<'a> {
         if let Some(line) = twins.find(differ).and_then(twins::line) {
             return fact(Mark::Bad, line);
         }
-        let own = |track| track == SharedModel::OwnContact;
         let mut parts = Vec::new();
         let twins = self.found.twins.iter();
         let twins = twins.filter(|twin| twin.verdict == Judged::Agree);
@@ -402,41 +313,30 @@ impl<'a> Answer<'a> {
                 percent(twin.worst()?.difference())
             ))
         });
-        let twins: Vec<String> = twins.collect();
+        let twins = joined(", ", twins);
         if !twins.is_empty() {
-            parts.push(format!(
-                "{} from native runs with the same contacts",
-                twins.join(", ")
-            ));
+            parts.push(format!("{twins} from native runs with the same contacts"));
         }
-        let alike = self.pairs_of(own);
-        let alike = alike.filter(|(pair, entry)| {
-            let twin = self
-                .found
-                .twins
-                .iter()
-                .any(|t| t.engine == pair.a || t.engine == pair.b);
-            !twin && entry.result.verdict == Judged::Agree
+        let without_twin = |pair: &Pair| {
+            let mut twins = self.found.twins.iter();
+            !twins.any(|twin| twin.engine == pair.a || twin.engine == pair.b)
+        };
+        let alike = self.worst(Judged::Agree, |pair| {
+            pair.track == SharedModel::OwnContact && without_twin(pair)
         });
-        let alike = alike.max_by(|(_, a), (_, b)| size(&a.result).total_cmp(&size(&b.result)));
-        if let Some((pair, entry)) = alike {
-            parts.push(format!("agree: {}", self.who(pair, entry)));
+        parts.extend(alike.map(|worst| format!("agree: {worst}")));
+        if !parts.is_empty() {
+            return fact(Mark::Good, parts.join("; "));
         }
-        match parts.as_slice() {
-            [] => {
-                let mut finished = self.found.comparison.engines.iter();
-                let has_own =
-                    finished.any(|e| e.track == SharedModel::OwnContact && e.status.is_finished());
-                let why = match has_own {
-                    true => {
-                        "the run is all start-up, in which engines with contacts of their own damp otherwise"
-                    }
-                    false => "no engine with contacts of its own took part",
-                };
-                fact(Mark::Warn, format!("not checked: {why}"))
+        let mut engines = self.found.comparison.engines.iter();
+        let has_own = engines.any(|e| e.track == SharedModel::OwnContact && e.status.is_finished());
+        let why = match has_own {
+            true => {
+                "the run is all start-up, in which engines with contacts of their own damp otherwise"
             }
-            _ => fact(Mark::Good, parts.join("; ")),
-        }
+            false => "no engine with contacts of its own took part",
+        };
+        fact(Mark::Warn, format!("not checked: {why}"))
     }
 
     /// The largest difference there is, judged or not.
@@ -467,23 +367,14 @@ impl<'a> Answer<'a> {
         let Some(bands) = &self.found.bands else {
             let why = declined(scene);
             let why = why.unwrap_or("the gear cannot be balanced, or has no load");
-            return vec![Fact::new(
-                "contact law",
-                Mark::Muted,
-                format!("no band: {why}"),
-            )];
+            let text = format!("no band: {why}");
+            return vec![Fact::new("contact law", Mark::Muted, text)];
         };
-        let law = match band::outside(bands) {
-            Some(outside) => Fact::new("contact law", Mark::Warn, outside),
-            None => Fact::new(
-                "contact law",
-                Mark::None,
-                format!(
-                    "{} is within its band: a spread of models, not validated",
-                    bands.own
-                ),
-            ),
-        };
+        let outside = band::outside(bands);
+        let mark = Mark::warn(outside.is_some());
+        let within = "is within its band: a spread of models, not validated";
+        let text = outside.unwrap_or_else(|| format!("{} {within}", bands.own));
+        let law = Fact::new("contact law", mark, text);
         let given = scene.gear.modification.equidistant_m != 0.0 || scene.gear.backlash_m != 0.0;
         let fit = band::fit(bands).map(|text| match given {
             true => Fact::new("fit", Mark::None, text),
@@ -493,17 +384,16 @@ impl<'a> Answer<'a> {
     }
 
     fn measured(&self) -> Option<Fact> {
-        let pairs = self.pairs_of(|track| track == SharedModel::Measured);
-        let (mut pair, mut entry) = Assessment::gravest(pairs, |(_, entry)| &entry.result)?;
+        let pairs = || self.entries(|pair| pair.track == SharedModel::Measured);
+        let (mut pair, mut entry) = Assessment::gravest(pairs(), |(_, entry)| &entry.result)?;
         let mut said = words::verdict(&entry.result, self.number);
         // Without an uncertainty to judge by there is still how far apart they are.
         let apart = |entry: &PairEntry| entry.metrics.as_ref()?.relative_l2;
         if entry.result.verdict == Judged::NotCompared {
-            let pairs = self.pairs_of(|track| track == SharedModel::Measured);
-            let pairs = pairs.filter_map(|(pair, entry)| Some((pair, entry, apart(entry)?)));
+            let pairs = pairs().filter_map(|(pair, entry)| Some((pair, entry, apart(entry)?)));
             if let Some((of, farthest, l2)) = pairs.max_by(|a, b| a.2.total_cmp(&b.2)) {
                 (pair, entry) = (of, farthest);
-                let place = brief(self.label(entry));
+                let place = self.label(entry);
                 said = format!(
                     "{said}; at most {} apart (relative L2, {place})",
                     (self.number)(l2)
@@ -515,11 +405,8 @@ impl<'a> Answer<'a> {
             Judged::Agree => Mark::Good,
             _ => Mark::Warn,
         };
-        Some(Fact::new(
-            "measurement",
-            mark,
-            format!("{a} and {b}: {said}"),
-        ))
+        let text = format!("{a} and {b}: {said}");
+        Some(Fact::new("measurement", mark, text))
     }
 
     /// Facts on parts that were not checked, with the way to check them; so many reasons of engines without figures are
@@ -528,29 +415,24 @@ impl<'a> Answer<'a> {
         let comparison = &self.found.comparison;
         let here = |name: &str| comparison.engines.iter().any(|engine| engine.name == name);
         let lacks: Vec<&str> = lacking().map(|info| info.name).collect();
-        let absent: Vec<&str> = known()
-            .map(|info| info.name)
-            .filter(|name| !here(name))
-            .collect();
+        let absent = known().map(|info| info.name).filter(|name| !here(name));
         let (lacks, unasked): (Vec<&str>, Vec<&str>) =
-            absent.into_iter().partition(|name| lacks.contains(name));
+            absent.partition(|name| lacks.contains(name));
         let mut facts = Vec::new();
-        let mut tell = |names: Vec<&str>, why: &str| {
+        for (names, why) in [
+            (
+                lacks,
+                "not in this build; rebuild with `--features crossval`",
+            ),
+            (unasked, "not asked for; run it without `--engines`"),
+        ] {
             if !names.is_empty() {
-                let families: BTreeSet<&str> = names
-                    .iter()
-                    .map(|name| pinwheel_engines::family(name))
-                    .collect();
-                let families: Vec<&str> = families.into_iter().collect();
-                let text = format!("{} ({} engines): {why}", families.join(", "), names.len());
+                let families = names.iter().map(|name| pinwheel_engines::family(name));
+                let families = joined(", ", families.collect::<BTreeSet<&str>>());
+                let text = format!("{families} ({} engines): {why}", names.len());
                 facts.push(Fact::new("engines", Mark::None, text));
             }
-        };
-        tell(
-            lacks,
-            "not in this build; rebuild with `--features crossval`",
-        );
-        tell(unasked, "not asked for; run it without `--engines`");
+        }
         let mut left_out = left_out(comparison);
         let more = left_out.split_off(told.min(left_out.len()));
         if !more.is_empty() {
@@ -561,11 +443,10 @@ impl<'a> Answer<'a> {
         facts.extend(told_as_facts(&left_out));
         let recorded = comparison.engines.iter();
         let recorded = recorded.filter(|engine| engine.cost.recorded.is_some());
-        let recorded: Vec<&str> = recorded.map(|engine| words::short(&engine.name)).collect();
+        let recorded = joined(", ", recorded.map(|engine| words::short(&engine.name)));
         if !recorded.is_empty() {
             let text = format!(
-                "{}: not run here but recorded before; Engines on the page says when and why",
-                recorded.join(", ")
+                "{recorded}: not run here but recorded before; Engines on the page says when and why"
             );
             facts.push(Fact::new("recorded", Mark::None, text));
         }
@@ -610,22 +491,16 @@ impl<'a> Answer<'a> {
             });
         }
         if next.is_empty() {
-            next.push(
-                "`pinwheel design` of this scene: stiffness, lost motion, pressure".to_owned(),
-            );
+            let design = "`pinwheel design` of this scene: stiffness, lost motion, pressure";
+            next.push(design.to_owned());
         }
-        next.into_iter()
-            .map(|text| Fact::new("next", Mark::None, text))
-            .collect()
+        let facts = next.into_iter();
+        let facts = facts.map(|text| Fact::new("next", Mark::None, text));
+        facts.collect()
     }
 }
 
-/// `External sleeve force` within a sentence.
-fn brief(label: &str) -> String {
-    label.to_lowercase().replace(" sleeve", "")
-}
-
-/// Why engines have no figures, those of one reason together.
+/// Reasons why engines have no figures, with the engines of each.
 pub(super) fn left_out(comparison: &Comparison) -> Vec<(Vec<&str>, String)> {
     let mut reasons: Vec<(Vec<&str>, String)> = Vec::new();
     let is_late = |engine: &&EngineSummary| matches!(engine.status, Status::TimedOut { .. });
@@ -663,8 +538,8 @@ pub(super) fn told_as_facts(left_out: &[(Vec<&str>, String)]) -> Vec<Fact> {
 /// Label of facts on changes that were made to measured data.
 pub(super) const DATA: &str = "data";
 /// Pairs that solve the scene's own law.
-const SHARES: fn(SharedModel) -> bool =
-    |track| matches!(track, SharedModel::Native | SharedModel::SharedLaw);
+const SHARES: fn(&Pair) -> bool =
+    |pair| matches!(pair.track, SharedModel::Native | SharedModel::SharedLaw);
 /// Label of verdicts that are neither *agree* nor *differ*, with nothing to act on.
 pub(super) const UNRESOLVED: &str = "not resolved";
 /// Reasons that are told one by one, where there is room.

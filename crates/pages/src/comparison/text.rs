@@ -3,17 +3,19 @@
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::quantities::INPUT_TORQUE;
-use pinwheel_compare::{Comparison, Counts, SharedModel, Verdict, WindowKind};
+use pinwheel_compare::{Comparison, Counts, SharedModel, Verdict};
 use pinwheel_report::format::{self, significant};
 use pinwheel_report::study::{Fact, Tone};
 use pinwheel_report::terminal::{self, BAD, GOOD, OPEN, QUIET, TITLE, paragraph, styled};
-use pinwheel_report::words;
 use pinwheel_scene::Scene;
 use pinwheel_studies::comparison::Outcome;
 use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use super::answer::{self, Answer};
+use super::common::mark;
+use super::figures::{figures, window};
+use super::words;
 use crate::band;
 
 /// The answer, without the place of the page: at most a screen. What was done to measured data is told as far as there is room,
@@ -47,16 +49,15 @@ fn with_notes(
 ) -> String {
     let mut text = format!("{}\n\n", styled(TITLE, &paragraph(&crate::title(scene))));
     text += &format!("{}\n", terminal::facts(&answer.shown()));
-    let figures = answer.figures();
-    text += &terminal::pairs(figures.iter().map(|one| {
+    text += &terminal::pairs(figures(answer.found).into_iter().map(|one| {
         let value = format!("{} {}", one.value, one.unit);
         // Four words would not stand on one line.
-        let bounds = one.bounds().replace("by contact law", "by law");
+        let bounds = one.detail.replace("by contact law", "by law");
         let value = match one.value.as_str() {
-            format::NONE => one.value.clone(),
+            format::NONE => one.value,
             _ => format!("{value:12}"),
         };
-        (one.label.as_str(), format!("{value} {bounds}"))
+        (one.label, format!("{value} {bounds}"))
     }));
     let facts = |title: &str, facts: &[Fact]| match facts {
         [] => String::new(),
@@ -69,9 +70,9 @@ fn with_notes(
     let more = notes.len() - kept;
     told.extend(notes.into_iter().take(kept));
     if more > 0 {
-        let text =
+        let more =
             format!("{more} more on what was done to it: `--verbose`, or Measured on the page");
-        told.push(Fact::new(answer::DATA, Mark::None, text));
+        told.push(Fact::new(answer::DATA, Mark::None, more));
     }
     text += &facts("can I trust it", &told);
     let mut unchecked = answer.unchecked(reasons);
@@ -108,7 +109,7 @@ pub fn details(found: &Outcome) -> String {
     let told = words::of_windows(comparison).chain(budgets(comparison));
     let told = told.chain(words::of_measured(comparison));
     let twins = found.twins.iter().filter_map(super::twins::line);
-    text + &lines(told.chain(twins))
+    text + &terminal::paragraphs(told.chain(twins))
 }
 
 /// A share as a terminal shows it.
@@ -117,12 +118,6 @@ fn share(value: f64) -> String {
         true => format!("{}\u{202f}%", significant(100.0 * value, 2)),
         false => brief_number(value),
     }
-}
-
-/// Each as a paragraph of its own.
-fn lines(all: impl IntoIterator<Item = String>) -> String {
-    let lines = all.into_iter();
-    lines.map(|line| paragraph(&line) + "\n").collect()
 }
 
 /// The last lines: what all verdicts amount to.
@@ -134,31 +129,20 @@ fn total(answer: &Answer<'_>) -> String {
         Tone::Open => OPEN,
         Tone::Neutral => QUIET,
     };
-    let counts = words::counts(answer.comparison());
-    styled(
-        style,
-        &paragraph(&format!("{}  {counts}", word.to_uppercase())),
-    )
-}
-
-/// The window figures are shown for: the steady one, or the whole run.
-fn shown_window(comparison: &Comparison) -> Option<WindowKind> {
-    [WindowKind::Steady, WindowKind::Whole, WindowKind::Transient]
-        .into_iter()
-        .find(|kind| comparison.windows.iter().any(|window| window.kind == *kind))
+    let (word, counts) = (word.to_uppercase(), words::counts(answer.comparison()));
+    styled(style, &paragraph(&format!("{word}  {counts}")))
 }
 
 /// Statement on an engine or a pair in a row, and its mark.
 type Said = (String, Mark);
 
 fn engines(comparison: &Comparison) -> Table {
-    let window = shown_window(comparison);
+    let window = window(comparison);
     let statistics = |engine: &EngineSummary, quantity: &str| {
         let figures = engine.figures_in(window?)?;
         figures.quantities.get(quantity).copied()
     };
     let peak = |engine: &EngineSummary, quantity| Some(statistics(engine, quantity)?.peak);
-    let recorded = |engine: &EngineSummary| engine.cost.recorded.is_some();
     Table::of("", &comparison.engines)
         .text("", "engine", |engine| &engine.name)
         .number("", "torque N m", |engine| {
@@ -173,7 +157,7 @@ fn engines(comparison: &Comparison) -> Table {
             Some(engine.cost.wall_s).filter(|wall| *wall > 0.0)
         })
         .shown(Shown::Decimals(2))
-        .said(|engine| recorded(engine).then(|| "recorded".to_owned()))
+        .said(|engine| engine.cost.recorded.as_ref().map(|_| "recorded".to_owned()))
         .text("", "load", |engine| own_verdict(engine).0)
         .marked(|engine| own_verdict(engine).1)
         .done()
@@ -188,23 +172,15 @@ fn own_verdict(engine: &EngineSummary) -> Said {
             false => ("left out".to_owned(), Mark::Muted),
         };
     }
-    let verdicts = engine.judged.iter().map(|entry| entry.result.verdict);
-    let mut compared = verdicts.filter(|verdict| *verdict != Verdict::NotCompared);
+    let verdicts = engine.judged.iter().map(|entry| &entry.result);
+    let mut compared = verdicts.filter(|one| one.verdict != Verdict::NotCompared);
     let last = compared.next_back();
-    last.map_or_else(Said::default, |verdict| {
-        (verdict.word().to_owned(), mark(verdict))
+    last.map_or_else(Said::default, |one| {
+        (one.verdict.word().to_owned(), mark(one))
     })
 }
 
-fn mark(verdict: Verdict) -> Mark {
-    match verdict {
-        Verdict::Agree => Mark::Good,
-        Verdict::Differ => Mark::Bad,
-        Verdict::Inconclusive | Verdict::NotCompared => Mark::Muted,
-    }
-}
-
-/// How far measured data are from each engine, quantity by quantity.
+/// Distances of measured data from each engine, quantity by quantity.
 fn measured(comparison: &Comparison) -> Table {
     let pairs = comparison.pairs.iter();
     let pairs = pairs.filter(|p| p.track == SharedModel::Measured);
@@ -262,10 +238,7 @@ fn pairs(comparison: &Comparison) -> Table {
         });
         let said = worst.map_or_else(Said::default, |(pair, entry)| {
             let said = words::verdict(&entry.result, brief_number);
-            (
-                format!("{}: {said}", name(pair)),
-                mark(entry.result.verdict),
-            )
+            (format!("{}: {said}", name(pair)), mark(&entry.result))
         });
         rows.push((shares.to_owned(), Some(counts), said));
     }
@@ -276,14 +249,14 @@ fn pairs(comparison: &Comparison) -> Table {
     for (pair, entry) in open.into_iter().take(LISTED) {
         let said = words::verdict(&entry.result, brief_number);
         let said = format!("{said}; {}", place(entry));
-        rows.push((name(pair), None, (said, mark(entry.result.verdict))));
+        rows.push((name(pair), None, (said, mark(&entry.result))));
     }
     Table::of("", &rows)
         .text("", "pairs that share", |(shares, ..)| shares)
-        .whole("", "agree", |(_, counts, _)| Some(counts.as_ref()?.agree))
-        .whole("", "differ", |(_, counts, _)| Some(counts.as_ref()?.differ))
+        .whole("", "agree", |(_, counts, _)| Some((*counts)?.agree))
+        .whole("", "differ", |(_, counts, _)| Some((*counts)?.differ))
         .whole("", "inconcl.", |(_, counts, _)| {
-            Some(counts.as_ref()?.inconclusive)
+            Some((*counts)?.inconclusive)
         })
         .text("", "at worst", |(.., (said, _))| said)
         .marked(|(.., (_, mark))| *mark)

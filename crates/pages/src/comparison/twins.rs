@@ -3,10 +3,11 @@
 use pinwheel_compare::Verdict as Judged;
 use pinwheel_report::format::significant;
 use pinwheel_report::study::Block;
-use pinwheel_report::words;
 use pinwheel_studies::comparison::{MatchedContactRun, Outcome, TwinFigure};
 use pinwheel_timeseries::columns;
 use pinwheel_timeseries::table::{Mark, Table};
+
+use super::words;
 
 /// A figure's name and unit.
 fn name(figure: &TwinFigure) -> (String, &'static str) {

@@ -1,6 +1,6 @@
 //! Figures and curves of designs, as every part of their page writes and draws them.
 
-use pinwheel_report::colours;
+use pinwheel_report::COLOURS;
 use pinwheel_report::format::significant;
 use pinwheel_report::study::{Axis, Chart, Series};
 use pinwheel_studies::design::DesignResult;
@@ -41,7 +41,7 @@ pub(crate) fn of_design(
     }
     Series {
         label: format!("{}: {what}", designs[design].0),
-        colour: Some(design + colours::COUNT * variant),
+        colour: Some(design + COLOURS * variant),
         ..line
     }
 }

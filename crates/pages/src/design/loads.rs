@@ -1,6 +1,6 @@
 //! Parts of a design's page on loads: who carries the load, and what bearings take.
 
-use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Style};
+use pinwheel_report::study::{Axis, Chart, Section, Series, Style};
 use pinwheel_studies::design::DesignResult;
 use pinwheel_timeseries::table::Table;
 
@@ -72,19 +72,14 @@ pub(super) fn sharing(found: &DesignResult) -> Section {
         .number("", "p v", |(.., of)| 1e-6 * of.pressure_sliding_w_m2)
         .unit("MPa m/s")
         .shown(SHOWN);
-    Section::new(
-        "contacts",
-        "Load sharing and pressure",
-        [
-            Block::text(
-                "Forces of all discs and poses under the rated load, by where the pin stands from the disc's eccentric. Pressure is that of a \
-                 line contact after Hertz over the face width; the edges of discs and pins are left out, and press harder. Sliding is that of the \
-                 disc on pins that do not turn.",
-            ),
-            Block::Charts(sharing_charts(&[("", found)])),
-            contacts.done().into(),
-        ],
-    )
+    Section::new("contacts", "Load sharing and pressure")
+        .with(
+            "Forces of all discs and poses under the rated load, by where the pin stands from the disc's eccentric. Pressure is that of a \
+             line contact after Hertz over the face width; the edges of discs and pins are left out, and press harder. Sliding is that of the \
+             disc on pins that do not turn.",
+        )
+        .with(sharing_charts(&[("", found)]))
+        .with(contacts)
 }
 
 /// Force on the bearing that carries most over the period of each.
@@ -138,20 +133,13 @@ pub(super) fn bearings(found: &DesignResult) -> Section {
              the part away from it only loads the bearing.",
         ),
     };
-    Section::new(
-        "bearings",
-        title,
-        [
-            Block::Text(format!(
-                "{carried} Disc {} of {}; {}.",
-                found.most_loaded().map_or(0, |bearing| bearing.wheel),
-                found.bearings.len(),
-                match found.scene.gear.errors.is_none() {
-                    true => "the others follow a share of a turn later",
-                    false => "no other carries more",
-                }
-            )),
-            Block::Charts(vec![bearing_chart(&[("", found)]), bearing_orders(found)]),
-        ],
-    )
+    let others = match found.scene.gear.errors.is_none() {
+        true => "the others follow a share of a turn later",
+        false => "no other carries more",
+    };
+    let most = found.most_loaded().map_or(0, |bearing| bearing.wheel);
+    let all = found.bearings.len();
+    Section::new("bearings", title)
+        .with(format!("{carried} Disc {most} of {all}; {others}."))
+        .with(vec![bearing_chart(&[("", found)]), bearing_orders(found)])
 }

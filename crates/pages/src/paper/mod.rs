@@ -84,7 +84,7 @@ fn motion(cancel: &AtomicBool) -> Result<Option<Section>, Cancelled> {
     let about = "One turn of the input, from 0.24 to 0.36 s, as our solver computes it: with backlash fewer ring pins carry \
                  the same load, each with a higher force.";
     let motion = animation::beside(both, TURN, step, TURN.0, cancel)?;
-    Ok(motion.map(|motion| Section::new("motion", "Motion", [Block::text(about), motion])))
+    Ok(motion.map(|motion| Section::new("motion", "Motion").with(about).with(motion)))
 }
 
 fn overview(found: &PaperResult) -> Section {
@@ -95,7 +95,7 @@ fn overview(found: &PaperResult) -> Section {
         .text("", "Our runs show", |figure| &figure.found)
         .text("", "So it", |figure| figure.verdict.words())
         .marked(|figure| mark(figure.verdict));
-    Section::new("figures", "Overview", [table.done().into()])
+    Section::new("figures", "Overview").with(table)
 }
 
 fn section(figure: &PaperFigure) -> Section {
@@ -103,21 +103,16 @@ fn section(figure: &PaperFigure) -> Section {
         .text("", "Number", |n| n.name.replace('_', " "))
         .number("", "Value", |n| n.value)
         .text("", "Unit", |n| &n.unit);
-    let blocks = [
-        Block::Columns(vec![
+    let (words, mark) = (figure.verdict.words(), mark(figure.verdict));
+    Section::new(&figure.id, &figure.name)
+        .with(Block::Columns(vec![
             Fact::new("The paper", Mark::None, &figure.says),
-            Fact::new(
-                format!("Ours: {}", figure.verdict.words()),
-                mark(figure.verdict),
-                &figure.found,
-            ),
-        ]),
-        Block::text(format!("Why: {}", figure.why)),
-        Block::Charts(figure.plots.iter().map(chart).collect()),
-        Block::folded("Numbers", [numbers.done().into()]),
-    ];
-    let summary = format!("{}: {}", figure.title, figure.verdict.words());
-    Section::new(&figure.id, &figure.name, blocks).folded(summary)
+            Fact::new(format!("Ours: {words}"), mark, &figure.found),
+        ]))
+        .with(format!("Why: {}", figure.why))
+        .with(figure.plots.iter().map(chart).collect::<Vec<_>>())
+        .with(Block::folded("Numbers", numbers))
+        .folded(format!("{}: {words}", figure.title))
 }
 
 fn chart(plot: &Plot) -> Chart {
@@ -154,11 +149,9 @@ fn claims(found: &PaperResult) -> Section {
         .text("", "Why", |judged| &judged.claim.remark)
         .text("", "Judged by", |judged| &judged.claim.judged_by)
         .text("", "Where", |judged| &judged.claim.place);
-    let blocks = [
-        judged.done().into(),
-        Block::folded(caption, [reasons.done().into()]),
-    ];
-    Section::new("claims", "Claims", blocks)
+    Section::new("claims", "Claims")
+        .with(judged)
+        .with(Block::folded(caption, reasons))
 }
 
 fn costs(found: &PaperResult) -> Section {
@@ -175,18 +168,17 @@ fn costs(found: &PaperResult) -> Section {
         .shown(Shown::Seconds)
         .number("", "Ratio", |cost| cost.paper_s.map(|s| s / cost.ours_s))
         .shown(Shown::Decimals(0));
-    let blocks = [
-        Block::text(
+    Section::new("cost", "Cost")
+        .with(
             "Wall time of 0.6 s of the gearbox, 60 000 steps of 1e-5 s by Heun's method, on one core. The paper's machine is not \
              named, so the ratio compares program and machine together. The paper scans all points for every pin; only points \
              near the ideal mesh can touch, so their number need not cost time. Adams took over an hour.",
-        ),
-        table.done().into(),
-    ];
-    Section::new("cost", "Cost", blocks).folded("time of a run, beside the paper's")
+        )
+        .with(table)
+        .folded("time of a run, beside the paper's")
 }
 
-/// How a verdict is marked.
+/// Mark of a verdict.
 fn mark(verdict: ClaimVerdict) -> Mark {
     match verdict {
         ClaimVerdict::Holds => Mark::Good,

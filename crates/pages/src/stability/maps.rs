@@ -1,7 +1,7 @@
 //! The atlas as maps: a table of scenes and methods for every question, shaded and with its figure in every cell.
 
-use pinwheel_report::format;
-use pinwheel_report::study::{Block, Section};
+use pinwheel_report::format::{self, joined};
+use pinwheel_report::study::Section;
 use pinwheel_studies::stability::{Atlas, Cell, Failure, SceneRow};
 use pinwheel_timeseries::table::{Mark, Table};
 
@@ -12,7 +12,7 @@ const ERRORS: [f64; 2] = [1e-6, 1.0];
 /// Remainders of the energy account above this are marked: ten times what the paper's law creates.
 const REMAINDER: f64 = 0.1;
 
-/// Where `value` lies between `low` and `high`, by its logarithm.
+/// Place of `value` between `low` and `high`, by its logarithm.
 fn share(value: f64, [low, high]: [f64; 2]) -> f64 {
     ((value.max(f64::MIN_POSITIVE) / low).ln() / (high / low).ln()).clamp(0.0, 1.0)
 }
@@ -77,12 +77,12 @@ fn error(cell: &Cell) -> Place {
         };
     };
     let [forces, driver] = [error.forces, error.driver_torque].map(format::relative);
-    let words = [format!("{forces} / {driver}")].into_iter();
-    let words: Vec<String> = words.chain(failed.map(str::to_owned)).collect();
+    let both = format!("{forces} / {driver}");
+    let words = joined(", ", [both.as_str()].into_iter().chain(failed));
     Place {
         key: Some(error.forces),
         shade: Some(share(error.forces, ERRORS)),
-        ..Place::marked(words.join(", "), mark)
+        ..Place::marked(words, mark)
     }
 }
 
@@ -139,7 +139,7 @@ pub(super) fn sections(atlas: &Atlas) -> Vec<Section> {
     let step_s = format::seconds(options.step_s);
     // The first map answers; the others are looked up.
     let section = |id: &str, title: &str, text: String, table: Table| {
-        let section = Section::new(id, title, [Block::Text(text), table.into()]);
+        let section = Section::new(id, title).with(text).with(table);
         match id {
             "map" => section,
             _ => section.folded("of every scene with every method"),

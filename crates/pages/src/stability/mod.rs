@@ -131,7 +131,7 @@ fn scenes(atlas: &Atlas) -> Section {
     .text("", "Why it is hard", |row| &row.why);
     let why = Block::folded(
         "Why each is hard, and the converged run that errors are measured against",
-        [references.done().into()],
+        references,
     );
-    Section::new("scenes", "Scenes", [scenes.done().into(), why])
+    Section::new("scenes", "Scenes").with(scenes).with(why)
 }

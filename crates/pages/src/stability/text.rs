@@ -1,11 +1,11 @@
 //! The study on a terminal: what each method gets right. The page has the map of scenes.
 
-use pinwheel_report::format;
-use pinwheel_report::terminal::{self, TITLE, styled};
+use pinwheel_report::format::{self, joined};
+use pinwheel_report::terminal::{self, TITLE, paragraphs, styled};
 use pinwheel_studies::stability::Atlas;
 use pinwheel_timeseries::table::{Mark, Table};
 
-/// In how many scenes a method gives the right picture, and what it asks of the step; without the place of the page.
+/// Number of scenes in which each method gives the right picture, and its smallest step; without the place of the page.
 #[must_use]
 pub fn text(atlas: &Atlas) -> String {
     let scenes: Vec<_> = atlas.done().filter(|row| row.refused.is_none()).collect();
@@ -38,21 +38,18 @@ pub fn text(atlas: &Atlas) -> String {
         )
         .text("", "fails in", |(k, _)| {
             let wrong = cells(*k).filter(|(_, cell)| !cell.is_right());
-            wrong.map(|(scene, _)| scene).collect::<Vec<_>>().join(", ")
+            joined(", ", wrong.map(|(scene, _)| scene))
         })
         .marked(|_| Mark::Bad);
     let refused = atlas
         .done()
         .filter_map(|row| Some((&row.scene, row.refused.as_ref()?)));
-    let refused =
-        refused.map(|(scene, why)| terminal::paragraph(&format!("{scene}: {why}")) + "\n");
-    let findings = atlas.findings();
-    let findings = findings.map(|(line, _)| terminal::paragraph(&line) + "\n");
+    let refused = refused.map(|(scene, why)| format!("{scene}: {why}"));
     format!(
         "{}\n{}{}{}The map of scenes and methods is on the page.",
         styled(TITLE, "stability"),
-        findings.collect::<String>(),
+        paragraphs(atlas.findings().map(|(line, _)| line)),
         terminal::table(&table.done().without_empty()),
-        refused.collect::<String>()
+        paragraphs(refused)
     )
 }

@@ -1,10 +1,11 @@
 //! A sweep's page: figures over what was varied, and every run in a table.
 
 use pinwheel_compare::quantities;
-use pinwheel_report::format::{count, plain, readable_unit, seconds, significant};
+use pinwheel_report::format::{count, joined, plain, readable_unit, seconds, significant};
 use pinwheel_report::study::{
     Block, Grid, GridAxis, GridFigure, Section, Study, Tile, Tone, Verdict,
 };
+use pinwheel_report::table::named;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::sweep::{self, Axis, Plan, RunRecord, STATICS, Value};
 use pinwheel_timeseries::table::{Column, Table, Values};
@@ -24,7 +25,6 @@ const MOST_FIGURES: usize = 40;
 pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance) -> String {
     let ended = records.iter().filter(|record| record.ending.is_finished());
     let unfinished = records.len() - ended.count();
-    let cpu: f64 = records.iter().map(|record| record.cpu_s).sum();
     let sweep = &plan.sweep;
     let keys = sweep.axes.iter().flat_map(|axis| &axis.keys);
     let varied = keys.map(|(key, list)| format!("{key} ({})", list.len()));
@@ -53,42 +53,36 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
         && !grid.figures.is_empty()
         && grid.axes.iter().any(|axis| axis.values.len() > 1)
     {
-        sections.push(Section::new("figures", "Figures", [Block::Grid(grid)]));
+        sections.push(Section::new("figures", "Figures").with(Block::Grid(grid)));
     }
-    let all = Section::new("runs", "Runs", runs(plan, table));
-    // Where there is something to look at before.
-    sections.push(if sections.is_empty() {
-        all
-    } else {
-        all.folded("Every run: what was varied, how it ended, its figures")
+    let all = Section::new("runs", "Runs").with(runs(plan, table));
+    // Folded where there is something to look at before.
+    sections.push(match sections.is_empty() {
+        true => all,
+        false => all.folded("Every run: what was varied, how it ended, its figures"),
     });
     let file = Block::Code(sweep.text.trim_end().to_owned());
-    let file = Section::new("sweep", "Sweep file", [file]);
+    let file = Section::new("sweep", "Sweep file").with(file);
     sections.push(file.folded("What was asked for"));
     let versions = records.iter();
     let versions = versions.map(|record| (record.engine.clone(), record.engine_version.clone()));
+    let lost = (unfinished > 0).then(|| Verdict {
+        tone: Tone::Bad,
+        headline: format!("{unfinished} of {runs_done} runs did not finish"),
+        detail: "They are in the table with the reason, and gaps in the figures.".to_owned(),
+    });
+    let simulated = seconds(simulated_s(plan));
+    let cpu = seconds(records.iter().map(|record| record.cpu_s).sum());
     let study = Study {
         title: sweep.name.clone(),
         eyebrow: "Sweep".to_owned(),
         lead,
-        verdict: (unfinished > 0)
-            .then(|| Verdict {
-                tone: Tone::Bad,
-                headline: format!("{unfinished} of {runs_done} runs did not finish"),
-                detail: "They are in the table with the reason, and gaps in the figures."
-                    .to_owned(),
-            })
-            .or_else(|| tolerances::verdict(&sampled))
-            .or(answer),
+        verdict: lost.or_else(|| tolerances::verdict(&sampled)).or(answer),
         tiles: vec![
             Tile::new("Runs", count(runs_done as u64), sweep.engines.join(", ")),
             Tile::new("Varied", varied.len().to_string(), varied.join(", ")),
-            Tile::new("Simulated", seconds(simulated_s(plan)), "all runs together"),
-            Tile::new(
-                "Processor time",
-                seconds(cpu),
-                "the engines', all runs together",
-            ),
+            Tile::new("Simulated", simulated, "all runs together"),
+            Tile::new("Processor time", cpu, "the engines', all runs together"),
         ],
         sections,
         versions: versions.collect(),
@@ -123,31 +117,21 @@ fn answer(grid: &Grid, plan: &Plan) -> Option<Verdict> {
             let (name, unit) = parts(&axis.label);
             format!("{} {}{unit}", name.to_lowercase(), axis.values[*place])
         });
-        words.collect::<Vec<_>>().join(", ")
+        joined(", ", words)
     };
     let off = figure.uncertainty.iter().flatten().copied();
     let off = off.fold(f64::NAN, f64::max);
-    let headline = if high - low <= 2.0 * off {
-        format!("{name}: no trend beyond what the runs may be off by")
-    } else {
-        let digits = |value| significant(value, 4);
-        format!(
-            "{name}: {}{} to {}{}{unit}",
-            digits(low),
-            bound(least),
-            digits(high),
-            bound(most)
-        )
+    let [from, to] = [(low, least), (high, most)]
+        .map(|(value, run)| format!("{}{}", significant(value, 4), bound(run)));
+    let headline = match high - low <= 2.0 * off {
+        true => format!("{name}: no trend beyond what the runs may be off by"),
+        false => format!("{name}: {from} to {to}{unit}"),
     };
-    let runs = plan.runs.len();
+    let (least, most, runs) = (at(least), at(most), plan.runs.len());
     Some(Verdict {
         tone: Tone::Neutral,
         headline,
-        detail: format!(
-            "Least at {}; largest at {}; over {runs} runs.",
-            at(least),
-            at(most)
-        ),
+        detail: format!("Least at {least}; largest at {most}; over {runs} runs."),
     })
 }
 
@@ -185,9 +169,7 @@ fn figure(column: &Column, records: &[RunRecord]) -> Option<GridFigure> {
     let (label, unit) = heading(&column.name, records)?;
     let mut present = values.iter().flatten();
     let first = present.next()?;
-    if present.all(|value| value == first) {
-        return None;
-    }
+    present.find(|value| *value != first)?;
     let (unit, factor) = readable_unit(&unit, largest(values.iter().flatten()));
     let scaled = |value: &Option<f64>| value.map(|v| factor * v);
     let off = records.iter().zip(values);
@@ -228,22 +210,12 @@ fn grid(plan: &Plan, records: &[RunRecord], table: &Table) -> Grid {
         name if name.starts_with("rms_") || name.ends_with("_rad") => 5,
         _ => 4,
     });
-    let figures = columns
-        .into_iter()
-        .filter_map(|column| figure(column, records));
+    let columns = columns.into_iter();
+    let figures = columns.filter_map(|column| figure(column, records));
     Grid {
         figures: figures.take(MOST_FIGURES).collect(),
         runs: (0..plan.runs.len()).map(|run| plan.places(run)).collect(),
         axes,
-    }
-}
-
-/// Name and unit.
-fn named(label: &str, unit: &str) -> String {
-    if unit.is_empty() {
-        label.to_owned()
-    } else {
-        format!("{label} ({unit})")
     }
 }
 
@@ -283,7 +255,7 @@ fn axis(axis: &Axis) -> GridAxis {
     }
 }
 
-/// How far a figure may be off: the engine's own statement, what lies between samples, and of means what the window's place does to them.
+/// Uncertainty of a figure: the engine's own statement, what lies between samples, and of means what the window's place does to them.
 fn uncertainty(record: &RunRecord, column: &str, value: f64) -> Option<f64> {
     let torque = column.contains("torque") || column == "efficiency";
     let [forces, driver] = record.uncertainty.unwrap_or([f64::NAN; 2]);
@@ -310,10 +282,8 @@ fn runs(plan: &Plan, table: &Table) -> Vec<Block> {
     // Figures are shaded from the column's least to its largest.
     let varied = |name: &str| plan.keys().any(|key| key == name);
     for column in &mut shown.columns {
-        let prefixes = ["mean_", "peak_", "rms_", "efficiency"];
-        let figure = prefixes
-            .iter()
-            .any(|prefix| column.name.starts_with(prefix));
+        let mut prefixes = ["mean_", "peak_", "rms_", "efficiency"].iter();
+        let figure = prefixes.any(|prefix| column.name.starts_with(prefix));
         let Values::Number(values) = &column.values else {
             continue;
         };
@@ -327,17 +297,13 @@ fn runs(plan: &Plan, table: &Table) -> Vec<Block> {
     }
     let mut blocks = Vec::new();
     if shown.len() < all {
-        blocks.push(Block::Text(format!(
-            "The first {} of {all} runs; results.csv has all.",
-            shown.len()
-        )));
+        let count = shown.len();
+        blocks.push(format!("The first {count} of {all} runs; results.csv has all.").into());
     }
-    blocks.push(Block::Table(shown));
+    blocks.push(shown.into());
     if !reasons.is_empty() {
-        blocks.push(Block::folded(
-            "Remarks on runs: how they ended, and which figures to read with care",
-            [Block::List(reasons)],
-        ));
+        let title = "Remarks on runs: how they ended, and which figures to read with care";
+        blocks.push(Block::folded(title, Block::List(reasons)));
     }
     blocks
 }

@@ -1,5 +1,6 @@
 //! A sweep on a terminal.
 
+use pinwheel_report::format::joined;
 use pinwheel_report::terminal::{self, BAD, TITLE, pairs, styled};
 use pinwheel_studies::sweep::{self, Plan, RunRecord};
 use pinwheel_timeseries::table::{Shown, Table};
@@ -32,7 +33,7 @@ pub fn list(plan: &Plan) -> String {
     format!("{}\n{table}", styled(TITLE, &plan.sweep.name))
 }
 
-/// How the runs ended and where the results are; `files`: pairs of a word and a place.
+/// Endings of the runs and places of the results; `files`: pairs of a word and a place.
 #[must_use]
 pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> String {
     let count = |wanted: &str| {
@@ -49,7 +50,7 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
     let row = |label: &str, value: String| (label.to_owned(), value);
     let mut rows = vec![
         row("runs", runs.join(", ")),
-        row("varied", plan.keys().collect::<Vec<_>>().join(", ")),
+        row("varied", joined(", ", plan.keys())),
         row(
             "time",
             format!("{cpu:.1} s CPU for {:.3} s simulated", simulated_s(plan)),
@@ -73,10 +74,8 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
         if let Some(of) = &found.yielded {
             rows.push(row("yield", tolerances::yield_in_words(of)));
         }
-        for figure in tolerances::shown(plan, found)
-            .into_iter()
-            .take(MOST_FIGURES)
-        {
+        let shown = tolerances::shown(plan, found).into_iter();
+        for figure in shown.take(MOST_FIGURES) {
             let name = tolerances::named(&figure.name);
             rows.push(row(&name, tolerances::in_words(figure)));
         }
@@ -116,8 +115,7 @@ fn result(plan: &Plan, records: &[RunRecord]) -> String {
             .shown(Shown::Digits(5))
             .uncertain(|(_, record)| uncertainty(record, &column, value(record)?));
     }
-    let more = records.len().saturating_sub(MOST_RUNS);
-    let more = match more {
+    let more = match records.len().saturating_sub(MOST_RUNS) {
         0 => String::new(),
         more => format!("and {more} more in the results\n"),
     };

@@ -1,7 +1,7 @@
 //! Results of a sample, on the page and on a terminal.
 
 use pinwheel_compare::quantities::label_and_unit;
-use pinwheel_report::format::significant;
+use pinwheel_report::format::{joined, significant};
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Tone, Verdict};
 use pinwheel_studies::sweep::{FigureOfSample, Limit, Plan, Quantile, SampleResult, Yield};
 use pinwheel_timeseries::table::{Shown, Table, Values};
@@ -32,7 +32,7 @@ pub(super) fn shown<'a>(plan: &Plan, found: &'a SampleResult) -> Vec<&'a FigureO
     figures
 }
 
-/// `94.3 % (92.7 to 95.6 %) of 1000`.
+/// `94.3 % of 1000 runs keep the specification (with 95 % confidence 92.7 to 95.6 %)`.
 pub(super) fn yield_in_words(found: &Yield) -> String {
     let [low, high] = found.interval.map(|share| 100.0 * share);
     format!(
@@ -42,12 +42,11 @@ pub(super) fn yield_in_words(found: &Yield) -> String {
     )
 }
 
-/// Where a sample stands: its engine and what else is varied.
+/// A sample in words: its engine and what else is varied.
 pub(super) fn place(found: &SampleResult) -> String {
     let varied = found.varied.iter();
     let varied = varied.map(|(key, value)| format!("{key} = {value}"));
-    let words: Vec<String> = [found.engine.clone()].into_iter().chain(varied).collect();
-    words.join(", ")
+    joined(", ", [found.engine.clone()].into_iter().chain(varied))
 }
 
 /// Keys that decide a figure, in words, with their share of the variance.
@@ -57,16 +56,14 @@ pub(super) fn decides(figure: &FigureOfSample) -> String {
         let slope = of.coefficient.filter(|_| straight).map(|c| c * c);
         slope.or(of.first_order)
     };
-    let mut keys: Vec<(f64, &str)> = figure
-        .sensitivities
-        .iter()
-        .filter_map(|of| Some((share(of)?, of.key.rsplit('.').next().unwrap_or(&of.key))))
-        .filter(|(share, _)| *share >= 0.005)
-        .collect();
+    let last = |key| -> &str { str::rsplit(key, '.').next().unwrap_or(key) };
+    let keys = figure.sensitivities.iter();
+    let keys = keys.filter_map(|of| Some((share(of)?, last(&of.key))));
+    let mut keys: Vec<(f64, &str)> = keys.filter(|(share, _)| *share >= 0.005).collect();
     keys.sort_by(|a, b| b.0.total_cmp(&a.0));
     let words = keys.iter().take(MOST_KEYS);
     let words = words.map(|(share, key)| format!("{key} {:.0} %", 100.0 * share.min(1.0)));
-    words.collect::<Vec<_>>().join(", ")
+    joined(", ", words)
 }
 
 /// Fewer runs have none beyond their outer quantiles.
@@ -99,7 +96,7 @@ pub(super) fn between(figure: &FigureOfSample) -> [Option<&Quantile>; 3] {
 
 pub(super) fn named(name: &str) -> String {
     let (label, unit) = label_and_unit(name);
-    super::named(&label, &unit)
+    pinwheel_report::table::named(&label, &unit)
 }
 
 /// The verdict of a sweep with a specification, of its worst sample.
@@ -124,48 +121,44 @@ pub(super) fn section(plan: &Plan, table: &Table, all: &[SampleResult]) -> Secti
     let mut blocks = Vec::new();
     for found in all {
         if all.len() > 1 {
-            blocks.push(Block::Heading(place(found)));
+            blocks.push(Block::heading(place(found)));
         }
         if let Some(of) = &found.yielded {
             blocks.push(limits(&plan.sweep.specification, of));
         }
         blocks.extend(figures(plan, found));
     }
-    if let [_] = all {
-        let charts = charts(plan, table, &all[0]);
-        if !charts.is_empty() {
-            blocks.insert(0, Block::Charts(charts));
-        }
+    if let [one] = all {
+        let charts = charts(plan, table, one);
+        blocks.splice(0..0, (!charts.is_empty()).then(|| charts.into()));
     }
-    blocks.push(Block::text("In brackets: where a quantile lies with 95 % confidence. A key's share of the variance is by \
-         regression where a straight line explains 70 % of it or more, otherwise by first-order Sobol indices."));
-    Section::new("tolerances", "Tolerances", blocks)
+    Section::new("tolerances", "Tolerances").with(blocks).with(
+        "In brackets: where a quantile lies with 95 % confidence. A key's share of the variance is by regression where a \
+         straight line explains 70 % of it or more, otherwise by first-order Sobol indices.",
+    )
 }
 
 fn limits(limits: &[Limit], of: &Yield) -> Block {
     let words = |limit: &Limit| {
         let least = limit.least.map(|x| format!("at least {x}"));
         let most = limit.most.map(|x| format!("at most {x}"));
-        least.into_iter().chain(most).collect::<Vec<_>>().join(", ")
+        joined(", ", least.into_iter().chain(most))
     };
-    let table = Table::of(yield_in_words(of), limits.iter().zip(&of.alone))
+    Table::of(yield_in_words(of), limits.iter().zip(&of.alone))
         .text("", "Figure", |(limit, _)| named(&limit.figure))
         .text("", "Limit", |(limit, _)| words(limit))
         .number("", "Runs that keep it", |(_, share)| 100.0 * **share)
         .unit("%")
-        .shown(Shown::Decimals(1));
-    Block::Table(table.done())
+        .shown(Shown::Decimals(1))
+        .into()
 }
 
 fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
     let quantile = |of: Option<&Quantile>| {
         let of = of?;
         let end = |end: Option<f64>| end.map_or("open".to_owned(), |x| significant(x, DIGITS));
-        let [low, high] = of.interval.map(end);
-        Some(format!(
-            "{} ({low} to {high})",
-            significant(of.value, DIGITS)
-        ))
+        let ([low, high], value) = (of.interval.map(end), significant(of.value, DIGITS));
+        Some(format!("{value} ({low} to {high})"))
     };
     let digits = Shown::Digits(DIGITS as u8);
     let shown = shown(plan, found);
@@ -191,10 +184,10 @@ fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
         })
         .unit("%")
         .shown(Shown::Decimals(0));
-    [Block::Table(spread.done()), Block::Table(keys.done())]
+    [spread.into(), keys.into()]
 }
 
-/// How the first figures are distributed, with their limits.
+/// Distributions of the first figures, with their limits.
 fn charts(plan: &Plan, table: &Table, found: &SampleResult) -> Vec<Chart> {
     let figures = shown(plan, found).into_iter().take(MOST_CHARTS);
     let chart = |figure: &FigureOfSample| {

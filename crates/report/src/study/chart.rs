@@ -8,12 +8,12 @@ use serde_json::{Value, json};
 /// One chart.
 ///
 /// ```
-/// use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Study, Style, render};
+/// use pinwheel_report::study::{Axis, Chart, Section, Series, Study, Style, render};
 ///
 /// let errors = Series::line("dopri5", [1e-5, 1e-4], [3e-9, 3e-4]).styled(Style::Both);
 /// let (x, y) = (Axis::log("Step (s)"), Axis::log("Relative L2 of the forces"));
 /// let chart = Chart::new("Error against step", x, y, vec![errors]);
-/// let section = Section::new("order", "Order", [Block::Charts(vec![chart])]);
+/// let section = Section::new("order", "Order").with(vec![chart]);
 /// let page = render(&Study { title: "mine".into(), sections: vec![section], ..Study::default() });
 /// assert!(page.contains("Error against step"));
 /// ```
@@ -77,7 +77,7 @@ impl Axis {
 pub struct Series {
     /// Name in the legend.
     pub label: String,
-    /// How it is drawn.
+    /// Its style.
     pub style: Style,
     /// Horizontal values.
     pub x: Vec<f64>,
@@ -108,7 +108,7 @@ impl Series {
     }
 }
 
-/// How a curve is drawn.
+/// Style of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Style {

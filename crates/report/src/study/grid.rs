@@ -33,6 +33,6 @@ pub struct GridFigure {
     pub label: String,
     /// Value of each run.
     pub values: Vec<Option<f64>>,
-    /// How far each may be off, in the same unit; `None` where that is not known.
+    /// Uncertainty of each, in the same unit; `None` where that is not known.
     pub uncertainty: Vec<Option<f64>>,
 }

@@ -6,14 +6,13 @@
 //!
 //! ```
 //! use pinwheel_report::study::{Section, Study, render};
-//! use pinwheel_timeseries::table::Table;
+//! use pinwheel_timeseries::table::{Table, TableOf};
 //!
 //! let table = Table::of("Driver torque", [("native", 1.4529)])
 //!     .text("", "engine", |row| row.0)
 //!     .number("", "torque", |row| row.1)
-//!     .unit("N m")
-//!     .done();
-//! let section = Section::new("torque", "Torque", [table.into()]);
+//!     .unit("N m");
+//! let section = Section::new("torque", "Torque").with(table);
 //! let page = render(&Study { title: "mine".into(), sections: vec![section], ..Study::default() });
 //! assert!(page.contains("Torque") && page.contains("1.4529"));
 //! ```
@@ -26,11 +25,9 @@ pub use chart::{Axis, Chart, Series, Style};
 pub use grid::{Grid, GridAxis, GridFigure};
 pub use page::render;
 
-use pinwheel_compare::{Comparison, Participant};
+pub use pinwheel_files::output::escape;
 pub use pinwheel_timeseries::table::Mark;
-use pinwheel_timeseries::table::Table;
-
-use crate::chart_data::ChartData;
+use pinwheel_timeseries::table::{Table, TableOf};
 
 /// Everything on one study's page. Strings may hold any characters: all are escaped, except
 /// [`Block::Html`]; `` `backticks` `` in running text become code.
@@ -79,7 +76,7 @@ pub struct Verdict {
     pub detail: String,
 }
 
-/// How an answer is shown.
+/// Tone of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Tone {
     /// All that is asked for holds.
@@ -109,7 +106,7 @@ pub struct Tile {
     pub value: String,
     /// Its unit, or empty.
     pub unit: String,
-    /// How it was found, or what it compares with.
+    /// Its bounds, or what it compares with.
     pub detail: String,
 }
 
@@ -151,28 +148,27 @@ pub struct Section {
 }
 
 impl Section {
-    /// A section of blocks.
-    pub fn new(
-        id: impl Into<String>,
-        title: impl Into<String>,
-        blocks: impl Into<Vec<Block>>,
-    ) -> Self {
+    /// A section without blocks.
+    pub fn new(id: impl Into<String>, title: impl Into<String>) -> Self {
         Self {
             id: id.into(),
             title: title.into(),
-            blocks: blocks.into(),
+            blocks: Vec::new(),
         }
+    }
+
+    /// Appends a block, or several.
+    #[must_use]
+    pub fn with(mut self, blocks: impl Into<Blocks>) -> Self {
+        self.blocks.extend(blocks.into().0);
+        self
     }
 
     /// Folds the section behind its title, with `beside` next to it.
     #[must_use]
     pub fn folded(self, beside: impl Into<String>) -> Self {
-        let fold = Block::Details {
-            summary: beside.into(),
-            blocks: self.blocks,
-        };
         Self {
-            blocks: vec![fold],
+            blocks: vec![Block::folded(beside, self.blocks)],
             ..self
         }
     }
@@ -197,8 +193,6 @@ pub enum Block {
     Charts(Vec<Chart>),
     /// Figures over parameters, with a choice of axes.
     Grid(Grid),
-    /// Time series of several runs, one quantity at a time. One on a page at most.
-    TimeSeries(TimeSeries),
     /// Blocks behind a line that opens them.
     Details {
         /// The line.
@@ -217,8 +211,15 @@ pub enum Block {
     },
     /// Text as a terminal or a file shows it.
     Code(String),
-    /// Live part of a page that a program serves: markup with everything that its script fills.
-    Explorer(String),
+    /// Markup that scripts fill, with the plotting library at hand.
+    Live {
+        /// The markup, placed as it is.
+        markup: String,
+        /// Elements with its data and code, for the end of the page (see [`crate::script`]).
+        scripts: String,
+        /// True if the scripts ask the program that serves the page.
+        asks: bool,
+    },
     /// Markup written by this program; placed as it is. Inline styles and scripts are allowed,
     /// anything from elsewhere is not.
     Html(String),
@@ -231,7 +232,7 @@ pub struct Fact {
     pub label: String,
     /// The answer.
     pub text: String,
-    /// How it is marked.
+    /// Its mark.
     pub mark: Mark,
 }
 
@@ -253,7 +254,7 @@ pub struct Item {
     pub id: String,
     /// Name.
     pub name: String,
-    /// How it is marked.
+    /// Its mark.
     pub mark: Mark,
     /// Verdict in words.
     pub said: String,
@@ -266,45 +267,74 @@ pub struct Item {
 }
 
 impl Block {
-    /// Blocks behind a line that opens them.
-    pub fn folded(summary: impl Into<String>, blocks: impl Into<Vec<Self>>) -> Self {
-        Self::Details {
-            summary: summary.into(),
-            blocks: blocks.into(),
-        }
+    /// A heading inside a section.
+    pub fn heading(text: impl Into<String>) -> Self {
+        Self::Heading(text.into())
     }
 
-    /// A paragraph.
-    pub fn text(text: impl Into<String>) -> Self {
-        Self::Text(text.into())
+    /// Blocks behind a line that opens them.
+    pub fn folded(summary: impl Into<String>, blocks: impl Into<Blocks>) -> Self {
+        Self::Details {
+            summary: summary.into(),
+            blocks: blocks.into().0,
+        }
+    }
+}
+
+/// A block or several; strings are paragraphs.
+#[derive(Debug, Clone, Default)]
+pub struct Blocks(pub Vec<Block>);
+
+impl<B: Into<Block>> From<B> for Blocks {
+    fn from(block: B) -> Self {
+        Self(vec![block.into()])
+    }
+}
+
+impl<const N: usize> From<[Block; N]> for Blocks {
+    fn from(blocks: [Block; N]) -> Self {
+        Self(blocks.into())
+    }
+}
+
+impl From<Vec<Block>> for Blocks {
+    fn from(blocks: Vec<Block>) -> Self {
+        Self(blocks)
+    }
+}
+
+impl From<&str> for Block {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Block {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<Vec<Fact>> for Block {
+    fn from(facts: Vec<Fact>) -> Self {
+        Self::Facts(facts)
+    }
+}
+
+impl From<Vec<Chart>> for Block {
+    fn from(charts: Vec<Chart>) -> Self {
+        Self::Charts(charts)
+    }
+}
+
+impl<R> From<TableOf<R>> for Block {
+    fn from(table: TableOf<R>) -> Self {
+        Self::Table(table.done())
     }
 }
 
 impl From<Table> for Block {
     fn from(table: Table) -> Self {
         Self::Table(table)
-    }
-}
-
-/// Time series as a comparison's page draws them: values, and differences to any of the runs.
-#[derive(Debug, Clone)]
-pub struct TimeSeries(ChartData);
-
-impl TimeSeries {
-    /// Time series of the participants of a comparison, which are no engines and have their colours in order; `None` if
-    /// nobody has any.
-    #[must_use]
-    pub fn of(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
-        ChartData::of(comparison, participants, true).map(Self)
-    }
-
-    /// Time series of engines, each with the colour that it has on every page; `None` if nobody has any.
-    #[must_use]
-    pub fn of_engines(comparison: &Comparison, participants: &[Participant]) -> Option<Self> {
-        let mut data = ChartData::of(comparison, participants, false)?;
-        data.notes.push(
-            "Samples of recordings are marks. No engine is the truth: differences can be taken to any.".to_owned(),
-        );
-        Some(Self(data))
     }
 }

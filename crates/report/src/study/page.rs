@@ -4,11 +4,9 @@ use pinwheel_files::output::escape;
 use pinwheel_timeseries::table::{Column, Table};
 use serde_json::{Value, json};
 
-use super::{
-    Block, Chart, Fact, Item, Mark, Section, Study, Tile, TimeSeries, Tone, Verdict, chart,
-};
-use crate::chart_data::{ChartData, json_for_script};
-use crate::{packed, table};
+use super::{Block, Chart, Fact, Item, Mark, Section, Study, Tile, Tone, Verdict, chart};
+use crate::format::joined;
+use crate::{script, table};
 
 /// Drawings of the page's scripts, in the order of its blocks.
 #[derive(Default)]
@@ -18,9 +16,10 @@ struct Drawn<'a> {
     later: Vec<Value>,
     /// True if a block lets the reader choose axes.
     grids: bool,
-    time_series: Option<&'a ChartData>,
+    /// Data and code of live parts.
+    live: Vec<&'a str>,
     /// True if the page asks the program that serves it.
-    explorer: bool,
+    asks: bool,
 }
 
 /// Fills in a study's page. The page depends on the study alone: the same study gives the same bytes.
@@ -32,11 +31,8 @@ pub fn render(study: &Study) -> String {
     let [top, below, aside, appendix] = [&study.top, &study.below, &study.aside, &study.appendix]
         .map(|one| blocks(one, &mut drawn));
     let link = |one: &Section| {
-        format!(
-            "<a href=\"#{}\">{}</a>",
-            escape(&one.id),
-            escape(&one.title)
-        )
+        let (id, title) = (escape(&one.id), escape(&one.title));
+        format!("<a href=\"#{id}\">{title}</a>")
     };
     format!(
         include_str!("../../templates/page.html"),
@@ -44,7 +40,7 @@ pub fn render(study: &Study) -> String {
         eyebrow = escape(&study.eyebrow),
         plot_css = include_str!("../../assets/vendor/uplot/uPlot.min.css"),
         css = include_str!("../../assets/report.css"),
-        links = study.sections.iter().map(link).collect::<String>(),
+        links = each(&study.sections, link),
         beside = if aside.is_empty() { "" } else { " beside" },
         lead = inline(&study.lead),
         banner = study.verdict.as_ref().map_or_else(String::new, banner),
@@ -66,46 +62,40 @@ pub fn render(study: &Study) -> String {
         machine = pairs("Machine", &study.machine),
         appendix = appendix,
         made = escape(study.made.as_deref().unwrap_or_default()),
-        connect = if drawn.explorer {
-            "; connect-src 'self'"
-        } else {
-            ""
+        connect = match drawn.asks {
+            true => "; connect-src 'self'",
+            false => "",
         },
         scripts = drawn.scripts(),
     )
 }
 
+/// Markup of every one, one after the other.
+fn each<T>(all: &[T], html: impl FnMut(&T) -> String) -> String {
+    all.iter().map(html).collect()
+}
+
 impl Drawn<'_> {
     /// The data of what is drawn, and the scripts that draw it.
     fn scripts(&self) -> String {
-        let script = |code: &str| format!("<script>{code}</script>\n");
-        let data = |id: &str, json: String| {
-            format!("<script type=\"application/json\" id=\"{id}\">{json}</script>\n")
-        };
-        let mut all = script(include_str!("../../assets/shell.js"));
-        all += &script(include_str!("../../assets/packed.js"));
+        let mut all = script::code(include_str!("../../assets/shell.js"));
+        all += &script::code(include_str!("../../assets/packed.js"));
         if !self.later.is_empty() {
-            let packed = packed::text(&json!(self.later).to_string());
+            let packed = script::packed(json!(self.later).to_string().as_bytes());
             all += &format!("<script type=\"text/plain\" id=\"later-data\">{packed}</script>\n");
         }
-        if self.grids || self.explorer || !self.charts.is_empty() || self.time_series.is_some() {
-            all += &script(include_str!("../../assets/vendor/uplot/uPlot.iife.min.js"));
-            all += &script(include_str!("../../assets/charts.js"));
+        if self.grids || !self.live.is_empty() || !self.charts.is_empty() {
+            all += &script::code(include_str!("../../assets/vendor/uplot/uPlot.iife.min.js"));
+            all += &script::code(include_str!("../../assets/charts.js"));
         }
         if self.grids {
-            all += &script(include_str!("../../assets/grid.js"));
+            all += &script::code(include_str!("../../assets/grid.js"));
         }
-        if let Some(time_series) = self.time_series {
-            all += &data("chart-data", json_for_script(time_series));
-            all += &script(include_str!("../../assets/time_series.js"));
-        }
-        if self.explorer {
-            all += &script(include_str!("../../assets/explore.js"));
-        }
+        all.extend(self.live.iter().copied());
         if !self.charts.is_empty() {
             let charts: Vec<Value> = self.charts.iter().map(|one| chart::json(one)).collect();
-            all += &data("study-data", json_for_script(&charts));
-            all += &script(include_str!("../../assets/study.js"));
+            all += &script::data("study-data", &charts);
+            all += &script::code(include_str!("../../assets/study.js"));
         }
         all
     }
@@ -118,11 +108,10 @@ fn banner(verdict: &Verdict) -> String {
         Tone::Neutral => ("finding", "\u{2192}"),
         Tone::Open => ("open", "\u{25cb}"),
     };
+    let (headline, detail) = (escape(&verdict.headline), inline(&verdict.detail));
     format!(
         "<div class=\"banner {class}\" role=\"status\"><span class=\"sign\" aria-hidden=\"true\">{sign}</span><div>\
-         <p class=\"headline\">{}</p><p class=\"counts\"><span>{}</span></p></div></div>",
-        escape(&verdict.headline),
-        inline(&verdict.detail)
+         <p class=\"headline\">{headline}</p><p class=\"counts\"><span>{detail}</span></p></div></div>"
     )
 }
 
@@ -145,7 +134,7 @@ fn tiles(study: &Study) -> String {
              <p class=\"detail\">{detail}</p></div>\n"
         )
     };
-    let tiles: String = study.tiles.iter().map(tile).collect();
+    let tiles = each(&study.tiles, tile);
     format!("{title}<div class=\"tiles\">\n{tiles}</div>")
 }
 
@@ -154,7 +143,7 @@ fn pairs(title: &str, list: &[(String, String)]) -> String {
     let pair = |(name, value): &(String, String)| {
         format!("<dt>{}</dt><dd>{}</dd>", escape(name), escape(value))
     };
-    let pairs: String = list.iter().map(pair).collect();
+    let pairs = each(list, pair);
     match pairs.as_str() {
         "" => pairs,
         pairs => format!("<div><h3>{title}</h3><dl class=\"pairs\">{pairs}</dl></div>"),
@@ -191,51 +180,36 @@ fn block_html<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> String {
         Block::Heading(text) => format!("<h3>{}</h3>", inline(text)),
         Block::Text(text) => format!("<p class=\"about\">{}</p>", inline(text)),
         Block::List(points) => {
-            let points = points
-                .iter()
-                .map(|point| format!("<li>{}</li>", inline(point)));
-            format!("<ul class=\"points\">{}</ul>", points.collect::<String>())
+            let points = each(points, |point| format!("<li>{}</li>", inline(point)));
+            format!("<ul class=\"points\">{points}</ul>")
         }
         Block::Facts(facts) => {
-            let fact = |fact: &Fact| {
-                let (class, sign) = sign(fact.mark);
-                format!(
-                    "<dt>{}</dt><dd class=\"{class}\">{sign}{}</dd>",
-                    escape(&fact.label),
-                    inline(&fact.text)
-                )
-            };
-            let facts: String = facts.iter().map(fact).collect();
+            let facts = each(facts, |fact| {
+                let [label, class, said] = fact_parts(fact);
+                format!("<dt>{label}</dt><dd class=\"{class}\">{said}</dd>")
+            });
             format!("<dl class=\"facts\">{facts}</dl>")
         }
         Block::Columns(facts) => {
-            let column = |fact: &Fact| {
-                let (class, sign) = sign(fact.mark);
-                format!(
-                    "<div><h3>{}</h3><p class=\"{class}\">{sign}{}</p></div>",
-                    escape(&fact.label),
-                    inline(&fact.text)
-                )
-            };
-            let columns: String = facts.iter().map(column).collect();
+            let columns = each(facts, |fact| {
+                let [label, class, said] = fact_parts(fact);
+                format!("<div><h3>{label}</h3><p class=\"{class}\">{said}</p></div>")
+            });
             format!("<div class=\"columns facing\">{columns}</div>")
         }
         Block::Table(table) => table_html(table),
         Block::Charts(list) => {
-            let first = drawn.charts.len();
+            let mut index = drawn.charts.len()..;
             drawn.charts.extend(list);
-            let charts = list.iter().zip(first..).map(|(chart, index)| {
+            let charts = each(list, |chart| {
+                let (title, note) = (escape(&chart.title), inline(&chart.note));
+                let index = index.next().unwrap_or_default();
                 format!(
-                    "<article class=\"panel\"><div class=\"panel-head\"><h3>{}</h3></div><div class=\"legend\" data-legend=\"{index}\"></div>\
-                     <div class=\"plot\" data-chart=\"{index}\"></div><p class=\"chart-note\">{}</p></article>\n",
-                    escape(&chart.title),
-                    inline(&chart.note)
+                    "<article class=\"panel\"><div class=\"panel-head\"><h3>{title}</h3></div><div class=\"legend\" data-legend=\"{index}\"></div>\
+                     <div class=\"plot\" data-chart=\"{index}\"></div><p class=\"chart-note\">{note}</p></article>\n"
                 )
             });
-            format!(
-                "<div class=\"charts\">\n{}</div>",
-                charts.collect::<String>()
-            )
+            format!("<div class=\"charts\">\n{charts}</div>")
         }
         Block::Details {
             summary,
@@ -260,32 +234,24 @@ fn block_html<'a>(block: &'a Block, drawn: &mut Drawn<'a>) -> String {
             )
         }
         Block::Code(text) => {
-            format!(
-                "<pre class=\"code\" tabindex=\"0\"><code>{}</code></pre>",
-                escape(text)
-            )
+            let text = escape(text);
+            format!("<pre class=\"code\" tabindex=\"0\"><code>{text}</code></pre>")
         }
         Block::Html(markup) => markup.clone(),
-        Block::Explorer(markup) => {
-            drawn.explorer = true;
+        Block::Live {
+            markup,
+            scripts,
+            asks,
+        } => {
+            drawn.live.push(scripts);
+            drawn.asks |= asks;
             markup.clone()
-        }
-        Block::TimeSeries(TimeSeries(data)) => {
-            drawn.time_series = Some(data);
-            let notes = data
-                .notes
-                .iter()
-                .map(|note| format!("<p class=\"note\">{}</p>", escape(note)));
-            format!(
-                include_str!("../../templates/time_series.html"),
-                notes = notes.collect::<String>()
-            )
         }
         Block::Grid(grid) => {
             drawn.grids = true;
             format!(
                 "<div class=\"grid\"><noscript><p class=\"notice\">Charts and maps need a script; the table of runs has all figures.</p></noscript><script type=\"application/json\">{}</script></div>",
-                json_for_script(grid)
+                script::json_text(grid)
             )
         }
     }
@@ -309,30 +275,31 @@ fn item_html(item: &Item, inside: &str) -> String {
 fn table_html(table: &Table) -> String {
     let caption = escape(&table.caption);
     let columns: Vec<&Column> = table::shown(table).collect();
-    let headings = columns.iter().map(|column| {
-        let class = if column.values.is_numeric() {
-            " class=\"num\""
-        } else {
-            ""
+    let headings = each(&columns, |column| {
+        let heading = escape(&table::heading(column));
+        let class = match column.values.is_numeric() {
+            true => " class=\"num\"",
+            false => "",
         };
-        format!(
-            "<th scope=\"col\"{class}>{}</th>",
-            escape(&table::heading(column))
-        )
+        format!("<th scope=\"col\"{class}>{heading}</th>")
     });
     let rows = (0..table.len()).map(|row| {
-        let cells = columns
-            .iter()
-            .enumerate()
-            .map(|(k, column)| cell(column, row, k == 0));
+        let cells = columns.iter().enumerate();
+        let cells = cells.map(|(k, column)| cell(column, row, k == 0));
         format!("<tr>{}</tr>\n", cells.collect::<String>())
     });
     format!(
         "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table class=\"data sortable study-table\">\n\
-         <caption>{caption}</caption>\n<thead><tr class=\"keys\">{}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n</div>",
-        headings.collect::<String>(),
+         <caption>{caption}</caption>\n<thead><tr class=\"keys\">{headings}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n</div>",
         rows.collect::<String>()
     )
+}
+
+/// Label of a fact, its class, and its text with the sign of its mark.
+fn fact_parts(fact: &Fact) -> [String; 3] {
+    let (class, sign) = sign(fact.mark);
+    let said = format!("{sign}{}", inline(&fact.text));
+    [escape(&fact.label), class.to_owned(), said]
 }
 
 /// A cell; the `first` names the row.
@@ -343,10 +310,7 @@ fn cell(column: &Column, row: usize, first: bool) -> String {
         body = format!("<a href=\"#{}\">{body}</a>", escape(&anchor));
     }
     if let Some(colour) = table::of_row(&column.colours, row) {
-        body.insert_str(
-            0,
-            &format!("<span class=\"swatch\" data-style=\"{colour}\"></span>"),
-        );
+        body = format!("<span class=\"swatch\" data-style=\"{colour}\"></span>{body}");
     }
     let shade = table::of_row(&column.shades, row).filter(|shade| shade.is_finite());
     let classes = [
@@ -357,9 +321,9 @@ fn cell(column: &Column, row: usize, first: bool) -> String {
         (true, mark),
     ];
     let classes = classes.into_iter().filter(|(there, _)| *there);
-    let classes: Vec<&str> = classes.map(|(_, class)| class).collect();
+    let classes = joined(" ", classes.map(|(_, class)| class));
     let tag = if first { "th" } else { "td" };
-    let mut attributes = format!(" class=\"{}\"", classes.join(" "));
+    let mut attributes = format!(" class=\"{}\"", classes);
     if first {
         attributes += " scope=\"row\"";
     } else {

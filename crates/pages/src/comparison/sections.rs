@@ -1,133 +1,20 @@
-//! The page of a comparison: its study, from the blocks that every page is made of.
-
-mod answer;
-mod pairs;
-
-pub use answer::{Headline, best, efficiency_of, headlines, numerical, verdict};
-
-use std::collections::BTreeMap;
+//! Sections of a comparison's page: tracks with their pairs and figures, energy, costs, engines.
 
 use pinwheel_compare::comparison::{EngineSummary, Figures};
 use pinwheel_compare::uncertainty::Norm;
-use pinwheel_compare::{
-    Assessment, Comparison, Metric, Participant, Quantity, SharedModel, Verdict, WindowKind,
-    quantities,
-};
+use pinwheel_compare::{Assessment, Metric, Quantity, SharedModel, quantities};
+use pinwheel_report::format::{self, joined};
+use pinwheel_report::study::{Block, Section};
 use pinwheel_timeseries::norms::Statistics;
-use pinwheel_timeseries::table::{Mark, Shown, Table, TableOf};
+use pinwheel_timeseries::table::{Mark, Shown, Table};
 
-use crate::animation::{self, Animation};
-use crate::study::{Block, Section, Study, TimeSeries};
-use crate::{colours, format, words};
-
-/// The study of a comparison of `participants`. `motion`: the gearbox in motion and the time it begins at, s; `model`: what was
-/// modelled, left out and assumed; `scene_toml`: the scene with every key, as run.
-#[must_use]
-pub fn study(
-    comparison: &Comparison,
-    participants: &[Participant],
-    motion: Option<(Animation, f64)>,
-    model: Vec<Table>,
-    scene_toml: String,
-) -> Study {
-    let page = Page::new(comparison);
-    let mut sections = Vec::new();
-    if let Some(time_series) = TimeSeries::of_engines(comparison, participants) {
-        let blocks = [Block::TimeSeries(time_series)];
-        sections.push(Section::new("courses", "Over time", blocks));
-    }
-    sections.extend(page.tracks());
-    sections.extend(page.energy());
-    sections.push(page.costs());
-    let model = model.into_iter().filter(|table| !table.is_empty());
-    let model: Vec<Block> = model.map(Block::Table).collect();
-    sections.push(Section::new("model", "Model", model).folded(""));
-    sections.push(page.engines());
-    let engines = comparison.engines.len();
-    let plural = if engines == 1 { "" } else { "s" };
-    let motion = motion.map(|(view, begin_s)| {
-        let heading = Block::Heading("The gearbox in motion".to_owned());
-        [heading, Block::Html(animation::markup(&[view], begin_s))]
-    });
-    let scene = Block::Code(scene_toml);
-    Study {
-        title: comparison.context.scene.clone(),
-        eyebrow: format!("Comparison of {engines} engine{plural} on the scene"),
-        lead: comparison.context.description.clone(),
-        verdict: Some(verdict(comparison)),
-        top: answer::inconclusive(comparison),
-        tiles_title: page.tiles_title(),
-        tiles: page.tiles(),
-        below: page.below(),
-        aside: motion.into_iter().flatten().collect(),
-        sections,
-        appendix: vec![Block::folded("The scene, every key", [scene])],
-        ..Study::default()
-    }
-}
-
-/// Common data of the parts of the page.
-struct Page<'a> {
-    comparison: &'a Comparison,
-    /// Colour and dash of each engine by its name.
-    styles: BTreeMap<&'a str, usize>,
-}
+use super::common::{Page, mark, span};
+use super::{pairs, words};
 
 impl<'a> Page<'a> {
-    fn new(comparison: &'a Comparison) -> Self {
-        let names: Vec<&str> = comparison.engines.iter().map(|e| e.name.as_str()).collect();
-        let styles = colours::styles(&names);
-        Self {
-            comparison,
-            styles: names.into_iter().zip(styles).collect(),
-        }
-    }
-
-    /// A table of rows that each belong to an engine, which the first column names.
-    fn of_engines<R>(
-        &self,
-        caption: &str,
-        rows: impl IntoIterator<Item = R>,
-        engine: impl Fn(&R) -> &'a EngineSummary,
-    ) -> TableOf<R> {
-        Table::of(caption, rows)
-            .text("", "Engine", |row| &engine(row).name)
-            .coloured(|row| self.styles.get(engine(row).name.as_str()).copied())
-    }
-
-    fn quantity_of(&self, name: &str) -> Option<&'a Quantity> {
-        let mut all = self.comparison.quantities.iter();
-        all.find(|q| q.name == name)
-    }
-
-    /// A quantity in words; its name if the comparison does not list it.
-    fn quantity(&self, name: &'a str) -> &'a str {
-        self.quantity_of(name).map_or(name, |q| &q.label)
-    }
-
-    /// A quantity and a window, e.g. `driver torque, steady`.
-    fn place(&self, quantity: &'a str, window: WindowKind) -> String {
-        let label = self.quantity(quantity).to_lowercase();
-        format!("{label}, {}", window.word())
-    }
-
-    /// A window in words, e.g. `Steady, 0.3–0.6 s`.
-    fn window(&self, kind: WindowKind) -> String {
-        let word = match kind {
-            WindowKind::Steady => "Steady",
-            WindowKind::Transient => "Transient",
-            WindowKind::Whole => "Whole run",
-        };
-        let found = self.comparison.windows.iter().find(|w| w.kind == kind);
-        found.map_or_else(
-            || word.to_owned(),
-            |window| format!("{word}, {}", span(window.from_s, window.to_s)),
-        )
-    }
-
     /// Sections in the order measured, shared law, own contact, native: who has measured asks for that, and native runs
     /// stand in the tables of all others, so that only what they say among themselves is left for the end.
-    fn tracks(&self) -> Vec<Section> {
+    pub(super) fn tracks(&self) -> Vec<Section> {
         let finished = self.comparison.engines.iter();
         let finished = finished.filter(|e| e.status.is_finished());
         let mut names: Vec<SharedModel> = finished.map(|e| e.track).collect();
@@ -169,7 +56,7 @@ impl<'a> Page<'a> {
                  map states are used.",
             ),
         };
-        let mut blocks = vec![Block::text(about)];
+        let mut blocks = vec![about.into()];
         if track == SharedModel::Measured {
             blocks.extend(words::of_measured(self.comparison).map(Block::Text));
         }
@@ -187,7 +74,7 @@ impl<'a> Page<'a> {
         blocks.extend(self.matrices(track, explains));
         blocks.extend(pairs);
         blocks.extend(figures);
-        Some(Section::new(format!("track-{}", place + 1), title, blocks))
+        Some(Section::new(format!("track-{}", place + 1), title).with(blocks))
     }
 
     /// Every engine of a track against every other, window by window.
@@ -197,14 +84,14 @@ impl<'a> Page<'a> {
         if all.is_empty() {
             return Vec::new();
         }
-        let heading = "Every engine against every other".to_owned();
-        let mut blocks = vec![Block::Heading(heading)];
+        let mut blocks = vec![Block::heading("Every engine against every other")];
         if explains {
-            blocks.push(Block::text(
+            blocks.push(
                 "Each cell shows the relative difference that decides the pair's verdict, and after \u{b1} the numerical \
                  uncertainty of both together, or how it was measured. Green agrees, red differs; the darker, the more of \
-                 that uncertainty is used. Choose a cell for all that was compared.",
-            ));
+                 that uncertainty is used. Choose a cell for all that was compared."
+                    .into(),
+            );
         }
         for matrix in all {
             // One triangle: a difference has no direction.
@@ -222,7 +109,7 @@ impl<'a> Page<'a> {
                     .marked(|(i, _)| result(*i).map_or(Mark::None, mark))
                     .linked(|(i, _)| Some(pairs::id(cell(*i)?.pair)));
             }
-            blocks.push(table.done().into());
+            blocks.push(table.into());
         }
         blocks
     }
@@ -244,12 +131,11 @@ impl<'a> Page<'a> {
             let mut table = self.of_engines(&label, rows.iter().copied(), |(engine, _)| engine);
             for quantity in &loads {
                 for (name, of, norm) in statistics(quantity) {
+                    let label = format!("{}, {name}", quantity.label);
                     table = table
-                        .number(
-                            "",
-                            &format!("{}, {name}", quantity.label),
-                            |(_, figures)| figures.quantities.get(&quantity.name).map(of),
-                        )
+                        .number("", &label, |(_, figures)| {
+                            figures.quantities.get(&quantity.name).map(of)
+                        })
                         .unit(&quantity.unit)
                         .uncertain(|(engine, figures)| {
                             let sampling = figures.sampling.get(&quantity.name).map_or(0.0, of);
@@ -271,13 +157,13 @@ impl<'a> Page<'a> {
             }
         }
         if !blocks.is_empty() {
-            blocks.insert(0, Block::Heading("Figures of each engine".to_owned()));
+            blocks.insert(0, Block::heading("Figures of each engine"));
         }
         blocks
     }
 
-    /// Where the energy of each run went.
-    fn energy(&self) -> Option<Section> {
+    /// Section on the energy of each run.
+    pub(super) fn energy(&self) -> Option<Section> {
         let engines = self.comparison.engines.iter();
         let rows = engines.flat_map(|e| e.cost.energy.iter().map(move |energy| (e, energy)));
         let mut table = self
@@ -310,16 +196,14 @@ impl<'a> Page<'a> {
             .shown(Shown::Percent)
             .done()
             .without_empty();
-        let about = Block::text(
-            "Growth of kinetic and stored energy = work of driver and load \u{2212} losses + remainder. The remainder is what \
-             nothing accounts for: an integrator's error, or a contact law that creates energy because it has no potential.",
-        );
-        let there = !table.is_empty();
-        there.then(|| Section::new("energy", "Energy", [about, table.into()]).folded(""))
+        let about = "Growth of kinetic and stored energy = work of driver and load \u{2212} losses + remainder. The remainder is \
+                     what nothing accounts for: an integrator's error, or a contact law that creates energy because it has no potential.";
+        let section = Section::new("energy", "Energy");
+        (!table.is_empty()).then(|| section.with(about).with(table).folded(""))
     }
 
     /// Section with the cost of every run.
-    fn costs(&self) -> Section {
+    pub(super) fn costs(&self) -> Section {
         let all = &self.comparison.engines;
         // Measured data cost this machine nothing, and a recording's time was another machine's.
         let own = |e: &&EngineSummary| e.track != SharedModel::Measured;
@@ -360,22 +244,19 @@ impl<'a> Page<'a> {
             .text("", "Settings and notes", |e| {
                 let notes = e.cost.recorded.iter().chain(&e.cost.notes);
                 let all = [&e.cost.settings].into_iter().chain(notes);
-                let all: Vec<&str> = all.map(String::as_str).collect();
-                all.join("; ").trim_start_matches("; ").to_owned()
+                joined("; ", all.filter(|said| !said.is_empty()))
             });
-        let about = "Times are of this machine, but for those of recorded runs; counts are not.";
-        let blocks = [Block::text(about), table.done().without_empty().into()];
-        Section::new("costs", "Costs", blocks).folded("")
+        Section::new("costs", "Costs")
+            .with("Times are of this machine, but for those of recorded runs; counts are not.")
+            .with(table.done().without_empty())
+            .folded("")
     }
 
     /// The engines in words.
-    fn engines(&self) -> Section {
+    pub(super) fn engines(&self) -> Section {
+        let (caption, engines) = ("The engines and how they differ", &self.comparison.engines);
         let table = self
-            .of_engines(
-                "The engines and how they differ",
-                &self.comparison.engines,
-                |e| e,
-            )
+            .of_engines(caption, engines, |e| e)
             .text("", "Version", |e| &e.version)
             .text("", "Shares", |e| e.track.shares())
             .text("", "What it is", |e| &e.summary)
@@ -384,20 +265,9 @@ impl<'a> Page<'a> {
                 let recorded = e.cost.recorded.clone();
                 e.status.reason().or(recorded).unwrap_or_default()
             })
-            .marked(|e| Mark::bad(e.status.is_broken()))
-            .done();
-        let blocks = [Block::Table(table)];
-        Section::new("engines", "Engines", blocks).folded("how they differ")
-    }
-}
-
-/// How a verdict is marked: what is open stands back.
-fn mark(found: &Assessment) -> Mark {
-    match found.verdict {
-        Verdict::Agree => Mark::Good,
-        Verdict::Differ => Mark::Bad,
-        Verdict::Inconclusive if found.actionable => Mark::Warn,
-        Verdict::Inconclusive | Verdict::NotCompared => Mark::Muted,
+            .marked(|e| Mark::bad(e.status.is_broken()));
+        let section = Section::new("engines", "Engines").with(table);
+        section.folded("how they differ")
     }
 }
 
@@ -410,7 +280,7 @@ fn decisive(found: &Assessment) -> String {
     }
 }
 
-/// How dark a share of a bound is: nothing of it 0, all of it and more 1.
+/// Shade of a share of a bound: 0 for nothing of it, 1 for all of it and more.
 fn shade(share: f64) -> f64 {
     match share.is_nan() {
         true => 0.0,
@@ -439,27 +309,22 @@ fn statistics(quantity: &Quantity) -> &'static [Shows] {
     }
 }
 
-/// Why engines have no efficiency, each reason once.
+/// Reasons why engines have no efficiency, each once.
 fn without_efficiency(rows: &[(&EngineSummary, &Figures)]) -> Vec<Block> {
     let of = |(_, figures): &(_, &Figures)| figures.efficiency_reason.clone();
     let reasons = words::distinct(rows.iter().filter_map(of));
     let said = reasons.into_iter().map(|reason| {
         let without = rows.iter().filter(|row| of(row).as_ref() == Some(&reason));
-        let names: Vec<&str> = without
-            .map(|(engine, _)| words::short(&engine.name))
-            .collect();
-        let whose = match names.len() == rows.len() {
+        let whose = match without.clone().count() == rows.len() {
             true => String::new(),
-            false => format!(" of {}", names.join(", ")),
+            false => {
+                let names = without.map(|(engine, _)| words::short(&engine.name));
+                format!(" of {}", joined(", ", names))
+            }
         };
-        Block::text(format!("No efficiency{whose}: {reason}."))
+        format!("No efficiency{whose}: {reason}.").into()
     });
     said.collect()
-}
-
-fn span(from_s: f64, to_s: f64) -> String {
-    let [from, to] = [from_s, to_s].map(format::plain);
-    format!("{from}\u{2013}{to}\u{202f}s")
 }
 
 #[cfg(test)]

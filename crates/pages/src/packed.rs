@@ -7,8 +7,7 @@
 //! compute the prediction from the same rounded values, so errors do not add up: no value is off by more than half a
 //! quantum of its block.
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
+use pinwheel_report::script;
 
 /// Values that share a quantum.
 pub(crate) const BLOCK: usize = 32;
@@ -16,10 +15,8 @@ pub(crate) const BLOCK: usize = 32;
 const FINEST: i32 = 46;
 /// A column that never reaches this is zero.
 const TINY: f64 = 1e-280;
-/// The writer's effort; more takes twice the time for a hundredth of the size.
-const LEVEL: u8 = 8;
 
-/// How finely a column is rounded.
+/// Rounding of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Rounding {
     /// To this many binary digits of the column's largest value.
@@ -96,16 +93,8 @@ impl Writer {
 
     /// Deflated, as base64.
     pub(crate) fn finish(self) -> String {
-        STANDARD.encode(miniz_oxide::deflate::compress_to_vec(&self.bytes, LEVEL))
+        script::packed(&self.bytes)
     }
-}
-
-/// Text, deflated, as base64.
-pub(crate) fn text(text: &str) -> String {
-    Writer {
-        bytes: text.as_bytes().to_vec(),
-    }
-    .finish()
 }
 
 /// Power of two at or below a positive number.
@@ -162,6 +151,9 @@ fn residuals(values: &[f64], exponents: &[i32], order: usize) -> Vec<i64> {
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use base64::Engine as _;
+    use base64::engine::general_purpose::STANDARD;
+
     use super::*;
 
     /// Reader that does the work of the page's script, in the order of what was written.

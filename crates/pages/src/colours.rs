@@ -1,14 +1,13 @@
 //! One colour and dash for each engine, on every page the same.
 
+use std::collections::BTreeMap;
+
 use pinwheel_engines::info;
+use pinwheel_report::COLOURS as COUNT;
 
-/// Colours of lines in the style sheet (`--line-0` ...).
-pub const COUNT: usize = 16;
-
-/// The style of each name: known engines have their own, others one that follows from their name. Two on one page share
+/// Style of each name: known engines have their own, others one that follows from their name. Two on one page share
 /// a colour only if there are more than [`COUNT`]; then they differ by dash.
-#[must_use]
-pub fn styles(names: &[&str]) -> Vec<usize> {
+pub(crate) fn styles(names: &[&str]) -> Vec<usize> {
     let known = |name: &str| info(name).and_then(|info| info.colour);
     let mut taken: Vec<usize> = names.iter().filter_map(|n| known(n)).collect();
     names
@@ -25,6 +24,13 @@ pub fn styles(names: &[&str]) -> Vec<usize> {
             })
         })
         .collect()
+}
+
+/// Style of each name by the name.
+pub(crate) fn by_name<'a>(names: impl IntoIterator<Item = &'a str>) -> BTreeMap<&'a str, usize> {
+    let names: Vec<&str> = names.into_iter().collect();
+    let styles = styles(&names);
+    names.into_iter().zip(styles).collect()
 }
 
 /// A place that follows from the name alone (FNV-1a).

@@ -7,11 +7,10 @@
 //! no peak is lost. Only where two samples a pixel are too many for every channel, channels are left out. Metrics never
 //! come from here.
 
-use std::fmt::Write as _;
-
 use pinwheel_compare::comparison::Comparison;
 use pinwheel_compare::{Participant, Quantity, SharedModel, Verdict, quantities};
-use pinwheel_files::output::steers;
+use pinwheel_report::script;
+use pinwheel_report::study::{Block, escape};
 use pinwheel_timeseries::columns;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -32,9 +31,33 @@ const DIFFERENCE_DIGITS: [i32; 3] = [7, 6, 5];
 /// Sample times this close, relative to the time, are one.
 const SAME_TIME: f64 = 1e-9;
 
+/// Time series of the participants of a comparison, one quantity at a time: values, and differences to any of them. Engines have the
+/// colours that they have on every page, other participants (`in_order`) those of their order. `None` if nobody has any; one on a
+/// page at most.
+pub(crate) fn block(
+    comparison: &Comparison,
+    participants: &[Participant],
+    in_order: bool,
+) -> Option<Block> {
+    let mut data = ChartData::of(comparison, participants, in_order)?;
+    if !in_order {
+        data.notes.push(
+            "Samples of recordings are marks. No engine is the truth: differences can be taken to any.".to_owned(),
+        );
+    }
+    let note = |note: &String| format!("<p class=\"note\">{}</p>", escape(note));
+    let notes: String = data.notes.iter().map(note).collect();
+    Some(Block::Live {
+        markup: format!(include_str!("../templates/time_series.html"), notes = notes),
+        scripts: script::data("chart-data", &data)
+            + &script::code(include_str!("../assets/time_series.js")),
+        asks: false,
+    })
+}
+
 /// Data for the page's script.
 #[derive(Debug, Clone, Serialize)]
-pub(crate) struct ChartData {
+struct ChartData {
     /// Sample times, s.
     time: Spaced,
     /// Name, track, colour and dash, places of its samples among the times, and whether these are too far apart for a line.
@@ -44,7 +67,7 @@ pub(crate) struct ChartData {
     /// Indices of the first drawing: a quantity, one of its channels, and the engine that differences are taken to.
     first: [usize; 3],
     /// Notes for the reader on the parts that the charts leave out.
-    pub(crate) notes: Vec<String>,
+    notes: Vec<String>,
 }
 
 /// Rising numbers: evenly spaced ones, or a list.
@@ -70,7 +93,7 @@ struct ChartQuantity {
 struct ChartChannel {
     /// Number within the group, or empty.
     label: String,
-    /// Which engines have it, by number.
+    /// Engines that have it, by number.
     engines: Vec<usize>,
     /// Places of the samples kept (none: all), values of the first of these engines, differences of the others to it.
     packed: String,
@@ -87,11 +110,7 @@ struct Drawn<'a> {
 impl ChartData {
     /// Chooses engines, channels and samples and packs them; `None` if nobody has time series. `in_order`: participants are no
     /// engines with colours of their own.
-    pub(crate) fn of(
-        comparison: &Comparison,
-        participants: &[Participant],
-        in_order: bool,
-    ) -> Option<Self> {
+    fn of(comparison: &Comparison, participants: &[Participant], in_order: bool) -> Option<Self> {
         let mut notes = Vec::new();
         let names: Vec<&str> = participants.iter().map(|p| p.name.as_str()).collect();
         let styles = match in_order {
@@ -174,20 +193,20 @@ fn drawn<'a>(
     drawn
 }
 
-/// Where each of `times` stands in `whole`; `None` if one does not.
-fn standing(times: &[f64], whole: &[f64]) -> Option<Vec<usize>> {
+/// Places of `times` among `all`; `None` if one is not there.
+fn standing(times: &[f64], all: &[f64]) -> Option<Vec<usize>> {
     let mut at = 0;
     let place = |t: &f64| {
         let near = SAME_TIME * t.abs().max(SAME_TIME);
-        while at < whole.len() && whole[at] < t - near {
+        while at < all.len() && all[at] < t - near {
             at += 1;
         }
-        (at < whole.len() && (whole[at] - t).abs() <= near).then_some(at)
+        (at < all.len() && (all[at] - t).abs() <= near).then_some(at)
     };
     times.iter().map(place).collect()
 }
 
-/// How much of the time series is drawn.
+/// Part of the time series that is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Plan {
     /// Channels of a group at most.
@@ -260,7 +279,7 @@ impl Plan {
         }
     }
 
-    /// Which of `count` channels are drawn: evenly spaced, the first among them.
+    /// Numbers of those of `count` channels that are drawn: evenly spaced, the first among them.
     fn chosen(self, count: usize) -> Vec<usize> {
         let kept = count.min(self.channels);
         (0..kept).map(|k| k * count / kept).collect()
@@ -432,36 +451,9 @@ fn kept(base: &[f64], having: &[(usize, Vec<(usize, f64)>)], most: usize) -> Vec
     kept
 }
 
-/// JSON that may stand inside a script element: no character can end it or begin a comment. What steers is shown as its number,
-/// as in the rest of a page.
-pub(crate) fn json_for_script(value: &impl Serialize) -> String {
-    let json = json!(value).to_string();
-    let mut safe = String::with_capacity(json.len());
-    for c in json.chars() {
-        let sign = if steers(c) { "\\\\u" } else { "\\u" };
-        if steers(c) || matches!(c, '<' | '>' | '&' | '\u{2028}' | '\u{2029}') {
-            let _ = write!(safe, "{sign}{:04x}", u32::from(c));
-        } else {
-            safe.push(c);
-        }
-    }
-    safe
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn scripts_cannot_be_left() {
-        let json = json_for_script(&"</script><!-- & \u{2028}");
-        assert_eq!(json, "\"\\u003c/script\\u003e\\u003c!-- \\u0026 \\u2028\"");
-        assert_eq!(json_for_script(&"\u{202e}x"), "\"\\\\u202ex\"");
-        assert_eq!(
-            serde_json::from_str::<String>(&json).unwrap(),
-            "</script><!-- & \u{2028}"
-        );
-    }
 
     #[test]
     fn channels_are_evenly_spaced() {

@@ -6,28 +6,35 @@ use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::native::{self, NativeError};
 use pinwheel_gearbox::resolve;
 use pinwheel_gearbox::{Gearbox, GearboxError, auto};
-use pinwheel_report::animation::{Animation, markup, needed, sampling};
 use pinwheel_report::study::Block;
 use pinwheel_scene::{CheckedScene, Formulation, Scene};
 use pinwheel_timeseries::TimeSeries;
 
+mod picture;
+
+pub(crate) use picture::{Animation, markup};
+use picture::{needed, sampling};
+
 /// Limit of the cost of a picture where the scene's own method fails, evaluations: a few seconds.
 const BUDGET: u64 = 3_000_000;
 
-/// A gearbox's motion over as long as a page holds, and the time to begin at, s: its second half, where the
-/// start-up transient has died down. `None` where there is nothing to show, as when the run diverges at once.
+/// A gearbox's motion for a place beside the first screen, over as long as a page holds. It begins at its second half, where the
+/// start-up transient has died down. Empty where there is nothing to show, as when the run diverges at once.
 ///
 /// # Errors
 /// `cancel` was set.
-pub fn of(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<(Animation, f64)>, Cancelled> {
+pub(crate) fn aside(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Vec<Block>, Cancelled> {
     let scene = &gearbox.scene;
     let (step, duration) = sampled(scene);
     let title = format!("{}, native solver", scene.name);
     let found = window(gearbox, &title, (0.0, duration), step, cancel)?;
-    Ok(found.map(|(animation, _)| (animation, 0.5 * duration)))
+    Ok(found.map_or_else(Vec::new, |(view, _)| {
+        let heading = Block::heading("The gearbox in motion");
+        vec![heading, Block::Html(markup(&[view], 0.5 * duration))]
+    }))
 }
 
-/// How far apart samples of the scene's motion are, and how long a page shows it, s.
+/// Distance of the samples of a scene's motion, and the time that a page shows, s.
 pub(crate) fn sampled(scene: &Scene) -> (f64, f64) {
     let (step, stretch) = sampling(scene);
     (step, scene.solver.duration_s.min(stretch))

@@ -1,20 +1,28 @@
-//! Verdicts in words, for pages and terminals alike.
+//! Verdicts, quantities and engines in words, for the page and the terminal.
 
 use pinwheel_compare::comparison::{Pair, PairEntry};
-use pinwheel_compare::{Against, Assessment, Comparison, SharedModel, Verdict};
+use pinwheel_compare::{Against, Assessment, Comparison, Quantity, SharedModel, Verdict};
 use pinwheel_engines::info;
 
 /// The entry of a pair that says most against it, and among equals the one that uses most of its bound. `None` where nothing
 /// is known of any.
-#[must_use]
-pub fn gravest(pair: &Pair) -> Option<&PairEntry> {
+pub(super) fn gravest(pair: &Pair) -> Option<&PairEntry> {
     let known = |entry: &&PairEntry| entry.result.rank() > 0 || entry.result.interval().is_some();
     Assessment::gravest(pair.entries.iter().filter(known), |entry| &entry.result)
 }
 
+/// A quantity that the comparison lists.
+pub(super) fn quantity<'a>(comparison: &'a Comparison, name: &str) -> Option<&'a Quantity> {
+    comparison.quantities.iter().find(|q| q.name == name)
+}
+
+/// A quantity in words; its name if the comparison does not list it.
+pub(super) fn label<'a>(comparison: &'a Comparison, name: &'a str) -> &'a str {
+    quantity(comparison, name).map_or(name, |q| &q.label)
+}
+
 /// A verdict with its numbers, which `number` writes.
-#[must_use]
-pub fn verdict(found: &Assessment, number: fn(f64) -> String) -> String {
+pub(super) fn verdict(found: &Assessment, number: fn(f64) -> String) -> String {
     let word = found.verdict.word();
     let known = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), number);
     if found.verdict == Verdict::Inconclusive {
@@ -64,8 +72,7 @@ pub fn verdict(found: &Assessment, number: fn(f64) -> String) -> String {
 }
 
 /// Summary of a whole comparison: `444 comparisons: 296 agree, 0 differ, 148 inconclusive (recordings)`.
-#[must_use]
-pub fn counts(comparison: &Comparison) -> String {
+pub(super) fn counts(comparison: &Comparison) -> String {
     let counts = comparison.counts;
     let groups = groups(comparison);
     let mut inconclusive = groups.join(", ");
@@ -93,14 +100,14 @@ pub fn counts(comparison: &Comparison) -> String {
 }
 
 /// Remarks on the windows: which are not there, and in which the load changes.
-pub fn of_windows(comparison: &Comparison) -> impl Iterator<Item = String> {
+pub(super) fn of_windows(comparison: &Comparison) -> impl Iterator<Item = String> {
     let absent = comparison.absent_windows.iter();
     let absent = absent.map(|w| format!("No {} window: {}.", w.kind.word(), w.reason));
     absent.chain(comparison.windows.iter().filter_map(|w| w.remark()))
 }
 
 /// Remarks on measured data, each with its name.
-pub fn of_measured(comparison: &Comparison) -> impl Iterator<Item = String> {
+pub(super) fn of_measured(comparison: &Comparison) -> impl Iterator<Item = String> {
     let rigs = comparison.engines.iter();
     let rigs = rigs.filter(|e| e.track == SharedModel::Measured);
     rigs.flat_map(|e| {
@@ -118,15 +125,13 @@ fn results(comparison: &Comparison) -> impl Iterator<Item = &Assessment> {
 }
 
 /// Groups of participants who leave something inconclusive with nothing to act on.
-#[must_use]
-pub fn groups(comparison: &Comparison) -> Vec<&'static str> {
+pub(super) fn groups(comparison: &Comparison) -> Vec<&'static str> {
     let groups = results(comparison).map(|one| one.group);
     distinct(groups.filter(|group| !group.is_empty()))
 }
 
 /// Each participant that leaves something to act on inconclusive, with its first reason and the remedy.
-#[must_use]
-pub fn inconclusive(comparison: &Comparison) -> Vec<(String, String)> {
+pub(super) fn inconclusive(comparison: &Comparison) -> Vec<(String, String)> {
     let mut told: Vec<(String, String)> = Vec::new();
     for (who, why) in results(comparison)
         .filter(|one| one.actionable)
@@ -139,9 +144,8 @@ pub fn inconclusive(comparison: &Comparison) -> Vec<(String, String)> {
     told
 }
 
-/// Who leaves it inconclusive and why, with the remedy where there is one.
-#[must_use]
-pub fn why(found: &Assessment) -> Option<(String, String)> {
+/// Participant that leaves an assessment inconclusive, with the reason and the remedy where there is one.
+pub(super) fn why(found: &Assessment) -> Option<(String, String)> {
     let who = found.participant.clone()?;
     let why = match found.remedy.as_str() {
         "" => found.reason.clone(),
@@ -151,7 +155,7 @@ pub fn why(found: &Assessment) -> Option<(String, String)> {
 }
 
 /// Each once, in the order of their first appearance.
-pub(crate) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
+pub(super) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
     let mut found = Vec::new();
     for one in all {
         if !found.contains(&one) {
@@ -162,7 +166,6 @@ pub(crate) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T>
 }
 
 /// An engine's name where what it shares is said beside it.
-#[must_use]
-pub fn short(engine: &str) -> &str {
+pub(super) fn short(engine: &str) -> &str {
     info(engine).map_or(engine, |info| info.short)
 }

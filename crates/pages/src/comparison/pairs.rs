@@ -3,12 +3,12 @@
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::{Against, Assessment, Metric, Quantity, SharedModel, Verdict, WindowKind};
+use pinwheel_report::format::{self, NONE, relative, relative_or_none, significant};
+use pinwheel_report::study::{Block, Item};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
-use super::{Page, mark};
-use crate::format::{self, NONE, relative, relative_or_none, significant};
-use crate::study::{Block, Item};
-use crate::words;
+use super::common::{Page, mark};
+use super::words;
 
 /// Pairs of one verdict that are listed without a fold.
 const FEW: usize = 3;
@@ -38,12 +38,13 @@ impl Page<'_> {
         if found.is_empty() {
             return Vec::new();
         }
-        let mut blocks = vec![Block::Heading("Pair by pair".to_owned())];
+        let mut blocks = vec![Block::heading("Pair by pair")];
         if explains {
-            blocks.push(Block::text(
+            blocks.push(
                 "What differs is unfolded. D is the relative distance of two runs, U the sum of how far each may be from the \
-                 exact solution of its own equations, by its own runs at coarser settings. D at most U: they agree, to U.",
-            ));
+                 exact solution of its own equations, by its own runs at coarser settings. D at most U: they agree, to U."
+                    .into(),
+            );
         }
         for group in found.chunk_by(|a, b| a.0 == b.0) {
             // Of what nothing would settle a sentence each says enough.
@@ -58,7 +59,7 @@ impl Page<'_> {
                 };
                 let sentences: Vec<String> = group.iter().map(|(.., i)| sentence(i)).collect();
                 let summary = format!("{} not resolved", sentences.len());
-                blocks.push(Block::folded(summary, [Block::List(sentences)]));
+                blocks.push(Block::folded(summary, Block::List(sentences)));
                 continue;
             }
             let items = group.iter().map(|(.., item)| Block::Item(item.clone()));
@@ -80,7 +81,7 @@ impl Page<'_> {
         if !reasons.is_empty() {
             let count = reasons.len();
             let summary = format!("Why limits and tolerances are what they are ({count})");
-            blocks.push(Block::folded(summary, [Block::List(reasons)]));
+            blocks.push(Block::folded(summary, Block::List(reasons)));
         }
         blocks
     }
@@ -178,12 +179,12 @@ impl Page<'_> {
             }
         }
         let text = |(reason, list): (&str, Vec<String>)| {
-            Block::text(format!("Not compared: {}. {reason}", list.join("; ")))
+            format!("Not compared: {}. {reason}", list.join("; ")).into()
         };
         found.into_iter().map(text).collect()
     }
 
-    /// Why the limits and tolerances of a track are what they are, each reason once.
+    /// Reasons of the limits and tolerances of a track, each once.
     fn reasons(&self, track: SharedModel) -> Vec<String> {
         let pairs = self.comparison.pairs.iter().filter(|p| p.track == track);
         let of_pairs = pairs.flat_map(|p| &p.entries).flat_map(|e| &e.assessments);
@@ -231,7 +232,7 @@ impl Page<'_> {
         }
         table
             .text("", "largest difference", |entry| {
-                let quantity = self.quantity_of(&entry.quantity);
+                let quantity = words::quantity(self.comparison, &entry.quantity);
                 let metrics = entry.metrics.as_ref();
                 let found = metrics.and_then(|metrics| largest(metrics, quantity));
                 found.unwrap_or_else(|| NONE.to_owned())

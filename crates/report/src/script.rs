@@ -1,0 +1,64 @@
+//! Data and code inside a page.
+
+use std::fmt::Write as _;
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use pinwheel_files::output::steers;
+use serde::Serialize;
+use serde_json::json;
+
+/// Effort of the compression; more takes twice the time for a hundredth of the size.
+const LEVEL: u8 = 8;
+
+/// An element with a script.
+#[must_use]
+pub fn code(code: &str) -> String {
+    format!("<script>{code}</script>\n")
+}
+
+/// An element with data for scripts, which find it by its `id`.
+#[must_use]
+pub fn data(id: &str, value: &impl Serialize) -> String {
+    let json = json_text(value);
+    format!("<script type=\"application/json\" id=\"{id}\">{json}</script>\n")
+}
+
+/// JSON that may stand inside a script element: no character can end it or begin a comment. What steers is shown as its number,
+/// as in the rest of a page.
+#[must_use]
+pub fn json_text(value: &impl Serialize) -> String {
+    let json = json!(value).to_string();
+    let mut safe = String::with_capacity(json.len());
+    for c in json.chars() {
+        let sign = if steers(c) { "\\\\u" } else { "\\u" };
+        if steers(c) || matches!(c, '<' | '>' | '&' | '\u{2028}' | '\u{2029}') {
+            let _ = write!(safe, "{sign}{:04x}", u32::from(c));
+        } else {
+            safe.push(c);
+        }
+    }
+    safe
+}
+
+/// Bytes, deflated, as base64; `assets/packed.js` reads them.
+#[must_use]
+pub fn packed(bytes: &[u8]) -> String {
+    STANDARD.encode(miniz_oxide::deflate::compress_to_vec(bytes, LEVEL))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scripts_cannot_be_left() {
+        let json = json_text(&"</script><!-- & \u{2028}");
+        assert_eq!(json, "\"\\u003c/script\\u003e\\u003c!-- \\u0026 \\u2028\"");
+        assert_eq!(json_text(&"\u{202e}x"), "\"\\\\u202ex\"");
+        assert_eq!(
+            serde_json::from_str::<String>(&json).unwrap(),
+            "</script><!-- & \u{2028}"
+        );
+    }
+}
