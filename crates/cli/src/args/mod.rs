@@ -573,7 +573,7 @@ mod tests {
             ),
         ] {
             let error = Program::try_parse_from(words).unwrap_err();
-            let asked = asked(words.iter().map(|word| (*word).to_owned()));
+            let asked = asked(words.iter().copied());
             let line = on_one_line(&error.render().to_string(), &asked);
             assert!(!line.contains('\n') && line.ends_with(help), "{line}");
         }
