@@ -132,3 +132,14 @@ def test_law_on_arrays():
     with pytest.raises(pinwheel.InputError, match="did you mean"):
         pinwheel.Law("papr")
     assert {"paper", "hunt-crossley"} <= {law.name for law in pinwheel.laws()}
+
+
+def test_the_program_has_the_engines_of_this_python(program, tmp_path):
+    import importlib.util
+
+    here = {engine.name for engine in pinwheel.engines()}
+    listed = {line.split()[0] for line in program("engines", cwd=tmp_path).splitlines() if line.strip()}
+    assert here - {"native"} <= listed
+    if importlib.util.find_spec("exudyn"):
+        text = program("run", "paper", "--engine", "exudyn-shared-law-explicit", "--set", "solver.duration_s=0.002", cwd=tmp_path)
+        assert "exudyn" in text
