@@ -114,15 +114,13 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, Stud
     };
     step(0, "cost of a run")?;
     let (mut costs, cost) = costs(&runs)?;
-    if let Some(peer) = &options.peer
-        && let Some(wall_s) = peer.wall_s
-    {
-        costs.push(Cost {
+    costs.extend(options.peer.iter().filter_map(|peer| {
+        Some(Cost {
             what: format!("{} in Adams' place", peer.name),
             paper_s: Some(3600.0),
-            ours_s: wall_s,
-        });
-    }
+            ours_s: peer.wall_s?,
+        })
+    }));
     let mut measured = vec![cost];
     for (k, (names, piece, make)) in groups.iter().enumerate() {
         step(k + 1, piece)?;

@@ -72,6 +72,10 @@ impl Atlas {
         });
         type Row<'a> = (&'a SceneRow, Option<&'a Cell>);
         let word = |of: fn(&Cell) -> String| move |row: &Row<'_>| row.1.map(of).unwrap_or_default();
+        let failure = word(|cell| said(cell.failure.as_ref(), Failure::word));
+        let first = word(|cell| said(cell.fails_first.as_ref(), Failure::word));
+        let how = word(|cell| said(cell.fails_first.as_ref(), Failure::sentence));
+        let never = word(|cell| cell.never_failed.to_string());
         Table::of("Every scene with every method", rows)
             .text("scene", "Scene", |(row, _)| &row.scene)
             .text("formulation", "Formulation", |row| {
@@ -85,29 +89,13 @@ impl Atlas {
             .number("error_driver_torque", "Driver torque", |row| {
                 Some(row.1?.error?.driver_torque)
             })
-            .text(
-                "failure",
-                "Failure",
-                word(|cell| said(cell.failure.as_ref(), Failure::word)),
-            )
+            .text("failure", "Failure", failure)
             .number("largest_step_s", "Largest step", |row| {
                 row.1?.largest_step_s
             })
-            .text("never_failed", "", |row| {
-                row.1
-                    .map(|cell| cell.never_failed.to_string())
-                    .unwrap_or_default()
-            })
-            .text(
-                "fails_first",
-                "Fails first",
-                word(|cell| said(cell.fails_first.as_ref(), Failure::word)),
-            )
-            .text(
-                "fails_first_how",
-                "",
-                word(|cell| said(cell.fails_first.as_ref(), Failure::sentence)),
-            )
+            .text("never_failed", "", never)
+            .text("fails_first", "Fails first", first)
+            .text("fails_first_how", "", how)
             .number("energy_remainder_share", "Energy", |row| {
                 row.1?.energy_remainder_share
             })
