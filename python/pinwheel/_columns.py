@@ -218,4 +218,5 @@ def quantity(name: str) -> str:
     match = _NUMBERED.fullmatch(name)
     base, end = (match[1], f" {match[2]}") if match else (name, "")
     ending = next((ending for ending in UNITS if base.endswith(ending)), "")
-    return base.removesuffix(ending).replace("_", " ") + end
+    words = base.removesuffix(ending).replace("external_sleeve", "ring_pin").replace("internal_sleeve", "output_pin")
+    return words.replace("wheel_", "disc_").replace("_", " ") + end

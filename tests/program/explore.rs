@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use pinwheel_tests::served::Served;
-use pinwheel_tests::{repository, run_in, words};
+use pinwheel_tests::{names_in, repository, run_in, words};
 
 #[test]
 fn explore_says_that_a_port_is_taken() {
@@ -199,33 +199,19 @@ fn hard_explore_answers_3000_mutated_questions_while_a_slow_run_goes_on() {
     let mut slow = run();
 
     let folder = repository("fuzz/corpus/requests");
-    let mut paths: Vec<_> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|file| file.unwrap().path())
-        .collect();
-    paths.sort();
     let value = |header: &str| {
-        header
-            .split_once(": ")
-            .unwrap()
-            .1
-            .lines()
-            .next()
-            .unwrap()
-            .to_owned()
+        let (_, value) = header.lines().next().unwrap().split_once(": ").unwrap();
+        value.to_owned()
     };
     let replace = |bytes: Vec<u8>, name: &str, value: &str| -> Vec<u8> {
         let text: String = bytes.iter().map(|byte| *byte as char).collect();
         text.replace(name, value).chars().map(|c| c as u8).collect()
     };
-    let seeds = paths.iter().map(|path| {
-        let bytes = std::fs::read(path).unwrap();
+    let seeds = names_in(&folder).into_iter().map(|name| {
+        let bytes = std::fs::read(folder.join(name)).unwrap();
         let bytes = replace(bytes, "HOST", &host);
-        replace(
-            replace(bytes, "COOKIE", &value(&cookie)),
-            "KEY",
-            &value(&more),
-        )
+        let bytes = replace(bytes, "COOKIE", &value(&cookie));
+        replace(bytes, "KEY", &value(&more))
     });
     let seeds: Vec<Vec<u8>> = seeds.collect();
     assert!(seeds.len() > 15);

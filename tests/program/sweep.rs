@@ -279,19 +279,13 @@ fn regress_keys_that_do_nothing_are_named() {
         let page = read(&dir.path().join("s/index.html"));
         (summary["no_effect"].clone(), swept.stdout, page)
     };
-    for (vary, scene, key) in [
-        (
-            "contact.restitution = [0.2, 0.5, 0.8]",
-            "paper",
-            "contact.restitution",
-        ),
-        (
-            "base = [\"paper\", \"steel\", \"backlash-0.6\"]",
-            "all.toml",
-            "base",
-        ),
+    let bases = "base = [\"paper\", \"steel\", \"backlash-0.6\"]";
+    for (vary, scene) in [
+        ("contact.restitution = [0.2, 0.5, 0.8]", "paper"),
+        (bases, "all.toml"),
     ] {
         let (none, shown, page) = summary(vary, scene);
+        let (key, _) = vary.split_once(" = ").unwrap();
         assert_eq!(none, serde_json::json!([key]));
         assert!(
             shown.contains("no effect") && page.contains("No effect on this scene"),
@@ -317,35 +311,28 @@ fn regress_keys_that_do_nothing_are_named() {
         let keys: Vec<&str> = keys.collect();
         assert_eq!(keys, ["contact.restitution", "base"], "{command}: {told}");
     }
-    for (command, more) in [
-        ("design", "--statics --set drive.output_torque_n_m=20"),
+    // Nothing for 2 ms, and then all: it is not the beginning that counts.
+    let later = "--set drive.load_changes=[{time_s=0.005,output_torque_n_m=30}]";
+    assert_eq!(run(later), "");
+    for typed in [
+        "design paper --out r --force --statics --set drive.output_torque_n_m=20",
         // No figure of statics knows these.
-        ("design", "--set mass.wheel.mass_kg=0.7"),
-        ("design", "--set solver.step_s=2e-5"),
-        ("design", "--set contact.band_laws=[\"kunert\"]"),
-        ("explain", "--set gear.hole_radius_m=0.00881"),
-        (
-            "explain",
-            "--set drive.load_changes=[{time_s=0.005,output_torque_n_m=30}]",
-        ),
+        "design paper --out r --force --set mass.wheel.mass_kg=0.7",
+        "design paper --out r --force --set solver.step_s=2e-5",
+        "design paper --out r --force --set contact.band_laws=[\"kunert\"]",
+        "explain paper --set gear.hole_radius_m=0.00881",
+        &format!("explain paper {later}"),
     ] {
-        let out = ["", " --out r --force"][usize::from(command == "design")];
-        let typed = format!("{command} paper{out} {more} --set contact.restitution=0.3");
+        let typed = format!("{typed} --set contact.restitution=0.3");
         let told = run_in(dir.path(), words(&typed));
-        let of = match command {
-            "design" => "the figures and files of this design",
-            _ => "the native time series of this scene",
+        let of = match typed.starts_with("design") {
+            true => "the figures and files of this design",
+            false => "the native time series of this scene",
         };
-        let note = format!(
-            "note: --set contact.restitution=0.3 has no effect on {of}: without it they are equal to the bit\n"
-        );
+        let without = format!("{of}: without it they are equal to the bit\n");
+        let note = format!("note: --set contact.restitution=0.3 has no effect on {without}");
         assert_eq!((told.code, told.stderr), (Some(0), note), "{typed}");
     }
-    // Nothing for 2 ms, and then all: it is not the beginning that counts.
-    assert_eq!(
-        run("--set drive.load_changes=[{time_s=0.005,output_torque_n_m=30}]"),
-        ""
-    );
 
     // What broke off has no bands, which take longer than all else.
     let wheels = "run steel --out w --set gear.wheels=64";

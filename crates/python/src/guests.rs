@@ -51,10 +51,8 @@ impl Asked {
     }
 
     pub(crate) fn each(engines: &[Bound<'_, PyAny>], desk: Option<&Desk>) -> Raises<Vec<Self>> {
-        engines
-            .iter()
-            .map(|engine| Self::of(engine, desk))
-            .collect()
+        let engines = engines.iter();
+        engines.map(|engine| Self::of(engine, desk)).collect()
     }
 }
 

@@ -108,20 +108,16 @@ pub(crate) fn key(name: &str) -> Raises<String> {
     match found.as_slice() {
         [one] => Ok((*one).to_owned()),
         [] => {
-            let known: Vec<&str> = if name.contains('.') {
-                KEYS.iter().map(|key| key.name).collect()
-            } else {
-                KEYS.iter().map(|key| last(key.name)).collect()
-            };
-            wrong(did_you_mean(name, &known))
+            let known = KEYS.iter().map(|key| match name.contains('.') {
+                true => key.name,
+                false => last(key.name),
+            });
+            wrong(did_you_mean(name, &known.collect::<Vec<_>>()))
         }
-        several => {
-            let list: Vec<String> = several.iter().map(|full| format!("`{full}`")).collect();
-            wrong(format!(
-                "it stands for several; write one of {} in full",
-                list.join(", ")
-            ))
-        }
+        several => wrong(format!(
+            "it stands for several; write one of `{}` in full",
+            several.join("`, `")
+        )),
     }
 }
 

@@ -32,11 +32,8 @@ impl Columns {
 
     /// Names of the columns after the time, each ending in its unit, and in a number where there are several.
     fn names(&self) -> Vec<&str> {
-        self.0
-            .channels()
-            .iter()
-            .map(|channel| channel.name.as_str())
-            .collect()
+        let channels = self.0.channels().iter();
+        channels.map(|channel| channel.name.as_str()).collect()
     }
 
     /// Sample times, s: doubles of this machine.
@@ -48,11 +45,8 @@ impl Columns {
     fn values<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let channels = self.0.channels();
         let count = channels.len() * self.0.len();
-        bytes(
-            py,
-            channels.iter().map(|channel| channel.values.as_slice()),
-            count,
-        )
+        let columns = channels.iter().map(|channel| channel.values.as_slice());
+        bytes(py, columns, count)
     }
 
     /// The file that the program calls `courses.csv`.

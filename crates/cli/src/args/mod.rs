@@ -323,13 +323,10 @@ fn wants_json(matches: &clap::ArgMatches) -> bool {
 /// The program and the command that is typed, if it is one.
 fn asked<'a>(words: impl Iterator<Item = &'a str>) -> String {
     let of = definition();
-    let command = words
-        .skip(1)
-        .find(|word| of.find_subcommand(word).is_some());
-    command.map_or_else(
-        || "pinwheel".to_owned(),
-        |command| format!("pinwheel {command}"),
-    )
+    let is_command = |word: &&str| of.find_subcommand(word).is_some();
+    let mut asked = vec!["pinwheel"];
+    asked.extend(words.skip(1).find(is_command));
+    asked.join(" ")
 }
 
 /// clap's message without its layout: what is wrong, its tip, and where help is: where the message says, or else of `asked`.
@@ -337,11 +334,8 @@ fn on_one_line(message: &str, asked: &str) -> String {
     let mut what: Vec<&str> = Vec::new();
     let mut tips: Vec<&str> = Vec::new();
     let mut help = asked.to_owned();
-    for line in message
-        .lines()
-        .map(str::trim)
-        .filter(|line| !line.is_empty())
-    {
+    let lines = message.lines().map(str::trim);
+    for line in lines.filter(|line| !line.is_empty()) {
         if let Some(usage) = line.strip_prefix("Usage:") {
             let bare = |word: &&str| word.starts_with(|c: char| c.is_ascii_lowercase());
             let words: Vec<&str> = usage.split_whitespace().take_while(bare).collect();
@@ -408,15 +402,7 @@ pub(crate) fn typed() -> String {
 
 fn without_places(words: impl IntoIterator<Item = String>) -> String {
     const VALUED: [&str; 4] = ["--out", "-o", "--jobs", "--color"];
-    const BARE: [&str; 7] = [
-        "--force",
-        "--resume",
-        "--quiet",
-        "-q",
-        "--verbose",
-        "-v",
-        "--json",
-    ];
+    const BARE: &str = "--force --resume --quiet -q --verbose -v --json";
     let mut command = "pinwheel".to_owned();
     let mut words = words.into_iter();
     while let Some(word) = words.next() {
@@ -425,7 +411,7 @@ fn without_places(words: impl IntoIterator<Item = String>) -> String {
             continue;
         }
         let flag = word.split_once('=').map_or(word.as_str(), |(flag, _)| flag);
-        if !BARE.contains(&flag) && !VALUED.contains(&flag) {
+        if !VALUED.contains(&flag) && BARE.split(' ').all(|bare| bare != flag) {
             command.push(' ');
             command.push_str(&quoted(&word));
         }

@@ -86,11 +86,8 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
     let page = pages::baseline::page(name, &accepted, &found, &made);
     folder.show(&page, &pages::baseline::text(name, &found))?;
     if let Some(path) = &args.junit {
-        junit::write(
-            path,
-            "pinwheel baseline",
-            vec![junit::of_baseline(name, &found)],
-        )?;
+        let suite = junit::of_baseline(name, &found);
+        junit::write(path, "pinwheel baseline", vec![suite])?;
     }
     Ok(match found.verdict {
         Verdict::Worse => DIFFER,

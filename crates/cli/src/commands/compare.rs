@@ -44,11 +44,8 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     }
     folder.show(&page, &text)?;
     if let Some(path) = &args.junit {
-        junit::write(
-            path,
-            "pinwheel compare",
-            junit::of_comparison(&found.comparison),
-        )?;
+        let suites = junit::of_comparison(&found.comparison);
+        junit::write(path, "pinwheel compare", suites)?;
     }
     name_idle(&args.scene, &gearbox)?;
 

@@ -67,11 +67,8 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), Failure> {
 fn plan(args: &SweepArgs) -> Result<Plan, Failure> {
     let mut sweep = Sweep::read(&args.file)?;
     if !args.engines.is_empty() {
-        sweep.engines = args
-            .engines
-            .iter()
-            .map(|name| name.trim().to_owned())
-            .collect();
+        let names = args.engines.iter().map(|name| name.trim().to_owned());
+        sweep.engines = names.collect();
     }
     sweep.engines = args.solvers.join_named(&sweep.engines)?;
     Ok(Plan::within(
