@@ -49,9 +49,16 @@ def test_threads(expected, sweep_file, tmp_path):
     assert results(again.out) == expected
 
 
+def unfinished(runs, out):
+    """Makes records of finished runs the journal of an interrupted sweep, which its lock marks."""
+    journal = out.with_name(f"{out.name}.unfinished")
+    runs.rename(journal)
+    (journal / ".lock").write_text("process 1 (`pinwheel sweep`)\n")
+
+
 def test_each_resumes_the_others_journal(program, expected, sweep_file, tmp_path):
     # The program's forty are taken over, with what they cost there, and so are the package's.
-    (tmp_path / "program/runs").rename(tmp_path / "a.unfinished")
+    unfinished(tmp_path / "program/runs", tmp_path / "a")
     first = set((tmp_path / "program/costs.csv").read_text().splitlines())
     pinwheel.sweep(sweep_file, out=tmp_path / "a", resume=True)
     assert set((tmp_path / "a/costs.csv").read_text().splitlines()) == first
@@ -91,7 +98,7 @@ def test_a_sample_is_the_same_on_a_cluster(cluster, tmp_path):
 
 def test_bad_input(program, sweep_file, tmp_path):
     program("sweep", sweep_file.name, "--out", "done", cwd=tmp_path)
-    (tmp_path / "done/runs").rename(tmp_path / "a.unfinished")
+    unfinished(tmp_path / "done/runs", tmp_path / "a")
     with pytest.raises(pinwheel.InputError, match="resume=True"):
         pinwheel.sweep(sweep_file, out=tmp_path / "a")
     with pytest.raises(pinwheel.InputError, match="give a sweep file"):
