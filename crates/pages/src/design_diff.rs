@@ -13,7 +13,8 @@ use pinwheel_studies::design_diff::{DesignDiff, FigureDiff, Judged, KeyDiff};
 use pinwheel_timeseries::table::{Mark, Table, TableOf};
 use serde_json::Value;
 
-use crate::design::{self, HEADLINES, figure, with_uncertainty};
+use crate::design::{self, HEADLINES};
+use crate::figure::{figure, with_uncertainty};
 use crate::{animation, time_series};
 
 /// Keys that one reads before the figures; more are folded.
