@@ -8,7 +8,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_report::format::{self, NONE, joined, significant};
 use pinwheel_report::stack::stack;
 use pinwheel_report::study::{Axis, Block, Chart, Fact, Mark, Section, Study, Style, Tile};
-use pinwheel_report::terminal::{self, TITLE, list, styled};
+use pinwheel_report::terminal::{self, list, titled};
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
@@ -166,12 +166,8 @@ pub fn text(found: &DesignResult, whole: bool) -> String {
         let verbose = "how each figure is: --verbose, or the page";
         rows.push(("counted", verbose.to_owned()));
     }
-    format!(
-        "{}\n{}\n{}",
-        styled(TITLE, &found.scene.name),
-        terminal::table(&table),
-        terminal::pairs(rows)
-    )
+    let table = terminal::table(&table) + "\n";
+    titled(&found.scene.name, [table, terminal::pairs(rows)])
 }
 
 /// Text for a terminal on a scene made of a catalogue's data.
@@ -199,7 +195,7 @@ pub fn draft(draft: &Draft) -> String {
         let name = key.rsplit('.').next().unwrap_or(key);
         rows.push(row("suggested", String::new(), name));
     }
-    format!("{}\n{}", styled(TITLE, &draft.scene.name), list(rows))
+    titled(&draft.scene.name, [list(rows)])
 }
 
 fn sentence(text: &str) -> String {

@@ -2,7 +2,7 @@
 
 use pinwheel_gearbox::Efficiency;
 use pinwheel_report::format::{self, NONE, joined};
-use pinwheel_report::terminal::{TITLE, pairs, styled};
+use pinwheel_report::terminal::{pairs, titled};
 use pinwheel_studies::band::{Band, Bands};
 use pinwheel_studies::results::{Figure, Results};
 use pinwheel_studies::single::Outcome;
@@ -134,5 +134,5 @@ pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
     rows.extend(stats.notes.iter().map(|note| ("note", note.clone())));
     rows.extend(time_series.map(|place| ("courses", place.to_owned())));
     rows.retain(|(_, said)| !said.is_empty());
-    format!("{}\n{}", styled(TITLE, &found.scene.name), pairs(rows))
+    titled(&found.scene.name, [pairs(rows)])
 }

@@ -23,6 +23,12 @@ pub fn styled(style: Style, text: &str) -> String {
     format!("{style}{text}{style:#}")
 }
 
+/// Parts below a title, one after the other.
+#[must_use]
+pub fn titled<const N: usize>(title: &str, parts: [String; N]) -> String {
+    format!("{}\n{}", styled(TITLE, title), parts.concat())
+}
+
 /// The text without styles, for files and pipes.
 #[must_use]
 pub fn plain(text: &str) -> String {

@@ -436,9 +436,9 @@ impl<'a> Answer<'a> {
         let mut left_out = left_out(comparison);
         let more = left_out.split_off(told.min(left_out.len()));
         if !more.is_empty() {
-            let names = more.into_iter().flat_map(|(names, _)| names).collect();
+            let names = more.into_iter().flat_map(|(_, names)| names).collect();
             let why = "`--verbose` says why, or Engines on the page";
-            left_out.push((names, why.to_owned()));
+            left_out.push((why.to_owned(), names));
         }
         facts.extend(told_as_facts(&left_out));
         let recorded = comparison.engines.iter();
@@ -501,32 +501,25 @@ impl<'a> Answer<'a> {
 }
 
 /// Reasons why engines have no figures, with the engines of each.
-pub(super) fn left_out(comparison: &Comparison) -> Vec<(Vec<&str>, String)> {
-    let mut reasons: Vec<(Vec<&str>, String)> = Vec::new();
+pub(super) fn left_out(comparison: &Comparison) -> Vec<(String, Vec<&str>)> {
     let is_late = |engine: &&EngineSummary| matches!(engine.status, Status::TimedOut { .. });
     let late = comparison.engines.iter().filter(is_late).count();
-    for engine in &comparison.engines {
-        let reason = match engine.status.reason() {
-            // Each needs another time; which, its own row of the page says.
-            Some(_) if late > 1 && is_late(&engine) => {
-                "timed out; Engines on the page says what each needs (`--longest SECONDS`)"
-                    .to_owned()
-            }
-            Some(reason) => reason,
-            None => continue,
+    // Each needs another time; which, its own row of the page says.
+    let time = "timed out; Engines on the page says what each needs (`--longest SECONDS`)";
+    let reasons = comparison.engines.iter().filter_map(|engine| {
+        let reason = engine.status.reason()?;
+        let reason = match late > 1 && is_late(&engine) {
+            true => time.to_owned(),
+            false => reason,
         };
-        let name = words::short(&engine.name);
-        match reasons.iter_mut().find(|(_, known)| *known == reason) {
-            Some((names, _)) => names.push(name),
-            None => reasons.push((vec![name], reason)),
-        }
-    }
-    reasons
+        Some((reason, words::short(&engine.name)))
+    });
+    words::grouped(reasons)
 }
 
 /// Reasons of engines that were left out, as facts.
-pub(super) fn told_as_facts(left_out: &[(Vec<&str>, String)]) -> Vec<Fact> {
-    let told = left_out.iter().map(|(names, reason)| {
+pub(super) fn told_as_facts(left_out: &[(String, Vec<&str>)]) -> Vec<Fact> {
+    let told = left_out.iter().map(|(reason, names)| {
         // The label says so already.
         let reason = reason.strip_prefix("left out: ").unwrap_or(reason);
         let text = format!("{}: {reason}", names.join(", "));

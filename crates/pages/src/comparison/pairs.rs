@@ -167,21 +167,14 @@ impl Page<'_> {
 
     /// Comparisons without a verdict, joined where the reason is one and the same.
     fn not_compared<'b>(&self, entries: impl Iterator<Item = &'b PairEntry>) -> Vec<Block> {
-        let mut found: Vec<(&str, Vec<String>)> = Vec::new();
-        for entry in entries.filter(|e| e.result.verdict == Verdict::NotCompared) {
-            let what = self.place(&entry.quantity, entry.window);
-            match found
-                .iter_mut()
-                .find(|(known, _)| *known == entry.result.reason)
-            {
-                Some((_, list)) => list.push(what),
-                None => found.push((&entry.result.reason, vec![what])),
-            }
-        }
-        let text = |(reason, list): (&str, Vec<String>)| {
-            format!("Not compared: {}. {reason}", list.join("; ")).into()
+        let entries = entries.filter(|e| e.result.verdict == Verdict::NotCompared);
+        let reasons =
+            entries.map(|e| (e.result.reason.as_str(), self.place(&e.quantity, e.window)));
+        let reasons = words::grouped(reasons).into_iter();
+        let text = |(reason, places): (&str, Vec<String>)| {
+            format!("Not compared: {}. {reason}", places.join("; ")).into()
         };
-        found.into_iter().map(text).collect()
+        reasons.map(text).collect()
     }
 
     /// Reasons of the limits and tolerances of a track, each once.
