@@ -49,17 +49,16 @@ impl Page<'_> {
         for group in found.chunk_by(|a, b| a.0 == b.0) {
             // Of what nothing would settle a sentence each says enough.
             if group[0].0 == 2 && track != SharedModel::Measured {
-                let sentence = |item: &Item| {
+                let sentences = group.iter().map(|(.., item)| {
                     let why = item.blocks.iter().find_map(|block| match block {
                         Block::Text(text) => text.strip_prefix("Inconclusive: "),
                         _ => None,
                     });
                     let why = why.unwrap_or_default();
                     format!("{}, {}: {}. {why}", item.name, item.beside, item.said)
-                };
-                let sentences: Vec<String> = group.iter().map(|(.., i)| sentence(i)).collect();
-                let summary = format!("{} not resolved", sentences.len());
-                blocks.push(Block::folded(summary, Block::List(sentences)));
+                });
+                let summary = format!("{} not resolved", group.len());
+                blocks.push(Block::folded(summary, Block::List(sentences.collect())));
                 continue;
             }
             let items = group.iter().map(|(.., item)| Block::Item(item.clone()));
@@ -71,10 +70,9 @@ impl Page<'_> {
                 _ => "",
             };
             let listed = items.len() <= FEW || words.is_empty() || track == SharedModel::Measured;
-            if listed {
-                blocks.extend(items);
-            } else {
-                blocks.push(Block::folded(format!("{} {words}", items.len()), items));
+            match listed {
+                true => blocks.extend(items),
+                false => blocks.push(Block::folded(format!("{} {words}", items.len()), items)),
             }
         }
         let reasons = self.reasons(track);
