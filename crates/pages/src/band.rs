@@ -9,7 +9,7 @@ use pinwheel_timeseries::table::Table;
 
 use crate::figure::{interval, rounded};
 
-/// Figures that are told where there is little room: key, name, unit.
+/// Figures of the table of bands: key, name, unit.
 const TOLD: [(&str, &str, &str); 4] = [
     ("external_force_n", "largest pin force, external", "N"),
     ("internal_force_n", "largest pin force, internal", "N"),

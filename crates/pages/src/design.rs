@@ -55,7 +55,7 @@ const CONTACTS: &str = "contacts only";
 const CONTACTS_ONLY: &str = "Lost motion and stiffness are those of the contacts: bearings, pins, discs and housing are rigid here. Real \
                              gears are softer by factors.";
 
-/// The whole page; `cancel` stops it while the motion is computed.
+/// The page; `cancel` stops it while the motion is computed.
 ///
 /// # Errors
 /// `cancel` was set.
@@ -144,7 +144,7 @@ fn fact((label, text): (&str, String)) -> Fact {
     Fact::new(label, mark, text)
 }
 
-/// Text for a terminal; `whole`: with how each figure is counted.
+/// Text for a terminal; `whole`: with the rule by which each figure is counted.
 #[must_use]
 pub fn text(found: &DesignResult, whole: bool) -> String {
     let mut table = figures("", &found.figures, |one| how(found, one));

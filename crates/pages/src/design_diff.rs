@@ -27,7 +27,7 @@ const SERIES: [&str; 3] = [
     "internal_sleeve_force_n peak",
 ];
 
-/// The whole page; `cancel` stops it while the motion is computed.
+/// The page; `cancel` stops it while the motion is computed.
 ///
 /// # Errors
 /// `cancel` was set.

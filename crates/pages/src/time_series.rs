@@ -257,7 +257,7 @@ fn fitting(
 }
 
 impl Plan {
-    /// Appends notes on the parts of the whole that the plan leaves out.
+    /// Appends notes on what the plan leaves out.
     fn tell(self, whole: Self, notes: &mut Vec<String>) {
         notes.push(format!(
             "Drawn are values to five digits of the largest and differences to {:.1}\u{202f}% of those nearby; metrics use \

@@ -43,7 +43,7 @@ struct Cell {
     right: bool,
 }
 
-/// Characters of a line where nobody's screen says otherwise.
+/// Characters of a line where no screen is known.
 const USUAL: usize = 80;
 /// Widths that a table is set to: narrower ones cut words, on wider ones the eye loses the line.
 const WIDTHS: std::ops::RangeInclusive<usize> = 60..=120;

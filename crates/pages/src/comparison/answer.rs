@@ -116,7 +116,7 @@ impl<'a> Answer<'a> {
         (tone, word, said)
     }
 
-    /// Verdict of the engines, without what limits it. An engine that cannot run a scene says so beforehand; that is no finding.
+    /// Verdict of the engines, without what limits it. An engine that was left out beforehand does not count as broken.
     fn of_engines(&self) -> (Tone, String) {
         let comparison = &self.found.comparison;
         let engines = || comparison.engines.iter();
@@ -535,9 +535,9 @@ const SHARES: fn(&Pair) -> bool =
     |pair| matches!(pair.track, SharedModel::Native | SharedModel::SharedLaw);
 /// Label of verdicts that are neither *agree* nor *differ*, with nothing to act on.
 pub(super) const UNRESOLVED: &str = "not resolved";
-/// Reasons that are told one by one, where there is room.
+/// Number of reasons that are listed one by one, where there is room.
 pub(super) const MOST: usize = 2;
-/// Difference of models from which on it is told.
+/// Difference of models from which on the verdict names it.
 const SEEN: f64 = 0.03;
 
 fn size(result: &Assessment) -> f64 {

@@ -4,7 +4,7 @@ use pinwheel_compare::comparison::{Pair, PairEntry};
 use pinwheel_compare::{Against, Assessment, Comparison, Quantity, SharedModel, Verdict};
 use pinwheel_engines::info;
 
-/// The entry of a pair that says most against it, and among equals the one that uses most of its bound. `None` where nothing
+/// The entry of a pair that speaks most against it, and among equals the one that uses most of its bound. `None` where nothing
 /// is known of any.
 pub(super) fn gravest(pair: &Pair) -> Option<&PairEntry> {
     let known = |entry: &&PairEntry| entry.result.rank() > 0 || entry.result.interval().is_some();
@@ -71,7 +71,7 @@ pub(super) fn verdict(found: &Assessment, number: fn(f64) -> String) -> String {
     }
 }
 
-/// Summary of a whole comparison: `444 comparisons: 296 agree, 0 differ, 148 inconclusive (recordings)`.
+/// Counts of all verdicts of a comparison: `444 comparisons: 296 agree, 0 differ, 148 inconclusive (recordings)`.
 pub(super) fn counts(comparison: &Comparison) -> String {
     let counts = comparison.counts;
     let groups = groups(comparison);
@@ -166,7 +166,7 @@ pub(super) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T>
     groups.map(|(one, _)| one).collect()
 }
 
-/// An engine's name where what it shares is said beside it.
+/// An engine's name without its track, for places beside the track's name.
 pub(super) fn short(engine: &str) -> &str {
     info(engine).map_or(engine, |info| info.short)
 }

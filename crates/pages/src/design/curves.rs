@@ -17,7 +17,7 @@ pub(crate) fn chart(title: &str, x: &str, y: &str, series: Vec<Series>) -> Chart
 /// Designs of one chart with their names, which may be empty for one alone.
 pub(crate) type Drawn<'a> = [(&'a str, &'a DesignResult)];
 
-/// A line of a design: of several designs with the design's name and colour; what else it is, its dash tells.
+/// A line of a design. Of several designs it has the design's name and colour, and its dash shows the variant.
 pub(crate) fn of_design(
     designs: &Drawn<'_>,
     design: usize,

@@ -12,7 +12,7 @@ use pinwheel_studies::Provenance;
 use pinwheel_studies::stability::{Atlas, Cell, SERVED, SceneRow};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
-/// The whole page.
+/// The page.
 #[must_use]
 pub fn page(atlas: &Atlas, made: &Provenance) -> String {
     let mut sections = maps::sections(atlas);
