@@ -7,7 +7,9 @@ use pinwheel_studies::band::{Band, Bands, ROLLERS};
 use pinwheel_timeseries::columns;
 use pinwheel_timeseries::table::Table;
 
-/// Figures that are told where there is little room: key, name, unit.
+use crate::figure::{interval, rounded};
+
+/// Figures of the table of bands: key, name, unit.
 const TOLD: [(&str, &str, &str); 4] = [
     ("external_force_n", "largest pin force, external", "N"),
     ("internal_force_n", "largest pin force, internal", "N"),
@@ -22,36 +24,6 @@ const TOLD: [(&str, &str, &str); 4] = [
         "arcmin",
     ),
 ];
-
-/// A value with the digits that a band leaves it: no digit below a fifth of the band's width.
-pub(crate) fn rounded(value: f64, [low, high]: [f64; 2]) -> String {
-    let width = high - low;
-    if !(width > 0.0 && value.is_finite()) {
-        return significant(value, 4);
-    }
-    let digit = (0.2 * width).log10().floor();
-    if digit < -6.0 {
-        let digits = value.abs().max(width).log10().floor() - digit + 1.0;
-        return significant(value, digits.clamp(1.0, 4.0) as usize);
-    }
-    let unit = 10.0_f64.powf(digit);
-    let decimals = (-digit).max(0.0) as usize;
-    format!("{:.decimals$}", (value / unit).round() * unit)
-}
-
-/// `310 to 322`.
-pub(crate) fn interval(band: [f64; 2]) -> String {
-    let [low, high] = band.map(|end| rounded(end, band));
-    format!("{low} to {high}")
-}
-
-/// Bounds of a figure: `310 to 322 by contact law; ± 0.2 numerical`. Without a band, or without the uncertainty `off` that has a
-/// `cause`, that part is left out.
-pub(crate) fn bounds(laws: Option<[f64; 2]>, off: &str, cause: &str) -> String {
-    let laws = laws.map(|laws| format!("{} by contact law", interval(laws)));
-    let off = (!off.is_empty()).then(|| format!("{off} {cause}"));
-    joined("; ", laws.into_iter().chain(off))
-}
 
 /// Key of the band that bounds the peak of a quantity of runs.
 pub(crate) fn key_of_peak(quantity: &str) -> Option<&'static str> {
@@ -147,18 +119,5 @@ mod tests {
             fits: Vec::new(),
         };
         assert!(about(&none).starts_with("no band: line-hertz "));
-    }
-
-    #[test]
-    fn digits_are_those_that_the_band_leaves() {
-        assert_eq!(rounded(319.71, [310.2, 322.4]), "320");
-        assert_eq!(interval([310.2, 322.4]), "310 to 322");
-        assert_eq!(rounded(358.3, [226.0, 430.0]), "360");
-        assert_eq!(rounded(0.05312, [0.048, 0.073]), "0.053");
-        assert_eq!(rounded(5.0, [5.0, 5.0]), "5.000");
-        assert_eq!(
-            interval([2.19e-7, 5.72e-7]),
-            "2.2\u{b7}10\u{207b}\u{2077} to 5.7\u{b7}10\u{207b}\u{2077}"
-        );
     }
 }

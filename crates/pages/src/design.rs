@@ -8,7 +8,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_report::format::{self, NONE, joined, significant};
 use pinwheel_report::stack::stack;
 use pinwheel_report::study::{Axis, Block, Chart, Fact, Mark, Section, Study, Style, Tile};
-use pinwheel_report::terminal::{self, TITLE, list, styled};
+use pinwheel_report::terminal::{self, list, titled};
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
@@ -18,11 +18,11 @@ use pinwheel_timeseries::table::{Shown, Table};
 mod curves;
 mod loads;
 
-pub(crate) use curves::figure;
 pub(crate) use loads::{bearing_chart, sharing_charts};
 
+use crate::figure::{SHOWN, bounds, figure, interval, known, rounded, with_uncertainty};
 use crate::{animation, band};
-use curves::{DIGITS, Drawn, SHOWN, chart, degrees, line, of_design};
+use curves::{Drawn, chart, degrees, line, of_design};
 use loads::{bearings, sharing};
 
 /// Figures that stand on the first screen.
@@ -55,7 +55,7 @@ const CONTACTS: &str = "contacts only";
 const CONTACTS_ONLY: &str = "Lost motion and stiffness are those of the contacts: bearings, pins, discs and housing are rigid here. Real \
                              gears are softer by factors.";
 
-/// The whole page; `cancel` stops it while the motion is computed.
+/// The page; `cancel` stops it while the motion is computed.
 ///
 /// # Errors
 /// `cancel` was set.
@@ -144,7 +144,7 @@ fn fact((label, text): (&str, String)) -> Fact {
     Fact::new(label, mark, text)
 }
 
-/// Text for a terminal; `whole`: with how each figure is counted.
+/// Text for a terminal; `whole`: with the rule by which each figure is counted.
 #[must_use]
 pub fn text(found: &DesignResult, whole: bool) -> String {
     let mut table = figures("", &found.figures, |one| how(found, one));
@@ -166,12 +166,8 @@ pub fn text(found: &DesignResult, whole: bool) -> String {
         let verbose = "how each figure is: --verbose, or the page";
         rows.push(("counted", verbose.to_owned()));
     }
-    format!(
-        "{}\n{}\n{}",
-        styled(TITLE, &found.scene.name),
-        terminal::table(&table),
-        terminal::pairs(rows)
-    )
+    let table = terminal::table(&table) + "\n";
+    titled(&found.scene.name, [table, terminal::pairs(rows)])
 }
 
 /// Text for a terminal on a scene made of a catalogue's data.
@@ -199,7 +195,7 @@ pub fn draft(draft: &Draft) -> String {
         let name = key.rsplit('.').next().unwrap_or(key);
         rows.push(row("suggested", String::new(), name));
     }
-    format!("{}\n{}", styled(TITLE, &draft.scene.name), list(rows))
+    titled(&draft.scene.name, [list(rows)])
 }
 
 fn sentence(text: &str) -> String {
@@ -209,38 +205,18 @@ fn sentence(text: &str) -> String {
     }
 }
 
-/// A figure and how far it may be off.
-pub(crate) fn with_uncertainty(value: Option<f64>, uncertainty: Option<f64>) -> String {
-    let Some(value) = value else {
-        return NONE.to_owned();
-    };
-    let (value, bound) = known(value, uncertainty);
-    format!("{value} {bound}").trim_end().to_owned()
-}
-
-/// A figure with as many digits as a data sheet gives and its uncertainty leaves, and that, which may be empty.
-fn known(value: f64, uncertainty: Option<f64>) -> (String, String) {
-    let (shown, bound) = format::bounded(value, uncertainty, 0.0);
-    let least = 10_f64.powi(-i32::from(DIGITS)) * value.abs();
-    let shown = match uncertainty {
-        Some(u) if u > least => shown,
-        _ => figure(value),
-    };
-    (shown, bound.replace('\u{202f}', " "))
-}
-
 /// A figure where there is little room, and what bounds it: its band, and how far it may be off numerically.
 #[must_use]
 pub fn headline(one: &DesignFigure) -> (String, String) {
     let Some(value) = one.value else {
         return (NONE.to_owned(), String::new());
     };
-    let (shown, bound) = known(value, one.uncertainty);
+    let [shown, off] = known(value, one.uncertainty);
     let laws = wide(one);
-    let shown = laws.map_or(shown, |laws| band::rounded(value, laws));
+    let shown = laws.map_or(shown, |laws| rounded(value, laws));
     // The sign stays with its number.
-    let bound = bound.replace(' ', "\u{a0}");
-    (shown, band::bounds(laws, &bound, "numerical"))
+    let off = off.replace(' ', "\u{a0}");
+    (shown, bounds(laws, &off, "numerical"))
 }
 
 /// Its band, where that is wider than the figure is off numerically.
@@ -253,11 +229,10 @@ fn wide(one: &DesignFigure) -> Option<[f64; 2]> {
 fn with_band(one: &DesignFigure) -> String {
     match (one.value, wide(one)) {
         (Some(value), Some(laws)) => {
-            let shown = band::rounded(value, laws);
+            let shown = rounded(value, laws);
             // Beside a value rounded by more it would be wrong.
-            let moved = shown
-                .parse::<f64>()
-                .map_or(0.0, |shown| (shown - value).abs());
+            let moved = shown.parse::<f64>();
+            let moved = moved.map_or(0.0, |shown| (shown - value).abs());
             let off = one.uncertainty.filter(|u| *u > 0.0 && *u >= moved);
             let off = off.map_or_else(String::new, |u| format!(" \u{b1} {}", significant(u, 1)));
             format!("{shown}{off}")
@@ -321,9 +296,8 @@ fn figures(
         .number("", "Value", |one| one.value)
         .said(|one| with_band(one));
     if figures.iter().any(|one| wide(one).is_some()) {
-        table = table.text("", "By contact law", |one| {
-            wide(one).map_or_else(String::new, band::interval)
-        });
+        let laws = |one: &&DesignFigure| wide(one).map_or_else(String::new, interval);
+        table = table.text("", "By contact law", laws);
     }
     table
         .text("", "Unit", |one| one.unit)
@@ -350,12 +324,9 @@ fn counted(one: &DesignFigure) -> String {
         });
         return format!("{}; varies by {varies} % over the mesh{mean}", one.how);
     }
-    let [least, largest] = spread;
-    let [of_least, of_largest] = one
-        .mesh_uncertainty
-        .map_or([None; 2], |ends| ends.map(Some));
-    let least = with_uncertainty(Some(least), of_least);
-    let largest = with_uncertainty(Some(largest), of_largest);
+    let ends = one.mesh_uncertainty;
+    let end = |k: usize| with_uncertainty(Some(spread[k]), ends.map(|ends| ends[k]));
+    let (least, largest) = (end(0), end(1));
     let mean = mean.map_or_else(String::new, |mean| format!(", {} on average", figure(mean)));
     format!("{}; {least} to {largest} over the mesh{mean}", one.how)
 }

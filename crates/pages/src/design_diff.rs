@@ -13,7 +13,8 @@ use pinwheel_studies::design_diff::{DesignDiff, FigureDiff, Judged, KeyDiff};
 use pinwheel_timeseries::table::{Mark, Table, TableOf};
 use serde_json::Value;
 
-use crate::design::{self, HEADLINES, figure, with_uncertainty};
+use crate::design::{self, HEADLINES};
+use crate::figure::{figure, with_uncertainty};
 use crate::{animation, time_series};
 
 /// Keys that one reads before the figures; more are folded.
@@ -26,7 +27,7 @@ const SERIES: [&str; 3] = [
     "internal_sleeve_force_n peak",
 ];
 
-/// The whole page; `cancel` stops it while the motion is computed.
+/// The page; `cancel` stops it while the motion is computed.
 ///
 /// # Errors
 /// `cancel` was set.

@@ -4,7 +4,7 @@ use pinwheel_report::terminal::{TITLE, list, pairs, paragraph, styled};
 use pinwheel_scene::Line;
 use pinwheel_studies::explained::Explanation;
 
-/// The whole text.
+/// Text for a terminal.
 #[must_use]
 pub fn text(explanation: &Explanation<'_>) -> String {
     let title = paragraph(&crate::title(explanation.scene));

@@ -136,12 +136,8 @@ pub fn file(spec: &str, sets: &[Override], values: &Values) -> Result<(String, S
             (STIFFNESS, RIGID) => removed = vec![BEARING],
             (STIFFNESS, _) => {
                 removed = ROLLERS.to_vec();
-                match shown
-                    .bearings
-                    .eccentric
-                    .as_ref()
-                    .and_then(|own| own.exponent)
-                {
+                let bearing = shown.bearings.eccentric.as_ref();
+                match bearing.and_then(|own| own.exponent) {
                     Some(exponent) => moved.push(Override::new(EXPONENT, exponent.to_string())),
                     None => removed.push(EXPONENT),
                 }
@@ -169,13 +165,10 @@ pub fn file(spec: &str, sets: &[Override], values: &Values) -> Result<(String, S
             continue;
         };
         let read = Scene::from_toml(&text, "explored.toml", &[]).map(CheckedScene::into_scene);
-        let same = |read: Scene| {
-            let (name, description) = (shown.name.clone(), shown.description.clone());
-            Scene {
-                name,
-                description,
-                ..read
-            } == *shown
+        let same = |mut read: Scene| {
+            read.name.clone_from(&shown.name);
+            read.description.clone_from(&shown.description);
+            read == *shown
         };
         if read.is_ok_and(same) {
             return Ok((shown.name.clone(), text));
@@ -238,9 +231,8 @@ fn moved(
     let step = span_s / SAMPLES;
     let found = animation::window(gearbox, "", (0.0, span_s), step, cancel)?;
     let Some((view, series)) = found else {
-        return Ok(Err(
-            "the run diverges at once; take a smaller solver.step_s".to_owned(),
-        ));
+        let why = "the run diverges at once; take a smaller solver.step_s";
+        return Ok(Err(why.to_owned()));
     };
     let times = series.time_s().len();
     let short = |values: &[f64]| -> Vec<f32> { values.iter().map(|v| *v as f32).collect() };
@@ -314,17 +306,14 @@ pub fn page(
     let views = [view.clone().titled("A"), view.titled("B")];
     let data = json!({ "first": rest, "sliders": sliders(scene), "rigid": RIGID });
     let law = &scene.contact.law;
-    let laws: String = LAWS
-        .iter()
-        .map(|info| {
-            let chosen = if info.name == law { " selected" } else { "" };
-            format!("<option{chosen}>{}</option>", info.name)
-        })
-        .collect();
+    let laws = LAWS.iter().map(|info| {
+        let chosen = if info.name == law { " selected" } else { "" };
+        format!("<option{chosen}>{}</option>", info.name)
+    });
     let explorer = format!(
         include_str!("../templates/explore.html"),
         motion = markup(&views, 0.0),
-        laws = laws,
+        laws = laws.collect::<String>(),
         data = script::json_text(&data)
     );
     let study = Study {

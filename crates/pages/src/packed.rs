@@ -1,9 +1,9 @@
 //! Time series in few bytes: rounded to what can be read, predicted, deflated, base64.
 //!
-//! A column is cut into blocks of [`BLOCK`] values. A block's values are whole numbers of a quantum, a power of two: of
+//! A column is cut into blocks of [`BLOCK`] values. A block's values are integer multiples of a quantum, a power of two: of
 //! curves one for the whole column, of differences one for each block, so that a difference that decays by ten decades
 //! keeps its digits in all of them. What is sent is the distance of each value from its prediction, the continuation of a
-//! constant, a line or a parabola through the values before, as variable-length whole numbers. Reader and writer
+//! constant, a line or a parabola through the values before, as integers of variable length. Reader and writer
 //! compute the prediction from the same rounded values, so errors do not add up: no value is off by more than half a
 //! quantum of its block.
 
@@ -32,7 +32,7 @@ pub(crate) struct Writer {
 }
 
 impl Writer {
-    /// A whole number.
+    /// Writes an integer that is not negative.
     pub(crate) fn number(&mut self, mut value: u64) {
         while value >= 0x80 {
             self.bytes.push(value as u8 | 0x80);
@@ -41,7 +41,7 @@ impl Writer {
         self.bytes.push(value as u8);
     }
 
-    /// A whole number of either sign.
+    /// Writes an integer.
     fn signed(&mut self, value: i64) {
         self.number(((value << 1) ^ (value >> 63)) as u64);
     }

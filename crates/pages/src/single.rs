@@ -2,27 +2,23 @@
 
 use pinwheel_gearbox::Efficiency;
 use pinwheel_report::format::{self, NONE, joined};
-use pinwheel_report::terminal::{TITLE, pairs, styled};
+use pinwheel_report::terminal::{pairs, titled};
 use pinwheel_studies::band::{Band, Bands};
 use pinwheel_studies::results::{Figure, Results};
 use pinwheel_studies::single::Outcome;
 use pinwheel_timeseries::columns;
 
 use crate::band;
+use crate::figure::{bounded, bounds, rounded};
 
-/// A figure, `factor` times, and what it may be off by, which may be empty.
-fn parts(figure: &Figure, factor: f64) -> (String, String) {
-    let value = factor * figure.value;
-    let uncertainty = figure.uncertainty.map(|u| factor * u);
-    let (value, bound) = format::bounded(value, uncertainty, 0.0);
-    (value, bound.replace('\u{202f}', " "))
-}
-
+/// A figure, `factor` times, with its uncertainty.
 fn known(figure: &Figure, factor: f64) -> String {
-    match parts(figure, factor) {
-        (value, bound) if bound.is_empty() => value,
-        (value, bound) if figure.is_off_by_sampling() => format!("{value} {bound} (sampling)"),
-        (value, bound) => format!("{value} {bound}"),
+    let uncertainty = figure.uncertainty.map(|u| factor * u);
+    let [value, off] = bounded(factor * figure.value, uncertainty);
+    match figure.is_off_by_sampling() {
+        _ if off.is_empty() => value,
+        true => format!("{value} {off} (sampling)"),
+        false => format!("{value} {off}"),
     }
 }
 
@@ -31,7 +27,7 @@ fn forces(peak: &Figure, mean: Option<&Figure>, laws: Option<&Band>) -> String {
     let of = |figure: &Figure| laws.map(|band| band.of_own_law.map(|share| share * figure.value));
     let mean = mean.map_or_else(
         || NONE.to_owned(),
-        |mean| of(mean).map_or_else(|| known(mean, 1.0), |laws| band::rounded(mean.value, laws)),
+        |mean| of(mean).map_or_else(|| known(mean, 1.0), |laws| rounded(mean.value, laws)),
     );
     let peak = match of(peak) {
         None => format!("{} N", known(peak, 1.0)),
@@ -40,8 +36,9 @@ fn forces(peak: &Figure, mean: Option<&Figure>, laws: Option<&Band>) -> String {
                 true => "by sampling",
                 false => "numerical",
             };
-            let value = band::rounded(peak.value, laws);
-            let bounds = band::bounds(Some(laws), &parts(peak, 1.0).1, cause);
+            let value = rounded(peak.value, laws);
+            let [_, off] = bounded(peak.value, peak.uncertainty);
+            let bounds = bounds(Some(laws), &off, cause);
             format!("{value} N ({bounds})")
         }
     };
@@ -137,5 +134,5 @@ pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
     rows.extend(stats.notes.iter().map(|note| ("note", note.clone())));
     rows.extend(time_series.map(|place| ("courses", place.to_owned())));
     rows.retain(|(_, said)| !said.is_empty());
-    format!("{}\n{}", styled(TITLE, &found.scene.name), pairs(rows))
+    titled(&found.scene.name, [pairs(rows)])
 }

@@ -103,7 +103,7 @@ pub fn plain(value: f64) -> String {
 }
 
 /// A figure that may be nothing but rounding: below its uncertainty, or below what double precision holds of `scale`, it
-/// is 0, and the bound is said. It has no digits below those of its uncertainty. Returns the figure and what stands behind it
+/// is 0 with that bound. It has no digits below those of its uncertainty. Returns the figure and its bound
 /// (`± 3·10⁻⁷`), which may be empty.
 pub fn bounded(value: f64, uncertainty: Option<f64>, scale: f64) -> (String, String) {
     let rounding = ROUNDING * scale.abs();

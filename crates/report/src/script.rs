@@ -53,12 +53,10 @@ mod tests {
 
     #[test]
     fn scripts_cannot_be_left() {
-        let json = json_text(&"</script><!-- & \u{2028}");
+        let text = "</script><!-- & \u{2028}";
+        let json = json_text(&text);
         assert_eq!(json, "\"\\u003c/script\\u003e\\u003c!-- \\u0026 \\u2028\"");
         assert_eq!(json_text(&"\u{202e}x"), "\"\\\\u202ex\"");
-        assert_eq!(
-            serde_json::from_str::<String>(&json).unwrap(),
-            "</script><!-- & \u{2028}"
-        );
+        assert_eq!(serde_json::from_str::<String>(&json).unwrap(), text);
     }
 }

@@ -19,7 +19,7 @@ pub fn named(label: &str, unit: &str) -> String {
     }
 }
 
-/// A cell in words: what is said in place of the value, or the value with no digit beyond its uncertainty.
+/// A cell in words: the text in place of the value, or the value with no digit beyond its uncertainty.
 #[must_use]
 pub fn words(column: &Column, row: usize) -> String {
     if let Some(said) = of_row(&column.said, row) {

@@ -23,6 +23,12 @@ pub fn styled(style: Style, text: &str) -> String {
     format!("{style}{text}{style:#}")
 }
 
+/// Parts below a title, one after the other.
+#[must_use]
+pub fn titled<const N: usize>(title: &str, parts: [String; N]) -> String {
+    format!("{}\n{}", styled(TITLE, title), parts.concat())
+}
+
 /// The text without styles, for files and pipes.
 #[must_use]
 pub fn plain(text: &str) -> String {
@@ -37,7 +43,7 @@ struct Cell {
     right: bool,
 }
 
-/// Characters of a line where nobody's screen says otherwise.
+/// Characters of a line where no screen is known.
 const USUAL: usize = 80;
 /// Widths that a table is set to: narrower ones cut words, on wider ones the eye loses the line.
 const WIDTHS: std::ops::RangeInclusive<usize> = 60..=120;

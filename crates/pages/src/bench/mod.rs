@@ -44,16 +44,22 @@ pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
 fn verdict(study: &WorkPrecision, ranking: &Ranking) -> Option<Verdict> {
     let lead = ranking.advantage.as_ref()?;
     let factor = significant(lead.ratio, 2);
+    let [least, bound] = match lead.at_least {
+        true => [
+            "at least ",
+            " A bound stands where a series ends before this error.",
+        ],
+        false => [""; 2],
+    };
+    let peer = match lead.peer_cpu_s.reached() {
+        true => "the fastest peer that got there",
+        false => "any peer: none got there",
+    };
     Some(Verdict {
         tone: Tone::Neutral,
         headline: format!(
-            "At a force error of {} the native solver is {}{factor} times faster than {}",
+            "At a force error of {} the native solver is {least}{factor} times faster than {peer}",
             limit(ranking.error),
-            if lead.at_least { "at least " } else { "" },
-            match lead.peer_cpu_s.reached() {
-                true => "the fastest peer that got there",
-                false => "any peer: none got there",
-            },
         ),
         detail: format!(
             "{} takes {} of CPU time, {} takes {}; relative L2 error of all pin forces over the whole {} s, \
@@ -63,11 +69,7 @@ fn verdict(study: &WorkPrecision, ranking: &Ranking) -> Option<Verdict> {
             lead.peer,
             figures::cpu(lead.peer_cpu_s),
             study.scene.solver.duration_s,
-            if lead.at_least {
-                " A bound stands where a series ends before this error."
-            } else {
-                ""
-            }
+            bound
         ),
     })
 }

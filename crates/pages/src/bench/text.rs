@@ -1,6 +1,6 @@
 //! A measurement on a terminal.
 
-use pinwheel_report::terminal::{self, TITLE, styled};
+use pinwheel_report::terminal;
 use pinwheel_studies::bench::{self, CostAt, WorkPrecision};
 use pinwheel_timeseries::table::{Mark, Table};
 
@@ -24,7 +24,7 @@ pub fn text(study: &WorkPrecision) -> String {
         study.scene.name, ranking.error, study.scene.solver.duration_s
     );
     let reference = format!(
-        "reference: {} against {}, apart {:.1e}",
+        "reference: {} against {}, apart {:.1e}\n",
         study.reference.solution.method,
         study.reference.second.method,
         study.reference_errors[0].force_l2
@@ -40,12 +40,8 @@ pub fn text(study: &WorkPrecision) -> String {
             lead.native, lead.ratio, lead.peer
         )
     });
-    format!(
-        "{}\n{}{reference}\n{}",
-        styled(TITLE, &title),
-        terminal::table(&table.done()),
-        terminal::paragraphs(lead)
-    )
+    let table = terminal::table(&table.done());
+    terminal::titled(&title, [table, reference, terminal::paragraphs(lead)])
 }
 
 fn note(series: &bench::Series, cost: Option<CostAt>) -> String {

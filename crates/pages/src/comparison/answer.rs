@@ -116,7 +116,7 @@ impl<'a> Answer<'a> {
         (tone, word, said)
     }
 
-    /// Verdict of the engines, without what limits it. An engine that cannot run a scene says so beforehand; that is no finding.
+    /// Verdict of the engines, without what limits it. An engine that was left out beforehand does not count as broken.
     fn of_engines(&self) -> (Tone, String) {
         let comparison = &self.found.comparison;
         let engines = || comparison.engines.iter();
@@ -436,9 +436,9 @@ impl<'a> Answer<'a> {
         let mut left_out = left_out(comparison);
         let more = left_out.split_off(told.min(left_out.len()));
         if !more.is_empty() {
-            let names = more.into_iter().flat_map(|(names, _)| names).collect();
+            let names = more.into_iter().flat_map(|(_, names)| names).collect();
             let why = "`--verbose` says why, or Engines on the page";
-            left_out.push((names, why.to_owned()));
+            left_out.push((why.to_owned(), names));
         }
         facts.extend(told_as_facts(&left_out));
         let recorded = comparison.engines.iter();
@@ -501,32 +501,25 @@ impl<'a> Answer<'a> {
 }
 
 /// Reasons why engines have no figures, with the engines of each.
-pub(super) fn left_out(comparison: &Comparison) -> Vec<(Vec<&str>, String)> {
-    let mut reasons: Vec<(Vec<&str>, String)> = Vec::new();
+pub(super) fn left_out(comparison: &Comparison) -> Vec<(String, Vec<&str>)> {
     let is_late = |engine: &&EngineSummary| matches!(engine.status, Status::TimedOut { .. });
     let late = comparison.engines.iter().filter(is_late).count();
-    for engine in &comparison.engines {
-        let reason = match engine.status.reason() {
-            // Each needs another time; which, its own row of the page says.
-            Some(_) if late > 1 && is_late(&engine) => {
-                "timed out; Engines on the page says what each needs (`--longest SECONDS`)"
-                    .to_owned()
-            }
-            Some(reason) => reason,
-            None => continue,
+    // Each needs another time; which, its own row of the page says.
+    let time = "timed out; Engines on the page says what each needs (`--longest SECONDS`)";
+    let reasons = comparison.engines.iter().filter_map(|engine| {
+        let reason = engine.status.reason()?;
+        let reason = match late > 1 && is_late(&engine) {
+            true => time.to_owned(),
+            false => reason,
         };
-        let name = words::short(&engine.name);
-        match reasons.iter_mut().find(|(_, known)| *known == reason) {
-            Some((names, _)) => names.push(name),
-            None => reasons.push((vec![name], reason)),
-        }
-    }
-    reasons
+        Some((reason, words::short(&engine.name)))
+    });
+    words::grouped(reasons)
 }
 
 /// Reasons of engines that were left out, as facts.
-pub(super) fn told_as_facts(left_out: &[(Vec<&str>, String)]) -> Vec<Fact> {
-    let told = left_out.iter().map(|(names, reason)| {
+pub(super) fn told_as_facts(left_out: &[(String, Vec<&str>)]) -> Vec<Fact> {
+    let told = left_out.iter().map(|(reason, names)| {
         // The label says so already.
         let reason = reason.strip_prefix("left out: ").unwrap_or(reason);
         let text = format!("{}: {reason}", names.join(", "));
@@ -542,9 +535,9 @@ const SHARES: fn(&Pair) -> bool =
     |pair| matches!(pair.track, SharedModel::Native | SharedModel::SharedLaw);
 /// Label of verdicts that are neither *agree* nor *differ*, with nothing to act on.
 pub(super) const UNRESOLVED: &str = "not resolved";
-/// Reasons that are told one by one, where there is room.
+/// Number of reasons that are listed one by one, where there is room.
 pub(super) const MOST: usize = 2;
-/// Difference of models from which on it is told.
+/// Difference of models from which on the verdict names it.
 const SEEN: f64 = 0.03;
 
 fn size(result: &Assessment) -> f64 {

@@ -8,6 +8,7 @@ use pinwheel_report::study::Tile;
 use pinwheel_studies::comparison::Outcome;
 
 use crate::band;
+use crate::figure::{bounds, rounded};
 
 /// Window of the figures: the steady one, or else all of the run, whose largest force may come after the start-up.
 pub(super) fn window(comparison: &Comparison) -> Option<WindowKind> {
@@ -80,9 +81,9 @@ fn load(found: &Outcome, best: &EngineSummary, window: WindowKind, of: &Quantity
     let (shown, off) = format::bounded(value, off, scale.unwrap_or(0.0));
     let bands = found.bands.as_ref();
     let laws = bands.and_then(|bands| bands.of(band::key_of_peak(&of.name)?, value));
-    let shown = laws.map_or(shown, |laws| band::rounded(value, laws));
+    let shown = laws.map_or(shown, |laws| rounded(value, laws));
     let label = format!("{}, {kind}", of.label);
-    Some(Tile::new(label, shown, band::bounds(laws, &off, "numerical")).unit(&of.unit))
+    Some(Tile::new(label, shown, bounds(laws, &off, "numerical")).unit(&of.unit))
 }
 
 /// The efficiency, or why there is none.
@@ -102,5 +103,5 @@ fn efficiency(best: &EngineSummary, window: WindowKind) -> Option<Tile> {
     let off = driver.zip(load).map(|(driver, load)| driver + load);
     let percent = 100.0 * value;
     let (value, off) = format::bounded(percent, off.map(|off| off * percent), 0.0);
-    Some(Tile::new("Efficiency", value, band::bounds(None, &off, "numerical")).unit("%"))
+    Some(Tile::new("Efficiency", value, bounds(None, &off, "numerical")).unit("%"))
 }

@@ -49,17 +49,16 @@ impl Page<'_> {
         for group in found.chunk_by(|a, b| a.0 == b.0) {
             // Of what nothing would settle a sentence each says enough.
             if group[0].0 == 2 && track != SharedModel::Measured {
-                let sentence = |item: &Item| {
+                let sentences = group.iter().map(|(.., item)| {
                     let why = item.blocks.iter().find_map(|block| match block {
                         Block::Text(text) => text.strip_prefix("Inconclusive: "),
                         _ => None,
                     });
                     let why = why.unwrap_or_default();
                     format!("{}, {}: {}. {why}", item.name, item.beside, item.said)
-                };
-                let sentences: Vec<String> = group.iter().map(|(.., i)| sentence(i)).collect();
-                let summary = format!("{} not resolved", sentences.len());
-                blocks.push(Block::folded(summary, Block::List(sentences)));
+                });
+                let summary = format!("{} not resolved", group.len());
+                blocks.push(Block::folded(summary, Block::List(sentences.collect())));
                 continue;
             }
             let items = group.iter().map(|(.., item)| Block::Item(item.clone()));
@@ -71,10 +70,9 @@ impl Page<'_> {
                 _ => "",
             };
             let listed = items.len() <= FEW || words.is_empty() || track == SharedModel::Measured;
-            if listed {
-                blocks.extend(items);
-            } else {
-                blocks.push(Block::folded(format!("{} {words}", items.len()), items));
+            match listed {
+                true => blocks.extend(items),
+                false => blocks.push(Block::folded(format!("{} {words}", items.len()), items)),
             }
         }
         let reasons = self.reasons(track);
@@ -167,21 +165,14 @@ impl Page<'_> {
 
     /// Comparisons without a verdict, joined where the reason is one and the same.
     fn not_compared<'b>(&self, entries: impl Iterator<Item = &'b PairEntry>) -> Vec<Block> {
-        let mut found: Vec<(&str, Vec<String>)> = Vec::new();
-        for entry in entries.filter(|e| e.result.verdict == Verdict::NotCompared) {
-            let what = self.place(&entry.quantity, entry.window);
-            match found
-                .iter_mut()
-                .find(|(known, _)| *known == entry.result.reason)
-            {
-                Some((_, list)) => list.push(what),
-                None => found.push((&entry.result.reason, vec![what])),
-            }
-        }
-        let text = |(reason, list): (&str, Vec<String>)| {
-            format!("Not compared: {}. {reason}", list.join("; ")).into()
+        let entries = entries.filter(|e| e.result.verdict == Verdict::NotCompared);
+        let reasons =
+            entries.map(|e| (e.result.reason.as_str(), self.place(&e.quantity, e.window)));
+        let reasons = words::grouped(reasons).into_iter();
+        let text = |(reason, places): (&str, Vec<String>)| {
+            format!("Not compared: {}. {reason}", places.join("; ")).into()
         };
-        found.into_iter().map(text).collect()
+        reasons.map(text).collect()
     }
 
     /// Reasons of the limits and tolerances of a track, each once.

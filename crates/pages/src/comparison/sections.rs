@@ -13,7 +13,7 @@ use super::{pairs, words};
 
 impl<'a> Page<'a> {
     /// Sections in the order measured, shared law, own contact, native: who has measured asks for that, and native runs
-    /// stand in the tables of all others, so that only what they say among themselves is left for the end.
+    /// stand in the tables of all others, so that only their comparisons among themselves are left for the end.
     pub(super) fn tracks(&self) -> Vec<Section> {
         let finished = self.comparison.engines.iter();
         let finished = finished.filter(|e| e.status.is_finished());

@@ -18,8 +18,8 @@ use super::figures::{figures, window};
 use super::words;
 use crate::band;
 
-/// The answer, without the place of the page: at most a screen. What was done to measured data is told as far as there is room,
-/// then why engines were left out, and both whole by [`details`].
+/// The answer on one screen at most, without the place of the page. Notes on measured data, then reasons why engines were left out,
+/// are shortened until it fits; [`details`] has all of them.
 #[must_use]
 pub fn text(scene: &Scene, found: &Outcome) -> String {
     let answer = Answer::new(found, share);
@@ -28,11 +28,10 @@ pub fn text(scene: &Scene, found: &Outcome) -> String {
         .iter()
         .filter(|fact| fact.label == answer::DATA)
         .count();
-    let fewer = (0..answer::MOST).rev().map(|told| (0, told));
+    let fewer = (0..answer::MOST).rev().map(|reasons| (0, reasons));
     let room = (0..=notes).rev().map(|kept| (kept, answer::MOST));
-    let mut texts = room
-        .chain(fewer)
-        .map(|room| with_notes(scene, &answer, &trust, room));
+    let rooms = room.chain(fewer);
+    let mut texts = rooms.map(|room| with_notes(scene, &answer, &trust, room));
     let shortest = texts.next_back().unwrap_or_default();
     // One more with the page's place.
     texts
@@ -289,27 +288,24 @@ const BAR: usize = 20;
 
 /// The shares of numerics, inputs and data in the uncertainty of a comparison with measured data, as bars.
 fn budgets(comparison: &Comparison) -> Vec<String> {
-    let mut told = Vec::new();
-    for pair in &comparison.pairs {
-        for entry in &pair.entries {
-            let budget = entry.assessments.iter().find(|one| one.decides);
-            let budget = budget.and_then(|one| one.budget);
-            let Some((budget, shares)) = budget.and_then(|of| Some((of, of.shares()?))) else {
-                continue;
-            };
-            let signs = |share: f64| (share * BAR as f64).round() as usize;
-            let parts = shares.iter().zip(["n", "i", "d"]);
-            let bar: String = parts
-                .map(|(share, sign)| sign.repeat(signs(*share)))
-                .collect();
-            let [numerical, input, data] = shares.map(|share| 100.0 * share);
-            told.push(format!(
-                "{}, {}: u_val = {:.1e} [{bar:BAR$}] numerics {numerical:.0} %, inputs {input:.0} %, data {data:.0} %",
-                name(pair),
-                place(entry),
-                budget.validation()
-            ));
-        }
-    }
-    told
+    let budget = |(pair, entry): (&Pair, &PairEntry)| {
+        let deciding = entry.assessments.iter().find(|one| one.decides)?;
+        let budget = deciding.budget?;
+        let shares = budget.shares()?;
+        let signs = |share: f64| (share * BAR as f64).round() as usize;
+        let parts = shares.iter().zip(["n", "i", "d"]);
+        let bar: String = parts
+            .map(|(share, sign)| sign.repeat(signs(*share)))
+            .collect();
+        let [numerical, input, data] = shares.map(|share| 100.0 * share);
+        Some(format!(
+            "{}, {}: u_val = {:.1e} [{bar:BAR$}] numerics {numerical:.0} %, inputs {input:.0} %, data {data:.0} %",
+            name(pair),
+            place(entry),
+            budget.validation()
+        ))
+    };
+    let pairs = comparison.pairs.iter();
+    let entries = pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)));
+    entries.filter_map(budget).collect()
 }

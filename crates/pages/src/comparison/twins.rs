@@ -37,17 +37,14 @@ pub(super) fn line(twin: &MatchedContactRun) -> Option<String> {
         "this scene's law gives {by_scene} {unit}, {} from that: a difference of models",
         percent(worst.of_law())
     );
-    Some(match twin.verdict {
-        Judged::Agree => format!(
-            "{own}. Native with these: {what} {by_twin} {unit}, the engine {by_engine}: agree to {}; {law}",
-            percent(worst.difference())
-        ),
-        _ => format!(
-            "{own}. Native with these: {what} {by_twin} {unit}, the engine {by_engine}: differ by {}, more than {}; {law}",
-            percent(worst.difference()),
-            percent(twin.tolerance)
-        ),
-    })
+    let [off, tolerance] = [worst.difference(), twin.tolerance].map(percent);
+    let verdict = match twin.verdict {
+        Judged::Agree => format!("agree to {off}"),
+        _ => format!("differ by {off}, more than {tolerance}"),
+    };
+    Some(format!(
+        "{own}. Native with these: {what} {by_twin} {unit}, the engine {by_engine}: {verdict}; {law}"
+    ))
 }
 
 /// The table of a page.
@@ -72,15 +69,8 @@ pub(super) fn blocks(found: &Outcome) -> Vec<Block> {
                 false => format!("differ by {}", percent(off)),
             }
         })
-        .marked(
-            |(twin, figure)| match figure.difference().abs() <= twin.tolerance {
-                true => Mark::Good,
-                false => Mark::Bad,
-            },
-        )
+        .marked(|(twin, figure)| Mark::of(figure.difference().abs() <= twin.tolerance))
         .done();
-    match table.is_empty() {
-        true => Vec::new(),
-        false => vec![table.into()],
-    }
+    let blocks = (!table.is_empty()).then(|| table.into());
+    blocks.into_iter().collect()
 }

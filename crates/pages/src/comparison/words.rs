@@ -4,7 +4,7 @@ use pinwheel_compare::comparison::{Pair, PairEntry};
 use pinwheel_compare::{Against, Assessment, Comparison, Quantity, SharedModel, Verdict};
 use pinwheel_engines::info;
 
-/// The entry of a pair that says most against it, and among equals the one that uses most of its bound. `None` where nothing
+/// The entry of a pair that speaks most against it, and among equals the one that uses most of its bound. `None` where nothing
 /// is known of any.
 pub(super) fn gravest(pair: &Pair) -> Option<&PairEntry> {
     let known = |entry: &&PairEntry| entry.result.rank() > 0 || entry.result.interval().is_some();
@@ -71,7 +71,7 @@ pub(super) fn verdict(found: &Assessment, number: fn(f64) -> String) -> String {
     }
 }
 
-/// Summary of a whole comparison: `444 comparisons: 296 agree, 0 differ, 148 inconclusive (recordings)`.
+/// Counts of all verdicts of a comparison: `444 comparisons: 296 agree, 0 differ, 148 inconclusive (recordings)`.
 pub(super) fn counts(comparison: &Comparison) -> String {
     let counts = comparison.counts;
     let groups = groups(comparison);
@@ -132,16 +132,10 @@ pub(super) fn groups(comparison: &Comparison) -> Vec<&'static str> {
 
 /// Each participant that leaves something to act on inconclusive, with its first reason and the remedy.
 pub(super) fn inconclusive(comparison: &Comparison) -> Vec<(String, String)> {
-    let mut told: Vec<(String, String)> = Vec::new();
-    for (who, why) in results(comparison)
-        .filter(|one| one.actionable)
-        .filter_map(why)
-    {
-        if !told.iter().any(|(known, _)| *known == who) {
-            told.push((who, why));
-        }
-    }
-    told
+    let open = results(comparison).filter(|one| one.actionable);
+    let open = grouped(open.filter_map(why)).into_iter();
+    open.map(|(who, mut whys)| (who, whys.swap_remove(0)))
+        .collect()
 }
 
 /// Participant that leaves an assessment inconclusive, with the reason and the remedy where there is one.
@@ -154,18 +148,25 @@ pub(super) fn why(found: &Assessment) -> Option<(String, String)> {
     Some((who, why))
 }
 
-/// Each once, in the order of their first appearance.
-pub(super) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
-    let mut found = Vec::new();
-    for one in all {
-        if !found.contains(&one) {
-            found.push(one);
+/// Values of each key, in the order of the keys' first appearance.
+pub(super) fn grouped<K: PartialEq, V>(all: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {
+    let mut groups: Vec<(K, Vec<V>)> = Vec::new();
+    for (key, value) in all {
+        match groups.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, values)) => values.push(value),
+            None => groups.push((key, vec![value])),
         }
     }
-    found
+    groups
 }
 
-/// An engine's name where what it shares is said beside it.
+/// Each once, in the order of their first appearance.
+pub(super) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T> {
+    let groups = grouped(all.into_iter().map(|one| (one, ()))).into_iter();
+    groups.map(|(one, _)| one).collect()
+}
+
+/// An engine's name without its track, for places beside the track's name.
 pub(super) fn short(engine: &str) -> &str {
     info(engine).map_or(engine, |info| info.short)
 }

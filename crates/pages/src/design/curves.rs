@@ -1,17 +1,8 @@
-//! Figures and curves of designs, as every part of their page writes and draws them.
+//! Curves of designs, as every part of their page draws them.
 
 use pinwheel_report::COLOURS;
-use pinwheel_report::format::significant;
 use pinwheel_report::study::{Axis, Chart, Series};
 use pinwheel_studies::design::DesignResult;
-use pinwheel_timeseries::table::Shown;
-
-/// Significant digits of a figure: what a data sheet gives.
-pub(crate) const DIGITS: u8 = 4;
-pub(crate) const SHOWN: Shown = Shown::Digits(DIGITS);
-pub(crate) fn figure(value: f64) -> String {
-    significant(value, usize::from(DIGITS))
-}
 
 /// A curve that its design names.
 pub(crate) fn line(x: &[f64], y: &[f64]) -> Series {
@@ -26,7 +17,7 @@ pub(crate) fn chart(title: &str, x: &str, y: &str, series: Vec<Series>) -> Chart
 /// Designs of one chart with their names, which may be empty for one alone.
 pub(crate) type Drawn<'a> = [(&'a str, &'a DesignResult)];
 
-/// A line of a design: of several designs with the design's name and colour; what else it is, its dash tells.
+/// A line of a design. Of several designs it has the design's name and colour, and its dash shows the variant.
 pub(crate) fn of_design(
     designs: &Drawn<'_>,
     design: usize,

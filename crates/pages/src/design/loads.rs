@@ -4,7 +4,8 @@ use pinwheel_report::study::{Axis, Chart, Section, Series, Style};
 use pinwheel_studies::design::DesignResult;
 use pinwheel_timeseries::table::Table;
 
-use super::curves::{Drawn, SHOWN, chart, degrees, figure, line, of_design};
+use super::curves::{Drawn, chart, degrees, line, of_design};
+use crate::figure::{SHOWN, figure};
 
 /// Name of the parts that carry discs on the output's side.
 fn inner(found: &DesignResult) -> &'static str {

@@ -1,6 +1,6 @@
 //! The study of the paper on a terminal.
 
-use pinwheel_report::terminal::{TITLE, styled, table};
+use pinwheel_report::terminal::{table, titled};
 use pinwheel_studies::paper::PaperResult;
 use pinwheel_timeseries::table::Table;
 
@@ -18,11 +18,6 @@ pub fn text(found: &PaperResult) -> String {
         .text("", "By our runs", |row| row.1.words())
         .marked(|row| mark(row.1))
         .text("", "What", |row| row.2);
-    format!(
-        "{}\n{}\n{} runs in {:.0} s",
-        styled(TITLE, "the paper, computed again"),
-        table(&list.done()),
-        found.runs,
-        found.wall_s
-    )
+    let cost = format!("\n{} runs in {:.0} s", found.runs, found.wall_s);
+    titled("the paper, computed again", [table(&list.done()), cost])
 }

@@ -12,7 +12,7 @@ use pinwheel_studies::Provenance;
 use pinwheel_studies::stability::{Atlas, Cell, SERVED, SceneRow};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
-/// The whole page.
+/// The page.
 #[must_use]
 pub fn page(atlas: &Atlas, made: &Provenance) -> String {
     let mut sections = maps::sections(atlas);
@@ -35,25 +35,21 @@ fn verdict(atlas: &Atlas) -> Verdict {
     let (rows, all) = (atlas.done().count(), atlas.rows.len());
     let unserved = atlas.unserved();
     let served = format!("{} %", 100.0 * SERVED);
-    let stopped = if rows < all {
-        format!(" The study was stopped: {rows} of {all} scenes are done.")
-    } else {
-        String::new()
+    let stopped = match rows < all {
+        true => format!(" The study was stopped: {rows} of {all} scenes are done."),
+        false => String::new(),
     };
     let detail = format!(
         "Forces against a converged run, at a step of {} or the tolerance in the column's head.{stopped}",
         format::seconds(atlas.options.step_s)
     );
-    let headline = if rows == 0 {
-        "No scene of the atlas is done yet".to_owned()
-    } else if unserved.is_empty() {
-        format!("Each of the {rows} scenes has a method that gives it within {served}")
-    } else {
-        format!(
-            "{} of {rows} scenes have no method within {served}: {}",
-            unserved.len(),
-            unserved.join(", ")
-        )
+    let headline = match unserved.len() {
+        _ if rows == 0 => "No scene of the atlas is done yet".to_owned(),
+        0 => format!("Each of the {rows} scenes has a method that gives it within {served}"),
+        n => {
+            let list = unserved.join(", ");
+            format!("{n} of {rows} scenes have no method within {served}: {list}")
+        }
     };
     Verdict {
         tone: Tone::of(rows > 0 && rows == all && unserved.is_empty()),

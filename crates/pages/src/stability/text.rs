@@ -1,7 +1,7 @@
 //! The study on a terminal: what each method gets right. The page has the map of scenes.
 
 use pinwheel_report::format::{self, joined};
-use pinwheel_report::terminal::{self, TITLE, paragraphs, styled};
+use pinwheel_report::terminal::{self, paragraphs, titled};
 use pinwheel_studies::stability::Atlas;
 use pinwheel_timeseries::table::{Mark, Table};
 
@@ -45,11 +45,8 @@ pub fn text(atlas: &Atlas) -> String {
         .done()
         .filter_map(|row| Some((&row.scene, row.refused.as_ref()?)));
     let refused = refused.map(|(scene, why)| format!("{scene}: {why}"));
-    format!(
-        "{}\n{}{}{}The map of scenes and methods is on the page.",
-        styled(TITLE, "stability"),
-        paragraphs(atlas.findings().map(|(line, _)| line)),
-        terminal::table(&table.done().without_empty()),
-        paragraphs(refused)
-    )
+    let findings = paragraphs(atlas.findings().map(|(line, _)| line));
+    let table = terminal::table(&table.done().without_empty());
+    let map = "The map of scenes and methods is on the page.".to_owned();
+    titled("stability", [findings, table, paragraphs(refused), map])
 }

@@ -1,7 +1,7 @@
 //! A sweep on a terminal.
 
 use pinwheel_report::format::joined;
-use pinwheel_report::terminal::{self, BAD, TITLE, pairs, styled};
+use pinwheel_report::terminal::{self, BAD, pairs, styled, titled};
 use pinwheel_studies::sweep::{self, Plan, RunRecord};
 use pinwheel_timeseries::table::{Shown, Table};
 use pinwheel_timeseries::{Ending, columns};
@@ -29,8 +29,7 @@ pub fn list(plan: &Plan) -> String {
     for (place, key) in plan.keys().enumerate() {
         table = table.text("", key, |run| run.values[place].1.to_string());
     }
-    let table = terminal::table(&table.done());
-    format!("{}\n{table}", styled(TITLE, &plan.sweep.name))
+    titled(&plan.sweep.name, [terminal::table(&table.done())])
 }
 
 /// Endings of the runs and places of the results; `files`: pairs of a word and a place.
@@ -85,11 +84,7 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
         false => String::new(),
     };
     rows.extend(files.iter().map(|(word, place)| row(word, place.clone())));
-    format!(
-        "{}\n{result}{}",
-        styled(TITLE, &plan.sweep.name),
-        pairs(rows)
-    )
+    titled(&plan.sweep.name, [result, pairs(rows)])
 }
 
 /// Table of the varied keys and the largest forces and mean torque of each run, or of the first ones.

@@ -17,7 +17,7 @@ const DIGITS: usize = 4;
 /// Least share of the variance that a straight line must explain. Below it, the slopes do not show which key decides.
 const STRAIGHT: f64 = 0.7;
 
-/// Figures that are shown: those of the specification, then balances and means, which say most.
+/// Figures that are shown: those of the specification, then balances and means, then the others.
 pub(super) fn shown<'a>(plan: &Plan, found: &'a SampleResult) -> Vec<&'a FigureOfSample> {
     let limits = &plan.sweep.specification;
     let rank = |figure: &&FigureOfSample| {

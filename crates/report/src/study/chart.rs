@@ -27,7 +27,7 @@ pub struct Chart {
     pub y: Axis,
     /// Curves; the order gives colour and dash.
     pub series: Vec<Series>,
-    /// A sentence below: what is to be seen. May be empty.
+    /// A sentence below the chart; may be empty.
     pub note: String,
 }
 

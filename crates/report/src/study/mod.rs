@@ -143,7 +143,7 @@ pub struct Section {
     pub id: String,
     /// Heading; also the link's text in the top bar, so short.
     pub title: String,
-    /// Content of the section. [`Block::Details`] alone folds the whole section behind its title; print leaves it out.
+    /// Content of the section. [`Block::Details`] alone folds all of the section behind its title; print leaves it out.
     pub blocks: Vec<Block>,
 }
 
