@@ -5,7 +5,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::preset;
 use pinwheel_studies::internals::Refiner;
 
-/// Refiner end a step at every sample. Asked for a longer one they ran the same steps again, and three equal runs passed for
+/// Engines end a step at every sample. Asked for a longer one they ran the same steps again, and three equal runs passed for
 /// three that agree to rounding.
 #[test]
 fn regress_no_level_is_longer_than_the_samples_are_apart() {
