@@ -76,3 +76,29 @@ pub use pinwheel_files::{file, folder, output};
 pub use control::{Control, Progress};
 pub use error::StudyError;
 pub use provenance::Provenance;
+
+/// Private items that the tests of this crate reach; no part of the interface.
+#[doc(hidden)]
+pub mod internals {
+    pub use crate::balances::poses::{MOST, MOST_OF_ALL, Poses};
+    pub use crate::baseline::cases::sets;
+    pub use crate::baseline::judge::{case, cost, quantity};
+    pub use crate::bench::front::{cost_at, front};
+    pub use crate::bench::norms::errors;
+    pub use crate::bench::ranking::advantage;
+    pub use crate::bench::settings::settings;
+    pub use crate::comparison::refine::Refiner;
+    pub use crate::conformance::TRIALS;
+    pub use crate::design::drawing::discs;
+    pub use crate::design::joint::{LEVELS, springs};
+    pub use crate::paper::backlash::turn_to_touch;
+    pub use crate::paper::figure::{Measured, number};
+    pub use crate::paper::read::{off, roughness};
+    pub use crate::paper::spectrum::{SAMPLES, TURNS, amplitudes, predicted, share};
+    pub use crate::paper::statements::{Statement, Statements};
+    pub use crate::paper::write::table;
+    pub use crate::pool::map;
+    pub use crate::sweep::axis::values;
+    pub use crate::sweep::plan::in_words;
+    pub use crate::sweep::tolerance::{clopper_pearson, figure, quantile};
+}

@@ -7,7 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// its own; and the first error.
 ///
 /// Pieces begin in their order. After an error no other begins; those that run come to their end.
-pub(crate) fn map<S, T: Send, E: Send>(
+pub fn map<S, T: Send, E: Send>(
     threads: usize,
     count: usize,
     state: impl Fn() -> S + Sync,
@@ -43,20 +43,4 @@ pub(crate) fn map<S, T: Send, E: Send>(
 /// The lock, also after another thread panicked: what it holds is whole after every piece.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_piece_once_and_none_after_an_error() {
-        for threads in [0, 1, 2, 7] {
-            let (all, error) = map(threads, 20, || (), |(), k| Ok::<_, ()>(k));
-            assert_eq!((all, error), ((0..20).map(Some).collect(), None));
-            let (some, error) = map(threads, 1000, || (), |(), k| (k != 3).then_some(k).ok_or(k));
-            assert_eq!(error, Some(3));
-            assert!(some.iter().flatten().count() <= 3 + 7, "{threads}");
-        }
-    }
 }

@@ -7,25 +7,25 @@ use pinwheel_scene::Scene;
 /// Poses for one passage of a pin.
 const PER_MESH: usize = 16;
 /// Poses at most, of which a passage has four at least where pins of a gear with errors meet again after many.
-const MOST: usize = 4096;
+pub const MOST: usize = 4096;
 /// Poses at most of any gear. Those of a large one with errors meet passages at places that differ from one to the next, and what
 /// parts of them differ by is in the +-.
-const MOST_OF_ALL: usize = 4 * MOST;
+pub const MOST_OF_ALL: usize = 4 * MOST;
 /// The poses of one period.
 ///
 /// With angles of the eccentrics, which are the input's but in RV gears: from the eccentric a ring pin follows the other after 2 pi/zk of the input, an internal one after
 /// 2 pi zs/(zi zk). Both come round together after 2 pi zs/(g zk), g = gcd(zs, zi): less than a turn of the input. Parts with
 /// errors of their own meet again only when the output has turned once.
-pub(crate) struct Poses {
+pub struct Poses {
     /// Input angles, rad.
-    pub(crate) angles: Vec<f64>,
+    pub angles: Vec<f64>,
     /// Parts of them that figures are read off.
     pub(crate) parts: usize,
     wheels: usize,
     /// Period of the input, rad.
     pub(crate) period: f64,
     /// Passages of ring and output pins in it.
-    pub(crate) meshes: [usize; 2],
+    pub meshes: [usize; 2],
     /// Periods per turn of the input.
     pub(crate) per_turn: f64,
     /// Input turns per output turn.
@@ -56,7 +56,7 @@ fn gcd(mut a: usize, mut b: usize) -> usize {
 
 impl Poses {
     /// At least so many of the same period.
-    pub(crate) fn few(&self, least: usize) -> Self {
+    pub fn few(&self, least: usize) -> Self {
         let (angles, parts) = spread(self.period, self.passages(), least);
         Self {
             angles,
@@ -67,7 +67,7 @@ impl Poses {
 
     /// Numbers of all poses, in an order in which pins of both kinds stand nearly as at the one before: a balance begins at
     /// the last.
-    pub(crate) fn walk(&self) -> impl Iterator<Item = usize> + use<> {
+    pub fn walk(&self) -> impl Iterator<Item = usize> + use<> {
         let count = self.angles.len();
         let moved = |stride: usize| {
             let of = |mesh: usize| stride * mesh % count;
@@ -86,11 +86,12 @@ impl Poses {
     }
 
     /// True if harmonics of both meshes can be told from so many poses.
-    pub(crate) fn has_harmonics(&self) -> bool {
+    pub fn has_harmonics(&self) -> bool {
         self.angles.len() > 2 * self.meshes[0].max(self.meshes[1]) + 1
     }
 
-    pub(crate) fn of(scene: &Scene) -> Self {
+    /// Poses of a scene's gear.
+    pub fn of(scene: &Scene) -> Self {
         let gear = &scene.gear;
         let g = gcd(gear.lobes(), gear.internal_sleeves);
         let all = g * gear.external_sleeves;
@@ -110,48 +111,6 @@ impl Poses {
             meshes,
             per_turn: TAU / period,
             ratio: scene.ratio(),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// However many passages there are until parts with errors meet again, poses are bounded; too few for the harmonics of a mesh
-    /// they tell none.
-    #[test]
-    fn regress_poses_are_bounded() {
-        let mut scene = Scene::paper();
-        let plain = Poses::of(&scene);
-        assert!(plain.has_harmonics() && plain.angles.len() < 2 * MOST);
-        scene.gear.external_sleeves = 400;
-        assert!(Poses::of(&scene).has_harmonics());
-        scene.gear.errors.external_sleeve_radial_m = vec![1e-6; 400];
-        let large = Poses::of(&scene);
-        let count = large.angles.len();
-        assert!(count < MOST_OF_ALL + MOST, "{count}: there were 640 000");
-        assert!(!large.has_harmonics());
-    }
-
-    /// Every pose once, and of a gear of 40 pins and 8 output pins both meshes move by a twentieth at most from one to the next.
-    #[test]
-    fn a_walk_meets_every_pose_and_moves_little() {
-        let mut scene = Scene::paper();
-        (scene.gear.external_sleeves, scene.gear.internal_sleeves) = (40, 8);
-        let poses = Poses::of(&scene).few(24);
-        let (walk, count) = (poses.walk().collect::<Vec<_>>(), poses.angles.len());
-        let mut all = walk.clone();
-        all.sort_unstable();
-        assert!(all.into_iter().eq(0..count));
-        for pair in walk.windows(2) {
-            for mesh in poses.meshes {
-                let moved = (pair[1] + count - pair[0]) * mesh % count;
-                assert!(
-                    moved.min(count - moved) * 20 <= count,
-                    "{pair:?} of {count}"
-                );
-            }
         }
     }
 }

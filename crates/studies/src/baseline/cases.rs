@@ -42,7 +42,7 @@ pub fn scenes() -> &'static [SceneCase] {
 }
 
 /// Keys that a choice of ours sets.
-pub(super) fn sets(choice: &str) -> &'static [String] {
+pub fn sets(choice: &str) -> &'static [String] {
     SET.choice.get(choice).map_or(&[], Vec::as_slice)
 }
 
@@ -70,69 +70,5 @@ impl SceneCase {
             Override::new(key, value)
         });
         Scene::load(self.preset(), &overrides.collect::<Vec<_>>())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::collections::BTreeSet;
-
-    use pinwheel_mbs::integrators::METHODS;
-
-    use super::*;
-
-    #[test]
-    fn the_set_is_sound() {
-        let mut names = BTreeSet::new();
-        assert!(scenes().len() > 40, "the set can be read");
-        for case in scenes() {
-            assert!(names.insert(&case.name), "{} twice", case.name);
-            let mut choices = BTreeSet::new();
-            for choice in &case.choices {
-                assert!(choices.insert(choice), "{choice} twice in {}", case.name);
-                let scene = case.scene(sets(choice)).unwrap();
-                assert!(choice.contains(&scene.solver.integrator), "{choice}");
-            }
-        }
-    }
-
-    /// A hard case that nobody watches would break unnoticed.
-    #[test]
-    fn every_hard_case_that_holds_is_in_the_set() {
-        let left_out = [
-            "hard-feather-sleeves",
-            "hard-long-run",
-            "hard-zero-load",
-            "hard-zero-load-friction",
-        ];
-        for preset in pinwheel_scene::PRESETS {
-            let hard = preset.name.starts_with("hard-") && !left_out.contains(&preset.name);
-            let watched = scenes().iter().any(|case| case.preset() == preset.name);
-            assert_eq!(
-                hard,
-                watched && preset.name.starts_with("hard-"),
-                "{}",
-                preset.name
-            );
-        }
-    }
-
-    /// A method that nobody watches would move unnoticed.
-    #[test]
-    fn every_method_is_in_the_set() {
-        let mut used = BTreeSet::new();
-        for case in scenes() {
-            for choice in &case.choices {
-                let scene = case.scene(sets(choice)).unwrap();
-                used.insert(scene.solver.integrator.clone());
-            }
-        }
-        for method in METHODS {
-            assert!(
-                used.contains(method.name),
-                "no scene runs by {}; add one",
-                method.name
-            );
-        }
     }
 }

@@ -5,10 +5,10 @@
 //! better, so every change is told twice, against the accepted result and as the change of the error. [`limits`] has every
 //! threshold with its reason.
 
-mod cases;
+pub(crate) mod cases;
 mod check;
 mod file;
-mod judge;
+pub(crate) mod judge;
 pub mod limits;
 mod record;
 mod runner;

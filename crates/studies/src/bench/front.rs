@@ -37,7 +37,7 @@ impl CostAt {
 /// The points that no other beats in both, by rising cost and falling error. Points are (cost, error);
 /// those that are not finite and positive are left out.
 #[must_use]
-pub(super) fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+pub fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let sound = |x: f64| x.is_finite() && x > 0.0;
     let mut points = points.to_vec();
     points.retain(|&(cost, error)| sound(cost) && sound(error));
@@ -53,7 +53,7 @@ pub(super) fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 
 /// Cost of `error` on the front of the points (cost, error). `None` without points.
 #[must_use]
-pub(super) fn cost_at(points: &[(f64, f64)], error: f64) -> Option<CostAt> {
+pub fn cost_at(points: &[(f64, f64)], error: f64) -> Option<CostAt> {
     let front = front(points);
     let (first, last) = (front.first()?, front.last()?);
     if first.1 <= error {
@@ -66,41 +66,4 @@ pub(super) fn cost_at(points: &[(f64, f64)], error: f64) -> Option<CostAt> {
     let ((c0, e0), (c1, e1)) = (front[k - 1], front[k]);
     let share = (e0 / error).ln() / (e0 / e1).ln();
     Some(CostAt::Interpolated(c0 * (c1 / c0).powf(share)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A second-order method: error = cost^-2.
-    const LINE: [(f64, f64); 3] = [(10.0, 1e-2), (100.0, 1e-4), (1000.0, 1e-6)];
-
-    #[test]
-    fn between_points_on_the_straight_line() {
-        let Some(CostAt::Interpolated(cost)) = cost_at(&LINE, 1e-3) else {
-            panic!("interpolated");
-        };
-        assert!((cost / 1000.0_f64.sqrt() - 1.0).abs() < 1e-12, "{cost}");
-        let Some(CostAt::Interpolated(cost)) = cost_at(&LINE, 1e-4) else {
-            panic!("interpolated");
-        };
-        assert!((cost - 100.0).abs() < 1e-9, "{cost}");
-    }
-
-    #[test]
-    fn beyond_its_ends_only_bounds() {
-        assert_eq!(cost_at(&LINE, 0.1), Some(CostAt::AtMost(10.0)));
-        assert_eq!(cost_at(&LINE, 1e-7), Some(CostAt::MoreThan(1000.0)));
-        assert_eq!(cost_at(&[], 1e-3), None);
-        assert_eq!(cost_at(&[(1.0, f64::NAN)], 1e-3), None);
-    }
-
-    #[test]
-    fn beaten_points_are_not_on_the_front() {
-        let mut points = LINE.to_vec();
-        // Dearer and worse, equal and worse, and one that ran away.
-        points.extend([(120.0, 5e-3), (100.0, 2e-4), (1.0, f64::INFINITY)]);
-        points.reverse();
-        assert_eq!(front(&points), LINE);
-    }
 }

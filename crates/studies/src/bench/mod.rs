@@ -4,12 +4,12 @@
 //! with a [`Point`] a setting (errors by window, CPU time, right-hand-side calls), and what a given
 //! error costs each ([`WorkPrecision::ranking`]).
 
-mod front;
-mod norms;
+pub(crate) mod front;
+pub(crate) mod norms;
 mod options;
-mod ranking;
+pub(crate) mod ranking;
 mod series;
-mod settings;
+pub(crate) mod settings;
 mod table;
 
 pub use front::CostAt;

@@ -51,7 +51,7 @@ pub(super) fn spans(scene: &Scene, time_series: &TimeSeries) -> Vec<Span> {
 }
 
 /// Errors of `a` against `b` in a window. Both hold the same samples.
-pub(super) fn errors(a: &TimeSeries, b: &TimeSeries, span: &Span, least: LoadFloor) -> Errors {
+pub fn errors(a: &TimeSeries, b: &TimeSeries, span: &Span, least: LoadFloor) -> Errors {
     let range = b.window(span.from_s, span.to_s);
     let forces = [a, b].map(|run| View::forces(run, range.clone()));
     let torque = [a, b].map(|run| View::driver_torque(run, range.clone()));
@@ -60,49 +60,5 @@ pub(super) fn errors(a: &TimeSeries, b: &TimeSeries, span: &Span, least: LoadFlo
         force_max: relative_linf(&forces[0], &forces[1], least.force_n),
         torque_l2: relative_l2(&torque[0], &torque[1], least.torque_n_m),
         torque_max: relative_linf(&torque[0], &torque[1], least.torque_n_m),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn time_series(force: [f64; 3]) -> TimeSeries {
-        let mut time_series = TimeSeries::new(vec![0.0, 1.0, 2.0]).unwrap();
-        time_series
-            .push("external_sleeve_force_n_0", force.to_vec())
-            .unwrap();
-        time_series
-            .push("internal_sleeve_force_n_0", vec![0.0; 3])
-            .unwrap();
-        time_series.push("input_torque_n_m", vec![1.0; 3]).unwrap();
-        time_series
-    }
-
-    #[test]
-    fn norms_by_hand() {
-        let span = |from_s, to_s| Span {
-            name: String::new(),
-            from_s,
-            to_s,
-        };
-        let (a, b) = (time_series([3.0, 4.0, 1.0]), time_series([3.0, 4.0, 0.0]));
-        let least = LoadFloor {
-            force_n: 0.5,
-            torque_n_m: 1e-3,
-        };
-        let errors = |a: &TimeSeries, b: &TimeSeries, span: &Span| errors(a, b, span, least);
-        let near = |found: [f64; 2], by_hand: [f64; 2]| {
-            let off = found.iter().zip(by_hand).map(|(a, b)| (a - b).abs());
-            assert!(off.fold(0.0, f64::max) < 1e-15, "{found:?}");
-        };
-        let whole = errors(&a, &b, &span(0.0, 2.0));
-        near([whole.force_l2, whole.force_max], [0.2, 0.25]);
-        assert_eq!((whole.torque_l2, whole.torque_max), (0.0, 0.0));
-        let early = errors(&a, &b, &span(0.0, 1.0));
-        assert_eq!((early.force_l2, early.force_max), (0.0, 0.0));
-        // Of the least force.
-        let late = errors(&a, &b, &span(2.0, 2.0));
-        near([late.force_l2, late.force_max], [2.0, 2.0]);
     }
 }

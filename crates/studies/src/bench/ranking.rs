@@ -73,7 +73,8 @@ impl WorkPrecision {
     }
 }
 
-fn advantage(entries: &[Entry]) -> Option<Advantage> {
+/// Lead of the fastest native series over the fastest peer; `None` without either.
+pub fn advantage(entries: &[Entry]) -> Option<Advantage> {
     let cheapest = |take: &dyn Fn(&Entry, CostAt) -> bool| {
         let known = entries
             .iter()
@@ -100,49 +101,4 @@ fn advantage(entries: &[Entry]) -> Option<Advantage> {
             CostAt::Interpolated(_) => matches!(native_cost, CostAt::AtMost(_)),
         },
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn entry(label: &str, track: SharedModel, cost: CostAt) -> Entry {
-        Entry {
-            label: label.to_owned(),
-            track,
-            cpu_s: Some(cost),
-            rhs_calls: None,
-        }
-    }
-
-    #[test]
-    fn the_lead_is_over_the_fastest_peer() {
-        let own = SharedModel::OwnContact;
-        let mut entries = vec![
-            entry("a", SharedModel::Native, CostAt::Interpolated(0.5)),
-            entry("b", SharedModel::Native, CostAt::Interpolated(0.25)),
-            entry("c", SharedModel::Native, CostAt::MoreThan(0.01)),
-            entry("slow", SharedModel::SharedLaw, CostAt::Interpolated(50.0)),
-            entry("fast", SharedModel::SharedLaw, CostAt::Interpolated(25.0)),
-            entry("other law", own, CostAt::MoreThan(1.0)),
-        ];
-        let found = advantage(&entries).unwrap();
-        assert_eq!((&*found.native, &*found.peer), ("b", "fast"));
-        assert!((found.ratio - 100.0).abs() < 1e-12 && !found.at_least);
-
-        // A peer that was cut off before may be the fastest: then the ratio is a bound.
-        entries.push(entry(
-            "cut off",
-            SharedModel::SharedLaw,
-            CostAt::MoreThan(5.0),
-        ));
-        let found = advantage(&entries).unwrap();
-        assert_eq!(found.peer, "cut off");
-        assert!((found.ratio - 20.0).abs() < 1e-12 && found.at_least);
-
-        entries.push(entry("own", own, CostAt::Interpolated(2.5)));
-        assert_eq!(advantage(&entries).unwrap().peer, "own");
-        assert_eq!(advantage(&entries[..3]), None);
-        assert_eq!(advantage(&entries[3..]), None);
-    }
 }

@@ -5,7 +5,7 @@
 mod context;
 pub mod foreign;
 mod inputs;
-mod refine;
+pub(crate) mod refine;
 mod twins;
 
 use std::path::Path;

@@ -92,7 +92,7 @@ const MOST: f64 = 8.0;
 const DECADE: f64 = 1.8;
 
 /// An engine, and how its error is set.
-struct Refiner<'a> {
+pub struct Refiner<'a> {
     /// For the finest run as the scene has it.
     own: &'a dyn Engine,
     /// For all runs at settings given here, where the engine itself does not take them.
@@ -104,7 +104,7 @@ struct Refiner<'a> {
     /// Order of the engine's error in a step.
     order: f64,
     /// Step (s) or tolerance of the finest run.
-    value: f64,
+    pub value: f64,
     /// True if the engine's friction is not ours or explicit: at a prescribed step more may not be asked of the engine.
     explicit_friction: bool,
     /// Error that the engine's iterations leave, whatever its step.
@@ -161,7 +161,7 @@ impl<'a> Refiner<'a> {
     }
 
     /// A native engine with the method that the scene names.
-    fn native(own: &'a dyn Engine, gearbox: Gearbox) -> Option<Self> {
+    pub fn native(own: &'a dyn Engine, gearbox: Gearbox) -> Option<Self> {
         let method = method(&gearbox.scene.solver.integrator)?;
         let (knob, order) = (AccuracySetting::of(method.name), f64::from(method.order));
         Some(Self {
@@ -239,14 +239,14 @@ impl<'a> Refiner<'a> {
     }
 
     /// Begins where two coarser runs are possible.
-    fn leave_room(&mut self) {
+    pub fn leave_room(&mut self) {
         if self.knob == AccuracySetting::Step {
             self.value = self.value.min(self.gearbox.scene.solver.sample_s / 4.0);
         }
     }
 
     /// Two coarser settings than `value`; fewer where a step would be longer than the samples are apart.
-    fn coarser(&self, value: f64) -> Vec<f64> {
+    pub fn coarser(&self, value: f64) -> Vec<f64> {
         let solver = &self.gearbox.scene.solver;
         if self.knob == AccuracySetting::Tolerance {
             // The resolved form is dear, and its error small: its levels are further apart.
@@ -642,35 +642,4 @@ fn refinement(
         factor: (most > 1.0).then_some(most),
         stuck,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Refiner end a step at every sample. Asked for a longer one they ran the same steps again, and three equal runs passed for
-    /// three that agree to rounding.
-    #[test]
-    fn regress_no_level_is_longer_than_the_samples_are_apart() {
-        let scene = preset("paper").expect("a preset");
-        let scene = pinwheel_scene::Scene::from_toml(scene, "paper", &[]).expect("a scene");
-        let gearbox = Gearbox::new(&scene).expect("a gear");
-        assert_eq!(gearbox.scene.solver.sample_s, 1e-4);
-        let mut engines = Refiner::native(&Native::REDUCED, gearbox).expect("a way to refine it");
-        for (step, longer) in [
-            (1e-4, &[][..]),
-            (5e-5, &[1e-4]),
-            (4e-5, &[8e-5]),
-            (2.5e-5, &[5e-5, 1e-4]),
-            (1e-5, &[2e-5, 1e-4 / 3.0]),
-        ] {
-            let found = engines.coarser(step);
-            assert_eq!(found.len(), longer.len(), "{step}: {found:?}");
-            let near = |(a, b): (&f64, &f64)| (a / b - 1.0).abs() < 1e-12;
-            assert!(found.iter().zip(longer).all(near), "{step}: {found:?}");
-        }
-        engines.value = 1e-4;
-        engines.leave_room();
-        assert_eq!(engines.value, 2.5e-5);
-    }
 }

@@ -21,8 +21,8 @@
 
 mod budget;
 mod cycle;
-mod drawing;
-mod joint;
+pub(crate) mod drawing;
+pub(crate) mod joint;
 
 use std::path::Path;
 

@@ -148,12 +148,13 @@ impl Curve {
 
 /// Results of runs for a figure: everything but the statements about it.
 #[derive(Debug, Default)]
-pub(super) struct Measured {
+pub struct Measured {
     /// The figure's.
     pub(super) id: &'static str,
-    pub(super) numbers: Vec<Number>,
+    /// Numbers by their names.
+    pub numbers: Vec<Number>,
     /// Parts of the sentences that are no numbers.
-    pub(super) words: Vec<(&'static str, String)>,
+    pub words: Vec<(&'static str, String)>,
     pub(super) plots: Vec<Drawn>,
 }
 
@@ -179,7 +180,7 @@ impl Measured {
 }
 
 /// A number.
-pub(super) fn number(name: impl Into<String>, value: f64, unit: &str) -> Number {
+pub fn number(name: impl Into<String>, value: f64, unit: &str) -> Number {
     Number {
         name: name.into(),
         value,

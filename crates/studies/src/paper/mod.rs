@@ -1,17 +1,17 @@
 //! The paper, figure by figure: our curves in its axes, what it says they show, whether ours do.
 
-mod backlash;
+pub(crate) mod backlash;
 mod contact;
 mod damping;
-mod figure;
+pub(crate) mod figure;
 mod peer;
 mod points;
-mod read;
+pub(crate) mod read;
 mod runs;
-mod spectrum;
-mod statements;
+pub(crate) mod spectrum;
+pub(crate) mod statements;
 mod torque;
-mod write;
+pub(crate) mod write;
 
 use std::time::Instant;
 

@@ -14,16 +14,16 @@ use pinwheel_scene::{Scene, derived};
 
 /// Input turns until the start has died down, and turns analysed: 15, in which a disc turns once, so that every
 /// order a disc can make is a bin.
-const TURNS: (usize, usize) = (3, 15);
+pub const TURNS: (usize, usize) = (3, 15);
 /// Samples in a turn: up to order 256.
-const SAMPLES: usize = 512;
+pub const SAMPLES: usize = 512;
 /// Orders drawn.
 const HIGHEST: usize = 70;
 /// Bins to both sides that a line spreads over.
 const SPREAD: usize = 2;
 
 /// Single-sided amplitudes of `values` less their mean, bin 0 to N/2.
-pub(super) fn amplitudes(values: &[f64]) -> Vec<f64> {
+pub fn amplitudes(values: &[f64]) -> Vec<f64> {
     let n = values.len();
     let middle = mean(values);
     let weights = (0..n).map(|k| 0.5 * (1.0 - (TAU * k as f64 / n as f64).cos()));
@@ -34,7 +34,7 @@ pub(super) fn amplitudes(values: &[f64]) -> Vec<f64> {
 }
 
 /// Predicted orders up to `highest`, of the input: multiples of the external mesh (zk) and of the internal one (zi zk/zs).
-fn predicted(scene: &Scene, highest: f64) -> Vec<(f64, &'static str)> {
+pub fn predicted(scene: &Scene, highest: f64) -> Vec<(f64, &'static str)> {
     let external = scene.gear.external_sleeves as f64;
     let internal = scene.gear.internal_sleeves as f64 * external / scene.gear.lobes() as f64;
     let multiples = |order: f64, name| {
@@ -53,8 +53,8 @@ fn bin(order: f64) -> usize {
     (order * TURNS.1 as f64).round() as usize
 }
 
-/// Share of the variation within [`SPREAD`] bins of the predicted orders.
-fn share(bins: &[f64], orders: &[(f64, &str)]) -> f64 {
+/// Share of the variation within `SPREAD` bins of the predicted orders.
+pub fn share(bins: &[f64], orders: &[(f64, &str)]) -> f64 {
     let mut wanted = vec![false; bins.len()];
     for (order, _) in orders {
         let at = bin(*order);
@@ -124,37 +124,4 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     let hertz = mesh.map_or(f64::NAN, |f| f.hertz);
     found.numbers.push(number("order_16_hz", hertz, "Hz"));
     Ok(vec![found])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_wave_on_a_bin_has_its_amplitude() {
-        let n = TURNS.1 * SAMPLES;
-        let values: Vec<f64> = (0..n)
-            .map(|k| 7.0 + 3.0 * (16.0 * TAU * k as f64 / SAMPLES as f64).cos())
-            .collect();
-        let bins = amplitudes(&values);
-        assert!((bins[16 * TURNS.1] - 3.0).abs() < 1e-9);
-        assert!(bins[0] < 1e-9 && bins[100] < 1e-9);
-        let orders = predicted(&Scene::paper(), 64.0);
-        assert!(share(&bins, &orders) > 0.999);
-        let between: Vec<f64> = (0..n)
-            .map(|k| (12.0 * TAU * k as f64 / SAMPLES as f64).cos())
-            .collect();
-        assert!(share(&amplitudes(&between), &orders) < 1e-3);
-        assert!(amplitudes(&[]).is_empty());
-    }
-
-    #[test]
-    fn predicted_orders() {
-        let orders: Vec<f64> = predicted(&Scene::paper(), 20.0)
-            .into_iter()
-            .map(|o| o.0)
-            .collect();
-        assert_eq!(orders.len(), 3);
-        assert!((orders[1] - 8.533_333).abs() < 1e-5 && (orders[2] - 17.066_667).abs() < 1e-5);
-    }
 }

@@ -10,33 +10,33 @@ use super::figure::{Claim, ClaimVerdict, JudgedClaim, Measured, PaperFigure, Plo
 
 /// The file, as it is written.
 #[derive(Debug, Deserialize)]
-pub(super) struct Statements {
+pub struct Statements {
     /// Statements of figures.
-    pub(super) figure: Vec<Statement>,
+    pub figure: Vec<Statement>,
     /// In words.
-    pub(super) claim: Vec<Statement>,
+    pub claim: Vec<Statement>,
 }
 
 /// One row of the file.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(super) struct Statement {
+pub struct Statement {
     /// Key; of a figure that of its numbers.
-    pub(super) id: String,
+    pub id: String,
     /// Where.
     place: String,
     /// Title of the figure.
     title: String,
     /// The figure whose numbers judge a claim.
-    pub(super) figure: String,
+    pub figure: String,
     /// Statement of the paper.
     says: String,
     /// Statement of our runs: a sentence with the names of numbers in braces.
     found: String,
     /// Why, likewise.
-    why: String,
+    pub why: String,
     /// How a claim is judged, in words.
-    judged_by: String,
+    pub judged_by: String,
     /// Axes and words of the figure's plots.
     plots: Vec<Plot>,
     holds_if: Vec<Condition>,
@@ -71,7 +71,7 @@ impl Statements {
     ///
     /// # Errors
     /// It cannot be read; a test makes sure that it can.
-    pub(super) fn read() -> Result<Self, toml::de::Error> {
+    pub fn read() -> Result<Self, toml::de::Error> {
         toml::from_str(include_str!(concat!(
             env!("PINWHEEL_SHIPPED"),
             "/reference/published/paper.toml"
@@ -119,7 +119,7 @@ impl Statement {
     }
 
     /// The claim, judged by these numbers.
-    pub(super) fn claim(&self, of: &Measured) -> JudgedClaim {
+    pub fn claim(&self, of: &Measured) -> JudgedClaim {
         let (figure, numbers) = filled(&self.found, of);
         JudgedClaim {
             claim: Claim {
@@ -167,44 +167,5 @@ fn formatted(value: f64, format: &str) -> String {
         format!("{value:.digits$e}")
     } else {
         format!("{value:.digits$}")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::figure::number;
-    use super::*;
-
-    #[test]
-    fn sentences_and_verdicts() {
-        let of = Measured {
-            numbers: vec![number("a, b", 0.1234, ""), number("c", -2.0, "N")],
-            words: vec![("who", "Ours".to_owned())],
-            ..Measured::default()
-        };
-        let (text, numbers) = filled("{who}: {a, b:+.1%} %, {c:.1e}; {a, b:.2}.", &of);
-        assert_eq!(text, "Ours: +12.3 %, -2.0e0; 0.12.");
-        assert_eq!(numbers, [0.1234, -2.0, 0.1234]);
-        let judged = |rules: &str| {
-            let statement: Statement = toml::from_str(rules).unwrap();
-            statement.verdict(&of)
-        };
-        let holds = "holds_if = [{ number = 'c', over = 'a, b', below = -16.0 }, { number = 'c', above = -3 }]";
-        assert_eq!(judged(holds), ClaimVerdict::Holds);
-        let partly = "holds_if = [{ number = 'none', above = 0 }]\npartly_if_any = [{ number = 'c', below = 0 }]";
-        assert_eq!(judged(partly), ClaimVerdict::Conditional);
-        assert_eq!(judged("partly_if = []"), ClaimVerdict::DoesNotHold);
-        assert_eq!(judged("verdict = 'meaningless'"), ClaimVerdict::Meaningless);
-    }
-
-    /// A name that is misspelt would make a condition false in silence: see `published_` tests for those of all figures.
-    #[test]
-    fn the_file_can_be_read() {
-        let all = Statements::read().unwrap();
-        for claim in &all.claim {
-            let known = all.figure.iter().any(|figure| figure.id == claim.figure);
-            assert!(known || claim.figure == "cost", "{}", claim.id);
-            assert!(!claim.judged_by.is_empty() && !claim.why.is_empty());
-        }
     }
 }

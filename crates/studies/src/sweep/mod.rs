@@ -4,7 +4,7 @@
 //! all cores with finished runs kept in a [`Journal`], [`results`] lays them out as a table. Every run
 //! is computed by one thread on its own, so the numbers are the same whatever the number of threads.
 
-mod axis;
+pub(crate) mod axis;
 mod error;
 mod execute;
 mod file;
@@ -12,14 +12,14 @@ mod idle;
 mod journal;
 mod leaves;
 mod output;
-mod plan;
+pub(crate) mod plan;
 mod record;
 mod results;
 mod sample;
 mod specification;
 mod spread;
 mod statics;
-mod tolerance;
+pub(crate) mod tolerance;
 mod written;
 
 pub use axis::{Axis, Value};

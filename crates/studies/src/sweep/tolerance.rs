@@ -176,7 +176,7 @@ fn yielded(limits: &[Limit], table: &Table, rows: &[usize]) -> Yield {
 }
 
 /// Interval of a share of which `kept` of `runs` were seen.
-fn clopper_pearson(kept: usize, runs: usize) -> [f64; 2] {
+pub fn clopper_pearson(kept: usize, runs: usize) -> [f64; 2] {
     let at = |a: usize, b: usize, share: f64| {
         Beta::new(a as f64, b as f64).map_or(f64::NAN, |beta| beta.inverse_cdf(share))
     };
@@ -201,7 +201,8 @@ fn inputs(plan: &Plan, rows: &[usize], sampled: impl Fn(&str) -> bool) -> Vec<In
     places.map(input).collect()
 }
 
-fn figure(name: &str, values: &[Option<f64>], inputs: &[Input]) -> Option<FigureOfSample> {
+/// Statistics of one figure, and what each key has to do with it; `None` where it does not vary.
+pub fn figure(name: &str, values: &[Option<f64>], inputs: &[Input]) -> Option<FigureOfSample> {
     let there: Vec<usize> = (0..values.len()).filter(|&k| values[k].is_some()).collect();
     let of: Vec<f64> = values.iter().copied().flatten().collect();
     let [mean, deviation] = moments(&of);
@@ -254,7 +255,7 @@ fn moments(values: &[f64]) -> [f64; 2] {
 }
 
 /// Linear between the two order statistics beside it, as most programs have it.
-fn quantile(sorted: &[f64], share: f64) -> Quantile {
+pub fn quantile(sorted: &[f64], share: f64) -> Quantile {
     let count = sorted.len();
     let at = share * (count - 1) as f64;
     let below = (at as usize).min(count - 1);
@@ -321,70 +322,4 @@ fn first_order(column: &[f64], of: &[f64]) -> Option<f64> {
     let [classes, runs] = [classes as f64, runs as f64];
     let share = between / total;
     Some((share - (1.0 - share) * (classes - 1.0) / (runs - classes)).max(0.0))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::rng::Rng;
-
-    /// Figures whose indices are known: y = 3 a + b, and y = a^2, which no straight line sees, of uniform a and b.
-    #[test]
-    fn published_sensitivities_of_known_functions() {
-        let mut rng = Rng::new(7);
-        let mut draw = || {
-            (0..4000)
-                .map(|_| rng.between(-1.0, 1.0))
-                .collect::<Vec<f64>>()
-        };
-        let (a, b) = (draw(), draw());
-        let keys = [
-            ("a".to_owned(), vec![a.clone()]),
-            ("b".to_owned(), vec![b.clone()]),
-        ];
-        let over = |f: &dyn Fn(f64, f64) -> f64| {
-            let values: Vec<Option<f64>> = a.iter().zip(&b).map(|(a, b)| Some(f(*a, *b))).collect();
-            figure("y", &values, &keys).expect("it varies")
-        };
-        let close = |found: Option<f64>, is: f64| {
-            let found = found.expect("found");
-            assert!((found - is).abs() < 0.02, "{found} is not {is}");
-        };
-        let line = over(&|a, b| 3.0 * a + b);
-        assert_eq!(line.sensitivities[0].key, "a");
-        close(line.sensitivities[0].coefficient, (0.9_f64).sqrt());
-        close(line.sensitivities[1].coefficient, (0.1_f64).sqrt());
-        close(line.sensitivities[0].first_order, 0.9);
-        close(line.sensitivities[1].first_order, 0.1);
-        close(line.linear, 1.0);
-        let bowl = over(&|a, _| a * a);
-        let of = |key: &str| bowl.sensitivities.iter().find(|s| s.key == key);
-        close(bowl.linear, 0.0);
-        close(of("a").and_then(|s| s.first_order), 1.0);
-        close(of("b").and_then(|s| s.first_order), 0.0);
-    }
-
-    /// 59 runs are the least whose largest is above the 95 % quantile with 95 % confidence (S. S. Wilks, Ann. Math. Stat. 12,
-    /// 1941); both sides take 2.5 % here, so that it is 72.
-    #[test]
-    fn published_quantiles_and_yield() {
-        let ramp = |count: usize| (0..count).map(|k| k as f64).collect::<Vec<f64>>();
-        assert_eq!(quantile(&ramp(71), 0.95).interval[1], None);
-        assert_eq!(quantile(&ramp(72), 0.95).interval[1], Some(71.0));
-        let median = quantile(&ramp(101), 0.5);
-        assert_eq!(
-            (median.value, median.interval),
-            (50.0, [Some(40.0), Some(60.0)])
-        );
-        // Clopper and Pearson of 8 in 10, as tables have it.
-        let [low, high] = clopper_pearson(8, 10);
-        assert!(
-            (low - 0.4439).abs() < 1e-4 && (high - 0.9748).abs() < 1e-4,
-            "{low} {high}"
-        );
-        assert_eq!(
-            [clopper_pearson(0, 10)[0], clopper_pearson(10, 10)[1]],
-            [0.0, 1.0]
-        );
-    }
 }

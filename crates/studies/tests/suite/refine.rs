@@ -1,0 +1,32 @@
+//! Levels of a refinement study.
+
+use pinwheel_engines::Native;
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::preset;
+use pinwheel_studies::internals::Refiner;
+
+/// Engines end a step at every sample. Asked for a longer one they ran the same steps again, and three equal runs passed for
+/// three that agree to rounding.
+#[test]
+fn regress_no_level_is_longer_than_the_samples_are_apart() {
+    let scene = preset("paper").expect("a preset");
+    let scene = pinwheel_scene::Scene::from_toml(scene, "paper", &[]).expect("a scene");
+    let gearbox = Gearbox::new(&scene).expect("a gear");
+    assert_eq!(gearbox.scene.solver.sample_s, 1e-4);
+    let mut engines = Refiner::native(&Native::REDUCED, gearbox).expect("a way to refine it");
+    for (step, longer) in [
+        (1e-4, &[][..]),
+        (5e-5, &[1e-4]),
+        (4e-5, &[8e-5]),
+        (2.5e-5, &[5e-5, 1e-4]),
+        (1e-5, &[2e-5, 1e-4 / 3.0]),
+    ] {
+        let found = engines.coarser(step);
+        assert_eq!(found.len(), longer.len(), "{step}: {found:?}");
+        let near = |(a, b): (&f64, &f64)| (a / b - 1.0).abs() < 1e-12;
+        assert!(found.iter().zip(longer).all(near), "{step}: {found:?}");
+    }
+    engines.value = 1e-4;
+    engines.leave_room();
+    assert_eq!(engines.value, 2.5e-5);
+}
