@@ -37,7 +37,9 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 /// Lines without blanks and comments: of the code, and of the tests inside of it.
 fn lines(file: &Path) -> [usize; 2] {
     let text = std::fs::read_to_string(file).expect("text");
-    let inside = text.find("#[cfg(test)]\nmod tests {").unwrap_or(text.len());
+    let marks = ["mod tests {", "pub(crate) mod tests {"];
+    let inside = marks.map(|mark| text.find(&format!("#[cfg(test)]\n{mark}")));
+    let inside = inside.into_iter().flatten().next().unwrap_or(text.len());
     let (code, tests) = match file.ends_with("tests.rs") {
         true => ("", text.as_str()),
         false => text.split_at(inside),
