@@ -7,17 +7,17 @@ use pinwheel_tests::repository;
 use crate::loops::sources;
 
 /// Lines of the crates without blanks, comments and tests.
-const CODE: usize = 63_505;
+const CODE: usize = 62_506;
 /// Lines of all tests without blanks and comments.
-const TESTS: usize = 37_220;
+const TESTS: usize = 37_318;
 /// Packages of the workspace.
 const PACKAGES: usize = 21;
 /// Programs that `cargo test` links: those of tests, and a library once more for each crate with tests inside.
-const PROGRAMS: usize = 28;
+const PROGRAMS: usize = 24;
 /// Doc comments that begin with a word that stands for another sentence. All are help texts, which clap takes from comments.
 const NAMELESS: usize = 4;
 /// Doc comments that begin with a word that may name no subject.
-const ADVERBIAL: usize = 326;
+const ADVERBIAL: usize = 276;
 
 /// Names of the folders of crates that fulfil a condition.
 fn crates(holds: impl Fn(&Path) -> bool) -> Vec<PathBuf> {
