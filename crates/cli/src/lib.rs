@@ -1,6 +1,6 @@
 //! The program `pinwheel`: arguments, progress, exit codes, nothing else.
 //!
-//! The exit status is explained by [`args::STATUS`].
+//! The exit status is explained by `args::STATUS`.
 //! Results go to stdout, progress to stderr and only when that is a terminal.
 //!
 //! A library, so that the extension module of the Python package holds the program too.
