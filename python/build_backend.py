@@ -35,11 +35,11 @@ def _keep_libraries() -> None:
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir()
     for library in LIBRARIES:
-        made = [name for name in (f"lib{library}.so", f"lib{library}.dylib", f"{library}.dll") if (target / "deps" / name).is_file()]
-        for name in made:
-            shutil.copy2(target / "deps" / name, place / name)
+        names = (f"lib{library}.so", f"lib{library}.dylib", f"{library}.dll")
+        made = [target / "deps" / name for name in names if (target / "deps" / name).is_file()]
         if not made:
             raise SystemExit(f"{library} was not compiled: no such library in {target / 'deps'}")
+        shutil.copy2(made[0], place)
 
 
 def get_requires_for_build_wheel(_settings: dict | None = None) -> list[str]:

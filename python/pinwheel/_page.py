@@ -27,7 +27,7 @@ def _with(match: re.Match[str]) -> str:
 
 # Python's form of the remedies in the program's messages.
 _FLAGS: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
-    ("rebuild with --features crossval", "the program has them where it is built with its feature crossval"),
+    ("build with --features crossval", "the program has them where it is built with its feature crossval"),
     ("run it without --engines", "name no engines"),
     (r"leave it out: --engines\b", "leave it out of `engines`"),
     (r"with --engines\b", "by `engines`"),

@@ -27,6 +27,18 @@ pub fn lacking() -> impl Iterator<Item = &'static EngineInfo<'static>> {
     known().filter(|info| make(info).is_none())
 }
 
+/// Returns what adds an engine that this build lacks; `None` for engines of every build.
+#[must_use]
+pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
+    let feature = info.feature?;
+    // Where a Python holds us, its packages are the engines.
+    #[cfg(all(feature = "python", not(feature = "crossval")))]
+    if let Some(pin) = crate::python::requirement(info.package) {
+        return Some(format!("pip install {pin}"));
+    }
+    Some(format!("build with --features {feature}"))
+}
+
 /// Returns all engines of this build, native first, then the solvers that joined ([`admit`](crate::external::admit)).
 #[must_use]
 pub fn registry() -> Vec<Box<dyn Engine>> {

@@ -124,9 +124,9 @@ impl From<ChoiceError> for Raised {
     fn from(error: ChoiceError) -> Self {
         let message = match error {
             ChoiceError::Twice(name) => format!("{name} is named twice; name each engine once"),
-            ChoiceError::NotBuilt { name, .. } => format!(
-                "engine `{name}` needs a package that this Python lacks; pip install \"./python[engines]\" in a checkout, see pinwheel.engines()"
-            ),
+            ChoiceError::NotBuilt { name, remedy } => {
+                format!("engine `{name}` is not in this Python; {remedy}, see pinwheel.engines()")
+            }
             other => other.to_string(),
         };
         raise("NoEngine", &message, |_| Ok(()))

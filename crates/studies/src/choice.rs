@@ -1,7 +1,7 @@
 //! Which engines a name means.
 
 use pinwheel_engines::{
-    Engine, SharedModel, by_name, family, full_name, known, recorded, registry,
+    Engine, SharedModel, by_name, family, full_name, known, recorded, registry, remedy,
 };
 use pinwheel_scene::{Scene, did_you_mean};
 
@@ -18,13 +18,13 @@ pub enum ChoiceError {
     },
     /// It exists, but this build was made without it.
     #[error(
-        "engine `{name}` is missing: this build has none of its kind; build with --features {feature}, or see `pinwheel engines`"
+        "engine `{name}` is missing: this build has none of its kind; {remedy}, or see `pinwheel engines`"
     )]
     NotBuilt {
         /// As it was asked for.
         name: String,
-        /// The feature that has it.
-        feature: &'static str,
+        /// What adds it.
+        remedy: String,
     },
     /// An engine by two names, or twice by one.
     #[error("--engines names {0} twice; name each engine once")]
@@ -40,9 +40,9 @@ pub fn find(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
         let (registry, name) = (registry(), full_name(name).to_owned());
         let kin = |of: &str| family(of) == family(&name);
         let left_out = known().find(|info| kin(info.name));
-        let left_out = left_out.and_then(|info| info.feature);
-        if let Some(feature) = left_out.filter(|_| !registry.iter().any(|e| kin(e.name()))) {
-            return ChoiceError::NotBuilt { name, feature };
+        let left_out = left_out.and_then(remedy);
+        if let Some(remedy) = left_out.filter(|_| !registry.iter().any(|e| kin(e.name()))) {
+            return ChoiceError::NotBuilt { name, remedy };
         }
         let mut known = vec!["native"];
         known.extend(registry.iter().map(|engine| engine.name()));

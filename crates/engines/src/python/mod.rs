@@ -37,6 +37,8 @@ pub use environment::{ENGINES, Environment, Requirements, environment};
 pub use host::use_this_interpreter;
 #[cfg(feature = "crossval")]
 pub(crate) use pins::pinned;
+#[cfg(not(feature = "crossval"))]
+pub(crate) use pins::requirement;
 pub use user_engine::UserEngine;
 
 use crate::engine::Engine;

@@ -22,6 +22,13 @@ pub(crate) fn pinned(list: &'static str, package: &str) -> String {
     )
 }
 
+/// Returns a package with its version as pip is asked for it; `None` if no engine of ours needs it.
+#[cfg(not(feature = "crossval"))]
+pub(crate) fn requirement(package: &str) -> Option<String> {
+    let pin = pins(LIST).find(|(pinned, _)| *pinned == package);
+    pin.map(|(package, version)| format!("{package}=={version}"))
+}
+
 /// The version of a package that Python finds.
 pub(super) fn installed(py: Python<'_>, package: &str) -> PyResult<String> {
     let metadata = py.import("importlib.metadata")?;

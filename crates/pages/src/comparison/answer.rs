@@ -1,14 +1,14 @@
 //! Questions of a reader to a comparison, answered: which force, how sure, who disagrees and why, what next. Page and
 //! terminal say the same.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::shown::{Finding, Kind, Shown};
 use pinwheel_compare::{
     Assessment, Comparison, SharedModel, Status, Verdict as Judged, quantities,
 };
-use pinwheel_engines::{Form, info, known, lacking};
+use pinwheel_engines::{Form, info, known, lacking, remedy};
 use pinwheel_report::format::{joined, significant};
 use pinwheel_report::study::{Fact, Mark, Tile, Tone, Verdict};
 use pinwheel_studies::band::declined;
@@ -415,23 +415,21 @@ impl<'a> Answer<'a> {
         let comparison = &self.found.comparison;
         let here = |name: &str| comparison.engines.iter().any(|engine| engine.name == name);
         let lacks: Vec<&str> = lacking().map(|info| info.name).collect();
-        let absent = known().map(|info| info.name).filter(|name| !here(name));
-        let (lacks, unasked): (Vec<&str>, Vec<&str>) =
-            absent.partition(|name| lacks.contains(name));
+        let mut absent: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+        for info in known().filter(|info| !here(info.name)) {
+            let remedy = remedy(info).filter(|_| lacks.contains(&info.name));
+            let why = remedy.map_or_else(
+                || "not asked for; run it without `--engines`".to_owned(),
+                |remedy| format!("not in this build; {remedy}"),
+            );
+            absent.entry(why).or_default().push(info.name);
+        }
         let mut facts = Vec::new();
-        for (names, why) in [
-            (
-                lacks,
-                "not in this build; rebuild with `--features crossval`",
-            ),
-            (unasked, "not asked for; run it without `--engines`"),
-        ] {
-            if !names.is_empty() {
-                let families = names.iter().map(|name| pinwheel_engines::family(name));
-                let families = joined(", ", families.collect::<BTreeSet<&str>>());
-                let text = format!("{families} ({} engines): {why}", names.len());
-                facts.push(Fact::new("engines", Mark::None, text));
-            }
+        for (why, names) in absent.into_iter().rev() {
+            let families = names.iter().map(|name| pinwheel_engines::family(name));
+            let families = joined(", ", families.collect::<BTreeSet<&str>>());
+            let text = format!("{families} ({} engines): {why}", names.len());
+            facts.push(Fact::new("engines", Mark::None, text));
         }
         let mut left_out = left_out(comparison);
         let more = left_out.split_off(told.min(left_out.len()));
