@@ -7,9 +7,9 @@ use pinwheel_tests::repository;
 use crate::loops::sources;
 
 /// Lines of the crates without blanks, comments and tests.
-const CODE: usize = 62_506;
+const CODE: usize = 62_533;
 /// Lines of all tests without blanks and comments.
-const TESTS: usize = 37_318;
+const TESTS: usize = 37_306;
 /// Packages of the workspace.
 const PACKAGES: usize = 21;
 /// Programs that `cargo test` links: those of tests, and a library once more for each crate with tests inside.

@@ -131,7 +131,7 @@ pub(crate) fn settled(ran: Result<Run, Halt>) -> Result<Run, Cancelled> {
 ///             let mut law = gearbox.contact_field().map_err(Ending::unsupported)?;
 ///             let mut recorder = Recorder::new(&gearbox);
 ///             for t in gearbox.scene.solver.sample_times_s() {
-///                 recorder.record(t, 0.0, &bodies, law.as_mut());
+///                 recorder.record(t, 0.0, &bodies, &mut law);
 ///                 if control.reached(t) {
 ///                     return Err(Cancelled.into());
 ///                 }

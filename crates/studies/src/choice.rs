@@ -23,7 +23,7 @@ pub enum ChoiceError {
     NotBuilt {
         /// As it was asked for.
         name: String,
-        /// What adds it.
+        /// Command or option that adds it.
         remedy: String,
     },
     /// An engine by two names, or twice by one.
