@@ -20,7 +20,7 @@ pub(crate) fn speak(manner: Manner) {
     let _ = MANNER.set(manner);
 }
 
-/// How the program speaks.
+/// Returns the options that say how the program speaks.
 pub(crate) fn manner() -> Manner {
     MANNER.get().copied().unwrap_or_default()
 }

@@ -96,7 +96,7 @@ pub struct Listed {
     pub version: String,
     /// One line.
     pub summary: String,
-    /// How it differs from the native solver.
+    /// Differences from the native solver.
     pub differences: String,
 }
 

@@ -5,7 +5,7 @@ use clap::Args;
 
 use super::named::{Named, named};
 
-/// How the program speaks, whatever it does.
+/// Options of every command that say how the program speaks.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub(crate) struct Manner {
     /// No progress; of a study only where its results are.

@@ -12,9 +12,9 @@ pub struct BearingLoad {
     pub offset_m: [f64; 2],
     /// Friction on the disc, N m.
     pub drag_n_m: f64,
-    /// How fast the disc turns against the eccentric, rad/s.
+    /// Angular velocity of the disc relative to the eccentric, rad/s.
     pub(super) turning: f64,
-    /// How fast the offset grows, m/s.
+    /// Rate of the offset, m/s.
     pub(super) rate: f64,
 }
 

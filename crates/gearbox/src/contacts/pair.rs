@@ -54,7 +54,7 @@ impl PairContact {
         self.observed(law, rate)[0]
     }
 
-    /// That, the force at rest, N, and the energy stored, J.
+    /// Returns the normal force at `rate` (m/s) and at rest, N, and the stored energy, J.
     fn observed(&self, law: &PinLaw, rate: f64) -> [f64; 3] {
         let (stiffness, depth) = (self.stiffness, self.penetration_m);
         match self.sleeve {

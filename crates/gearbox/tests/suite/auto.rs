@@ -176,7 +176,7 @@ fn finer_plans_take_shorter_steps() {
     assert_eq!(finer.setting(), "a step of 2.50e-1 s");
 }
 
-/// Where steps end at what is seen, the coarser run sees half as much, so that the two do not take the same steps.
+/// A method whose steps end at samples gets half as many samples in the coarser run, so that the two take different steps.
 #[test]
 fn the_coarser_run_sees_half_as_much() {
     let mut scene = Scene::paper();

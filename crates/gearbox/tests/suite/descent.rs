@@ -34,8 +34,8 @@ impl PairField for Watched {
     }
 }
 
-/// In play nothing bounds steps under a light load: they went through many teeth, where every pin is searched for along the
-/// whole profile, and balances took 25 times as long.
+/// Newton steps within the free play are bounded under a light load. Unbounded ones crossed many teeth, where every pin is searched
+/// for along the entire profile, and balances took 25 times as long.
 #[test]
 fn hard_steps_through_play_stay_within_a_tooth() {
     let sets = [

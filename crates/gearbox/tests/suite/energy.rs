@@ -124,7 +124,7 @@ fn too_little_is_no_account() {
     assert_eq!(EnergyAccount::default().total(), None);
 }
 
-/// What both powers may be off by, J.
+/// Returns the uncertainty of the work driven and the work lost, J, that the account has for one of equal powers.
 fn off(account: &EnergyAccount) -> [f64; 2] {
     let audit = account.total().unwrap();
     // Of seven equal powers two drive, and five are lost.

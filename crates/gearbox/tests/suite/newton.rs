@@ -49,7 +49,7 @@ fn stiffness_by_differences_is_that_of_the_slopes() {
     }
 }
 
-/// By differences: what the discs leave of K + s D at small s.
+/// The compliance equals the finite differences of K + s D with the discs eliminated, at small s.
 #[test]
 fn damping_is_the_slope_of_what_the_wheels_leave() {
     for preset in ["paper", "toleranced"] {

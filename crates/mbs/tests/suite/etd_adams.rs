@@ -1,4 +1,4 @@
-//! What an exponential method multiplies, and its history.
+//! Tests of the matrix exponential and of the history of `etd-adams`.
 
 use pinwheel_mbs::Structure;
 use pinwheel_mbs::internals::{

@@ -77,7 +77,7 @@ impl Options {
         })
     }
 
-    /// How long a single run of an engine may take, s CPU.
+    /// CPU time limit of a single run of an engine, s.
     #[must_use]
     pub fn longest(&self, track: SharedModel) -> f64 {
         match track {

@@ -17,7 +17,7 @@ pub enum ClaimVerdict {
 }
 
 impl ClaimVerdict {
-    /// As a table says it.
+    /// Returns the verdict in words.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -36,9 +36,9 @@ pub struct Claim {
     pub id: String,
     /// Statement of the paper.
     pub claim: String,
-    /// Where.
+    /// Figure or page of the paper.
     pub place: String,
-    /// How it is judged.
+    /// Computation that judges it.
     pub judged_by: String,
     /// Why the verdict is what it is.
     pub remark: String,

@@ -61,7 +61,7 @@ pub struct Peer {
     pub name: String,
     /// Computed now, or recorded earlier.
     pub live: bool,
-    /// How it differs from the native solver.
+    /// Differences from the native solver.
     pub differences: String,
     /// Why no nearer relative of Adams was taken, if so.
     pub note: String,

@@ -23,7 +23,7 @@ pub struct Statements {
 pub struct Statement {
     /// Key; of a figure that of its numbers.
     pub id: String,
-    /// Where.
+    /// Figure or page of the paper.
     place: String,
     /// Title of the figure.
     title: String,
