@@ -38,13 +38,14 @@ impl TimeSeries {
             return Err(TimeSeriesError::NoTime);
         }
         let mut columns: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
-        for (row, record) in reader.records().enumerate() {
-            for (column, text) in record?.iter().enumerate() {
+        let mut record = csv::StringRecord::new();
+        while reader.read_record(&mut record)? {
+            for (column, text) in record.iter().enumerate() {
                 if names[column].is_empty() {
                     continue;
                 }
                 let value = text.parse().map_err(|_| TimeSeriesError::Cell {
-                    row: row + 1,
+                    row: columns[column].len() + 1,
                     column: names[column].clone(),
                     text: text.to_owned(),
                 })?;

@@ -245,8 +245,20 @@ impl Table {
     pub fn write_csv(&self, sink: impl Write) -> Result<(), TimeSeriesError> {
         let mut writer = csv::Writer::from_writer(sink);
         writer.write_record(self.named().map(|column| &column.name))?;
+        let mut digits = zmij::Buffer::new();
         for row in 0..self.len() {
-            writer.write_record(self.named().map(|column| column.values.text(row)))?;
+            for column in self.named() {
+                match column.values.cell(row) {
+                    Cell::Number(value) => {
+                        let text = digits.format(value);
+                        writer.write_field(text.strip_suffix(".0").unwrap_or(text))?;
+                    }
+                    Cell::Whole(value) => writer.write_field(value.to_string())?,
+                    Cell::Text(words) => writer.write_field(words)?,
+                    Cell::Empty => writer.write_field("")?,
+                }
+            }
+            writer.write_record(None::<&[u8]>)?;
         }
         writer.flush().map_err(csv::Error::from)?;
         Ok(())
