@@ -26,7 +26,7 @@ Material = Literal["steel", "cast-iron", "bronze", "aluminium", "pom", "nylon", 
 def gear(
     name: str = "mine",
     *,
-    ratio: int,
+    ratio: float,
     pin_circle_diameter_mm: float,
     torque_n_m: float,
     speed_rpm: float,

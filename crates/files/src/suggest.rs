@@ -3,7 +3,8 @@
 /// The known name nearest to `typed`, if it is near enough to be what was meant.
 ///
 /// Near enough: at most a third of the longer name has to change (Damerau-Levenshtein distance,
-/// adjacent letters swapped counting once), or one contains the other.
+/// adjacent letters swapped counting once), or of a name's first word (`mujoco` of `mujoco-shared-law`); or one contains the
+/// other.
 #[must_use]
 pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // The distance costs the product of both lengths; no key is that long.
@@ -14,11 +15,19 @@ pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
     let typed = typed.to_lowercase();
     let near = known.into_iter().filter_map(|name| {
         let lower = name.to_lowercase();
-        let distance = strsim::osa_distance(&typed, &lower);
-        let longer = typed.chars().count().max(lower.chars().count());
+        let first = lower.split('-').next().unwrap_or_default();
+        let near = |name: &str| {
+            let distance = strsim::osa_distance(&typed, name);
+            let longer = typed.chars().count().max(name.chars().count());
+            (distance, 3 * distance <= longer)
+        };
+        let (distance, close) = [near(&lower), near(first)]
+            .into_iter()
+            .min_by_key(|(distance, close)| (!close, *distance))
+            .unwrap_or_default();
         let contained =
             typed.len() >= 4 && (lower.contains(&typed) || typed.contains(lower.as_str()));
-        (3 * distance <= longer || contained).then_some((distance, name))
+        (close || contained).then_some((distance, name))
     });
     let best = near.min_by_key(|(distance, _)| *distance);
     best.map(|(_, name)| name)

@@ -78,16 +78,22 @@ impl Pace {
         self.last = time;
         self.next_look = steps + SPAN;
         if left > MOST_STEPS {
+            // Two digits, and a tenth below what this pace reaches.
+            let reached = format!("{:.1e}", time + 0.9 * MOST_STEPS * step);
+            let reached: f64 = reached.parse().unwrap_or(time);
             let implicit = method(&self.integrator)
                 .is_some_and(|method| method.family == Family::SplitImplicit);
             let remedy = if self.has_friction && !implicit {
                 "set solver.integrator to \"imex2\" or \"auto\", which treat friction implicitly"
+                    .to_owned()
             } else {
-                "raise solver.tolerance, or name a method with a fixed step in solver.integrator"
+                format!(
+                    "make solver.duration_s {reached} or less, or name a method with a fixed step in solver.integrator"
+                )
             };
             return Err(format!(
                 "{} has come down to steps of {step:.1e} s, {left:.0e} of them to the end: the forces are too stiff for \
-                 it; {remedy}",
+                 it, or the run is too long; {remedy}",
                 self.integrator
             ));
         }

@@ -55,9 +55,12 @@ pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
     let draft = catalogue.draft().map_err(|fault| {
         let typed = |text: &str| {
             let each = ARGUMENTS.iter();
-            each.fold(text.to_owned(), |text, (key, name)| text.replace(key, name))
+            each.fold(text.to_owned(), |text, (key, name)| {
+                text.replace(&format!("`{key}`"), &format!("`{name}`"))
+            })
         };
-        let key = fault.keys.first().map(|key| typed(key));
+        let key = fault.keys.first().map(|key| typed(&format!("`{key}`")));
+        let key = key.map(|key| key.trim_matches('`').to_owned());
         of_key(
             &typed(&fault.to_string()),
             key.as_deref(),

@@ -54,8 +54,9 @@ pub const MATERIALS: &[Material] = materials! {
 pub struct Catalogue {
     /// Name of the scene.
     pub name: String,
-    /// Input turns per output turn, the housing fixed: the number of lobes, and of an RV gear 1 + zk planet/sun.
-    pub ratio: usize,
+    /// Input turns per output turn, the housing fixed: the number of lobes, and of an RV gear 1 + zk planet/sun, in the digits
+    /// of its catalogue.
+    pub ratio: f64,
     /// Cranks of an RV gear; `None`: one eccentric and output pins.
     pub cranks: Option<usize>,
     /// Circle of the pins (ring pins), m.
@@ -154,21 +155,35 @@ const NEEDLES: [f64; 2] = [0.85, 0.9];
 /// Pins, teeth of the sun and of a planet.
 type FirstStage = [usize; 3];
 
-/// The first stage that makes an RV gear of a ratio, its pins as near to the usual number as can be; `None`: there is none.
+/// Returns the first stage that makes an RV gear of a ratio, its pins as near to the usual number as can be; `None`: there is
+/// none. A ratio with decimals is met within one unit of the last: catalogues round 1347/7 to 192.42.
 #[doc(hidden)]
-pub fn first_stage(ratio: usize) -> Option<FirstStage> {
+pub fn first_stage(ratio: f64) -> Option<FirstStage> {
+    let digits = ratio.to_string();
+    let decimals = digits.split_once('.').map_or(0, |(_, after)| after.len());
+    let slack = if decimals == 0 {
+        1e-9
+    } else {
+        0.1_f64.powi(decimals as i32)
+    };
     let [usual, least, most] = RV_PINS;
     let mut pins: Vec<usize> = (least..=most).step_by(2).collect();
     pins.sort_by_key(|pins| pins.abs_diff(usual));
-    let whole = |pins: usize| {
-        let planet = move |sun: usize| (ratio.saturating_sub(1) * sun).checked_div(pins);
-        let fits = move |&(sun, planet): &(usize, usize)| {
-            planet * pins == (ratio - 1) * sun && TEETH.contains(&(planet / sun))
-        };
-        let mut teeth = SUN.filter_map(move |sun| Some((sun, planet(sun)?)));
-        teeth.find(fits).map(|(sun, planet)| [pins, sun, planet])
+    let stages = pins.into_iter().flat_map(|pins| {
+        SUN.map(move |sun| {
+            let planet = ((ratio - 1.0) * sun as f64 / pins as f64).round() as usize;
+            let made = 1.0 + (pins * planet) as f64 / sun as f64;
+            ([pins, sun, planet], (made - ratio).abs())
+        })
+    });
+    let fits = |([_, sun, planet], off): &(FirstStage, f64)| {
+        *off <= slack && TEETH.contains(&(planet / sun))
     };
-    pins.into_iter().find_map(whole)
+    let rounding = |off: f64| (off * 1e9).round();
+    let best = stages
+        .filter(fits)
+        .min_by(|a, b| rounding(a.1).total_cmp(&rounding(b.1)));
+    best.map(|(stage, _)| stage)
 }
 
 impl Catalogue {
@@ -177,6 +192,13 @@ impl Catalogue {
     /// # Errors
     /// Dimensions that cannot be built, or leave no room for those to be suggested; the message names the dimension.
     pub fn draft(&self) -> Result<Draft, Fault> {
+        if self.cranks.is_some() && self.output_pins.is_some() {
+            return Err(Fault::new(
+                &["gear.internal_sleeves"],
+                "belongs to a gear of one eccentric: cranks carry the output of an RV gear",
+                "leave it out, or give the number of cranks",
+            ));
+        }
         self.attempt().map_err(|fault| self.blamed(fault))
     }
 
@@ -214,7 +236,7 @@ impl Catalogue {
             return Fault::new(
                 &[key],
                 format!(
-                    "does not go with the rest: {given} is given, and {first} {}",
+                    "does not go with the rest: {given} is given, and `{first}` {}",
                     fault.what
                 ),
                 format!("leave it out, or give {suggested}, which would be suggested"),
@@ -227,7 +249,7 @@ impl Catalogue {
                 return Fault::new(
                     &[key, other],
                     format!(
-                        "and {other} do not go with the rest: {first} {}",
+                        "and `{other}` do not go with the rest: `{first}` {}",
                         fault.what
                     ),
                     "leave both out",
@@ -267,8 +289,9 @@ impl Catalogue {
             SceneError::Key {
                 key, what, remedy, ..
             } => Fault {
+                // Scenes state radii in metres, catalogues diameters in millimetres.
+                what: format!("gives a scene whose {key} {what}"),
                 keys: vec![key.into()],
-                what,
                 remedy,
             },
             other => Fault::new(&["scene"], other.to_string(), "give other dimensions"),
@@ -284,15 +307,16 @@ impl Catalogue {
     fn first_stage(&self) -> Result<FirstStage, Fault> {
         first_stage(self.ratio).ok_or_else(|| {
             let [_, least, most] = RV_PINS;
-            let near = (1..self.ratio).flat_map(|off| [self.ratio - off, self.ratio + off]);
-            let near = near.into_iter().find(|ratio| first_stage(*ratio).is_some());
+            let around = |off: u16| [-1.0, 1.0].map(|sign| self.ratio.round() + sign * f64::from(off));
+            let mut near = (0..999).flat_map(around);
+            let near = near.find(|ratio| first_stage(*ratio).is_some());
             Fault::new(
                 &["gear.external_sleeves"],
                 format!(
                     "finds no first stage: no even number of pins from {least} to {most} makes 1 + pins planet/sun = {}",
                     self.ratio
                 ),
-                format!("give a ratio such as {}", near.unwrap_or(121)),
+                format!("give a ratio such as {}", near.unwrap_or(121.0)),
             )
         })
     }
@@ -305,11 +329,23 @@ impl Catalogue {
                 suggest()
             })
         };
-        let stage = match self.cranks {
-            Some(_) => Some(self.first_stage()?),
-            None => None,
+        let pins = match self.cranks {
+            Some(_) => self.first_stage()?[0],
+            None if self.ratio.fract() != 0.0 => {
+                let [below, above] = [self.ratio.floor(), self.ratio.ceil()];
+                return Err(Fault::new(
+                    &["gear.external_sleeves"],
+                    format!(
+                        "is {}, but the ratio of one eccentric is a whole number, that of the lobes",
+                        self.ratio
+                    ),
+                    format!(
+                        "give {below} or {above}, or the kind `rv`, whose first stage has a ratio of its own"
+                    ),
+                ));
+            }
+            None => self.ratio as usize + 1,
         };
-        let pins = stage.map_or(self.ratio + 1, |[pins, ..]| pins);
         let radius = 0.5 * self.pin_circle_diameter_m;
         let half_pitch = radius * (PI / pins as f64).sin();
         let mut gear = Gear {
@@ -413,12 +449,17 @@ impl Catalogue {
             }
         }
         let Some((count, circle, sleeve)) = best else {
+            let room = if pit > 0.0 {
+                format!(
+                    "leave a radius of {} mm for holes of pin + 2 e and their walls",
+                    millimetres(pit)
+                )
+            } else {
+                "reach its centre".to_owned()
+            };
             return Err(Fault::new(
                 &["gear.internal_sleeve_radius_m"],
-                format!(
-                    "finds no place: the disc's pits leave a radius of {} mm for holes of pin + 2 e and their walls",
-                    millimetres(pit)
-                ),
+                format!("finds no place: the disc's pits {room}"),
                 "give smaller or fewer output pins, another circle for them, or a smaller eccentricity",
             ));
         };

@@ -101,8 +101,10 @@ pub(crate) fn fill(table: &mut Table) -> Result<Vec<Origin>, Gap> {
     }
 }
 
-const PITCH: &str = "gear.pin_circle_radius_m";
-const SHORTENING: &str = "gear.shortening";
+/// Circle of the ring pins, from which the shortening coefficient follows.
+pub(crate) const PITCH: &str = "gear.pin_circle_radius_m";
+/// Shortening coefficient, from which the circle of the ring pins follows.
+pub(crate) const SHORTENING: &str = "gear.shortening";
 
 /// The scene so far: what there is, laid over placeholders.
 fn refresh(scene: &mut Scene, table: &Table) {

@@ -8,6 +8,7 @@ use pinwheel::scene::catalogue::{Catalogue, MATERIALS, Material};
 use pinwheel::scene::quantity;
 
 use super::{OutArgs, SceneArgs};
+use crate::failure::Failure;
 
 /// `pinwheel init`.
 #[derive(Debug, Args)]
@@ -18,13 +19,13 @@ use super::{OutArgs, SceneArgs};
 pub(crate) struct InitArgs {
     /// Scene file to write; `-` for standard output.
     pub(crate) file: PathBuf,
-    /// Input turns per output turn, the housing fixed: the number of lobes.
-    #[arg(long, value_parser = ratio)]
-    ratio: u16,
+    /// Input turns per output turn, the housing fixed: the number of lobes, and of an RV gear such as 118.5.
+    #[arg(long, allow_negative_numbers = true, value_parser = ratio)]
+    ratio: f64,
     /// `cycloidal`: one eccentric and output pins; `rv`: a sun, planets and cranks, ratio 1 + pins planet/sun.
     #[arg(long, default_value = "cycloidal", value_parser = ["cycloidal", "rv"])]
     kind: String,
-    /// Cranks of an RV gear [default: 2, or 3 from a pin circle of 200 mm on].
+    /// Cranks, with `--kind rv` [default: 2, or 3 from a pin circle of 200 mm on].
     #[arg(long, value_parser = clap::value_parser!(u16).range(2..=12))]
     cranks: Option<u16>,
     /// Diameter of the circle on which the pins stand.
@@ -93,14 +94,12 @@ fn turns_a_minute(typed: &str) -> Result<f64, String> {
     number(typed, "rpm", "turns a minute")
 }
 
-/// `39` or `39:1`.
-fn ratio(typed: &str) -> Result<u16, String> {
+/// `39`, `39:1` or `118.5`.
+fn ratio(typed: &str) -> Result<f64, String> {
     let number = typed.trim().strip_suffix(":1").unwrap_or(typed).trim();
-    let ratio = number
-        .parse()
-        .ok()
-        .filter(|ratio| (2..=999).contains(ratio));
-    ratio.ok_or_else(|| "write a whole number from 2 to 999: 39 is 39:1".to_owned())
+    let ratio = number.parse().ok();
+    let ratio = ratio.filter(|ratio| (2.0..=999.0).contains(ratio));
+    ratio.ok_or_else(|| "write a number from 2 to 999: 39 is 39:1".to_owned())
 }
 
 /// By their names, which the help lists.
@@ -113,11 +112,15 @@ fn materials() -> impl TypedValueParser<Value = Material> {
 }
 
 impl InitArgs {
-    pub(crate) fn catalogue(&self, name: String) -> Catalogue {
+    pub(crate) fn catalogue(&self, name: String) -> Result<Catalogue, Failure> {
         let mm = |length: f64| 1e-3 * length;
-        Catalogue {
+        if self.kind != "rv" && self.cranks.is_some() {
+            let text = "--cranks belongs to an RV gear; add --kind rv, or leave it out";
+            return Err(Failure::input(text));
+        }
+        Ok(Catalogue {
             name,
-            ratio: usize::from(self.ratio),
+            ratio: self.ratio,
             cranks: (self.kind == "rv").then(|| {
                 let usual = if self.pin_circle_diameter_mm < 200.0 {
                     2
@@ -139,7 +142,7 @@ impl InitArgs {
             face_width_m: self.face_width_mm.map(mm),
             backlash_m: self.backlash_mm.map(mm),
             friction_coefficient: self.friction,
-        }
+        })
     }
 }
 

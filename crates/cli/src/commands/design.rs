@@ -21,7 +21,7 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     let stem = args.file.file_stem().filter(|_| !to_screen);
     let name = stem.map_or_else(|| "mine".into(), |stem| stem.to_string_lossy().into_owned());
     let draft = args
-        .catalogue(name)
+        .catalogue(name)?
         .draft()
         .map_err(|fault| by_flag(&fault))?;
     if to_screen {
@@ -49,13 +49,13 @@ fn is_scene(content: &[u8]) -> bool {
     lines.any(|line| line == b"[gear]" || line.starts_with(b"base = "))
 }
 
-/// The fault with flags in place of the keys that they give.
+/// Converts a fault of keys into one of the flags that give them; keys outside of backticks stay: they are in the scene's units.
 fn by_flag(fault: &Fault) -> Failure {
     let flag = |name: &str| format!("--{}", name.replace('_', "-"));
     let text = ARGUMENTS
         .iter()
         .fold(fault.to_string(), |text, (key, name)| {
-            text.replace(key, &flag(name))
+            text.replace(&format!("`{key}`"), &format!("`{}`", flag(name)))
         });
     Failure::input(text)
 }

@@ -6,6 +6,9 @@ use pinwheel_files::{did_you_mean, fits, nearest};
 fn finds_what_was_meant() {
     let known = ["backlash_m", "wheels", "hole_radius_m"];
     assert_eq!(nearest("backlsah_m", known), Some("backlash_m"));
+    let engines = ["native", "rapier-shared-law", "mujoco-shared-law"];
+    assert_eq!(nearest("mujocco", engines), Some("mujoco-shared-law"));
+    assert_eq!(nearest("ripaer", engines), Some("rapier-shared-law"));
     assert_eq!(nearest("hole_radius", known), Some("hole_radius_m"));
     assert_eq!(nearest("Wheels", known), Some("wheels"));
     assert_eq!(nearest("teeth", known), None);

@@ -13,7 +13,7 @@ use super::values::scalar;
 use crate::check;
 use crate::checked::{CheckedScene, Origin, Source};
 use crate::error::{Fault, Location, SceneError};
-use crate::fill::{Gap, fill};
+use crate::fill::{Gap, PITCH, SHORTENING, fill};
 use crate::json;
 use crate::keys::{DefaultValue, KEYS, Key, Kind};
 use crate::load;
@@ -173,6 +173,7 @@ impl Layers {
                     let value = self.value(row, &key, &item.node, &place, place_at)?;
                     insert(&mut self.table, &row.path(), value);
                     self.inherited.remove(&key);
+                    self.drop_inherited_twin(&key);
                 } else {
                     let half = PlusMinus::deserialize(item.node.value()).map_err(|_| {
                         SceneError::key(&place, &full, "says not by how much", EXAMPLE)
@@ -204,6 +205,21 @@ impl Layers {
             self.within(&root, &inner, table, place_at)?;
         }
         Ok(())
+    }
+
+    /// Removes what the base gives for a key that follows from this one: the file's own replaces it.
+    fn drop_inherited_twin(&mut self, key: &str) {
+        let twin = match key {
+            PITCH => SHORTENING,
+            SHORTENING => PITCH,
+            _ => return,
+        };
+        if self.inherited.remove(twin).is_some() {
+            self.places.remove(twin);
+            if let Some(Value::Table(gear)) = self.table.get_mut("gear") {
+                gear.remove(twin.trim_start_matches("gear."));
+            }
+        }
     }
 
     /// Reads the value at a key as one of the row's kind.

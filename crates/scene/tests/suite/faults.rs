@@ -363,6 +363,11 @@ fn presets_and_files_that_are_not_there() {
         let line = error.to_string();
         assert!(line.contains(part) && !line.contains('\n'), "{line}");
     }
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(dir.path().join("mine.toml"), "base = \"paper\"").unwrap();
+    let typed = dir.path().join("mine.tml").display().to_string();
+    let line = Scene::load(&typed, &[]).unwrap_err().to_string();
+    assert!(line.contains("mine.toml`?"), "{line}");
     let folder = std::env::temp_dir();
     let error = Scene::load(folder.to_str().unwrap(), &[]).unwrap_err();
     assert!(matches!(error, SceneError::File(_)), "{error:?}");

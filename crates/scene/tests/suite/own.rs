@@ -157,6 +157,27 @@ fn millimetres_are_seen() {
     assert!(line.contains("both given"), "{line}");
 }
 
+/// The pins' circle that a file states replaces the shortening coefficient of its base, and the other way round.
+#[test]
+fn what_follows_from_a_stated_key_is_not_inherited() {
+    let circle =
+        "[gear]\nexternal_sleeves = 7\npin_circle_radius_m = 0.06\neccentricity_m = 0.001\n";
+    let text = format!("base = \"paper\"\n{circle}");
+    let scene = Scene::from_toml(&text, "mine.toml", &[]).unwrap();
+    assert_eq!(scene.gear.shortening, 0.001 * 7.0 / 0.06);
+    let dir = tempfile::tempdir().unwrap();
+    let base = dir.path().join("base.toml").display().to_string();
+    std::fs::write(&base, OWN).unwrap();
+    let text = format!("base = {base:?}\n[gear]\nshortening = 0.6\n");
+    assert_eq!(
+        Scene::from_toml(&text, "mine.toml", &[])
+            .unwrap()
+            .gear
+            .shortening,
+        0.6
+    );
+}
+
 /// The parameters of a law are known before ramp and damping follow from the law: a scene that writes the filled-in
 /// value is the same.
 #[test]

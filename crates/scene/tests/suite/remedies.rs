@@ -31,7 +31,7 @@ fn sound(random: &mut Random) -> (String, bool) {
     let ratio = random.between(5.0, 90.0) as usize;
     let draft = Catalogue {
         wheels: Some(random.between(1.0, 4.0) as usize),
-        ..catalogue(ratio, size)
+        ..catalogue(ratio as f64, size)
     };
     let draft = draft.draft().unwrap();
     let gives_circle = random.share() < 0.5;
