@@ -9,13 +9,13 @@ use super::named::{Named, named};
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub(crate) struct Manner {
     /// No progress; of a study only where its results are.
-    #[arg(long, short, global = true, conflicts_with = "verbose")]
+    #[arg(long, short, global = true, hide = true, conflicts_with = "verbose")]
     pub(crate) quiet: bool,
     /// Also the files written, and of a comparison every engine's figures.
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, hide = true)]
     pub(crate) verbose: bool,
     /// Colours.
-    #[arg(long, value_name = "WHEN", global = true, value_parser = named(COLOURS), default_value = "auto")]
+    #[arg(long, value_name = "WHEN", global = true, hide = true, value_parser = named(COLOURS), default_value = "auto")]
     pub(crate) color: ColorChoice,
     /// Results as JSON (of the command, if it takes `--json`).
     #[arg(skip)]

@@ -40,8 +40,15 @@ const EXAMPLES: &str = include_str!("../../help/pinwheel.txt");
 /// Cross-validation of cycloidal gearbox dynamics: one scene, several engines, one report.
 #[derive(Debug, Parser)]
 #[command(name = "pinwheel", version, after_help = EXAMPLES, max_term_width = 80)]
-#[command(arg_required_else_help = true, disable_help_subcommand = true)]
+#[command(
+    arg_required_else_help = true,
+    disable_help_subcommand = true,
+    disable_help_flag = true
+)]
 struct Program {
+    /// Print help.
+    #[arg(long, short, global = true, hide = true, action = clap::ArgAction::HelpShort)]
+    help: Option<bool>,
     #[command(subcommand)]
     command: Command,
     #[command(flatten)]
@@ -72,6 +79,7 @@ pub(crate) enum Command {
     /// Run lists, ranges or tolerances of keys, over all cores.
     Sweep(SweepArgs),
     /// List the engines of this build.
+    #[command(after_help = include_str!("../../help/engines.txt"))]
     Engines(JsonArgs),
     /// Study which method survives which hard scene, at which step.
     Stability(StabilityArgs),
@@ -79,6 +87,7 @@ pub(crate) enum Command {
     #[command(after_help = include_str!("../../help/laws.txt").trim_ascii_end())]
     Laws(JsonArgs),
     /// Print the JSON schema of scenes, for editors.
+    #[command(after_help = include_str!("../../help/schema.txt"))]
     Schema {
         /// The schema of job files (scene.json), which solvers from outside read.
         #[arg(long)]
@@ -244,7 +253,7 @@ const GROUPS: [(&str, &str); 4] = [
     ),
 ];
 
-/// The program's own help: commands in groups, a line each.
+/// Returns the template of the program's own help: commands in groups, a line each.
 fn by_groups(program: &clap::Command) -> String {
     let mut text = "{about}\n\n{usage-heading} {usage}\n".to_owned();
     for (group, names) in GROUPS {
@@ -257,19 +266,42 @@ fn by_groups(program: &clap::Command) -> String {
             let _ = writeln!(text, "  {name:<13}{about}");
         }
     }
-    text + "\nOptions:\n{options}{after-help}"
+    text.trim_end().to_owned() + "\n\n{before-help}{after-help}"
+}
+
+/// Options of every command, in place of a paragraph for each in every help.
+const EVERYWHERE: &str = "\
+Every command: -q, --quiet (no progress); -v, --verbose (files written, figures
+of every engine); --color auto, always or never; -h, --help;
+`pinwheel --version`.";
+
+/// Puts examples before the options of a command, and what its text says besides behind them.
+fn examples_first(command: clap::Command) -> clap::Command {
+    let text = command.get_after_help().map(ToString::to_string);
+    let text = text.unwrap_or_default();
+    let (examples, rest) = text.split_once("\n\n").unwrap_or((&text, ""));
+    let mut rest = rest.trim_end().to_owned();
+    let before = if examples.is_empty() {
+        ""
+    } else {
+        "{before-help}"
+    };
+    for part in [EVERYWHERE, STATUS] {
+        let gap = if rest.is_empty() { "" } else { "\n\n" };
+        let _ = write!(rest, "{gap}{part}");
+    }
+    command
+        .mut_subcommands(examples_first)
+        .before_help(examples.trim_end().to_owned())
+        .help_template(format!(
+            "{{about}}\n\n{{usage-heading}} {{usage}}\n\n{before}{{all-args}}{{after-help}}"
+        ))
+        .after_help(rest)
 }
 
 /// Definition of the command line.
 pub(crate) fn definition() -> clap::Command {
-    fn with_status(command: clap::Command) -> clap::Command {
-        let examples = command.get_after_help().map(ToString::to_string);
-        let examples = examples.map_or_else(String::new, |text| format!("{}\n\n", text.trim_end()));
-        command
-            .mut_subcommands(with_status)
-            .after_help(format!("{examples}{STATUS}"))
-    }
-    let program = with_status(<Program as clap::CommandFactory>::command());
+    let program = examples_first(<Program as clap::CommandFactory>::command());
     let help = by_groups(&program);
     program.help_template(help)
 }

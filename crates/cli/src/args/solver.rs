@@ -64,6 +64,7 @@ pub(crate) struct SolverArgs {
 #[derive(Debug, Subcommand)]
 pub(crate) enum SolverAction {
     /// Write a small solver that works into a new folder.
+    #[command(after_help = include_str!("../../help/solver-new.txt"))]
     New {
         /// Its language.
         #[arg(long, value_parser = named(&LANGUAGES))]
@@ -72,6 +73,7 @@ pub(crate) enum SolverAction {
         name: String,
     },
     /// Try whether a solver does what comparisons rely on: signs, grid, order, refusals, ends.
+    #[command(after_help = include_str!("../../help/solver-check.txt"))]
     Check {
         /// Its manifest.
         file: PathBuf,
