@@ -34,15 +34,17 @@ def test_shapes_and_libraries():
     assert run.stats["bodies"] == 28 and run.resolution is not None
     assert np.array_equal(run.column(f"external_sleeve_force_n_{3}"), run["external_sleeve_force_n_3"])
     for ask in (run.column, run.__getitem__):
-        with pytest.raises(KeyError, match="did you mean `input_torque_n_m`"):
+        with pytest.raises(KeyError, match="did you mean `input_torque_n_m`") as raised:
             ask("input_torque_nm")
+        assert isinstance(raised.value, pinwheel.PinwheelError) and str(raised.value).startswith("no column")
     with pytest.raises(ValueError, match="read-only"):
         run["input_torque_n_m"][0] = 0.0
     frame, polar, cube = run.to_pandas(), run.to_polars(), run.to_xarray()
     assert frame.shape == (101, 27) and frame.index.name == "time_s"
     assert polar.columns[:2] == ["time_s", "input_torque_n_m"]
     assert cube["external_sleeve_force_n"].dims == ("time_s", "external_sleeve")
-    assert cube["external_sleeve_force_n"].attrs["units"] == "N"
+    assert cube["external_sleeve_force_n"].attrs == {"units": "N", "long_name": "ring pin force"}
+    assert cube.attrs["Conventions"].startswith("CF-") and cube["external_sleeve"].attrs["units"] == "1"
     assert "driver torque" in str(run) and "<pre" in run._repr_html_()
     again = pickle.loads(pickle.dumps(run))
     assert again.scene == run.scene and again.stats == run.stats and again.to_pandas().equals(frame)
@@ -53,7 +55,8 @@ def test_pictures(tmp_path):
 
     matplotlib.use("Agg")
     axes = SHORT.run("native-reduced").plot("input_torque_n_m", "external_sleeve_force_n")
-    assert axes[0].get_ylabel() == "input torque, N m" and len(axes[1].get_legend().get_texts()) == 16
+    first, second = axes.figure.axes
+    assert first.get_ylabel() == "input torque, N m" and len(second.get_legend().get_texts()) == 16
 
 
 def test_ctrl_c_stops_a_run():
@@ -120,6 +123,11 @@ def test_comparison(tmp_path):
     page = found.show(tmp_path / "page.html").read_text()
     assert page.startswith("<!") and "rapier-shared-law" in page
     assert len(found.to_pandas()) == len(found.verdicts) and "<table>" in found._repr_html_()
+    tidy = found.time_series_to_pandas()
+    assert list(tidy) == ["engine", "time_s", "column", "value"]
+    for engine, columns in found.runs.items():
+        mine = tidy[(tidy["engine"] == engine) & (tidy["column"] == "input_torque_n_m")]
+        assert np.array_equal(mine["value"], columns["input_torque_n_m"])
     assert "PASS, ONE CONTACT LAW" in str(found)
 
 
@@ -130,6 +138,7 @@ def test_law_on_arrays():
     # Rounding of a power against a product of roots: 2 units in the last place, times 4.
     np.testing.assert_allclose(law(9e7, depth), expected, rtol=1e-15 * 2 * 4)
     assert law([[9e7], [8e7]], depth).shape == (2, 11)
+    assert np.array_equal(pickle.loads(pickle.dumps(law))(9e7, depth), law(9e7, depth))
     with pytest.raises(pinwheel.InputError, match="did you mean"):
         pinwheel.Law("papr")
     assert {"paper", "hunt-crossley"} <= {law.name for law in pinwheel.laws()}

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pinwheel import _core
-from pinwheel.errors import InputError
+from pinwheel.errors import InputError, Missing
 
 if TYPE_CHECKING:
     import pandas
@@ -94,7 +94,7 @@ class Columns(Mapping["Column", Floats]):
             if group == list(range(first, first + count)):
                 return np.asarray(self._block[first : first + count].T)
             return np.asarray(self._block[group].T)
-        raise KeyError(f"no column `{name}`; {near(name, [*self._groups, *self.names], self)}")
+        raise Missing(f"no column `{name}`; {near(name, [*self._groups, *self.names], self)}")
 
     def full_names(self, name: str) -> list[str]:
         """Full names of the columns that a name stands for."""
@@ -150,7 +150,10 @@ class Columns(Mapping["Column", Floats]):
         return polars.DataFrame(self.to_dict())
 
     def to_xarray(self) -> xarray.Dataset:
-        """A Dataset over `time_s`; numbered columns are one variable with a second dimension, units as attributes."""
+        """A Dataset over `time_s` by the CF conventions, so that `.to_netcdf(path)` keeps units and long names.
+
+        Numbered columns are one variable with a second dimension.
+        """
         xarray = wanted("xarray", "frames")
         variables: dict[str, Any] = {}
         coordinates: dict[str, Any] = {"time_s": ("time_s", self.time_s, {"units": "s", "long_name": "time"})}
@@ -159,9 +162,12 @@ class Columns(Mapping["Column", Floats]):
             dims = ["time_s"]
             if values.ndim == 2:
                 dims.append(name.split("_force")[0].split("_penetration")[0])
-                coordinates[dims[1]] = [number(full) for full in self.full_names(name)]
+                numbers = [number(full) for full in self.full_names(name)]
+                described = {"units": "1", "long_name": f"number of the {quantity(dims[1])}"}
+                coordinates[dims[1]] = (dims[1], numbers, described)
             variables[name] = (dims, values, {"units": unit(name), "long_name": quantity(name)})
-        return xarray.Dataset(variables, coordinates)
+        attributes = {"Conventions": "CF-1.11", "source": f"pinwheel {_core.__version__}"}
+        return xarray.Dataset(variables, coordinates, attributes)
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Writes the file that the program calls `courses.csv`: the same bytes, over none but an earlier one."""
@@ -183,7 +189,7 @@ def unit(name: str) -> str:
 
 
 def plot(columns: Columns, names: tuple[Column, ...], title: str, ax: Any) -> Any:
-    """Draws columns over the time with matplotlib, into `ax` or a new figure; the axes, one for each column."""
+    """Draws columns over the time with matplotlib, into `ax` or a new figure; the first axes, all are in `.figure.axes`."""
     pyplot = wanted("matplotlib.pyplot", "plot")
     chosen = names or tuple(name for name in columns if name.endswith(("_n_m", "_force_n")))
     if not chosen:
@@ -206,7 +212,7 @@ def plot(columns: Columns, names: tuple[Column, ...], title: str, ax: Any) -> An
         axis.grid(alpha=0.3)
         if several:
             axis.legend(title="number", fontsize=6, title_fontsize=6, loc="center left", bbox_to_anchor=(1.0, 0.5), ncols=2)
-    return axes[0] if len(chosen) == 1 else axes
+    return axes[0]
 
 
 def quantity(name: str) -> str:

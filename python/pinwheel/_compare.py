@@ -15,6 +15,7 @@ from pinwheel._engine import EngineLike, several
 from pinwheel._page import Paged, plain
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene
+from pinwheel.errors import Missing
 
 if TYPE_CHECKING:
     import pandas
@@ -100,7 +101,7 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
         for known in (name, full):
             if known in self.runs:
                 return self.runs[known]
-        raise KeyError(f"no time series of `{name}`; {near(name, self.runs, self.runs)}")
+        raise Missing(f"no time series of `{name}`; {near(name, self.runs, self.runs)}")
 
     def __iter__(self) -> Iterator[EngineLike]:
         return iter(self.runs)
@@ -112,8 +113,15 @@ class Comparison(Paged, Mapping[EngineLike, Columns]):
         return list(self.runs)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The verdicts as a DataFrame."""
+        """The verdicts as a DataFrame: a row a pair of engines, window and quantity."""
         return wanted("pandas", "frames").DataFrame([vars(verdict) for verdict in self.verdicts])
+
+    def time_series_to_pandas(self) -> pandas.DataFrame:
+        """Time series of all engines as a tidy DataFrame: a row an engine, time and column, with its value in SI."""
+        pandas = wanted("pandas", "frames")
+        frames = {engine: columns.to_pandas() for engine, columns in self.runs.items()}
+        joined = pandas.concat(frames, names=["engine"]).reset_index()
+        return joined.melt(["engine", "time_s"], var_name="column").dropna(ignore_index=True)
 
     def details(self) -> str:
         """Figures of every engine and the verdict of every pair, as text."""

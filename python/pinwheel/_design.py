@@ -16,6 +16,7 @@ from pinwheel._columns import near, wanted
 from pinwheel._page import Paged, plain
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene
+from pinwheel.errors import Missing
 
 if TYPE_CHECKING:
     import pandas
@@ -133,7 +134,7 @@ class Design(Paged, Mapping[str, Figure]):
     def __getitem__(self, key: str) -> Figure:
         if key in self._figures:
             return self._figures[key]
-        raise KeyError(f"no figure `{key}`; {near(key, self, self)}")
+        raise Missing(f"no figure `{key}`; {near(key, self, self)}")
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._figures)

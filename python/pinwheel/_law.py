@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -45,6 +45,9 @@ class Law:
         out = np.empty_like(stiffness)
         self._core.forces(stiffness, depth, rate, out)
         return out.reshape(arrays[0].shape)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Law, (self.name, self.scene)
 
     def __repr__(self) -> str:
         return f"Law({self.name!r})"

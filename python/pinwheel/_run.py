@@ -133,14 +133,16 @@ class Run(Mapping["Column", Floats]):
         return self.columns.to_polars()
 
     def to_xarray(self) -> xarray.Dataset:
-        """A Dataset over `time_s` and the pins, each at its angle; its attributes say what was run."""
+        """A Dataset over `time_s` and the pins, each at its angle, by the CF conventions; attributes say what was run."""
         found = self.columns.to_xarray()
         for part in ("external", "internal"):
             if (dim := f"{part}_sleeve") in found.sizes:
                 angles = 2.0 * np.pi * np.arange(found.sizes[dim]) / found.sizes[dim]
-                found = found.assign_coords({f"{dim}_angle_rad": (dim, angles, {"units": "rad"})})
+                described = {"units": "rad", "long_name": "angle of the pin"}
+                found = found.assign_coords({f"{dim}_angle_rad": (dim, angles, described)})
         return found.assign_attrs(
-            scene=self.scene["name"], scene_toml=self.scene.to_toml(), engine=self.engine, engine_version=self.version,
+            title=f"{self.scene.name} on {self.engine}", scene=self.scene["name"],
+            scene_toml=self.scene.to_toml(), engine=self.engine, engine_version=self.version,
             pinwheel_version=_core.__version__,
         )  # fmt: skip
 
@@ -151,7 +153,7 @@ class Run(Mapping["Column", Floats]):
     def plot(self, *names: Column, ax: Any = None) -> Any:
         """Draws columns (torques and forces without names) over the time with matplotlib.
 
-        `ax`: axes to draw into, one for each name; without it a new figure. The axes, or an array of them for several names.
+        `ax`: axes to draw into, one for each name; without it a new figure. The first axes; all are in `.figure.axes`.
         """
         return plot(self.columns, names, f"{self.scene.name}, {self.engine}", ax)
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from pinwheel import _core
 from pinwheel._keys import COUNTS, Keys
-from pinwheel.errors import SceneError
+from pinwheel.errors import Missing, SceneError
 
 if TYPE_CHECKING:
     from pinwheel._engine import EngineLike
@@ -174,7 +174,7 @@ class Scene:
             for part in full.split("."):
                 value = value[part]
         except KeyError:
-            raise KeyError(f"{key} has no value in this scene") from None
+            raise Missing(f"{key} has no value in this scene") from None
         return copy.deepcopy(value) if isinstance(value, dict | list) else value
 
     def __contains__(self, key: object) -> bool:

@@ -26,7 +26,7 @@ from pinwheel._keys import Keys, Vary
 from pinwheel._page import plain, show
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene, settings, toml_value
-from pinwheel.errors import InputError, SceneError
+from pinwheel.errors import InputError, Missing, SceneError
 
 if TYPE_CHECKING:
     import pandas
@@ -96,7 +96,7 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
             return self._columns[name]
         if (full := [key for key in self.keys_varied if key.rpartition(".")[2] == name])[:2] == full[:1] != []:
             return self._columns[full[0]]
-        raise KeyError(f"no column `{name}`; {near(name, self, self)}")
+        raise Missing(f"no column `{name}`; {near(name, self, self)}")
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self)

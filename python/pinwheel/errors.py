@@ -4,6 +4,7 @@
       InputError (ValueError)     input that cannot be used
         SceneError                a scene: .key, .remedy
         NoEngine                  there is no such engine here
+        Missing (KeyError)        there is no such column, figure, key or engine in a result
       EngineFailed                an engine broke: .engine, .reason; of a comparison .comparison, with all others
       Unsupported                 an engine cannot honour the scene: .engine, .reason
       Diverged                    the numbers ran away: .engine, .time_s, .quantity, .partial (the run until then)
@@ -43,6 +44,7 @@ __all__ = [
     "Diverged",
     "EngineFailed",
     "InputError",
+    "Missing",
     "NoEngine",
     "PinwheelError",
     "SceneError",
@@ -52,6 +54,13 @@ __all__ = [
 
 class NoEngine(InputError):
     """There is no such engine in this Python."""
+
+
+class Missing(InputError, KeyError):
+    """There is no such column, figure, key or engine in a result."""
+
+    # A KeyError alone shows its message in quotes.
+    __str__ = Exception.__str__
 
 
 class ClusterError(PinwheelError):

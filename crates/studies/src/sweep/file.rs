@@ -195,9 +195,8 @@ impl Sweep {
         for (key, item) in leaves(table(&document, "vary")?, &axis::RANGE) {
             known.once(&document, &key, item.line)?;
             let values = axis::values(&document, &key, item)?;
-            axes.push(Axis {
-                keys: vec![(key, values)],
-            });
+            let keys = vec![(key, values)];
+            axes.push(distinct(&document, item.line, Axis { keys })?);
         }
         for entries in together(&document)? {
             axes.extend(in_step(&document, entries, &mut known)?);
@@ -298,7 +297,9 @@ fn in_step(
     known: &mut Known,
 ) -> Result<Option<Axis>, FileError> {
     let mut keys: Vec<(String, Vec<axis::Value>)> = Vec::new();
+    let mut last = 0;
     for (key, item) in leaves(entries, &axis::RANGE) {
+        last = item.line;
         known.once(document, &key, item.line)?;
         let values = axis::values(document, &key, item)?;
         if let Some((first, other)) = keys.first()
@@ -311,7 +312,20 @@ fn in_step(
         }
         keys.push((key, values));
     }
-    Ok((!keys.is_empty()).then_some(Axis { keys }))
+    let axis = (!keys.is_empty()).then_some(Axis { keys });
+    axis.map(|axis| distinct(document, last, axis)).transpose()
+}
+
+/// Returns the axis if no point stands on it twice.
+fn distinct(document: &Document<'_>, line: usize, axis: Axis) -> Result<Axis, FileError> {
+    let Some(point) = axis.repeated() else {
+        return Ok(axis);
+    };
+    let what = match axis.keys.as_slice() {
+        [(key, values)] => format!("`{key}`: {} stands in the list twice", values[point]),
+        _ => format!("[[together]]: point {} is one before it again", point + 1),
+    };
+    Err(document.fault(line, what, "give each point once"))
 }
 
 /// A scene file beside the sweep file, otherwise the words as they are.

@@ -46,6 +46,9 @@ fn a_full_file() {
         ("mine", "paper")
     );
     assert_eq!(plain.engines, ["native"]);
+    // The points of an axis differ, not the values of each of its keys.
+    let text = "scene = \"paper\"\n[[together]]\na = [1, 1]\nb = [1, 2]";
+    assert_eq!(read(text).unwrap().axes[0].len(), 2);
 }
 
 #[test]
@@ -72,6 +75,14 @@ fn faults_name_line_and_remedy() {
         (
             "[[together]]\na = [1, 2]\nb = [1]",
             "line 3: `b` has 1 values, `a` has 2",
+        ),
+        (
+            "[vary]\na = [1, 1]",
+            "line 2: `a`: 1 stands in the list twice",
+        ),
+        (
+            "[[together]]\na = [1, 1, 1]\nb = [1, 2, 1]",
+            "line 3: [[together]]: point 3 is one before it again",
         ),
         ("engines = []", "empty"),
         ("engines = [\"a\", \"a\"]", "twice"),
