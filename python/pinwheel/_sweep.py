@@ -121,7 +121,7 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
         for found in self.tolerances:
             for one in found["figures"]:
                 least, largest = one["range"]
-                row = {"engine": found["engine"], "figure": one["name"], "count": one["count"], "mean": one["mean"]}
+                row = {"engine": found["engine"], "figure": one["key"], "count": one["count"], "mean": one["mean"]}
                 row |= {"deviation": one["deviation"], "least": least, "largest": largest}
                 for quantile in one["quantiles"]:
                     share = f"quantile_{100 * quantile['share']:g}_percent"

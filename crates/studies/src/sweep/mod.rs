@@ -35,6 +35,6 @@ pub use results::{costs, results};
 pub use sample::{Distribution, Method, Sample};
 pub use specification::Limit;
 pub use spread::Spread;
-pub use statics::STATICS;
+pub use statics::{STATICS, definition};
 pub use tolerance::{FigureOfSample, Quantile, SampleResult, Sensitivity, Yield, tolerances};
 pub use written::Written;

@@ -109,11 +109,11 @@ impl RunRecord {
 
     /// Adds the figures of a complete run.
     fn add_figures(&mut self, planned: &PlannedRun, run: &Run) {
-        for &(name, value) in &run.figures {
-            if value.is_finite() {
-                self.balances.insert(name.to_owned(), value);
-            } else {
-                self.undefined.push(format!("{name} is not finite"));
+        for figure in &run.figures {
+            let key = figure.def.key.to_string();
+            match figure.value {
+                Some(value) => drop(self.balances.insert(key, value)),
+                None => self.undefined.push(format!("{key} is not finite")),
             }
         }
         // Balances have no time series, and nobody misses them.

@@ -12,7 +12,7 @@ fn number(figure: &PaperFigure, name: &str) -> f64 {
     figure
         .numbers
         .iter()
-        .find(|n| n.name == name)
+        .find(|n| n.def.key == name)
         .map(|n| n.value)
         .unwrap()
 }
