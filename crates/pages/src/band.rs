@@ -5,14 +5,16 @@ use pinwheel_report::figure::{interval, rounded};
 use pinwheel_report::format::{joined, significant};
 use pinwheel_report::study::Block;
 use pinwheel_studies::band::{Bands, ROLLERS};
-use pinwheel_timeseries::figure::FigureDef;
-use pinwheel_timeseries::figure::definitions::{
-    EXTERNAL_FORCE, INTERNAL_FORCE, LOST_MOTION, STIFFNESS,
-};
+use pinwheel_timeseries::figure::{FigureDef, definitions as defs};
 use pinwheel_timeseries::table::Table;
 
 /// Figures of the table of bands.
-static TOLD: [&FigureDef; 4] = [&EXTERNAL_FORCE, &INTERNAL_FORCE, &STIFFNESS, &LOST_MOTION];
+static TOLD: [&FigureDef; 4] = [
+    &defs::EXTERNAL_FORCE,
+    &defs::INTERNAL_FORCE,
+    &defs::STIFFNESS,
+    &defs::LOST_MOTION,
+];
 
 /// Sentence on a scene whose own law lies outside of what is defensible, with the remedy.
 pub(crate) fn outside(bands: &Bands) -> Option<String> {
@@ -39,8 +41,8 @@ pub(crate) fn about(bands: &Bands) -> String {
 
 /// Effect of cuts of the profile on the largest external force.
 pub(crate) fn fit(bands: &Bands) -> Option<String> {
-    let FigureDef { label, unit, .. } = &EXTERNAL_FORCE;
-    let fitted = bands.fitted(&EXTERNAL_FORCE).into_iter();
+    let FigureDef { label, unit, .. } = &defs::EXTERNAL_FORCE;
+    let fitted = bands.fitted(&defs::EXTERNAL_FORCE).into_iter();
     let cut = |(cut, value)| format!("{:.0} \u{b5}m: {} {unit}", 1e6 * cut, significant(value, 3));
     let told = joined(", by ", fitted.map(cut));
     (!told.is_empty()).then(|| format!("{label}; profile cut by {told}"))

@@ -14,11 +14,7 @@ use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::design::{DesignResult, Joint, Rest, Share};
-use pinwheel_timeseries::figure::definitions::{
-    EFFICIENCY, ERROR_RATED, EXTERNAL_FORCE, EXTERNAL_PRESSURE, LOST_MOTION, LOST_MOTION_RUN,
-    STIFFNESS,
-};
-use pinwheel_timeseries::figure::{Figure, FigureDef};
+use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 use pinwheel_timeseries::table::{Shown, Table};
 
 mod curves;
@@ -33,12 +29,12 @@ use loads::{bearings, sharing};
 /// True of figures that stand on the first screen.
 pub(crate) fn is_headline(def: &FigureDef) -> bool {
     let headlines = [
-        &LOST_MOTION,
-        &STIFFNESS,
-        &ERROR_RATED,
-        &EXTERNAL_FORCE,
-        &EXTERNAL_PRESSURE,
-        &EFFICIENCY,
+        &defs::LOST_MOTION,
+        &defs::STIFFNESS,
+        &defs::ERROR_RATED,
+        &defs::EXTERNAL_FORCE,
+        &defs::EXTERNAL_PRESSURE,
+        &defs::EFFICIENCY,
     ];
     headlines.iter().any(|headline| headline.key == def.key)
 }
@@ -217,7 +213,7 @@ fn sentence(text: &str) -> String {
 /// Rule by which a figure is counted, its spread over the mesh, and what only this gear's outcome knows.
 fn how(found: &DesignResult, one: &Figure) -> String {
     let statics = found.torsion.lost_motion_at_0_arcmin;
-    let statics = statics.filter(|_| one.is(&LOST_MOTION_RUN));
+    let statics = statics.filter(|_| one.is(&defs::LOST_MOTION_RUN));
     let statics = statics.map(|lost| format!("{} by statics at that pose", number(lost)));
     joined("; ", [figure::how(one)].into_iter().chain(statics))
 }

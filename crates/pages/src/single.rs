@@ -34,7 +34,7 @@ fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
             rows.push((label, format!("peak {peak}, mean {mean} N")));
         }
     }
-    let percent = |share: &Figure| cell(&share.clone().scaled(100.0, "%"));
+    let percent = |share: &Figure| cell(&share.scaled(100.0, "%"));
     if let Some(share) = found.get(&SHARE_DELIVERED) {
         let said = || format!("{} % {}", percent(share), share.def.how);
         rows.push(("efficiency", share.withheld.clone().unwrap_or_else(said)));

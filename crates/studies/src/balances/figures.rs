@@ -6,13 +6,7 @@
 
 use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::{Scene, Sleeve};
-use pinwheel_timeseries::figure::definitions::{
-    BEARING_FORCE, BEARING_LIFE, BEARING_LOSS, CRANK_FORCE, ERROR_NO_LOAD, ERROR_RATED,
-    EXTERNAL_FORCE, EXTERNAL_PRESSURE, EXTERNAL_TOUCHING, INTERNAL_FORCE, INTERNAL_PRESSURE,
-    INTERNAL_TOUCHING, LOST_MOTION, LOST_MOTION_RUN, PRESSURE_SLIDING, SEAL_LOSS, SLEEVE_LOSS,
-    STIFFNESS,
-};
-use pinwheel_timeseries::figure::{Figure, FigureDef};
+use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 
 use super::mesh::{Bearing, Pair, Pose, Pressure, Sharing, Stage};
 use super::spread::{ARCMIN, Spread};
@@ -84,7 +78,7 @@ fn life(carried: &[Vec<f64>], scene: &Scene) -> Option<Figure> {
         1e6 * millions * std::f64::consts::TAU / turns / 3600.0
     };
     let least = carried.iter().map(hours).fold(f64::INFINITY, f64::min);
-    Some(balanced(&BEARING_LIFE, least))
+    Some(balanced(&defs::BEARING_LIFE, least))
 }
 
 /// Loss by the friction of all eccentric bearings at the rated speed and load.
@@ -96,7 +90,7 @@ fn bearing_loss(carried: &[Vec<f64>], scene: &Scene) -> Option<Figure> {
     let lost: f64 = (carried.iter().map(force))
         .map(|force| law.drag(force, rate).abs() * rate)
         .sum();
-    Some(balanced(&BEARING_LOSS, 100.0 * lost / rated_w(scene)))
+    Some(balanced(&defs::BEARING_LOSS, 100.0 * lost / rated_w(scene)))
 }
 
 /// Loss by the friction of all sleeves on their pins at the rated speed and load, if they roll on the discs.
@@ -112,7 +106,7 @@ fn sleeve_loss<'a>(poses: impl Iterator<Item = &'a Pose>, scene: &Scene) -> Opti
         drag * pair.force_n * pair.sliding_m_s
     };
     let mean = Spread::of(poses.map(|pose| pose.pairs.iter().map(lost).sum())).mean;
-    Some(balanced(&SLEEVE_LOSS, 100.0 * mean / rated_w(scene)))
+    Some(balanced(&defs::SLEEVE_LOSS, 100.0 * mean / rated_w(scene)))
 }
 
 /// Loss of the seals at the rated speed; `None` without seals.
@@ -122,13 +116,14 @@ fn seal_loss(scene: &Scene) -> Option<Figure> {
     torques.iter().any(Option::is_some).then(|| {
         let [input, output] = torques.map(Option::unwrap_or_default);
         let lost = (input + output / ratio) * scene.drive.input_speed_rad_s.abs();
-        SEAL_LOSS.of(100.0 * lost / rated_w(scene), 0.0)
+        defs::SEAL_LOSS.of(100.0 * lost / rated_w(scene), 0.0)
     })
 }
 
 /// Takes the values of lost motion where parts overlap, with the reason `preloaded`.
 pub(crate) fn withhold_lost_motion(figures: &mut [Figure], preloaded: Option<&String>) {
-    let lost = |figure: &&mut Figure| figure.is(&LOST_MOTION) || figure.is(&LOST_MOTION_RUN);
+    let lost =
+        |figure: &&mut Figure| figure.is(&defs::LOST_MOTION) || figure.is(&defs::LOST_MOTION_RUN);
     if let Some(why) = preloaded {
         for figure in figures.iter_mut().filter(lost) {
             *figure = figure.clone().withheld(why.clone());
@@ -260,29 +255,34 @@ impl Summed {
         let slid = |k: usize| 1e-6 * self.pressure[k].pressure_sliding_w_m2;
         let largest = |def: &FigureDef, spread: &Spread| over(def, spread.max, spread);
         let mut figures = vec![
-            largest(&LOST_MOTION, &self.lost),
-            over(&STIFFNESS, self.stiffness.mean, &self.stiffness),
-            balanced(&ERROR_RATED, loaded),
-            balanced(&ERROR_NO_LOAD, unloaded),
-            largest(&EXTERNAL_FORCE, &external.largest_force_n),
+            largest(&defs::LOST_MOTION, &self.lost),
+            over(&defs::STIFFNESS, self.stiffness.mean, &self.stiffness),
+            balanced(&defs::ERROR_RATED, loaded),
+            balanced(&defs::ERROR_NO_LOAD, unloaded),
+            largest(&defs::EXTERNAL_FORCE, &external.largest_force_n),
         ];
         let inner = &internal.largest_force_n;
-        let touching = EXTERNAL_TOUCHING.of(external.touching.mean, self.quantum);
-        let sliding = balanced(&PRESSURE_SLIDING, slid(0).max(slid(1)));
+        let touching = defs::EXTERNAL_TOUCHING.of(external.touching.mean, self.quantum);
+        let sliding = balanced(&defs::PRESSURE_SLIDING, slid(0).max(slid(1)));
         // A bearing has no pins.
         if self.on_cranks {
-            let pressure = balanced(&EXTERNAL_PRESSURE, pressed(0));
-            figures.extend([largest(&CRANK_FORCE, inner), touching, pressure, sliding]);
+            let pressure = balanced(&defs::EXTERNAL_PRESSURE, pressed(0));
+            figures.extend([
+                largest(&defs::CRANK_FORCE, inner),
+                touching,
+                pressure,
+                sliding,
+            ]);
             return figures;
         }
         figures.extend([
-            largest(&INTERNAL_FORCE, inner),
+            largest(&defs::INTERNAL_FORCE, inner),
             touching,
-            INTERNAL_TOUCHING.of(internal.touching.mean, self.quantum),
-            balanced(&EXTERNAL_PRESSURE, pressed(0)),
-            balanced(&INTERNAL_PRESSURE, pressed(1)),
+            defs::INTERNAL_TOUCHING.of(internal.touching.mean, self.quantum),
+            balanced(&defs::EXTERNAL_PRESSURE, pressed(0)),
+            balanced(&defs::INTERNAL_PRESSURE, pressed(1)),
             sliding,
-            largest(&BEARING_FORCE, &self.bearing_force),
+            largest(&defs::BEARING_FORCE, &self.bearing_force),
         ]);
         figures
     }

@@ -23,12 +23,7 @@ use std::path::Path;
 use nalgebra::{DMatrix, DVector};
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Gearbox, GearboxError};
-use pinwheel_timeseries::figure::definitions::{
-    JOINT_BACKLASH, JOINT_DAMPING, JOINT_DEAD_BAND, JOINT_FRICTION, JOINT_FRICTION_OF_LOAD,
-    JOINT_INPUT_INERTIA, JOINT_OUTPUT_INERTIA, JOINT_REFLECTED_INERTIA, JOINT_STIFFNESS,
-    JOINT_VISCOUS,
-};
-use pinwheel_timeseries::figure::{Figure, FigureDef};
+use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 use serde::Serialize;
 
 use super::Operating;
@@ -171,9 +166,9 @@ impl Joint {
         let (input, output) = (self.input_inertia_kg_m2, self.output_inertia_kg_m2);
         let both = output + self.ratio * self.ratio * input;
         [
-            JOINT_INPUT_INERTIA.of(input, 0.0),
-            JOINT_OUTPUT_INERTIA.of(output, 0.0),
-            JOINT_REFLECTED_INERTIA.of(both, 0.0),
+            defs::JOINT_INPUT_INERTIA.of(input, 0.0),
+            defs::JOINT_OUTPUT_INERTIA.of(output, 0.0),
+            defs::JOINT_REFLECTED_INERTIA.of(both, 0.0),
         ]
     }
 
@@ -361,15 +356,19 @@ fn of_balances(poses: &[&Pose], rated: f64) -> Vec<Figure> {
     let dampings: Option<Vec<f64>> = poses.iter().map(|pose| pose.damping).collect();
     let damping = dampings.map(Spread::of);
     let damped = match damping {
-        Some(spread) => JOINT_DAMPING.of(spread.mean, 0.0).over(&spread, ROUNDING),
-        None => JOINT_DAMPING.of(None, None),
+        Some(spread) => defs::JOINT_DAMPING
+            .of(spread.mean, 0.0)
+            .over(&spread, ROUNDING),
+        None => defs::JOINT_DAMPING.of(None, None),
     };
     vec![
-        JOINT_BACKLASH.of(play.mean, 0.0).over(&play, ROUNDING),
-        JOINT_STIFFNESS
+        defs::JOINT_BACKLASH
+            .of(play.mean, 0.0)
+            .over(&play, ROUNDING),
+        defs::JOINT_STIFFNESS
             .of(stiff(&twists), 0.0)
             .over(&stiffness, ROUNDING),
-        JOINT_DEAD_BAND.of(2.0 * ARCMIN * line.max(0.0), 0.0),
+        defs::JOINT_DEAD_BAND.of(2.0 * ARCMIN * line.max(0.0), 0.0),
         damped,
     ]
 }
@@ -420,8 +419,8 @@ fn of_friction(found: Option<(Friction, [f64; 3])>) -> [Figure; 3] {
         def.of(friction.map(of), off.map(|off| off[k]))
     };
     [
-        part(0, &JOINT_FRICTION, |f| f.constant_n_m),
-        part(1, &JOINT_FRICTION_OF_LOAD, |f| f.of_rated_load_n_m),
-        part(2, &JOINT_VISCOUS, |f| f.viscous_n_m_s_per_rad),
+        part(0, &defs::JOINT_FRICTION, |f| f.constant_n_m),
+        part(1, &defs::JOINT_FRICTION_OF_LOAD, |f| f.of_rated_load_n_m),
+        part(2, &defs::JOINT_VISCOUS, |f| f.viscous_n_m_s_per_rad),
     ]
 }

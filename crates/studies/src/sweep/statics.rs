@@ -9,11 +9,7 @@ use pinwheel_engines::{
 };
 use pinwheel_gearbox::Gearbox;
 use pinwheel_timeseries::TimeSeries;
-use pinwheel_timeseries::figure::definitions::{
-    BEARING_FORCE, CRANK_FORCE, ERROR_NO_LOAD, ERROR_RATED, EXTERNAL_FORCE, EXTERNAL_PRESSURE,
-    INTERNAL_FORCE, INTERNAL_PRESSURE, LOST_MOTION, STIFFNESS,
-};
-use pinwheel_timeseries::figure::{Figure, FigureDef};
+use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 
 use crate::StudyError;
 use crate::design::{self, DesignResult};
@@ -23,18 +19,18 @@ pub const STATICS: &str = "statics";
 
 /// Figures of a design that the results hold, each with its statistic over the mesh; empty: the figure itself.
 const FIGURES: [(&str, &FigureDef); 12] = [
-    ("", &LOST_MOTION),
-    ("mean", &LOST_MOTION),
-    ("", &STIFFNESS),
-    ("least", &STIFFNESS),
-    ("", &ERROR_RATED),
-    ("", &ERROR_NO_LOAD),
-    ("", &EXTERNAL_FORCE),
-    ("", &INTERNAL_FORCE),
-    ("", &CRANK_FORCE),
-    ("", &EXTERNAL_PRESSURE),
-    ("", &INTERNAL_PRESSURE),
-    ("", &BEARING_FORCE),
+    ("", &defs::LOST_MOTION),
+    ("mean", &defs::LOST_MOTION),
+    ("", &defs::STIFFNESS),
+    ("least", &defs::STIFFNESS),
+    ("", &defs::ERROR_RATED),
+    ("", &defs::ERROR_NO_LOAD),
+    ("", &defs::EXTERNAL_FORCE),
+    ("", &defs::INTERNAL_FORCE),
+    ("", &defs::CRANK_FORCE),
+    ("", &defs::EXTERNAL_PRESSURE),
+    ("", &defs::INTERNAL_PRESSURE),
+    ("", &defs::BEARING_FORCE),
 ];
 
 /// Definitions of the columns.

@@ -156,26 +156,18 @@ impl Figure {
         Self { over_mesh, ..self }
     }
 
-    /// Returns the figure in another unit, `factor` times as large.
+    /// Returns value and uncertainty in another unit, `factor` times as large, without bands.
     #[must_use]
-    pub fn scaled(self, factor: f64, unit: impl Into<Cow<'static, str>>) -> Self {
-        let both = |ends: Option<[f64; 2]>| ends.map(|ends| ends.map(|end| factor * end));
+    pub fn scaled(&self, factor: f64, unit: impl Into<Cow<'static, str>>) -> Self {
+        let scaled = |value: Option<f64>| value.map(|value| factor * value);
+        let unit = unit.into();
+        let def = FigureDef {
+            unit,
+            ..self.def.clone()
+        };
         Self {
-            def: FigureDef {
-                unit: unit.into(),
-                ..self.def
-            },
-            value: self.value.map(|value| factor * value),
-            uncertainty: self.uncertainty.map(|off| factor * off),
-            sampling: self.sampling.map(|off| factor * off),
-            by_contact_law: both(self.by_contact_law),
-            by_fit: both(self.by_fit),
-            over_mesh: self.over_mesh.map(|mesh| OverMesh {
-                ends: mesh.ends.map(|end| factor * end),
-                uncertainty: mesh.uncertainty.map(|off| factor * off),
-                mean: factor * mesh.mean,
-            }),
-            ..self
+            sampling: scaled(self.sampling),
+            ..def.of(scaled(self.value), scaled(self.uncertainty))
         }
     }
 
