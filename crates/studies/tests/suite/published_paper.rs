@@ -13,7 +13,7 @@ fn number(figure: &PaperFigure, name: &str) -> f64 {
         .numbers
         .iter()
         .find(|n| n.def.key == name)
-        .map(|n| n.value)
+        .and_then(|n| n.value)
         .unwrap()
 }
 

@@ -99,7 +99,7 @@ impl Seen {
             let unit = self.units.of(&figure.def.key).recip();
             let known = Known {
                 name: figure.def.key.to_string(),
-                now: [unit * figure.value, unit * all],
+                now: [unit * figure.value?, unit * all],
                 then: [unit * value, unit * then],
             };
             Some(if self.in_mirror { back(known) } else { known })
@@ -150,7 +150,13 @@ impl Share {
         let [at_one, at_other] = [one, other].map(|seen| seen.sample_at(wanted) / seen.units.time);
         let from_s = at_one.max(at_other);
         let [of_one, of_other] = [one, other].map(|seen| seen.figures(seen.sample_at(from_s)));
-        let energy = |seen: &Seen| seen.outcome.results().figures.len();
+        let energy = |seen: &Seen| {
+            let figures = seen.outcome.results().figures;
+            figures
+                .iter()
+                .filter(|figure| figure.value.is_some())
+                .count()
+        };
         self.apart += energy(one).max(energy(other)) - of_one.len().min(of_other.len());
         for a in &of_one {
             let Some(b) = of_other.iter().find(|b| b.name == a.name) else {
