@@ -34,7 +34,7 @@ pub use record::RunRecord;
 pub use results::{costs, results};
 pub use sample::{Distribution, Method, Sample};
 pub use specification::Limit;
-pub use spread::Spread;
+pub use spread::WindowStatistics;
 pub use statics::{STATICS, definition};
 pub use tolerance::{FigureOfSample, Quantile, SampleResult, Sensitivity, Yield, tolerances};
 pub use written::Written;
