@@ -126,8 +126,8 @@ class Design(Paged, Mapping[str, Figure]):
         self.scene = scene
         self.data: dict[str, Any] = json.loads(core.json())
         self._page, self._text, self._dxf = core.page, plain(core.text()), core.dxf()
-        words = {key: told for key, *told in core.words()}
-        self._figures = {found["key"]: _figure(found, *words[found["key"]]) for found in self.data["figures"]}
+        each = zip(self.data["figures"], core.words(), strict=True)
+        self._figures = {found["key"]: _figure(found, *words) for found, words in each}
 
     _called = "design"
 
@@ -178,12 +178,12 @@ class Design(Paged, Mapping[str, Figure]):
         return f"<p>{html.escape(repr(self)[1:-1])}</p><table><tr>{head}</tr>{''.join(rows)}</table>"
 
 
-def _figure(found: dict[str, Any], what: str, shown: str, bounds: str) -> Figure:
+def _figure(found: dict[str, Any], shown: str, bounds: str) -> Figure:
     band, mesh = found.get("by_contact_law"), found.get("over_the_mesh")
     ends = found.get("over_the_mesh_numerical_uncertainty")
     return Figure(
         key=found["key"],
-        what=what,
+        what=found["what"],
         value=found["value"],
         unit=found["unit"],
         uncertainty=found["numerical_uncertainty"],

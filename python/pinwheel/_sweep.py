@@ -121,7 +121,7 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
         for found in self.tolerances:
             for one in found["figures"]:
                 least, largest = one["range"]
-                row = {"engine": found["engine"], "figure": one["name"], "count": one["count"], "mean": one["mean"]}
+                row = {"engine": found["engine"], "figure": one["key"], "count": one["count"], "mean": one["mean"]}
                 row |= {"deviation": one["deviation"], "least": least, "largest": largest}
                 for quantile in one["quantiles"]:
                     share = f"quantile_{100 * quantile['share']:g}_percent"
@@ -180,7 +180,8 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
     def _repr_html_(self) -> str:
         names = ["run", "engine", *self.keys_varied, "status"]
         figures = list(self)[list(self).index("rhs_calls") + 1 :]
-        chosen = [name for name in figures if name.startswith(("mean_", "peak_"))] or figures
+        moves = any(name.startswith("peak_") for name in figures)  # balances have statistics over the mesh
+        chosen = [name for name in figures if name.startswith(("mean_", "peak_")) or not moves]
         names += [name for name in chosen if self[name].dtype.kind == "f"][:6]
         head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
         rows = []

@@ -7,6 +7,7 @@ use pinwheel_gearbox::resolve::Uncertainty;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Scene};
 use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::figure::Figure;
 
 use crate::control::{Cancelled, Control};
 use crate::info::EngineInfo;
@@ -22,8 +23,8 @@ pub struct Run {
     pub stats: RunStats,
     /// The numerical uncertainty of the time series, where the engine verified them itself (`auto`, `native-resolved`).
     pub uncertainty: Option<Uncertainty>,
-    /// Numbers that no time series holds, of what has none: names with units, and values.
-    pub figures: Vec<(&'static str, f64)>,
+    /// Figures that no time series holds, of what has none.
+    pub figures: Vec<Figure>,
 }
 
 impl Run {

@@ -1,5 +1,7 @@
 //! Efficiency with and without what the contact law itself creates.
 
+use pinwheel_timeseries::figure::FigureDef;
+use pinwheel_timeseries::figure::definitions::FRICTION;
 use pinwheel_timeseries::{CREATED, NO_LOSS, efficiency};
 use serde::{Deserialize, Serialize};
 
@@ -90,19 +92,11 @@ impl Efficiency {
         Ok(self.of_losses.min(1.0))
     }
 
-    /// Shares that friction loses, each with its name: those of what rubs.
-    pub fn by_cause(&self) -> impl Iterator<Item = (&'static str, f64)> {
-        let shares = Self::CAUSES.into_iter().zip(self.by_cause);
-        shares.filter_map(|(name, share)| Some((name, share?)))
+    /// Shares that friction loses, each with its definition: those of what rubs.
+    pub fn by_cause(&self) -> impl Iterator<Item = (&'static FigureDef, f64)> {
+        let shares = FRICTION.into_iter().zip(self.by_cause);
+        shares.filter_map(|(def, share)| Some((def, share?)))
     }
-
-    /// The names of those shares.
-    pub const CAUSES: [&'static str; 4] = [
-        "contact_friction_share",
-        "bearing_friction_share",
-        "sleeve_friction_share",
-        "seal_friction_share",
-    ];
 
     /// Below and above: what to show where one figure would mislead.
     #[must_use]

@@ -1,42 +1,20 @@
 //! Bands of other contact laws, in words and as a table.
 
 use pinwheel_contact::laws::law_info;
+use pinwheel_report::figure::{interval, rounded};
 use pinwheel_report::format::{joined, significant};
 use pinwheel_report::study::Block;
-use pinwheel_studies::band::{Band, Bands, ROLLERS};
-use pinwheel_timeseries::columns;
+use pinwheel_studies::band::{Bands, ROLLERS};
+use pinwheel_timeseries::figure::{FigureDef, definitions as defs};
 use pinwheel_timeseries::table::Table;
 
-use crate::figure::{interval, rounded};
-
-/// Figures of the table of bands: key, name, unit.
-const TOLD: [(&str, &str, &str); 4] = [
-    ("external_force_n", "largest pin force, external", "N"),
-    ("internal_force_n", "largest pin force, internal", "N"),
-    (
-        "torsional_stiffness_n_m_per_arcmin",
-        "stiffness of the contacts",
-        "N m/arcmin",
-    ),
-    (
-        "lost_motion_arcmin",
-        "lost motion of the contacts",
-        "arcmin",
-    ),
+/// Figures of the table of bands.
+static TOLD: [&FigureDef; 4] = [
+    &defs::EXTERNAL_FORCE,
+    &defs::INTERNAL_FORCE,
+    &defs::STIFFNESS,
+    &defs::LOST_MOTION,
 ];
-
-/// Key of the band that bounds the peak of a quantity of runs.
-pub(crate) fn key_of_peak(quantity: &str) -> Option<&'static str> {
-    match quantity {
-        columns::EXTERNAL_FORCE => Some("external_force_n"),
-        columns::INTERNAL_FORCE => Some("internal_force_n"),
-        _ => None,
-    }
-}
-
-fn ends(band: &Band) -> [f64; 2] {
-    band.of_own_law.map(|share| share * band.own)
-}
 
 /// Sentence on a scene whose own law lies outside of what is defensible, with the remedy.
 pub(crate) fn outside(bands: &Bands) -> Option<String> {
@@ -63,12 +41,11 @@ pub(crate) fn about(bands: &Bands) -> String {
 
 /// Effect of cuts of the profile on the largest external force.
 pub(crate) fn fit(bands: &Bands) -> Option<String> {
-    let (key, name, unit) = TOLD[0];
-    let own = bands.get(key)?.own;
-    let fitted = bands.fitted(key, own).into_iter();
+    let FigureDef { label, unit, .. } = &defs::EXTERNAL_FORCE;
+    let fitted = bands.fitted(&defs::EXTERNAL_FORCE).into_iter();
     let cut = |(cut, value)| format!("{:.0} \u{b5}m: {} {unit}", 1e6 * cut, significant(value, 3));
     let told = joined(", by ", fitted.map(cut));
-    (!told.is_empty()).then(|| format!("{name}; profile cut by {told}"))
+    (!told.is_empty()).then(|| format!("{label}; profile cut by {told}"))
 }
 
 /// Label of a figure for which the scene's own law lies outside of the band.
@@ -84,22 +61,20 @@ pub(crate) fn rows(bands: &Bands) -> Vec<(&'static str, String)> {
 
 /// Blocks of a page.
 pub(crate) fn blocks(bands: &Bands) -> Vec<Block> {
-    let rows = TOLD.iter().filter_map(|row| Some((row, bands.get(row.0)?)));
-    let fitted = |key: &str, own: f64, place: usize| {
-        let found = bands.fitted(key, own);
-        found
-            .get(place)
-            .map_or_else(String::new, |(_, value)| significant(*value, 3))
-    };
+    let rows = TOLD.into_iter().filter_map(|def| bands.get(def));
+    let rows = rows.filter_map(|one| Some((one, one.value?, one.by_contact_law?)));
     let mut table = Table::of(format!("By contact law, statics: {}", about(bands)), rows)
-        .text("", "Figure", |((_, name, _), _)| *name)
-        .text("", "Unit", |((.., unit), _)| *unit)
-        .text("", &bands.own, |(_, band)| rounded(band.own, ends(band)))
-        .text("", "Band", |(_, band)| interval(ends(band)));
+        .text("", "Figure", |(one, ..)| &*one.def.label)
+        .text("", "Unit", |(one, ..)| &*one.def.unit)
+        .text("", &bands.own, |(_, own, band)| rounded(*own, *band))
+        .text("", "Band", |(.., band)| interval(*band));
     for (place, fit) in bands.fits.iter().enumerate() {
         let cut = format!("cut by {:.0} \u{b5}m", 1e6 * fit.cut_m);
-        table = table.text("", &cut, move |((key, ..), band)| {
-            fitted(key, band.own, place)
+        table = table.text("", &cut, |(one, ..)| {
+            let fitted = bands.fitted(&one.def);
+            fitted
+                .get(place)
+                .map_or_else(String::new, |(_, value)| significant(*value, 3))
         });
     }
     let said = outside(bands).map(Block::Text);

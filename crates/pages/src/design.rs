@@ -5,14 +5,16 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_report::format::{self, NONE, joined, significant};
+use pinwheel_report::figure::{self, number, table};
+use pinwheel_report::format::{self, joined, significant};
 use pinwheel_report::stack::stack;
-use pinwheel_report::study::{Axis, Block, Chart, Fact, Mark, Section, Study, Style, Tile};
+use pinwheel_report::study::{Axis, Block, Chart, Fact, Mark, Section, Study, Style};
 use pinwheel_report::terminal::{self, list, titled};
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::design::{DesignFigure, DesignResult, Joint, Rest, Share};
+use pinwheel_studies::design::{DesignResult, Joint, Rest, Share};
+use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 use pinwheel_timeseries::table::{Shown, Table};
 
 mod curves;
@@ -20,20 +22,22 @@ mod loads;
 
 pub(crate) use loads::{bearing_chart, sharing_charts};
 
-use crate::figure::{SHOWN, bounds, figure, interval, known, rounded, with_uncertainty};
 use crate::{animation, band};
 use curves::{Drawn, chart, degrees, line, of_design};
 use loads::{bearings, sharing};
 
-/// Figures that stand on the first screen.
-pub(crate) const HEADLINES: [&str; 6] = [
-    "lost_motion_arcmin",
-    "torsional_stiffness_n_m_per_arcmin",
-    "transmission_error_rated_arcmin",
-    "external_force_n",
-    "external_pressure_mpa",
-    "efficiency_rated_percent",
-];
+/// True of figures that stand on the first screen.
+pub(crate) fn is_headline(def: &FigureDef) -> bool {
+    let headlines = [
+        &defs::LOST_MOTION,
+        &defs::STIFFNESS,
+        &defs::ERROR_RATED,
+        &defs::EXTERNAL_FORCE,
+        &defs::EXTERNAL_PRESSURE,
+        &defs::EFFICIENCY,
+    ];
+    headlines.iter().any(|headline| headline.key == def.key)
+}
 
 /// Name and sentence of the parts whose compliance lost motion and stiffness contain.
 fn given_way(found: &DesignResult) -> (&'static str, String) {
@@ -68,7 +72,7 @@ pub fn page(
     let scene = &found.scene;
     let caption = "For a data sheet; after \u{b1} how far a figure may be off numerically: by the poses that were looked at, or by the run's own \
                    verification";
-    let all = figures(caption, &found.figures, |one| how(found, one));
+    let all = table(caption, &found.figures, |one| how(found, one));
     let mut first = Section::new("figures", "Figures").with(all);
     if !found.shares().is_empty() {
         let caption = "Compliance: what gives way under the rated load";
@@ -100,11 +104,15 @@ pub fn page(
              the law `{}`.",
             sentence(&scene.description),
             found.dimensions.ratio,
-            figure(found.rated_torque_n_m),
+            number(found.rated_torque_n_m),
             scene.contact.law
         ),
-        tiles_title: format!("At {} N m", figure(found.rated_torque_n_m)),
-        tiles: tiles(found),
+        tiles_title: format!("At {} N m", number(found.rated_torque_n_m)),
+        tiles: {
+            let figures = found.figures.iter();
+            let headlines = figures.filter(|one| is_headline(&one.def));
+            headlines.map(figure::tile).collect()
+        },
         below: vec![
             Block::heading("May I use them, and what next?"),
             Block::Facts(notes(found).into_iter().map(fact).collect()),
@@ -147,16 +155,13 @@ fn fact((label, text): (&str, String)) -> Fact {
 /// Text for a terminal; `whole`: with the rule by which each figure is counted.
 #[must_use]
 pub fn text(found: &DesignResult, whole: bool) -> String {
-    let mut table = figures("", &found.figures, |one| how(found, one));
+    let mut table = table("", &found.figures, |one| how(found, one));
     let mut rows = Vec::new();
     if !whole {
         table.columns.pop();
         // What a figure is not told for is no detail.
         let without = found.figures.iter();
-        rows.extend(without.filter_map(|one| {
-            let why = withheld(found, one).join("; ");
-            (!why.is_empty()).then_some((one.what, why))
-        }));
+        rows.extend(without.filter_map(|one| Some((&*one.def.label, one.withheld.clone()?))));
     }
     for share in &found.budget {
         rows.push(("budget", budgeted(share)));
@@ -175,7 +180,7 @@ pub fn text(found: &DesignResult, whole: bool) -> String {
 pub fn draft(draft: &Draft) -> String {
     let row = |what: &str, value: String, how: &str| [what.to_owned(), value, how.to_owned()];
     let of = derived(&draft.scene);
-    let mm = |metres: f64| format!("{} mm", figure(1e3 * metres));
+    let mm = |metres: f64| format!("{} mm", number(1e3 * metres));
     let mut rows = vec![
         row("ratio", of.ratio.to_string(), "input turns per output turn"),
         row("wall, hole to profile", mm(of.walls.hole_to_profile_m), ""),
@@ -185,7 +190,7 @@ pub fn draft(draft: &Draft) -> String {
     let bend = mm(of.smallest_convex_radius_m);
     let undercut = "a larger pin radius undercuts the disc";
     rows.push(row("sharpest bend of the pins' path", bend, undercut));
-    let force = format!("{} N", figure(of.external_force_estimate_n));
+    let force = format!("{} N", number(of.external_force_estimate_n));
     rows.push(row(
         "largest pin force",
         force,
@@ -205,130 +210,12 @@ fn sentence(text: &str) -> String {
     }
 }
 
-/// A figure where there is little room, and what bounds it: its band, and how far it may be off numerically.
-#[must_use]
-pub fn headline(one: &DesignFigure) -> (String, String) {
-    let Some(value) = one.value else {
-        return (NONE.to_owned(), String::new());
-    };
-    let [shown, off] = known(value, one.uncertainty);
-    let laws = wide(one);
-    let shown = laws.map_or(shown, |laws| rounded(value, laws));
-    // The sign stays with its number.
-    let off = off.replace(' ', "\u{a0}");
-    (shown, bounds(laws, &off, "numerical"))
-}
-
-/// Its band, where that is wider than the figure is off numerically.
-fn wide(one: &DesignFigure) -> Option<[f64; 2]> {
-    let off = one.uncertainty.unwrap_or(0.0);
-    one.by_contact_law.filter(|[low, high]| high - low > off)
-}
-
-/// A figure with the digits that its band leaves, and how far it may be off numerically.
-fn with_band(one: &DesignFigure) -> String {
-    match (one.value, wide(one)) {
-        (Some(value), Some(laws)) => {
-            let shown = rounded(value, laws);
-            // Beside a value rounded by more it would be wrong.
-            let moved = shown.parse::<f64>();
-            let moved = moved.map_or(0.0, |shown| (shown - value).abs());
-            let off = one.uncertainty.filter(|u| *u > 0.0 && *u >= moved);
-            let off = off.map_or_else(String::new, |u| format!(" \u{b1} {}", significant(u, 1)));
-            format!("{shown}{off}")
-        }
-        _ => with_uncertainty(one.value, one.uncertainty),
-    }
-}
-
 /// Rule by which a figure is counted, its spread over the mesh, and what only this gear's outcome knows.
-fn how(found: &DesignResult, one: &DesignFigure) -> String {
-    let mut parts = vec![counted(one)];
-    if one.key == "lost_motion_run_arcmin" {
-        let statics = found.torsion.lost_motion_at_0_arcmin;
-        parts.extend(statics.map(|lost| format!("{} by statics at that pose", figure(lost))));
-    }
-    parts.extend(withheld(found, one));
-    parts.join("; ")
-}
-
-/// Reasons why a figure is not there.
-fn withheld(found: &DesignResult, one: &DesignFigure) -> Vec<String> {
-    let mut parts = Vec::new();
-    if one.key == "efficiency_rated_percent" {
-        let rated = found.efficiency.last().and_then(|run| run.efficiency);
-        parts.extend(rated.and_then(|efficiency| efficiency.defined().err()));
-    }
-    if one.is_lost_motion() {
-        parts.extend(found.preloaded.clone());
-    }
-    if one.value.is_none() {
-        let runs = found.cycle.iter().map(|cycle| cycle.status);
-        let mut ended = runs.chain(found.efficiency.last().map(|run| run.status));
-        if let Some(status) = ended.find(|status| *status != "finished") {
-            parts.push(format!("the run {status}"));
-        }
-    }
-    parts
-}
-
-fn tiles(found: &DesignResult) -> Vec<Tile> {
-    let wanted = |one: &&DesignFigure| HEADLINES.contains(&one.key);
-    let tile = |one: &DesignFigure| {
-        if one.value.is_none() {
-            return Tile::new(one.what, NONE, withheld(found, one).join("; "));
-        }
-        // How it is counted stands in the table.
-        let (value, bounds) = headline(one);
-        Tile::new(one.what, value, bounds).unit(one.unit)
-    };
-    found.figures.iter().filter(wanted).map(tile).collect()
-}
-
-/// Figures with their uncertainty; `how`: how one is counted.
-fn figures(
-    caption: &str,
-    figures: &[DesignFigure],
-    how: impl Fn(&DesignFigure) -> String,
-) -> Table {
-    let mut table = Table::of(caption, figures)
-        .text("", "Figure", |one| one.what)
-        .number("", "Value", |one| one.value)
-        .said(|one| with_band(one));
-    if figures.iter().any(|one| wide(one).is_some()) {
-        let laws = |one: &&DesignFigure| wide(one).map_or_else(String::new, interval);
-        table = table.text("", "By contact law", laws);
-    }
-    table
-        .text("", "Unit", |one| one.unit)
-        .text("", "How", |one| how(one))
-        .done()
-}
-
-/// Rule by which a figure is counted, and its spread over the mesh.
-fn counted(one: &DesignFigure) -> String {
-    let Some(spread) = one.over_the_mesh else {
-        return one.how.to_owned();
-    };
-    let mean = one.mean_over_the_mesh;
-    let mean = mean.filter(|mean| one.value != Some(*mean));
-    let [least, largest] = spread;
-    // How it changes is known to more digits than how much it is.
-    if let Some(value) = one.value.filter(|_| wide(one).is_some()) {
-        let percent = |share: f64| format!("{} %", significant(100.0 * share.abs(), 2));
-        let off = one.mesh_uncertainty.map_or(0.0, |[a, b]| a + b);
-        let varies = [largest - least, off].map(|length| 100.0 * length / value.abs());
-        let varies = with_uncertainty(Some(varies[0]), Some(varies[1]));
-        let mean = mean.map_or_else(String::new, |mean| {
-            format!(", {} less on average", percent(1.0 - mean / value))
-        });
-        return format!("{}; varies by {varies} % over the mesh{mean}", one.how);
-    }
-    let ends = one.mesh_uncertainty;
-    let end = |k: usize| with_uncertainty(Some(spread[k]), ends.map(|ends| ends[k]));
-    let (least, largest) = (end(0), end(1));
-    let mean = mean.map_or_else(String::new, |mean| format!(", {} on average", figure(mean)));
-    format!("{}; {least} to {largest} over the mesh{mean}", one.how)
+fn how(found: &DesignResult, one: &Figure) -> String {
+    let statics = found.torsion.lost_motion_at_0_arcmin;
+    let statics = statics.filter(|_| one.is(&defs::LOST_MOTION_RUN));
+    let statics = statics.map(|lost| format!("{} by statics at that pose", number(lost)));
+    joined("; ", [figure::how(one)].into_iter().chain(statics))
 }
 
 fn joint(joint: &Joint) -> Section {
@@ -336,21 +223,19 @@ fn joint(joint: &Joint) -> Section {
         "Springs of the joint, which act beyond their dead band",
         &joint.springs,
     )
-    .number("", "Dead band, both sides", |spring| {
+    .figure("Dead band, both sides", "rad", |spring| {
         2.0 * spring.dead_band_rad
     })
-    .unit("rad")
-    .shown(SHOWN)
-    .number("", "Stiffness", |spring| spring.stiffness_n_m_per_rad)
-    .unit("N m/rad")
-    .shown(SHOWN);
+    .figure("Stiffness", "N m/rad", |spring| {
+        spring.stiffness_n_m_per_rad
+    });
     Section::new("joint", "As a joint")
         .with(format!(
             "The gear as one joint of a robot's model, of ratio {}: the files `joint_mujoco.xml`, `joint.urdf` and `joint.sdf` hold it, \
              the latter two for Drake as well. It has no transmission error, and everywhere the mesh's mean stiffness and play.",
             joint.ratio
         ))
-        .with(figures("What the joint is made of", &joint.figures, counted))
+        .with(table("What the joint is made of", &joint.figures, figure::how))
         .with(Block::folded("Springs in parallel", springs))
 }
 
@@ -439,13 +324,9 @@ fn transmission(found: &DesignResult) -> Section {
     let rows = rows.flat_map(|(of, load)| of.harmonics.iter().take(6).map(move |h| (load, h)));
     let orders = Table::of("Largest orders of the transmission error", rows)
         .text("", "Load", |(load, _)| *load)
-        .number("", "Per input turn", |(_, h)| h.input_order)
-        .shown(SHOWN)
-        .number("", "Per output turn", |(_, h)| h.output_order)
-        .shown(SHOWN)
-        .number("", "Amplitude", |(_, h)| h.amplitude_arcmin)
-        .unit("arcmin")
-        .shown(SHOWN)
+        .figure("Per input turn", "", |(_, h)| h.input_order)
+        .figure("Per output turn", "", |(_, h)| h.output_order)
+        .figure("Amplitude", "arcmin", |(_, h)| h.amplitude_arcmin)
         .text("", "Of", |(_, h)| h.of);
     Section::new("transmission-error", "Transmission error")
         .with(
@@ -466,16 +347,12 @@ fn budget(found: &DesignResult) -> Table {
     .number("", "Share of the compliance", |share| 100.0 * share.share)
     .unit("%")
     .shown(Shown::Digits(3))
-    .number("", "Stiffness up to here", |share| {
+    .figure("Stiffness up to here", "N m/arcmin", |share| {
         share.stiffness_n_m_per_arcmin
     })
-    .unit("N m/arcmin")
-    .shown(SHOWN)
-    .number("", "Lost motion up to here", |share| {
+    .figure("Lost motion up to here", "arcmin", |share| {
         share.lost_motion_arcmin
     })
-    .unit("arcmin")
-    .shown(SHOWN)
     .done()
 }
 
@@ -485,7 +362,7 @@ fn fitted(rest: &Rest) -> String {
         "A fit, not a prediction: with bearings.output_torsion_n_m_rad={} the gear has the stated {} N m/arcmin. The rest is then {} % \
          of the compliance; nothing here says what it is made of.",
         significant(rest.output_torsion_n_m_rad, 4),
-        figure(rest.stated_n_m_per_arcmin),
+        number(rest.stated_n_m_per_arcmin),
         significant(100.0 * rest.share, 2)
     )
 }
@@ -502,12 +379,10 @@ fn budgeted(share: &Share) -> String {
 
 fn efficiency(found: &DesignResult) -> Section {
     let efficiency = Table::of("Efficiency over speed and torque", &found.efficiency)
-        .number("", "Input", |run| run.input_speed_rad_s.abs() * 30.0 / PI)
-        .unit("rpm")
-        .shown(SHOWN)
-        .number("", "Load", |run| run.output_torque_n_m)
-        .unit("N m")
-        .shown(SHOWN)
+        .figure("Input", "rpm", |run| {
+            run.input_speed_rad_s.abs() * 30.0 / PI
+        })
+        .figure("Load", "N m", |run| run.output_torque_n_m)
         .number("", "Lost in contacts", |run| {
             run.efficiency.map(|e| e.lost_share)
         })
@@ -534,8 +409,7 @@ fn dimensions(found: &DesignResult) -> Section {
         lines.iter().filter(|line| line.unit == "m"),
     )
     .text("", "What", |line| line.what)
-    .number("", "mm", |line| 1e3 * line.value)
-    .shown(SHOWN)
+    .figure("mm", "", |line| 1e3 * line.value)
     .text("", "How", |line| line.how);
     let sizes = Block::folded("What follows from the dimensions", sizes);
     Section::new("dimensions", "Dimensions").with(sizes)

@@ -3,18 +3,19 @@
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::Cancelled;
+use pinwheel_report::figure::{cell, number};
 use pinwheel_report::format::{self, NONE, joined, significant};
 use pinwheel_report::study::{Block, Section, Study, Tile, Tone, Verdict};
 use pinwheel_report::table::named;
 use pinwheel_report::terminal::{self, TITLE, paragraph, styled};
 use pinwheel_scene::keys::key;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::design_diff::{DesignDiff, FigureDiff, Judged, KeyDiff};
+use pinwheel_studies::design_diff::{DesignDiff, KeyDiff};
+use pinwheel_timeseries::figure::{Diff, Judged};
 use pinwheel_timeseries::table::{Mark, Table, TableOf};
 use serde_json::Value;
 
-use crate::design::{self, HEADLINES};
-use crate::figure::{figure, with_uncertainty};
+use crate::design::{self, is_headline};
 use crate::{animation, time_series};
 
 /// Keys that one reads before the figures; more are folded.
@@ -72,7 +73,7 @@ pub fn text(found: &DesignDiff) -> String {
         text.push_str(&format!("and {keys} from them\n"));
     }
     let derived = found.derived.iter().filter(|r| r.judged != Judged::Same);
-    let means = steady(found).filter(|row| SERIES.contains(&row.key.as_str()));
+    let means = steady(found).filter(|row| SERIES.contains(&&*row.def.key));
     let all = derived.chain(&found.figures).chain(means);
     let figures = both(found, "", all)
         .said(|row| match row.judged {
@@ -100,7 +101,7 @@ pub fn text(found: &DesignDiff) -> String {
 }
 
 /// Means and peaks of the first window.
-fn steady(found: &DesignDiff) -> impl Iterator<Item = &FigureDiff> {
+fn steady(found: &DesignDiff) -> impl Iterator<Item = &Diff> {
     let first = found.time_series.first();
     first.into_iter().flat_map(|(_, rows)| rows)
 }
@@ -120,7 +121,7 @@ fn verdict(found: &DesignDiff) -> Verdict {
     } else {
         let most = most(found).into_iter();
         // `torsional stiffness × 43.5`.
-        let most = most.map(|row| format!("{} {}", row.what, change(row)));
+        let most = most.map(|row| format!("{} {}", row.def.label, change(row)));
         match joined("; ", most).as_str() {
             "" => format!("{differ} of {total} figures differ by more than their uncertainty"),
             most => format!("{differ} of {total} figures differ, most: {most}"),
@@ -149,15 +150,14 @@ fn verdict(found: &DesignDiff) -> Verdict {
 }
 
 /// The headline figures that differ most, largest change first.
-fn most(found: &DesignDiff) -> Vec<&FigureDiff> {
+fn most(found: &DesignDiff) -> Vec<&Diff> {
     const MOST: usize = 3;
-    let differs = |row: &&FigureDiff| row.judged == Judged::Differ && row.change().is_some();
-    let headline = |row: &&FigureDiff| HEADLINES.contains(&row.key.as_str());
-    let rows = found.figures.iter().filter(headline);
-    let mut rows: Vec<&FigureDiff> = rows.filter(differs).collect();
+    let differs = |row: &&Diff| row.judged == Judged::Differ && row.change().is_some();
+    let rows = found.figures.iter().filter(|row| is_headline(&row.def));
+    let mut rows: Vec<&Diff> = rows.filter(differs).collect();
     // By the factor, whichever way.
     let size = |share: f64| (1.0 + share).abs().ln().abs();
-    let factor = |row: &FigureDiff| row.change().map_or(0.0, size);
+    let factor = |row: &Diff| row.change().map_or(0.0, size);
     rows.sort_by(|a, b| factor(b).total_cmp(&factor(a)));
     rows.truncate(MOST);
     rows
@@ -177,7 +177,7 @@ fn value(value: Option<&Value>) -> String {
     }
 }
 
-fn change(row: &FigureDiff) -> String {
+fn change(row: &Diff) -> String {
     match row.change() {
         _ if row.judged == Judged::Same => "0".to_owned(),
         Some(share) if share >= 9.0 => format!("\u{d7} {}", significant(1.0 + share, 3)),
@@ -191,36 +191,35 @@ fn change(row: &FigureDiff) -> String {
 }
 
 /// Unit and factor of both values: those that people use for the larger.
-fn scaled(row: &FigureDiff) -> (String, f64) {
+fn scaled(row: &Diff) -> (String, f64) {
     let sizes = row.values.iter().flatten().map(|v| v.abs());
-    format::readable_unit(&row.unit, sizes.fold(0.0, f64::max))
+    format::readable_unit(&row.def.unit, sizes.fold(0.0, f64::max))
 }
 
-fn shown(row: &FigureDiff, k: usize) -> String {
-    let (_, factor) = scaled(row);
-    let scale = |v: Option<f64>| v.map(|v| factor * v);
-    with_uncertainty(scale(row.values[k]), scale(row.uncertainty[k]))
+fn shown(row: &Diff, k: usize) -> String {
+    let (unit, factor) = scaled(row);
+    cell(&row.figure(k).scaled(factor, unit))
 }
 
 fn tiles(found: &DesignDiff) -> Vec<Tile> {
-    let wanted = |row: &&FigureDiff| HEADLINES.contains(&row.key.as_str());
-    let tile = |row: &FigureDiff| {
+    let wanted = found.figures.iter().filter(|row| is_headline(&row.def));
+    let tile = |row: &Diff| {
         let [a, b] = row
             .values
-            .map(|value| value.map_or(NONE.to_owned(), figure));
+            .map(|value| value.map_or(NONE.to_owned(), number));
         let judged = match row.judged {
             Judged::Same => "the same".to_owned(),
             Judged::Differ => change(row),
             Judged::BelowUncertainty => "no difference shown".to_owned(),
             _ => format!("{}: {}", change(row), judged(row).0),
         };
-        Tile::new(&row.what, format!("{a} \u{2192} {b}"), judged).unit(&row.unit)
+        Tile::new(&*row.def.label, format!("{a} \u{2192} {b}"), judged).unit(&*row.def.unit)
     };
-    found.figures.iter().filter(wanted).map(tile).collect()
+    wanted.map(tile).collect()
 }
 
 /// A verdict in words, and its mark.
-fn judged(row: &FigureDiff) -> (&'static str, Mark) {
+fn judged(row: &Diff) -> (&'static str, Mark) {
     match row.judged {
         Judged::Same => ("the same", Mark::Muted),
         Judged::BelowUncertainty => ("below the uncertainty: no difference shown", Mark::Muted),
@@ -234,9 +233,9 @@ fn judged(row: &FigureDiff) -> (&'static str, Mark) {
 fn both<'a>(
     found: &DesignDiff,
     caption: &str,
-    rows: impl Iterator<Item = &'a FigureDiff>,
-) -> TableOf<&'a FigureDiff> {
-    let label = |row: &FigureDiff| named(&row.what, &scaled(row).0);
+    rows: impl Iterator<Item = &'a Diff>,
+) -> TableOf<&'a Diff> {
+    let label = |row: &Diff| named(&row.def.label, &scaled(row).0);
     let mut table = Table::of(caption, rows).text("", "Figure", |row| label(row));
     for (k, name) in found.names.iter().enumerate() {
         table = table
@@ -249,11 +248,7 @@ fn both<'a>(
 }
 
 /// Figures of both designs, their change and the verdict on it.
-fn table<'a>(
-    found: &DesignDiff,
-    caption: &str,
-    rows: impl Iterator<Item = &'a FigureDiff>,
-) -> Block {
+fn table<'a>(found: &DesignDiff, caption: &str, rows: impl Iterator<Item = &'a Diff>) -> Block {
     let table = both(found, caption, rows)
         .text("", "Judged", |row| judged(row).0)
         .marked(|row| judged(row).1);

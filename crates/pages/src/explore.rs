@@ -9,8 +9,8 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_contact::laws::LAWS;
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::{Gearbox, auto};
-use pinwheel_report::script;
 use pinwheel_report::study::{Block, Study};
+use pinwheel_report::{figure, script};
 use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::{CheckedScene, Formulation, Override, Scene, edited, preset, scales};
 use pinwheel_studies::{Control, Provenance, StudyError, band, design};
@@ -18,7 +18,7 @@ use pinwheel_timeseries::columns;
 use serde_json::{Value, json};
 
 use crate::animation::{self, Animation, markup};
-use crate::design::{HEADLINES, headline};
+use crate::design::is_headline;
 
 /// A key that a slider moves.
 struct Slider {
@@ -263,18 +263,18 @@ fn moved(
 /// The gear carries nothing or cannot be balanced; `cancel` was set.
 pub fn balances(gearbox: &Gearbox, laws: bool, cancel: &AtomicBool) -> Result<Value, StudyError> {
     let mut figures = design::few_figures(gearbox, cancel)?;
-    figures.retain(|one| HEADLINES.contains(&one.key));
+    figures.retain(|one| is_headline(&one.def));
     if laws && let Some(bands) = band::of(gearbox, &Control::silent(cancel))? {
         for one in &mut figures {
-            one.by_contact_law = one.value.and_then(|value| bands.of(one.key, value));
+            one.by_contact_law = bands.around(&one.def, one.value);
         }
     }
     let told = figures.iter().map(|one| {
-        let (shown, bounds) = headline(one);
+        let (shown, bounds) = figure::shown(one);
         json!([
-            one.what,
+            one.def.label,
             one.value,
-            one.unit,
+            one.def.unit,
             shown,
             bounds,
             one.uncertainty

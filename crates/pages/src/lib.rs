@@ -28,7 +28,6 @@ pub mod design_diff;
 pub mod engines;
 pub mod explain;
 pub mod explore;
-mod figure;
 pub mod laws;
 mod packed;
 pub mod paper;

@@ -1,60 +1,27 @@
 //! One run on a terminal.
 
-use pinwheel_gearbox::Efficiency;
+use pinwheel_report::figure::{cell, sentence};
 use pinwheel_report::format::{self, NONE, joined};
 use pinwheel_report::terminal::{pairs, titled};
-use pinwheel_studies::band::{Band, Bands};
-use pinwheel_studies::results::{Figure, Results};
+use pinwheel_studies::results::Results;
 use pinwheel_studies::single::Outcome;
 use pinwheel_timeseries::columns;
+use pinwheel_timeseries::figure::Figure;
+use pinwheel_timeseries::figure::definitions::{FRICTION, SHARE_DELIVERED};
 
 use crate::band;
-use crate::figure::{bounded, bounds, rounded};
-
-/// A figure, `factor` times, with its uncertainty.
-fn known(figure: &Figure, factor: f64) -> String {
-    let uncertainty = figure.uncertainty.map(|u| factor * u);
-    let [value, off] = bounded(factor * figure.value, uncertainty);
-    match figure.is_off_by_sampling() {
-        _ if off.is_empty() => value,
-        true => format!("{value} {off} (sampling)"),
-        false => format!("{value} {off}"),
-    }
-}
-
-/// Peak and mean of forces, with the digits that contact laws leave them.
-fn forces(peak: &Figure, mean: Option<&Figure>, laws: Option<&Band>) -> String {
-    let of = |figure: &Figure| laws.map(|band| band.of_own_law.map(|share| share * figure.value));
-    let mean = mean.map_or_else(
-        || NONE.to_owned(),
-        |mean| of(mean).map_or_else(|| known(mean, 1.0), |laws| rounded(mean.value, laws)),
-    );
-    let peak = match of(peak) {
-        None => format!("{} N", known(peak, 1.0)),
-        Some(laws) => {
-            let cause = match peak.is_off_by_sampling() {
-                true => "by sampling",
-                false => "numerical",
-            };
-            let value = rounded(peak.value, laws);
-            let [_, off] = bounded(peak.value, peak.uncertainty);
-            let bounds = bounds(Some(laws), &off, cause);
-            format!("{value} N ({bounds})")
-        }
-    };
-    format!("peak {peak}, mean {mean} N")
-}
 
 /// Results of a run, in words.
-fn results(found: &Results, bands: Option<&Bands>, looked: bool) -> Vec<(&'static str, String)> {
+fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
     let mut rows = Vec::new();
+    let of = |kind: &str, quantity: &str| {
+        let figure = found.statistic(kind, quantity);
+        figure.map_or_else(|| NONE.to_owned(), cell)
+    };
     let torque = columns::INPUT_TORQUE;
-    if let Some(mean) = found.get(&format!("mean_{torque}")) {
-        let [least, most] = ["min", "max"].map(|end| {
-            let figure = found.get(&format!("{end}_{torque}"));
-            figure.map_or_else(|| NONE.to_owned(), |figure| known(figure, 1.0))
-        });
-        let (mean, from_s) = (known(mean, 1.0), format::plain(found.from_s));
+    if found.statistic("mean", torque).is_some() {
+        let [mean, least, most] = ["mean", "min", "max"].map(|kind| of(kind, torque));
+        let from_s = format::plain(found.from_s);
         let said = format!("mean {mean} N m; {least} to {most}, from {from_s} s on");
         rows.push(("driver torque", said));
     }
@@ -62,27 +29,21 @@ fn results(found: &Results, bands: Option<&Bands>, looked: bool) -> Vec<(&'stati
         ("external forces", columns::EXTERNAL_FORCE),
         ("internal forces", columns::INTERNAL_FORCE),
     ] {
-        if let Some(peak) = found.get(&format!("peak_{group}")) {
-            let mean = found.get(&format!("mean_{group}"));
-            let laws = bands.and_then(|bands| bands.get(band::key_of_peak(group)?));
-            rows.push((label, forces(peak, mean, laws)));
+        if let Some(peak) = found.statistic("peak", group) {
+            let (peak, mean) = (sentence(peak), of("mean", group));
+            rows.push((label, format!("peak {peak}, mean {mean} N")));
         }
     }
-    match (&found.efficiency_reason, found.get("efficiency")) {
-        (Some(reason), _) => rows.push(("efficiency", reason.clone())),
-        (None, Some(share)) => {
-            let said = format!("{} % by what is lost", known(share, 100.0));
-            rows.push(("efficiency", said));
-        }
-        (None, None) => {}
+    let percent = |share: &Figure| cell(&share.scaled(100.0, "%"));
+    if let Some(share) = found.get(&SHARE_DELIVERED) {
+        let said = || format!("{} % {}", percent(share), share.def.how);
+        rows.push(("efficiency", share.withheld.clone().unwrap_or_else(said)));
     }
-    let causes = ["contacts", "bearings", "sleeves on pins", "seals"];
-    let lost = causes.into_iter().zip(Efficiency::CAUSES);
-    let lost = lost.filter_map(|(cause, name)| {
-        let share = known(found.get(name)?, 100.0);
-        Some(format!("{cause} {share} %"))
-    });
-    let lost = joined(", ", lost);
+    let lost = FRICTION.iter().filter_map(|def| found.get(def));
+    let lost = joined(
+        ", ",
+        lost.map(|share| format!("{} {} %", share.def.label, percent(share))),
+    );
     if !lost.is_empty() {
         rows.push(("friction", lost));
     }
@@ -110,7 +71,7 @@ pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
     let stats = &found.run.stats;
     // What one runs it for comes first.
     let bands = found.bands.as_ref();
-    let mut rows = results(&found.results(), bands, found.resolution.is_some());
+    let mut rows = results(&found.results(), found.resolution.is_some());
     rows.extend(bands.into_iter().flat_map(band::rows));
     let track = found.track.as_str();
     let (samples, end_s) = (found.run.time_series.len(), found.scene.solver.duration_s);

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel::engines::external::fmu_library;
 use pinwheel::fmu::{Imprint, Package, PackageError};
+use pinwheel::report::figure::shown;
 use pinwheel::scene::catalogue::{ARGUMENTS, Catalogue, MATERIALS};
 use pinwheel::scene::did_you_mean;
 use pinwheel::studies::StudyError;
@@ -84,14 +85,9 @@ impl Designed {
         Ok(serde_json::to_string(&self.found)?)
     }
 
-    /// Every figure in words: its name for programs, what it is, its value, what bounds that.
-    fn words(&self) -> Vec<(&'static str, &'static str, String, String)> {
-        let figures = self.found.figures.iter();
-        let told = figures.map(|figure| {
-            let (value, bounds) = pages::design::headline(figure);
-            (figure.key, figure.what, value, bounds)
-        });
-        told.collect()
+    /// Every figure in words: its value, and what bounds that.
+    fn words(&self) -> Vec<(String, String)> {
+        self.found.figures.iter().map(shown).collect()
     }
 
     /// The page that opens offline.

@@ -102,13 +102,11 @@ pub fn plain(value: f64) -> String {
     minus(&meant.to_string())
 }
 
-/// A figure that may be nothing but rounding: below its uncertainty, or below what double precision holds of `scale`, it
-/// is 0 with that bound. It has no digits below those of its uncertainty. Returns the figure and its bound
-/// (`± 3·10⁻⁷`), which may be empty.
-pub fn bounded(value: f64, uncertainty: Option<f64>, scale: f64) -> (String, String) {
-    let rounding = ROUNDING * scale.abs();
+/// A figure without digits below those of its uncertainty; below that it is 0. Returns the figure and its bound (`± 3·10⁻⁷`),
+/// which may be empty.
+pub fn bounded(value: f64, uncertainty: Option<f64>) -> (String, String) {
     let uncertainty = uncertainty.filter(|u| u.is_finite());
-    let bound = uncertainty.unwrap_or(0.0).max(rounding);
+    let bound = uncertainty.unwrap_or(0.0);
     if value.is_finite() && value.abs() <= bound {
         let said = if bound > 0.0 {
             format!("\u{b1}\u{202f}{}", significant(bound, 1))
@@ -135,9 +133,6 @@ pub fn bounded(value: f64, uncertainty: Option<f64>, scale: f64) -> (String, Str
     };
     (text, format!("\u{b1}\u{202f}{}", significant(u, 1)))
 }
-
-/// Relative accuracy of sums of many terms in double precision.
-const ROUNDING: f64 = 1e-12;
 
 /// A unit that people use for values of that size, and the factor to it: micrometres, minutes of arc.
 pub fn readable_unit(unit: &str, largest: f64) -> (String, f64) {
@@ -262,22 +257,19 @@ mod tests {
         assert_eq!(plain(0.0), "0");
         let zero = |text: &str| ("0".to_owned(), text.to_owned());
         assert_eq!(
-            bounded(-3.5867e-30, None, 0.0),
+            bounded(-3.5867e-30, None),
             (
                 "\u{2212}3.5867\u{b7}10\u{207b}\u{b3}\u{2070}".to_owned(),
                 String::new()
             )
         );
         assert_eq!(
-            bounded(-3.5867e-30, None, 22.0),
+            bounded(-3.5867e-30, Some(2.2e-11)),
             zero("\u{b1}\u{202f}2\u{b7}10\u{207b}\u{b9}\u{b9}")
         );
+        assert_eq!(bounded(0.003, Some(0.004)), zero("\u{b1}\u{202f}0.004"));
         assert_eq!(
-            bounded(0.003, Some(0.004), 1.0),
-            zero("\u{b1}\u{202f}0.004")
-        );
-        assert_eq!(
-            bounded(1.5, Some(0.004), 1.0),
+            bounded(1.5, Some(0.004)),
             ("1.500".to_owned(), "\u{b1}\u{202f}0.004".to_owned())
         );
         for (value, u, text) in [
@@ -287,7 +279,7 @@ mod tests {
             (1.452_88, 1e-7, "1.4529"),
             (9.9999, 0.01, "10.00"),
         ] {
-            assert_eq!(bounded(value, Some(u), 1.0).0, text);
+            assert_eq!(bounded(value, Some(u)).0, text);
         }
     }
 

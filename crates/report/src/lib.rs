@@ -8,6 +8,7 @@
 //! [`study::render`] makes the page of any study. A page opens without a network, reads without a script (every table
 //! is plain HTML), and draws its time series with an embedded plotting library. No study and no engine is known here.
 
+pub mod figure;
 pub mod format;
 pub mod sanitize;
 pub mod script;

@@ -41,7 +41,7 @@ pub fn number(value: f64, uncertainty: Option<f64>, shown: Shown) -> String {
     if let (Some(u), Shown::Digits(_) | Shown::Decimals(_) | Shown::Percent) = (uncertainty, shown)
     {
         let factor = if shown == Shown::Percent { 100.0 } else { 1.0 };
-        let (value, bound) = format::bounded(factor * value, Some(factor * u), 0.0);
+        let (value, bound) = format::bounded(factor * value, Some(factor * u));
         return format!("{value} {bound}").trim_end().to_owned();
     }
     match shown {

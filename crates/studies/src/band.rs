@@ -19,9 +19,11 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_contact::Material;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Scene, scales};
+use pinwheel_timeseries::columns;
+use pinwheel_timeseries::figure::definitions::{EXTERNAL_FORCE, INTERNAL_FORCE};
+use pinwheel_timeseries::figure::{Figure, FigureDef};
 use serde::Serialize;
 
-use crate::balances::figures::DesignFigure;
 use crate::balances::solve::few_figures;
 use crate::control::compile;
 use crate::{Control, Progress, StudyError};
@@ -44,21 +46,10 @@ pub struct Bands {
     pub laws: Vec<String>,
     /// The scene's law.
     pub own: String,
-    /// Each figure under a law over that under the scene's own: least and largest.
-    pub figures: Vec<Band>,
+    /// Figures under the scene's own law with their bands, at the few poses that laws are compared at.
+    pub figures: Vec<Figure>,
     /// Figures with a profile cut all round.
     pub fits: Vec<Fit>,
-}
-
-/// Band of one figure.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Band {
-    /// Its name for programs.
-    pub key: &'static str,
-    /// The figure under the scene's own law, at the few poses that laws are compared at.
-    pub own: f64,
-    /// Least and largest share of the figure under the scene's own law.
-    pub of_own_law: [f64; 2],
 }
 
 /// A profile cut all round beyond the scene's.
@@ -66,41 +57,53 @@ pub struct Band {
 pub struct Fit {
     /// By how much, m.
     pub cut_m: f64,
-    /// Share of the figure without the cut, by its name.
-    pub figures: Vec<(&'static str, f64)>,
+    /// Figures with the cut, at the same poses.
+    pub figures: Vec<Figure>,
+}
+
+/// Ends of a band over the figure under the scene's own law.
+fn shares(figure: &Figure) -> Option<[f64; 2]> {
+    let own = figure.value?;
+    Some(figure.by_contact_law?.map(|end| end / own))
 }
 
 impl Bands {
-    /// The figure of that name.
+    /// The figure of that definition under the scene's own law.
     #[must_use]
-    pub fn get(&self, key: &str) -> Option<&Band> {
-        self.figures.iter().find(|band| band.key == key)
+    pub fn get(&self, def: &FigureDef) -> Option<&Figure> {
+        self.figures.iter().find(|figure| figure.is(def))
     }
 
-    /// Least and largest of a figure that is `value` under the scene's own law.
+    /// Least and largest of a figure of that definition that is `value` under the scene's own law.
     #[must_use]
-    pub fn of(&self, key: &str, value: f64) -> Option<[f64; 2]> {
-        let band = self.get(key)?;
-        Some(band.of_own_law.map(|share| share * value))
+    pub fn around(&self, def: &FigureDef, value: impl Into<Option<f64>>) -> Option<[f64; 2]> {
+        let value = value.into()?;
+        Some(shares(self.get(def)?)?.map(|share| share * value))
+    }
+
+    /// Least and largest of a load of runs over all channels of a quantity that is `value` under the scene's own law.
+    #[must_use]
+    pub fn around_load(&self, quantity: &str, value: f64) -> Option<[f64; 2]> {
+        match quantity {
+            columns::EXTERNAL_FORCE => self.around(&EXTERNAL_FORCE, value),
+            columns::INTERNAL_FORCE => self.around(&INTERNAL_FORCE, value),
+            _ => None,
+        }
     }
 
     /// True if the scene's own law gives figures within the bands.
     #[must_use]
     pub fn holds_own(&self) -> bool {
-        self.figures.iter().all(
-            |Band {
-                 of_own_law: [low, high],
-                 ..
-             }| *low <= 1.0 + ROUNDING && *high >= 1.0 - ROUNDING,
-        )
+        let holds = |[low, high]: [f64; 2]| low <= 1.0 + ROUNDING && high >= 1.0 - ROUNDING;
+        self.figures.iter().filter_map(shares).all(holds)
     }
 
-    /// Values of a figure by each cut, m; `value` is that without a cut.
+    /// Values of a figure by each cut, m.
     #[must_use]
-    pub fn fitted(&self, key: &str, value: f64) -> Vec<(f64, f64)> {
+    pub fn fitted(&self, def: &FigureDef) -> Vec<(f64, f64)> {
         let of = |fit: &Fit| {
-            let (_, share) = fit.figures.iter().find(|(known, _)| *known == key)?;
-            Some((fit.cut_m, share * value))
+            let figure = fit.figures.iter().find(|figure| figure.is(def))?;
+            Some((fit.cut_m, figure.value?))
         };
         self.fits.iter().filter_map(of).collect()
     }
@@ -147,7 +150,7 @@ fn laws(scene: &Scene) -> Vec<(String, Scene)> {
 }
 
 /// Figures of a scene; `None` where it cannot be balanced.
-fn figures(scene: &Scene, cancel: &AtomicBool) -> Result<Option<Vec<DesignFigure>>, StudyError> {
+fn figures(scene: &Scene, cancel: &AtomicBool) -> Result<Option<Vec<Figure>>, StudyError> {
     let found = compile(scene).and_then(|gearbox| few_figures(&gearbox, cancel));
     match found {
         Ok(found) => Ok(Some(found)),
@@ -178,18 +181,10 @@ pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, Stu
     if declined(scene).is_some() {
         return Ok(None);
     }
-    let Some(own) = figures(scene, control.cancel)? else {
+    let Some(mut own) = figures(scene, control.cancel)? else {
         return Ok(None);
     };
-    let share = |figure: &DesignFigure, own: &DesignFigure| {
-        let share = figure.value? / own.value?;
-        share.is_finite().then_some((own.key, share))
-    };
-    let shares = |found: &[DesignFigure]| -> Vec<(&'static str, f64)> {
-        let pairs = found.iter().zip(&own);
-        pairs.filter_map(|(one, own)| share(one, own)).collect()
-    };
-    let (mut labels, mut bands) = (Vec::new(), Vec::<Band>::new());
+    let mut names = Vec::new();
     let laws = laws(scene);
     let total = laws.len() + CUTS.len();
     let report = |done, what: &str| (control.progress)(Progress::new(done, total, what));
@@ -199,36 +194,34 @@ pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, Stu
         let Some(found) = figures(&scene, control.cancel)? else {
             continue;
         };
-        labels.push(label);
-        for (key, share) in shares(&found) {
-            if let Some(band) = bands.iter_mut().find(|band| band.key == key) {
-                let [low, high] = band.of_own_law;
-                band.of_own_law = [low.min(share), high.max(share)];
+        names.push(label);
+        for (own, one) in own.iter_mut().zip(&found) {
+            // A figure that is 0 has no share.
+            let Some(value) = one
+                .value
+                .filter(|_| own.value.is_some_and(|own| own != 0.0))
+            else {
                 continue;
-            }
-            let own = own.iter().find(|one| one.key == key);
-            bands.extend(own.and_then(|own| own.value).map(|own| Band {
-                key,
-                own,
-                of_own_law: [share; 2],
-            }));
+            };
+            let [low, high] = own.by_contact_law.unwrap_or([value; 2]);
+            own.by_contact_law = Some([low.min(value), high.max(value)]);
         }
     }
     let mut fits = Vec::new();
     for cut_m in CUTS {
         control.check()?;
-        report(labels.len(), "cut for play");
+        report(names.len(), "cut for play");
         let mut cut = scene.clone();
         cut.gear.modification.equidistant_m += cut_m;
-        if let Some(found) = figures(&cut, control.cancel)? {
-            let figures = shares(&found);
+        if let Some(figures) = figures(&cut, control.cancel)? {
             fits.push(Fit { cut_m, figures });
         }
     }
+    own.retain(|figure| figure.by_contact_law.is_some());
     Ok(Some(Bands {
-        laws: labels,
+        laws: names,
         own: scene.contact.law.clone(),
-        figures: bands,
+        figures: own,
         fits,
     }))
 }

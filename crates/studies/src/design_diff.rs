@@ -8,6 +8,7 @@
 //!
 //! A difference that is no larger than both uncertainties together is none that was shown, and is told as such.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -16,7 +17,9 @@ use pinwheel_compare::{
 };
 use pinwheel_engines::Engine;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_scene::{CheckedScene, Derived, Source};
+use pinwheel_scene::{CheckedScene, Derived, Line, Source};
+use pinwheel_timeseries::figure::definitions::DIGITS;
+use pinwheel_timeseries::figure::{Diff, Figure, FigureDef, diff};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -50,39 +53,6 @@ pub struct KeyDiff {
     pub follows: bool,
 }
 
-/// Judgement of two values.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Judged {
-    /// Equal to the last digit.
-    Same,
-    /// They differ by no more than both uncertainties together: no difference was shown.
-    BelowUncertainty,
-    /// They differ by more.
-    Differ,
-    /// They differ, and it is not known how far they may be off.
-    NotKnown,
-    /// One of them does not exist.
-    Missing,
-}
-
-/// A figure of both designs.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FigureDiff {
-    /// Its name for programs; of time series, quantity and statistic.
-    pub key: String,
-    /// Meaning of the figure.
-    pub what: String,
-    /// Its unit; empty for counts.
-    pub unit: String,
-    /// Values of both designs.
-    pub values: [Option<f64>; 2],
-    /// How far each may be off; `None` where that is not known.
-    pub uncertainty: [Option<f64>; 2],
-    /// Judgement of the change.
-    pub judged: Judged,
-}
-
 /// Both designs and what differs.
 #[derive(Debug, Clone, Serialize)]
 pub struct DesignDiff {
@@ -97,12 +67,12 @@ pub struct DesignDiff {
     /// Keys that differ, but for name, description and what is recorded.
     pub changed: Vec<KeyDiff>,
     /// Quantities that follow from the dimensions and the load, exactly.
-    pub derived: Vec<FigureDiff>,
+    pub derived: Vec<Diff>,
     /// The figures of `design`.
-    pub figures: Vec<FigureDiff>,
+    pub figures: Vec<Diff>,
     /// Means and peaks of the time series, by window.
     #[serde(skip)]
-    pub time_series: Vec<(WindowKind, Vec<FigureDiff>)>,
+    pub time_series: Vec<(WindowKind, Vec<Diff>)>,
     /// The time series and their uncertainties.
     #[serde(skip)]
     pub comparison: Comparison,
@@ -118,7 +88,7 @@ struct DiffSummary<'a> {
     #[serde(flatten)]
     found: &'a DesignDiff,
     #[serde(rename = "courses")]
-    time_series: BTreeMap<&'static str, &'a [FigureDiff]>,
+    time_series: BTreeMap<&'static str, &'a [Diff]>,
     scenes: [&'a CheckedScene; 2],
 }
 
@@ -273,31 +243,31 @@ fn changed(scenes: [&CheckedScene; 2]) -> Result<Vec<KeyDiff>, StudyError> {
     Ok(changed.map(change).collect())
 }
 
-fn derived(scenes: [&CheckedScene; 2], of: [&Derived; 2]) -> Vec<FigureDiff> {
-    let [a, b] = [0, 1].map(|k| of[k].lines(scenes[k]));
-    let exact = [Some(0.0); 2];
-    a.iter()
-        .zip(&b)
-        .map(|(a, b)| {
-            let values = [Some(a.value), Some(b.value)];
-            FigureDiff::new(a.what, a.what, a.unit, values, exact)
-        })
-        .collect()
+/// Definition by names, with the digits of a design's figures.
+fn def<W: Into<Cow<'static, str>>>(key: W, label: W, unit: W) -> FigureDef {
+    FigureDef {
+        digits: DIGITS,
+        ..FigureDef::named(key, label, unit)
+    }
 }
 
-fn figures(designs: &[design::DesignResult; 2]) -> Vec<FigureDiff> {
+/// Quantities that follow from the dimensions: exact.
+fn derived(scenes: [&CheckedScene; 2], of: [&Derived; 2]) -> Vec<Diff> {
+    let [a, b] = [0, 1].map(|k| of[k].lines(scenes[k]));
+    let exact = |line: &Line| def(line.what, line.what, line.unit).of(line.value, 0.0);
+    let both = a.iter().zip(&b);
+    both.map(|(a, b)| diff(&exact(a), &exact(b))).collect()
+}
+
+fn figures(designs: &[design::DesignResult; 2]) -> Vec<Diff> {
     let [a, b] = [0, 1].map(|k| &designs[k].figures);
-    let other = |key: &str| b.iter().find(|figure| figure.key == key);
-    let both = a.iter().filter_map(|one| Some((one, other(one.key)?)));
-    both.map(|(a, b)| {
-        let uncertainty = [a.uncertainty, b.uncertainty];
-        FigureDiff::new(a.key, a.what, a.unit, [a.value, b.value], uncertainty)
-    })
-    .collect()
+    let other = |one: &Figure| b.iter().find(|figure| figure.is(&one.def));
+    let both = a.iter().filter_map(|one| Some(diff(one, other(one)?)));
+    both.collect()
 }
 
 /// Mean and peak of every quantity, window by window.
-fn time_series(alone: &[Comparison; 2]) -> Vec<(WindowKind, Vec<FigureDiff>)> {
+fn time_series(alone: &[Comparison; 2]) -> Vec<(WindowKind, Vec<Diff>)> {
     let mut windows: Vec<_> = alone[0].windows.iter().map(|w| w.kind).collect();
     // The first window speaks for the run: of one that does not come to be steady all of it.
     windows.sort_by_key(|kind| *kind == WindowKind::Transient);
@@ -307,7 +277,7 @@ fn time_series(alone: &[Comparison; 2]) -> Vec<(WindowKind, Vec<FigureDiff>)> {
         .collect()
 }
 
-fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<FigureDiff> {
+fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<Diff> {
     let mut rows = Vec::new();
     let only_b = alone[1].quantities.iter();
     let only_b = only_b.filter(|q| alone[0].quantities.iter().all(|other| other.name != q.name));
@@ -324,14 +294,12 @@ fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<FigureDiff> {
         if statistics.iter().all(Option::is_none) {
             continue;
         }
-        let mut row = |word: &str, values, uncertainty| {
-            rows.push(FigureDiff::new(
-                &format!("{} {word}", quantity.name),
-                &format!("{}, {word}", quantity.label),
-                &quantity.unit,
-                values,
-                uncertainty,
-            ));
+        let mut row = |word: &str, values: [Option<f64>; 2], off: [Option<f64>; 2]| {
+            let key = format!("{} {word}", quantity.name);
+            let label = format!("{}, {word}", quantity.label);
+            let def = def(key, label, quantity.unit.clone());
+            let [a, b] = [0, 1].map(|k| def.of(values[k], off[k]));
+            rows.push(diff(&a, &b));
         };
         let mean = statistics.map(|s| Some(s?.mean));
         let peak = statistics.map(|s| Some(s?.peak));
@@ -339,42 +307,6 @@ fn statistics(alone: &[Comparison; 2], window: WindowKind) -> Vec<FigureDiff> {
         row("peak", peak, uncertainty.map(|u| u?.peak.u()));
     }
     rows
-}
-
-impl FigureDiff {
-    fn new(
-        key: &str,
-        what: &str,
-        unit: &str,
-        values: [Option<f64>; 2],
-        uncertainty: [Option<f64>; 2],
-    ) -> Self {
-        let judged = match (values, uncertainty) {
-            ([Some(a), Some(b)], _) if a == b => Judged::Same,
-            ([Some(a), Some(b)], [Some(u), Some(v)]) => match (a - b).abs() <= u + v {
-                true => Judged::BelowUncertainty,
-                false => Judged::Differ,
-            },
-            ([Some(_), Some(_)], _) => Judged::NotKnown,
-            _ => Judged::Missing,
-        };
-        Self {
-            key: key.to_owned(),
-            what: what.to_owned(),
-            unit: unit.to_owned(),
-            values,
-            uncertainty,
-            judged,
-        }
-    }
-
-    /// How much more the second has, as a share of the first; `None` where there is nothing to take it of.
-    #[must_use]
-    pub fn change(&self) -> Option<f64> {
-        let [a, b] = self.values;
-        let (a, b) = (a?, b?);
-        (a != 0.0).then(|| (b - a) / a.abs())
-    }
 }
 
 impl DesignDiff {

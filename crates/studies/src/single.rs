@@ -224,8 +224,8 @@ impl Outcome {
             (None, Some(_)) => "estimated",
             (None, None) => "not verified",
         };
-        let shares = verified.or(estimated);
-        Results::of(&self.run, &self.scene, from_s, known, shares)
+        let known = (known, verified.or(estimated));
+        Results::of(&self.run, &self.scene, from_s, known, self.bands.as_ref())
     }
 
     /// That its step or tolerance does not resolve the scene, with a remedy.

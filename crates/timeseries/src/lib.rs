@@ -26,6 +26,7 @@ pub mod columns;
 pub mod convergence;
 mod csv_file;
 mod error;
+pub mod figure;
 pub mod foreign;
 pub mod norms;
 #[cfg(feature = "parquet")]

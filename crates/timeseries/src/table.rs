@@ -29,6 +29,7 @@ use std::io::Write;
 
 use serde::{Serialize, Serializer};
 
+use crate::figure::definitions::DIGITS;
 use crate::{TimeSeries, TimeSeriesError};
 
 /// Columns of the same length.
@@ -360,6 +361,18 @@ impl<R> TableOf<R> {
         let number = |row| of(row).into().filter(|value: &f64| value.is_finite());
         let values = self.rows.iter().map(number).collect();
         self.column(name, label, Values::Number(values))
+    }
+
+    /// A column of numbers of a design, for people alone: with the digits of a data sheet.
+    #[must_use]
+    pub fn figure<V: Into<Option<f64>>>(
+        self,
+        label: &str,
+        unit: &str,
+        of: impl Fn(&R) -> V,
+    ) -> Self {
+        let column = self.number("", label, of).unit(unit);
+        column.shown(Shown::Digits(DIGITS))
     }
 
     /// A column of whole numbers.

@@ -9,8 +9,9 @@ use pinwheel_compare::{
     Assessment, Comparison, SharedModel, Status, Verdict as Judged, quantities,
 };
 use pinwheel_engines::{Form, info, known, lacking, remedy};
+use pinwheel_report::figure::shown;
 use pinwheel_report::format::{joined, significant};
-use pinwheel_report::study::{Fact, Mark, Tile, Tone, Verdict};
+use pinwheel_report::study::{Fact, Mark, Tone, Verdict};
 use pinwheel_studies::band::declined;
 use pinwheel_studies::comparison::{Largest, MatchedContactRun, Outcome};
 
@@ -134,13 +135,13 @@ impl<'a> Answer<'a> {
     }
 
     fn first_figure(&self) -> String {
-        let figures = figures(self.found).into_iter();
-        let forces: Vec<Tile> = figures.filter(|figure| figure.unit == "N").collect();
+        let figures = figures(self.found);
+        let forces = figures.iter().filter(|figure| figure.def.unit == "N");
+        let forces: Vec<String> = forces.map(|figure| shown(figure).0).collect();
         match forces.as_slice() {
-            [external, internal] => format!(
-                "largest pin force {} N external, {} N internal",
-                external.value, internal.value
-            ),
+            [external, internal] => {
+                format!("largest pin force {external} N external, {internal} N internal")
+            }
             _ => String::new(),
         }
     }

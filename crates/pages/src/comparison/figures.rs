@@ -3,12 +3,8 @@
 use pinwheel_compare::comparison::EngineSummary;
 use pinwheel_compare::uncertainty::Norm;
 use pinwheel_compare::{Comparison, Quantity, SharedModel, WindowKind, quantities};
-use pinwheel_report::format::{self, NONE};
-use pinwheel_report::study::Tile;
 use pinwheel_studies::comparison::Outcome;
-
-use crate::band;
-use crate::figure::{bounds, rounded};
+use pinwheel_timeseries::figure::{Figure, FigureDef};
 
 /// Window of the figures: the steady one, or else all of the run, whose largest force may come after the start-up.
 pub(super) fn window(comparison: &Comparison) -> Option<WindowKind> {
@@ -54,23 +50,28 @@ pub(super) fn numerical(
     shares.reduce(f64::max)
 }
 
-/// Forces, driver torque and efficiency, each with its bounds.
-pub(super) fn figures(found: &Outcome) -> Vec<Tile> {
+/// Forces, driver torque and efficiency.
+pub(super) fn figures(found: &Outcome) -> Vec<Figure> {
     let Some((best, window)) = best(&found.comparison) else {
         return Vec::new();
     };
     let loads = found.comparison.quantities.iter();
     let loads = loads.filter(|q| q.is_load() && q.name != quantities::OUTPUT_TORQUE);
     let loads = loads.filter_map(|quantity| load(found, best, window, quantity));
-    let mut figures: Vec<Tile> = loads.collect();
+    let mut figures: Vec<Figure> = loads.collect();
     // What bears the load first.
-    figures.sort_by_key(|figure| figure.unit != "N");
+    figures.sort_by_key(|figure| figure.def.unit != "N");
     figures.extend(efficiency(best, window));
     figures
 }
 
 /// Mean of a torque, or the largest force.
-fn load(found: &Outcome, best: &EngineSummary, window: WindowKind, of: &Quantity) -> Option<Tile> {
+fn load(
+    found: &Outcome,
+    best: &EngineSummary,
+    window: WindowKind,
+    of: &Quantity,
+) -> Option<Figure> {
     let own = best.figures_in(window)?.quantities.get(&of.name)?;
     let scales = found.comparison.context.scales;
     let (value, kind, norm, scale) = match of.is_torque() {
@@ -78,16 +79,26 @@ fn load(found: &Outcome, best: &EngineSummary, window: WindowKind, of: &Quantity
         false => (own.max, "largest", Norm::Peak, scales.force_n),
     };
     let off = best.u(&of.name, window, norm);
-    let (shown, off) = format::bounded(value, off, scale.unwrap_or(0.0));
-    let bands = found.bands.as_ref();
-    let laws = bands.and_then(|bands| bands.of(band::key_of_peak(&of.name)?, value));
-    let shown = laws.map_or(shown, |laws| rounded(value, laws));
+    // A load that is nothing but rounding is 0 within that.
+    let rounding = ROUNDING * scale.unwrap_or(0.0);
+    let off = match value.abs() <= rounding {
+        true => Some(off.map_or(rounding, |off| off.max(rounding))),
+        false => off,
+    };
+    let key = format!("{kind}_{}", of.name);
     let label = format!("{}, {kind}", of.label);
-    Some(Tile::new(label, shown, bounds(laws, &off, "numerical")).unit(&of.unit))
+    let bands = found.bands.as_ref();
+    Some(Figure {
+        by_contact_law: bands.and_then(|bands| bands.around_load(&of.name, value)),
+        ..FigureDef::named(key, label, of.unit.clone()).of(value, off)
+    })
 }
 
+/// Relative accuracy of sums of many terms in double precision.
+const ROUNDING: f64 = 1e-12;
+
 /// The efficiency, or why there is none.
-fn efficiency(best: &EngineSummary, window: WindowKind) -> Option<Tile> {
+fn efficiency(best: &EngineSummary, window: WindowKind) -> Option<Figure> {
     let figures = best.figures_in(window)?;
     // Its powers are those of the mean torques.
     let share = |name: &str| {
@@ -95,13 +106,13 @@ fn efficiency(best: &EngineSummary, window: WindowKind) -> Option<Tile> {
         let share = best.u(name, window, Norm::Mean)? / mean;
         Some(share).filter(|share| share.is_finite())
     };
+    let def = FigureDef::named("efficiency_percent", "Efficiency", "%");
     let Some(value) = figures.efficiency else {
-        let reason = figures.efficiency_reason.as_ref()?;
-        return Some(Tile::new("Efficiency", NONE, reason));
+        let reason = figures.efficiency_reason.clone()?;
+        return Some(def.of(None, None).withheld(reason));
     };
     let [driver, load] = [quantities::INPUT_TORQUE, quantities::OUTPUT_TORQUE].map(share);
     let off = driver.zip(load).map(|(driver, load)| driver + load);
     let percent = 100.0 * value;
-    let (value, off) = format::bounded(percent, off.map(|off| off * percent), 0.0);
-    Some(Tile::new("Efficiency", value, bounds(None, &off, "numerical")).unit("%"))
+    Some(def.of(percent, off.map(|off| off * percent)))
 }

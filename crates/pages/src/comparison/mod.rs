@@ -13,6 +13,7 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::Statement;
+use pinwheel_report::figure::tile;
 use pinwheel_report::format;
 use pinwheel_report::study::{Block, Fact, Section, Study};
 use pinwheel_studies::Provenance;
@@ -64,7 +65,7 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
         tiles_title: figures::best(comparison).map_or_else(String::new, |(engine, window)| {
             format!("{}, by {}", page.window(window), engine.name)
         }),
-        tiles: figures::figures(found),
+        tiles: figures::figures(found).iter().map(tile).collect(),
         below: below(&answer),
         aside: animation::aside(&found.gearbox, cancel)?,
         sections,

@@ -4,6 +4,7 @@ use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::quantities::INPUT_TORQUE;
 use pinwheel_compare::{Comparison, Counts, SharedModel, Verdict};
+use pinwheel_report::figure::tile;
 use pinwheel_report::format::{self, significant};
 use pinwheel_report::study::{Fact, Tone};
 use pinwheel_report::terminal::{self, BAD, GOOD, OPEN, QUIET, TITLE, paragraph, styled};
@@ -48,7 +49,7 @@ fn with_notes(
 ) -> String {
     let mut text = format!("{}\n\n", styled(TITLE, &paragraph(&crate::title(scene))));
     text += &format!("{}\n", terminal::facts(&answer.shown()));
-    text += &terminal::pairs(figures(answer.found).into_iter().map(|one| {
+    text += &terminal::pairs(figures(answer.found).iter().map(tile).map(|one| {
         let value = format!("{} {}", one.value, one.unit);
         // Four words would not stand on one line.
         let bounds = one.detail.replace("by contact law", "by law");

@@ -3,20 +3,11 @@
 use pinwheel_compare::Verdict as Judged;
 use pinwheel_report::format::significant;
 use pinwheel_report::study::Block;
-use pinwheel_studies::comparison::{MatchedContactRun, Outcome, TwinFigure};
-use pinwheel_timeseries::columns;
+use pinwheel_report::table::named;
+use pinwheel_studies::comparison::{MatchedContactRun, Outcome};
 use pinwheel_timeseries::table::{Mark, Table};
 
 use super::words;
-
-/// A figure's name and unit.
-fn name(figure: &TwinFigure) -> (String, &'static str) {
-    match figure.quantity {
-        columns::EXTERNAL_FORCE => (format!("{} external force, mean over time", figure.of), "N"),
-        columns::INTERNAL_FORCE => (format!("{} internal force, mean over time", figure.of), "N"),
-        _ => (format!("{} driver torque", figure.of), "N m"),
-    }
-}
 
 pub(super) fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share.abs(), 2))
@@ -29,7 +20,7 @@ fn value(of: f64) -> String {
 /// Sentence on an engine and its twin.
 pub(super) fn line(twin: &MatchedContactRun) -> Option<String> {
     let worst = twin.worst()?;
-    let (what, unit) = name(worst);
+    let (what, unit) = (&worst.def.label, &worst.def.unit);
     let engine = words::short(&twin.engine);
     let own = format!("{engine} has {}", twin.contacts);
     let [by_engine, by_twin, by_scene] = [worst.engine, worst.twin, worst.scene].map(value);
@@ -53,10 +44,7 @@ pub(super) fn blocks(found: &Outcome) -> Vec<Block> {
     let rows = rows.flat_map(|twin| twin.figures.iter().map(move |figure| (twin, figure)));
     let table = Table::of("Engines with contacts of their own, like with like", rows)
         .text("", "Engine", |(twin, _)| &twin.engine)
-        .text("", "Figure", |(_, figure)| {
-            let (what, unit) = name(figure);
-            format!("{what} ({unit})")
-        })
+        .text("", "Figure", |(_, of)| named(&of.def.label, &of.def.unit))
         .text("", "engine", |(_, figure)| value(figure.engine))
         .text("", "native, same contacts", |(_, figure)| {
             value(figure.twin)

@@ -1,11 +1,11 @@
 //! Parts of a design's page on loads: who carries the load, and what bearings take.
 
+use pinwheel_report::figure::number;
 use pinwheel_report::study::{Axis, Chart, Section, Series, Style};
 use pinwheel_studies::design::DesignResult;
 use pinwheel_timeseries::table::Table;
 
 use super::curves::{Drawn, chart, degrees, line, of_design};
-use crate::figure::{SHOWN, figure};
 
 /// Name of the parts that carry discs on the output's side.
 fn inner(found: &DesignResult) -> &'static str {
@@ -27,7 +27,7 @@ pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
         });
         let note = match designs {
             [(_, found)] => {
-                let touching = figure(found.sharing[stage].touching.mean);
+                let touching = number(found.sharing[stage].touching.mean);
                 match (stage, found.scene.cranks) {
                     (1, Some(_)) => format!("{touching} bearings of a disc carry on average."),
                     _ => format!("{touching} pins touch a disc on average."),
@@ -58,21 +58,11 @@ pub(super) fn sharing(found: &DesignResult) -> Section {
         .map(|((pins, force), pressure)| (pins, force, pressure));
     let contacts = Table::of("Contacts under the rated load", rows)
         .text("", "Pins", |(pins, ..)| *pins)
-        .number("", "Largest force", |(_, of, _)| of.largest_force_n.max)
-        .unit("N")
-        .shown(SHOWN)
-        .number("", "Largest pressure", |(.., of)| 1e-6 * of.largest_pa)
-        .unit("MPa")
-        .shown(SHOWN)
-        .number("", "at", |(.., of)| of.largest_at_deg)
-        .unit("degrees")
-        .shown(SHOWN)
-        .number("", "Largest sliding", |(.., of)| of.sliding_m_s)
-        .unit("m/s")
-        .shown(SHOWN)
-        .number("", "p v", |(.., of)| 1e-6 * of.pressure_sliding_w_m2)
-        .unit("MPa m/s")
-        .shown(SHOWN);
+        .figure("Largest force", "N", |(_, of, _)| of.largest_force_n.max)
+        .figure("Largest pressure", "MPa", |(.., of)| 1e-6 * of.largest_pa)
+        .figure("at", "degrees", |(.., of)| of.largest_at_deg)
+        .figure("Largest sliding", "m/s", |(.., of)| of.sliding_m_s)
+        .figure("p v", "MPa m/s", |(.., of)| 1e-6 * of.pressure_sliding_w_m2);
     Section::new("contacts", "Load sharing and pressure")
         .with(
             "Forces of all discs and poses under the rated load, by where the pin stands from the disc's eccentric. Pressure is that of a \

@@ -100,9 +100,9 @@ fn overview(found: &PaperResult) -> Section {
 
 fn section(figure: &PaperFigure) -> Section {
     let numbers = Table::of(format!("Numbers of {}", figure.name), &figure.numbers)
-        .text("", "Number", |n| n.name.replace('_', " "))
+        .text("", "Number", |n| n.def.label.clone())
         .number("", "Value", |n| n.value)
-        .text("", "Unit", |n| &n.unit);
+        .text("", "Unit", |n| n.def.unit.clone());
     let (words, mark) = (figure.verdict.words(), mark(figure.verdict));
     Section::new(&figure.id, &figure.name)
         .with(Block::Columns(vec![

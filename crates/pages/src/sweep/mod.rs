@@ -7,7 +7,8 @@ use pinwheel_report::study::{
 };
 use pinwheel_report::table::named;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::sweep::{self, Axis, Plan, RunRecord, STATICS, Value};
+use pinwheel_studies::sweep::{self, Axis, Plan, RunRecord, STATICS, Value, definition};
+use pinwheel_timeseries::figure::FigureDef;
 use pinwheel_timeseries::table::{Column, Table, Values};
 
 mod text;
@@ -151,14 +152,14 @@ fn heading(name: &str, records: &[RunRecord]) -> Option<(String, String)> {
     if let Some(words) = share {
         return Some((words.to_owned(), String::new()));
     }
-    if let Some((word, quantity)) = name.split_once('_')
-        && ["mean", "peak", "rms"].contains(&word)
-    {
-        let (label, unit) = quantities::label_and_unit(quantity);
-        return Some((format!("{label}, {word}"), unit));
+    if records.iter().any(|r| r.balances.contains_key(name)) {
+        let FigureDef { label, unit, .. } = definition(name);
+        return Some((label.into_owned(), unit.into_owned()));
     }
-    let balanced = records.iter().any(|r| r.balances.contains_key(name));
-    balanced.then(|| quantities::label_and_unit(name))
+    let (word, quantity) = name.split_once('_')?;
+    let (label, unit) = quantities::label_and_unit(quantity);
+    let is_known = ["mean", "peak", "rms"].contains(&word);
+    is_known.then(|| (format!("{label}, {word}"), unit))
 }
 
 /// A column of numbers that are not the same in every run, as a figure.

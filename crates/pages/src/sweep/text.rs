@@ -75,7 +75,7 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
         }
         let shown = tolerances::shown(plan, found).into_iter();
         for figure in shown.take(MOST_FIGURES) {
-            let name = tolerances::named(&figure.name);
+            let name = tolerances::in_full(&figure.def);
             rows.push(row(&name, tolerances::in_words(figure)));
         }
     }

@@ -1,9 +1,12 @@
 //! Results of a sample, on the page and on a terminal.
 
-use pinwheel_compare::quantities::label_and_unit;
 use pinwheel_report::format::{joined, significant};
 use pinwheel_report::study::{Axis, Block, Chart, Section, Series, Tone, Verdict};
-use pinwheel_studies::sweep::{FigureOfSample, Limit, Plan, Quantile, SampleResult, Yield};
+use pinwheel_report::table::named;
+use pinwheel_studies::sweep::{
+    FigureOfSample, Limit, Plan, Quantile, SampleResult, Yield, definition,
+};
+use pinwheel_timeseries::figure::FigureDef;
 use pinwheel_timeseries::table::{Shown, Table, Values};
 
 /// Figures that are shown at most; summary.json has all.
@@ -21,9 +24,11 @@ const STRAIGHT: f64 = 0.7;
 pub(super) fn shown<'a>(plan: &Plan, found: &'a SampleResult) -> Vec<&'a FigureOfSample> {
     let limits = &plan.sweep.specification;
     let rank = |figure: &&FigureOfSample| {
-        let place = limits.iter().position(|limit| limit.figure == figure.name);
+        let place = limits
+            .iter()
+            .position(|limit| limit.figure == figure.def.key);
         let prefixes = ["min_", "max_", "rms_"];
-        let other = prefixes.iter().any(|p| figure.name.starts_with(p));
+        let other = prefixes.iter().any(|p| figure.def.key.starts_with(p));
         place.unwrap_or(limits.len() + usize::from(other))
     };
     let mut figures: Vec<&FigureOfSample> = found.figures.iter().collect();
@@ -94,9 +99,8 @@ pub(super) fn between(figure: &FigureOfSample) -> [Option<&Quantile>; 3] {
     [0.05, 0.5, 0.95].map(|share| figure.quantiles.iter().find(|q| q.share == share))
 }
 
-pub(super) fn named(name: &str) -> String {
-    let (label, unit) = label_and_unit(name);
-    pinwheel_report::table::named(&label, &unit)
+pub(super) fn in_full(def: &FigureDef) -> String {
+    named(&def.label, &def.unit)
 }
 
 /// The verdict of a sweep with a specification, of its worst sample.
@@ -145,7 +149,9 @@ fn limits(limits: &[Limit], of: &Yield) -> Block {
         joined(", ", least.into_iter().chain(most))
     };
     Table::of(yield_in_words(of), limits.iter().zip(&of.alone))
-        .text("", "Figure", |(limit, _)| named(&limit.figure))
+        .text("", "Figure", |(limit, _)| {
+            in_full(&definition(&limit.figure))
+        })
         .text("", "Limit", |(limit, _)| words(limit))
         .number("", "Runs that keep it", |(_, share)| 100.0 * **share)
         .unit("%")
@@ -163,7 +169,7 @@ fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
     let digits = Shown::Digits(DIGITS as u8);
     let shown = shown(plan, found);
     let mut spread = Table::of(format!("Figures over {} runs", found.runs), &shown)
-        .text("", "Figure", |figure| named(&figure.name))
+        .text("", "Figure", |figure| in_full(&figure.def))
         .number("", "Mean", |figure| figure.mean)
         .shown(digits)
         .number("", "Deviation", |figure| figure.deviation)
@@ -177,7 +183,7 @@ fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
             .said(|figure| quantile(between(figure)[k]));
     }
     let keys = Table::of("What decides: shares of a figure's variance", &shown)
-        .text("", "Figure", |figure| named(&figure.name))
+        .text("", "Figure", |figure| in_full(&figure.def))
         .text("", "Keys", |figure| decides(figure))
         .number("", "By a straight line", |figure| {
             figure.linear.map(|x| 100.0 * x)
@@ -191,7 +197,7 @@ fn figures(plan: &Plan, found: &SampleResult) -> [Block; 2] {
 fn charts(plan: &Plan, table: &Table, found: &SampleResult) -> Vec<Chart> {
     let figures = shown(plan, found).into_iter().take(MOST_CHARTS);
     let chart = |figure: &FigureOfSample| {
-        let Values::Number(values) = &table.column(&figure.name)?.values else {
+        let Values::Number(values) = &table.column(&figure.def.key)?.values else {
             return None;
         };
         let mut sorted: Vec<f64> = values.iter().copied().flatten().collect();
@@ -201,11 +207,13 @@ fn charts(plan: &Plan, table: &Table, found: &SampleResult) -> Vec<Chart> {
         let shares: Vec<f64> = shares.collect();
         let mut all = vec![Series::line("runs", sorted, shares)];
         let mut limits = plan.sweep.specification.iter();
-        let own = limits.find(|limit| limit.figure == figure.name).into_iter();
+        let own = limits
+            .find(|limit| limit.figure == figure.def.key)
+            .into_iter();
         let ends = own.flat_map(|limit| [limit.least, limit.most]).flatten();
         all.extend(ends.map(|end| Series::line("limit", [end, end], [0.0, 100.0])));
-        let x = Axis::linear(named(&figure.name));
-        let title = label_and_unit(&figure.name).0;
+        let x = Axis::linear(in_full(&figure.def));
+        let title = &*figure.def.label;
         Some(Chart::new(title, x, Axis::linear("Runs below (%)"), all))
     };
     figures.filter_map(chart).collect()

@@ -5,8 +5,9 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_gearbox::statics::{Equilibrium, Statics};
 use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_scene::{Scales, load_profile};
+use pinwheel_timeseries::figure::Figure;
 
-use super::figures::{Balances, DesignFigure, LOST};
+use super::figures::{Balances, LOST};
 use super::mesh::Pose;
 use super::poses::Poses;
 use super::spread::ARCMIN;
@@ -84,10 +85,7 @@ pub(crate) fn balances(
 ///
 /// # Errors
 /// A gear without load, or one that cannot be balanced; `cancel` was set.
-pub fn few_figures(
-    gearbox: &Gearbox,
-    cancel: &AtomicBool,
-) -> Result<Vec<DesignFigure>, StudyError> {
+pub fn few_figures(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Vec<Figure>, StudyError> {
     let working = working_load(gearbox)?;
     let poses = Poses::of(&gearbox.scene).few(FEW);
     let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
@@ -95,17 +93,7 @@ pub fn few_figures(
     let found = balances(&mut statics, gearbox, &poses, working, &mut |_, _, _| {
         Ok(control.check()?)
     })?;
-    let is_preloaded = found.preloaded().is_some();
-    Ok(told(found.figures(), is_preloaded))
-}
-
-/// Figures as they are shown: what is preloaded has no lost motion.
-pub(crate) fn told(figures: Vec<DesignFigure>, is_preloaded: bool) -> Vec<DesignFigure> {
-    let withhold = |one: DesignFigure| match is_preloaded && one.is_lost_motion() {
-        true => one.withheld(),
-        false => one,
-    };
-    figures.into_iter().map(withhold).collect()
+    Ok(found.figures())
 }
 
 /// Twist of the output from the ideal mesh under a share of the working load, in the direction of that load, arcmin. `last`: the

@@ -1,35 +1,8 @@
-//! Least, mean and largest value over the poses of a mesh.
+//! Least, mean and largest value over the poses of a mesh, and their unit.
 
 use std::f64::consts::PI;
 
-use serde::Serialize;
+pub use pinwheel_timeseries::figure::Spread;
 
 /// Arc minutes in a radian.
 pub(crate) const ARCMIN: f64 = 10_800.0 / PI;
-
-/// Least, mean and largest over the poses.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Spread {
-    /// Least.
-    pub min: f64,
-    /// Mean.
-    pub mean: f64,
-    /// Largest.
-    pub max: f64,
-}
-
-impl Spread {
-    pub(crate) fn of(values: impl IntoIterator<Item = f64>) -> Self {
-        let (mut min, mut max, mut sum, mut count) = (f64::INFINITY, f64::NEG_INFINITY, 0.0, 0_u32);
-        for value in values {
-            (min, max) = (min.min(value), max.max(value));
-            sum += value;
-            count += 1;
-        }
-        Self {
-            min,
-            mean: sum / f64::from(count),
-            max,
-        }
-    }
-}

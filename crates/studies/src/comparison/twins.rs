@@ -4,7 +4,8 @@ use pinwheel_compare::{Comparison, Participant, SharedModel, Verdict, WindowKind
 use pinwheel_engines::{Engine, Native, OwnContact, known};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Scene;
-use pinwheel_timeseries::{TimeSeries, columns};
+use pinwheel_timeseries::figure::FigureDef;
+use pinwheel_timeseries::{TimeSeries, columns, stem_and_unit};
 use serde::Serialize;
 
 use crate::control::{Progress, compile};
@@ -13,10 +14,9 @@ use crate::{Control, StudyError};
 /// One figure of an engine, its twin and the scene's own law.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TwinFigure {
-    /// Column or group of columns.
-    pub quantity: &'static str,
-    /// `largest`: of all channels, mean over the window; or `mean`.
-    pub of: &'static str,
+    /// Definition.
+    #[serde(flatten)]
+    pub def: FigureDef,
     /// By the engine.
     pub engine: f64,
     /// By the native solver with the engine's contacts, at the engine's samples.
@@ -70,10 +70,18 @@ impl MatchedContactRun {
 const LARGEST: &str = "largest";
 
 /// Figures that are compared, each with its kind.
-const FIGURES: [(&str, &str); 3] = [
-    (columns::EXTERNAL_FORCE, LARGEST),
-    (columns::INTERNAL_FORCE, LARGEST),
-    (columns::INPUT_TORQUE, "mean"),
+const FIGURES: [(&str, &str, &str); 3] = [
+    (
+        columns::EXTERNAL_FORCE,
+        LARGEST,
+        "external force, mean over time",
+    ),
+    (
+        columns::INTERNAL_FORCE,
+        LARGEST,
+        "internal force, mean over time",
+    ),
+    (columns::INPUT_TORQUE, "mean", "driver torque"),
 ];
 
 /// Twins of all own-contact engines that finished.
@@ -122,10 +130,10 @@ pub(super) fn of(
             };
             twin.figures = FIGURES
                 .iter()
-                .filter_map(|&(quantity, kind)| {
+                .filter_map(|&(quantity, kind, what)| {
+                    let (key, label) = (format!("{kind}_{quantity}"), format!("{kind} {what}"));
                     Some(TwinFigure {
-                        quantity,
-                        of: kind,
+                        def: FigureDef::named(key, label, stem_and_unit(quantity).1),
                         engine: of(&engine.time_series, quantity, kind)?,
                         twin: of(&run.time_series, quantity, kind)?,
                         scene: of(&native.time_series, quantity, kind)?,

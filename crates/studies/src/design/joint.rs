@@ -23,15 +23,12 @@ use std::path::Path;
 use nalgebra::{DMatrix, DVector};
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Gearbox, GearboxError};
+use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 use serde::Serialize;
 
 use super::Operating;
 use crate::StudyError;
-use crate::balances::figures::{
-    Definition, DesignFigure, JOINT_BACKLASH, JOINT_DAMPING, JOINT_DEAD_BAND, JOINT_FRICTION,
-    JOINT_FRICTION_OF_LOAD, JOINT_INPUT_INERTIA, JOINT_OUTPUT_INERTIA, JOINT_REFLECTED_INERTIA,
-    JOINT_STIFFNESS, JOINT_VISCOUS, parted,
-};
+use crate::balances::figures::{ROUNDING, parted};
 use crate::balances::poses::Poses;
 use crate::balances::spread::{ARCMIN, Spread};
 use crate::control::of_scene;
@@ -80,7 +77,7 @@ pub struct Joint {
     /// About the output's axis, kg m^2.
     pub output_inertia_kg_m2: f64,
     /// All of it with its uncertainty and its spread over the mesh.
-    pub figures: Vec<DesignFigure>,
+    pub figures: Vec<Figure>,
     /// Torque of the curve that the springs follow, N m.
     pub torque_n_m: Vec<f64>,
     /// Twist there, mean over the mesh and both directions, rad.
@@ -165,13 +162,13 @@ impl Joint {
         Ok(joint)
     }
 
-    fn of_masses(&self) -> [DesignFigure; 3] {
+    fn of_masses(&self) -> [Figure; 3] {
         let (input, output) = (self.input_inertia_kg_m2, self.output_inertia_kg_m2);
         let both = output + self.ratio * self.ratio * input;
         [
-            JOINT_INPUT_INERTIA.is(input, 0.0),
-            JOINT_OUTPUT_INERTIA.is(output, 0.0),
-            JOINT_REFLECTED_INERTIA.is(both, 0.0),
+            defs::JOINT_INPUT_INERTIA.of(input, 0.0),
+            defs::JOINT_OUTPUT_INERTIA.of(output, 0.0),
+            defs::JOINT_REFLECTED_INERTIA.of(both, 0.0),
         ]
     }
 
@@ -212,9 +209,12 @@ impl Joint {
             let off = off.map_or_else(String::new, |u| format!(" (within {u:.1e})"));
             let value = figure
                 .value
-                .map(|value| format!("{value:.6e} {}", figure.unit));
+                .map(|value| format!("{value:.6e} {}", figure.def.unit));
             let value = value.unwrap_or_else(|| "not known".to_owned());
-            line(&format!("{}: {value}{off}; {}", figure.what, figure.how));
+            line(&format!(
+                "{}: {value}{off}; {}",
+                figure.def.label, figure.def.how
+            ));
         }
         line(match self.friction {
             Some(_) => {
@@ -342,7 +342,7 @@ pub fn springs(twists: &[f64], rated: f64) -> Vec<Spring> {
 }
 
 /// The figures of balances, of these poses.
-fn of_balances(poses: &[&Pose], rated: f64) -> Vec<DesignFigure> {
+fn of_balances(poses: &[&Pose], rated: f64) -> Vec<Figure> {
     let twists = mean_twists(poses);
     let at = |share: f64| LEVELS.iter().position(|level| *level == share);
     let spread = |of: &dyn Fn(&Pose) -> f64| Spread::of(poses.iter().map(|pose| of(pose)));
@@ -355,12 +355,20 @@ fn of_balances(poses: &[&Pose], rated: f64) -> Vec<DesignFigure> {
     let line = twists[full] - rated / stiff(&twists);
     let dampings: Option<Vec<f64>> = poses.iter().map(|pose| pose.damping).collect();
     let damping = dampings.map(Spread::of);
-    let damped = JOINT_DAMPING.is(damping.map(|spread| spread.mean), 0.0);
-    let damped = damping.map_or(damped, |spread| damped.over(&spread));
+    let damped = match damping {
+        Some(spread) => defs::JOINT_DAMPING
+            .of(spread.mean, 0.0)
+            .over(&spread, ROUNDING),
+        None => defs::JOINT_DAMPING.of(None, None),
+    };
     vec![
-        JOINT_BACKLASH.is(play.mean, 0.0).over(&play),
-        JOINT_STIFFNESS.is(stiff(&twists), 0.0).over(&stiffness),
-        JOINT_DEAD_BAND.is(2.0 * ARCMIN * line.max(0.0), 0.0),
+        defs::JOINT_BACKLASH
+            .of(play.mean, 0.0)
+            .over(&play, ROUNDING),
+        defs::JOINT_STIFFNESS
+            .of(stiff(&twists), 0.0)
+            .over(&stiffness, ROUNDING),
+        defs::JOINT_DEAD_BAND.of(2.0 * ARCMIN * line.max(0.0), 0.0),
         damped,
     ]
 }
@@ -405,14 +413,14 @@ fn friction(runs: &[Operating], rated: f64, ratio: f64) -> Option<(Friction, [f6
     None
 }
 
-fn of_friction(found: Option<(Friction, [f64; 3])>) -> [DesignFigure; 3] {
+fn of_friction(found: Option<(Friction, [f64; 3])>) -> [Figure; 3] {
     let (friction, off) = found.unzip();
-    let part = |k: usize, what: Definition, of: fn(Friction) -> f64| {
-        what.is(friction.map(of), off.map(|off| off[k]))
+    let part = |k: usize, def: &FigureDef, of: fn(Friction) -> f64| {
+        def.of(friction.map(of), off.map(|off| off[k]))
     };
     [
-        part(0, JOINT_FRICTION, |f| f.constant_n_m),
-        part(1, JOINT_FRICTION_OF_LOAD, |f| f.of_rated_load_n_m),
-        part(2, JOINT_VISCOUS, |f| f.viscous_n_m_s_per_rad),
+        part(0, &defs::JOINT_FRICTION, |f| f.constant_n_m),
+        part(1, &defs::JOINT_FRICTION_OF_LOAD, |f| f.of_rated_load_n_m),
+        part(2, &defs::JOINT_VISCOUS, |f| f.viscous_n_m_s_per_rad),
     ]
 }

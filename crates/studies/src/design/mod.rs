@@ -29,8 +29,9 @@ use std::path::Path;
 use pinwheel_engines::Native;
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError};
-use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::{CheckedScene, Derived, Scene, derived};
+use pinwheel_timeseries::figure::Figure;
+use pinwheel_timeseries::figure::definitions::{EFFICIENCY, LOOP_WIDTH, LOST_MOTION_RUN};
 use pinwheel_timeseries::table::{Column, Table};
 use serde::Serialize;
 
@@ -40,7 +41,6 @@ use crate::output::{OutputError, write_with};
 use crate::provenance::{Provenance, Summary};
 use crate::{Control, Progress, StudyError, single};
 
-pub use crate::balances::figures::DesignFigure;
 pub use crate::balances::mesh::{Bearing, Pair, Pressure, Sharing, Stage};
 pub use crate::balances::orders::{ForceHarmonic, Harmonic};
 pub use crate::balances::solve::few_figures;
@@ -50,10 +50,10 @@ pub use cycle::Cycle;
 pub use drawing::{CHORD_M, Drawing};
 pub use joint::{Friction, Joint, Spring};
 
-use crate::balances::figures::{self, EFFICIENCY, LOOP_WIDTH, LOST, LOST_MOTION_RUN};
+use crate::balances::figures::{LOST, withhold_lost_motion};
 use crate::balances::orders;
 use crate::balances::poses::Poses;
-use crate::balances::solve::{NO_LOAD, balances, told, twist, working_load};
+use crate::balances::solve::{NO_LOAD, balances, twist, working_load};
 use crate::balances::spread::ARCMIN;
 
 /// Points of the curve of torsion, on either side of 0.
@@ -123,7 +123,7 @@ pub struct DesignResult {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preloaded: Option<String>,
     /// Figures of a data sheet, each with its numerical uncertainty and its band by contact law.
-    pub figures: Vec<DesignFigure>,
+    pub figures: Vec<Figure>,
     /// Other contact laws and fits beside the scene's; `None`: there is nothing to compare.
     pub bands: Option<Bands>,
     /// Quantities that follow from the dimensions.
@@ -178,9 +178,10 @@ pub fn run(
     found.joint = Some(joint);
     (control.progress)(Progress::new(total - 1, total, "other contact laws"));
     found.bands = band::of(gearbox, control)?;
-    for figure in &mut found.figures {
-        let value = figure.value.zip(found.bands.as_ref());
-        figure.by_contact_law = value.and_then(|(value, bands)| bands.of(figure.key, value));
+    if let Some(bands) = &found.bands {
+        for figure in &mut found.figures {
+            figure.by_contact_law = bands.around(&figure.def, figure.value);
+        }
     }
     Ok(found)
 }
@@ -250,23 +251,12 @@ pub(crate) fn figures_of(
     figures.extend(of_runs(cycle.as_ref(), &efficiency));
     let preloaded = balances.preloaded();
     let is_loose = preloaded.is_none();
-    figures = told(figures, !is_loose);
+    withhold_lost_motion(&mut figures, preloaded.as_ref());
+    figures.extend(balances.of_bearings(scene));
 
     let mut bearings = summed.bearings;
     for bearing in &mut bearings {
         bearing.radial_harmonics = orders::of_force(&bearing.radial_n, &poses);
-    }
-    // A bearing at rest does not wear, and loses nothing.
-    let turns = scene.drive.input_speed_rad_s != 0.0;
-    let turning = scene.bearings.eccentric.filter(|_| turns);
-    if let Some(rating) = turning.and_then(|bearing| bearing.dynamic_rating_n) {
-        figures.push(balances.life(rating, scene));
-    }
-    let law = BearingLaw::of(scene).filter(|law| turns && law.drag_m > 0.0);
-    figures.extend(law.map(|law| balances.bearing_loss(&law, scene)));
-    if turns {
-        figures.extend(balances.sleeve_loss(scene));
-        figures.extend(figures::seal_loss(scene));
     }
     Ok(DesignResult {
         scene: scene.clone(),
@@ -297,17 +287,32 @@ pub(crate) fn figures_of(
 }
 
 /// The figures of runs.
-fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<DesignFigure> {
+fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<Figure> {
+    let ended = |status: &str| match status {
+        "finished" => None,
+        status => Some(format!("the run {status}")),
+    };
     let mut figures = Vec::new();
     if let Some(cycle) = cycle {
-        let lost = cycle.lost_motion_arcmin;
-        figures.push(LOST_MOTION_RUN.is(lost, cycle.lost_motion_uncertainty_arcmin));
-        figures.push(LOOP_WIDTH.is(cycle.width_arcmin, cycle.width_uncertainty_arcmin));
+        figures.extend([
+            LOST_MOTION_RUN.of(
+                cycle.lost_motion_arcmin,
+                cycle.lost_motion_uncertainty_arcmin,
+            ),
+            LOOP_WIDTH.of(cycle.width_arcmin, cycle.width_uncertainty_arcmin),
+        ]);
+        for figure in &mut figures {
+            figure.withheld = ended(cycle.status).filter(|_| figure.value.is_none());
+        }
     }
     if let Some(rated) = efficiency.last() {
         let percent = |share: f64| 100.0 * share;
-        let value = rated.efficiency.and_then(|e| e.defined().ok()).map(percent);
-        figures.push(EFFICIENCY.is(value, rated.uncertainty.map(percent)));
+        let defined = rated.efficiency.map(|efficiency| efficiency.defined());
+        figures.push(match defined {
+            Some(Ok(share)) => EFFICIENCY.of(percent(share), rated.uncertainty.map(percent)),
+            Some(Err(why)) => EFFICIENCY.of(None, None).withheld(why),
+            None => EFFICIENCY.of(None, None).withheld(ended(rated.status)),
+        });
     }
     figures
 }

@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use pinwheel_scene::Scene;
 use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::figure::Figure;
 
-use super::figure::{Curve, Drawn, Measured, Number, number};
+use super::figure::{Curve, Drawn, Measured, number};
 use super::read::{STEADY, largest, mean, range, roughness};
 use super::runs::{BACKLASHES, Cases, Model, Runs, backlash};
 use crate::StudyError;
@@ -153,7 +154,7 @@ impl<'a> Touches<'a> {
     }
 
     /// Numbers and plots of a figure.
-    fn figure(&self, id: &'static str, numbers: Vec<Number>, plots: Vec<Drawn>) -> Measured {
+    fn figure(&self, id: &'static str, numbers: Vec<Figure>, plots: Vec<Drawn>) -> Measured {
         Measured {
             words: vec![("pin", self.list[0].sleeve.to_string())],
             ..Measured::new(id, numbers, plots)

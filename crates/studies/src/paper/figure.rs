@@ -1,5 +1,6 @@
 //! Figures and claims of the paper as data: what it says, our curves, our numbers, the verdict.
 
+use pinwheel_timeseries::figure::{Figure, FigureDef};
 use serde::{Deserialize, Serialize};
 
 /// Verdict on a statement of the paper.
@@ -73,22 +74,11 @@ pub struct PaperFigure {
     /// Why: what makes the difference, or under which condition.
     pub why: String,
     /// The numbers of `found`, for programs.
-    pub numbers: Vec<Number>,
+    pub numbers: Vec<Figure>,
     /// Verdict on whether ours show what the paper says.
     pub verdict: ClaimVerdict,
     /// The curves.
     pub plots: Vec<Plot>,
-}
-
-/// A number with its name and unit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Number {
-    /// Name in `snake_case`.
-    pub name: String,
-    /// Value in `unit`.
-    pub value: f64,
-    /// Unit; empty for ratios.
-    pub unit: String,
 }
 
 /// Curves on one pair of axes, the paper's.
@@ -152,7 +142,7 @@ pub struct Measured {
     /// The figure's.
     pub(super) id: &'static str,
     /// Numbers by their names.
-    pub numbers: Vec<Number>,
+    pub numbers: Vec<Figure>,
     /// Parts of the sentences that are no numbers.
     pub words: Vec<(&'static str, String)>,
     pub(super) plots: Vec<Drawn>,
@@ -163,7 +153,7 @@ pub(super) type Drawn = (String, Vec<f64>, Vec<Curve>);
 
 impl Measured {
     /// Numbers and curves of a figure.
-    pub(super) fn new(id: &'static str, numbers: Vec<Number>, plots: Vec<Drawn>) -> Self {
+    pub(super) fn new(id: &'static str, numbers: Vec<Figure>, plots: Vec<Drawn>) -> Self {
         Self {
             id,
             numbers,
@@ -174,16 +164,14 @@ impl Measured {
 
     /// A number by its name; not a number if there is none.
     pub(super) fn number(&self, name: &str) -> f64 {
-        let found = self.numbers.iter().find(|number| number.name == name);
-        found.map_or(f64::NAN, |number| number.value)
+        let found = self.numbers.iter().find(|number| number.def.key == name);
+        found.and_then(|number| number.value).unwrap_or(f64::NAN)
     }
 }
 
-/// A number.
-pub fn number(name: impl Into<String>, value: f64, unit: &str) -> Number {
-    Number {
-        name: name.into(),
-        value,
-        unit: unit.to_owned(),
-    }
+/// A number by its name in `snake_case`; the unit is empty for ratios.
+pub fn number(name: impl Into<String>, value: f64, unit: &'static str) -> Figure {
+    let name = name.into();
+    let label = name.replace('_', " ");
+    FigureDef::named(name, label, unit).of(value, None)
 }

@@ -17,7 +17,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-pub use figure::{Claim, ClaimVerdict, Curve, JudgedClaim, Number, PaperFigure, Plot};
+pub use figure::{Claim, ClaimVerdict, Curve, JudgedClaim, PaperFigure, Plot};
 pub use peer::peer;
 pub use runs::Peer;
 

@@ -7,8 +7,9 @@ use std::time::Instant;
 
 use pinwheel_scene::{Detection, Scene};
 use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::figure::Figure;
 
-use super::figure::{Curve, Drawn, Number, number};
+use super::figure::{Curve, Drawn, number};
 use super::read::{part, peak, range, times};
 use crate::StudyError;
 use crate::control::{Control, complete};
@@ -175,21 +176,21 @@ impl Cases {
     pub(super) fn numbers(
         &self,
         what: &str,
-        unit: &str,
+        unit: &'static str,
         of: impl Fn(&TimeSeries) -> f64,
-    ) -> Vec<Number> {
+    ) -> Vec<Figure> {
         let named = self.0.iter().zip(self.each(of));
         let named = named.map(|((name, ..), value)| number(format!("{what}_{name}"), value, unit));
         named.collect()
     }
 
     /// Largest less smallest of a torque within a window.
-    pub(super) fn ranges(&self, what: &str, channel: &str, window: (f64, f64)) -> Vec<Number> {
+    pub(super) fn ranges(&self, what: &str, channel: &str, window: (f64, f64)) -> Vec<Figure> {
         self.numbers(what, "N m", |run| range(part(run, channel, window)))
     }
 
     /// Largest of a group of forces within a window.
-    pub(super) fn peaks(&self, what: &str, group: &str, window: (f64, f64)) -> Vec<Number> {
+    pub(super) fn peaks(&self, what: &str, group: &str, window: (f64, f64)) -> Vec<Figure> {
         self.numbers(what, "N", |run| peak(run, group, window))
     }
 

@@ -8,6 +8,7 @@ use pinwheel_compare::limits::fits;
 use pinwheel_engines::{Engine, by_name};
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::{CheckedScene, Draft, Override, Scene, SceneError, did_you_mean};
+use pinwheel_timeseries::figure::FigureDef;
 use pinwheel_timeseries::{columns, group_of};
 
 use crate::sweep::axis::{Axis, Value};
@@ -210,8 +211,8 @@ fn measured(sweep: &Sweep, scene: &CheckedScene) -> Result<(), String> {
     let quantities = columns::HEAD.into_iter().chain(forces).chain(asked);
     let mut there: Vec<&str> = quantities.filter(|_| moves).collect();
     there.dedup();
-    let figures: Vec<&str> = statics::FIGURES.iter().map(|(name, _)| *name).collect();
-    let figures = if rests { figures } else { Vec::new() };
+    let balanced: Vec<FigureDef> = statics::columns().filter(|_| rests).collect();
+    let figures: Vec<&str> = balanced.iter().map(|def| &*def.key).collect();
     let known: Vec<&str> = there.iter().chain(&figures).copied().collect();
     let fits_none = |pattern: &&String| !known.iter().any(|name| fits(pattern, name));
     if let Some(pattern) = sweep.measure.iter().find(fits_none) {

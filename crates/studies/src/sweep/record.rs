@@ -10,7 +10,7 @@ use pinwheel_timeseries::{ABOVE_ONE, Ending, EnergyAudit, NO_LOSS, efficiency, m
 use serde::{Deserialize, Serialize};
 
 use crate::sweep::PlannedRun;
-use crate::sweep::spread::{FIGURES, Spread};
+use crate::sweep::spread::{FIGURES, WindowStatistics};
 use crate::sweep::written::Written;
 
 /// Record of a run. All but the two times is the same whenever it is run again.
@@ -39,7 +39,7 @@ pub struct RunRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_series: Option<Written>,
     /// Figures by quantity; empty unless finished.
-    pub figures: BTreeMap<String, Spread>,
+    pub figures: BTreeMap<String, WindowStatistics>,
     /// Quantities in the order of the time series.
     pub quantities: Vec<String>,
     /// Figures of balances, by their columns.
@@ -109,11 +109,11 @@ impl RunRecord {
 
     /// Adds the figures of a complete run.
     fn add_figures(&mut self, planned: &PlannedRun, run: &Run) {
-        for &(name, value) in &run.figures {
-            if value.is_finite() {
-                self.balances.insert(name.to_owned(), value);
-            } else {
-                self.undefined.push(format!("{name} is not finite"));
+        for figure in &run.figures {
+            let key = figure.def.key.to_string();
+            match figure.value {
+                Some(value) => drop(self.balances.insert(key, value)),
+                None => self.undefined.push(format!("{key} is not finite")),
             }
         }
         // Balances have no time series, and nobody misses them.
@@ -130,7 +130,7 @@ impl RunRecord {
             if let Some(found) = of(samples.clone()) {
                 let mean = found.statistics.mean;
                 let late = of(samples.start + samples.len() / 2..samples.end);
-                let spread = Spread {
+                let spread = WindowStatistics {
                     drift: late.map_or(0.0, |late| (late.statistics.mean - mean).abs()),
                     statistics: found.statistics,
                     sampling: Some(found.sampling),

@@ -2,6 +2,7 @@
 
 use pinwheel_compare::limits::fits;
 use pinwheel_timeseries::Ending;
+use pinwheel_timeseries::figure::FigureDef;
 use pinwheel_timeseries::table::{Mark, Table, Values};
 
 use crate::sweep::axis::Value;
@@ -68,10 +69,10 @@ pub fn results(plan: &Plan, records: &[RunRecord]) -> Table {
             });
         }
     }
-    for (name, _) in statics::FIGURES {
-        let wanted = plan.sweep.measure.iter().any(|pattern| fits(pattern, name));
-        if wanted && records.iter().any(|r| r.balances.contains_key(name)) {
-            table = table.number(name, name, |(_, r)| r.balances.get(name).copied());
+    for FigureDef { key, .. } in statics::columns() {
+        let wanted = plan.sweep.measure.iter().any(|pattern| fits(pattern, &key));
+        if wanted && records.iter().any(|r| r.balances.contains_key(&*key)) {
+            table = table.number(&key, &key, |(_, r)| r.balances.get(&*key).copied());
         }
     }
     let limits = &plan.sweep.specification;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Figures of one quantity over the window, all its channels together.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
+pub struct WindowStatistics {
     /// The figures.
     #[serde(flatten)]
     pub statistics: Statistics,

@@ -1,13 +1,15 @@
-//! Figures of balances as an engine of sweeps: no motion, so no time series, but what `pinwheel design` says of a gear.
+//! Figures of balances as an engine of sweeps: no motion, so no time series, but figures of `pinwheel design` by their keys.
 
 use std::time::Instant;
 
 use cpu_time::ThreadTime;
+use pinwheel_compare::quantities::label_and_unit;
 use pinwheel_engines::{
     Cancelled, Control, Ending, Engine, EngineInfo, Halt, Prepared, Run, RunStats, SharedModel,
 };
 use pinwheel_gearbox::Gearbox;
 use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 
 use crate::StudyError;
 use crate::design::{self, DesignResult};
@@ -15,44 +17,57 @@ use crate::design::{self, DesignResult};
 /// Its name in sweeps.
 pub const STATICS: &str = "statics";
 
-/// Columns of the results, and what they are of: over the poses of one period of the mesh, under the rated load unless the
-/// name says otherwise.
-pub(super) const FIGURES: [(&str, fn(&DesignResult) -> f64); 11] = [
-    ("lost_motion_arcmin", |o| {
-        o.torsion
-            .lost_motion_arcmin
-            .map_or(f64::NAN, |lost| lost.mean)
-    }),
-    ("largest_lost_motion_arcmin", |o| {
-        o.torsion
-            .lost_motion_arcmin
-            .map_or(f64::NAN, |lost| lost.max)
-    }),
-    ("torsional_stiffness_n_m_per_arcmin", |o| {
-        o.torsion.stiffness_n_m_per_arcmin.mean
-    }),
-    ("least_torsional_stiffness_n_m_per_arcmin", |o| {
-        o.torsion.stiffness_n_m_per_arcmin.min
-    }),
-    ("transmission_error_peak_to_peak_arcmin", |o| {
-        o.transmission[0].peak_to_peak_arcmin
-    }),
-    ("unloaded_transmission_error_peak_to_peak_arcmin", |o| {
-        o.transmission[1].peak_to_peak_arcmin
-    }),
-    ("largest_external_sleeve_force_n", |o| {
-        o.sharing[0].largest_force_n.max
-    }),
-    ("largest_internal_sleeve_force_n", |o| {
-        o.sharing[1].largest_force_n.max
-    }),
-    ("largest_external_pressure_pa", |o| o.pressure[0].largest_pa),
-    ("largest_internal_pressure_pa", |o| o.pressure[1].largest_pa),
-    ("largest_bearing_force_n", |o| {
-        let forces = o.bearings.iter().map(|bearing| bearing.force_n.max);
-        forces.fold(0.0, f64::max)
-    }),
+/// Figures of a design that the results hold, each with its statistic over the mesh; empty: the figure itself.
+const FIGURES: [(&str, &FigureDef); 12] = [
+    ("", &defs::LOST_MOTION),
+    ("mean", &defs::LOST_MOTION),
+    ("", &defs::STIFFNESS),
+    ("least", &defs::STIFFNESS),
+    ("", &defs::ERROR_RATED),
+    ("", &defs::ERROR_NO_LOAD),
+    ("", &defs::EXTERNAL_FORCE),
+    ("", &defs::INTERNAL_FORCE),
+    ("", &defs::CRANK_FORCE),
+    ("", &defs::EXTERNAL_PRESSURE),
+    ("", &defs::INTERNAL_PRESSURE),
+    ("", &defs::BEARING_FORCE),
 ];
+
+/// Definitions of the columns.
+pub(super) fn columns() -> impl Iterator<Item = FigureDef> {
+    FIGURES.into_iter().map(|(statistic, def)| match statistic {
+        "" => def.clone(),
+        _ => FigureDef {
+            key: format!("{statistic}_{}", def.key).into(),
+            label: format!("{}, {statistic}", def.label).into(),
+            ..def.clone()
+        },
+    })
+}
+
+/// Definition of a column of the results: of balances that of the design's figure, of others by the column's name.
+#[must_use]
+pub fn definition(column: &str) -> FigureDef {
+    let balanced = columns().find(|def| def.key == column);
+    balanced.unwrap_or_else(|| {
+        let (label, unit) = label_and_unit(column);
+        FigureDef::named(column.to_owned(), label, unit)
+    })
+}
+
+/// Figures of a design in the columns.
+fn figures(found: &DesignResult) -> Vec<Figure> {
+    let figure = |(column, (statistic, def)): (FigureDef, (&str, &FigureDef))| {
+        let figure = found.figures.iter().find(|figure| figure.is(def))?;
+        let mesh = figure.over_mesh;
+        Some(match statistic {
+            "mean" => column.of(mesh.map(|mesh| mesh.mean), None),
+            "least" => column.of(mesh.map(|mesh| mesh.ends[0]), None),
+            _ => figure.clone(),
+        })
+    };
+    columns().zip(FIGURES).filter_map(figure).collect()
+}
 
 /// Balances in place of a run.
 pub(super) struct Statics;
@@ -88,7 +103,7 @@ impl Engine for Statics {
                 ..RunStats::default()
             };
             let mut run = Run::new(TimeSeries::default(), stats);
-            run.figures = FIGURES.map(|(name, of)| (name, of(&found))).to_vec();
+            run.figures = figures(&found);
             Ok(run)
         }))
     }

@@ -16,9 +16,11 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::{Beta, Binomial, ContinuousCDF, DiscreteCDF};
 
+use pinwheel_timeseries::figure::FigureDef;
 use pinwheel_timeseries::table::{Table, Values};
 
 use super::results::keeps;
+use super::statics::definition;
 use super::{Limit, Plan, Value};
 
 /// Share of the cases in which an interval holds the truth.
@@ -55,8 +57,9 @@ pub struct Sensitivity {
 /// A figure over the sample.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FigureOfSample {
-    /// Column of the results.
-    pub name: String,
+    /// Definition; its key is the column of the results.
+    #[serde(flatten)]
+    pub def: FigureDef,
     /// Runs that have it.
     pub count: usize,
     /// Mean.
@@ -235,7 +238,7 @@ pub fn figure(name: &str, values: &[Option<f64>], inputs: &[Input]) -> Option<Fi
     let size = |s: &Sensitivity| s.coefficient.unwrap_or(0.0).abs();
     sensitivities.sort_by(|a, b| size(b).total_cmp(&size(a)));
     Some(FigureOfSample {
-        name: name.to_owned(),
+        def: definition(name),
         count: of.len(),
         mean,
         deviation,

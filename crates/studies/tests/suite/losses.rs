@@ -60,7 +60,7 @@ fn the_lines_of_the_account_are_those_of_design() {
         assert!(late.contact_friction_j.is_none(), "{late:?}");
         let found = design::run(&gearbox, false, &Control::quiet()).unwrap();
         for (key, lost_j) in LOSSES.into_iter().zip(&lines(late)[1..]) {
-            let designed = found.figures.iter().find(|figure| figure.key == key);
+            let designed = found.figures.iter().find(|figure| figure.def.key == key);
             let designed = designed.and_then(|figure| figure.value).unwrap();
             let more = 100.0 * lost_j.unwrap() / -late.load_j / designed - 1.0;
             println!("{share}: {key} {designed}, more by {more}");

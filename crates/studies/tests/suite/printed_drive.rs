@@ -8,6 +8,8 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Scene;
 use pinwheel_studies::Control;
 use pinwheel_studies::design::{self, DesignResult};
+use pinwheel_timeseries::figure::FigureDef;
+use pinwheel_timeseries::figure::definitions::{LOST_MOTION, STIFFNESS};
 
 const ARCMIN: f64 = 10_800.0 / PI;
 
@@ -61,8 +63,8 @@ fn ours(young_pa: f64, torsion: Option<f64>) -> DesignResult {
     design::run(&gearbox, false, &Control::quiet()).unwrap()
 }
 
-fn figure(found: &DesignResult, key: &str) -> f64 {
-    let found = found.figures.iter().find(|figure| figure.key == key);
+fn figure(found: &DesignResult, def: &FigureDef) -> f64 {
+    let found = found.figures.iter().find(|figure| figure.is(def));
     found.and_then(|figure| figure.value).unwrap()
 }
 
@@ -71,20 +73,19 @@ fn figure(found: &DesignResult, key: &str) -> f64 {
 #[test]
 fn published_measured_drive_is_softer_than_its_contacts() {
     let measured = Measured::read();
-    let stiffness = "torsional_stiffness_n_m_per_arcmin";
     let per_arcmin = measured.stiffness.map(|k| k / ARCMIN);
     for young in measured.young {
         let mut contacts = ours(young, None);
-        let times = figure(&contacts, stiffness) / per_arcmin[1];
+        let times = figure(&contacts, &STIFFNESS) / per_arcmin[1];
         assert!((40.0..120.0).contains(&times), "{times}");
-        let share = figure(&contacts, "lost_motion_arcmin") / (60.0 * measured.apart_deg);
+        let share = figure(&contacts, &LOST_MOTION) / (60.0 * measured.apart_deg);
         assert!((0.1..0.3).contains(&share), "{share}");
         // The fit of what remains to the middle of the measurements, and that it is one.
         let stated = measured.middle() / ARCMIN;
         contacts.fit_rest(stated).unwrap();
         let rest = contacts.rest.unwrap();
         let fitted = ours(young, Some(rest.output_torsion_n_m_rad));
-        let off = figure(&fitted, stiffness) / stated - 1.0;
+        let off = figure(&fitted, &STIFFNESS) / stated - 1.0;
         println!(
             "E = {young:.1e}: rest {:.1} N m/rad, stiffness off by {off:.1e}",
             rest.output_torsion_n_m_rad
@@ -100,7 +101,7 @@ fn published_measured_drive_is_softer_than_its_contacts() {
         // Nothing is left to fit to a drive that is stiffer than its contacts.
         assert!(
             contacts
-                .fit_rest(1.01 * figure(&contacts, stiffness))
+                .fit_rest(1.01 * figure(&contacts, &STIFFNESS))
                 .is_err()
         );
         assert!(contacts.fit_rest(f64::NAN).is_err() && contacts.fit_rest(0.0).is_err());

@@ -12,8 +12,8 @@ fn number(figure: &PaperFigure, name: &str) -> f64 {
     figure
         .numbers
         .iter()
-        .find(|n| n.name == name)
-        .map(|n| n.value)
+        .find(|n| n.def.key == name)
+        .and_then(|n| n.value)
         .unwrap()
 }
 

@@ -6,12 +6,16 @@ use std::sync::atomic::{AtomicBool, AtomicUsize};
 use pinwheel_engines::{Engine, Native};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
-use pinwheel_studies::design::{self, DesignFigure, ForceHarmonic};
+use pinwheel_studies::design::{self, ForceHarmonic};
 use pinwheel_studies::gears;
 use pinwheel_studies::stability::{Atlas, Failure, Options};
 use pinwheel_studies::{
     Control, Progress, StudyError, band, comparison, divergence, resolution, single,
 };
+use pinwheel_timeseries::figure::definitions::{
+    BEARING_FORCE, BEARING_LIFE, BEARING_LOSS, EXTERNAL_FORCE, LOST_MOTION, STIFFNESS,
+};
+use pinwheel_timeseries::figure::{Figure, FigureDef};
 use pinwheel_timeseries::norms::{Distance, LoadFloor};
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
@@ -252,15 +256,14 @@ fn published_lost_motion_of_a_modified_profile() {
     let found = modified.torsion.lost_motion_arcmin.unwrap();
     // What is called lost motion is the largest of it, and says so.
     let figure = &modified.figures[0];
-    assert_eq!(figure.key, "lost_motion_arcmin");
+    assert!(figure.is(&LOST_MOTION), "{figure:?}");
     assert!(
-        figure.how.starts_with("largest over the mesh"),
-        "{}",
-        figure.how
+        figure.def.how.starts_with("largest over the mesh"),
+        "{figure:?}"
     );
     assert_eq!(figure.value, Some(found.max));
-    assert_eq!(figure.over_the_mesh, Some([found.min, found.max]));
-    assert_eq!(figure.mean_over_the_mesh, Some(found.mean));
+    let mesh = figure.over_mesh.unwrap();
+    assert_eq!((mesh.ends, mesh.mean), ([found.min, found.max], found.mean));
     // The elastic part at 3 % is that of the plain gear or somewhat more: fewer pins carry.
     let elastic = plain.torsion.lost_motion_arcmin.unwrap().mean;
     assert!(elastic < 0.02 * mean, "{elastic}");
@@ -343,12 +346,7 @@ fn regress_a_shift_of_all_phases_changes_no_figure() {
         };
         let all = |found: &design::DesignResult| {
             let joint = found.joint.iter().flat_map(|joint| joint.figures.clone());
-            found
-                .figures
-                .iter()
-                .copied()
-                .chain(joint)
-                .collect::<Vec<_>>()
+            [found.figures.clone(), joint.collect()].concat()
         };
         for (a, b) in all(&one).iter().zip(all(&other)) {
             let (Some(x), Some(y)) = (a.value, b.value) else {
@@ -357,7 +355,7 @@ fn regress_a_shift_of_all_phases_changes_no_figure() {
             let u = a.uncertainty.unwrap_or(0.0) + b.uncertainty.unwrap_or(0.0);
             seen += 1;
             if (x - y).abs() > u + 1e-9 * x.abs() {
-                outside.push(format!("{}: {} {x} {y} {u:.1e}", scene.name, a.key));
+                outside.push(format!("{}: {} {x} {y} {u:.1e}", scene.name, a.def.key));
             }
         }
     }
@@ -380,9 +378,9 @@ fn hard_loads_that_are_rounding_are_none() {
         let run = single::run(&gearbox, &reduced, true, &quiet).unwrap();
         for figure in &run.results().figures {
             let floor = figure.uncertainty.unwrap();
-            let is_load = figure.name.ends_with("_n") || figure.name.ends_with("_n_m");
+            let is_load = ["N", "N m"].contains(&&*figure.def.unit);
             assert!(
-                !is_load || figure.value == 0.0 && floor > 1e-18,
+                !is_load || figure.value == Some(0.0) && floor > 1e-18,
                 "{load}: {figure:?}"
             );
         }
@@ -409,8 +407,8 @@ fn hard_loads_that_are_rounding_are_none() {
 fn regress_figures_of_several_wheels_are_of_the_most_loaded() {
     let gearbox = Gearbox::new(&scene("toleranced", &[]).check().unwrap()).unwrap();
     let found = design::run(&gearbox, false, &Control::quiet()).unwrap();
-    let key = "eccentric_bearing_force_n";
-    let figure = found.figures.iter().find(|figure| figure.key == key);
+    let mut figures = found.figures.iter();
+    let figure = figures.find(|figure| figure.is(&BEARING_FORCE));
     let forces = found.bearings.iter().map(|bearing| bearing.force_n.max);
     let forces: Vec<f64> = forces.collect();
     assert_eq!(figure.unwrap().value, Some(forces[1]), "{forces:?}");
@@ -419,14 +417,14 @@ fn regress_figures_of_several_wheels_are_of_the_most_loaded() {
     let few = design::few_figures(&gearbox, &false.into()).unwrap();
     let mut ends = 0;
     for few in few {
-        let all = found.figures.iter().find(|figure| figure.key == few.key);
-        let known = |one: &DesignFigure| one.over_the_mesh.zip(one.mesh_uncertainty);
+        let all = found.figures.iter().find(|figure| figure.is(&few.def));
+        let known = |one: &Figure| one.over_mesh.map(|mesh| (mesh.ends, mesh.uncertainty));
         let (Some((a, u)), Some((b, v))) = (known(&few), known(all.unwrap())) else {
             continue;
         };
         for end in [0, 1] {
             let off = (a[end] - b[end]).abs();
-            assert!(off <= u[end] + v[end], "{} {off}: {u:?} {v:?}", few.key);
+            assert!(off <= u[end] + v[end], "{} {off}: {u:?} {v:?}", few.def.key);
             ends += usize::from(off > 0.0);
         }
     }
@@ -489,7 +487,8 @@ fn hard_a_jammed_gear_has_no_lost_motion() {
         );
         assert!(found.torsion.lost_motion_arcmin.is_none());
         let lost = &found.figures[0];
-        assert!(lost.is_lost_motion() && lost.value.is_none() && lost.over_the_mesh.is_none());
+        assert!(lost.is(&LOST_MOTION) && lost.value.is_none() && lost.over_mesh.is_none());
+        assert!(lost.withheld.is_some(), "{lost:?}");
         assert!(found.figures[1].value.is_some(), "its stiffness");
     }
     for (name, sets) in [
@@ -517,11 +516,11 @@ fn a_bearing_at_rest_has_no_life_and_no_loss() {
         ];
         let gearbox = Gearbox::new(&scene("paper", &sets).check().unwrap()).unwrap();
         let found = pinwheel_studies::design::run(&gearbox, false, &Control::quiet()).unwrap();
-        let named = |key: &str| {
-            let found = found.figures.iter().find(|figure| figure.key == key);
+        let named = |def: &FigureDef| {
+            let found = found.figures.iter().find(|figure| figure.is(def));
             found.and_then(|figure| figure.value)
         };
-        ["eccentric_bearing_life_h", "eccentric_bearing_loss_percent"].map(named)
+        [&BEARING_LIFE, &BEARING_LOSS].map(named)
     };
     let [life, loss] = found("drive.input_speed_rad_s=50.0").map(Option::unwrap);
     assert!(life > 0.0 && loss > 0.0, "{life} {loss}");
@@ -557,10 +556,10 @@ fn crossval_bands_of_contact_laws() {
         let gearbox = Gearbox::new(&scene).unwrap();
         band::of(&gearbox, &Control::quiet()).unwrap()
     };
-    let ends = |found: &band::Bands, key: &str| {
-        let band = found.get(key).unwrap();
-        let [low, high] = band.of_own_law.map(|share| share * band.own);
-        [band.own, low, high]
+    let ends = |found: &band::Bands, def: &FigureDef| {
+        let figure = found.get(def).unwrap();
+        let [low, high] = figure.by_contact_law.unwrap();
+        [figure.value.unwrap(), low, high]
     };
     let close = |found: [f64; 3], wanted: [f64; 3], share: f64| {
         let off = |(a, b): (f64, f64)| (a / b - 1.0).abs() < share;
@@ -575,18 +574,15 @@ fn crossval_bands_of_contact_laws() {
         "{:?}",
         plain.laws
     );
-    for (key, wanted) in [
-        ("external_force_n", [320.0, 310.0, 322.0]),
-        ("torsional_stiffness_n_m_per_arcmin", [362.0, 226.0, 430.0]),
-        ("lost_motion_arcmin", [0.053, 0.048, 0.073]),
+    for (def, wanted) in [
+        (&EXTERNAL_FORCE, [320.0, 310.0, 322.0]),
+        (&STIFFNESS, [362.0, 226.0, 430.0]),
+        (&LOST_MOTION, [0.053, 0.048, 0.073]),
     ] {
-        close(ends(&plain, key), wanted, 0.015);
+        close(ends(&plain, def), wanted, 0.015);
     }
     // 5 and 10 um off the profile: 493 to 537 and 594 to 645 N by law.
-    let fits = plain.fitted(
-        "external_force_n",
-        plain.get("external_force_n").unwrap().own,
-    );
+    let fits = plain.fitted(&EXTERNAL_FORCE);
     let fits: Vec<f64> = fits.iter().map(|(_, force)| *force).collect();
     assert!(
         (493.0..537.0).contains(&fits[0]) && (594.0..645.0).contains(&fits[1]),
@@ -595,9 +591,8 @@ fn crossval_bands_of_contact_laws() {
     // Under a law of balls the band is the same, and the law lies outside of it.
     let balls = of(&[("contact.law", "paper-conservative")]).unwrap();
     assert!(!balls.holds_own());
-    let key = "external_force_n";
-    let [own, low, high] = ends(&balls, key);
-    let [_, of_plain @ ..] = ends(&plain, key);
+    let [own, low, high] = ends(&balls, &EXTERNAL_FORCE);
+    let [_, of_plain @ ..] = ends(&plain, &EXTERNAL_FORCE);
     close([own, low, high], [479.4, of_plain[0], of_plain[1]], 1e-3);
     // Laws that the scene names, and none.
     let named = of(&[("contact.band_laws", "[\"kunert\", \"lundberg\"]")]).unwrap();

@@ -237,7 +237,7 @@ gear.backlash_m = { from = 1e-6, to = 5e-6 }
 contact.young_pa = { mean = 2e11, deviation = 5e9 }
 contact.poisson = { deviation = 0.02, plus_minus = 0.01 }
 [specification]
-lost_motion_arcmin = { most = 0.9 }
+mean_lost_motion_arcmin = { most = 0.9 }
 ";
 
 fn drawn(plan: &Plan, place: usize) -> Vec<f64> {
@@ -308,7 +308,7 @@ fn a_sample_is_the_same_whoever_runs_it() {
     let one = csv(&plan, &records);
     assert_eq!(one, csv(&plan, &run(&plan, &journal("three"), 3)));
     let table = results(&plan, &records);
-    let lost = numbers(table.column("lost_motion_arcmin"));
+    let lost = numbers(table.column("mean_lost_motion_arcmin"));
     let kept = lost.iter().filter(|x| **x <= 0.9).count();
     let [found] = tolerances(&plan, &table).try_into().unwrap();
     let of = found.yielded.unwrap();
@@ -322,7 +322,7 @@ fn a_sample_is_the_same_whoever_runs_it() {
     let figure = found
         .figures
         .iter()
-        .find(|f| f.name == "lost_motion_arcmin");
+        .find(|f| f.def.key == "mean_lost_motion_arcmin");
     let first = &figure.unwrap().sensitivities[0];
     assert!(
         first.key == "gear.backlash_m" && first.coefficient.unwrap() > 0.9,

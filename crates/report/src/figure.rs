@@ -1,0 +1,179 @@
+//! Figures as people read them: with the digits that their bounds leave them, and with these bounds. A bound is how far a figure
+//! may be off numerically, or the band of the contact laws that may be right.
+
+use pinwheel_timeseries::figure::definitions::DIGITS;
+use pinwheel_timeseries::figure::{Figure, OverMesh};
+use pinwheel_timeseries::table::Table;
+
+use crate::format::{NONE, bounded, joined, significant};
+use crate::study::Tile;
+
+/// A number of a design.
+#[must_use]
+pub fn number(value: f64) -> String {
+    significant(value, usize::from(DIGITS))
+}
+
+/// A figure where there is room for its bounds, or the reason why it has no value.
+#[must_use]
+pub fn tile(one: &Figure) -> Tile {
+    let (value, bounds) = shown(one);
+    let tile = Tile::new(&*one.def.label, value, bounds);
+    match one.value {
+        Some(_) => tile.unit(&*one.def.unit),
+        None => tile,
+    }
+}
+
+/// A value, and what bounds it: `310 to 322 by contact law; ± 0.2 numerical`, or why there is none.
+#[must_use]
+pub fn shown(one: &Figure) -> (String, String) {
+    let Some(value) = one.value else {
+        return (NONE.to_owned(), one.withheld.clone().unwrap_or_default());
+    };
+    let (shown, off) = known(value, one.uncertainty, one.def.digits);
+    let band = one.band();
+    let laws = band.map(|band| format!("{} by contact law", interval(band)));
+    let cause = match one.is_off_by_sampling() {
+        true => "by sampling",
+        false => "numerical",
+    };
+    let off = (!off.is_empty()).then(|| format!("{off} {cause}"));
+    let bounds = joined("; ", laws.into_iter().chain(off));
+    (band.map_or(shown, |band| rounded(value, band)), bounds)
+}
+
+/// A value in a table: with the digits that its band leaves it, and how far it may be off numerically.
+#[must_use]
+pub fn cell(one: &Figure) -> String {
+    let Some(value) = one.value else {
+        return NONE.to_owned();
+    };
+    let (shown, off) = match one.band() {
+        None => known(value, one.uncertainty, one.def.digits),
+        Some(band) => {
+            let shown = rounded(value, band);
+            // Beside a value rounded by more it would be wrong.
+            let moved = shown.parse::<f64>();
+            let moved = moved.map_or(0.0, |shown| (shown - value).abs());
+            let off = one.uncertainty.filter(|u| *u > 0.0 && *u >= moved);
+            let off = off.map_or_else(String::new, |u| format!("\u{b1} {}", significant(u, 1)));
+            (shown, off)
+        }
+    };
+    let sampling = match one.is_off_by_sampling() && !off.is_empty() {
+        true => " (sampling)",
+        false => "",
+    };
+    let off = off.replace('\u{202f}', " ");
+    format!("{shown} {off}{sampling}").trim_end().to_owned()
+}
+
+/// A value with its unit within a sentence: `479.1 ± 0.2 N`, `310 N (310 to 322 by contact law)`.
+#[must_use]
+pub fn sentence(one: &Figure) -> String {
+    let unit = &one.def.unit;
+    match one.band() {
+        None => format!("{} {unit}", cell(one)),
+        Some(_) => {
+            let (value, bounds) = shown(one);
+            format!("{value} {unit} ({bounds})").replace('\u{202f}', " ")
+        }
+    }
+}
+
+/// Rule by which a figure is counted, its values over the mesh, and why it has none.
+#[must_use]
+pub fn how(one: &Figure) -> String {
+    let mesh = one.over_mesh.map(|mesh| over_mesh(one, &mesh));
+    let parts = [Some(one.def.how.to_owned()), mesh, one.withheld.clone()];
+    joined("; ", parts.into_iter().flatten())
+}
+
+fn over_mesh(one: &Figure, mesh: &OverMesh) -> String {
+    let with_off = |value: f64, off: f64| cell(&one.def.of(value, off));
+    let mean = (one.value != Some(mesh.mean)).then_some(mesh.mean);
+    let [least, largest] = mesh.ends;
+    // How it changes is known to more digits than how much it is.
+    if let Some(value) = one.value.filter(|_| one.band().is_some()) {
+        let percent = |length: f64| 100.0 * length / value.abs();
+        let off: f64 = mesh.uncertainty.iter().sum();
+        let varies = with_off(percent(largest - least), percent(off));
+        let mean = mean.map_or_else(String::new, |mean| {
+            let less = significant(100.0 * (1.0 - mean / value).abs(), 2);
+            format!(", {less} % less on average")
+        });
+        return format!("varies by {varies} % over the mesh{mean}");
+    }
+    let [least, largest] = [0, 1].map(|end| with_off(mesh.ends[end], mesh.uncertainty[end]));
+    let mean = mean.map_or_else(String::new, |mean| format!(", {} on average", number(mean)));
+    format!("{least} to {largest} over the mesh{mean}")
+}
+
+/// Figures with their bounds; `how`: how each is counted.
+pub fn table(caption: &str, figures: &[Figure], how: impl Fn(&Figure) -> String) -> Table {
+    let mut table = Table::of(caption, figures)
+        .text("", "Figure", |one| &*one.def.label)
+        .number("", "Value", |one| one.value)
+        .said(|one| cell(one));
+    if figures.iter().any(|one| one.band().is_some()) {
+        let laws = |one: &&Figure| one.band().map_or_else(String::new, interval);
+        table = table.text("", "By contact law", laws);
+    }
+    table
+        .text("", "Unit", |one| &*one.def.unit)
+        .text("", "How", |one| how(one))
+        .done()
+}
+
+/// A value and its uncertainty, which may be empty: `digits` significant digits at most.
+fn known(value: f64, uncertainty: Option<f64>, digits: u8) -> (String, String) {
+    let (shown, off) = bounded(value, uncertainty);
+    let least = 10_f64.powi(-i32::from(digits)) * value.abs();
+    match uncertainty {
+        Some(u) if u > least => (shown, off),
+        _ => (significant(value, usize::from(digits)), off),
+    }
+}
+
+/// A value with the digits that a band leaves it: no digit below a fifth of the band's width.
+#[must_use]
+pub fn rounded(value: f64, [low, high]: [f64; 2]) -> String {
+    let width = high - low;
+    if !(width > 0.0 && value.is_finite()) {
+        return significant(value, 4);
+    }
+    let digit = (0.2 * width).log10().floor();
+    if digit < -6.0 {
+        let digits = value.abs().max(width).log10().floor() - digit + 1.0;
+        return significant(value, digits.clamp(1.0, 4.0) as usize);
+    }
+    let unit = 10.0_f64.powf(digit);
+    let decimals = (-digit).max(0.0) as usize;
+    format!("{:.decimals$}", (value / unit).round() * unit)
+}
+
+/// `310 to 322`.
+#[must_use]
+pub fn interval(band: [f64; 2]) -> String {
+    let [low, high] = band.map(|end| rounded(end, band));
+    format!("{low} to {high}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_those_that_the_band_leaves() {
+        assert_eq!(rounded(319.71, [310.2, 322.4]), "320");
+        assert_eq!(interval([310.2, 322.4]), "310 to 322");
+        assert_eq!(rounded(358.3, [226.0, 430.0]), "360");
+        assert_eq!(rounded(0.05312, [0.048, 0.073]), "0.053");
+        assert_eq!(rounded(5.0, [5.0, 5.0]), "5.000");
+        assert_eq!(
+            interval([2.19e-7, 5.72e-7]),
+            "2.2\u{b7}10\u{207b}\u{2077} to 5.7\u{b7}10\u{207b}\u{2077}"
+        );
+    }
+}

@@ -1,0 +1,73 @@
+//! Difference of two figures of one definition, and its judgement.
+
+use serde::Serialize;
+
+use super::{Figure, FigureDef};
+
+/// Judgement of two values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Judged {
+    /// Equal to the last digit.
+    Same,
+    /// They differ by no more than both uncertainties together: no difference was shown.
+    BelowUncertainty,
+    /// They differ by more.
+    Differ,
+    /// They differ, and it is not known how far they may be off.
+    NotKnown,
+    /// One of them does not exist.
+    Missing,
+}
+
+/// A figure of two gears or runs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Diff {
+    /// Definition.
+    #[serde(flatten)]
+    pub def: FigureDef,
+    /// Both values.
+    pub values: [Option<f64>; 2],
+    /// How far each may be off; `None` where that is not known.
+    pub uncertainty: [Option<f64>; 2],
+    /// Judgement of the change.
+    pub judged: Judged,
+}
+
+/// Compares two figures of the definition of `a`.
+#[must_use]
+pub fn diff(a: &Figure, b: &Figure) -> Diff {
+    let values = [a.value, b.value];
+    let uncertainty = [a.uncertainty, b.uncertainty];
+    let judged = match (values, uncertainty) {
+        ([Some(a), Some(b)], _) if a == b => Judged::Same,
+        ([Some(a), Some(b)], [Some(u), Some(v)]) => match (a - b).abs() <= u + v {
+            true => Judged::BelowUncertainty,
+            false => Judged::Differ,
+        },
+        ([Some(_), Some(_)], _) => Judged::NotKnown,
+        _ => Judged::Missing,
+    };
+    Diff {
+        def: a.def.clone(),
+        values,
+        uncertainty,
+        judged,
+    }
+}
+
+impl Diff {
+    /// Returns the figure of either.
+    #[must_use]
+    pub fn figure(&self, k: usize) -> Figure {
+        self.def.of(self.values[k], self.uncertainty[k])
+    }
+
+    /// Returns how much more the second has, as a share of the first; `None` where there is nothing to take it of.
+    #[must_use]
+    pub fn change(&self) -> Option<f64> {
+        let [a, b] = self.values;
+        let (a, b) = (a?, b?);
+        (a != 0.0).then(|| (b - a) / a.abs())
+    }
+}

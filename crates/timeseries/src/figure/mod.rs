@@ -1,0 +1,187 @@
+//! A figure: a number with its definition, how far it may be off numerically, and its bands.
+//!
+//! ```
+//! use pinwheel_timeseries::figure::{FigureDef, Judged, diff};
+//!
+//! static PLAY: FigureDef = FigureDef::new("play_arcmin", "free play", "arcmin", "largest over the mesh", 4);
+//! let [one, other] = [1.2, 1.3].map(|value| PLAY.of(value, 0.06));
+//! assert_eq!(diff(&one, &other).judged, Judged::BelowUncertainty);
+//! ```
+
+pub mod definitions;
+mod diff;
+mod spread;
+
+use std::borrow::Cow;
+
+use serde::Serialize;
+
+pub use diff::{Diff, Judged, diff};
+pub use spread::Spread;
+
+/// Definition of a figure.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct FigureDef {
+    /// Name for programs, which ends in the unit.
+    pub key: Cow<'static, str>,
+    /// Name for people.
+    #[serde(rename = "what")]
+    pub label: Cow<'static, str>,
+    /// Unit for people; empty for counts.
+    pub unit: Cow<'static, str>,
+    /// Rule by which the figure is counted; empty where the label says it.
+    #[serde(skip_serializing_if = "str::is_empty")]
+    pub how: &'static str,
+    /// Significant digits at most.
+    #[serde(skip)]
+    pub digits: u8,
+}
+
+/// A figure.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Figure {
+    /// Definition.
+    #[serde(flatten)]
+    pub def: FigureDef,
+    /// Value in the definition's unit; `None` where it does not exist.
+    pub value: Option<f64>,
+    /// Reason why there is no value.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub withheld: Option<String>,
+    /// How far the value may be off numerically; `None` where that is not known.
+    #[serde(rename = "numerical_uncertainty")]
+    pub uncertainty: Option<f64>,
+    /// Part of the uncertainty that sampling alone causes; `None` of what is no figure of samples.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sampling: Option<f64>,
+    /// Values over the mesh, of what is one figure a pose.
+    #[serde(flatten)]
+    pub over_mesh: Option<OverMesh>,
+    /// Least and largest by the contact laws that may be right for these materials; `None` where none was compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_contact_law: Option<[f64; 2]>,
+    /// Least and largest by the fits that may be right; `None` where none was compared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub by_fit: Option<[f64; 2]>,
+}
+
+/// Values of a figure over the mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct OverMesh {
+    /// Least and largest.
+    #[serde(rename = "over_the_mesh")]
+    pub ends: [f64; 2],
+    /// Numerical uncertainty of the least and of the largest.
+    #[serde(rename = "over_the_mesh_numerical_uncertainty")]
+    pub uncertainty: [f64; 2],
+    /// Mean.
+    #[serde(rename = "mean_over_the_mesh")]
+    pub mean: f64,
+}
+
+impl FigureDef {
+    /// Definition by literals.
+    #[must_use]
+    pub const fn new(
+        key: &'static str,
+        label: &'static str,
+        unit: &'static str,
+        how: &'static str,
+        digits: u8,
+    ) -> Self {
+        Self {
+            key: Cow::Borrowed(key),
+            label: Cow::Borrowed(label),
+            unit: Cow::Borrowed(unit),
+            how,
+            digits,
+        }
+    }
+
+    /// Definition of a figure of a run or a scene, by names that are made there.
+    pub fn named(
+        key: impl Into<Cow<'static, str>>,
+        label: impl Into<Cow<'static, str>>,
+        unit: impl Into<Cow<'static, str>>,
+    ) -> Self {
+        Self {
+            key: key.into(),
+            label: label.into(),
+            unit: unit.into(),
+            ..Self::new("", "", "", "", 5)
+        }
+    }
+
+    /// Returns the figure of a value that may be off by `uncertainty`; a value that is not finite is none.
+    pub fn of(&self, value: impl Into<Option<f64>>, uncertainty: impl Into<Option<f64>>) -> Figure {
+        let value = value.into().filter(|value| value.is_finite());
+        Figure {
+            def: self.clone(),
+            value,
+            withheld: None,
+            uncertainty: value.and(uncertainty.into()),
+            sampling: None,
+            over_mesh: None,
+            by_contact_law: None,
+            by_fit: None,
+        }
+    }
+}
+
+impl Figure {
+    /// True if `def` defines the figure.
+    #[must_use]
+    pub fn is(&self, def: &FigureDef) -> bool {
+        self.def.key == def.key
+    }
+
+    /// Returns the figure without a value, and why it has none.
+    #[must_use]
+    pub fn withheld(self, why: impl Into<Option<String>>) -> Self {
+        Self {
+            withheld: why.into(),
+            ..self.def.of(None, None)
+        }
+    }
+
+    /// Returns the figure with its values over the mesh, which may be off by the share `off`.
+    #[must_use]
+    pub fn over(self, spread: &Spread, off: f64) -> Self {
+        let ends = [spread.min, spread.max];
+        let over_mesh = Some(OverMesh {
+            ends,
+            uncertainty: ends.map(|end| off * end.abs()),
+            mean: spread.mean,
+        });
+        Self { over_mesh, ..self }
+    }
+
+    /// Returns value and uncertainty in another unit, `factor` times as large, without bands.
+    #[must_use]
+    pub fn scaled(&self, factor: f64, unit: impl Into<Cow<'static, str>>) -> Self {
+        let scaled = |value: Option<f64>| value.map(|value| factor * value);
+        let unit = unit.into();
+        let def = FigureDef {
+            unit,
+            ..self.def.clone()
+        };
+        Self {
+            sampling: scaled(self.sampling),
+            ..def.of(scaled(self.value), scaled(self.uncertainty))
+        }
+    }
+
+    /// True if sampling causes more than half of the uncertainty.
+    #[must_use]
+    pub fn is_off_by_sampling(&self) -> bool {
+        let both = self.sampling.zip(self.uncertainty);
+        both.is_some_and(|(sampling, all)| sampling > 0.5 * all)
+    }
+
+    /// Band by contact laws, where that is wider than the figure is off numerically.
+    #[must_use]
+    pub fn band(&self) -> Option<[f64; 2]> {
+        let off = self.uncertainty.unwrap_or(0.0);
+        self.by_contact_law.filter(|[low, high]| high - low > off)
+    }
+}
