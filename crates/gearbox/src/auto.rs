@@ -77,6 +77,16 @@ impl Plan {
         method(self.integrator).map(|method| method.family)
     }
 
+    /// Value of the setting that determines the plan's steps: a tolerance, or a step, s.
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        if self.adaptive() {
+            self.tolerance
+        } else {
+            self.step_s
+        }
+    }
+
     /// Setting that determines the plan's steps, in words.
     #[must_use]
     pub fn setting(&self) -> String {

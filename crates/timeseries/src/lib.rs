@@ -27,6 +27,7 @@ pub mod convergence;
 mod csv_file;
 mod error;
 pub mod foreign;
+pub mod ladder;
 pub mod norms;
 #[cfg(feature = "parquet")]
 mod parquet_file;

@@ -4,8 +4,7 @@ use super::common::time_series;
 use super::{FORCE, anywhere, engine, entry, native};
 use pinwheel_compare::uncertainty::{Method, Source, Unresolved};
 use pinwheel_compare::{
-    Assessment, CompareError, Evidence, Level, RefinementStudy, Rules, SharedModel, Verdict,
-    compare,
+    Assessment, CompareError, Evidence, Ladder, Level, Rules, SharedModel, Verdict, compare,
 };
 use pinwheel_timeseries::TimeSeries;
 
@@ -26,7 +25,6 @@ fn a_participant_without_evidence_is_named() {
             engine: "peer".to_owned(),
             source,
             is_final: None,
-            floor: 0.0,
         }));
         let rules = Rules {
             evidence: &evidence,
@@ -49,11 +47,12 @@ fn a_participant_without_evidence_is_named() {
     });
     assert!(named(&found(Some(unknown)).0, "recording says nothing"));
     let ladder_of = |run: Result<TimeSeries, String>, refinement: f64| {
-        Source::Refinement(RefinementStudy {
+        Source::Refinement(Ladder {
             method: Method::Tolerance { order: 1.0 },
             finest: 1e-6,
+            floor: 0.0,
             coarser: vec![Level {
-                refinement,
+                setting: 1e-6 * refinement,
                 run,
                 wall_s: 0.0,
             }],
