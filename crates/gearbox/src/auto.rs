@@ -265,18 +265,19 @@ impl<'a> Planner<'a> {
                  oscillation: cheaper to follow than to solve",
                 rate / contact
             ))
-        } else if is_reduced {
-            self.rosenbrock(&format!(
-                "friction relaxes the pins' spins at about {rate:.1e} 1/s, {:.0e} times in a radian of the \
-                 contacts' oscillation: implicitly to order five, by the exact Jacobian",
-                rate / contact
-            ))
         } else {
-            self.implicit(&format!(
-                "friction relaxes the pins' spins at about {rate:.1e} 1/s, {:.0e} times in a radian of the \
-                 contacts' oscillation: implicitly, with steps from a tolerance",
+            let relaxes = format!(
+                "friction relaxes the pins' spins at about {rate:.1e} 1/s, {:.0e} times in a radian of the contacts' oscillation",
                 rate / contact
-            ))
+            );
+            match is_reduced {
+                true => self.rosenbrock(&format!(
+                    "{relaxes}: implicitly to order five, by the exact Jacobian"
+                )),
+                false => self.implicit(&format!(
+                    "{relaxes}: implicitly, with steps from a tolerance"
+                )),
+            }
         }
     }
 

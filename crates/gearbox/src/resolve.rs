@@ -256,42 +256,39 @@ impl Search<'_> {
         budget: u64,
         watch: &mut dyn FnMut(f64) -> bool,
     ) -> Result<(NativeRun, Uncertainty), NativeError> {
-        let unresolved = |error| Verdict::NotResolved {
-            reason: self
-                .stopped
-                .clone()
-                .unwrap_or_else(|| "no second run to judge it by".to_owned()),
-            remedy: uncertainty::remedy(self.target, error, budget),
+        let error = self.best.as_ref().and_then(|best| best.error);
+        let verdict = match &self.best {
+            Some(best) if best.holds => Verdict::Resolved,
+            _ => Verdict::NotResolved {
+                reason: self
+                    .stopped
+                    .unwrap_or_else(|| "no second run to judge it by".to_owned()),
+                remedy: uncertainty::remedy(self.target, error, budget),
+            },
         };
-        let Some(best) = self.best else {
-            let run = self.diverged.ok_or(NativeError::Stopped)?;
-            let known = Uncertainty {
-                target: self.target,
-                error: None,
-                verdict: unresolved(None),
-                chosen: self.levels.len().saturating_sub(1),
-                levels: self.levels,
-                ladder: None,
-            };
-            return Ok((run, known));
-        };
-        let verdict = if best.holds {
-            Verdict::Resolved
-        } else {
-            unresolved(best.error)
+        let (run, chosen, ladder) = match self.best {
+            None => {
+                let run = self.diverged.ok_or(NativeError::Stopped)?;
+                (run, self.levels.len().saturating_sub(1), None)
+            }
+            Some(best) => {
+                let run = match best.sparse {
+                    None => Rc::unwrap_or_clone(best.run),
+                    // The refinement ended at its beginning: whoever asked wants all samples.
+                    Some(plan) => {
+                        native::run_within(&plan.applied(self.gearbox)?, plan.limits(), watch)?
+                    }
+                };
+                (run, best.level, best.ladder)
+            }
         };
         let uncertainty = Uncertainty {
             target: self.target,
-            error: best.error,
+            error,
             verdict,
-            chosen: best.level,
+            chosen,
             levels: self.levels,
-            ladder: best.ladder,
-        };
-        let run = match best.sparse {
-            None => Rc::unwrap_or_clone(best.run),
-            // The refinement ended at its beginning: whoever asked wants all samples.
-            Some(plan) => native::run_within(&plan.applied(self.gearbox)?, plan.limits(), watch)?,
+            ladder,
         };
         Ok((run, uncertainty))
     }
