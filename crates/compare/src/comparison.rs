@@ -146,18 +146,18 @@ pub struct LevelSummary {
 
 impl RefinementSummary {
     pub(crate) fn of(evidence: &Evidence, finest_wall_s: f64) -> Option<Self> {
-        let Source::Refinement(study) = &evidence.source else {
+        let Source::Refinement(ladder) = &evidence.source else {
             return None;
         };
-        let levels = study.coarser.iter().map(|level| LevelSummary {
-            refinement: level.refinement,
+        let levels = ladder.coarser.iter().map(|level| LevelSummary {
+            refinement: ladder.refinement(level),
             wall_s: level.wall_s,
             failed: level.run.as_ref().err().cloned(),
         });
-        let coarser: f64 = study.coarser.iter().map(|level| level.wall_s).sum();
+        let coarser: f64 = ladder.coarser.iter().map(|level| level.wall_s).sum();
         Some(Self {
-            method: study.method,
-            finest: study.finest,
+            method: ladder.method,
+            finest: ladder.finest,
             levels: levels.collect(),
             cost: (finest_wall_s > 0.0).then(|| 1.0 + coarser / finest_wall_s),
             reason: evidence.is_final.as_ref().map(|why| why.reason.clone()),

@@ -81,9 +81,3 @@ fn check(a: &Participant, b: &Participant) -> Result<(), CompareError> {
     }
     Ok(())
 }
-
-/// True if two time series have the same sample times to rounding.
-pub(crate) fn same(a: &TimeSeries, b: &TimeSeries) -> bool {
-    a.len() == b.len()
-        && rows_of(a, b).is_some_and(|rows| rows.iter().enumerate().all(|(k, &row)| k == row))
-}

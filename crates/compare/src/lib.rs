@@ -40,11 +40,12 @@
 //! fn engine(name: &str, error: f64, order: i32) -> Result<(Participant, Evidence), TimeSeriesError> {
 //!     let level = |refinement: f64| {
 //!         let time_series = run(error * refinement.powi(order))?;
-//!         Ok::<_, TimeSeriesError>(Level { refinement, run: Ok(time_series), wall_s: 0.0 })
+//!         Ok::<_, TimeSeriesError>(Level { setting: 1e-5 * refinement, run: Ok(time_series), wall_s: 0.0 })
 //!     };
-//!     let study = RefinementStudy {
+//!     let ladder = Ladder {
 //!         method: Method::Step { order: order.into(), rough: None },
 //!         finest: 1e-5,
+//!         floor: 0.0,
 //!         coarser: vec![level(2.0)?, level(4.0)?],
 //!     };
 //!     let participant = Participant {
@@ -57,7 +58,7 @@
 //!         cost: Cost::default(),
 //!         status: Status::Finished,
 //!     };
-//!     Ok((participant, Evidence::refinement(name, study)))
+//!     Ok((participant, Evidence::refinement(name, ladder)))
 //! }
 //!
 //! let (second, of_second) = engine("second-order", 1e-4, 2)?;
@@ -108,7 +109,8 @@ pub use participant::{
 };
 pub use quantities::Quantity;
 pub use rules::{RESOLUTION, Rules};
-pub use uncertainty::{Evidence, Level, RefinementStudy, Uncertainty};
+pub use summary::uncertainties;
+pub use uncertainty::{Evidence, Ladder, Level, Uncertainty};
 pub use validation::DataUncertainty;
 pub use verdict::{Against, Assessment, Counts, Verdict};
 pub use windows::{Window, WindowKind};

@@ -10,24 +10,24 @@ use pinwheel_timeseries::{
 };
 
 use crate::comparison::{EngineEntry, EngineSummary, Figures, RefinementSummary};
-use crate::judge::Judge;
+use crate::judge::{Judge, Negligible};
 use crate::model;
 use crate::participant::{Context, Participant, SharedModel};
-use crate::quantities::{OUTPUT_TORQUE, Quantity};
+use crate::quantities::{self, OUTPUT_TORQUE, Quantity};
+use crate::rules::Rules;
 use crate::uncertainty::{
-    Basis, Estimate, Evidence, QuantityUncertainty, Settings, Source, Uncertainty, Unresolved,
-    rounding_floor,
+    Basis, Estimate, Evidence, QuantityUncertainty, Source, Uncertainty, Unresolved, rounding_floor,
 };
-use crate::windows::{Window, WindowKind};
+use crate::windows::{self, SETTLING_S, Window, WindowKind};
 
 /// Error of a run due to rounding alone, as a share.
-fn floor(participant: &Participant, evidence: &Evidence, context: &Context) -> f64 {
+fn floor(participant: &Participant, context: &Context) -> f64 {
     let walk = rounding_floor(participant.cost.steps);
     // What a rounding did to the scene where that was measured, unless it parts the runs altogether.
     let measured = context.divergence.as_ref();
     let grown = measured.filter(|d| d.horizon_s.is_none());
     let grown = grown.map_or(0.0, |d| d.largest_share);
-    walk.max(grown).max(evidence.floor)
+    walk.max(grown)
 }
 
 /// The uncertainty of one quantity of a participant in the samples of a window; `None` without evidence.
@@ -65,19 +65,15 @@ pub(crate) fn uncertainty(
         QuantityUncertainty::everywhere(&quantity.name, window.kind, &what)
     };
     Some(match &evidence.source {
-        Source::Refinement(study) => match study.check(&participant.time_series) {
-            Ok(()) => study.assess(
-                &participant.time_series,
-                quantity,
-                window.kind,
-                samples,
-                Settings {
-                    floor: floor(participant, evidence, judge.context),
-                    pointwise: judge.context.is_pointwise(window.to_s),
-                },
-            ),
-            Err(unresolved) => missing(&unresolved),
-        },
+        Source::Refinement(ladder) => {
+            let floor = floor(participant, judge.context);
+            let pointwise = judge.context.is_pointwise(window.to_s);
+            let (finest, channels) = (&participant.time_series, &quantity.channels);
+            match ladder.estimate(finest, channels, &samples, floor, pointwise) {
+                Ok(found) => QuantityUncertainty::of_estimates(&quantity.name, window.kind, found),
+                Err(unresolved) => missing(&unresolved),
+            }
+        }
         Source::Recorded(list) => {
             let same = |a: f64, b: f64| (a - b).abs() <= 1e-9 * window.to_s;
             let record = list.iter().find(|u| {
@@ -111,6 +107,37 @@ pub(crate) fn uncertainty(
         }
         Source::Unknown(unresolved) => missing(unresolved),
     })
+}
+
+/// Returns the uncertainties of a participant's quantities, window by window, as a comparison of it alone states them.
+#[must_use]
+pub fn uncertainties(
+    context: &Context,
+    participant: &Participant,
+    evidence: &Evidence,
+) -> Vec<(Window, QuantityUncertainty)> {
+    let time_series = &participant.time_series;
+    let quantities = quantities::derive([time_series]);
+    let judge = Judge {
+        rules: &Rules {
+            evidence: std::slice::from_ref(evidence),
+            ..Rules::default()
+        },
+        context,
+        negligible: Negligible::of(context, &[participant], &quantities),
+    };
+    let settling_s = context.settling_s.unwrap_or(SETTLING_S);
+    let (windows, _) = windows::windows(time_series, settling_s, &context.load_changes_s);
+    let each = windows.iter().flat_map(|window| {
+        let samples = time_series.window(window.from_s, window.to_s);
+        quantities.iter().filter_map(move |quantity| {
+            let view = View::of(time_series, &quantity.channels, samples.clone())?;
+            Statistics::of(&view)?;
+            let found = uncertainty(participant, quantity, window, samples.clone(), judge)?;
+            Some((*window, found))
+        })
+    });
+    each.collect()
 }
 
 pub(crate) fn engine_summary(

@@ -77,6 +77,16 @@ impl Plan {
         method(self.integrator).map(|method| method.family)
     }
 
+    /// Value of the setting that determines the plan's steps: a tolerance, or a step, s.
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        if self.adaptive() {
+            self.tolerance
+        } else {
+            self.step_s
+        }
+    }
+
     /// Setting that determines the plan's steps, in words.
     #[must_use]
     pub fn setting(&self) -> String {
@@ -255,18 +265,19 @@ impl<'a> Planner<'a> {
                  oscillation: cheaper to follow than to solve",
                 rate / contact
             ))
-        } else if is_reduced {
-            self.rosenbrock(&format!(
-                "friction relaxes the pins' spins at about {rate:.1e} 1/s, {:.0e} times in a radian of the \
-                 contacts' oscillation: implicitly to order five, by the exact Jacobian",
-                rate / contact
-            ))
         } else {
-            self.implicit(&format!(
-                "friction relaxes the pins' spins at about {rate:.1e} 1/s, {:.0e} times in a radian of the \
-                 contacts' oscillation: implicitly, with steps from a tolerance",
+            let relaxes = format!(
+                "friction relaxes the pins' spins at about {rate:.1e} 1/s, {:.0e} times in a radian of the contacts' oscillation",
                 rate / contact
-            ))
+            );
+            match is_reduced {
+                true => self.rosenbrock(&format!(
+                    "{relaxes}: implicitly to order five, by the exact Jacobian"
+                )),
+                false => self.implicit(&format!(
+                    "{relaxes}: implicitly, with steps from a tolerance"
+                )),
+            }
         }
     }
 

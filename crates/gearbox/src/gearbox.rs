@@ -74,7 +74,7 @@ impl Gearbox {
     /// Settings that the checks refuse.
     pub fn with_solver(&self, change: impl FnOnce(&mut Solver)) -> Result<Self, Fault> {
         Ok(Self {
-            scene: self.scene.changed(|scene| change(&mut scene.solver))?,
+            scene: self.scene.with_solver(change)?,
             ..self.clone()
         })
     }

@@ -1,7 +1,10 @@
 //! The native run: a scene's equations, integrated and recorded.
 
 use pinwheel_mbs::integrators::{Segments, StepCounts, StepError, StepSettings, Stepper, method};
-use pinwheel_mbs::{Forces, Formulation, Lagrange, Mechanism, Observation, Reduced, Stabilisation};
+use pinwheel_mbs::{
+    BodyState, Forces, Formulation, Lagrange, Mechanism, Observation, Reduced, Stabilisation,
+    Wrench,
+};
 use pinwheel_timeseries::{Ending, TimeSeries, TimeSeriesError};
 
 use crate::balance::Balance;
@@ -135,7 +138,7 @@ pub(crate) fn run_within(
                     rate: BAUMGARTE_PER_STEP / gearbox.scene.solver.step_s,
                 },
             };
-            let contacts = reduced(gearbox, mechanism.clone(), GearForces::new(gearbox)?)?;
+            let contacts = reduced(gearbox, mechanism.clone(), NoForces)?;
             let system = Lagrange::new(mechanism, forces, stabilisation)
                 .map_err(GearboxError::from)?
                 .with_contacts(contacts.into_contacts())
@@ -143,6 +146,13 @@ pub(crate) fn run_within(
             integrate(gearbox, system, limits, watch)
         }
     }
+}
+
+/// Forces of a system that is only asked how its contacts move with the free rates.
+struct NoForces;
+
+impl Forces for NoForces {
+    fn apply(&mut self, _: f64, _: &[BodyState], _: &mut [Wrench]) {}
 }
 
 /// The reduced form of `mechanism`, which is the gear's but for its drivers.
@@ -195,7 +205,8 @@ fn integrate<F: Formulation>(
     let breaks = load_profile::breaks(&gearbox.scene.drive);
     let mut stepper = segments(gearbox, 0.0, &y, &breaks, limits.longest_step_s)?;
     let mut load = load_profile::piece_at(&gearbox.scene.drive, 0.0);
-    let mut field = gearbox.contact_field()?;
+    // Most methods leave the energy behind and most scenes ask for no channels: then there is no need of it.
+    let mut field = None;
     let times = solver.sample_times_s();
     let whole = !limits.samples_alone;
     let mut recorder = match whole {
@@ -240,7 +251,7 @@ fn integrate<F: Formulation>(
                     && whole
                 {
                     let seen = system.observe_reduced(time, &y);
-                    let contacts = contact_energy(&seen, &mut field);
+                    let contacts = contact_energy(&seen, gearbox, &mut field)?;
                     energy.add(load.torque(time), &seen, &contacts);
                     recorder.record_between(&seen, [seen.driver_torques[0], load.torque(time)]);
                 }
@@ -258,7 +269,7 @@ fn integrate<F: Formulation>(
             };
             guard::check(gearbox, seen.bodies).map_err(diverged(t))?;
             if whole {
-                let contacts = contact_energy(&seen, &mut field);
+                let contacts = contact_energy(&seen, gearbox, &mut field)?;
                 energy.add_sample(load.torque(t), &seen, &contacts);
                 if let Some(audit) = energy.latest() {
                     balance.add(&audit).map_err(diverged(t))?;
@@ -270,7 +281,7 @@ fn integrate<F: Formulation>(
                     bodies: seen.bodies,
                     driver_torque_n_m: seen.driver_torques[0],
                     reactions: seen.reactions,
-                    contacts: &mut LawPairs(&mut field),
+                    contacts: &mut LawPairs(built(gearbox, &mut field)?),
                 });
             }
             before = t;
@@ -302,9 +313,27 @@ fn diverged(time_s: f64) -> impl FnOnce(String) -> NativeError {
     move |quantity| NativeError::Ended(Ending::Diverged { time_s, quantity })
 }
 
+/// Returns the contact field beside that of the equations, which is built when it is first needed.
+fn built<'a>(
+    gearbox: &Gearbox,
+    field: &'a mut Option<ContactField>,
+) -> Result<&'a mut ContactField, GearboxError> {
+    Ok(match field {
+        Some(field) => field,
+        None => field.insert(gearbox.contact_field()?),
+    })
+}
+
 /// Returns the contacts' energy from the observation; from a new evaluation if the observation lacks it.
-fn contact_energy(seen: &Observation<'_>, field: &mut ContactField) -> ContactEnergy {
-    seen.energy.unwrap_or_else(|| field.energy(seen.bodies))
+fn contact_energy(
+    seen: &Observation<'_>,
+    gearbox: &Gearbox,
+    field: &mut Option<ContactField>,
+) -> Result<ContactEnergy, GearboxError> {
+    match seen.energy {
+        Some(energy) => Ok(energy),
+        None => Ok(built(gearbox, field)?.energy(seen.bodies)),
+    }
 }
 
 /// Makes a step.

@@ -24,14 +24,15 @@ use pinwheel_mbs::integrators::{Family, MethodInfo, method};
 use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_timeseries::Ending;
 use pinwheel_timeseries::convergence::{
-    self, KINKS, KINKS_EXPLICIT, Method, Rough, SAFETY_UNCONFIRMED, SCATTER, Step,
+    KINKS, KINKS_EXPLICIT, Method, Rough, SAFETY_UNCONFIRMED, SCATTER,
 };
+use pinwheel_timeseries::ladder::{self, Ladder};
 
 use crate::auto::{self, COARSER_ROSENBROCK, Plan};
 use crate::native::{self, NativeError, NativeRun};
 use crate::run_limits::Limits;
 use crate::scene::{Detection, Scene};
-use crate::{Distance, Gearbox};
+use crate::{Distance, Gearbox, unfollowed};
 
 /// The least error as a share of the distance to the coarser run.
 const LEAST_SHARE: f64 = 1.0 / 3.0;
@@ -87,6 +88,8 @@ pub struct Best {
     pub level: usize,
     /// Known error of the run.
     pub error: Option<Distance>,
+    /// Coarser runs of its method.
+    pub ladder: Option<Ladder>,
     pub holds: bool,
 }
 
@@ -114,14 +117,14 @@ impl Search<'_> {
         let Some(refinement) = Refinement::of(plan, &self.gearbox.scene) else {
             return Ok(false);
         };
-        let shared_error = method(plan.integrator).map_or(0.0, |method| method.shared_error);
         let mut plan = plan.finer(1.0 / refinement.first);
         let mut factor = refinement.first;
-        let mut before: Option<Rc<NativeRun>> = None;
+        // Of this method, the finest first.
+        let mut runs: Vec<(f64, Rc<NativeRun>)> = Vec::new();
         let mut last: Option<(Distance, f64)> = None;
         let mut failures = 0;
         for _ in 0..MOST_LEVELS {
-            let cost = before.as_ref().map_or(0.0, |run| {
+            let cost = runs.first().map_or(0.0, |(_, run)| {
                 run.counts.evaluations as f64 * factor.powf(refinement.cost)
             });
             if cost > self.left as f64 || self.left == 0 {
@@ -133,7 +136,7 @@ impl Search<'_> {
                 return Ok(true);
             }
             // What only shows how far the next one moves.
-            let sparse = before.is_none();
+            let sparse = runs.is_empty();
             match self.level(&plan, sparse, watch)? {
                 None => {
                     failures += 1;
@@ -145,23 +148,27 @@ impl Search<'_> {
                         });
                         return Ok(self.left == 0);
                     }
-                    (before, last) = (None, None);
+                    runs.clear();
+                    last = None;
                     factor = refinement.first;
                 }
                 Some(run) => {
                     let run = Rc::new(run);
+                    runs.insert(0, (plan.value(), Rc::clone(&run)));
+                    runs.truncate(3);
                     let mut found = Best {
+                        ladder: refinement.ladder(&plan, &self.gearbox.scene, &runs),
                         run: Rc::clone(&run),
                         sparse: sparse.then(|| plan.clone()),
                         level: self.levels.len() - 1,
                         error: None,
                         holds: false,
                     };
-                    if let Some(coarser) = &before {
+                    if let Some((_, coarser)) = runs.get(1) {
                         let (coarser, finer) = (&coarser.time_series, &run.time_series);
                         let moved = self.gearbox.distance(coarser, finer);
                         let error = refinement.error(moved, factor, last);
-                        let error = error.at_least(shared_error * plan.tolerance);
+                        let error = error.at_least(refinement.shared_error * plan.tolerance);
                         self.levels[found.level].moved = Some(moved);
                         found.error = Some(error);
                         found.holds = holds(self.target, error, moved, last.map(|(d, _)| d));
@@ -175,7 +182,6 @@ impl Search<'_> {
                     if done {
                         return Ok(true);
                     }
-                    before = Some(run);
                 }
             }
             let finer = plan.finer(factor);
@@ -250,40 +256,39 @@ impl Search<'_> {
         budget: u64,
         watch: &mut dyn FnMut(f64) -> bool,
     ) -> Result<(NativeRun, Uncertainty), NativeError> {
-        let unresolved = |error| Verdict::NotResolved {
-            reason: self
-                .stopped
-                .clone()
-                .unwrap_or_else(|| "no second run to judge it by".to_owned()),
-            remedy: uncertainty::remedy(self.target, error, budget),
+        let error = self.best.as_ref().and_then(|best| best.error);
+        let verdict = match &self.best {
+            Some(best) if best.holds => Verdict::Resolved,
+            _ => Verdict::NotResolved {
+                reason: self
+                    .stopped
+                    .unwrap_or_else(|| "no second run to judge it by".to_owned()),
+                remedy: uncertainty::remedy(self.target, error, budget),
+            },
         };
-        let Some(best) = self.best else {
-            let run = self.diverged.ok_or(NativeError::Stopped)?;
-            let known = Uncertainty {
-                target: self.target,
-                error: None,
-                verdict: unresolved(None),
-                chosen: self.levels.len().saturating_sub(1),
-                levels: self.levels,
-            };
-            return Ok((run, known));
-        };
-        let verdict = if best.holds {
-            Verdict::Resolved
-        } else {
-            unresolved(best.error)
+        let (run, chosen, ladder) = match self.best {
+            None => {
+                let run = self.diverged.ok_or(NativeError::Stopped)?;
+                (run, self.levels.len().saturating_sub(1), None)
+            }
+            Some(best) => {
+                let run = match best.sparse {
+                    None => Rc::unwrap_or_clone(best.run),
+                    // The refinement ended at its beginning: whoever asked wants all samples.
+                    Some(plan) => {
+                        native::run_within(&plan.applied(self.gearbox)?, plan.limits(), watch)?
+                    }
+                };
+                (run, best.level, best.ladder)
+            }
         };
         let uncertainty = Uncertainty {
             target: self.target,
-            error: best.error,
+            error,
             verdict,
-            chosen: best.level,
+            chosen,
             levels: self.levels,
-        };
-        let run = match best.sparse {
-            None => Rc::unwrap_or_clone(best.run),
-            // The refinement ended at its beginning: whoever asked wants all samples.
-            Some(plan) => native::run_within(&plan.applied(self.gearbox)?, plan.limits(), watch)?,
+            ladder,
         };
         Ok((run, uncertainty))
     }
@@ -363,6 +368,8 @@ pub struct Refinement {
     pub cost: f64,
     /// Least and most of a refinement.
     pub factors: (f64, f64),
+    /// Error of all runs alike, as a share of the tolerance.
+    pub shared_error: f64,
 }
 
 impl Refinement {
@@ -375,6 +382,7 @@ impl Refinement {
             order,
             cost,
             factors: (10.0, 100.0),
+            shared_error: info.shared_error,
         };
         Some(match (info.adaptive, info.family) {
             // Second order: the error of the run is proportional to the tolerance, its cost to the inverse root.
@@ -397,23 +405,39 @@ impl Refinement {
     /// Bound of the finer run's error; `before` is the distance one refinement earlier and its factor. Directions are not
     /// looked at, so that no order counts as confirmed.
     pub fn error(&self, moved: Distance, factor: f64, before: Option<(Distance, f64)>) -> Distance {
-        Distance::of_each(|of| {
-            let step = |(distance, ratio): (Distance, f64)| Step {
-                ratio,
-                difference: of(&distance),
-            };
-            let steps: Vec<Step> = [Some((moved, factor)), before]
-                .into_iter()
-                .flatten()
-                .map(step)
-                .collect();
-            let known = convergence::estimate(&steps, Some(0.0), self.method, 0.0);
-            let apart: f64 = steps.iter().map(|step| step.difference).sum();
-            known
-                .map_or(SAFETY_UNCONFIRMED * apart, |known| known.u)
-                .max(LEAST_SHARE * of(&moved))
+        let apart: Vec<_> = [Some((moved, factor)), before]
+            .into_iter()
+            .flatten()
+            .collect();
+        let known = ladder::error(&apart, Some(0.0), self.method, 0.0);
+        let bound = |of: fn(&Distance) -> f64| match of(&known) {
+            known if known.is_nan() => {
+                SAFETY_UNCONFIRMED * apart.iter().map(|(distance, _)| of(distance)).sum::<f64>()
+            }
+            known => known,
+        };
+        Distance::of_each(|of| bound(of).max(LEAST_SHARE * of(&moved))).torque_as_forces()
+    }
+
+    /// Returns the coarser of `runs`, the finest of which is the plan's, as evidence of its error; `None` without any, or where
+    /// explicit steps do not follow the friction.
+    fn ladder(&self, plan: &Plan, scene: &Scene, runs: &[(f64, Rc<NativeRun>)]) -> Option<Ladder> {
+        let is_stepped = plan.family() == Some(Family::Explicit) && !plan.adaptive();
+        if runs.len() < 2 || is_stepped && unfollowed(scene, plan.step_s).is_some() {
+            return None;
+        }
+        let level = |(setting, run): &(f64, Rc<NativeRun>)| ladder::Level {
+            setting: *setting,
+            run: Ok(run.time_series.clone()),
+            // A part of the whole run's.
+            wall_s: 0.0,
+        };
+        Some(Ladder {
+            method: self.method,
+            finest: plan.value(),
+            floor: self.shared_error * plan.tolerance,
+            coarser: runs[1..].iter().map(level).collect(),
         })
-        .torque_as_forces()
     }
 
     /// The next refinement: to a third of the target.

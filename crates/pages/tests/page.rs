@@ -106,7 +106,6 @@ fn judged(context: &Context, participants: &[Participant]) -> Comparison {
         engine: participant.name.clone(),
         source: Source::Exact(2e-5),
         is_final: None,
-        floor: 0.0,
     };
     let evidence: Vec<Evidence> = participants.iter().map(known).collect();
     let rules = Rules {

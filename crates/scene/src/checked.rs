@@ -8,7 +8,7 @@ use toml::{Table, Value};
 
 use crate::check;
 use crate::error::Fault;
-use crate::model::Scene;
+use crate::model::{Scene, Solver};
 use crate::table::{insert, lookup};
 
 /// A scene that passed [`Scene::check`]. It reads like the [`Scene`] inside and cannot be changed but through
@@ -89,13 +89,27 @@ impl CheckedScene {
     /// # Errors
     /// As [`Scene::check`].
     pub fn changed(&self, change: impl FnOnce(&mut Scene)) -> Result<Self, Fault> {
-        let mut scene = self.scene.clone();
-        change(&mut scene);
-        if scene == self.scene {
-            return Ok(self.clone());
+        self.changed_within(change, check::check)
+    }
+
+    /// Returns a copy with other settings of the solver. Only these are checked, alone and with the values that they depend on.
+    ///
+    /// # Errors
+    /// As [`Scene::check`].
+    pub fn with_solver(&self, change: impl FnOnce(&mut Solver)) -> Result<Self, Fault> {
+        self.changed_within(|scene| change(&mut scene.solver), check::solver)
+    }
+
+    fn changed_within(
+        &self,
+        change: impl FnOnce(&mut Scene),
+        check: impl FnOnce(&Scene) -> Result<(), Fault>,
+    ) -> Result<Self, Fault> {
+        let mut changed = self.clone();
+        change(&mut changed.scene);
+        if changed.scene != self.scene {
+            check(&changed.scene)?;
         }
-        let mut changed = scene.check()?;
-        changed.origins = Arc::clone(&self.origins);
         Ok(changed)
     }
 

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use pinwheel_compare::uncertainty::{RecordedUncertainty, Source};
-use pinwheel_compare::{Participant, RESOLUTION, Rules, compare};
+use pinwheel_compare::{Participant, RESOLUTION, uncertainties};
 use pinwheel_engines::recorded::{
     RECORDED_SCENES, Recording, may_be_missing, thinned, worth_keeping,
 };
@@ -134,23 +134,16 @@ fn refined(
         return Ok((participant, Vec::new()));
     }
     participant.time_series = thinned(&participant.time_series, scene);
-    if let Source::Refinement(study) = &mut evidence.source {
-        for run in study.coarser.iter_mut().flat_map(|level| &mut level.run) {
+    if let Source::Refinement(ladder) = &mut evidence.source {
+        for run in ladder.coarser.iter_mut().flat_map(|level| &mut level.run) {
             *run = thinned(run, scene);
         }
     }
     // Half of the last digit that is kept.
     let rounding = 0.5 * 10_f64.powi(1 - i32::try_from(engine.info().digits).unwrap_or(i32::MAX));
-    evidence.floor = evidence.floor.max(rounding);
-    let rules = Rules {
-        evidence: &[evidence],
-        ..Rules::default()
-    };
-    let found = compare(&context, std::slice::from_ref(&participant), &rules)?;
-    let known = found.engines.iter().flat_map(|engine| &engine.uncertainty);
-    let recorded = known.filter_map(|known| {
-        let window = found.windows.iter().find(|w| w.kind == known.window)?;
-        known.l2.u().map(|_| known.to_record(window))
-    });
+    let evidence = evidence.with_floor(rounding);
+    let known = uncertainties(&context, &participant, &evidence).into_iter();
+    let known = known.filter(|(_, known)| known.l2.u().is_some());
+    let recorded = known.map(|(window, known)| known.to_record(&window));
     Ok((participant, recorded.collect()))
 }

@@ -1,7 +1,7 @@
 //! Check that the step of a scene resolves it: a second run at twice the step (or ten times the tolerance), and how far
 //! the forces move.
 //!
-//! [`convergence::estimate`] says what follows for the run's own error. An error that this does not show would have to be the
+//! [`ladder::error`] says what follows for the run's own error. An error that this does not show would have to be the
 //! same at both steps. Where the coarser run fails it shows nothing, and the
 //! run is repeated at half its step (a tenth of its tolerance) instead, whose distance is the error itself.
 //!
@@ -11,7 +11,7 @@ use pinwheel_gearbox::resolve::convergence_of;
 use pinwheel_gearbox::{Distance, Gearbox, unfollowed};
 use pinwheel_mbs::integrators::{Family, method};
 use pinwheel_timeseries::TimeSeries;
-use pinwheel_timeseries::convergence::{self, Step};
+use pinwheel_timeseries::ladder;
 use serde::{Deserialize, Serialize};
 
 use crate::StudyError;
@@ -36,7 +36,7 @@ pub struct Resolution {
     pub other: String,
     /// How far the run moves; `None` if the other run failed too.
     pub moved: Option<Distance>,
-    /// Estimated error of the run from the requested time on, by [`convergence::estimate`]. `None` where both runs have
+    /// Estimated error of the run from the requested time on, by [`ladder::error`]. `None` where both runs have
     /// too few samples in common there, or explicit steps do not follow the friction ([`unfollowed`]).
     pub error: Option<Distance>,
     /// The most that it may.
@@ -131,13 +131,9 @@ fn error(gearbox: &Gearbox, pair: [&TimeSeries; 2], from_s: f64) -> Option<Dista
     // Of two samples and less nothing is learnt.
     let enough = coarser.len().min(finer.len()) > 2;
     let apart = enough.then(|| gearbox.distance(&coarser, &finer))?;
-    let bound = |difference: f64| {
-        let ratio = if info.adaptive { DECADE } else { 2.0 };
-        let how = convergence_of(info, &gearbox.scene);
-        let known = convergence::estimate(&[Step { ratio, difference }], None, how, f64::EPSILON);
-        known.map_or(f64::NAN, |known| known.u)
-    };
-    let found = Distance::of_each(|part| bound(part(&apart)));
+    let ratio = if info.adaptive { DECADE } else { 2.0 };
+    let method = convergence_of(info, scene);
+    let found = ladder::error(&[(apart, ratio)], None, method, f64::EPSILON);
     (!found.worst().is_nan()).then(|| found.torque_as_forces())
 }
 

@@ -5,6 +5,7 @@ use pinwheel_engines::{Control, Engine, Native, OwnContact, Run, recorded};
 use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_scene::{Override, Scene};
 use pinwheel_timeseries::TimeSeries;
+use pinwheel_timeseries::norms::{View, relative_l2};
 
 fn gearbox(preset: &str, sets: &[&str]) -> Gearbox {
     let sets: Vec<Override> = sets.iter().map(|set| set.parse().unwrap()).collect();
@@ -40,6 +41,18 @@ fn hard_native_resolved_keeps_to_its_target_at_any_step_of_the_scene() {
             let off = gearbox.distance(&run.time_series, &exact).worst();
             println!("{preset}, {step}: {off:.1e}, {}", known.sentence());
             assert!(off <= target, "{preset}, {step}: {off:e}");
+            // Its levels are evidence for a comparison.
+            let (found, ladder) = (&run.time_series, known.ladder.as_ref().unwrap());
+            let names = found.channels().iter().map(|channel| channel.name.clone());
+            let names: Vec<String> = names.filter(|name| name.starts_with("external")).collect();
+            let samples = 0..found.len();
+            let [own, truth] =
+                [found, &exact].map(|run| View::of(run, &names, samples.clone()).unwrap());
+            let off = relative_l2(&own, &truth, 0.0);
+            let known = ladder.estimate(found, &names, &samples, 0.0, true);
+            let u = known.unwrap().relative_l2.unwrap();
+            println!("{preset}, {step}: {off:.1e}, {u:.1e} stated");
+            assert!(off <= u && u <= target, "{preset}, {step}: {off:e}, {u:e}");
             run
         });
         let [fine, coarse] = &mut runs;

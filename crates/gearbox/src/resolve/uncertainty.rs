@@ -1,5 +1,6 @@
 //! Estimate of a run's numerical error.
 
+use pinwheel_timeseries::ladder::Ladder;
 use serde::{Deserialize, Serialize};
 
 use crate::Distance;
@@ -47,6 +48,9 @@ pub struct Uncertainty {
     pub chosen: usize,
     /// All runs, in order.
     pub levels: Vec<Level>,
+    /// Coarser runs by the method of the chosen one, with their time series; `None` where they show nothing.
+    #[serde(skip)]
+    pub ladder: Option<Ladder>,
 }
 
 impl Uncertainty {

@@ -24,6 +24,7 @@ fn refinement(order: f64) -> Refinement {
         order,
         cost: 0.2,
         factors: (10.0, 100.0),
+        shared_error: 0.0,
     }
 }
 
@@ -196,6 +197,7 @@ fn the_best_run_is_kept() {
             sparse: None,
             level,
             error,
+            ladder: None,
             holds: false,
         });
     }

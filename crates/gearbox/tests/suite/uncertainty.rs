@@ -19,6 +19,7 @@ fn what_is_known_is_told() {
         verdict: Verdict::Resolved,
         chosen: 1,
         levels: vec![level(100, None), level(200, None)],
+        ladder: None,
     };
     assert!(found.is_resolved());
     assert_eq!((found.cost(), found.notes().len()), (1.5, 1));

@@ -11,7 +11,7 @@ mod ranges;
 mod remedy;
 mod units;
 
-use toml::Table;
+use toml::{Table, Value};
 
 use crate::error::Fault;
 use crate::model::{Gear, Scene};
@@ -21,15 +21,21 @@ use crate::model::{Gear, Scene};
 /// # Errors
 /// The first fault.
 pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
-    let table = Table::try_from(scene).map_err(|error| {
-        Fault::new(
-            &["scene"],
-            format!("cannot be written: {error}"),
-            "change it",
-        )
-    })?;
-    ranges::check(&table)?;
+    ranges::check(&Table::try_from(scene).map_err(unwritten)?)?;
     together(scene, false)
+}
+
+/// Refuses settings of the solver that do not go with a scene whose other values are checked.
+pub(crate) fn solver(scene: &Scene) -> Result<(), Fault> {
+    let solver = Value::try_from(&scene.solver).map_err(unwritten)?;
+    ranges::check(&Table::from_iter([("solver".to_owned(), solver)]))?;
+    combinations::check(scene)?;
+    budget::check(scene)
+}
+
+fn unwritten(error: toml::ser::Error) -> Fault {
+    let what = format!("cannot be written: {error}");
+    Fault::new(&["scene"], what, "change it")
 }
 
 /// Refuses combinations of values of a scene that cannot be run or make no sense. Every single value is known to be in

@@ -15,8 +15,8 @@ use pinwheel_compare::comparison::PairEntry;
 use pinwheel_compare::limits::Friction;
 use pinwheel_compare::model::{ModelTolerance, Prediction};
 use pinwheel_compare::{
-    Comparison, Divergence, Metric, Participant, Rules, SharedModel, Status, Verdict, WindowKind,
-    compare,
+    Comparison, Divergence, Ladder, Metric, Participant, Rules, SharedModel, Status, Verdict,
+    WindowKind, compare,
 };
 use pinwheel_engines::{Engine, external, recorded};
 use pinwheel_gearbox::{Explanation, Gearbox, Statement};
@@ -361,14 +361,15 @@ fn of_solvers<'a>() -> impl Iterator<Item = (&'a str, ModelTolerance)> {
     })
 }
 
-/// Runs one engine, where stated within `most`, and makes a participant of it, however it ended.
+/// Runs one engine, where stated within `most`, and makes a participant of it, however it ended; with the coarser runs by
+/// which the engine itself verified it.
 fn take_part(
     engine: &dyn Engine,
     gearbox: &Gearbox,
     most: Option<Duration>,
     at: Progress<'_>,
     control: &Control<'_>,
-) -> Result<Participant, StudyError> {
+) -> Result<(Participant, Option<Ladder>), StudyError> {
     let control = control.piece(at);
     let run = match most {
         Some(most) => TimeLimit {
@@ -386,7 +387,7 @@ fn take_part(
         return take_part(recorded.as_ref(), gearbox, most, at, &control);
     }
     let info = engine.info();
-    Ok(Participant {
+    let participant = Participant {
         name: info.name.to_owned(),
         track: info.track,
         version: engine.version(),
@@ -395,7 +396,8 @@ fn take_part(
         time_series: run.time_series,
         cost: run.stats,
         status: run.ending,
-    })
+    };
+    Ok((participant, run.uncertainty.and_then(|own| own.ladder)))
 }
 
 /// Longest step of the two runs that differ by a rounding, in radians of the contacts' oscillation: 5e-6 s for the

@@ -13,7 +13,7 @@ fn regress_no_level_is_longer_than_the_samples_are_apart() {
     let scene = pinwheel_scene::Scene::from_toml(scene, "paper", &[]).expect("a scene");
     let gearbox = Gearbox::new(&scene).expect("a gear");
     assert_eq!(gearbox.scene.solver.sample_s, 1e-4);
-    let mut engines = Refiner::native(&Native::REDUCED, gearbox).expect("a way to refine it");
+    let mut engines = Refiner::of(&Native::REDUCED, gearbox).expect("a way to refine it");
     for (step, longer) in [
         (1e-4, &[][..]),
         (5e-5, &[1e-4]),

@@ -5,7 +5,7 @@ use super::{entry, native, other};
 use pinwheel_compare::uncertainty::order::{self, Rough};
 use pinwheel_compare::uncertainty::{Basis, Method};
 use pinwheel_compare::{
-    Context, Divergence, Evidence, Level, RefinementStudy, Rules, SharedModel, WindowKind, compare,
+    Context, Divergence, Evidence, Ladder, Level, Rules, SharedModel, WindowKind, compare,
 };
 use pinwheel_timeseries::TimeSeries;
 
@@ -22,19 +22,20 @@ fn torque(values: &dyn Fn(usize) -> f64) -> TimeSeries {
 pub(crate) fn levels(name: &str, coarser: [TimeSeries; 2]) -> Evidence {
     let [two, three] = coarser;
     let level = |refinement: f64, run: TimeSeries| Level {
-        refinement,
+        setting: 1e-5 * refinement,
         run: Ok(run),
         wall_s: 1.0,
     };
-    let study = RefinementStudy {
+    let ladder = Ladder {
         method: Method::Step {
             order: 2.0,
             rough: None,
         },
         finest: 1e-5,
+        floor: 0.0,
         coarser: vec![level(2.0, two), level(4.0, three)],
     };
-    Evidence::refinement(name, study)
+    Evidence::refinement(name, ladder)
 }
 
 /// Differences of the right size confirm an order only where they point the same way: a cosine of a half and more.

@@ -5,7 +5,7 @@ use super::{FORCE, anywhere, compared, engine, entry, native, off};
 use pinwheel_compare::uncertainty::order::Rough;
 use pinwheel_compare::uncertainty::{Basis, Method, Source};
 use pinwheel_compare::{
-    Context, Evidence, Level, Metric, RefinementStudy, Rules, Scales, SharedModel, Verdict, compare,
+    Context, Evidence, Ladder, Level, Metric, Rules, Scales, SharedModel, Verdict, compare,
 };
 use pinwheel_timeseries::TimeSeries;
 
@@ -83,19 +83,20 @@ fn crossval_a_fault_of_a_thousandth_is_a_finding() {
 fn regress_adaptive_runs_agree_to_their_tolerance() {
     let adaptive = |name: &str, errors: [f64; 3]| {
         let level = |refinement: f64, error: f64| Level {
-            refinement,
+            setting: 1e-6 * refinement,
             run: Ok(off(&time_series(1.0), error)),
             wall_s: 1.0,
         };
-        let study = RefinementStudy {
+        let ladder = Ladder {
             method: Method::Tolerance { order: 1.0 },
             finest: 1e-6,
+            floor: 0.0,
             coarser: vec![level(100.0, errors[2]), level(10.0, errors[1])],
         };
         let course = off(&time_series(1.0), errors[0]);
         (
             participant(name, SharedModel::Native, course),
-            Evidence::refinement(name, study),
+            Evidence::refinement(name, ladder),
         )
     };
     let list = || {
@@ -134,21 +135,22 @@ fn regress_coarse_runs_far_apart_are_never_within() {
     for levels in [1, 2, 3] {
         let coarse = |name: &str, seed: u64| {
             let level = |k: u64| Level {
-                refinement: 2f64.powf(k as f64),
+                setting: 4e-5 * 2f64.powf(k as f64),
                 run: Ok(wild(seed + k)),
                 wall_s: 1.0,
             };
-            let study = RefinementStudy {
+            let ladder = Ladder {
                 method: Method::Step {
                     order: 2.0,
                     rough: Some(Rough::Friction),
                 },
                 finest: 4e-5,
+                floor: 0.0,
                 coarser: (1..=levels).map(level).collect(),
             };
             (
                 participant(name, SharedModel::Native, wild(seed)),
-                Evidence::refinement(name, study),
+                Evidence::refinement(name, ladder),
             )
         };
         let found = compared(

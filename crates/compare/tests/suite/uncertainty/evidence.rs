@@ -4,8 +4,8 @@ use super::common::time_series;
 use super::{FORCE, anywhere, engine, entry, native};
 use pinwheel_compare::uncertainty::{Method, Source, Unresolved};
 use pinwheel_compare::{
-    Assessment, CompareError, Evidence, Level, RefinementStudy, Rules, SharedModel, Verdict,
-    compare,
+    Assessment, CompareError, Evidence, Ladder, Level, Rules, SharedModel, Verdict, compare,
+    uncertainties,
 };
 use pinwheel_timeseries::TimeSeries;
 
@@ -26,7 +26,6 @@ fn a_participant_without_evidence_is_named() {
             engine: "peer".to_owned(),
             source,
             is_final: None,
-            floor: 0.0,
         }));
         let rules = Rules {
             evidence: &evidence,
@@ -49,11 +48,12 @@ fn a_participant_without_evidence_is_named() {
     });
     assert!(named(&found(Some(unknown)).0, "recording says nothing"));
     let ladder_of = |run: Result<TimeSeries, String>, refinement: f64| {
-        Source::Refinement(RefinementStudy {
+        Source::Refinement(Ladder {
             method: Method::Tolerance { order: 1.0 },
             finest: 1e-6,
+            floor: 0.0,
             coarser: vec![Level {
-                refinement,
+                setting: 1e-6 * refinement,
                 run,
                 wall_s: 0.0,
             }],
@@ -102,6 +102,42 @@ fn a_participant_without_evidence_is_named() {
         &found(Some(Source::Recorded(Vec::new()))).0,
         "recording holds no"
     ));
+}
+
+/// A run that only judges another may have half of the samples: all are compared at these.
+#[test]
+fn a_level_at_every_other_sample_is_compared_there() {
+    let base = time_series(1.0);
+    let (finest, all) = engine(
+        "peer",
+        SharedModel::SharedLaw,
+        &base,
+        1e-5,
+        2.0,
+        &[2.0, 4.0],
+    );
+    let mut thin = all.clone();
+    let Source::Refinement(ladder) = &mut thin.source else {
+        panic!("{thin:?}");
+    };
+    let rows: Vec<usize> = (0..base.len()).step_by(2).collect();
+    for run in ladder
+        .coarser
+        .iter_mut()
+        .skip(1)
+        .flat_map(|level| &mut level.run)
+    {
+        *run = run.select(&rows);
+    }
+    let known = |evidence| {
+        let found = uncertainties(&anywhere(), &finest, evidence);
+        found.into_iter().map(|(_, known)| known.l2.u().unwrap())
+    };
+    let both: Vec<(f64, f64)> = known(&all).zip(known(&thin)).collect();
+    assert!(both.len() >= 4, "{both:?}");
+    for (all, thin) in both {
+        assert!(all > 0.0 && (thin / all - 1.0).abs() < 0.05, "{all} {thin}");
+    }
 }
 
 #[test]

@@ -11,7 +11,7 @@ use common::{context, participant, time_series};
 use pinwheel_compare::comparison::{Comparison, PairEntry};
 use pinwheel_compare::uncertainty::Method;
 use pinwheel_compare::{
-    Context, Evidence, Level, Participant, RefinementStudy, Rules, SharedModel, WindowKind, compare,
+    Context, Evidence, Ladder, Level, Participant, Rules, SharedModel, WindowKind, compare,
 };
 use pinwheel_timeseries::TimeSeries;
 
@@ -52,18 +52,19 @@ fn engine(
 ) -> (Participant, Evidence) {
     let at = |h: f64| off(base, error * h.powf(order));
     let level = |&refinement: &f64| Level {
-        refinement,
+        setting: 1e-5 * refinement,
         run: Ok(at(refinement)),
         wall_s: 1.0,
     };
-    let study = RefinementStudy {
+    let ladder = Ladder {
         method: Method::Step { order, rough: None },
         finest: 1e-5,
+        floor: 0.0,
         coarser: refinements.iter().map(level).collect(),
     };
     let mut participant = participant(name, on, at(1.0));
     participant.cost.steps = 60_000;
-    (participant, Evidence::refinement(name, study))
+    (participant, Evidence::refinement(name, ladder))
 }
 
 fn compared(context: &Context, list: Vec<(Participant, Evidence)>) -> Comparison {

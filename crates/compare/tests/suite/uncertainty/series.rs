@@ -3,7 +3,7 @@
 use super::anywhere;
 use super::common::{Random, participant, time_series};
 use pinwheel_compare::uncertainty::{Method, Norm, Source};
-use pinwheel_compare::{Evidence, Level, RefinementStudy, Rules, SharedModel, compare};
+use pinwheel_compare::{Evidence, Ladder, Level, Rules, SharedModel, compare};
 use pinwheel_timeseries::TimeSeries;
 
 /// Every norm and figure: u is at least the true error in 95 of 100 cases, and not blunt. The errors of the levels have
@@ -44,13 +44,14 @@ fn crossval_series_and_figures_are_covered() {
         };
         let finest = at(1.0);
         let levels = [2.0, 4.0].map(|refinement| Level {
-            refinement,
+            setting: 1e-5 * refinement,
             run: Ok(at(refinement)),
             wall_s: 1.0,
         });
-        let study = RefinementStudy {
+        let ladder = Ladder {
             method: Method::Step { order, rough: None },
             finest: 1e-5,
+            floor: 0.0,
             coarser: levels.to_vec(),
         };
         let list = [
@@ -58,12 +59,11 @@ fn crossval_series_and_figures_are_covered() {
             participant("truth", SharedModel::Native, truth.clone()),
         ];
         let evidence = [
-            Evidence::refinement("a", study),
+            Evidence::refinement("a", ladder),
             Evidence {
                 engine: "truth".to_owned(),
                 source: Source::Exact(0.0),
                 is_final: None,
-                floor: 0.0,
             },
         ];
         let rules = Rules {

@@ -339,7 +339,6 @@ fn against(
         engine: "truth".to_owned(),
         source: Source::Exact(0.0),
         is_final: None,
-        floor: 0.0,
     };
     let evidence: Vec<Evidence> = evidence.into_iter().chain([exact]).collect();
     let rules = Rules {

@@ -1,17 +1,14 @@
 //! The numerical uncertainty of a run, from the same engine's runs at coarser settings.
 //!
-//! [`order`](pinwheel_timeseries::convergence) holds the formulas on plain numbers. [`RefinementStudy`] applies them to time series: per quantity (all
-//! channels jointly) and window, in the norms of the comparison. [`Evidence`] is what a participant brings.
-
-mod refinement;
+//! A [`Ladder`] holds the runs and estimates one quantity in one window; [`Evidence`] is what a participant brings, and
+//! [`crate::uncertainties`] what follows for all its quantities.
 
 use serde::{Deserialize, Serialize};
 
 use crate::windows::{Window, WindowKind};
 pub use pinwheel_timeseries::RecordedUncertainty;
 pub use pinwheel_timeseries::convergence::{self as order, Basis, Estimate, Method, Unresolved};
-pub(crate) use refinement::Settings;
-pub use refinement::{Level, RefinementStudy};
+pub use pinwheel_timeseries::ladder::{Estimates, Ladder, Level};
 
 /// The uncertainty of one figure, or why there is none.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -140,6 +137,21 @@ impl QuantityUncertainty {
         }
     }
 
+    /// Uncertainty of a quantity that a ladder shows.
+    pub(crate) fn of_estimates(quantity: &str, window: WindowKind, found: Estimates) -> Self {
+        let [l2, linf, mean, peak, rms] = found.norms.map(Uncertainty::from);
+        Self {
+            quantity: quantity.to_owned(),
+            window,
+            l2,
+            linf,
+            mean,
+            peak,
+            rms,
+            relative_l2: found.relative_l2,
+        }
+    }
+
     /// Uncertainty of a quantity that is `what` in every norm.
     pub(crate) fn everywhere(quantity: &str, window: WindowKind, what: &Uncertainty) -> Self {
         Self {
@@ -165,8 +177,6 @@ pub struct Evidence {
     /// Why a number that is not sharp enough has to be accepted: a time limit is spent, say. What is then inconclusive
     /// leaves nothing to act on. `None` where a setting would do.
     pub is_final: Option<Final>,
-    /// Share of a quantity's size that no refinement takes off: what the engine's own iterations leave. 0 for none.
-    pub floor: f64,
 }
 
 /// Why no setting of the user's makes a participant's numbers sharper.
@@ -182,7 +192,7 @@ pub struct Final {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Source {
     /// Coarser runs of the same engine.
-    Refinement(RefinementStudy),
+    Refinement(Ladder),
     /// Uncertainties written down with a recording ([`QuantityUncertainty::to_record`]).
     Recorded(Vec<RecordedUncertainty>),
     /// Exact but for rounding: a closed form. The value is the floor, as a share of a quantity's RMS.
@@ -192,10 +202,10 @@ pub enum Source {
 }
 
 impl Evidence {
-    /// Evidence from a refinement study.
+    /// Evidence from coarser runs.
     #[must_use]
-    pub fn refinement(engine: impl Into<String>, study: RefinementStudy) -> Self {
-        Self::of(engine, Source::Refinement(study))
+    pub fn refinement(engine: impl Into<String>, ladder: Ladder) -> Self {
+        Self::of(engine, Source::Refinement(ladder))
     }
 
     fn of(engine: impl Into<String>, source: Source) -> Self {
@@ -203,7 +213,6 @@ impl Evidence {
             engine: engine.into(),
             source,
             is_final: None,
-            floor: 0.0,
         }
     }
 
@@ -216,10 +225,13 @@ impl Evidence {
         Self::of(engine, Source::Unknown(Unresolved::new(reason, remedy)))
     }
 
-    /// Sets the share of every quantity that the engine's iterations leave.
+    /// Raises the share of every quantity that the engine's iterations leave, which coarser runs do not show.
     #[must_use]
-    pub fn with_floor(self, floor: f64) -> Self {
-        Self { floor, ..self }
+    pub fn with_floor(mut self, floor: f64) -> Self {
+        if let Source::Refinement(ladder) = &mut self.source {
+            ladder.floor = ladder.floor.max(floor);
+        }
+        self
     }
 
     /// Marks a participant that can bring no sharper evidence, with the name of its group and the reason.
