@@ -18,7 +18,8 @@ mod newton;
 use pinwheel_mbs::{BodyState, Evaluation, Jacobian, Pose, Structure, Wrench};
 
 use crate::Layout;
-use crate::contacts::{ContactField, EccentricBearings, PairContact};
+use crate::carrier::Carrier;
+use crate::contacts::{ContactField, PairContact};
 use crate::{Gearbox, GearboxError};
 
 /// Elastic twist allowed beyond the free play, in pitches (2 pi/zs): the guard of dynamic runs is 0.25.
@@ -73,7 +74,7 @@ pub struct Statics<'a> {
     /// Derivatives of the moments with respect to angles and to the places of discs that float.
     floating_slopes: Jacobian,
     /// Bearings on which discs float. They have no friction, because a balance at rest has none.
-    bearings: Option<EccentricBearings>,
+    carrier: Carrier,
     /// Last balances of discs that float, and their loads.
     floated: Vec<(Equilibrium, f64)>,
     /// Room for moments that contacts tell without loads, by body.
@@ -142,8 +143,7 @@ impl<'a> Statics<'a> {
             motion: Motion::none(gearbox.layout.wheels),
             derivatives: derivatives(1 + gearbox.layout.wheels),
             floating_slopes: derivatives(1 + OF_A_WHEEL * gearbox.layout.wheels),
-            bearings: EccentricBearings::of(&gearbox.scene, &gearbox.geometry)
-                .map(EccentricBearings::frictionless),
+            carrier: gearbox.carrier.clone().frictionless(),
             floated: Vec::new(),
             moments_by_body: vec![0.0; gearbox.layout.bodies()],
             is_rigid: false,
@@ -355,7 +355,7 @@ impl<'a> Statics<'a> {
     /// The equilibrium with rigid eccentrics at the input angle `phi` (rad) under the load torque `load` (N m on the
     /// output).
     fn solve_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
-        if self.gearbox.scene.cranks.is_some() {
+        if self.gearbox.carrier.cranks().is_some() {
             return self.solve_on_cranks(phi, load);
         }
         let ideal = self.gearbox.geometry.ideal_output_angle(phi);
@@ -383,7 +383,7 @@ impl<'a> Statics<'a> {
     ) -> Result<Equilibrium, GearboxError> {
         let floats = self.gearbox.floats() && !self.is_rigid;
         // Where it may rest there is no slope to follow; on rigid cranks discs have no angles of their own.
-        if load == 0.0 || (!floats && self.gearbox.scene.cranks.is_some()) {
+        if load == 0.0 || (!floats && self.gearbox.carrier.cranks().is_some()) {
             return self.solve(phi, load);
         }
         if floats {
@@ -504,9 +504,7 @@ impl<'a> Statics<'a> {
     /// The bearings that cranks of an RV gear carry discs by, as pairs; of other gears none.
     #[must_use]
     pub fn on_cranks(&self, equilibrium: &Equilibrium) -> Vec<PairContact> {
-        let bearings = self.bearings.as_ref();
-        let found = bearings.map(|bearings| bearings.crank_pairs(&equilibrium.bodies));
-        found.unwrap_or_default()
+        self.carrier.pairs(&equilibrium.bodies)
     }
 
     /// States at t = 0 of a run that starts loaded and already in its slow motion.

@@ -18,7 +18,7 @@ use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::{BodyState, Evaluation, Pose, Wrench};
 
 use super::{ANGLE, Equilibrium, OF_A_WHEEL, Statics, next_root};
-use crate::contacts::EccentricBearings;
+use crate::carrier::Carrier;
 use crate::{GearboxError, Layout, load_profile, scene::Detection};
 
 /// Difference steps, and the first share s, in the depths and twists of contacts under the load.
@@ -91,15 +91,11 @@ impl Size {
 
 impl Statics<'_> {
     /// The bearings, which the rigid solution leaves out.
-    ///
-    /// # Errors
-    /// No disc floats.
-    fn bearings(&self) -> Result<EccentricBearings, GearboxError> {
-        let none = || GearboxError::Geometry("no disc floats".to_owned());
-        self.bearings.clone().ok_or_else(none)
+    fn bearings(&self) -> Carrier {
+        self.carrier.clone()
     }
 
-    fn size(&self, load: f64, bearings: &EccentricBearings) -> Size {
+    fn size(&self, load: f64, bearings: &Carrier) -> Size {
         let (scales, gear) = (self.gearbox.error_scales(), &self.gearbox.scene.gear);
         let least = self.gearbox.least_force_n();
         let moment = load.abs().max(least * gear.lever_m());
@@ -108,7 +104,7 @@ impl Statics<'_> {
         // Places are known to their rounding, and so are forces, however light the load.
         let moment = share * largest;
         let force = moment / gear.lever_m();
-        let stiffest = bearings.law.slope_under(force);
+        let stiffest = bearings.slope_under(force);
         // Where bearings sit: of cranks on their circle, about which forces have moments as well.
         let circle = self
             .gearbox
@@ -151,7 +147,7 @@ impl Statics<'_> {
         &mut self,
         phi: f64,
         load: f64,
-        bearings: &EccentricBearings,
+        bearings: &Carrier,
         u: &[f64],
         velocities: Option<&[f64]>,
     ) -> DVector<f64> {
@@ -196,7 +192,7 @@ impl Statics<'_> {
         &mut self,
         phi: f64,
         load: f64,
-        bearings: &EccentricBearings,
+        bearings: &Carrier,
         (u, here): (&[f64], &DVector<f64>),
         size: Size,
     ) -> DMatrix<f64> {
@@ -230,7 +226,7 @@ impl Statics<'_> {
         &mut self,
         phi: f64,
         load: f64,
-        bearings: &EccentricBearings,
+        bearings: &Carrier,
         (u, here): (&[f64], &DVector<f64>),
         size: Size,
     ) -> DMatrix<f64> {
@@ -252,13 +248,13 @@ impl Statics<'_> {
         &mut self,
         phi: f64,
         load: f64,
-        bearings: &EccentricBearings,
+        bearings: &Carrier,
         u: &mut Vec<f64>,
     ) -> Option<DVector<f64>> {
         let left = self.newton_on_bearings(phi, load, bearings, u)?;
         let gear = &self.gearbox.scene.gear;
         let force = load.abs() / (gear.lever_m() * gear.wheels as f64);
-        let given_way = bearings.law.offset_under(force) / gear.lever_m();
+        let given_way = bearings.offset_under(force) / gear.lever_m();
         let turned = u[0] - self.gearbox.geometry.ideal_output_angle(phi);
         (turned.abs() <= self.brackets().1 + GIVEN_WAY * given_way).then_some(left)
     }
@@ -361,7 +357,7 @@ impl Statics<'_> {
 
     /// The equilibrium of floating discs by continuation from that of rigid eccentrics.
     fn float_from_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
-        let (rigid, bearings) = (self.solve_rigid(phi, load)?, self.bearings()?);
+        let (rigid, bearings) = (self.solve_rigid(phi, load)?, self.bearings());
         let mut u = self.unknowns(&rigid.bodies, rigid.output);
         // Forces of the contacts alone: what the bearings will have to carry.
         let contacts = self.left(phi, load, &bearings, &u, None);
@@ -371,13 +367,13 @@ impl Statics<'_> {
         if most <= LEFT * self.size(load, &bearings).force {
             return Ok(self.floating_equilibrium(phi, &u, &contacts));
         }
-        let whole = bearings.law.offset_under(most);
+        let whole = bearings.offset_under(most);
         let mut share = (FIRST * self.size(load, &bearings).length / whole).min(1.0);
         for (wheel, forces) in u[1..].chunks_mut(OF_A_WHEEL).zip(&forces) {
             for (&[sx, sy], &[fx, fy]) in eccentric_centres.iter().zip(forces) {
                 let size = fx.hypot(fy);
                 if size > 0.0 {
-                    let offset = share * bearings.law.offset_under(size) / size;
+                    let offset = share * bearings.offset_under(size) / size;
                     let offset = offset / eccentric_centres.len() as f64;
                     wheel[0] += offset * fx;
                     wheel[1] += offset * fy;
@@ -388,7 +384,7 @@ impl Statics<'_> {
         }
         let none = || GearboxError::NoEquilibrium { load_n_m: load };
         // The bearings of one disc do not all deflect along these forces: their clearance comes last.
-        let tight = if self.gearbox.scene.cranks.is_some() {
+        let tight = if self.gearbox.carrier.cranks().is_some() {
             0.0
         } else {
             1.0
@@ -404,7 +400,7 @@ impl Statics<'_> {
             let shared = bearings.share(share, tight * share);
             if let Some(left) = self.balance(phi, load, &shared, &mut there) {
                 if share >= 1.0 {
-                    let (whole, left) = match self.gearbox.scene.cranks {
+                    let (whole, left) = match self.gearbox.carrier.cranks() {
                         Some(_) => self
                             .loosened(phi, load, &bearings, there)
                             .ok_or_else(none)?,
@@ -435,7 +431,7 @@ impl Statics<'_> {
         &mut self,
         phi: f64,
         load: f64,
-        bearings: &EccentricBearings,
+        bearings: &Carrier,
         mut u: Vec<f64>,
     ) -> Option<(Vec<f64>, DVector<f64>)> {
         let (mut share, mut step, mut left) = (0.0, 1.0, None);
@@ -447,9 +443,12 @@ impl Statics<'_> {
             let mut there = u.clone();
             for (i, wheel) in there[1..].chunks_mut(OF_A_WHEEL).enumerate() {
                 for (crank, seat) in layout.internal_bodies().enumerate() {
-                    let [dx, dy] = bearings.of_crank(&self.bodies, i, crank).offset_m;
+                    let Some(cranks) = bearings.cranks() else {
+                        continue;
+                    };
+                    let [dx, dy] = cranks.bearing(&self.bodies, i, crank).0.offset_m;
                     let seat = self.bodies[seat];
-                    let further = (next - share) * bearings.clearance_m(i, crank)
+                    let further = (next - share) * cranks.law(i, crank).clearance_m
                         / (dx.hypot(dy).max(f64::MIN_POSITIVE) * layout.internal_sleeves as f64);
                     wheel[0] += further * dx;
                     wheel[1] += further * dy;
@@ -472,7 +471,7 @@ impl Statics<'_> {
         bodies: &[BodyState],
         contacts: &[f64],
     ) -> (Vec<[f64; 2]>, Vec<Vec<[f64; 2]>>) {
-        let eccentric_centres: Vec<[f64; 2]> = match self.gearbox.scene.cranks {
+        let eccentric_centres: Vec<[f64; 2]> = match self.gearbox.carrier.cranks() {
             Some(_) => {
                 let cranks = bodies[self.gearbox.layout.internal_bodies()].iter();
                 cranks.map(|crank| [crank.x, crank.y]).collect()
@@ -544,7 +543,7 @@ impl Statics<'_> {
         let mut there = u.to_vec();
         for i in 0..self.gearbox.layout.wheels {
             let geometry = &self.gearbox.geometry;
-            let own = match self.gearbox.scene.cranks {
+            let own = match self.gearbox.carrier.cranks() {
                 Some(_) => geometry.ideal_wheel_angle(i, 0.0) + u[0],
                 None => u[OF_A_WHEEL * (i + 1)],
             };
@@ -565,7 +564,7 @@ impl Statics<'_> {
         phi: f64,
         load: f64,
     ) -> Option<Equilibrium> {
-        let bearings = self.bearings().ok()?;
+        let bearings = self.bearings();
         let mut u = self.unknowns(&near.bodies, near.output);
         let geometry = &self.gearbox.geometry;
         u[0] += geometry.ideal_output_angle(phi) - geometry.ideal_output_angle(near.input);
@@ -582,7 +581,7 @@ impl Statics<'_> {
 
     /// As [`Statics::compliance`], of discs that float. To first order in the rates the shape of the deflection is that at rest.
     pub(super) fn floating_compliance(&mut self, at: &Equilibrium) -> Option<[f64; 2]> {
-        let bearings = self.bearings().ok()?;
+        let bearings = self.bearings();
         let load = self.gearbox.scene.drive.output_torque_n_m;
         let u = self.unknowns(&at.bodies, at.output);
         let (size, phi) = (self.size(load, &bearings), at.input);

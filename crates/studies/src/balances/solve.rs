@@ -72,7 +72,7 @@ pub(crate) fn balances(
     };
     Ok(Balances {
         parts: poses.parts,
-        on_cranks: gearbox.scene.cranks.is_some(),
+        on_cranks: gearbox.carrier.cranks().is_some(),
         lost,
         stiffness,
         loaded: at(1, working)?,

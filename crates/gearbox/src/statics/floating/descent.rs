@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::super::Statics;
 use super::{LEFT, Size};
-use crate::contacts::EccentricBearings;
+use crate::carrier::Carrier;
 
 /// Newton steps at most, halvings of one, and what a step must leave at most for its derivatives to serve the next.
 const STEPS: usize = 60;
@@ -35,7 +35,7 @@ impl Statics<'_> {
         &mut self,
         phi: f64,
         load: f64,
-        bearings: &EccentricBearings,
+        bearings: &Carrier,
         u: &mut Vec<f64>,
     ) -> Option<DVector<f64>> {
         let size = self.size(load, bearings);
@@ -104,7 +104,7 @@ impl Statics<'_> {
         &mut self,
         phi: f64,
         load: f64,
-        bearings: &EccentricBearings,
+        bearings: &Carrier,
         (u, here): (&[f64], &DVector<f64>),
     ) -> Option<Vec<f64>> {
         let size = self.size(load, bearings);
