@@ -18,12 +18,13 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel_contact::Material;
 use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::statics::Statics;
 use pinwheel_scene::{Scene, scales};
 use serde::Serialize;
 
 use crate::balances::figures::DesignFigure;
-use crate::balances::solve::few_figures;
-use crate::control::compile;
+use crate::balances::solve::{few_figures, few_figures_by};
+use crate::control::{compile, of_scene};
 use crate::{Control, Progress, StudyError};
 
 /// Depths of the disc, of the scene's own.
@@ -148,7 +149,11 @@ fn laws(scene: &Scene) -> Vec<(String, Scene)> {
 
 /// Figures of a scene; `None` where it cannot be balanced.
 fn figures(scene: &Scene, cancel: &AtomicBool) -> Result<Option<Vec<DesignFigure>>, StudyError> {
-    let found = compile(scene).and_then(|gearbox| few_figures(&gearbox, cancel));
+    balanced(compile(scene).and_then(|gearbox| few_figures(&gearbox, cancel)))
+}
+
+/// `None` for what cannot be balanced.
+fn balanced<T>(found: Result<T, StudyError>) -> Result<Option<T>, StudyError> {
     match found {
         Ok(found) => Ok(Some(found)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
@@ -174,11 +179,23 @@ pub fn declined(scene: &Scene) -> Option<&'static str> {
 /// # Errors
 /// Cancelled.
 pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, StudyError> {
-    let scene: &Scene = &gearbox.scene;
+    if declined(&gearbox.scene).is_some() {
+        return Ok(None);
+    }
+    let statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
+    of_known(statics, control)
+}
+
+/// [`of`] a gear some of whose balances a solver may know.
+pub(crate) fn of_known(
+    mut known: Statics<'_>,
+    control: &Control<'_>,
+) -> Result<Option<Bands>, StudyError> {
+    let scene: &Scene = &known.gearbox().scene;
     if declined(scene).is_some() {
         return Ok(None);
     }
-    let Some(own) = figures(scene, control.cancel)? else {
+    let Some(own) = balanced(few_figures_by(&mut known, control.cancel))? else {
         return Ok(None);
     };
     let share = |figure: &DesignFigure, own: &DesignFigure| {

@@ -37,6 +37,8 @@ const LEFT: f64 = 1e-14;
 #[derive(Debug, Clone)]
 pub struct CrankSet {
     pub(crate) law: BearingLaw,
+    /// Distance of the cranks from the gear's axis, m.
+    pub(crate) circle_radius_m: f64,
     layout: Layout,
     /// rho
     teeth_ratio: f64,
@@ -161,6 +163,7 @@ impl CrankSet {
         let planet = cranks.planet_base_radius_m() / throw_m;
         Self {
             law,
+            circle_radius_m: cranks.circle_radius_m,
             layout: Layout::of(&scene.gear),
             teeth_ratio: geometry.teeth_ratio,
             support: cranks.support_stiffness_n_m,

@@ -88,11 +88,20 @@ pub fn few_figures(
     gearbox: &Gearbox,
     cancel: &AtomicBool,
 ) -> Result<Vec<DesignFigure>, StudyError> {
+    let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
+    few_figures_by(&mut statics, cancel)
+}
+
+/// [`few_figures`] by a solver that may know some of the balances.
+pub(crate) fn few_figures_by(
+    statics: &mut Statics<'_>,
+    cancel: &AtomicBool,
+) -> Result<Vec<DesignFigure>, StudyError> {
+    let gearbox = statics.gearbox();
     let working = working_load(gearbox)?;
     let poses = Poses::of(&gearbox.scene).few(FEW);
-    let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
     let control = Control::silent(cancel);
-    let found = balances(&mut statics, gearbox, &poses, working, &mut |_, _, _| {
+    let found = balances(statics, gearbox, &poses, working, &mut |_, _, _| {
         Ok(control.check()?)
     })?;
     let is_preloaded = found.preloaded().is_some();
@@ -108,20 +117,42 @@ pub(crate) fn told(figures: Vec<DesignFigure>, is_preloaded: bool) -> Vec<Design
     figures.into_iter().map(withhold).collect()
 }
 
-/// Twist of the output from the ideal mesh under a share of the working load, in the direction of that load, arcmin. `last`: the
-/// balance under the same load before this one, as [`Statics::follow`] has it.
+/// Twist of the output from the ideal mesh under a load, in the direction of that load, arcmin. `last`: the
+/// balance under the same load before this one, as [`Statics::track`] has it.
 pub(crate) fn twist(
     statics: &mut Statics<'_>,
-    gearbox: &Gearbox,
     last: &mut Option<Equilibrium>,
     phi: f64,
     load: f64,
-    working: f64,
 ) -> Result<f64, GearboxError> {
+    let gearbox = statics.gearbox();
     let found = statics.track(last, phi, load)?;
     let ideal = gearbox.geometry.ideal_output_angle(phi);
     let output = found.output + gearbox.flange_twist_rad(load);
-    Ok(ARCMIN * (output - ideal) * working.signum())
+    Ok(ARCMIN * (output - ideal) * load.signum())
+}
+
+/// True if a gear at the input angle -phi under the load -T is the mirror image of itself at phi under T.
+pub(crate) fn is_mirrored(gearbox: &Gearbox) -> bool {
+    gearbox.scene.gear.errors.is_none()
+}
+
+/// Results of `find` at every pose in either direction of the load, 1 and -1; the backward ones of a gear that is its own mirror
+/// image are those ahead at the opposite pose.
+pub(crate) fn both_ways<T: Clone>(
+    poses: &Poses,
+    gearbox: &Gearbox,
+    mut find: impl FnMut(usize, f64, f64) -> Result<T, StudyError>,
+) -> Result<Vec<[T; 2]>, StudyError> {
+    if !is_mirrored(gearbox) {
+        return along(poses, |done, phi| {
+            Ok([find(done, phi, 1.0)?, find(done, phi, -1.0)?])
+        });
+    }
+    let ahead = along(poses, |done, phi| find(done, phi, 1.0))?;
+    let back = std::iter::once(&ahead[0]).chain(ahead[1..].iter().rev());
+    let pairs = ahead.iter().zip(back);
+    Ok(pairs.map(|(a, b)| [a.clone(), b.clone()]).collect())
 }
 
 /// Results of `find` at every pose, from its number so far on the way and its input angle.
@@ -146,17 +177,19 @@ pub(crate) fn twisted(
     step: &mut dyn FnMut(usize) -> Result<(), StudyError>,
 ) -> Result<(Vec<f64>, Vec<[f64; 2]>), StudyError> {
     let [low, high] = STIFF;
-    let mut at = [LOST, -LOST, low, high, -low, -high].map(|share| (share * working, None));
-    let found = along(poses, |done, phi| {
+    let mut last: [[Option<Equilibrium>; 3]; 2] = Default::default();
+    let found = both_ways(poses, gearbox, |done, phi, way| {
         step(done)?;
-        let mut twists = [0.0; 6];
-        for (twisted, (load, last)) in twists.iter_mut().zip(&mut at) {
-            *twisted = twist(statics, gearbox, last, phi, *load, working)
+        let mut twists = [0.0; 3];
+        let last = &mut last[usize::from(way < 0.0)];
+        for ((twisted, share), last) in twists.iter_mut().zip([LOST, low, high]).zip(last) {
+            *twisted = twist(statics, last, phi, way * share * working)
                 .map_err(|source| of_scene(&gearbox.scene, source))?;
         }
-        let [ahead, back, a, b, c, d] = twists;
-        let between = |turned: f64| (high - low) * working.abs() / turned.abs();
-        Ok((ahead - back, [between(b - a), between(d - c)]))
+        Ok(twists)
     })?;
-    Ok(found.into_iter().unzip())
+    let stiff =
+        |[_, low_at, high_at]: [f64; 3]| (high - low) * working.abs() / (high_at - low_at).abs();
+    let of_pose = |[ahead, back]: [[f64; 3]; 2]| (ahead[0] + back[0], [stiff(ahead), stiff(back)]);
+    Ok(found.into_iter().map(of_pose).unzip())
 }

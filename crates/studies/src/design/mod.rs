@@ -53,7 +53,7 @@ pub use joint::{Friction, Joint, Spring};
 use crate::balances::figures::{self, EFFICIENCY, LOOP_WIDTH, LOST, LOST_MOTION_RUN};
 use crate::balances::orders;
 use crate::balances::poses::Poses;
-use crate::balances::solve::{NO_LOAD, balances, told, twist, working_load};
+use crate::balances::solve::{NO_LOAD, balances, is_mirrored, told, twist, working_load};
 use crate::balances::spread::ARCMIN;
 
 /// Points of the curve of torsion, on either side of 0.
@@ -164,9 +164,9 @@ pub fn run(
     runs: bool,
     control: &Control<'_>,
 ) -> Result<DesignResult, StudyError> {
-    let mut found = figures_of(gearbox, runs, control)?;
-    let poses = Poses::of(&gearbox.scene);
     let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
+    let mut found = figures_by(&mut statics, runs, control)?;
+    let poses = Poses::of(&gearbox.scene);
     let rated = (found.rated_torque_n_m, &poses);
     let total = stages(runs);
     let step = &mut |pose: usize, all: usize| {
@@ -177,7 +177,7 @@ pub fn run(
     let joint = Joint::identify(&mut statics, gearbox, rated, &found.efficiency, step)?;
     found.joint = Some(joint);
     (control.progress)(Progress::new(total - 1, total, "other contact laws"));
-    found.bands = band::of(gearbox, control)?;
+    found.bands = band::of_known(statics, control)?;
     for figure in &mut found.figures {
         let value = figure.value.zip(found.bands.as_ref());
         figure.by_contact_law = value.and_then(|(value, bands)| bands.of(figure.key, value));
@@ -194,6 +194,17 @@ pub(crate) fn figures_of(
     runs: bool,
     control: &Control<'_>,
 ) -> Result<DesignResult, StudyError> {
+    let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
+    figures_by(&mut statics, runs, control)
+}
+
+/// [`figures_of`] by a solver that remembers the balances.
+fn figures_by(
+    statics: &mut Statics<'_>,
+    runs: bool,
+    control: &Control<'_>,
+) -> Result<DesignResult, StudyError> {
+    let gearbox = statics.gearbox();
     let scene = &gearbox.scene;
     let working = working_load(gearbox)?;
     let rated = working.abs();
@@ -204,11 +215,10 @@ pub(crate) fn figures_of(
         Ok(control.check()?)
     };
     let poses = Poses::of(scene);
-    let mut statics = Statics::new(gearbox).map_err(of_scene)?;
     step(0, "torsion")?;
-    let curve = curve(&mut statics, gearbox, working).map_err(of_scene)?;
+    let curve = curve(statics, working).map_err(of_scene)?;
     let balances = balances(
-        &mut statics,
+        statics,
         gearbox,
         &poses,
         working,
@@ -282,7 +292,7 @@ pub(crate) fn figures_of(
             torque_n_m: curve.0,
             twist_arcmin: curve.1,
         },
-        budget: budget::of(gearbox, working, control)?,
+        budget: budget::of(statics, working, control)?,
         rest: None,
         sharing: summed.sharing,
         pressure: summed.pressure,
@@ -318,19 +328,31 @@ fn stages(runs: bool) -> usize {
 }
 
 /// Torque, N m, and twist, arcmin, at the input angle 0.
-fn curve(
-    statics: &mut Statics<'_>,
-    gearbox: &Gearbox,
-    working: f64,
-) -> Result<(Vec<f64>, Vec<f64>), GearboxError> {
-    // No point at 0: with backlash the output has no place there.
-    let up = (1..=CURVE).map(|k| k as f64 / CURVE as f64);
-    let down = up.clone().rev().map(|share| -share);
-    let shares: Vec<f64> = down.chain([-LOST, LOST]).chain(up).collect();
-    let at = |share: &f64| twist(statics, gearbox, &mut None, 0.0, share * working, working);
-    let twists = shares.iter().map(at).collect::<Result<_, _>>()?;
-    let torques = shares.iter().map(|share| share * working.abs());
-    Ok((torques.collect(), twists))
+fn curve(statics: &mut Statics<'_>, working: f64) -> Result<(Vec<f64>, Vec<f64>), GearboxError> {
+    // No point at 0: with backlash the output has no place there. From the largest load on, each from the one before.
+    let up = std::iter::once(LOST).chain((1..=CURVE).map(|k| k as f64 / CURVE as f64));
+    let shares: Vec<f64> = up.collect();
+    let is_mirrored = is_mirrored(statics.gearbox());
+    let mut way = |sign: f64| -> Result<Vec<f64>, GearboxError> {
+        let mut last = None;
+        let down = shares.iter().rev();
+        let twists = down.map(|share| twist(statics, &mut last, 0.0, sign * share * working));
+        twists.collect()
+    };
+    let ahead = way(1.0)?;
+    let back = match is_mirrored {
+        true => ahead.clone(),
+        false => way(-1.0)?,
+    };
+    let down = shares.iter().rev().map(|share| -share);
+    let torques = down
+        .chain(shares.iter().copied())
+        .map(|share| share * working.abs());
+    let twists = back
+        .iter()
+        .map(|twist| -twist)
+        .chain(ahead.iter().rev().copied());
+    Ok((torques.collect(), twists.collect()))
 }
 
 /// A run at a share of the rated speed under the load `torque`, as many turns as the scene's own.
