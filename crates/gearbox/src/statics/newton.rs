@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Statics;
-use super::problem::{Free, Problem, Size};
+use super::problem::{Free, Problem};
 
 /// Newton steps at most, halvings of one, and the residual that a step must leave at most for the inverse to serve the next.
 const STEPS: usize = 60;
@@ -147,16 +147,15 @@ impl Statics<'_> {
     /// The share of a step that leads nowhere near another tooth: where nothing holds, steps have no bounds of their own.
     fn farthest(&self, problem: &Problem, step: &DVector<f64>) -> f64 {
         let angle = FARTHEST * self.brackets().1;
-        let size = Size {
-            length: angle * self.gearbox.scene.gear.lever_m(),
-            angle,
-            ..problem.size
-        };
-        let far = Problem {
-            size,
-            ..problem.clone()
-        };
-        f64::min(1.0, 1.0 / far.moved(step))
+        let lever = self.gearbox.scene.gear.lever_m();
+        let shares = step.iter().enumerate().map(|(k, step)| {
+            let far = match problem.is_length(k) {
+                true => angle * lever,
+                false => angle,
+            };
+            far / step.abs()
+        });
+        shares.fold(1.0, f64::min)
     }
 
     /// From `u` to where forces do next to no more work along a Newton step: contacts that open and close on the way leave more than

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use pinwheel_gearbox::pressure::LinePressure;
 use pinwheel_gearbox::statics::{Equilibrium, Statics};
 use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_scene::{Scales, load_profile};
@@ -63,11 +64,13 @@ pub(crate) fn balances(
     let (lost, stiffness) = twisted(statics, &few, gearbox, working, &mut |pose| {
         step(0, pose, few.angles.len())
     })?;
+    let pressure = LinePressure::new(&gearbox.scene.contact);
     let mut at = |stage: usize, load: f64| -> Result<Vec<Pose>, StudyError> {
         let mut near = None;
         along(poses, |done, phi| {
             step(stage, done, poses.angles.len())?;
-            Pose::find(statics, gearbox, phi, load, &mut near).map_err(of_scene)
+            let pressure = (stage == 1).then_some(&pressure);
+            Pose::find(statics, pressure, phi, load, &mut near).map_err(of_scene)
         })
     };
     Ok(Balances {

@@ -153,6 +153,8 @@ pub struct DesignResult {
     pub joint: Option<Joint>,
     /// The discs as drawings.
     pub discs: Vec<Drawing>,
+    /// Balances of the unchanged gear that were solved before those of the bands, and those that were known.
+    pub balances: [u64; 2],
 }
 
 /// Answers all of it for the scene of `gearbox`; `runs`: also what takes dynamic runs.
@@ -168,6 +170,8 @@ pub fn run(
     let mut found = figures_by(&mut statics, runs, control)?;
     let poses = Poses::of(&gearbox.scene);
     let rated = (found.rated_torque_n_m, &poses);
+    found.budget = budget::of(&mut statics, working_load(gearbox)?, control)?;
+    found.discs = drawing::discs(&gearbox.scene)?;
     let total = stages(runs);
     let step = &mut |pose: usize, all: usize| {
         let what = format!("joint, pose {} of {all}", pose + 1);
@@ -176,6 +180,7 @@ pub fn run(
     };
     let joint = Joint::identify(&mut statics, gearbox, rated, &found.efficiency, step)?;
     found.joint = Some(joint);
+    found.balances = statics.balances();
     (control.progress)(Progress::new(total - 1, total, "other contact laws"));
     found.bands = band::of_known(statics, control)?;
     for figure in &mut found.figures {
@@ -185,7 +190,7 @@ pub fn run(
     Ok(found)
 }
 
-/// Figures of a design without joint and bands, which samples of a sweep do not need.
+/// Figures of a design without budget, joint, bands and drawings, which samples of a sweep do not need.
 ///
 /// # Errors
 /// See [`run`].
@@ -292,7 +297,7 @@ fn figures_by(
             torque_n_m: curve.0,
             twist_arcmin: curve.1,
         },
-        budget: budget::of(statics, working, control)?,
+        budget: Vec::new(),
         rest: None,
         sharing: summed.sharing,
         pressure: summed.pressure,
@@ -302,7 +307,8 @@ fn figures_by(
         cycle,
         efficiency,
         joint: None,
-        discs: drawing::discs(scene)?,
+        discs: Vec::new(),
+        balances: [0; 2],
     })
 }
 
@@ -412,6 +418,9 @@ impl DesignResult {
             cycle: own.cycle,
             efficiency: own.efficiency,
             joint: own.joint,
+            budget: own.budget,
+            discs: own.discs,
+            balances: own.balances,
             rest,
             ..figures_of(gearbox, false, control)?
         };
