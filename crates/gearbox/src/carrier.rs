@@ -5,7 +5,10 @@
 use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation, Jacobian, Pose, Wrench};
 use pinwheel_scene::bearings::BearingLaw;
 
-use crate::contacts::{BearingLoad, CrankSet, EccentricBearings, PairContact};
+use crate::contacts::bearing_load::BearingLoad;
+use crate::contacts::cranks::CrankSet;
+use crate::contacts::eccentric_bearings::EccentricBearings;
+use crate::contacts::pair::PairContact;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 

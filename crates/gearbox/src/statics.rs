@@ -28,8 +28,7 @@ use crate::Layout;
 use crate::carrier::Carrier;
 use crate::contacts::{ContactField, PairContact};
 use crate::{Gearbox, GearboxError, load_profile};
-use newton::{Balanced, LEFT};
-use problem::{Free, OF_A_DISC, Problem, Size};
+use problem::{Balanced, Free, LEFT, OF_A_DISC, Problem, Size};
 
 /// Elastic twist allowed beyond the free play, in pitches (2 pi/zs): the guard of dynamic runs is 0.25.
 const PITCHES: f64 = 0.2;

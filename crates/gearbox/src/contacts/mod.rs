@@ -1,13 +1,13 @@
 //! Contacts between discs and pins: detection, law and friction put together for a scene.
 
-mod bearing_load;
-mod cranks;
+pub(crate) mod bearing_load;
+pub(crate) mod cranks;
 pub(crate) mod detection;
-mod eccentric_bearings;
+pub(crate) mod eccentric_bearings;
 mod field;
 pub(crate) mod flanks;
 mod lanes;
-mod pair;
+pub(crate) mod pair;
 mod pairs;
 mod pin_friction;
 mod seals;

@@ -13,8 +13,7 @@
 
 use std::sync::Arc;
 
-use super::newton::{Balanced, LEFT};
-use super::problem::{OF_A_DISC, Problem};
+use super::problem::{Balanced, LEFT, OF_A_DISC, Problem};
 use super::{Equilibrium, Statics};
 use crate::{GearboxError, scene::Detection};
 

@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Statics;
-use super::problem::{Free, Problem};
+use super::problem::{Balanced, Free, LEFT, Problem};
 
 /// Newton steps at most, halvings of one, and the residual that a step must leave at most for the inverse to serve the next.
 const STEPS: usize = 60;
@@ -22,8 +22,6 @@ const WORKS: usize = 40;
 const WORK: f64 = 0.1;
 /// Most of the way over which the mesh holds that such a step may take.
 const FARTHEST: f64 = 0.1;
-/// Permitted residual, as a share of the load's.
-pub(super) const LEFT: f64 = 1e-9;
 /// Where rounding of stiff contacts leaves more, up to this, a balance is one that a Newton step moves by no more than such a share
 /// of the contacts' depths and twists.
 const ROUNDED: f64 = 1e-7;
@@ -43,9 +41,6 @@ const IDLE: std::ops::Range<f64> = 0.05..0.75;
 const ALONE: f64 = 1e-3;
 /// Such a disc is turned to where its steps lead together, and by this more, so that it touches nothing.
 const BEYOND: f64 = 1.001;
-
-/// Residual of a balance, and the inverse of the Jacobian that led there.
-pub(super) type Balanced = (DVector<f64>, Option<DMatrix<f64>>);
 
 fn beyond(u: &[f64], share: f64, step: &DVector<f64>) -> Vec<f64> {
     u.iter().zip(step).map(|(u, s)| u + share * s).collect()

@@ -12,6 +12,12 @@ use crate::carrier::Carrier;
 /// Unknowns of a disc that floats.
 pub(super) const OF_A_DISC: usize = 3;
 
+/// Permitted residual, as a share of the load's.
+pub(super) const LEFT: f64 = 1e-9;
+
+/// Residual of a balance, and the inverse of the Jacobian that led there.
+pub(super) type Balanced = (DVector<f64>, Option<DMatrix<f64>>);
+
 /// Unknowns beside the output's angle, which is the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Free {
