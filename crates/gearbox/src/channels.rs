@@ -6,7 +6,8 @@ use pinwheel_scene::Scales;
 use pinwheel_scene::channels::{Channels, Chosen, Joint, PairQuantity, Part, What, Whole};
 
 use crate::Gearbox;
-use crate::contacts::{ContactEnergy, ContactField, EccentricBearings, PairContact};
+use crate::carrier::Carrier;
+use crate::contacts::{ContactEnergy, ContactField, PairContact};
 use crate::geometry::Geometry;
 use crate::pressure::LinePressure;
 use crate::{Layout, Sleeve};
@@ -44,9 +45,7 @@ impl PairSource for LawPairs<'_> {
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) -> bool {
         self.0.touching(bodies, visit);
-        if let Some(bearings) = &self.0.bearings {
-            bearings.crank_pairs(bodies).iter().for_each(visit);
-        }
+        self.0.carrier.pairs(bodies).iter().for_each(visit);
         true
     }
 
@@ -97,7 +96,7 @@ pub(crate) struct Values {
     /// Force above which a pair counts as pressing, N.
     pressing_n: f64,
     pressure: LinePressure,
-    bearings: Option<EccentricBearings>,
+    carrier: Carrier,
     layout: Layout,
     geometry: Geometry,
 }
@@ -147,7 +146,7 @@ impl Values {
             needs_losses: asks(&[Whole::DampingLoss, Whole::FrictionLoss]),
             pressing_n: Scales::of(&gearbox.scene).pressing_n(),
             pressure: LinePressure::new(&gearbox.scene.contact),
-            bearings: EccentricBearings::of(&gearbox.scene, &gearbox.geometry),
+            carrier: gearbox.carrier.clone(),
             layout: gearbox.layout,
             geometry: gearbox.geometry.clone(),
             list: list.clone(),
@@ -195,12 +194,13 @@ impl Values {
                 }
                 What::Joint(joint, part) => {
                     let body = carried(self.layout, joint, chosen.number);
-                    let force = match (&self.bearings, joint) {
-                        (Some(bearings), Joint::Eccentric) => {
-                            Some(bearings.of_wheel(bodies, chosen.number).on_wheel)
+                    let force = match joint {
+                        Joint::Eccentric if self.carrier.floats() => {
+                            let load = self.carrier.load(bodies, chosen.number);
+                            load.map(|load| load.on_wheel)
                         }
                         // Discs that float have no revolute.
-                        (Some(_), _) if body > Layout::OUTPUT => seen
+                        _ if self.carrier.floats() && body > Layout::OUTPUT => seen
                             .reactions
                             .and_then(|all| all.get(body - self.layout.wheels).copied()),
                         _ => seen.reactions.and_then(|all| all.get(body).copied()),
@@ -223,10 +223,7 @@ impl Values {
                         Some((bodies[wheel].angle - ideal) * ARCMIN)
                     }
                     Whole::BearingOffsetX | Whole::BearingOffsetY => {
-                        let load = self
-                            .bearings
-                            .as_ref()
-                            .map(|b| b.of_wheel(bodies, chosen.number));
+                        let load = self.carrier.load(bodies, chosen.number);
                         let [x, y] = load.map_or([0.0; 2], |load| load.offset_m);
                         Some(if whole == Whole::BearingOffsetX { x } else { y })
                     }

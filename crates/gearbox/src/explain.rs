@@ -3,7 +3,6 @@
 use pinwheel_contact::laws::hysteresis_factor;
 use serde::Serialize;
 
-use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::free_play;
 
 use crate::Gearbox;
@@ -55,8 +54,9 @@ pub struct Explanation {
 }
 
 /// States the elastic parts that carry the discs.
-fn bearings(scene: &Scene, modelled: &mut Statements, left_out: &mut Statements) {
-    if let Some(law) = BearingLaw::of(scene) {
+fn bearings(gearbox: &Gearbox, modelled: &mut Statements, left_out: &mut Statements) {
+    let scene: &Scene = &gearbox.scene;
+    if let Some(law) = gearbox.carrier.law() {
         let (stiffness, exponent) = (law.stiffness, law.exponent);
         let clearance_um = 1e6 * law.clearance_m;
         modelled.add(
@@ -127,7 +127,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     let mechanism = gearbox.mechanism();
     let (layout, contact, solver) = (gearbox.layout, &scene.contact, &scene.solver);
     let sleeves = layout.external_sleeves + layout.internal_sleeves;
-    let of_a_wheel = if gearbox.floats() { 3 } else { 1 };
+    let of_a_wheel = gearbox.carrier.freedoms_of_disc();
     let free_angles =
         of_a_wheel * layout.wheels + 1 + if gearbox.has_friction() { sleeves } else { 0 };
     let lagrange = solver.formulation == Formulation::Lagrange;
@@ -203,7 +203,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
             "without friction no force depends on them",
         );
     }
-    let sleeves = match scene.cranks {
+    let sleeves = match gearbox.carrier.cranks() {
         Some(_) => layout.external_sleeves,
         None => sleeves,
     };
@@ -286,7 +286,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
         );
     }
     if gearbox.floats() {
-        bearings(scene, &mut modelled, &mut left_out);
+        bearings(gearbox, &mut modelled, &mut left_out);
     }
     let given = &scene.bearings;
     let deflection = given.eccentric.is_some() || given.internal_sleeve_stiffness_n_m.is_some();

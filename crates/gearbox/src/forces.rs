@@ -138,9 +138,7 @@ impl Forces for GearForces {
             });
             pairs.push(*pair);
         });
-        if let Some(bearings) = &self.field.bearings {
-            bearings.add_loads(bodies, loads, None);
-        }
+        self.field.carrier.add_loads(bodies, loads, None);
         if let Some(seals) = &self.field.seals {
             seals.add_moments(bodies, loads, |load| &mut load.moment);
         }

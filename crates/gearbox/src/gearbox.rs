@@ -5,11 +5,12 @@ use pinwheel_timeseries::TimeSeries;
 use pinwheel_timeseries::norms::{Distance, LoadFloor};
 
 use crate::Layout;
-use crate::contacts::{self, ContactField, Kernel};
+use crate::carrier::Carrier;
+use crate::contacts::{self, ContactField, Kernel, Seals};
 use crate::error::GearboxError;
 use crate::geometry::Geometry;
 use crate::load_profile;
-use crate::scene::{BodyMass, CheckedScene, Fault, Solver, Start};
+use crate::scene::{BodyMass, CheckedScene, Fault, Scene, Solver, Start};
 use crate::statics::Statics;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::scales::{hertz, least_depth};
@@ -23,6 +24,8 @@ pub struct Gearbox {
     pub layout: Layout,
     /// Derived geometry.
     pub geometry: Geometry,
+    /// Parts that carry the discs.
+    pub carrier: Carrier,
     /// Channels recorded beside the contract's columns.
     pub channels: Channels,
     /// Which contact loop is used.
@@ -53,6 +56,7 @@ impl Gearbox {
         let mut gearbox = Self {
             scene: scene.clone(),
             layout: Layout::of(&scene.gear),
+            carrier: Carrier::of(scene, &geometry),
             geometry,
             channels: Channels::of(scene).map_err(GearboxError::Geometry)?,
             kernel: Kernel::default(),
@@ -99,7 +103,24 @@ impl Gearbox {
     /// # Errors
     /// Unknown law, or points too coarse for the profile.
     pub fn contact_field(&self) -> Result<ContactField, GearboxError> {
-        contacts::field(&self.scene, &self.geometry, self.kernel)
+        self.field_of(&self.scene)
+    }
+
+    /// Returns all forces of a scene between its bodies: contacts, bearings that discs float on, friction of pins, and seals.
+    fn field_of(&self, scene: &Scene) -> Result<ContactField, GearboxError> {
+        Ok(ContactField {
+            carrier: self.carrier.clone(),
+            seals: Seals::of(scene),
+            ..contacts::contacts(scene, &self.geometry, self.kernel)?
+        })
+    }
+
+    /// The scene as if nothing rubbed at its contacts.
+    fn frictionless(&self) -> Scene {
+        let mut scene = self.scene.clone().into_scene();
+        scene.contact.friction_coefficient = 0.0;
+        scene.bearings.sleeve_friction_coefficient = None;
+        scene
     }
 
     /// The contacts alone, without friction and without the bearings.
@@ -107,10 +128,7 @@ impl Gearbox {
     /// # Errors
     /// As [`contact_field`](Self::contact_field).
     pub fn bare_field(&self) -> Result<ContactField, GearboxError> {
-        let mut scene = self.scene.clone().into_scene();
-        scene.contact.friction_coefficient = 0.0;
-        scene.bearings.sleeve_friction_coefficient = None;
-        contacts::contacts(&scene, &self.geometry, self.kernel)
+        contacts::contacts(&self.frictionless(), &self.geometry, self.kernel)
     }
 
     /// A contact field for this scene as if its friction coefficient were 0.
@@ -118,10 +136,7 @@ impl Gearbox {
     /// # Errors
     /// As [`contact_field`](Self::contact_field).
     pub fn frictionless_field(&self) -> Result<ContactField, GearboxError> {
-        let mut scene = self.scene.clone().into_scene();
-        scene.contact.friction_coefficient = 0.0;
-        scene.bearings.sleeve_friction_coefficient = None;
-        contacts::field(&scene, &self.geometry, self.kernel)
+        self.field_of(&self.frictionless())
     }
 
     /// True when pins can be turned by contact forces.
@@ -140,7 +155,7 @@ impl Gearbox {
     /// True when discs float on elastic bearings.
     #[must_use]
     pub fn floats(&self) -> bool {
-        self.scene.bearings.eccentric.is_some()
+        self.carrier.floats()
     }
 
     /// Load torque on the output shaft at time `t`, N m (counter-clockwise positive); at a jump what it jumps to.

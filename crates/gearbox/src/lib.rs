@@ -25,6 +25,7 @@
 
 pub mod auto;
 mod balance;
+mod carrier;
 pub mod channels;
 pub mod contacts;
 pub mod cosimulation;
@@ -48,6 +49,7 @@ pub mod statics;
 
 use pinwheel_scene::{self as scene, Layout, Sleeve, load_profile};
 
+pub use carrier::Carrier;
 pub use efficiency::Efficiency;
 pub use error::GearboxError;
 pub use explain::{Explanation, Statement, explain};

@@ -164,7 +164,7 @@ pub(crate) fn reduced<F: Forces>(
     let layout = gearbox.layout;
     let sleeves: Vec<usize> = (layout.external_bodies().start..layout.bodies()).collect();
     // Without friction nothing turns a pin; cranks turn with their planets, which are folded.
-    let turned = if gearbox.scene.cranks.is_some() {
+    let turned = if gearbox.carrier.cranks().is_some() {
         layout.external_bodies().len()
     } else {
         sleeves.len()

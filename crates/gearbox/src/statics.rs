@@ -1,36 +1,49 @@
 //! Statics: the angles at which a gearbox at rest carries its load, for a given input angle.
 //!
-//! Unknowns are the discs' angles and the output's; exact geometry and the scene's own law at rate 0, so
-//! without damping and friction. Each disc must be free of moment about its eccentric, the output
+//! Exact geometry and the scene's own law at rate 0, so without damping and friction. Unknowns are the output's angle and what the
+//! carrier leaves free of the discs: their angles on eccentrics that hold them, their places too on elastic bearings, nothing on
+//! rigid cranks. Each disc must be free of force and moment as far as it is free, the output
 //! free of moment together with the load:
 //!
 //! ```text
-//! M_i(theta_i, psi) = 0 for every disc i,    sum over discs of M_out,i(theta_i, psi) + M_load = 0
+//! F_i = 0, M_i = 0 for every disc i,    sum over discs of M_out,i + M_load = 0
 //! ```
-//! Newton's method finds them in some ten evaluations (`newton`). Where it does not, or the
-//! contacts have no derivatives (discrete points), brackets do: contacts restore, so M_i falls with theta_i, and with the discs in
-//! balance M_out falls with psi: two nested roots of falling functions, each bracketed. That needs no good start and copes with
-//! backlash, where everything is 0 over the free play. Discs that float have unknown places too (`floating`).
+//! One quasi-Newton method finds them (`newton`), in some ten evaluations without a known balance and half of that with one at the
+//! pose before. Discs that float begin at the balance on rigid bearings and continue from there (`continuation`). Where Newton's
+//! method finds none on rigid bearings, or the
+//! contacts have no derivatives (discrete points), brackets do (`brackets`).
 
-mod floating;
+mod brackets;
+mod continuation;
 mod newton;
+mod problem;
 
-use pinwheel_mbs::{BodyState, Evaluation, Jacobian, Pose, Structure, Wrench};
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+use pinwheel_mbs::{BodyState, ErrorScales, Evaluation, Jacobian, Pose, Structure, Wrench};
 
 use crate::Layout;
-use crate::contacts::{ContactField, EccentricBearings, PairContact};
-use crate::{Gearbox, GearboxError};
+use crate::carrier::Carrier;
+use crate::contacts::{ContactField, PairContact};
+use crate::{Gearbox, GearboxError, load_profile};
+use problem::{Balanced, Free, LEFT, OF_A_DISC, Problem, Size};
 
 /// Elastic twist allowed beyond the free play, in pitches (2 pi/zs): the guard of dynamic runs is 0.25.
 const PITCHES: f64 = 0.2;
-/// Tolerance of angles, rad: 1e-14 rad on a radius of 64 mm is 1e-11 of a penetration.
-const ANGLE: f64 = 2e-15;
-/// Steps at most; a gear takes 5 to 10.
-const MOST_STEPS: usize = 40;
-/// And from a balance near by, which takes 3 to 5; what takes longer is left to the safe beginning.
-const NEAR_STEPS: usize = 10;
-/// Unknowns of a disc, from its body.
-const OF_A_WHEEL: usize = 3;
+/// Difference steps, in the depths and twists of contacts under the load.
+const DIFFERENCE: f64 = 2e-5;
+/// Twist to begin with beyond the free play, in those of the load by the estimate for adaptive steps: pressed in deeper than the
+/// load will press. Forces that stiffen with the depth then lead back without passing the balance, and all that will carry touches
+/// from the start.
+const TWIST: f64 = 2.0;
+/// Least share of the largest load that sizes follow, of discs that float and of others.
+const LEAST_SIZES: [f64; 2] = [1e-2, 1e-3];
+/// How much more of bearings' offsets a balance turns the output by at most than they would if all were across the eccentric.
+const GIVEN_WAY: f64 = 4.0;
+/// Roundings of a disc's place that may be left as a force of its bearing.
+const ROUNDINGS: f64 = 4.0;
 
 /// Angles in balance.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +58,8 @@ pub struct Equilibrium {
     pub bodies: Vec<BodyState>,
     /// Largest residual of the moments, N m, over those of each disc and of the output.
     pub residual: f64,
+    /// Inverse of the Jacobian, by which the next balance begins.
+    inverse: Option<DMatrix<f64>>,
 }
 
 /// The quasi-static solver of a gearbox.
@@ -68,20 +83,28 @@ pub struct Statics<'a> {
     loads: Vec<Wrench>,
     /// The motion about which moments are taken; see [`Statics::moving`].
     motion: Motion,
-    #[doc(hidden)]
-    pub derivatives: Jacobian,
-    /// Derivatives of the moments with respect to angles and to the places of discs that float.
-    floating_slopes: Jacobian,
-    /// Bearings on which discs float. They have no friction, because a balance at rest has none.
-    bearings: Option<EccentricBearings>,
+    /// Derivatives of the moments with respect to angles, and of the forces on discs to their places.
+    derivatives: Jacobian,
+    /// What carries the discs, without friction, because a balance at rest has none; and rigid bearings.
+    carrier: Arc<Carrier>,
+    rigid: Arc<Carrier>,
     /// Last balances of discs that float, and their loads.
     floated: Vec<(Equilibrium, f64)>,
     /// Room for moments that contacts tell without loads, by body.
     moments_by_body: Vec<f64>,
-    /// Bearings do not give way.
-    is_rigid: bool,
+    /// The last contacts asked for moments alone had them.
+    tells_moments: bool,
+    scales: ErrorScales,
+    largest_n_m: f64,
+    least_force_n: f64,
     /// Evaluations of all contacts so far.
     evaluations: u64,
+    /// Balances so far.
+    balances: u64,
+    /// Balances that were known when they were asked for again.
+    repeats: u64,
+    /// Unknowns of the balances so far and what is left there, by input angle and load.
+    known: HashMap<[u64; 2], (Vec<f64>, DVector<f64>)>,
 }
 
 /// Rates and angular accelerations of a slow motion along the equilibria.
@@ -109,175 +132,77 @@ impl Motion {
     }
 }
 
-/// Jacobian of discs and output, as they are free without friction.
-fn derivatives(free: usize) -> Jacobian {
-    let is_leaf = vec![false; free];
-    Jacobian::new(&Structure::SecondOrder { is_leaf }, 2 * free)
-}
-
-/// The next estimate of the root of a falling function that is `here`, not 0, with that slope at `at`, whose bracket shrinks:
-/// Newton's where it stays inside and moves by less than half of the `last` step, else the middle.
-fn next_root(at: f64, here: f64, slope: f64, (low, high): (&mut f64, &mut f64), last: f64) -> f64 {
-    *(if here > 0.0 { &mut *low } else { &mut *high }) = at;
-    let newton = at - here / slope;
-    let inside = newton > *low && newton < *high;
-    if slope < 0.0 && inside && (newton - at).abs() < 0.5 * last {
-        newton
-    } else {
-        0.5 * (*low + *high)
-    }
-}
-
 impl<'a> Statics<'a> {
     /// A solver for `gearbox`.
     ///
     /// # Errors
     /// See [`Gearbox::contact_field`].
     pub fn new(gearbox: &'a Gearbox) -> Result<Self, GearboxError> {
+        let free = 1 + OF_A_DISC * gearbox.layout.wheels;
+        let is_leaf = vec![false; free];
         Ok(Self {
             field: gearbox.bare_field()?,
             bodies: gearbox.kinematic_states(),
             loads: vec![Wrench::default(); gearbox.layout.bodies()],
-            gearbox,
             motion: Motion::none(gearbox.layout.wheels),
-            derivatives: derivatives(1 + gearbox.layout.wheels),
-            floating_slopes: derivatives(1 + OF_A_WHEEL * gearbox.layout.wheels),
-            bearings: EccentricBearings::of(&gearbox.scene, &gearbox.geometry)
-                .map(EccentricBearings::frictionless),
+            derivatives: Jacobian::new(&Structure::SecondOrder { is_leaf }, 2 * free),
+            carrier: Arc::new(gearbox.carrier.clone().frictionless()),
+            rigid: Arc::new(Carrier::Rigid),
             floated: Vec::new(),
             moments_by_body: vec![0.0; gearbox.layout.bodies()],
-            is_rigid: false,
+            tells_moments: false,
+            scales: gearbox.error_scales(),
+            largest_n_m: load_profile::largest(&gearbox.scene.drive),
+            least_force_n: gearbox.least_force_n(),
             evaluations: 0,
+            balances: 0,
+            repeats: 0,
+            known: HashMap::new(),
+            gearbox,
         })
     }
 
     /// Solver that takes all bearings as rigid.
     #[must_use]
-    pub fn on_rigid_bearings(self) -> Self {
-        Self {
-            is_rigid: true,
-            ..self
+    pub fn on_rigid_bearings(mut self) -> Self {
+        self.carrier = self.rigid.clone();
+        self
+    }
+
+    /// The balance that is looked for at the input angle `phi` under a load on this carrier.
+    fn problem(&self, phi: f64, load: f64, carrier: &Arc<Carrier>) -> Problem {
+        let (scales, gear) = (&self.scales, &self.gearbox.scene.gear);
+        let moment = load.abs().max(self.least_force_n * gear.lever_m());
+        let largest = self.largest_n_m.max(moment);
+        // Places are known to their rounding, and so are forces, however light the load.
+        let least = LEAST_SIZES[usize::from(!carrier.floats())];
+        let share = (moment / largest).max(least);
+        let moment = share * largest;
+        let force = moment / gear.lever_m();
+        // Where bearings sit: of cranks on their circle, about which forces have moments as well.
+        let circle = carrier.cranks().map(|cranks| cranks.circle_radius_m);
+        let place = circle.unwrap_or(gear.eccentricity_m);
+        let rounding = ROUNDINGS * f64::EPSILON * place * carrier.slope_under(force);
+        let own = load.abs() / (gear.lever_m() * gear.wheels as f64);
+        let given_way = carrier.offset_under(own) / gear.lever_m();
+        Problem {
+            phi,
+            load,
+            free: match (carrier.floats(), self.gearbox.carrier.cranks()) {
+                (true, _) => Free::Places,
+                (false, Some(_)) => Free::Output,
+                (false, None) => Free::Angles,
+            },
+            carrier: carrier.clone(),
+            size: Size {
+                length: share * scales.length,
+                angle: share * scales.angle,
+                force: force.max(rounding / LEFT),
+                moment: moment.max(circle.unwrap_or_default() * rounding / LEFT),
+            },
+            ideal: self.gearbox.geometry.ideal_output_angle(phi),
+            reach: self.brackets().1 + GIVEN_WAY * given_way,
         }
-    }
-
-    /// An evaluation of the bodies' loads begins.
-    fn begin(&mut self) {
-        self.evaluations += 1;
-        self.loads.fill(Wrench::default());
-    }
-
-    /// Puts all bodies at the input angle `phi` and the given angles, for an evaluation of their loads.
-    fn place(&mut self, phi: f64, wheels: &[f64], psi: f64) {
-        self.begin();
-        self.put(phi, wheels, psi);
-    }
-
-    /// Turns input, output and discs there.
-    fn turn(&mut self, phi: f64, wheels: &[f64], psi: f64) {
-        let motion = &self.motion;
-        let mut turn = |body: usize, angle: f64, rate: f64| {
-            (self.bodies[body].angle, self.bodies[body].rate) = (angle, rate);
-        };
-        turn(Layout::INPUT, phi, motion.speed);
-        turn(Layout::OUTPUT, psi, motion.output[0]);
-        let wheels = wheels.iter().zip(&motion.wheels);
-        for (body, (&angle, &[rate, _])) in self.gearbox.layout.wheel_bodies().zip(wheels) {
-            turn(body, angle, rate);
-        }
-    }
-
-    /// Puts all bodies there.
-    fn put(&mut self, phi: f64, wheels: &[f64], psi: f64) {
-        self.turn(phi, wheels, psi);
-        let (layout, geometry) = (self.gearbox.layout, &self.gearbox.geometry);
-        let [input, output] = [Layout::INPUT, Layout::OUTPUT].map(|body| {
-            let BodyState { angle, rate, .. } = self.bodies[body];
-            [angle, rate]
-        });
-        let eccentric = [0, 1].map(|k| geometry.eccentric_angle(input[k], output[k]));
-        for (i, body) in layout.wheel_bodies().enumerate() {
-            let BodyState { angle, rate, .. } = self.bodies[body];
-            self.bodies[body] = geometry.wheel_state(i, eccentric, [angle, rate]);
-        }
-        for (k, body) in layout.internal_bodies().enumerate() {
-            self.bodies[body] = geometry.internal_state(k, output);
-        }
-    }
-
-    /// Moments on the discs into `out`, and the moment of the contacts on the output.
-    fn moments(&mut self, phi: f64, wheels: &[f64], psi: f64, out: &mut [f64]) -> f64 {
-        if let Some(on_output) = self.frictionless_moments(phi, wheels, psi, out) {
-            return on_output;
-        }
-        self.place(phi, wheels, psi);
-        self.field.add_loads(&self.bodies, &mut self.loads);
-        self.summed(out)
-    }
-
-    /// Moments on the discs into `out`, and that of the contacts on the output, by contacts that need neither loads
-    /// nor places for them; else `None`.
-    #[doc(hidden)]
-    pub fn frictionless_moments(
-        &mut self,
-        phi: f64,
-        wheels: &[f64],
-        psi: f64,
-        out: &mut [f64],
-    ) -> Option<f64> {
-        self.turn(phi, wheels, psi);
-        self.moments_by_body.fill(0.0);
-        let mut sums = Evaluation::of_moments(&mut self.moments_by_body);
-        if !self
-            .field
-            .evaluate(&self.bodies, Pose::AnglesOnly, &mut sums)
-        {
-            return None;
-        }
-        self.evaluations += 1;
-        out.copy_from_slice(&self.moments_by_body[self.gearbox.layout.wheel_bodies()]);
-        Some(self.less_inertia(out, self.moments_by_body[Layout::OUTPUT]))
-    }
-
-    /// Moments on the discs into `out`, and that of the contacts on the output, with their derivatives in `derivatives`.
-    /// `None` if the contacts have none.
-    #[doc(hidden)]
-    pub fn moments_with_slopes(
-        &mut self,
-        phi: f64,
-        wheels: &[f64],
-        psi: f64,
-        out: &mut [f64],
-    ) -> Option<f64> {
-        self.place(phi, wheels, psi);
-        self.derivatives.clear();
-        let mut sums = Evaluation {
-            derivatives: Some(&mut self.derivatives),
-            ..Evaluation::of_loads(&mut self.loads)
-        };
-        let sloped = self.field.evaluate(&self.bodies, Pose::Any, &mut sums);
-        sloped.then(|| self.summed(out))
-    }
-
-    /// Sums the loads: moments on the discs into `out`, and the moment on the output.
-    fn summed(&self, out: &mut [f64]) -> f64 {
-        let layout = self.gearbox.layout;
-        for (out, body) in out.iter_mut().zip(layout.wheel_bodies()) {
-            *out = self.loads[body].moment;
-        }
-        let sleeves = layout.internal_bodies().map(|body| {
-            let (b, l) = (&self.bodies[body], &self.loads[body]);
-            b.x * l.fy - b.y * l.fx
-        });
-        self.less_inertia(out, sleeves.sum())
-    }
-
-    /// Takes what discs and output need for the motion off the moments on them; returns the output's.
-    fn less_inertia(&self, out: &mut [f64], on_output: f64) -> f64 {
-        let scene = &self.gearbox.scene;
-        for (out, [_, bend]) in out.iter_mut().zip(&self.motion.wheels) {
-            *out -= scene.mass.wheel.moment_kg_m2 * bend;
-        }
-        on_output - scene.output_inertia_kg_m2() * self.motion.output[1]
     }
 
     /// Half widths of the brackets: of a disc about its ideal mesh, of the output about its own.
@@ -288,55 +213,260 @@ impl<'a> Statics<'a> {
         (wheel, wheel + twist + geometry.hole_play_rad)
     }
 
-    /// Balances the discs for the output at `psi`; returns the moment of the contacts on the output.
-    fn balance_wheels(&mut self, phi: f64, psi: f64, wheels: &mut [f64]) -> f64 {
-        let n = wheels.len();
-        let half = self.brackets().0;
-        let (mut low, mut high) = (vec![0.0; n], vec![0.0; n]);
-        for i in 0..n {
-            let ideal = self.gearbox.geometry.ideal_wheel_angle(i, phi);
-            (low[i], high[i]) = (ideal - half, ideal + half);
-            wheels[i] = wheels[i].clamp(low[i], high[i]);
+    /// Turns input, output and discs to their angles.
+    fn turn(&mut self, problem: &Problem, u: &[f64]) {
+        let motion = &self.motion;
+        let mut turn = |body: usize, angle: f64, rate: f64| {
+            (self.bodies[body].angle, self.bodies[body].rate) = (angle, rate);
+        };
+        turn(Layout::INPUT, problem.phi, motion.speed);
+        turn(Layout::OUTPUT, u[0], motion.output[0]);
+        for (i, body) in self.gearbox.layout.wheel_bodies().enumerate() {
+            let angle = match problem.free {
+                Free::Output => self.gearbox.geometry.ideal_wheel_angle(i, 0.0) + u[0],
+                Free::Angles => u[1 + i],
+                Free::Places => u[OF_A_DISC * (i + 1)],
+            };
+            turn(body, angle, motion.wheels[i][0]);
         }
-        let (mut here, mut beside) = (vec![0.0; n], vec![0.0; n]);
-        let mut shifted = wheels.to_vec();
-        let h = 1e-9;
-        let mut last = vec![f64::INFINITY; n];
-        for _ in 0..200 {
-            self.moments(phi, wheels, psi, &mut here);
-            for (s, w) in shifted.iter_mut().zip(wheels.iter()) {
-                *s = w + h;
-            }
-            self.moments(phi, &shifted, psi, &mut beside);
-            let mut moved: f64 = 0.0;
-            for i in 0..n {
-                if here[i] == 0.0 {
-                    continue;
+    }
+
+    /// Puts all bodies in place, with the velocities of the motion about which forces are taken.
+    fn place(&mut self, problem: &Problem, u: &[f64]) {
+        self.turn(problem, u);
+        let (layout, geometry) = (self.gearbox.layout, &self.gearbox.geometry);
+        let [input, output] = [Layout::INPUT, Layout::OUTPUT].map(|body| {
+            let BodyState { angle, rate, .. } = self.bodies[body];
+            [angle, rate]
+        });
+        let eccentric = [0, 1].map(|k| geometry.eccentric_angle(input[k], output[k]));
+        for (i, body) in layout.wheel_bodies().enumerate() {
+            let body = &mut self.bodies[body];
+            let own = [body.angle, body.rate];
+            *body = match problem.free {
+                Free::Places => {
+                    let at = &u[1 + OF_A_DISC * i..];
+                    let [vx, vy] = self.motion.centres[i][0];
+                    BodyState::new([at[0], at[1], own[0]], [vx, vy, own[1]])
                 }
-                let slope = (beside[i] - here[i]) / h;
-                let bracket = (&mut low[i], &mut high[i]);
-                let next = next_root(wheels[i], here[i], slope, bracket, last[i]);
-                last[i] = (next - wheels[i]).abs();
-                moved = moved.max(last[i]);
-                wheels[i] = next;
-            }
-            if moved < ANGLE {
-                break;
+                _ => geometry.wheel_state(i, eccentric, own),
+            };
+        }
+        for (k, body) in layout.internal_bodies().enumerate() {
+            self.bodies[body] = geometry.internal_state(k, output);
+        }
+    }
+
+    /// Forces and moments that are not in balance at `u`, in the order of the unknowns.
+    fn residual(&mut self, problem: &Problem, u: &[f64]) -> DVector<f64> {
+        if problem.free == Free::Angles {
+            self.turn(problem, u);
+            let moments = self.moments(problem.load);
+            self.tells_moments = moments.is_some();
+            if let Some(moments) = moments {
+                return moments;
             }
         }
-        self.moments(phi, wheels, psi, &mut here)
+        self.place(problem, u);
+        let all = self.forces(problem);
+        let discs = 0..self.gearbox.layout.wheels;
+        match problem.free {
+            Free::Places => all,
+            Free::Angles => {
+                let moments = discs.map(|i| all[OF_A_DISC * (i + 1)]);
+                DVector::from_iterator(u.len(), std::iter::once(all[0]).chain(moments))
+            }
+            // By virtual work: the output takes discs along, and their eccentrics turn with the cranks.
+            Free::Output => {
+                let cranks = 1.0 + self.gearbox.geometry.teeth_ratio;
+                let bodies = &self.bodies[self.gearbox.layout.wheel_bodies()];
+                let of = |(disc, load): (&BodyState, &[f64])| {
+                    load[2] + cranks * (disc.x * load[1] - disc.y * load[0])
+                };
+                let loads = all.as_slice()[1..].chunks(OF_A_DISC);
+                DVector::from_element(1, all[0] + bodies.iter().zip(loads).map(of).sum::<f64>())
+            }
+        }
+    }
+
+    /// Moments that are not in balance on output and discs at their angles, by contacts that need neither loads nor places for them;
+    /// else `None`.
+    fn moments(&mut self, load: f64) -> Option<DVector<f64>> {
+        self.moments_by_body.fill(0.0);
+        let mut sums = Evaluation::of_moments(&mut self.moments_by_body);
+        if !self
+            .field
+            .evaluate(&self.bodies, Pose::AnglesOnly, &mut sums)
+        {
+            return None;
+        }
+        self.evaluations += 1;
+        let (scene, motion) = (&self.gearbox.scene, &self.motion);
+        let discs = self.gearbox.layout.wheel_bodies().zip(&motion.wheels);
+        let moment = scene.mass.wheel.moment_kg_m2;
+        let discs = discs.map(|(body, [_, bend])| self.moments_by_body[body] - moment * bend);
+        let output = self.moments_by_body[Layout::OUTPUT] + load
+            - scene.output_inertia_kg_m2() * motion.output[1];
+        let count = 1 + motion.wheels.len();
+        Some(DVector::from_iterator(
+            count,
+            std::iter::once(output).chain(discs),
+        ))
+    }
+
+    /// Moment on the output, and forces and moment on every disc, that are not in balance where the bodies are.
+    fn forces(&mut self, problem: &Problem) -> DVector<f64> {
+        self.evaluations += 1;
+        self.loads.fill(Wrench::default());
+        let mut output = problem.load + self.add_contacts();
+        problem
+            .carrier
+            .add_loads(&self.bodies, &mut self.loads, None);
+        let (layout, scene) = (self.gearbox.layout, &self.gearbox.scene);
+        for body in layout.internal_bodies() {
+            let (b, l) = (&self.bodies[body], &self.loads[body]);
+            output += b.x * l.fy - b.y * l.fx;
+        }
+        let mut all = DVector::zeros(1 + OF_A_DISC * layout.wheels);
+        all[0] = output - scene.output_inertia_kg_m2() * self.motion.output[1];
+        let disc = scene.mass.wheel;
+        for (i, body) in layout.wheel_bodies().enumerate() {
+            let (at, Wrench { fx, fy, moment }) = (1 + OF_A_DISC * i, self.loads[body]);
+            let ([ax, ay], bend) = (self.motion.centres[i][1], self.motion.wheels[i][1]);
+            all[at] = fx - disc.mass_kg * ax;
+            all[at + 1] = fy - disc.mass_kg * ay;
+            all[at + 2] = moment - disc.moment_kg_m2 * bend;
+        }
+        all
+    }
+
+    /// Adds the contacts' loads on the discs; those on the output's pins too, unless their moment is known, which is returned.
+    fn add_contacts(&mut self) -> f64 {
+        self.moments_by_body.fill(0.0);
+        let mut sums = Evaluation {
+            floating_alone: true,
+            moments: Some(&mut self.moments_by_body),
+            ..Evaluation::of_loads(&mut self.loads)
+        };
+        if self
+            .field
+            .evaluate(&self.bodies, Pose::AnglesOnly, &mut sums)
+        {
+            return self.moments_by_body[Layout::OUTPUT];
+        }
+        self.field.add_loads(&self.bodies, &mut self.loads);
+        0.0
+    }
+
+    /// Jacobian of the residual, which is `here` at `u`: by differences where they are cheaper, or the only way. `None`: discs on
+    /// eccentrics whose contacts have no derivatives.
+    fn jacobian(
+        &mut self,
+        problem: &Problem,
+        u: &[f64],
+        here: &DVector<f64>,
+    ) -> Option<DMatrix<f64>> {
+        let by_differences = match problem.free {
+            Free::Output => true,
+            Free::Angles => self.tells_moments,
+            Free::Places => false,
+        };
+        if !by_differences {
+            let found = self.derivatives(problem, u);
+            if found.is_some() || problem.free == Free::Angles {
+                return found.map(|[position, _]| position);
+            }
+        }
+        Some(self.differences(problem, u, here))
+    }
+
+    /// Derivatives of the residual with respect to the unknowns and to their rates, as the contacts have them.
+    fn derivatives(&mut self, problem: &Problem, u: &[f64]) -> Option<[DMatrix<f64>; 2]> {
+        self.evaluations += 1;
+        self.place(problem, u);
+        self.derivatives.clear();
+        let mut sums = Evaluation::of_slopes(&mut self.derivatives);
+        if !self.field.evaluate(&self.bodies, Pose::Any, &mut sums) {
+            return None;
+        }
+        problem
+            .carrier
+            .add_jacobian(&self.bodies, &mut self.derivatives);
+        let discs = self.gearbox.layout.wheels;
+        // Angles first, then places.
+        let free = |unknown: usize| {
+            let (disc, part) = (unknown.wrapping_sub(1) / OF_A_DISC, unknown % OF_A_DISC);
+            match problem.free {
+                Free::Places if unknown > 0 && part == 0 => 1 + disc,
+                Free::Places if unknown > 0 => 1 + discs + 2 * disc + part - 1,
+                _ => unknown,
+            }
+        };
+        let position = self.derivatives.position.as_ref()?;
+        Some([position, &self.derivatives.rate].map(|matrix| {
+            DMatrix::from_fn(u.len(), u.len(), |i, j| matrix.entry(free(i), free(j)))
+        }))
+    }
+
+    /// Derivatives of the residual, which is `here` at `u`, by differences.
+    fn differences(&mut self, problem: &Problem, u: &[f64], here: &DVector<f64>) -> DMatrix<f64> {
+        let mut matrix = DMatrix::zeros(u.len(), u.len());
+        let mut moved = u.to_vec();
+        for k in 0..u.len() {
+            moved[k] = u[k] + DIFFERENCE * problem.of_place(k);
+            let over = (moved[k] - u[k]).recip();
+            let there = self.residual(problem, &moved);
+            matrix.set_column(k, &((there - here) * over));
+            moved[k] = u[k];
+        }
+        matrix
+    }
+
+    /// Jacobian at a balance by differences, and by the contacts' own derivatives, with that to rates.
+    #[doc(hidden)]
+    pub fn jacobians(
+        &mut self,
+        at: &Equilibrium,
+        load: f64,
+    ) -> (DMatrix<f64>, Option<[DMatrix<f64>; 2]>) {
+        let problem = self.problem(at.input, load, &self.carrier);
+        let u = problem.unknowns(&at.bodies, self.gearbox.layout);
+        let here = self.residual(&problem, &u);
+        (
+            self.differences(&problem, &u, &here),
+            self.derivatives(&problem, &u),
+        )
+    }
+
+    /// Stiffness, N m/rad, and damping, N m s/rad, of the output about a balance, the input locked and the discs following.
+    /// `None`: the contacts have no derivatives.
+    ///
+    /// With s the rate of change all derivatives are K + s D. Discs that follow are eliminated: the output is left with
+    /// 1/e.(K + s D)^-1 e, taken to first order in s.
+    pub fn compliance(&mut self, at: &Equilibrium) -> Option<[f64; 2]> {
+        let problem = self.problem(at.input, 0.0, &self.carrier);
+        let u = problem.unknowns(&at.bodies, self.gearbox.layout);
+        let [stiffness, damping] = self.derivatives(&problem, &u)?;
+        let mut unit = DVector::zeros(u.len());
+        unit[0] = 1.0;
+        let solve = |matrix: &DMatrix<f64>| {
+            let free = || problem.held(matrix.clone(), LEFT).lu().solve(&unit);
+            matrix.clone().lu().solve(&unit).or_else(free)
+        };
+        let (shape, left) = (solve(&stiffness)?, solve(&stiffness.transpose())?);
+        let stiffness = -1.0 / shape[0];
+        Some([
+            stiffness,
+            -stiffness * stiffness * left.dot(&(damping * shape)),
+        ])
     }
 
     /// True if the ideal mesh is in balance without a load, but for rounding. Nothing decides at which other place in
     /// its play the gear would come to rest: forces of next to no depth have no derivative to follow.
-    fn rests(&mut self, phi: f64, wheels: &[f64]) -> bool {
-        let psi = self.gearbox.geometry.ideal_output_angle(phi);
-        let mut moments = vec![0.0; wheels.len()];
+    fn rests(&mut self, problem: &Problem, ideal: &[f64]) -> bool {
         let mut largest = |turn: f64| {
-            let turned: Vec<f64> = wheels.iter().map(|angle| angle + turn).collect();
-            let output = self.moments(phi, &turned, psi + turn, &mut moments);
-            let all = moments.iter().map(|moment| moment.abs());
-            all.fold(output.abs(), f64::max)
+            let turned: Vec<f64> = ideal.iter().map(|angle| angle + turn).collect();
+            self.residual(problem, &turned).amax()
         };
         largest(0.0) <= 1e-3 * largest(1e-9)
     }
@@ -346,27 +476,39 @@ impl<'a> Statics<'a> {
     /// # Errors
     /// [`GearboxError::NoEquilibrium`]: the load is more than the teeth carry before they jump.
     pub fn solve(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
-        if self.gearbox.floats() && !self.is_rigid {
-            return self.solve_floating(phi, load);
+        match self.carrier.floats() {
+            true => self.solve_floating(phi, load),
+            false => self.solve_rigid(phi, load),
         }
-        self.solve_rigid(phi, load)
     }
 
-    /// The equilibrium with rigid eccentrics at the input angle `phi` (rad) under the load torque `load` (N m on the
-    /// output).
+    /// The equilibrium on rigid bearings.
     fn solve_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
-        if self.gearbox.scene.cranks.is_some() {
-            return self.solve_on_cranks(phi, load);
+        let problem = self.problem(phi, load, &self.rigid);
+        let ideal = self.ideal(&problem);
+        if load == 0.0 && self.rests(&problem, &ideal) {
+            let residual = self.residual(&problem, &ideal);
+            return Ok(self.equilibrium(&problem, &ideal, (residual, None)));
         }
-        let ideal = self.gearbox.geometry.ideal_output_angle(phi);
-        let mut wheels = self.ideal_wheels(phi);
-        if load == 0.0 && self.rests(phi, &wheels) {
-            return Ok(self.equilibrium(phi, wheels, ideal, load));
+        let geometry = &self.gearbox.geometry;
+        let twist = TWIST * self.scales.angle;
+        let disc = load.signum() * (geometry.wheel_play_rad + twist);
+        let mut u: Vec<f64> = ideal.iter().map(|angle| angle + disc).collect();
+        u[0] += load.signum() * (twist + geometry.hole_play_rad);
+        match self.newton(&problem, &mut u, None) {
+            Some(balanced) => Ok(self.equilibrium(&problem, &u, balanced)),
+            None => self.solve_by_brackets(phi, load),
         }
-        if let Some(psi) = self.newton(phi, load, &mut wheels) {
-            return Ok(self.equilibrium(phi, wheels, psi, load));
-        }
-        self.solve_by_brackets(phi, load)
+    }
+
+    /// Unknowns of rigid bearings at the ideal mesh.
+    fn ideal(&self, problem: &Problem) -> Vec<f64> {
+        let discs = match problem.free {
+            Free::Angles => self.gearbox.layout.wheels,
+            _ => 0,
+        };
+        let discs = (0..discs).map(|i| self.gearbox.geometry.ideal_wheel_angle(i, problem.phi));
+        std::iter::once(problem.ideal).chain(discs).collect()
     }
 
     /// The equilibrium from that `near` by, under the same load at an input angle not far off. It takes fewer steps
@@ -381,33 +523,41 @@ impl<'a> Statics<'a> {
         phi: f64,
         load: f64,
     ) -> Result<Equilibrium, GearboxError> {
-        let floats = self.gearbox.floats() && !self.is_rigid;
-        // Where it may rest there is no slope to follow; on rigid cranks discs have no angles of their own.
-        if load == 0.0 || (!floats && self.gearbox.scene.cranks.is_some()) {
-            return self.solve(phi, load);
-        }
-        if floats {
-            return match self.continue_from(near, phi, load) {
-                Some(found) => Ok(found),
-                None => self.solve(phi, load),
-            };
-        }
-        let geometry = &self.gearbox.geometry;
-        let turned = geometry.ideal_output_angle(phi) - geometry.ideal_output_angle(near.input);
-        let mut wheels: Vec<f64> = (near.wheels.iter().enumerate())
-            .map(|(i, angle)| {
-                let ideal = |phi: f64| geometry.ideal_wheel_angle(i, phi);
-                angle + (ideal(phi) - ideal(near.input))
-            })
-            .collect();
-        match self.newton_from(phi, load, &mut wheels, near.output + turned, NEAR_STEPS) {
-            Some(psi) => Ok(self.equilibrium(phi, wheels, psi, load)),
+        // Where it may rest there is no slope to follow.
+        let found = (load != 0.0).then(|| self.continue_from(near, phi, load));
+        match found.flatten() {
+            Some(found) => Ok(found),
             None => self.solve(phi, load),
         }
     }
 
+    /// The balance near another one; `None`: it leads nowhere.
+    fn continue_from(&mut self, near: &Equilibrium, phi: f64, load: f64) -> Option<Equilibrium> {
+        let problem = self.problem(phi, load, &self.carrier);
+        let mut u = problem.unknowns(&near.bodies, self.gearbox.layout);
+        let geometry = &self.gearbox.geometry;
+        u[0] += problem.ideal - geometry.ideal_output_angle(near.input);
+        let turned = |i: usize| {
+            geometry.ideal_wheel_angle(i, phi) - geometry.ideal_wheel_angle(i, near.input)
+        };
+        let (s, c) = geometry.ideal_eccentric_angle(phi - near.input).sin_cos();
+        match problem.free {
+            Free::Output => {}
+            Free::Angles => (u[1..].iter_mut().enumerate()).for_each(|(i, u)| *u += turned(i)),
+            Free::Places => {
+                for (i, disc) in u[1..].chunks_mut(OF_A_DISC).enumerate() {
+                    let [x, y] = [disc[0], disc[1]];
+                    (disc[0], disc[1]) = (c * x - s * y, s * x + c * y);
+                    disc[2] += turned(i);
+                }
+            }
+        }
+        let balanced = self.newton(&problem, &mut u, near.inverse.clone())?;
+        Some(self.equilibrium(&problem, &u, balanced))
+    }
+
     /// The balance at the next of some input angles under one load: from the one before, `last`, if there is one; this one
-    /// afterwards.
+    /// afterwards. One that is known is not solved again.
     ///
     /// # Errors
     /// As [`Statics::solve`].
@@ -417,67 +567,41 @@ impl<'a> Statics<'a> {
         phi: f64,
         load: f64,
     ) -> Result<&'e Equilibrium, GearboxError> {
+        let key = [phi, load].map(f64::to_bits);
+        let problem = self.problem(phi, load, &self.carrier);
+        if let Some((u, left)) = self.known.get(&key).cloned() {
+            self.repeats += 1;
+            return Ok(last.insert(self.equilibrium(&problem, &u, (left, None))));
+        }
         let found = match last.as_ref() {
             Some(near) => self.solve_near(near, phi, load)?,
             None => self.solve(phi, load)?,
         };
+        self.balances += 1;
+        let u = problem.unknowns(&found.bodies, self.gearbox.layout);
+        let left = DVector::from_element(1, found.residual);
+        self.known.insert(key, (u, left));
         Ok(last.insert(found))
     }
 
-    fn ideal_wheels(&self, phi: f64) -> Vec<f64> {
-        (0..self.gearbox.layout.wheels)
-            .map(|i| self.gearbox.geometry.ideal_wheel_angle(i, phi))
-            .collect()
-    }
-
-    /// The equilibrium by brackets alone, with hundreds of times the evaluations. It is the reference for Newton's
-    /// method.
-    ///
-    /// # Errors
-    /// As [`Statics::solve`].
-    pub fn solve_by_brackets(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
-        let ideal = self.gearbox.geometry.ideal_output_angle(phi);
-        let half = self.brackets().1;
-        let (mut low, mut high) = (ideal - half, ideal + half);
-        let mut wheels = self.ideal_wheels(phi);
-        for (end, sign) in [(low, 1.0), (high, -1.0)] {
-            let mut at = wheels.clone();
-            if (self.balance_wheels(phi, end, &mut at) + load) * sign < 0.0 {
-                return Err(GearboxError::NoEquilibrium { load_n_m: load });
-            }
-        }
-        let mut psi = ideal;
-        let mut last = f64::INFINITY;
-        let h = 1e-8;
-        for _ in 0..200 {
-            let here = self.balance_wheels(phi, psi, &mut wheels) + load;
-            if here == 0.0 {
-                break;
-            }
-            let mut beside = wheels.clone();
-            let slope = (self.balance_wheels(phi, psi + h, &mut beside) + load - here) / h;
-            let next = next_root(psi, here, slope, (&mut low, &mut high), last);
-            last = (next - psi).abs();
-            psi = next;
-            if last < ANGLE {
-                break;
-            }
-        }
-        self.balance_wheels(phi, psi, &mut wheels);
-        Ok(self.equilibrium(phi, wheels, psi, load))
-    }
-
-    fn equilibrium(&mut self, input: f64, wheels: Vec<f64>, output: f64, load: f64) -> Equilibrium {
-        let mut left = vec![0.0; wheels.len()];
-        let moment = self.moments(input, &wheels, output, &mut left) + load;
-        let residual = left.iter().map(|m| m.abs()).fold(moment.abs(), f64::max);
-        self.put(input, &wheels, output);
+    /// The balance at `u`, where so much is left.
+    fn equilibrium(
+        &mut self,
+        problem: &Problem,
+        u: &[f64],
+        (left, inverse): Balanced,
+    ) -> Equilibrium {
+        self.place(problem, u);
+        let moments = left.iter().enumerate();
+        let moments = moments.filter(|(k, _)| !problem.is_length(*k));
+        let discs = self.bodies[self.gearbox.layout.wheel_bodies()].iter();
         Equilibrium {
-            input,
-            wheels,
-            output,
+            input: problem.phi,
+            wheels: discs.map(|disc| disc.angle).collect(),
+            output: u[0],
             bodies: self.bodies.clone(),
-            residual,
+            residual: moments.map(|(_, x)| x.abs()).fold(0.0, f64::max),
+            inverse,
         }
     }
 
@@ -493,6 +617,12 @@ impl<'a> Statics<'a> {
         self.evaluations
     }
 
+    /// Balances that [`track`](Self::track) solved, and those that it knew.
+    #[must_use]
+    pub fn balances(&self) -> [u64; 2] {
+        [self.balances, self.repeats]
+    }
+
     /// Touching pairs of an equilibrium.
     pub fn touching(&mut self, equilibrium: &Equilibrium) -> Vec<PairContact> {
         let mut pairs = Vec::new();
@@ -504,9 +634,7 @@ impl<'a> Statics<'a> {
     /// The bearings that cranks of an RV gear carry discs by, as pairs; of other gears none.
     #[must_use]
     pub fn on_cranks(&self, equilibrium: &Equilibrium) -> Vec<PairContact> {
-        let bearings = self.bearings.as_ref();
-        let found = bearings.map(|bearings| bearings.crank_pairs(&equilibrium.bodies));
-        found.unwrap_or_default()
+        self.carrier.pairs(&equilibrium.bodies)
     }
 
     /// States at t = 0 of a run that starts loaded and already in its slow motion.

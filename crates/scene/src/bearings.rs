@@ -124,6 +124,16 @@ impl BearingLaw {
         Some(law)
     }
 
+    /// Law of a bearing whose deflection under a force is `share` of this one's, with `of_clearance` times its clearance.
+    #[must_use]
+    pub fn share(&self, share: f64, of_clearance: f64) -> Self {
+        Self {
+            stiffness: self.stiffness / share.powf(self.exponent),
+            clearance_m: self.clearance_m * of_clearance,
+            ..*self
+        }
+    }
+
     /// Force at rest at an offset beyond the clearance, N.
     #[must_use]
     #[inline]

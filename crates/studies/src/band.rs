@@ -18,14 +18,15 @@ use std::sync::atomic::AtomicBool;
 
 use pinwheel_contact::Material;
 use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::statics::Statics;
 use pinwheel_scene::{Scene, scales};
 use pinwheel_timeseries::columns;
 use pinwheel_timeseries::figure::definitions::{EXTERNAL_FORCE, INTERNAL_FORCE};
 use pinwheel_timeseries::figure::{Figure, FigureDef};
 use serde::Serialize;
 
-use crate::balances::solve::few_figures;
-use crate::control::compile;
+use crate::balances::solve::{few_figures, few_figures_by};
+use crate::control::{compile, of_scene};
 use crate::{Control, Progress, StudyError};
 
 /// Depths of the disc, of the scene's own.
@@ -151,7 +152,11 @@ fn laws(scene: &Scene) -> Vec<(String, Scene)> {
 
 /// Figures of a scene; `None` where it cannot be balanced.
 fn figures(scene: &Scene, cancel: &AtomicBool) -> Result<Option<Vec<Figure>>, StudyError> {
-    let found = compile(scene).and_then(|gearbox| few_figures(&gearbox, cancel));
+    balanced(compile(scene).and_then(|gearbox| few_figures(&gearbox, cancel)))
+}
+
+/// Returns `None` for what cannot be balanced.
+fn balanced<T>(found: Result<T, StudyError>) -> Result<Option<T>, StudyError> {
     match found {
         Ok(found) => Ok(Some(found)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
@@ -177,11 +182,23 @@ pub fn declined(scene: &Scene) -> Option<&'static str> {
 /// # Errors
 /// Cancelled.
 pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, StudyError> {
-    let scene: &Scene = &gearbox.scene;
+    if declined(&gearbox.scene).is_some() {
+        return Ok(None);
+    }
+    let statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
+    of_known(statics, control)
+}
+
+/// [`of`] a gear some of whose balances a solver may know.
+pub(crate) fn of_known(
+    mut known: Statics<'_>,
+    control: &Control<'_>,
+) -> Result<Option<Bands>, StudyError> {
+    let scene: &Scene = &known.gearbox().scene;
     if declined(scene).is_some() {
         return Ok(None);
     }
-    let Some(mut own) = figures(scene, control.cancel)? else {
+    let Some(mut own) = balanced(few_figures_by(&mut known, control.cancel))? else {
         return Ok(None);
     };
     let mut names = Vec::new();

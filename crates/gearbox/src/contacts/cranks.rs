@@ -19,9 +19,10 @@ use pinwheel_mbs::{BodyState, ContactEnergy, Wrench};
 use pinwheel_scene::bearings::BearingLaw;
 
 use super::bearing_load::BearingLoad;
-use crate::Layout;
+use super::pair::PairContact;
 use crate::geometry::Geometry;
-use crate::scene::Scene;
+use crate::scene::{Cranks as CranksOfScene, Scene};
+use crate::{Layout, Sleeve};
 
 /// Discs at most: as many as a scene may have.
 const WHEELS: usize = 64;
@@ -34,7 +35,11 @@ const LEFT: f64 = 1e-14;
 
 /// All cranks.
 #[derive(Debug, Clone)]
-pub(super) struct Cranks {
+pub struct CrankSet {
+    pub(crate) law: BearingLaw,
+    /// Distance of the cranks from the gear's axis, m.
+    pub(crate) circle_radius_m: f64,
+    layout: Layout,
     /// rho
     teeth_ratio: f64,
     /// k, N/m.
@@ -133,10 +138,13 @@ fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-impl Cranks {
-    /// `None`: one eccentric carries the discs.
-    pub(super) fn of(scene: &Scene, geometry: &Geometry) -> Option<Self> {
-        let cranks = scene.cranks.as_ref()?;
+impl CrankSet {
+    pub(crate) fn of(
+        law: BearingLaw,
+        cranks: &CranksOfScene,
+        scene: &Scene,
+        geometry: &Geometry,
+    ) -> Self {
         let wheels = geometry.wheel_phases.iter().zip(&geometry.eccentricities_m);
         let bore = |wheel: usize, crank: usize| {
             let centre = geometry.hole_centres[wheel][crank];
@@ -153,7 +161,10 @@ impl Cranks {
             .copied()
             .fold(0.0, f64::max);
         let planet = cranks.planet_base_radius_m() / throw_m;
-        Some(Self {
+        Self {
+            law,
+            circle_radius_m: cranks.circle_radius_m,
+            layout: Layout::of(&scene.gear),
             teeth_ratio: geometry.teeth_ratio,
             support: cranks.support_stiffness_n_m,
             mesh: cranks.mesh_stiffness_n_m.map(|mesh| mesh * planet * planet),
@@ -163,12 +174,13 @@ impl Cranks {
                 .map(|(phase, e)| [e * phase.cos(), e * phase.sin()])
                 .collect(),
             bores: (0..scene.gear.wheels).map(of_wheel).collect(),
-        })
+        }
     }
 
-    /// See [`Bearings::share`](super::Bearings::share).
-    pub(super) fn share(&self, share: f64, of_clearance: f64) -> Self {
+    /// See [`Carrier::share`](crate::carrier::Carrier::share).
+    pub(crate) fn share(&self, share: f64, of_clearance: f64) -> Self {
         let mut less = self.clone();
+        less.law = self.law.share(share, of_clearance);
         less.support = self.support.map(|support| support / share);
         less.mesh = self.mesh.map(|mesh| mesh / share);
         for (_, clearance) in less.bores.iter_mut().flatten() {
@@ -177,9 +189,70 @@ impl Cranks {
         less
     }
 
-    /// Clearance of a bearing beyond that of all, m.
-    pub(super) fn extra_clearance_m(&self, wheel: usize, crank: usize) -> f64 {
-        self.bores[wheel][crank].1
+    /// Load of a crank's bearing in a disc, whose offset is the bore's centre from the eccentric's, and the bore's centre, m,
+    /// ground frame.
+    pub(crate) fn bearing(
+        &self,
+        bodies: &[BodyState],
+        wheel: usize,
+        crank: usize,
+    ) -> (BearingLoad, [f64; 2]) {
+        let mut found = OfCrank::new();
+        self.crank(bodies, crank, &mut found);
+        let (body, [x, y]) = (
+            bodies[self.layout.wheel_bodies().start + wheel],
+            found[wheel].arm,
+        );
+        (found[wheel].load, [body.x + x, body.y + y])
+    }
+
+    /// Load of the bearings of all cranks in a disc together, whose offset is their mean.
+    pub(crate) fn of_wheel(&self, bodies: &[BodyState], wheel: usize) -> BearingLoad {
+        let mut all = BearingLoad::default();
+        let share = 1.0 / self.count() as f64;
+        for crank in 0..self.count() {
+            let (one, _) = self.bearing(bodies, wheel, crank);
+            for k in 0..2 {
+                all.on_wheel[k] += one.on_wheel[k];
+                all.offset_m[k] += share * one.offset_m[k];
+            }
+            all.drag_n_m += one.drag_n_m;
+        }
+        all
+    }
+
+    /// Load of a crank's bearing in a disc as a pair of disc and crank.
+    pub(crate) fn pair(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> PairContact {
+        let (load, point) = self.bearing(bodies, wheel, crank);
+        let ([dx, dy], [fx, fy]) = (load.offset_m, load.on_wheel);
+        let offset = dx.hypot(dy);
+        let normal = match offset > 0.0 {
+            true => [-dx / offset, -dy / offset],
+            false => [0.0; 2],
+        };
+        let seat = bodies[self.layout.sleeve_body(Sleeve::Internal(crank))];
+        PairContact {
+            wheel,
+            sleeve: Sleeve::Internal(crank),
+            point,
+            normal,
+            penetration_m: offset - self.law(wheel, crank).clearance_m,
+            normal_rate_m_s: load.rate,
+            tangential_rate_m_s: 0.0,
+            stiffness: self.law.stiffness,
+            normal_force_n: fx.hypot(fy),
+            friction_force_n: 0.0,
+            along_force_n: 0.0,
+            centre: [seat.x, seat.y],
+        }
+    }
+
+    /// Bearings that carry a force, as pairs.
+    pub(crate) fn pairs(&self, bodies: &[BodyState]) -> Vec<PairContact> {
+        let of_crank = |crank| (0..self.layout.wheels).map(move |wheel| (wheel, crank));
+        let all = (0..self.count()).flat_map(of_crank);
+        let pairs = all.map(|(wheel, crank)| self.pair(bodies, wheel, crank));
+        pairs.filter(|pair| pair.normal_force_n > 0.0).collect()
     }
 
     fn count(&self) -> usize {
@@ -187,14 +260,8 @@ impl Cranks {
     }
 
     /// The bearings of one crank, of every disc, and how far the crank gives way.
-    pub(super) fn crank(
-        &self,
-        law: &BearingLaw,
-        layout: Layout,
-        bodies: &[BodyState],
-        crank: usize,
-        out: &mut OfCrank,
-    ) -> Deflection {
+    fn crank(&self, bodies: &[BodyState], crank: usize, out: &mut OfCrank) -> Deflection {
+        let layout = self.layout;
         let (input, output) = (&bodies[Layout::INPUT], &bodies[Layout::OUTPUT]);
         let place = &bodies[layout.internal_bodies().start + crank];
         let rho = self.teeth_ratio;
@@ -227,11 +294,11 @@ impl Cranks {
         }
         let given = match (self.support, self.mesh) {
             (None, None) => [0.0; 3],
-            _ => self.deflection(law, crank, out),
+            _ => self.deflection(crank, out),
         };
         let [x, y, turned] = given;
         for (i, found) in out.iter_mut().enumerate() {
-            let law = self.law(law, i, crank);
+            let law = self.law(i, crank);
             let moved = found.across.map(|across| turned * across);
             found.eccentric = [found.eccentric[0] + moved[0], found.eccentric[1] + moved[1]];
             let [dx, dy] = found.load.offset_m;
@@ -242,11 +309,11 @@ impl Cranks {
     }
 
     /// The bearing's law in a bore with a clearance of its own.
-    fn law(&self, law: &BearingLaw, wheel: usize, crank: usize) -> BearingLaw {
-        let clearance_m = law.clearance_m + self.extra_clearance_m(wheel, crank);
+    pub(crate) fn law(&self, wheel: usize, crank: usize) -> BearingLaw {
+        let (_, extra_m) = self.bores[wheel][crank];
         BearingLaw {
-            clearance_m,
-            ..*law
+            clearance_m: self.law.clearance_m + extra_m,
+            ..self.law
         }
     }
 
@@ -282,7 +349,7 @@ impl Cranks {
     }
 
     /// How far a crank gives way: the one balance of a convex potential, from rest by Newton's method.
-    fn deflection(&self, law: &BearingLaw, crank: usize, bearings: &[CrankBearing]) -> Deflection {
+    fn deflection(&self, crank: usize, bearings: &[CrankBearing]) -> Deflection {
         let own = self.springs();
         let ([support, ..], mesh) = (own.support, own.mesh);
         // Force that is left, its derivatives, and the sum of the forces' sizes.
@@ -293,7 +360,7 @@ impl Cranks {
                 support * x.hypot(y) + mesh * turned.abs(),
             );
             for (i, bearing) in bearings.iter().enumerate() {
-                let law = self.law(law, i, crank);
+                let law = self.law(i, crank);
                 let [ax, ay] = bearing.across;
                 let [dx, dy] = bearing.load.offset_m;
                 let offset = [dx - x - turned * ax, dy - y - turned * ay];
@@ -343,16 +410,11 @@ impl Cranks {
     }
 
     /// Adds the loads of all of them.
-    pub(super) fn add_loads(
-        &self,
-        law: &BearingLaw,
-        layout: Layout,
-        bodies: &[BodyState],
-        loads: &mut [Wrench],
-    ) {
+    pub(crate) fn add_loads(&self, bodies: &[BodyState], loads: &mut [Wrench]) {
+        let layout = self.layout;
         let mut found = OfCrank::new();
         for (crank, body) in layout.internal_bodies().enumerate() {
-            self.crank(law, layout, bodies, crank, &mut found);
+            self.crank(bodies, crank, &mut found);
             let mut sum = [0.0; 2];
             for (wheel, bearing) in layout.wheel_bodies().zip(&found) {
                 let [fx, fy] = bearing.on_crank();
@@ -381,20 +443,14 @@ impl Cranks {
     }
 
     /// Adds what they and the supports store, and what they lose.
-    pub(super) fn add_energy(
-        &self,
-        law: &BearingLaw,
-        layout: Layout,
-        bodies: &[BodyState],
-        sum: &mut ContactEnergy,
-    ) {
+    pub(crate) fn add_energy(&self, bodies: &[BodyState], sum: &mut ContactEnergy) {
         let mut found = OfCrank::new();
         for crank in 0..self.count() {
-            let [x, y, turned] = self.crank(law, layout, bodies, crank, &mut found);
+            let [x, y, turned] = self.crank(bodies, crank, &mut found);
             sum.stored_j += 0.5 * self.support.unwrap_or_default() * (x * x + y * y);
             sum.stored_j += 0.5 * self.mesh.unwrap_or_default() * turned * turned;
             for (wheel, bearing) in found.iter().enumerate() {
-                bearing.load.add_energy(&self.law(law, wheel, crank), sum);
+                bearing.load.add_energy(&self.law(wheel, crank), sum);
             }
         }
     }

@@ -3,11 +3,11 @@
 use pinwheel_contact::PinLaw;
 use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation, Pose, Wrench};
 
-use super::eccentric_bearings::EccentricBearings;
 use super::pair::{PairContact, PairField};
 use super::pin_friction::PinFriction;
 use super::seals::Seals;
 use crate::Sleeve;
+use crate::carrier::Carrier;
 
 /// Contacts of a gear with the bearings that its discs float on, and the seals of its shafts. `bodies` and loads are in
 /// [`Layout`](crate::Layout) order.
@@ -16,11 +16,10 @@ use crate::Sleeve;
 pub struct ContactField {
     /// Contacts between discs and pins.
     pub contacts: Box<dyn PairField>,
-    pub(super) law: PinLaw,
+    pub(crate) law: PinLaw,
     /// Pins that rub where they turn; the loops over the pairs add their forces.
-    pub(super) pins: Option<PinFriction>,
-    /// `None`: eccentrics hold the discs rigidly.
-    pub(crate) bearings: Option<EccentricBearings>,
+    pub(crate) pins: Option<PinFriction>,
+    pub(crate) carrier: Carrier,
     pub(crate) seals: Option<Seals>,
 }
 
@@ -38,25 +37,13 @@ impl ContactField {
         pose: Pose,
         sums: &mut Evaluation<'_>,
     ) -> bool {
-        // Cranks stand where their bodies do, and have no levers.
-        let pose = match &self.bearings {
-            Some(bearings) if bearings.has_cranks() => {
-                if pose == Pose::AnglesOnly || sums.moments.is_some() {
-                    return false;
-                }
-                match sums.derivatives {
-                    Some(_) => pose,
-                    None => Pose::Any,
-                }
-            }
-            _ => pose,
+        let Some(pose) = self.carrier.pose(pose, sums) else {
+            return false;
         };
         if !self.contacts.evaluate(bodies, pose, sums) {
             return false;
         }
-        if let Some(bearings) = &self.bearings {
-            bearings.add(bodies, sums);
-        }
+        self.carrier.add(bodies, sums);
         if let Some(seals) = &self.seals {
             seals.add(bodies, sums);
         }
@@ -71,10 +58,8 @@ impl ContactField {
     /// Returns one pair, touching or not; without contact its forces are 0 and its penetration is minus the gap.
     /// A crank's bearing stands in the place of a pin in its hole.
     pub fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
-        match (&self.bearings, sleeve) {
-            (Some(bearings), Sleeve::Internal(crank)) if bearings.has_cranks() => {
-                bearings.crank_pair(bodies, wheel, crank)
-            }
+        match (&self.carrier, sleeve) {
+            (Carrier::Cranks(cranks), Sleeve::Internal(crank)) => cranks.pair(bodies, wheel, crank),
             _ => self.contacts.nearest(bodies, wheel, sleeve),
         }
     }
@@ -98,9 +83,7 @@ impl ContactField {
             pair.add_energy(law, &mut sum);
             sum.sleeve_friction_w += pins.map_or(0.0, |pins| pins.drag(bodies, pair).lost_w);
         });
-        if let Some(bearings) = &self.bearings {
-            bearings.add_energy(bodies, &mut sum);
-        }
+        self.carrier.add_energy(bodies, &mut sum);
         if let Some(seals) = &self.seals {
             sum.seal_friction_w += seals.lost_w(bodies);
         }

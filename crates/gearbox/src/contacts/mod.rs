@@ -1,13 +1,13 @@
 //! Contacts between discs and pins: detection, law and friction put together for a scene.
 
-mod bearing_load;
-mod cranks;
+pub(crate) mod bearing_load;
+pub(crate) mod cranks;
 pub(crate) mod detection;
-mod eccentric_bearings;
+pub(crate) mod eccentric_bearings;
 mod field;
 pub(crate) mod flanks;
 mod lanes;
-mod pair;
+pub(crate) mod pair;
 mod pairs;
 mod pin_friction;
 mod seals;
@@ -16,19 +16,21 @@ use pinwheel_contact::NormalLaw as _;
 use pinwheel_scene::scales::{law_parameters, pin_law};
 
 pub use bearing_load::BearingLoad;
+pub use cranks::CrankSet;
 pub use eccentric_bearings::EccentricBearings;
 pub use field::ContactField;
 pub use pair::{PairContact, PairField};
 pub use pinwheel_mbs::ContactEnergy;
 
 use crate::GearboxError;
+use crate::carrier::Carrier;
 use crate::geometry::Geometry;
 use crate::scene::{Detection, FrictionLaw, Scene};
 use detection::{Exact, Points};
 use lanes::LaneField;
 use pairs::Pairs;
 use pin_friction::PinFriction;
-use seals::Seals;
+pub(crate) use seals::Seals;
 
 /// Which contact loop evaluates exact detection. All give the same forces to 1e-13 relative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -80,22 +82,9 @@ fn at_most_avx2() -> pulp::Arch {
     pulp::Arch::Scalar
 }
 
-/// Returns all forces of a scene between its bodies: contacts, bearings that discs float on, friction of pins, and seals of shafts.
-#[doc(hidden)]
-pub fn field(
-    scene: &Scene,
-    geometry: &Geometry,
-    kernel: Kernel,
-) -> Result<ContactField, GearboxError> {
-    Ok(ContactField {
-        bearings: EccentricBearings::of(scene, geometry),
-        seals: Seals::of(scene),
-        ..contacts(scene, geometry, kernel)?
-    })
-}
-
 /// Returns the contacts alone, without bearings and seals.
-pub(crate) fn contacts(
+#[doc(hidden)]
+pub fn contacts(
     scene: &Scene,
     geometry: &Geometry,
     kernel: Kernel,
@@ -151,7 +140,7 @@ pub(crate) fn contacts(
         contacts,
         law,
         pins,
-        bearings: None,
+        carrier: Carrier::Rigid,
         seals: None,
     })
 }

@@ -32,7 +32,7 @@ impl Seal {
 
 impl Seals {
     /// `None` where no torque is given.
-    pub(super) fn of(scene: &Scene) -> Option<Self> {
+    pub(crate) fn of(scene: &Scene) -> Option<Self> {
         let bearings = &scene.bearings;
         let torques = [bearings.input_seal_n_m, bearings.output_seal_n_m];
         let bodies = [Layout::INPUT, Layout::OUTPUT];

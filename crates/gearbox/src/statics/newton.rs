@@ -1,205 +1,191 @@
-//! Newton's method for the angles in balance.
+//! The way to a balance: a quasi-Newton method, and down the work of forces where it leads nowhere.
 //!
-//! A disc's moment depends on its own angle and the output's, so with a_i = dM_i/d theta_i, b_i = dM_i/d psi,
-//! c_i = dM_out/d theta_i and d = dM_out/d psi the step is
-//!
-//! ```text
-//! (d - sum c_i b_i/a_i) d psi = -(M_out - sum c_i M_i/a_i),    d theta_i = -(M_i + b_i d psi)/a_i
-//! ```
-//! It begins beyond the free play, pressed in deeper than the load will press: forces that stiffen with the depth then lead
-//! back without passing the balance, and all that will carry touches from the start.
+//! Each step updates the inverse of the Jacobian by what the residual did (C. G. Broyden, Math. Comp. 19, 1965, 577-593), so that
+//! derivatives are evaluated anew only where steps gain too little. A balance hands its inverse on to the next pose.
 
-use super::{ANGLE, Equilibrium, MOST_STEPS, Statics};
-use crate::Layout;
+use nalgebra::{DMatrix, DVector};
 
-/// Twist to begin with, in those of the load by the estimate for adaptive steps.
-const TWIST: f64 = 2.0;
-/// Steps that no longer shrink have ended at rounding if they are shorter than this, rad.
-const ROUNDING: f64 = 1e-12;
+use super::Statics;
+use super::problem::{Balanced, Free, LEFT, Problem};
 
-/// Share of a step in the one before by which a disc gives itself away that will carry nothing: a force like delta^n falls to
-/// it by 1 - 1/n a step, for as long as one likes. Of the laws n is from 10/9 to 5/2.
+/// Newton steps at most, halvings of one, and the residual that a step must leave at most for the inverse to serve the next.
+const STEPS: usize = 60;
+const HALVINGS: usize = 12;
+const SERVES: f64 = 0.3;
+const SERVES_ANGLES: f64 = 0.1;
+/// Steps of discs on eccentrics and output, in the twists of contacts, from which on nothing holds them: they begin afresh.
+const LOST: f64 = 1e5;
+/// Largest ratio of residuals after and before a step with fresh derivatives at which that step counts as progress.
+const SLOW: f64 = 0.9;
+/// Steps at most of a search for where forces do no work along a step, and what may be left of it.
+const WORKS: usize = 40;
+const WORK: f64 = 0.1;
+/// Most of the way over which the mesh holds that such a step may take.
+const FARTHEST: f64 = 0.1;
+/// Where rounding of stiff contacts leaves more, up to this, a balance is one that a Newton step moves by no more than such a share
+/// of the contacts' depths and twists.
+const ROUNDED: f64 = 1e-7;
+const STILL: f64 = 1e-8;
+/// Newton goes on down to the first, and below the second as long as it gains.
+const GOAL: f64 = 1e-12;
+const BALANCED: f64 = 1e-10;
+/// A weak spring to the last iterate, as a share of a contact's stiffness: for directions that nothing holds.
+const WEAK: f64 = 1e-9;
+/// Springs to the last iterate where a gear snaps through, as shares of a contact's stiffness. The weakest that works
+/// is taken.
+const HOLDS: [f64; 6] = [WEAK, 1e-2, 0.1, 1.0, 10.0, 100.0];
+/// Share of a step in the one before by which a disc on its eccentric gives itself away that will carry nothing: a force like delta^n
+/// falls to it by 1 - 1/n a step, for as long as one likes. Of the laws n is from 10/9 to 5/2.
 const IDLE: std::ops::Range<f64> = 0.05..0.75;
 /// The output then moves less than this of what the disc does.
 const ALONE: f64 = 1e-3;
-/// Share of the last step up to which derivatives are kept: so they err by less than this, and take a step more at most.
-const KEPT: f64 = 0.1;
 /// Such a disc is turned to where its steps lead together, and by this more, so that it touches nothing.
 const BEYOND: f64 = 1.001;
 
-/// Number of the output among the free bodies; the discs follow.
-const OUTPUT: usize = Layout::OUTPUT - 1;
+fn beyond(u: &[f64], share: f64, step: &DVector<f64>) -> Vec<f64> {
+    u.iter().zip(step).map(|(u, s)| u + share * s).collect()
+}
 
-impl Statics<'_> {
-    /// Stiffness, N m/rad, and damping, N m s/rad, of the output about a balance, the input locked and the discs following.
-    /// `None`: the contacts have no derivatives.
-    ///
-    /// With s the rate of change all derivatives are K + s D. Discs that follow are eliminated as in a step of Newton's method; what
-    /// is left is taken to first order in s.
-    pub fn compliance(&mut self, at: &Equilibrium) -> Option<[f64; 2]> {
-        if self.gearbox.floats() {
-            return self.floating_compliance(at);
-        }
-        let mut moments = vec![0.0; at.wheels.len()];
-        self.moments_with_slopes(at.input, &at.wheels, at.output, &mut moments)?;
-        let (k, d) = (self.derivatives.position.as_ref()?, &self.derivatives.rate);
-        let (mut stiffness, mut damping) = (k.entry(OUTPUT, OUTPUT), d.entry(OUTPUT, OUTPUT));
-        for hub in OUTPUT + 1..=OUTPUT + at.wheels.len() {
-            let (to, from, own) = (
-                k.entry(OUTPUT, hub),
-                k.entry(hub, OUTPUT),
-                k.entry(hub, hub),
-            );
-            if own == 0.0 {
-                continue;
-            }
-            stiffness -= to * from / own;
-            damping -= (d.entry(OUTPUT, hub) * from + to * d.entry(hub, OUTPUT)
-                - to * from * d.entry(hub, hub) / own)
-                / own;
-        }
-        Some([-stiffness, -damping])
-    }
-
-    /// Derivatives by the angles of the moments that contacts tell, `out` and `on_output` there, to four digits at least: by
-    /// differences, in a quarter of the time that their own take. `None`: contacts tell none.
-    #[doc(hidden)]
-    pub fn differ(
-        &mut self,
-        phi: f64,
-        wheels: &[f64],
-        psi: f64,
-        out: &[f64],
-        on_output: f64,
-    ) -> Option<()> {
-        self.derivatives.clear();
-        // Rounding of the angles weighs as much as the bend over the twist that the load makes.
-        let step = (ANGLE * self.gearbox.error_scales().angle).sqrt();
-        let mut angles = [&[psi], wheels].concat();
-        let mut beside = vec![0.0; wheels.len()];
-        for turned in 0..angles.len() {
-            let angle = angles[turned];
-            angles[turned] += step;
-            let there = self.frictionless_moments(phi, &angles[1..], angles[0], &mut beside)?;
-            let over = (angles[turned] - angle).recip();
-            angles[turned] = angle;
-            let (derivatives, of) = (self.derivatives.position.as_mut()?, OUTPUT + turned);
-            derivatives.add(OUTPUT, of, (there - on_output) * over);
-            for (i, (beside, here)) in beside.iter().zip(out).enumerate() {
-                // Discs do not feel each other.
-                if turned == 0 || turned == i + 1 {
-                    derivatives.add(OUTPUT + 1 + i, of, (beside - here) * over);
-                }
-            }
-        }
-        Some(())
-    }
-
-    /// Newton's step of the output where `output` and `moments` are left, the discs' into `steps`. `None`: derivatives do not lead to
-    /// a balance.
-    fn step(&self, output: f64, moments: &[f64], steps: &mut [f64]) -> Option<f64> {
-        let derivatives = self.derivatives.position.as_ref()?;
-        let (mut slope, mut moment) = (derivatives.entry(OUTPUT, OUTPUT), output);
-        let hubs = OUTPUT + 1..;
-        for (hub, own) in hubs.clone().zip(moments) {
-            let own_slope = derivatives.entry(hub, hub);
-            // A disc that touches nothing carries nothing, wherever in its play it is.
-            if own_slope == 0.0 && *own == 0.0 {
-                continue;
-            }
-            let share = derivatives.entry(OUTPUT, hub) / own_slope;
-            slope -= share * derivatives.entry(hub, OUTPUT);
-            moment -= share * own;
-        }
-        let turned = -moment / slope;
-        let mut falls = slope < 0.0;
-        for ((hub, own), step) in hubs.zip(moments).zip(steps) {
-            let own_slope = derivatives.entry(hub, hub);
-            *step = 0.0;
-            if own_slope != 0.0 {
-                *step = -(own + derivatives.entry(hub, OUTPUT) * turned) / own_slope;
-                falls &= own_slope < 0.0;
-            }
-        }
-        falls.then_some(turned)
-    }
-
-    /// The output's angle in balance, the discs' in `wheels`, which holds the ideal mesh on entry. `None`: the contacts have no
-    /// derivatives, or the way led out of the brackets.
-    pub(super) fn newton(&mut self, phi: f64, load: f64, wheels: &mut [f64]) -> Option<f64> {
-        let geometry = &self.gearbox.geometry;
-        let twist = TWIST * self.gearbox.error_scales().angle;
-        let wheel = geometry.wheel_play_rad + twist;
-        let pressed = load.signum() * (wheel + twist + geometry.hole_play_rad);
-        let psi = geometry.ideal_output_angle(phi) + pressed;
-        for wheel_angle in wheels.iter_mut() {
-            *wheel_angle += load.signum() * wheel;
-        }
-        self.newton_from(phi, load, wheels, psi, MOST_STEPS)
-    }
-
-    /// From the output's angle `psi` and those of `wheels`, in so many `steps` at most.
-    pub(super) fn newton_from(
-        &mut self,
-        phi: f64,
-        load: f64,
-        wheels: &mut [f64],
-        mut psi: f64,
-        steps: usize,
-    ) -> Option<f64> {
-        let middle = self.gearbox.geometry.ideal_output_angle(phi);
-        let ideal = self.ideal_wheels(phi);
-        let (half_wheel, half) = self.brackets();
-        let n = wheels.len();
-        let (mut moments, mut turns, mut last_turns) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        let mut last: Option<f64> = None;
-        for _ in 0..steps {
-            let told = self.frictionless_moments(phi, wheels, psi, &mut moments);
-            let output = match told {
-                Some(told) => told,
-                None => self.moments_with_slopes(phi, wheels, psi, &mut moments)?,
-            };
-            let mut step = self.step(output + load, &moments, &mut turns);
-            // Derivatives of a step before serve while steps shrink fast.
-            let is_short =
-                |step: &f64| last.is_some_and(|last| largest(*step, &turns) < KEPT * last);
-            let is_kept = told.is_some() && step.as_ref().is_some_and(is_short);
-            if told.is_some() && !is_kept {
-                self.differ(phi, wheels, psi, &moments, output)?;
-                step = self.step(output + load, &moments, &mut turns);
-            }
-            let step = step?;
-            for (turn, last) in turns.iter_mut().zip(&mut last_turns) {
-                let left = *turn / *last;
-                *last = *turn;
-                if !is_kept && IDLE.contains(&left) && step.abs() < ALONE * turn.abs() {
-                    *turn *= BEYOND / (1.0 - left);
-                }
-            }
-            psi += step;
-            let mut inside = (psi - middle).abs() < half;
-            for ((angle, turn), ideal) in wheels.iter_mut().zip(&turns).zip(&ideal) {
-                *angle += turn;
-                inside &= *turn == 0.0 || (*angle - ideal).abs() < half_wheel;
-            }
-            if !inside {
-                return None;
-            }
-            let moved = largest(step, &turns);
-            let ends = |last: f64| moved < ROUNDING && moved >= 0.5 * last;
-            if moved < ANGLE || last.is_some_and(ends) {
-                return Some(psi);
-            }
-            last = Some(moved);
-        }
-        None
+/// Broyden's update of an inverse by a step and the change of the residual that it made.
+fn update(inverse: &mut DMatrix<f64>, step: &DVector<f64>, change: &DVector<f64>) {
+    let expected = &*inverse * change;
+    let row = inverse.tr_mul(step);
+    let over = row.dot(change);
+    if over != 0.0 {
+        inverse.ger(over.recip(), &(step - expected), &row, 1.0);
     }
 }
 
-/// Largest step of all angles.
-fn largest(output: f64, wheels: &[f64]) -> f64 {
-    wheels
-        .iter()
-        .map(|step| step.abs())
-        .fold(output.abs(), f64::max)
+/// Lengthens the steps of discs that will carry nothing.
+fn release_idle(step: &mut DVector<f64>, last: &mut DVector<f64>) {
+    let output = step[0].abs();
+    for (turn, last) in step.iter_mut().zip(last).skip(1) {
+        let left = *turn / *last;
+        *last = *turn;
+        if IDLE.contains(&left) && output < ALONE * turn.abs() {
+            *turn *= BEYOND / (1.0 - left);
+        }
+    }
+}
+
+impl Statics<'_> {
+    /// Newton's method from `u`, with halved steps, beginning with an `inverse` of a near balance if there is one. `None` where it got
+    /// stuck, or where teeth have jumped.
+    pub(super) fn newton(
+        &mut self,
+        problem: &Problem,
+        u: &mut Vec<f64>,
+        mut inverse: Option<DMatrix<f64>>,
+    ) -> Option<Balanced> {
+        let mut here = self.residual(problem, u);
+        let mut most = problem.unbalanced(&here);
+        let serves = match problem.free {
+            Free::Places => SERVES,
+            _ => SERVES_ANGLES,
+        };
+        let mut last = DVector::zeros(u.len());
+        for _ in 0..STEPS {
+            if most < GOAL {
+                break;
+            }
+            let is_fresh = inverse.is_none();
+            if is_fresh {
+                let jacobian = self.jacobian(problem, u, &here)?;
+                inverse = problem.held(jacobian, WEAK).try_inverse();
+            }
+            let mut step = -(inverse.as_ref()? * &here);
+            if problem.free == Free::Angles {
+                release_idle(&mut step, &mut last);
+            }
+            if problem.free != Free::Places && problem.moved(&step) > LOST {
+                return None;
+            }
+            let mut share = self.farthest(problem, &step);
+            let before = most;
+            // What is left at a balance is rounding, which no shorter step betters.
+            let tries = if is_fresh && most > LEFT { HALVINGS } else { 1 };
+            for _ in 0..tries {
+                let there = beyond(u, share, &step);
+                let left = self.residual(problem, &there);
+                let now = problem.unbalanced(&left);
+                if now < most {
+                    if let Some(inverse) = &mut inverse {
+                        update(inverse, &(share * &step), &(&left - &here));
+                    }
+                    (*u, here, most) = (there, left, now);
+                    break;
+                }
+                share *= 0.5;
+            }
+            if most > serves * before {
+                if most < BALANCED {
+                    break;
+                }
+                inverse = None;
+                let stuck = most > SLOW * before;
+                if is_fresh && stuck {
+                    let is_still = problem.moved(&step) <= STILL && most <= ROUNDED;
+                    if most < LEFT || is_still {
+                        most = 0.0;
+                        break;
+                    }
+                    *u = self.downhill(problem, (u, &here))?;
+                    here = self.residual(problem, u);
+                    most = problem.unbalanced(&here);
+                }
+            }
+        }
+        let holds = (u[0] - problem.ideal).abs() <= problem.reach;
+        (most < LEFT && holds).then_some((here, inverse))
+    }
+
+    /// The share of a step that leads nowhere near another tooth: where nothing holds, steps have no bounds of their own.
+    fn farthest(&self, problem: &Problem, step: &DVector<f64>) -> f64 {
+        let angle = FARTHEST * self.brackets().1;
+        let lever = self.gearbox.scene.gear.lever_m();
+        let shares = step.iter().enumerate().map(|(k, step)| {
+            let far = match problem.is_length(k) {
+                true => angle * lever,
+                false => angle,
+            };
+            far / step.abs()
+        });
+        shares.fold(1.0, f64::min)
+    }
+
+    /// From `u` to where forces do next to no more work along a Newton step: contacts that open and close on the way leave more than
+    /// before, by which Newton's method alone would never get past them. Where the gear snaps through, and a step would be against
+    /// the forces, springs to `u` hold it.
+    fn downhill(
+        &mut self,
+        problem: &Problem,
+        (u, here): (&[f64], &DVector<f64>),
+    ) -> Option<Vec<f64>> {
+        let jacobian = self.jacobian(problem, u, here)?;
+        let step = HOLDS.iter().find_map(|&hold| {
+            let step = -problem.held(jacobian.clone(), hold).lu().solve(here)?;
+            (here.dot(&step) > 0.0).then_some(step)
+        })?;
+        // Through free play as far as something holds, and not beyond it, nor over a tooth.
+        let farthest = self.farthest(problem, &step);
+        let (mut low, mut high) = (0.0, farthest);
+        let mut share = f64::min(farthest, 1.0 / problem.moved(&step));
+        let mut caught = false;
+        for _ in 0..WORKS {
+            let work = self.residual(problem, &beyond(u, share, &step)).dot(&step);
+            caught |= work <= 0.0;
+            match work > 0.0 {
+                true => low = share,
+                false => high = share,
+            }
+            if work.abs() <= WORK * here.dot(&step) || low == farthest {
+                break;
+            }
+            share = match caught {
+                true => 0.5 * (low + high),
+                false => f64::min(2.0 * share, farthest),
+            };
+        }
+        Some(beyond(u, share, &step))
+    }
 }

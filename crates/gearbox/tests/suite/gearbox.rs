@@ -1,6 +1,6 @@
 //! States and scales of a compiled gearbox.
 
-use pinwheel_gearbox::contacts::{Kernel, field};
+use pinwheel_gearbox::contacts::{Kernel, contacts};
 use pinwheel_gearbox::{Gearbox, Geometry};
 use pinwheel_scene::scales::least_depth;
 use pinwheel_scene::{Detection, Layout, Scene};
@@ -44,7 +44,7 @@ fn bad_input_points_have_no_force_along_the_profile() {
     scene.contact.detection = Detection::Points;
     scene.contact.law = "paper-conservative".to_owned();
     let geometry = Geometry::new(&scene).unwrap();
-    let told = field(&scene, &geometry, Kernel::Lanes).map(|_| ());
+    let told = contacts(&scene, &geometry, Kernel::Lanes).map(|_| ());
     let told = told.unwrap_err().to_string();
     assert!(told.contains("detection = \"exact\""), "{told}");
 }

@@ -66,14 +66,16 @@ pub(crate) struct Pose {
 }
 
 impl Pose {
-    /// `near`: the balance under the same load at the pose before, if there is one; this one afterwards.
+    /// `near`: the balance under the same load at the pose before, if there is one; this one afterwards. `pressure`: where that of
+    /// the pairs is wanted.
     pub(crate) fn find(
         statics: &mut Statics<'_>,
-        gearbox: &Gearbox,
+        pressure: Option<&LinePressure>,
         phi: f64,
         load: f64,
         near: &mut Option<Equilibrium>,
     ) -> Result<Self, GearboxError> {
+        let gearbox = statics.gearbox();
         let found = statics.track(near, phi, load)?;
         let touching = statics.touching(found);
         let wheels = gearbox.layout.wheels;
@@ -91,6 +93,7 @@ impl Pose {
             let wheel = contact.wheel;
             pair(
                 gearbox,
+                pressure,
                 turned + phases[wheel],
                 found.wheels[wheel],
                 contact,
@@ -135,10 +138,15 @@ fn from_eccentric(angle: f64, eccentric: f64) -> f64 {
 }
 
 /// Place, pressure and sliding of a contact; `eccentric` and `angle`: of the disc's eccentric and of the disc, rad.
-fn pair(gearbox: &Gearbox, eccentric: f64, angle: f64, contact: &PairContact) -> Pair {
+fn pair(
+    gearbox: &Gearbox,
+    pressure: Option<&LinePressure>,
+    eccentric: f64,
+    angle: f64,
+    contact: &PairContact,
+) -> Pair {
     let [x, y] = contact.centre;
     let geometry = &gearbox.geometry;
-    let pressure = LinePressure::new(&gearbox.scene.contact);
     // Velocity of the disc at W: about its centre at -omega/zs, and with it along the eccentric's circle.
     let omega = gearbox.scene.eccentric_speed_rad_s();
     let rate = -omega / geometry.lobes();
@@ -160,7 +168,9 @@ fn pair(gearbox: &Gearbox, eccentric: f64, angle: f64, contact: &PairContact) ->
         place_rad: from_eccentric(y.atan2(x), eccentric),
         force_n: contact.normal_force_n,
         penetration_m: contact.penetration_m,
-        pressure_pa: pressure.of(geometry, contact, [e * c, e * s], angle),
+        pressure_pa: pressure.map_or(0.0, |pressure| {
+            pressure.of(geometry, contact, [e * c, e * s], angle)
+        }),
         sliding_m_s: (velocity[1] * nx - velocity[0] * ny).abs(),
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use pinwheel_gearbox::pressure::LinePressure;
 use pinwheel_gearbox::statics::{Equilibrium, Statics};
 use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_scene::{Scales, load_profile};
@@ -64,16 +65,18 @@ pub(crate) fn balances(
     let (lost, stiffness) = twisted(statics, &few, gearbox, working, &mut |pose| {
         step(0, pose, few.angles.len())
     })?;
+    let pressure = LinePressure::new(&gearbox.scene.contact);
     let mut at = |stage: usize, load: f64| -> Result<Vec<Pose>, StudyError> {
         let mut near = None;
         along(poses, |done, phi| {
             step(stage, done, poses.angles.len())?;
-            Pose::find(statics, gearbox, phi, load, &mut near).map_err(of_scene)
+            let pressure = (stage == 1).then_some(&pressure);
+            Pose::find(statics, pressure, phi, load, &mut near).map_err(of_scene)
         })
     };
     Ok(Balances {
         parts: poses.parts,
-        on_cranks: gearbox.scene.cranks.is_some(),
+        on_cranks: gearbox.carrier.cranks().is_some(),
         lost,
         stiffness,
         loaded: at(1, working)?,
@@ -86,30 +89,61 @@ pub(crate) fn balances(
 /// # Errors
 /// A gear without load, or one that cannot be balanced; `cancel` was set.
 pub fn few_figures(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Vec<Figure>, StudyError> {
+    let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
+    few_figures_by(&mut statics, cancel)
+}
+
+/// [`few_figures`] by a solver that may know some of the balances.
+pub(crate) fn few_figures_by(
+    statics: &mut Statics<'_>,
+    cancel: &AtomicBool,
+) -> Result<Vec<Figure>, StudyError> {
+    let gearbox = statics.gearbox();
     let working = working_load(gearbox)?;
     let poses = Poses::of(&gearbox.scene).few(FEW);
-    let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
     let control = Control::silent(cancel);
-    let found = balances(&mut statics, gearbox, &poses, working, &mut |_, _, _| {
+    let found = balances(statics, gearbox, &poses, working, &mut |_, _, _| {
         Ok(control.check()?)
     })?;
     Ok(found.figures())
 }
 
-/// Twist of the output from the ideal mesh under a share of the working load, in the direction of that load, arcmin. `last`: the
-/// balance under the same load before this one, as [`Statics::follow`] has it.
+/// Twist of the output from the ideal mesh under a load, in the direction of that load, arcmin. `last`: the
+/// balance under the same load before this one, as [`Statics::track`] has it.
 pub(crate) fn twist(
     statics: &mut Statics<'_>,
-    gearbox: &Gearbox,
     last: &mut Option<Equilibrium>,
     phi: f64,
     load: f64,
-    working: f64,
 ) -> Result<f64, GearboxError> {
+    let gearbox = statics.gearbox();
     let found = statics.track(last, phi, load)?;
     let ideal = gearbox.geometry.ideal_output_angle(phi);
     let output = found.output + gearbox.flange_twist_rad(load);
-    Ok(ARCMIN * (output - ideal) * working.signum())
+    Ok(ARCMIN * (output - ideal) * load.signum())
+}
+
+/// True if a gear at the input angle -phi under the load -T is the mirror image of itself at phi under T.
+pub(crate) fn is_mirrored(gearbox: &Gearbox) -> bool {
+    gearbox.scene.gear.errors.is_none()
+}
+
+/// Results of `find` at every pose in either direction of the load, 1 and -1; the backward ones of a gear that is its own mirror
+/// image are those ahead at the opposite pose.
+pub(crate) fn both_ways<T: Clone>(
+    poses: &Poses,
+    gearbox: &Gearbox,
+    mut find: impl FnMut(usize, f64, f64) -> Result<T, StudyError>,
+) -> Result<Vec<[T; 2]>, StudyError> {
+    if !is_mirrored(gearbox) {
+        return along(poses, |done, phi| {
+            Ok([find(done, phi, 1.0)?, find(done, phi, -1.0)?])
+        });
+    }
+    let ahead = along(poses, |done, phi| find(done, phi, 1.0))?;
+    let back = std::iter::once(&ahead[0]).chain(ahead[1..].iter().rev());
+    let pairs = ahead.iter().zip(back);
+    Ok(pairs.map(|(a, b)| [a.clone(), b.clone()]).collect())
 }
 
 /// Results of `find` at every pose, from its number so far on the way and its input angle.
@@ -134,17 +168,19 @@ pub(crate) fn twisted(
     step: &mut dyn FnMut(usize) -> Result<(), StudyError>,
 ) -> Result<(Vec<f64>, Vec<[f64; 2]>), StudyError> {
     let [low, high] = STIFF;
-    let mut at = [LOST, -LOST, low, high, -low, -high].map(|share| (share * working, None));
-    let found = along(poses, |done, phi| {
+    let mut last: [[Option<Equilibrium>; 3]; 2] = Default::default();
+    let found = both_ways(poses, gearbox, |done, phi, way| {
         step(done)?;
-        let mut twists = [0.0; 6];
-        for (twisted, (load, last)) in twists.iter_mut().zip(&mut at) {
-            *twisted = twist(statics, gearbox, last, phi, *load, working)
+        let mut twists = [0.0; 3];
+        let last = &mut last[usize::from(way < 0.0)];
+        for ((twisted, share), last) in twists.iter_mut().zip([LOST, low, high]).zip(last) {
+            *twisted = twist(statics, last, phi, way * share * working)
                 .map_err(|source| of_scene(&gearbox.scene, source))?;
         }
-        let [ahead, back, a, b, c, d] = twists;
-        let between = |turned: f64| (high - low) * working.abs() / turned.abs();
-        Ok((ahead - back, [between(b - a), between(d - c)]))
+        Ok(twists)
     })?;
-    Ok(found.into_iter().unzip())
+    let stiff =
+        |[_, low_at, high_at]: [f64; 3]| (high - low) * working.abs() / (high_at - low_at).abs();
+    let of_pose = |[ahead, back]: [[f64; 3]; 2]| (ahead[0] + back[0], [stiff(ahead), stiff(back)]);
+    Ok(found.into_iter().map(of_pose).unzip())
 }

@@ -3,7 +3,6 @@
 //! The gear is balanced with contacts alone, then with its eccentric bearings, then with the bending of its output pins, then with
 //! carrier and flange, each time with all before. Compliances add up, so a part's share is what the twist under load grows by when it joins.
 
-use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_scene::Scene;
 use serde::Serialize;
@@ -72,12 +71,13 @@ pub(super) const CONTACTS: &str = "contacts";
 /// The part that a fit replaces.
 pub(super) const REST: &str = "carrier and flange";
 
-/// Budget of the gear under the `working` load; empty where only the contacts deflect.
+/// Budget of the gear of `known` under the `working` load; empty where only the contacts deflect.
 pub(super) fn of(
-    gearbox: &Gearbox,
+    known: &mut Statics<'_>,
     working: f64,
     control: &Control<'_>,
 ) -> Result<Vec<Share>, StudyError> {
+    let gearbox = known.gearbox();
     let all = gearbox.scene.bearings;
     let given = gearbox.scene.cranks;
     // The first is balanced on rigid bearings, which cranks cannot do without in a scene.
@@ -118,16 +118,24 @@ pub(super) fn of(
     }
     let mut compliance = Vec::new();
     for (part, scene) in parts {
-        let gearbox = compile(&scene)?;
-        let of_scene = |source| of_scene(&gearbox.scene, source);
-        let poses = Poses::of(&scene).few(FEW);
-        let mut statics = Statics::new(&gearbox).map_err(of_scene)?;
-        if part == CONTACTS {
-            statics = statics.on_rigid_bearings();
-        }
-        let found = twisted(&mut statics, &poses, &gearbox, working, &mut |_| {
-            Ok(control.check()?)
-        })?;
+        let balanced = |statics: &mut Statics<'_>| {
+            let gearbox = statics.gearbox();
+            let poses = Poses::of(&scene).few(FEW);
+            twisted(statics, &poses, gearbox, working, &mut |_| {
+                Ok(control.check()?)
+            })
+        };
+        let found = if part != CONTACTS && scene == *known.gearbox().scene {
+            balanced(known)?
+        } else {
+            let gearbox = compile(&scene)?;
+            let of_scene = |source| of_scene(&gearbox.scene, source);
+            let mut statics = Statics::new(&gearbox).map_err(of_scene)?;
+            if part == CONTACTS {
+                statics = statics.on_rigid_bearings();
+            }
+            balanced(&mut statics)?
+        };
         let stiffness = Spread::of(found.1.into_iter().flatten()).mean;
         compliance.push(1.0 / stiffness);
         shares.push(Share {

@@ -21,7 +21,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use nalgebra::{DMatrix, DVector};
-use pinwheel_gearbox::statics::Statics;
+use pinwheel_gearbox::statics::{Equilibrium, Statics};
 use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 use serde::Serialize;
@@ -30,6 +30,7 @@ use super::Operating;
 use crate::StudyError;
 use crate::balances::figures::{ROUNDING, parted};
 use crate::balances::poses::Poses;
+use crate::balances::solve::both_ways;
 use crate::balances::spread::{ARCMIN, Spread};
 use crate::control::of_scene;
 use crate::output::{OutputError, file_name, write_text};
@@ -111,11 +112,13 @@ impl Joint {
         let of_scene = |source| of_scene(&gearbox.scene, source);
         let few = poses.few(POSES);
         let count = few.angles.len();
-        let mut poses = Vec::with_capacity(count);
-        for (pose, &phi) in few.angles.iter().enumerate() {
+        let mut last: [[Option<Equilibrium>; LEVELS.len()]; 2] = Default::default();
+        let ways = both_ways(&few, gearbox, |pose, phi, way| {
             step(pose, count)?;
-            poses.push(Pose::find(statics, phi, rated).map_err(of_scene)?);
-        }
+            let last = &mut last[usize::from(way < 0.0)];
+            one_way(statics, last, phi, way * rated).map_err(of_scene)
+        })?;
+        let poses: Vec<Pose> = ways.into_iter().map(Pose::of).collect();
         let all: Vec<&Pose> = poses.iter().collect();
         let springs = springs(&mean_twists(&all), rated);
         if springs.is_empty() {
@@ -280,23 +283,37 @@ impl Joint {
     }
 }
 
-impl Pose {
-    fn find(statics: &mut Statics<'_>, phi: f64, rated: f64) -> Result<Self, GearboxError> {
-        let mut pose = Self {
-            twist: [0.0; LEVELS.len()],
-            damping: None,
-        };
-        for (twist, share) in pose.twist.iter_mut().zip(LEVELS) {
-            let flange = statics.gearbox().flange_twist_rad(share * rated);
-            let there = statics.solve(phi, share * rated)?;
-            let back = statics.solve(phi, -share * rated)?;
-            *twist = 0.5 * (there.output - back.output) + flange;
-            if share == 1.0 {
-                let both = [there, back].map(|at| statics.compliance(&at));
-                pose.damping = both[0].zip(both[1]).map(|(a, b)| 0.5 * (a[1] + b[1]));
-            }
+/// Twist under a share of the rated load in one direction, by [`LEVELS`], rad, and damping.
+type OneWay = ([f64; LEVELS.len()], Option<f64>);
+
+/// Balances of one pose in one direction, from those `last` before.
+fn one_way(
+    statics: &mut Statics<'_>,
+    last: &mut [Option<Equilibrium>; LEVELS.len()],
+    phi: f64,
+    rated: f64,
+) -> Result<OneWay, GearboxError> {
+    let (mut twist, mut damping) = ([0.0; LEVELS.len()], None);
+    for ((twist, share), last) in twist.iter_mut().zip(LEVELS).zip(last) {
+        let gearbox = statics.gearbox();
+        let load = share * rated;
+        let found = statics.track(last, phi, load)?.clone();
+        let turned = found.output - gearbox.geometry.ideal_output_angle(phi);
+        *twist = (turned + gearbox.flange_twist_rad(load)) * load.signum();
+        if share == 1.0 {
+            damping = statics.compliance(&found).map(|[_, damping]| damping);
         }
-        Ok(pose)
+    }
+    Ok((twist, damping))
+}
+
+impl Pose {
+    /// Mean of both directions.
+    fn of([(ahead, a), (back, b)]: [OneWay; 2]) -> Self {
+        Self {
+            twist: std::array::from_fn(|level| 0.5 * (ahead[level] + back[level])),
+            damping: a.zip(b).map(|(a, b)| 0.5 * (a + b)),
+        }
     }
 }
 

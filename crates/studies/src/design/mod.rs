@@ -53,7 +53,7 @@ pub use joint::{Friction, Joint, Spring};
 use crate::balances::figures::{LOST, withhold_lost_motion};
 use crate::balances::orders;
 use crate::balances::poses::Poses;
-use crate::balances::solve::{NO_LOAD, balances, twist, working_load};
+use crate::balances::solve::{NO_LOAD, balances, is_mirrored, twist, working_load};
 use crate::balances::spread::ARCMIN;
 
 /// Points of the curve of torsion, on either side of 0.
@@ -153,6 +153,8 @@ pub struct DesignResult {
     pub joint: Option<Joint>,
     /// The discs as drawings.
     pub discs: Vec<Drawing>,
+    /// Balances of the unchanged gear that were solved before those of the bands, and those that were known.
+    pub balances: [u64; 2],
 }
 
 /// Answers all of it for the scene of `gearbox`; `runs`: also what takes dynamic runs.
@@ -164,10 +166,12 @@ pub fn run(
     runs: bool,
     control: &Control<'_>,
 ) -> Result<DesignResult, StudyError> {
-    let mut found = figures_of(gearbox, runs, control)?;
-    let poses = Poses::of(&gearbox.scene);
     let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
+    let mut found = figures_by(&mut statics, runs, control)?;
+    let poses = Poses::of(&gearbox.scene);
     let rated = (found.rated_torque_n_m, &poses);
+    found.budget = budget::of(&mut statics, working_load(gearbox)?, control)?;
+    found.discs = drawing::discs(&gearbox.scene)?;
     let total = stages(runs);
     let step = &mut |pose: usize, all: usize| {
         let what = format!("joint, pose {} of {all}", pose + 1);
@@ -176,8 +180,9 @@ pub fn run(
     };
     let joint = Joint::identify(&mut statics, gearbox, rated, &found.efficiency, step)?;
     found.joint = Some(joint);
+    found.balances = statics.balances();
     (control.progress)(Progress::new(total - 1, total, "other contact laws"));
-    found.bands = band::of(gearbox, control)?;
+    found.bands = band::of_known(statics, control)?;
     if let Some(bands) = &found.bands {
         for figure in &mut found.figures {
             figure.by_contact_law = bands.around(&figure.def, figure.value);
@@ -186,7 +191,7 @@ pub fn run(
     Ok(found)
 }
 
-/// Figures of a design without joint and bands, which samples of a sweep do not need.
+/// Figures of a design without budget, joint, bands and drawings, which samples of a sweep do not need.
 ///
 /// # Errors
 /// See [`run`].
@@ -195,6 +200,17 @@ pub(crate) fn figures_of(
     runs: bool,
     control: &Control<'_>,
 ) -> Result<DesignResult, StudyError> {
+    let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
+    figures_by(&mut statics, runs, control)
+}
+
+/// [`figures_of`] by a solver that remembers the balances.
+fn figures_by(
+    statics: &mut Statics<'_>,
+    runs: bool,
+    control: &Control<'_>,
+) -> Result<DesignResult, StudyError> {
+    let gearbox = statics.gearbox();
     let scene = &gearbox.scene;
     let working = working_load(gearbox)?;
     let rated = working.abs();
@@ -205,11 +221,10 @@ pub(crate) fn figures_of(
         Ok(control.check()?)
     };
     let poses = Poses::of(scene);
-    let mut statics = Statics::new(gearbox).map_err(of_scene)?;
     step(0, "torsion")?;
-    let curve = curve(&mut statics, gearbox, working).map_err(of_scene)?;
+    let curve = curve(statics, working).map_err(of_scene)?;
     let balances = balances(
-        &mut statics,
+        statics,
         gearbox,
         &poses,
         working,
@@ -272,7 +287,7 @@ pub(crate) fn figures_of(
             torque_n_m: curve.0,
             twist_arcmin: curve.1,
         },
-        budget: budget::of(gearbox, working, control)?,
+        budget: Vec::new(),
         rest: None,
         sharing: summed.sharing,
         pressure: summed.pressure,
@@ -282,7 +297,8 @@ pub(crate) fn figures_of(
         cycle,
         efficiency,
         joint: None,
-        discs: drawing::discs(scene)?,
+        discs: Vec::new(),
+        balances: [0; 2],
     })
 }
 
@@ -323,19 +339,31 @@ fn stages(runs: bool) -> usize {
 }
 
 /// Torque, N m, and twist, arcmin, at the input angle 0.
-fn curve(
-    statics: &mut Statics<'_>,
-    gearbox: &Gearbox,
-    working: f64,
-) -> Result<(Vec<f64>, Vec<f64>), GearboxError> {
-    // No point at 0: with backlash the output has no place there.
-    let up = (1..=CURVE).map(|k| k as f64 / CURVE as f64);
-    let down = up.clone().rev().map(|share| -share);
-    let shares: Vec<f64> = down.chain([-LOST, LOST]).chain(up).collect();
-    let at = |share: &f64| twist(statics, gearbox, &mut None, 0.0, share * working, working);
-    let twists = shares.iter().map(at).collect::<Result<_, _>>()?;
-    let torques = shares.iter().map(|share| share * working.abs());
-    Ok((torques.collect(), twists))
+fn curve(statics: &mut Statics<'_>, working: f64) -> Result<(Vec<f64>, Vec<f64>), GearboxError> {
+    // No point at 0: with backlash the output has no place there. From the largest load on, each from the one before.
+    let up = std::iter::once(LOST).chain((1..=CURVE).map(|k| k as f64 / CURVE as f64));
+    let shares: Vec<f64> = up.collect();
+    let is_mirrored = is_mirrored(statics.gearbox());
+    let mut way = |sign: f64| -> Result<Vec<f64>, GearboxError> {
+        let mut last = None;
+        let down = shares.iter().rev();
+        let twists = down.map(|share| twist(statics, &mut last, 0.0, sign * share * working));
+        twists.collect()
+    };
+    let ahead = way(1.0)?;
+    let back = match is_mirrored {
+        true => ahead.clone(),
+        false => way(-1.0)?,
+    };
+    let down = shares.iter().rev().map(|share| -share);
+    let torques = down
+        .chain(shares.iter().copied())
+        .map(|share| share * working.abs());
+    let twists = back
+        .iter()
+        .map(|twist| -twist)
+        .chain(ahead.iter().rev().copied());
+    Ok((torques.collect(), twists.collect()))
 }
 
 /// A run at a share of the rated speed under the load `torque`, as many turns as the scene's own.
@@ -395,6 +423,9 @@ impl DesignResult {
             cycle: own.cycle,
             efficiency: own.efficiency,
             joint: own.joint,
+            budget: own.budget,
+            discs: own.discs,
+            balances: own.balances,
             rest,
             ..figures_of(gearbox, false, control)?
         };

@@ -9,9 +9,8 @@
 
 use arrayvec::ArrayVec;
 use pinwheel_mbs::{BodyState, Jacobian};
-use pinwheel_scene::bearings::BearingLaw;
 
-use super::{Cranks, Deflection, OfCrank, Springs, WHEELS, cross, pressed};
+use super::{CrankSet, Deflection, OfCrank, Springs, WHEELS, cross, pressed};
 use crate::Layout;
 use crate::contacts::pairs::places;
 
@@ -84,7 +83,7 @@ impl Sprung {
     /// Visits the rows that something moves, with the slope of their force or moment: all discs do through what gives way.
     fn moved(
         &self,
-        cranks: &Cranks,
+        cranks: &CrankSet,
         seat: [f64; 2],
         of: impl Fn(usize, &Held) -> Move,
         mut visit: impl FnMut(usize, f64),
@@ -136,18 +135,12 @@ impl Sprung {
     }
 }
 
-impl Cranks {
+impl CrankSet {
     /// A crank's bearings with their derivatives; those that do not carry have none.
-    fn sprung(
-        &self,
-        law: &BearingLaw,
-        crank: usize,
-        bearings: &OfCrank,
-        given: Deflection,
-    ) -> Sprung {
+    fn sprung(&self, crank: usize, bearings: &OfCrank, given: Deflection) -> Sprung {
         let mut springs = self.springs();
         let held = bearings.iter().enumerate().map(|(i, bearing)| {
-            let law = self.law(law, i, crank);
+            let law = self.law(i, crank);
             let [dx, dy] = bearing.load.offset_m;
             let offset = dx.hypot(dy);
             let (n, by) = match offset > 0.0 {
@@ -189,13 +182,8 @@ impl Cranks {
     }
 
     /// Adds how all of them change: [`add_loads`](Self::add_loads) by everything that is free, and by the time.
-    pub(in crate::contacts) fn add_jacobian(
-        &self,
-        law: &BearingLaw,
-        layout: Layout,
-        bodies: &[BodyState],
-        derivatives: &mut Jacobian,
-    ) {
+    pub(crate) fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Jacobian) {
+        let layout = self.layout;
         let first = places(layout, derivatives);
         let Some(position) = &mut derivatives.position else {
             return;
@@ -207,12 +195,12 @@ impl Cranks {
         let turning = per_output * output + per_input;
         let mut found = OfCrank::new();
         for (crank, body) in layout.internal_bodies().enumerate() {
-            let given = self.crank(law, layout, bodies, crank, &mut found);
+            let given = self.crank(bodies, crank, &mut found);
             let seat = [bodies[body].x, bodies[body].y];
             let sprung = Sprung {
                 seat,
                 first,
-                ..self.sprung(law, crank, &found, given)
+                ..self.sprung(crank, &found, given)
             };
             for (wheel, body) in layout.wheel_bodies().enumerate() {
                 let only = |moves: Move| {

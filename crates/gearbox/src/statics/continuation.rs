@@ -1,0 +1,258 @@
+//! Balances of a gear whose discs float on elastic bearings, by continuation.
+//!
+//! With clearance there are states that nothing holds, so no bracket and no cold start can be relied upon. A continuation can: it
+//! begins at the balance of rigid bearings, displaces each disc by a small share s of the deflection of its bearing under the
+//! force at that balance, and takes the bearing's offsets from s to all of themselves:
+//!
+//! ```text
+//! offset of the bearing under F:   s (g + (F/K)^(1/p)),   s -> 1
+//! ```
+//! Newton's method balances every step. A light load is approached from the scene's largest, by parts of it:
+//! near no load nothing but the last balance tells where a disc floats. Without a load discs rest at the middle of their
+//! clearance.
+
+use std::sync::Arc;
+
+use super::problem::{Balanced, LEFT, OF_A_DISC, Problem};
+use super::{Equilibrium, Statics};
+use crate::{GearboxError, scene::Detection};
+
+/// The first share s, in the depths of contacts under the load.
+const FIRST: f64 = 0.2;
+/// Growth of s from step to step, shrunk by its root where a step fails, and its least.
+const GROWTH: f64 = 4.0;
+const LEAST_GROWTH: f64 = 1.001;
+/// Ratio of successive loads on the way to a light one, replaced by its root where a step fails. A load above this
+/// share of the largest is not light.
+const LIGHTER: f64 = 0.25;
+/// Balances that are remembered.
+const REMEMBERED: usize = 8;
+/// Least step of the clearance, as a share of it.
+const LEAST_LOOSER: f64 = 1e-4;
+/// Why points may leave a disc without a balance.
+const POINTS: &str = "contact.detection = \"points\": forces jump from point to point, and between two of them a disc on an \
+                      elastic bearing has no balance; use detection = \"exact\"";
+
+/// Where bearings sit from a disc's centre, m.
+type Seats = Vec<[f64; 2]>;
+/// Forces on the bearings of every disc, N.
+type Forces = Vec<Vec<[f64; 2]>>;
+
+impl Statics<'_> {
+    /// The balance of floating discs at the input angle `phi`.
+    pub(super) fn solve_floating(
+        &mut self,
+        phi: f64,
+        load: f64,
+    ) -> Result<Equilibrium, GearboxError> {
+        if load == 0.0 {
+            return self.continue_from_rigid(phi, load);
+        }
+        // The nearest of the last loads in the same direction: mostly the same one, at the pose before.
+        let apart = |from: f64| (load / from).ln().abs();
+        let near = (0..self.floated.len())
+            .filter(|&k| self.floated[k].1 * load > 0.0)
+            .min_by(|&a, &b| apart(self.floated[a].1).total_cmp(&apart(self.floated[b].1)));
+        let known = near.map(|k| match self.floated[k].1 == load {
+            true => self.floated.remove(k),
+            false => self.floated[k].clone(),
+        });
+        let found =
+            known.and_then(|(near, from)| self.continue_towards(near, from, (phi, load)).ok());
+        let found = match found {
+            Some(found) => found,
+            None => self
+                .solve_cold(phi, load)
+                .map_err(|error| self.explained(error))?,
+        };
+        if self.floated.len() == REMEMBERED {
+            self.floated.remove(0);
+        }
+        self.floated.push((found.clone(), load));
+        Ok(found)
+    }
+
+    /// The error with its cause, where that is not the load.
+    fn explained(&self, error: GearboxError) -> GearboxError {
+        match (self.gearbox.scene.contact.detection, error) {
+            (Detection::Points, GearboxError::NoEquilibrium { .. }) => {
+                GearboxError::Geometry(POINTS.to_owned())
+            }
+            (_, error) => error,
+        }
+    }
+
+    /// The equilibrium of floating discs without a known one near by.
+    fn solve_cold(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+        let heavy = self.largest_n_m.copysign(load);
+        if load.abs() >= LIGHTER * heavy.abs() {
+            return self.continue_from_rigid(phi, load);
+        }
+        let here = self.continue_from_rigid(phi, heavy)?;
+        self.continue_towards(here, heavy, (phi, load))
+    }
+
+    /// From a balance under the load `at`, in the same direction, to another input angle and load.
+    fn continue_towards(
+        &mut self,
+        mut here: Equilibrium,
+        mut at: f64,
+        (phi, load): (f64, f64),
+    ) -> Result<Equilibrium, GearboxError> {
+        let mut part = LIGHTER;
+        while at != load || here.input != phi {
+            let next = match load.abs() < at.abs() {
+                true => load.signum() * (at * part).abs().max(load.abs()),
+                false => load.signum() * (at / part).abs().min(load.abs()),
+            };
+            match self.continue_from(&here, phi, next) {
+                Some(found) => (here, at) = (found, next),
+                None => part = f64::min(next / at, at / next).sqrt(),
+            }
+            if part * LEAST_GROWTH > 1.0 {
+                return Err(GearboxError::NoEquilibrium { load_n_m: load });
+            }
+        }
+        Ok(here)
+    }
+
+    /// The equilibrium of floating discs by continuation from that of rigid bearings.
+    fn continue_from_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
+        let rigid = self.solve_rigid(phi, load)?;
+        let whole = self.problem(phi, load, &self.carrier);
+        let mut u = whole.unknowns(&rigid.bodies, self.gearbox.layout);
+        // Forces of the contacts alone: what the bearings will have to carry.
+        let contacts = self.residual(&whole, &u);
+        let (seats, forces) = self.carried(&rigid, contacts.as_slice());
+        let most = forces.iter().flatten().map(|[x, y]| x.hypot(*y));
+        let most = most.fold(0.0, f64::max);
+        if most <= LEFT * whole.size.force {
+            return Ok(self.equilibrium(&whole, &u, (contacts, None)));
+        }
+        let carrier = self.carrier.clone();
+        let mut share = (FIRST * whole.size.length / carrier.offset_under(most)).min(1.0);
+        for (disc, forces) in u[1..].chunks_mut(OF_A_DISC).zip(&forces) {
+            for (&seat, &[fx, fy]) in seats.iter().zip(forces) {
+                let size = fx.hypot(fy);
+                if size > 0.0 {
+                    let offset = share * carrier.offset_under(size) / size;
+                    displace(disc, seat, [fx, fy], offset / seats.len() as f64);
+                }
+            }
+        }
+        let none = || GearboxError::NoEquilibrium { load_n_m: load };
+        // The bearings of one disc do not all deflect along these forces: their clearance comes last.
+        let tight = if carrier.cranks().is_some() { 0.0 } else { 1.0 };
+        // A first step that fails is tried from nearer to the rigid gear.
+        let mut before: Option<(f64, Vec<f64>)> = None;
+        let mut growth = GROWTH;
+        loop {
+            let mut there = match &before {
+                Some((last, at)) => self.stretched(phi, at, share / last),
+                None => u.clone(),
+            };
+            let shared = Arc::new(carrier.share(share, tight * share));
+            let shared = self.problem(phi, load, &shared);
+            if let Some(balanced) = self.newton(&shared, &mut there, None) {
+                if share >= 1.0 {
+                    let (u, balanced) = match carrier.cranks() {
+                        Some(_) => self.loosened(&whole, there).ok_or_else(none)?,
+                        None => (there, balanced),
+                    };
+                    return Ok(self.equilibrium(&whole, &u, balanced));
+                }
+                before = Some((share, there));
+            } else {
+                growth = growth.sqrt();
+                if growth < LEAST_GROWTH {
+                    return Err(none());
+                }
+            }
+            share = match &before {
+                Some((last, _)) => (last * growth).min(1.0),
+                None => {
+                    u = self.stretched(phi, &u, 0.25);
+                    0.25 * share
+                }
+            };
+        }
+    }
+
+    /// From the balance on bearings without clearance to that with all of it: each step moves discs on by what their bearings
+    /// give way more, along the offsets that they have.
+    fn loosened(&mut self, whole: &Problem, mut u: Vec<f64>) -> Option<(Vec<f64>, Balanced)> {
+        let (mut share, mut step, mut left) = (0.0, 1.0, None);
+        let carrier = self.carrier.clone();
+        let cranks = carrier.cranks()?;
+        let layout = self.gearbox.layout;
+        while share < 1.0 && step > LEAST_LOOSER {
+            let next = f64::min(share + step, 1.0);
+            self.place(whole, &u);
+            let mut there = u.clone();
+            for (i, disc) in there[1..].chunks_mut(OF_A_DISC).enumerate() {
+                for (k, body) in layout.internal_bodies().enumerate() {
+                    let offset = cranks.bearing(&self.bodies, i, k).0.offset_m;
+                    let seat = [self.bodies[body].x, self.bodies[body].y];
+                    let size = offset[0].hypot(offset[1]).max(f64::MIN_POSITIVE);
+                    let further = (next - share) * cranks.law(i, k).clearance_m / size;
+                    displace(disc, seat, offset, further / layout.internal_sleeves as f64);
+                }
+            }
+            let looser = Arc::new(carrier.share(1.0, next));
+            let looser = self.problem(whole.phi, whole.load, &looser);
+            match self.newton(&looser, &mut there, None) {
+                found @ Some(_) => (share, u, step, left) = (next, there, 2.0 * step, found),
+                None => step *= 0.5,
+            }
+        }
+        (share >= 1.0).then_some((u, left?))
+    }
+
+    /// Where bearings sit from a disc's centre, and what each will have to carry of `contacts`: of cranks the least that
+    /// holds force and moment, evenly.
+    fn carried(&self, rigid: &Equilibrium, contacts: &[f64]) -> (Seats, Forces) {
+        let seats: Seats = match self.carrier.cranks() {
+            Some(_) => {
+                let cranks = rigid.bodies[self.gearbox.layout.internal_bodies()].iter();
+                cranks.map(|crank| [crank.x, crank.y]).collect()
+            }
+            None => vec![[0.0; 2]],
+        };
+        let polar: f64 = seats.iter().map(|[x, y]| x * x + y * y).sum();
+        let share = 1.0 / seats.len() as f64;
+        let of_disc = |loads: &[f64]| {
+            let turn = if polar > 0.0 { loads[2] / polar } else { 0.0 };
+            let at =
+                |&[x, y]: &[f64; 2]| [share * loads[0] - turn * y, share * loads[1] + turn * x];
+            seats.iter().map(at).collect()
+        };
+        let forces = contacts[1..].chunks(OF_A_DISC).map(of_disc).collect();
+        (seats, forces)
+    }
+
+    /// Unknowns with the discs' offsets from their eccentrics times `factor`, and of cranks their turns against the
+    /// output.
+    fn stretched(&self, phi: f64, u: &[f64], factor: f64) -> Vec<f64> {
+        let geometry = &self.gearbox.geometry;
+        let eccentric = geometry.eccentric_angle(phi, u[0]);
+        let mut there = u.to_vec();
+        for (i, disc) in there[1..].chunks_mut(OF_A_DISC).enumerate() {
+            let own = match self.carrier.cranks() {
+                Some(_) => geometry.ideal_wheel_angle(i, 0.0) + u[0],
+                None => disc[2],
+            };
+            let home = geometry.wheel_state(i, [eccentric, 0.0], [own, 0.0]);
+            for (at, home) in disc.iter_mut().zip([home.x, home.y, home.angle]) {
+                *at = home + factor * (*at - home);
+            }
+        }
+        there
+    }
+}
+
+/// Moves a disc by `by` times a direction, and turns it by that motion of a seat beside its centre.
+fn displace(disc: &mut [f64], [sx, sy]: [f64; 2], [x, y]: [f64; 2], by: f64) {
+    disc[0] += by * x;
+    disc[1] += by * y;
+    disc[2] += by * (sx * y - sy * x) / (sx * sx + sy * sy).max(f64::MIN_POSITIVE);
+}

@@ -1,0 +1,115 @@
+//! One balance that is looked for: its input angle and load, what carries the discs, and what is free.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+
+use pinwheel_mbs::BodyState;
+
+use crate::Layout;
+use crate::carrier::Carrier;
+
+/// Unknowns of a disc that floats.
+pub(super) const OF_A_DISC: usize = 3;
+
+/// Permitted residual, as a share of the load's.
+pub(super) const LEFT: f64 = 1e-9;
+
+/// Residual of a balance, and the inverse of the Jacobian that led there.
+pub(super) type Balanced = (DVector<f64>, Option<DMatrix<f64>>);
+
+/// Unknowns beside the output's angle, which is the first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Free {
+    /// None: rigid cranks turn the discs with the output.
+    Output,
+    /// The angle of every disc: eccentrics hold it.
+    Angles,
+    /// Place and angle of every disc.
+    Places,
+}
+
+/// Scales of forces and places.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Size {
+    pub(super) length: f64,
+    pub(super) angle: f64,
+    pub(super) force: f64,
+    pub(super) moment: f64,
+}
+
+/// One balance that is looked for.
+#[derive(Debug, Clone)]
+pub(super) struct Problem {
+    /// The input's angle, rad.
+    pub(super) phi: f64,
+    /// Moment on the output, N m.
+    pub(super) load: f64,
+    /// Bearings of the discs, without friction.
+    pub(super) carrier: Arc<Carrier>,
+    pub(super) free: Free,
+    pub(super) size: Size,
+    /// Angle of the output at the ideal mesh, rad, and its largest distance from there before teeth jump.
+    pub(super) ideal: f64,
+    pub(super) reach: f64,
+}
+
+impl Problem {
+    /// Unknowns of bodies in place.
+    pub(super) fn unknowns(&self, bodies: &[BodyState], layout: Layout) -> Vec<f64> {
+        let discs = bodies[layout.wheel_bodies()].iter();
+        let output = std::iter::once(bodies[Layout::OUTPUT].angle);
+        match self.free {
+            Free::Output => output.collect(),
+            Free::Angles => output.chain(discs.map(|disc| disc.angle)).collect(),
+            Free::Places => output
+                .chain(discs.flat_map(|disc| [disc.x, disc.y, disc.angle]))
+                .collect(),
+        }
+    }
+
+    /// True if an unknown is a place of a disc, and no angle.
+    pub(super) fn is_length(&self, unknown: usize) -> bool {
+        self.free == Free::Places && unknown > 0 && !unknown.is_multiple_of(OF_A_DISC)
+    }
+
+    /// Size of an unknown.
+    pub(super) fn of_place(&self, unknown: usize) -> f64 {
+        match self.is_length(unknown) {
+            true => self.size.length,
+            false => self.size.angle,
+        }
+    }
+
+    /// Size of the residual at an unknown.
+    fn of_load(&self, unknown: usize) -> f64 {
+        match self.is_length(unknown) {
+            true => self.size.force,
+            false => self.size.moment,
+        }
+    }
+
+    /// Largest residual, as a share of its size.
+    pub(super) fn unbalanced(&self, residual: &DVector<f64>) -> f64 {
+        let shares = residual.iter().enumerate();
+        shares.fold(0.0, |most, (k, x)| {
+            f64::max(most, x.abs() / self.of_load(k))
+        })
+    }
+
+    /// Largest step, as a share of its size.
+    pub(super) fn moved(&self, step: &DVector<f64>) -> f64 {
+        let shares = step.iter().enumerate();
+        shares.fold(0.0, |most, (k, x)| {
+            f64::max(most, x.abs() / self.of_place(k))
+        })
+    }
+
+    /// The Jacobian with springs to the last iterate, as a share of a contact's stiffness.
+    pub(super) fn held(&self, mut jacobian: DMatrix<f64>, share: f64) -> DMatrix<f64> {
+        for k in 0..jacobian.nrows() {
+            jacobian[(k, k)] -= share * (self.of_load(k) / self.of_place(k));
+        }
+        jacobian
+    }
+}
