@@ -15,7 +15,7 @@
 mod floating;
 mod newton;
 
-use pinwheel_mbs::{BodyState, Evaluation, Jacobian, Pose, Structure, Wrench};
+use pinwheel_mbs::{BodyState, Coordinates, Evaluation, Jacobian, Structure, Wrench};
 
 use crate::Layout;
 use crate::contacts::{ContactField, EccentricBearings, PairContact};
@@ -72,6 +72,8 @@ pub struct Statics<'a> {
     pub derivatives: Jacobian,
     /// Derivatives of the moments with respect to angles and to the places of discs that float.
     floating_slopes: Jacobian,
+    /// Numbers of the unknowns in these two.
+    coordinates: [Coordinates; 2],
     /// Bearings on which discs float. They have no friction, because a balance at rest has none.
     bearings: Option<EccentricBearings>,
     /// Last balances of discs that float, and their loads.
@@ -115,6 +117,13 @@ fn derivatives(free: usize) -> Jacobian {
     Jacobian::new(&Structure::SecondOrder { is_leaf }, 2 * free)
 }
 
+/// Numbers of the angles of output and discs, and with the discs' places beyond.
+fn coordinates(layout: Layout) -> [Coordinates; 2] {
+    let wheels: Vec<usize> = layout.wheel_bodies().collect();
+    let turning = [&[Layout::OUTPUT], &wheels[..]].concat();
+    [&[], &wheels[..]].map(|floating| Coordinates::new(layout.bodies(), &turning, floating))
+}
+
 /// The next estimate of the root of a falling function that is `here`, not 0, with that slope at `at`, whose bracket shrinks:
 /// Newton's where it stays inside and moves by less than half of the `last` step, else the middle.
 fn next_root(at: f64, here: f64, slope: f64, (low, high): (&mut f64, &mut f64), last: f64) -> f64 {
@@ -142,6 +151,7 @@ impl<'a> Statics<'a> {
             motion: Motion::none(gearbox.layout.wheels),
             derivatives: derivatives(1 + gearbox.layout.wheels),
             floating_slopes: derivatives(1 + OF_A_WHEEL * gearbox.layout.wheels),
+            coordinates: coordinates(gearbox.layout),
             bearings: EccentricBearings::of(&gearbox.scene, &gearbox.geometry)
                 .map(EccentricBearings::frictionless),
             floated: Vec::new(),
@@ -225,14 +235,13 @@ impl<'a> Statics<'a> {
         out: &mut [f64],
     ) -> Option<f64> {
         self.turn(phi, wheels, psi);
-        self.moments_by_body.fill(0.0);
-        let mut sums = Evaluation::of_moments(&mut self.moments_by_body);
-        if !self
-            .field
-            .evaluate(&self.bodies, Pose::AnglesOnly, &mut sums)
-        {
+        // Forces move discs that float.
+        if self.gearbox.floats() || !self.field.work_from_angles() {
             return None;
         }
+        self.moments_by_body.fill(0.0);
+        let mut request = Evaluation::of_moments(&mut self.moments_by_body);
+        self.field.evaluate(&self.bodies, &mut request);
         self.evaluations += 1;
         out.copy_from_slice(&self.moments_by_body[self.gearbox.layout.wheel_bodies()]);
         Some(self.less_inertia(out, self.moments_by_body[Layout::OUTPUT]))
@@ -250,12 +259,15 @@ impl<'a> Statics<'a> {
     ) -> Option<f64> {
         self.place(phi, wheels, psi);
         self.derivatives.clear();
-        let mut sums = Evaluation {
-            derivatives: Some(&mut self.derivatives),
-            ..Evaluation::of_loads(&mut self.loads)
+        if !self.field.have_derivatives() {
+            return None;
+        }
+        let mut request = Evaluation {
+            loads: Some(&mut self.loads),
+            ..Evaluation::of_derivatives(&mut self.derivatives, &self.coordinates[0])
         };
-        let sloped = self.field.evaluate(&self.bodies, Pose::Any, &mut sums);
-        sloped.then(|| self.summed(out))
+        self.field.evaluate(&self.bodies, &mut request);
+        Some(self.summed(out))
     }
 
     /// Sums the loads: moments on the discs into `out`, and the moment on the output.

@@ -7,6 +7,7 @@ mod eccentric_bearings;
 mod field;
 pub(crate) mod flanks;
 mod lanes;
+mod motion;
 mod pair;
 mod pairs;
 mod pin_friction;

@@ -15,7 +15,7 @@
 mod descent;
 
 use nalgebra::{DMatrix, DVector};
-use pinwheel_mbs::{BodyState, Evaluation, Pose, Wrench};
+use pinwheel_mbs::{BodyState, Evaluation, Wrench};
 
 use super::{ANGLE, Equilibrium, OF_A_WHEEL, Statics, next_root};
 use crate::contacts::EccentricBearings;
@@ -175,20 +175,18 @@ impl Statics<'_> {
 
     /// Adds the contacts' loads on the discs; those on the output's pins too, unless they tell their moment, which is returned.
     fn add_contacts(&mut self) -> f64 {
-        self.moments_by_body.fill(0.0);
-        let mut sums = Evaluation {
-            floating_alone: true,
-            moments: Some(&mut self.moments_by_body),
-            ..Evaluation::of_loads(&mut self.loads)
-        };
-        if self
-            .field
-            .evaluate(&self.bodies, Pose::AnglesOnly, &mut sums)
-        {
-            return self.moments_by_body[Layout::OUTPUT];
+        if !self.field.work_from_angles() {
+            self.field.add_loads(&self.bodies, &mut self.loads);
+            return 0.0;
         }
-        self.field.add_loads(&self.bodies, &mut self.loads);
-        0.0
+        self.moments_by_body.fill(0.0);
+        let mut request = Evaluation {
+            floating_alone: true,
+            loads: Some(&mut self.loads),
+            ..Evaluation::of_moments(&mut self.moments_by_body)
+        };
+        self.field.evaluate(&self.bodies, &mut request);
+        self.moments_by_body[Layout::OUTPUT]
     }
 
     /// How what is left changes with the unknowns, from `here`.
@@ -203,11 +201,15 @@ impl Statics<'_> {
         self.begin();
         self.place_floating(phi, u, None);
         self.floating_slopes.clear();
-        let mut sums = Evaluation::of_slopes(&mut self.floating_slopes);
-        if !self.field.evaluate(&self.bodies, Pose::Any, &mut sums) {
+        if !self.field.have_derivatives() {
             return self.differences(phi, load, bearings, (u, here), size);
         }
-        bearings.add_jacobian(&self.bodies, &mut self.floating_slopes);
+        let (jacobian, coordinates) = (&mut self.floating_slopes, &self.coordinates[1]);
+        let mut request = Evaluation::of_derivatives(jacobian, coordinates);
+        self.field.evaluate(&self.bodies, &mut request);
+        if let Some(derivatives) = &mut request.derivatives {
+            bearings.add_jacobian(&self.bodies, derivatives);
+        }
         let wheels = self.gearbox.layout.wheels;
         // Angles first, then places.
         let free = |unknown: usize| match unknown {
