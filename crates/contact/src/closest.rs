@@ -13,7 +13,7 @@
 //! third test mostly can: C is star-shaped about the origin, so P is outside if the ray through it
 //! leaves the curve earlier.
 
-use crate::{Complex, Epitrochoid, Foot};
+use crate::{Complex, Epitrochoid, Foot, Scalar};
 
 /// Newton has converged when the tangential residual is below this share of R, or less on sharp curves; the step
 /// that follows squares the error away.
@@ -135,6 +135,26 @@ impl Epitrochoid {
             last_step = t.abs() < tolerance;
         }
         Local::Unknown
+    }
+
+    /// Returns the foot of `p`, with its derivatives, from the foot `unit` of its value: one Newton step, which is exact to
+    /// first order.
+    #[must_use]
+    pub fn foot_beside<S: Scalar>(&self, unit: Complex, p: Complex<S>) -> Foot<S> {
+        let at = self.at_unit(unit, unit.powu(self.sleeves));
+        let r = p - at.position.like(p.re);
+        let (s, t) = (
+            r.dot(at.normal.like(p.re)),
+            r.dot(at.normal.turned().like(p.re)),
+        );
+        let da = t / ((p.re.like(1.0) + p.re.like(at.curvature) * s) * p.re.like(at.speed));
+        let unit = unit.like(p.re) * Complex::unit(da);
+        let at = self.at_unit(unit, unit.powu(self.sleeves));
+        Foot {
+            unit,
+            at,
+            distance: (p - at.position).dot(at.normal),
+        }
     }
 
     /// The closest point of the whole curve to any `p`.

@@ -6,7 +6,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use crate::Real;
+use crate::{Real, Scalar};
 
 /// x + i y, of one pair of numbers or of several side by side ([`ComplexLanes`](crate::ComplexLanes)).
 ///
@@ -32,6 +32,15 @@ impl<R> Complex<R> {
     #[inline(always)]
     pub const fn new(re: R, im: R) -> Self {
         Self { re, im }
+    }
+}
+
+impl<R: Copy> Complex<R> {
+    /// As `[x, y]`.
+    #[must_use]
+    #[inline]
+    pub const fn to_array(self) -> [R; 2] {
+        [self.re, self.im]
     }
 }
 
@@ -107,16 +116,39 @@ impl<R: Real> Complex<R> {
     }
 }
 
+impl<R: Scalar> Complex<R> {
+    /// e^{i angle}.
+    #[must_use]
+    #[inline]
+    pub fn unit(angle: R) -> Self {
+        let (im, re) = angle.sin_cos();
+        Self { re, im }
+    }
+
+    /// Squared length.
+    #[must_use]
+    #[inline]
+    pub fn norm2(self) -> R {
+        self.dot(self)
+    }
+
+    /// Length.
+    #[must_use]
+    #[inline]
+    pub fn norm(self) -> R {
+        self.norm2().sqrt()
+    }
+}
+
 impl Complex {
     /// 1, the rotation by nothing.
     pub const ONE: Self = Self { re: 1.0, im: 0.0 };
 
-    /// e^{i angle}.
+    /// This vector among numbers of another kind, on whose variables it does not depend.
     #[must_use]
-    #[inline]
-    pub fn unit(angle: f64) -> Self {
-        let (im, re) = angle.sin_cos();
-        Self { re, im }
+    #[inline(always)]
+    pub fn like<R: Real>(self, number: R) -> Complex<R> {
+        Complex::new(number.like(self.re), number.like(self.im))
     }
 
     /// e^{i angle} for an angle that is usually small: below 2^-6 rad a series that is exact to rounding.
@@ -133,38 +165,17 @@ impl Complex {
         }
     }
 
-    /// Squared length.
-    #[must_use]
-    #[inline]
-    pub fn norm2(self) -> f64 {
-        self.dot(self)
-    }
-
-    /// Length.
-    #[must_use]
-    #[inline]
-    pub fn norm(self) -> f64 {
-        self.norm2().sqrt()
-    }
-
     /// Argument in (-pi, pi].
     #[must_use]
     #[inline]
     pub fn arg(self) -> f64 {
         self.im.atan2(self.re)
     }
-
-    /// As `[x, y]`.
-    #[must_use]
-    #[inline]
-    pub const fn to_array(self) -> [f64; 2] {
-        [self.re, self.im]
-    }
 }
 
-impl From<[f64; 2]> for Complex {
+impl<R> From<[R; 2]> for Complex<R> {
     #[inline]
-    fn from([re, im]: [f64; 2]) -> Self {
+    fn from([re, im]: [R; 2]) -> Self {
         Self { re, im }
     }
 }

@@ -10,31 +10,31 @@
 //! the signed distance of its centre from C, so contact is one closest-point problem on this
 //! smooth curve. kappa > 0 where C bulges outwards (lobe), < 0 in a pit.
 
-use crate::Complex;
 use crate::search::Search;
+use crate::{Complex, Real};
 
 /// Position, direction and curvature at one parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CurvePoint {
+pub struct CurvePoint<R = f64> {
     /// C(a), m.
-    pub position: Complex,
+    pub position: Complex<R>,
     /// Outward unit normal.
-    pub normal: Complex,
+    pub normal: Complex<R>,
     /// |dC/da|, m.
-    pub speed: f64,
+    pub speed: R,
     /// kappa, 1/m.
-    pub curvature: f64,
+    pub curvature: R,
 }
 
 /// The point of the curve closest to a given point P.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Foot {
+pub struct Foot<R = f64> {
     /// e^{ia} at the foot; its argument is the parameter a.
-    pub unit: Complex,
+    pub unit: Complex<R>,
     /// The curve there.
-    pub at: CurvePoint,
+    pub at: CurvePoint<R>,
     /// (P - C) . n, m: positive outside.
-    pub distance: f64,
+    pub distance: R,
 }
 
 impl Foot {
@@ -146,15 +146,16 @@ impl Epitrochoid {
     /// The curve at e^{ia} = `unit`, with e^{i zk a} = `multiple`.
     #[must_use]
     #[inline]
-    pub fn at_unit(&self, unit: Complex, multiple: Complex) -> CurvePoint {
-        let (r, m) = (self.pitch_radius, self.shortening);
+    pub fn at_unit<R: Real>(&self, unit: Complex<R>, multiple: Complex<R>) -> CurvePoint<R> {
         let cos_lobe = unit.dot(multiple); // cos(zs a)
-        let stretch2 = 1.0 + m * m + 2.0 * m * cos_lobe; // (|T|/R)^2
+        let c = |x: f64| cos_lobe.like(x);
+        let (r, m) = (c(self.pitch_radius), self.shortening);
+        let stretch2 = c(1.0 + m * m) + c(2.0 * m) * cos_lobe; // (|T|/R)^2
         let stretch = stretch2.sqrt();
-        let inverse = 1.0 / stretch;
+        let inverse = c(1.0) / stretch;
         CurvePoint {
-            position: unit.scale(r) + multiple.scale(self.eccentricity),
-            normal: (unit + multiple.scale(m)).scale(inverse),
+            position: unit.scale(r) + multiple.scale(c(self.eccentricity)),
+            normal: (unit + multiple.scale(c(m))).scale(inverse),
             speed: r * stretch,
             curvature: self.bend(cos_lobe) * inverse * inverse * inverse / r,
         }
@@ -162,9 +163,9 @@ impl Epitrochoid {
 
     /// kappa R (1 + m^2 + 2 m c)^{3/2}: the numerator of the curvature.
     #[inline]
-    fn bend(&self, cos_lobe: f64) -> f64 {
+    fn bend<R: Real>(&self, cos_lobe: R) -> R {
         let (m, zk) = (self.shortening, f64::from(self.sleeves));
-        1.0 + m * m * zk + m * (1.0 + zk) * cos_lobe
+        cos_lobe.like(1.0 + m * m * zk) + cos_lobe.like(m * (1.0 + zk)) * cos_lobe
     }
 
     /// kappa as a function of c = cos(zs a), 1/m.
@@ -176,13 +177,14 @@ impl Epitrochoid {
 
     /// d kappa/da at e^{ia} = `unit`, with e^{i zk a} = `multiple`, 1/m.
     #[must_use]
-    pub fn curvature_slope(&self, unit: Complex, multiple: Complex) -> f64 {
+    pub fn curvature_slope<R: Real>(&self, unit: Complex<R>, multiple: Complex<R>) -> R {
         let (m, zk) = (self.shortening, f64::from(self.sleeves));
         let (cos_lobe, sin_lobe) = (unit.dot(multiple), unit.cross(multiple));
-        let stretch2 = 1.0 + m * m + 2.0 * m * cos_lobe;
-        let slope = m * ((1.0 + zk) * stretch2 - 3.0 * self.bend(cos_lobe))
-            / (self.pitch_radius * stretch2 * stretch2 * stretch2.sqrt());
-        -slope * (zk - 1.0) * sin_lobe
+        let c = |x: f64| cos_lobe.like(x);
+        let stretch2 = c(1.0 + m * m) + c(2.0 * m) * cos_lobe;
+        let slope = c(m) * (c(1.0 + zk) * stretch2 - c(3.0) * self.bend(cos_lobe))
+            / (c(self.pitch_radius) * stretch2 * stretch2 * stretch2.sqrt());
+        -slope * c(zk - 1.0) * sin_lobe
     }
 
     /// Largest curvature anywhere, 1/m: an offset q at or beyond its inverse undercuts the profile.

@@ -6,6 +6,7 @@
 //! Adams: mu(v) rises through STEP from -mu_s at -v_s to mu_s at v_s and falls to mu_d at v_d (stiction
 //! transition and friction transition velocity); source: MSC Adams documentation, CONTACT, Coulomb friction.
 
+use crate::Real;
 use crate::laws::step;
 
 /// Coulomb friction that rises linearly up to the sliding speed `ramp`.
@@ -21,8 +22,10 @@ impl RegularisedCoulomb {
     /// Tangential force, N, along the direction in which `sliding` (m/s) is counted.
     #[must_use]
     #[inline]
-    pub fn force(&self, normal: f64, sliding: f64) -> f64 {
-        -self.coefficient * normal * (sliding / self.ramp).clamp(-1.0, 1.0)
+    pub fn force<R: Real>(&self, normal: R, sliding: R) -> R {
+        let c = |x: f64| normal.like(x);
+        let share = (sliding / c(self.ramp)).max(c(-1.0)).min(c(1.0));
+        c(-self.coefficient) * normal * share
     }
 }
 
@@ -43,14 +46,13 @@ impl AdamsFriction {
     /// Tangential force, N, along the direction in which `sliding` (m/s) is counted.
     #[must_use]
     #[inline]
-    pub fn force(&self, normal: f64, sliding: f64) -> f64 {
+    pub fn force<R: Real>(&self, normal: R, sliding: R) -> R {
         let (mu_s, mu_d) = (self.static_coefficient, self.dynamic_coefficient);
-        let speed = sliding.abs();
-        let mu = if speed < self.static_speed {
-            step(sliding, -self.static_speed, -mu_s, self.static_speed, mu_s)
-        } else {
-            sliding.signum() * step(speed, self.static_speed, mu_s, self.dynamic_speed, mu_d)
-        };
+        let (zero, speed) = (sliding.like(0.0), sliding.max(-sliding));
+        let rising = step(sliding, -self.static_speed, -mu_s, self.static_speed, mu_s);
+        let falling = step(speed, self.static_speed, mu_s, self.dynamic_speed, mu_d);
+        let falling = sliding.below(zero, -falling, falling);
+        let mu = speed.below(sliding.like(self.static_speed), rising, falling);
         -mu * normal
     }
 }
@@ -77,7 +79,7 @@ impl Friction {
     /// Tangential force, N, along the direction in which `sliding` (m/s) is counted.
     #[must_use]
     #[inline]
-    pub fn force(&self, normal: f64, sliding: f64) -> f64 {
+    pub fn force<R: Real>(&self, normal: R, sliding: R) -> R {
         match self {
             Self::Regularised(law) => law.force(normal, sliding),
             Self::Adams(law) => law.force(normal, sliding),

@@ -9,6 +9,8 @@
 
 use pinwheel_faults::{Fault, factor};
 
+use crate::Real;
+
 /// Elastic constants of a body in contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
@@ -101,11 +103,12 @@ impl HertzStiffness {
     /// K, N/m^1.5, of a pin of radius `sleeve` where R_c R_p/(R_c + R_p) = `radius`, m (both > 0).
     #[must_use]
     #[inline]
-    pub fn of(&self, sleeve: f64, radius: f64) -> f64 {
-        let k = self.coefficient * radius.sqrt();
+    pub fn of<R: Real>(&self, sleeve: f64, radius: R) -> R {
+        let c = |x: f64| radius.like(x);
+        let k = c(self.coefficient) * radius.sqrt();
         match (self.stages, self.sleeve) {
-            (Some([external, _]), _) => external,
-            (None, Some((usual, power))) if sleeve != usual => k * (usual / sleeve).powf(power),
+            (Some([external, _]), _) => c(external),
+            (None, Some((usual, power))) if sleeve != usual => k * c((usual / sleeve).powf(power)),
             _ => k,
         }
     }
@@ -120,8 +123,10 @@ impl HertzStiffness {
     /// R_c = 1/kappa - offset the radicand is `sleeve (1 - offset kappa)/(1 + (sleeve - offset) kappa)`.
     #[must_use]
     #[inline]
-    pub fn of_edge(&self, sleeve: f64, offset: f64, kappa: f64) -> f64 {
-        let radius = sleeve * (1.0 - offset * kappa) / (1.0 + (sleeve - offset) * kappa);
+    pub fn of_edge<R: Real>(&self, sleeve: f64, offset: f64, kappa: R) -> R {
+        let c = |x: f64| kappa.like(x);
+        let radius =
+            c(sleeve) * (c(1.0) - c(offset) * kappa) / (c(1.0) + c(sleeve - offset) * kappa);
         self.of(sleeve, radius)
     }
 

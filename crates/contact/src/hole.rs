@@ -1,6 +1,6 @@
 //! A round hole in the disc with a pin inside.
 
-use crate::Complex;
+use crate::{Complex, Scalar};
 
 /// Circle of radius `radius` about `centre` (disc frame).
 ///
@@ -27,15 +27,16 @@ impl Hole {
     /// the pin centre to the hole's closest point. `None` without contact.
     #[must_use]
     #[inline]
-    pub fn penetration(&self, p: Complex, sleeve: f64) -> Option<(f64, Complex)> {
-        let offset = p - self.centre;
+    pub fn penetration<S: Scalar>(&self, p: Complex<S>, sleeve: f64) -> Option<(S, Complex<S>)> {
+        let c = |x: f64| p.re.like(x);
+        let offset = p - self.centre.like(p.re);
         let clearance = self.radius - sleeve;
         let distance2 = offset.norm2();
-        if distance2 <= clearance * clearance {
+        if distance2.value() <= clearance * clearance {
             return None;
         }
         let distance = distance2.sqrt();
-        let penetration = distance - clearance;
-        (penetration > 0.0).then(|| (penetration, offset.scale(1.0 / distance)))
+        let penetration = distance - c(clearance);
+        (penetration.value() > 0.0).then(|| (penetration, offset.scale(c(1.0) / distance)))
     }
 }

@@ -52,6 +52,7 @@
 mod closest;
 mod closest_lanes;
 mod complex;
+mod dual;
 mod epitrochoid;
 mod friction;
 mod hertz;
@@ -64,6 +65,7 @@ mod search;
 
 pub use closest_lanes::{FeetLanes, LocalFeet};
 pub use complex::Complex;
+pub use dual::Dual;
 pub use epitrochoid::{CurvePoint, Epitrochoid, Foot};
 pub use friction::{AdamsFriction, Friction, RegularisedCoulomb};
 pub use hertz::{HertzStiffness, Material};
@@ -73,7 +75,7 @@ pub use laws::{
     ConstantStiffness, Hysteresis, Law, LawParameters, NormalLaw, OnPin, PaperLaw, PinLaw, Ramp,
 };
 pub use points::{HolePoints, ProfilePoints, Vertex};
-pub use real::Real;
+pub use real::{Real, Scalar};
 
 /// Private items that the tests of this crate reach; no part of the interface.
 #[doc(hidden)]

@@ -1,9 +1,10 @@
 //! Operations on a number that the formulas of contacts need, so that each formula stands once for one value and for
-//! several side by side.
+//! several side by side, and with its derivatives.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A double, or a group of them in vector registers ([`Lanes`](crate::Lanes)).
+/// A double, a group of them in vector registers ([`Lanes`](crate::Lanes)), or one with its derivatives
+/// ([`Dual`](crate::Dual)).
 pub trait Real:
     Copy
     + Add<Output = Self>
@@ -43,6 +44,29 @@ pub trait Real:
     /// `yes` where self < limit, `no` elsewhere.
     #[must_use]
     fn below(self, limit: Self, yes: Self, no: Self) -> Self;
+}
+
+/// One number, whose value may decide which way a formula goes.
+pub trait Scalar: Real {
+    /// Value, without its derivatives.
+    #[must_use]
+    fn value(self) -> f64;
+
+    /// Sine and cosine.
+    #[must_use]
+    fn sin_cos(self) -> (Self, Self);
+}
+
+impl Scalar for f64 {
+    #[inline(always)]
+    fn value(self) -> f64 {
+        self
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        self.sin_cos()
+    }
 }
 
 impl Real for f64 {

@@ -2,7 +2,7 @@
 //!
 //! A gearbox resolves it once from its scene; everything that depends on it asks the carrier.
 
-use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation, Jacobian, Pose, Wrench};
+use pinwheel_mbs::{BodyState, ContactEnergy, Derivatives, Evaluation, Wrench};
 use pinwheel_scene::bearings::BearingLaw;
 
 use crate::contacts::bearing_load::BearingLoad;
@@ -103,25 +103,15 @@ impl Carrier {
         less
     }
 
-    /// The `pose` in which contacts are evaluated for these sums; `None`: not available on cranks, which stand where their bodies do
-    /// and have no levers.
-    pub(crate) fn pose(&self, pose: Pose, sums: &Evaluation<'_>) -> Option<Pose> {
-        match self {
-            Self::Cranks(_) if pose == Pose::AnglesOnly || sums.moments.is_some() => None,
-            Self::Cranks(_) if sums.derivatives.is_none() => Some(Pose::Any),
-            _ => Some(pose),
-        }
-    }
-
-    /// Adds loads, moments, derivatives and energy as far as `sums` has them.
-    pub(crate) fn add(&self, bodies: &[BodyState], sums: &mut Evaluation<'_>) {
-        if let Some(derivatives) = sums.derivatives.as_deref_mut() {
+    /// Adds loads, moments, derivatives and energy as far as they are requested.
+    pub(crate) fn add(&self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        if let Some(derivatives) = &mut request.derivatives {
             self.add_jacobian(bodies, derivatives);
         }
-        if let Some(loads) = sums.loads.as_deref_mut() {
-            self.add_loads(bodies, loads, sums.moments.as_deref_mut());
+        if let Some(loads) = request.loads.as_deref_mut() {
+            self.add_loads(bodies, loads, request.moments.as_deref_mut());
         }
-        if let Some(energy) = &mut sums.energy {
+        if let Some(energy) = &mut request.energy {
             self.add_energy(bodies, energy);
         }
     }
@@ -142,7 +132,7 @@ impl Carrier {
     }
 
     /// Adds derivatives of the bearings' loads with respect to everything free, and to time.
-    pub(crate) fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Jacobian) {
+    pub(crate) fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Derivatives<'_>) {
         match self {
             Self::Rigid => {}
             Self::Floating(bearings) => bearings.add_jacobian(bodies, derivatives),

@@ -12,7 +12,7 @@
 //! are summed over all bodies and derivatives are differences: more evaluations, the same motion.
 
 use pinwheel_mbs::integrators::{Segments, StepCounts, Stepper, method};
-use pinwheel_mbs::{BodyState, Driver, Formulation, Motion, OdeSystem as _, Reduced};
+use pinwheel_mbs::{BodyState, Detail, Driver, Formulation, Motion, OdeSystem as _, Reduced};
 use serde::{Deserialize, Serialize};
 
 use crate::auto::{self, AUTO};
@@ -312,8 +312,8 @@ impl CoSimulation {
     /// Takes the state at time `t` and checks it.
     fn look(&mut self, t: f64) -> Result<(), String> {
         self.stepper.interpolate(&mut self.system, t, &mut self.y);
-        let seen = self.system.observe_reduced(t, &self.y);
-        guard::check(&self.gearbox, seen.bodies)
+        let observed = self.system.observe(t, &self.y, Detail::Forces);
+        guard::check(&self.gearbox, observed.bodies)
             .map_err(|quantity| format!("diverged at t = {t:.6} s: {quantity}"))
     }
 
@@ -321,8 +321,8 @@ impl CoSimulation {
     pub fn observe(&mut self, row: &mut Vec<f64>) -> Shafts {
         let t = self.time;
         let load = self.system.forces_mut().load_n_m(t);
-        let seen = self.system.observe(t, &self.y);
-        let mut torques = seen.driver_torques.iter().copied();
+        let observed = self.system.observe(t, &self.y, Detail::Everything);
+        let mut torques = observed.driver_torques.iter().copied();
         let mut driver = || torques.next().unwrap_or(f64::NAN);
         let input = match self.setup.input {
             Prescribed::BySpeed => driver(),
@@ -333,22 +333,22 @@ impl CoSimulation {
             Prescribed::BySpeed => driver(),
             Prescribed::ByTorque => 0.0,
         };
-        self.recorder.record_observed(&seen, [input, load]);
+        self.recorder.record_observed(&observed, [input, load]);
         if self.recorder.wants_channels() {
             self.recorder.record_channels(&mut Seen {
-                bodies: seen.bodies,
+                bodies: observed.bodies,
                 driver_torque_n_m: input,
-                reactions: seen.reactions,
+                reactions: observed.reactions,
                 contacts: &mut LawPairs(&mut self.field),
             });
         }
-        let sleeves = &seen.loads[self.gearbox.layout.external_bodies().start..];
+        let sleeves = &observed.loads[self.gearbox.layout.external_bodies().start..];
         let shafts = Shafts {
             input: [
-                seen.bodies[Layout::INPUT].angle,
-                seen.bodies[Layout::INPUT].rate,
+                observed.bodies[Layout::INPUT].angle,
+                observed.bodies[Layout::INPUT].rate,
             ],
-            output_speed_rad_s: seen.bodies[Layout::OUTPUT].rate,
+            output_speed_rad_s: observed.bodies[Layout::OUTPUT].rate,
             load_torque_n_m: output + load,
             largest_force_n: sleeves.iter().map(|f| f.fx.hypot(f.fy)).fold(0.0, f64::max),
         };

@@ -1,7 +1,7 @@
 //! Contact forces and the load as the mechanism's applied forces, with the friction included or listed separately.
 
 use pinwheel_mbs::sliding::Contact;
-use pinwheel_mbs::{BodyState, Evaluation, Forces, Pose, Wrench, add_pair};
+use pinwheel_mbs::{BodyState, Evaluation, Forces, Variable, Wrench, add_pair};
 
 use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
@@ -65,42 +65,40 @@ impl GearForces {
 
 impl Forces for GearForces {
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
-        self.evaluate(time, bodies, Pose::Any, &mut Evaluation::of_loads(loads));
+        self.evaluate(time, bodies, &mut Evaluation::of_loads(loads));
     }
 
-    fn evaluate(
-        &mut self,
-        t: f64,
-        bodies: &[BodyState],
-        pose: Pose,
-        sums: &mut Evaluation<'_>,
-    ) -> bool {
-        // Moments alone lack those of the input, where that is free.
-        let is_partial =
-            sums.derivatives.is_some() || sums.moments.is_some() && sums.loads.is_none();
-        if is_partial && !self.speed_in_torque_out || !self.field.evaluate(bodies, pose, sums) {
-            return false;
-        }
+    // Moments alone lack those of the input, where that is free.
+    fn work_from_angles(&self) -> bool {
+        self.speed_in_torque_out && self.field.work_from_angles()
+    }
+
+    fn have_derivatives(&self) -> bool {
+        self.speed_in_torque_out && self.field.have_derivatives()
+    }
+
+    fn evaluate(&mut self, t: f64, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        self.field.evaluate(bodies, request);
         let torque = self.load.torque(t);
         let [input, output] = &self.held;
-        if let Some(loads) = &mut sums.loads {
+        if let Some(loads) = &mut request.loads {
             loads[Layout::OUTPUT].moment += torque;
             self.add_held(t, loads);
         }
-        if let Some(moments) = &mut sums.moments {
+        if let Some(moments) = &mut request.moments {
             moments[Layout::OUTPUT] += torque;
             moments[Layout::INPUT] += input.at(t);
             moments[Layout::OUTPUT] += output.at(t);
         }
-        if let Some(derivatives) = &mut sums.derivatives {
+        if let Some(derivatives) = &mut request.derivatives {
             let load = &self.load;
-            // The output is the first of the free bodies.
+            let mut change = output.slope;
             if (load.from_s..load.settled_s()).contains(&t) {
-                derivatives.time[0] += (load.after_n_m - load.before_n_m) / load.ramp_s;
+                change += (load.after_n_m - load.before_n_m) / load.ramp_s;
             }
-            derivatives.time[0] += output.slope;
+            let row = derivatives.coordinates.angle(Layout::OUTPUT);
+            derivatives.add(row, &[Variable::Time(1.0)], &[change]);
         }
-        true
     }
 
     fn apply_without_friction(

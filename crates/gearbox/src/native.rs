@@ -2,8 +2,8 @@
 
 use pinwheel_mbs::integrators::{Segments, StepCounts, StepError, StepSettings, Stepper, method};
 use pinwheel_mbs::{
-    BodyState, Forces, Formulation, Lagrange, Mechanism, Observation, Reduced, Stabilisation,
-    Wrench,
+    BodyState, Detail, Forces, Formulation, Lagrange, Mechanism, Observation, Reduced,
+    Stabilisation, Wrench,
 };
 use pinwheel_timeseries::{Ending, TimeSeries, TimeSeriesError};
 
@@ -214,7 +214,7 @@ fn integrate<F: Formulation>(
         false => Recorder::new(gearbox),
     };
     if !whole {
-        system.pass_until(f64::INFINITY);
+        system.observe_from(f64::INFINITY);
     }
     let account_step = match whole {
         true => solver.step_s,
@@ -235,25 +235,27 @@ fn integrate<F: Formulation>(
                 let until = time - 1e-9 * solver.step_s;
                 while stepper.time() < until {
                     advance(&mut stepper, &mut system, limits, &mut pace, watch)?;
-                    let (at, seen) = (stepper.time(), stepper.seen());
-                    if let Some(seen) = seen.and_then(|y| system.cached_observation(at, y))
+                    let (at, state) = (stepper.time(), stepper.evaluated_state());
+                    if let Some(observed) = state.and_then(|y| system.cached_observation(at, y))
                         && at < until
                     {
-                        recorder.record_between(&seen, [seen.driver_torques[0], load.torque(at)]);
-                        if let Some(contacts) = &seen.energy {
-                            energy.pass(load.torque(at), &seen, contacts);
+                        let torques = [observed.driver_torques[0], load.torque(at)];
+                        recorder.record_between(&observed, torques);
+                        if let Some(contacts) = &observed.energy {
+                            energy.pass(load.torque(at), &observed, contacts);
                         }
-                        system.pass_until(at + EXTREMA_STRIDE * solver.step_s);
+                        system.observe_from(at + EXTREMA_STRIDE * solver.step_s);
                     }
                 }
                 stepper.interpolate(&mut system, time, &mut y);
                 if let Event::Entry(time) | Event::Break(time, _) = due
                     && whole
                 {
-                    let seen = system.observe_reduced(time, &y);
-                    let contacts = contact_energy(&seen, gearbox, &mut field)?;
-                    energy.add(load.torque(time), &seen, &contacts);
-                    recorder.record_between(&seen, [seen.driver_torques[0], load.torque(time)]);
+                    let observed = system.observe(time, &y, Detail::Forces);
+                    let contacts = contact_energy(&observed, gearbox, &mut field)?;
+                    energy.add(load.torque(time), &observed, &contacts);
+                    let torques = [observed.driver_torques[0], load.torque(time)];
+                    recorder.record_between(&observed, torques);
                 }
                 if let Event::Break(_, from) = due {
                     stepper.enter(&mut system);
@@ -262,25 +264,25 @@ fn integrate<F: Formulation>(
                 }
             }
             joint_drift_m = joint_drift_m.max(system.joint_error(t, &y));
-            let seen = if recorder.wants_channels() {
-                system.observe(t, &y)
-            } else {
-                system.observe_reduced(t, &y)
+            let detail = match recorder.wants_channels() {
+                true => Detail::Everything,
+                false => Detail::Forces,
             };
-            guard::check(gearbox, seen.bodies).map_err(diverged(t))?;
+            let observed = system.observe(t, &y, detail);
+            guard::check(gearbox, observed.bodies).map_err(diverged(t))?;
             if whole {
-                let contacts = contact_energy(&seen, gearbox, &mut field)?;
-                energy.add_sample(load.torque(t), &seen, &contacts);
+                let contacts = contact_energy(&observed, gearbox, &mut field)?;
+                energy.add_sample(load.torque(t), &observed, &contacts);
                 if let Some(audit) = energy.latest() {
                     balance.add(&audit).map_err(diverged(t))?;
                 }
             }
-            recorder.record_observed(&seen, [seen.driver_torques[0], load.torque(t)]);
+            recorder.record_observed(&observed, [observed.driver_torques[0], load.torque(t)]);
             if recorder.wants_channels() {
                 recorder.record_channels(&mut Seen {
-                    bodies: seen.bodies,
-                    driver_torque_n_m: seen.driver_torques[0],
-                    reactions: seen.reactions,
+                    bodies: observed.bodies,
+                    driver_torque_n_m: observed.driver_torques[0],
+                    reactions: observed.reactions,
                     contacts: &mut LawPairs(built(gearbox, &mut field)?),
                 });
             }
@@ -326,13 +328,13 @@ fn built<'a>(
 
 /// Returns the contacts' energy from the observation; from a new evaluation if the observation lacks it.
 fn contact_energy(
-    seen: &Observation<'_>,
+    observed: &Observation<'_>,
     gearbox: &Gearbox,
     field: &mut Option<ContactField>,
 ) -> Result<ContactEnergy, GearboxError> {
-    match seen.energy {
+    match observed.energy {
         Some(energy) => Ok(energy),
-        None => Ok(built(gearbox, field)?.energy(seen.bodies)),
+        None => Ok(built(gearbox, field)?.energy(observed.bodies)),
     }
 }
 

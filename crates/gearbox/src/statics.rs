@@ -22,7 +22,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
-use pinwheel_mbs::{BodyState, ErrorScales, Evaluation, Jacobian, Pose, Structure, Wrench};
+use pinwheel_mbs::{BodyState, Coordinates, ErrorScales, Evaluation, Jacobian, Structure, Wrench};
 
 use crate::Layout;
 use crate::carrier::Carrier;
@@ -85,6 +85,8 @@ pub struct Statics<'a> {
     motion: Motion,
     /// Derivatives of the moments with respect to angles, and of the forces on discs to their places.
     derivatives: Jacobian,
+    /// Numbers of the unknowns in these.
+    coordinates: Coordinates,
     /// What carries the discs, without friction, because a balance at rest has none; and rigid bearings.
     carrier: Arc<Carrier>,
     rigid: Arc<Carrier>,
@@ -140,12 +142,15 @@ impl<'a> Statics<'a> {
     pub fn new(gearbox: &'a Gearbox) -> Result<Self, GearboxError> {
         let free = 1 + OF_A_DISC * gearbox.layout.wheels;
         let is_leaf = vec![false; free];
+        let wheels: Vec<usize> = gearbox.layout.wheel_bodies().collect();
+        let turning = [&[Layout::OUTPUT], &wheels[..]].concat();
         Ok(Self {
             field: gearbox.bare_field()?,
             bodies: gearbox.kinematic_states(),
             loads: vec![Wrench::default(); gearbox.layout.bodies()],
             motion: Motion::none(gearbox.layout.wheels),
             derivatives: Jacobian::new(&Structure::SecondOrder { is_leaf }, 2 * free),
+            coordinates: Coordinates::new(gearbox.layout.bodies(), &turning, &wheels),
             carrier: Arc::new(gearbox.carrier.clone().frictionless()),
             rigid: Arc::new(Carrier::Rigid),
             floated: Vec::new(),
@@ -292,14 +297,13 @@ impl<'a> Statics<'a> {
     /// Moments that are not in balance on output and discs at their angles, by contacts that need neither loads nor places for them;
     /// else `None`.
     fn moments(&mut self, load: f64) -> Option<DVector<f64>> {
-        self.moments_by_body.fill(0.0);
-        let mut sums = Evaluation::of_moments(&mut self.moments_by_body);
-        if !self
-            .field
-            .evaluate(&self.bodies, Pose::AnglesOnly, &mut sums)
-        {
+        // Forces move discs that float.
+        if self.gearbox.carrier.floats() || !self.field.work_from_angles() {
             return None;
         }
+        self.moments_by_body.fill(0.0);
+        let mut request = Evaluation::of_moments(&mut self.moments_by_body);
+        self.field.evaluate(&self.bodies, &mut request);
         self.evaluations += 1;
         let (scene, motion) = (&self.gearbox.scene, &self.motion);
         let discs = self.gearbox.layout.wheel_bodies().zip(&motion.wheels);
@@ -342,20 +346,18 @@ impl<'a> Statics<'a> {
 
     /// Adds the contacts' loads on the discs; those on the output's pins too, unless their moment is known, which is returned.
     fn add_contacts(&mut self) -> f64 {
-        self.moments_by_body.fill(0.0);
-        let mut sums = Evaluation {
-            floating_alone: true,
-            moments: Some(&mut self.moments_by_body),
-            ..Evaluation::of_loads(&mut self.loads)
-        };
-        if self
-            .field
-            .evaluate(&self.bodies, Pose::AnglesOnly, &mut sums)
-        {
-            return self.moments_by_body[Layout::OUTPUT];
+        if !self.field.work_from_angles() {
+            self.field.add_loads(&self.bodies, &mut self.loads);
+            return 0.0;
         }
-        self.field.add_loads(&self.bodies, &mut self.loads);
-        0.0
+        self.moments_by_body.fill(0.0);
+        let mut request = Evaluation {
+            floating_alone: true,
+            loads: Some(&mut self.loads),
+            ..Evaluation::of_moments(&mut self.moments_by_body)
+        };
+        self.field.evaluate(&self.bodies, &mut request);
+        self.moments_by_body[Layout::OUTPUT]
     }
 
     /// Jacobian of the residual, which is `here` at `u`: by differences where they are cheaper, or the only way. `None`: discs on
@@ -385,13 +387,14 @@ impl<'a> Statics<'a> {
         self.evaluations += 1;
         self.place(problem, u);
         self.derivatives.clear();
-        let mut sums = Evaluation::of_slopes(&mut self.derivatives);
-        if !self.field.evaluate(&self.bodies, Pose::Any, &mut sums) {
+        if !self.field.have_derivatives() {
             return None;
         }
-        problem
-            .carrier
-            .add_jacobian(&self.bodies, &mut self.derivatives);
+        let mut request = Evaluation::of_derivatives(&mut self.derivatives, &self.coordinates);
+        self.field.evaluate(&self.bodies, &mut request);
+        if let Some(derivatives) = &mut request.derivatives {
+            problem.carrier.add_jacobian(&self.bodies, derivatives);
+        }
         let discs = self.gearbox.layout.wheels;
         // Angles first, then places.
         let free = |unknown: usize| {

@@ -1,43 +1,97 @@
 //! Forces on the bodies of a mechanism.
 
 use crate::sliding::Contact;
-use crate::{BodyState, ContactEnergy, Jacobian, Wrench};
+use crate::{BodyId, BodyState, ContactEnergy, Jacobian, Variable, Wrench};
 
 /// How far the bodies of an evaluation can be relied upon.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Pose {
     /// Anywhere: the joints may be off by the integrator's error.
+    #[default]
     Any,
-    /// Every body stands and moves as its joints prescribe, which forces may make use of.
+    /// Every body stands and moves as its joints prescribe. Forces that work [from angles](Forces::work_from_angles) read
+    /// nothing but angles and rates, and the places of bodies that no joint holds.
     Prescribed,
-    /// As [`Prescribed`](Self::Prescribed), but only angles and rates are set: bodies that others carry were not put
-    /// in place. Bodies that no joint holds are.
-    AnglesOnly,
+}
+
+/// Numbers of the bodies' free coordinates in a Jacobian.
+#[derive(Debug, Clone, Default)]
+pub struct Coordinates {
+    angles: Vec<Option<usize>>,
+    places: Vec<Option<usize>>,
+}
+
+impl Coordinates {
+    /// Numbers the angles of the `turning` ones among so many bodies, then x and y of one after the other of the
+    /// `floating` ones.
+    #[must_use]
+    pub fn new(bodies: usize, turning: &[BodyId], floating: &[BodyId]) -> Self {
+        let (mut angles, mut places) = (vec![None; bodies], vec![None; bodies]);
+        for (k, &body) in turning.iter().enumerate() {
+            angles[body] = Some(k);
+        }
+        for (k, &body) in floating.iter().enumerate() {
+            places[body] = Some(turning.len() + 2 * k);
+        }
+        Self { angles, places }
+    }
+
+    /// Returns the number of a body's angle, if that is free.
+    #[must_use]
+    pub fn angle(&self, body: BodyId) -> Option<usize> {
+        self.angles[body]
+    }
+
+    /// Returns the number of a body's x, if that is free; y has the next.
+    #[must_use]
+    pub fn place(&self, body: BodyId) -> Option<usize> {
+        self.places[body]
+    }
+}
+
+/// Jacobian to which forces add their derivatives: of moments about the pins by the rows of the free angles, loads of carried
+/// bodies included, and of the forces on bodies that no joint holds by those of their places.
+#[derive(Debug)]
+pub struct Derivatives<'a> {
+    /// Derivatives by coordinates (N m/rad), rates (N m s/rad) and time (N m/s), and those of forces.
+    pub jacobian: &'a mut Jacobian,
+    /// Rows and columns of the bodies.
+    pub coordinates: &'a Coordinates,
+}
+
+impl Derivatives<'_> {
+    /// Adds the derivatives `by` the variables of a force or moment to its row, if that is of a free coordinate.
+    #[inline]
+    pub fn add(&mut self, row: Option<usize>, variables: &[Variable], by: &[f64]) {
+        let Some(row) = row else { return };
+        for (&variable, &value) in variables.iter().zip(by) {
+            self.jacobian.add(row, variable, value);
+        }
+    }
 }
 
 /// Outputs that an evaluation of the forces adds to; those that are `None` are not requested.
 #[derive(Debug, Default)]
 pub struct Evaluation<'a> {
+    /// How far the bodies can be relied upon.
+    pub pose: Pose,
     /// Loads on all bodies, in their order: ground frame, N and N m about the centre of mass. With a prescribed pose they
     /// hold 0 on entry.
     pub loads: Option<&'a mut [Wrench]>,
     /// True if only loads on bodies that no joint holds are needed, because `moments` give the rest.
     pub floating_alone: bool,
-    /// Moments about the pins by body, N m, loads of carried bodies included: of the free bodies of
-    /// [`Reduced`](crate::Reduced), and where `loads` are asked for too also of the driven ones.
+    /// Moments about the pins by body, N m, loads of carried bodies included, of forces that work
+    /// [from angles](Forces::work_from_angles): of the free bodies of [`Reduced`](crate::Reduced), and where `loads` are asked
+    /// for too also of the driven ones.
     pub moments: Option<&'a mut [f64]>,
-    /// How these moments change with the free angles (N m/rad), the free rates (N m s/rad) and the time (N m/s), in the order
-    /// of [`Reduced::free_bodies`](crate::Reduced::free_bodies); then the forces on bodies that no joint holds, x and y of one
-    /// after the other, all by their places and velocities too.
-    pub derivatives: Option<&'a mut Jacobian>,
-    /// True if the energy of the contacts is requested.
-    pub wants_energy: bool,
-    /// That energy: written where it is asked for and known.
+    /// Derivatives, of forces that [have them](Forces::have_derivatives).
+    pub derivatives: Option<Derivatives<'a>>,
+    /// Energy of the contacts: 0 on entry where it is requested, `None` afterwards where these forces do not know it.
     pub energy: Option<ContactEnergy>,
 }
 
 impl<'a> Evaluation<'a> {
-    /// Loads alone.
+    /// Requests loads alone.
     pub fn of_loads(loads: &'a mut [Wrench]) -> Self {
         Self {
             loads: Some(loads),
@@ -45,18 +99,22 @@ impl<'a> Evaluation<'a> {
         }
     }
 
-    /// Moments alone.
+    /// Requests moments alone, of bodies that stand as their joints prescribe.
     pub fn of_moments(moments: &'a mut [f64]) -> Self {
         Self {
+            pose: Pose::Prescribed,
             moments: Some(moments),
             ..Self::default()
         }
     }
 
-    /// Slopes alone.
-    pub fn of_slopes(derivatives: &'a mut Jacobian) -> Self {
+    /// Requests derivatives alone.
+    pub fn of_derivatives(jacobian: &'a mut Jacobian, coordinates: &'a Coordinates) -> Self {
         Self {
-            derivatives: Some(derivatives),
+            derivatives: Some(Derivatives {
+                jacobian,
+                coordinates,
+            }),
             ..Self::default()
         }
     }
@@ -64,7 +122,7 @@ impl<'a> Evaluation<'a> {
     /// Requests the energy of the contacts too.
     #[must_use]
     pub fn with_energy(mut self) -> Self {
-        self.wants_energy = true;
+        self.energy = Some(ContactEnergy::default());
         self
     }
 }
@@ -74,28 +132,24 @@ pub trait Forces {
     /// Adds every applied load to `loads` (body order of the mechanism).
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]);
 
-    /// Adds to what `sums` holds. False: these forces cannot tell it from such a pose, and nothing was added; the caller asks
-    /// for loads of bodies that are in place, which all forces know.
+    /// True if moments, and loads with them, follow from angles and rates alone. Asked once.
+    fn work_from_angles(&self) -> bool {
+        false
+    }
+
+    /// True if these forces know their derivatives. Asked once.
+    fn have_derivatives(&self) -> bool {
+        false
+    }
+
+    /// Adds to the outputs of `request`, which never exceeds what these forces [work](Self::work_from_angles) and
+    /// [have](Self::have_derivatives).
     ///
     /// By default forces know their loads, and those alone.
-    fn evaluate(
-        &mut self,
-        t: f64,
-        bodies: &[BodyState],
-        pose: Pose,
-        sums: &mut Evaluation<'_>,
-    ) -> bool {
-        match sums {
-            Evaluation {
-                loads: Some(loads),
-                moments: None,
-                derivatives: None,
-                ..
-            } if pose != Pose::AnglesOnly => {
-                self.apply(t, bodies, loads);
-                true
-            }
-            _ => false,
+    fn evaluate(&mut self, t: f64, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        request.energy = None;
+        if let Some(loads) = request.loads.as_deref_mut() {
+            self.apply(t, bodies, loads);
         }
     }
 

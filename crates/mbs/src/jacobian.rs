@@ -186,6 +186,17 @@ fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
     }
 }
 
+/// Variable of a derivative.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Variable {
+    /// Coordinate of this number.
+    Position(usize),
+    /// Velocity of this number.
+    Rate(usize),
+    /// Function of the time that changes at this rate.
+    Time(f64),
+}
+
 /// The derivatives of a system's f, and the factors of s I - df/dy.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Jacobian {
@@ -236,6 +247,16 @@ impl Jacobian {
         self.position.iter_mut().for_each(Arrow::clear);
         self.rate.clear();
         self.time.fill(0.0);
+    }
+
+    /// Adds to the derivative of the acceleration `row` of a mechanical system.
+    #[inline]
+    pub fn add(&mut self, row: usize, by: Variable, value: f64) {
+        match by {
+            Variable::Position(k) => self.position.iter_mut().for_each(|p| p.add(row, k, value)),
+            Variable::Rate(k) => self.rate.add(row, k, value),
+            Variable::Time(rate) => self.time[row] += rate * value,
+        }
     }
 
     /// Multiplies every row by its factor.

@@ -18,7 +18,7 @@ use nalgebra::Vector3;
 
 use crate::forces::{Evaluation, Forces, Pose};
 use crate::mechanism::{Mechanism, MechanismError};
-use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem, own_scale};
+use crate::ode::{Detail, ErrorScales, Formulation, Observation, OdeSystem, own_scale};
 use crate::pinned::PinnedContacts;
 use crate::saddle::{Dependent, SaddlePoint, redundant};
 use crate::state::{BodyId, BodyState, ContactEnergy, Wrench};
@@ -343,12 +343,15 @@ impl<F: Forces> Lagrange<F> {
         } else {
             Pose::Any
         };
-        let mut sums = Evaluation {
-            wants_energy,
+        let mut request = Evaluation {
+            pose,
             ..Evaluation::of_loads(&mut self.loads)
         };
-        self.forces.evaluate(t, &self.bodies, pose, &mut sums);
-        sums.energy
+        if wants_energy {
+            request = request.with_energy();
+        }
+        self.forces.evaluate(t, &self.bodies, &mut request);
+        request.energy
     }
 
     /// Accelerations and multipliers under the loads.
@@ -411,8 +414,8 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
             return;
         }
         let (qd, vd) = coordinates_mut(dydt);
-        let found = zip(&self.bodies, self.saddle.bodies());
-        for ((qd, vd), (body, a)) in zip(zip(qd, vd), found) {
+        let states = zip(&self.bodies, self.saddle.bodies());
+        for ((qd, vd), (body, a)) in zip(zip(qd, vd), states) {
             *qd = [body.vx, body.vy, body.rate];
             *vd = (*a).into();
         }
@@ -446,7 +449,7 @@ impl<F: Forces> Formulation for Lagrange<F> {
         y
     }
 
-    fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
+    fn observe(&mut self, t: f64, y: &[f64], _detail: Detail) -> Observation<'_> {
         self.prepare(t, y);
         let energy = self.sum_loads(t, true);
         let solved = self.accelerate(t).is_ok();

@@ -15,7 +15,7 @@
 //! ```
 //! use pinwheel_mbs::integrators::{StepSettings, start};
 //! use pinwheel_mbs::{
-//!     Body, BodyState, Forces, Formulation, Lagrange, Mechanism, Revolute, Stabilisation, Wrench,
+//!     Body, BodyState, Detail, Forces, Formulation, Lagrange, Mechanism, Revolute, Stabilisation, Wrench,
 //! };
 //!
 //! struct Weight;
@@ -36,7 +36,7 @@
 //! let mut fastest = 0.0_f64;
 //! for _ in 0..200 {
 //!     stepper.step(&mut system)?;
-//!     fastest = fastest.max(system.observe(stepper.time(), stepper.state()).bodies[0].rate.abs());
+//!     fastest = fastest.max(system.observe(stepper.time(), stepper.state(), Detail::Everything).bodies[0].rate.abs());
 //! }
 //! assert!((fastest - (3.0_f64 * 9.81).sqrt()).abs() < 1e-2, "{fastest} rad/s");
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -57,11 +57,11 @@ pub mod sliding;
 mod state;
 mod tree;
 
-pub use forces::{Evaluation, Forces, Pose};
-pub use jacobian::{Arrow, Jacobian, Structure};
+pub use forces::{Coordinates, Derivatives, Evaluation, Forces, Pose};
+pub use jacobian::{Arrow, Jacobian, Structure, Variable};
 pub use lagrange::{Lagrange, Stabilisation};
 pub use mechanism::{Body, Driver, Mechanism, MechanismError, Motion, Revolute};
-pub use ode::{ErrorScales, Formulation, Observation, OdeSystem};
+pub use ode::{Detail, ErrorScales, Formulation, Observation, OdeSystem};
 pub use pinned::PinnedContacts;
 pub use reduced::Reduced;
 pub use saddle::SaddlePoint;

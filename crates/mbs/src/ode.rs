@@ -12,15 +12,9 @@ pub trait OdeSystem {
     /// Writes f(t, y). A state that cannot be evaluated gives NaN, never a panic.
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]);
 
-    /// Writes f(t, y) of a state that will likely be observed next ([`Formulation::observe`]), with which the
-    /// evaluation may be shared.
-    fn derivative_to_observe(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
-        self.derivative(t, y, dydt);
-    }
-
-    /// Writes f(t, y) of a state at the end of a step that goes on, of which only loads are looked at
-    /// ([`Formulation::cached_observation`]).
-    fn derivative_in_passing(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
+    /// Writes f(t, y) of the state at the end of a step, which is observed next if it is `sampled`
+    /// ([`Formulation::observe`]) and may be otherwise ([`Formulation::cached_observation`]): both may share the evaluation.
+    fn derivative_at_end(&mut self, t: f64, y: &[f64], _sampled: bool, dydt: &mut [f64]) {
         self.derivative(t, y, dydt);
     }
 
@@ -93,6 +87,15 @@ pub struct ErrorScales {
     pub frequency: f64,
 }
 
+/// Detail of an observation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Detail {
+    /// Without joint reactions, and positions and velocities of bodies that others carry, which may be of another time.
+    Forces,
+    /// All.
+    Everything,
+}
+
 /// Poses, loads, reactions and energies of one state.
 #[derive(Debug, Clone, Copy)]
 pub struct Observation<'a> {
@@ -120,23 +123,17 @@ pub trait Formulation: OdeSystem {
     /// State at t = 0.
     fn initial(&self) -> Vec<f64>;
 
-    /// Evaluates everything at (t, y).
-    fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_>;
+    /// Evaluates the state at (t, y).
+    fn observe(&mut self, t: f64, y: &[f64], detail: Detail) -> Observation<'_>;
 
-    /// Evaluates everything at (t, y) but the positions and velocities of bodies that others carry, which may be of
-    /// another time.
-    fn observe_reduced(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
-        self.observe(t, y)
-    }
-
-    /// Returns the observation of the state of the last evaluation without the contacts' energy, if it takes no new
-    /// evaluation. That evaluation was [`OdeSystem::derivative_in_passing`].
+    /// Returns the observation of the forces at (t, y), if it takes no new evaluation: the last one was
+    /// [`OdeSystem::derivative_at_end`].
     fn cached_observation(&mut self, _t: f64, _y: &[f64]) -> Option<Observation<'_>> {
         None
     }
 
-    /// Nothing is observed in passing before this time, s.
-    fn pass_until(&mut self, _t: f64) {}
+    /// Ends of steps that are not sampled are observed from this time on, s.
+    fn observe_from(&mut self, _t: f64) {}
 
     /// Velocities integrated.
     fn degrees_of_freedom(&self) -> usize;

@@ -16,10 +16,10 @@
 //! Friction may be treated implicitly ([`OdeSystem::split_stage`]): a contact's sliding speed is
 //! linear in the free rates, `u = offset + J v`, and `-J' F_t` is what its friction does to them.
 
-use crate::forces::{Evaluation, Forces, Pose};
+use crate::forces::{Coordinates, Evaluation, Forces};
 use crate::jacobian::{Jacobian, Structure};
 use crate::mechanism::{Mechanism, MechanismError, Motion};
-use crate::ode::{ErrorScales, Formulation, Observation, OdeSystem, own_scale};
+use crate::ode::{Detail, ErrorScales, Formulation, Observation, OdeSystem, own_scale};
 use crate::pinned::{Angle, PinnedContacts};
 use crate::sliding::SlidingStage;
 use crate::state::{BodyId, BodyState, ContactEnergy, Wrench};
@@ -65,8 +65,12 @@ pub struct Reduced<F> {
     /// Sum of the reactions that each body carries: scratch.
     borne: Vec<[f64; 2]>,
     evaluated: Evaluated,
-    /// Before this time, s, nothing is observed in passing.
-    passes_until: f64,
+    /// Ends of steps from this time on, s, are evaluated as if they were observed.
+    observes_from: f64,
+    /// What the forces can do.
+    from_angles: bool,
+    has_derivatives: bool,
+    coordinates: Coordinates,
 }
 
 /// The state whose loads and energy are at hand, if any.
@@ -75,19 +79,14 @@ struct Evaluated {
     valid: bool,
     /// Carried bodies are in place.
     placed: bool,
-    /// The contacts' energy was asked for.
-    with_energy: bool,
     time: f64,
     y: Vec<f64>,
     energy: Option<ContactEnergy>,
 }
 
 impl Evaluated {
-    fn is_of(&self, t: f64, y: &[f64], wants_energy: bool) -> bool {
-        (self.with_energy || !wants_energy)
-            && self.valid
-            && self.time == t
-            && self.y.as_slice() == y
+    fn is_of(&self, t: f64, y: &[f64]) -> bool {
+        self.valid && self.time == t && self.y.as_slice() == y
     }
 }
 
@@ -168,7 +167,10 @@ impl<F: Forces> Reduced<F> {
         let is_leaf = vec![false; moving.len()];
         Ok(Self {
             scales: None,
-            passes_until: f64::NEG_INFINITY,
+            observes_from: f64::NEG_INFINITY,
+            from_angles: forces.work_from_angles(),
+            has_derivatives: forces.have_derivatives(),
+            coordinates: Coordinates::new(n, &free, &floating),
             reactions: vec![[0.0; 2]; mechanism.revolutes.len()],
             borne: vec![[0.0; 2]; n],
             evaluated: Evaluated {
@@ -294,36 +296,44 @@ impl<F: Forces> Reduced<F> {
         }
     }
 
-    /// Everything at (t, y) that an observation tells of the forces, unless it is at hand.
-    fn evaluate_whole(&mut self, t: f64, y: &[f64], wants_energy: bool) {
-        if self.evaluated.is_of(t, y, wants_energy) {
+    /// Evaluates the forces at (t, y): moments, and if the state is `observed` all loads, the energy and the drivers'
+    /// torques, unless they are at hand.
+    fn evaluate(&mut self, t: f64, y: &[f64], observed: bool) {
+        if self.evaluated.is_of(t, y) {
             return;
         }
         self.turn(t, y);
         self.evaluated.placed = false;
         self.moments.fill(0.0);
-        self.loads.fill(Wrench::default());
-        let mut sums = Evaluation::of_loads(&mut self.loads);
-        sums.wants_energy = wants_energy;
-        sums.moments = Some(&mut self.moments);
-        let (forces, bodies) = (&mut self.forces, &self.bodies);
-        if forces.evaluate(t, bodies, Pose::AnglesOnly, &mut sums) {
-            self.evaluated.energy = sums.energy;
-        } else {
+        let from_angles = self.from_angles;
+        if !from_angles {
             self.put(t);
-            let mut sums = Evaluation::of_loads(&mut self.loads);
-            sums.wants_energy = wants_energy;
-            let (forces, bodies) = (&mut self.forces, &self.bodies);
-            forces.evaluate(t, bodies, Pose::Prescribed, &mut sums);
-            self.evaluated.energy = sums.energy;
+        }
+        let mut request = match from_angles {
+            true => Evaluation::of_moments(&mut self.moments),
+            false => Evaluation::default(),
+        };
+        if observed || !from_angles || !self.floating.is_empty() {
+            self.loads.fill(Wrench::default());
+            request.loads = Some(&mut self.loads);
+            request.floating_alone = !observed;
+        }
+        if observed {
+            request = request.with_energy();
+        }
+        self.forces.evaluate(t, &self.bodies, &mut request);
+        self.evaluated.energy = request.energy;
+        if !from_angles {
             self.sum_moments();
+        }
+        if !observed {
+            return;
         }
         for (torque, driver) in self.torques.iter_mut().zip(&self.mechanism.drivers) {
             let (_, _, acceleration) = driver.motion.at(t);
             *torque = self.inertia[driver.child] * acceleration - self.moments[driver.child];
         }
         (self.evaluated.valid, self.evaluated.time) = (true, t);
-        self.evaluated.with_energy = wants_energy;
         self.evaluated.y.copy_from_slice(y);
     }
 
@@ -340,7 +350,7 @@ impl<F: Forces> Reduced<F> {
     }
 
     /// Observation of the last evaluation, at time `t`.
-    fn see(&self, t: f64) -> Observation<'_> {
+    fn observation(&self, t: f64) -> Observation<'_> {
         Observation {
             time: t,
             bodies: &self.bodies,
@@ -486,34 +496,12 @@ impl<F: Forces> OdeSystem for Reduced<F> {
     }
 
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
-        self.turn(t, y);
-        self.moments.fill(0.0);
-        let mut sums = Evaluation::of_moments(&mut self.moments);
-        if !self.floating.is_empty() {
-            self.loads.fill(Wrench::default());
-            sums.loads = Some(&mut self.loads);
-            sums.floating_alone = true;
-        }
-        let (forces, bodies) = (&mut self.forces, &self.bodies);
-        if !forces.evaluate(t, bodies, Pose::AnglesOnly, &mut sums) {
-            self.carry();
-            self.loads.fill(Wrench::default());
-            self.forces.apply(t, &self.bodies, &mut self.loads);
-            self.sum_moments();
-        }
+        self.evaluate(t, y, false);
         self.write_derivative(y, dydt);
     }
 
-    fn derivative_to_observe(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
-        self.evaluate_whole(t, y, true);
-        self.write_derivative(y, dydt);
-    }
-
-    fn derivative_in_passing(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
-        if t < self.passes_until {
-            return self.derivative(t, y, dydt);
-        }
-        self.evaluate_whole(t, y, true);
+    fn derivative_at_end(&mut self, t: f64, y: &[f64], sampled: bool, dydt: &mut [f64]) {
+        self.evaluate(t, y, sampled || t >= self.observes_from);
         self.write_derivative(y, dydt);
     }
 
@@ -548,13 +536,12 @@ impl<F: Forces> OdeSystem for Reduced<F> {
 
     fn jacobian(&mut self, t: f64, y: &[f64], jacobian: &mut Jacobian) -> bool {
         self.place(t, y);
-        let mut sums = Evaluation::of_slopes(jacobian);
-        let (forces, bodies) = (&mut self.forces, &self.bodies);
-        let known = forces.evaluate(t, bodies, Pose::Prescribed, &mut sums);
-        if known {
+        if self.has_derivatives {
+            let mut request = Evaluation::of_derivatives(jacobian, &self.coordinates);
+            self.forces.evaluate(t, &self.bodies, &mut request);
             jacobian.scale_rows(&self.free_inverse);
         }
-        known
+        self.has_derivatives
     }
 
     fn restart_at(&mut self, from: f64) {
@@ -577,27 +564,25 @@ impl<F: Forces> Formulation for Reduced<F> {
             .collect()
     }
 
-    fn observe(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
-        self.evaluate_whole(t, y, true);
+    fn observe(&mut self, t: f64, y: &[f64], detail: Detail) -> Observation<'_> {
+        self.evaluate(t, y, true);
+        if detail == Detail::Forces {
+            return self.observation(t);
+        }
         self.put(t);
         self.set_reactions(t);
         Observation {
             reactions: Some(&self.reactions),
-            ..self.see(t)
+            ..self.observation(t)
         }
     }
 
-    fn observe_reduced(&mut self, t: f64, y: &[f64]) -> Observation<'_> {
-        self.evaluate_whole(t, y, true);
-        self.see(t)
-    }
-
     fn cached_observation(&mut self, t: f64, y: &[f64]) -> Option<Observation<'_>> {
-        self.evaluated.is_of(t, y, false).then(|| self.see(t))
+        self.evaluated.is_of(t, y).then(|| self.observation(t))
     }
 
-    fn pass_until(&mut self, t: f64) {
-        self.passes_until = t;
+    fn observe_from(&mut self, t: f64) {
+        self.observes_from = t;
     }
 
     fn degrees_of_freedom(&self) -> usize {

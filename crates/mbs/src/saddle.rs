@@ -260,9 +260,9 @@ impl SaddlePoint {
             self.unknowns[pivot.node] = value;
         }
         let (own, joints) = self.unknowns.split_at(self.bodies);
-        for ((values, left), found) in self.values.iter_mut().zip(&self.left).zip([own, joints]) {
-            for (&k, &found) in left.iter().zip(found) {
-                values[k] = found;
+        for ((values, left), scaled) in self.values.iter_mut().zip(&self.left).zip([own, joints]) {
+            for (&k, &value) in left.iter().zip(scaled) {
+                values[k] = value;
             }
         }
     }

@@ -2,8 +2,8 @@
 
 use pinwheel_mbs::integrators::{METHODS, StepSettings, Stepper, start};
 use pinwheel_mbs::{
-    Body, BodyState, Driver, Evaluation, Forces, Formulation, Lagrange, Mechanism, Motion, Pose,
-    Reduced, Revolute, Stabilisation, Wrench,
+    Body, BodyState, Detail, Driver, Evaluation, Forces, Formulation, Lagrange, Mechanism, Motion,
+    Reduced, Revolute, Stabilisation, Variable, Wrench,
 };
 
 /// A spring on every angle.
@@ -18,26 +18,21 @@ impl Forces for Springs {
     }
 
     /// Near enough: methods that ask for derivatives shall use them.
-    fn evaluate(
-        &mut self,
-        t: f64,
-        bodies: &[BodyState],
-        _: Pose,
-        sums: &mut Evaluation<'_>,
-    ) -> bool {
-        if let Some(loads) = &mut sums.loads {
+    fn have_derivatives(&self) -> bool {
+        true
+    }
+
+    fn evaluate(&mut self, t: f64, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        if let Some(loads) = &mut request.loads {
             self.apply(t, bodies, loads);
         }
-        let Some(derivatives) = &mut sums.derivatives else {
-            return sums.moments.is_none();
-        };
-        let Some(position) = &mut derivatives.position else {
-            return false;
-        };
-        for k in 0..position.dimension() {
-            position.add(k, k, -1.0);
+        if let Some(derivatives) = &mut request.derivatives {
+            for (body, _) in bodies.iter().enumerate() {
+                let row = derivatives.coordinates.angle(body);
+                let own = row.map(Variable::Position);
+                derivatives.add(row, own.as_slice(), &[-1.0]);
+            }
         }
-        true
     }
 }
 
@@ -97,7 +92,7 @@ fn allocations<F: Formulation>(method: &str, mut system: F) -> u64 {
             run.step(&mut system).unwrap();
             let t = run.time();
             run.interpolate(&mut system, t, &mut y);
-            system.observe(t, &y);
+            system.observe(t, &y, Detail::Everything);
         }
     });
     counted.count_total

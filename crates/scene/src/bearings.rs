@@ -6,6 +6,8 @@
 //! Rollers after Palmgren (Palmgren, *Ball and Roller Bearing Engineering*, 3rd ed., 1959): an approach of
 //! delta = 7.68e-5 Q^0.9/l^0.8 (mm, N) under the most loaded roller's Q = 4.08 F/Z.
 
+use pinwheel_contact::{Real, Scalar};
+
 use crate::error::Fault;
 use crate::model::{Bearings, EccentricBearing, Scene};
 use crate::springs::wheel_torque_n_m;
@@ -137,11 +139,12 @@ impl BearingLaw {
     /// Force at rest at an offset beyond the clearance, N.
     #[must_use]
     #[inline]
-    pub fn elastic(&self, beyond: f64) -> f64 {
+    pub fn elastic<R: Real>(&self, beyond: R) -> R {
+        let stiffness = beyond.like(self.stiffness);
         if self.exponent == 1.0 {
-            self.stiffness * beyond
+            stiffness * beyond
         } else {
-            self.stiffness * beyond.powf(self.exponent)
+            stiffness * beyond.powf(self.exponent)
         }
     }
 
@@ -149,46 +152,23 @@ impl BearingLaw {
     /// ramp, so that no force jumps where rollers touch.
     #[must_use]
     #[inline]
-    pub fn force(&self, offset: f64, rate: f64) -> f64 {
-        let beyond = offset - self.clearance_m;
-        if beyond <= 0.0 {
-            return 0.0;
+    pub fn force<S: Scalar>(&self, offset: S, rate: S) -> S {
+        let c = |x: f64| offset.like(x);
+        let beyond = offset - c(self.clearance_m);
+        if beyond.value() <= 0.0 {
+            return c(0.0);
         }
-        let damping = self.damping_n_s_m * (beyond / self.ramp_m).min(1.0);
-        (self.elastic(beyond) + damping * rate).max(0.0)
-    }
-
-    /// Force, N, and its derivatives by the offset, N/m, and by the rate of the offset, N s/m.
-    #[must_use]
-    pub fn derivatives(&self, offset: f64, rate: f64) -> [f64; 3] {
-        let (force, beyond) = (self.force(offset, rate), offset - self.clearance_m);
-        if force <= 0.0 {
-            return [0.0; 3];
-        }
-        let share = beyond / self.ramp_m;
-        let rising = if share < 1.0 { rate / self.ramp_m } else { 0.0 };
-        [
-            force,
-            self.exponent * self.elastic(beyond) / beyond + self.damping_n_s_m * rising,
-            self.damping_n_s_m * share.min(1.0),
-        ]
+        let damping = c(self.damping_n_s_m) * (beyond / c(self.ramp_m)).min(c(1.0));
+        (self.elastic(beyond) + damping * rate).max(c(0.0))
     }
 
     /// Moment of the friction on the disc, N m, under a force (N) while the disc turns at `rate` rad/s against its eccentric.
     #[must_use]
     #[inline]
-    pub fn drag(&self, force: f64, rate: f64) -> f64 {
-        -self.drag_m * force * (rate / SLOW_RAD_S).clamp(-1.0, 1.0)
-    }
-
-    /// Derivatives of the friction moment by the force, m, and by the rate, N m s.
-    #[must_use]
-    pub fn drag_slopes(&self, force: f64, rate: f64) -> [f64; 2] {
-        let inside = if rate.abs() < SLOW_RAD_S { 1.0 } else { 0.0 };
-        [
-            self.drag(1.0, rate),
-            -self.drag_m * force * inside / SLOW_RAD_S,
-        ]
+    pub fn drag<R: Real>(&self, force: R, rate: R) -> R {
+        let c = |x: f64| force.like(x);
+        let share = (rate / c(SLOW_RAD_S)).max(c(-1.0)).min(c(1.0));
+        c(-self.drag_m) * force * share
     }
 
     /// Energy stored at an offset, J.

@@ -17,7 +17,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::{Law, NormalLaw};
-use crate::{Lanes, Real};
+use crate::{Dual, Lanes, Real};
 
 const STEPS: usize = 10;
 /// Shorter steps, as a share of x, tell no slope.
@@ -72,6 +72,13 @@ impl OnPin for f64 {
     }
 }
 
+impl<const N: usize> OnPin for Dual<N> {
+    #[inline(never)]
+    fn observed(law: &PinLaw, contact: [Self; 3]) -> [Self; 3] {
+        observed(law, contact)
+    }
+}
+
 impl<S: Simd> OnPin for Lanes<S> {
     #[inline(always)]
     fn observed(law: &PinLaw, contact: [Self; 3]) -> [Self; 3] {
@@ -118,8 +125,8 @@ fn series<R: Real>(law: &Law, pin: f64, [stiffness, whole, rate]: [R; 3]) -> [R;
         let step = x - last[0];
         // It rises with k at least.
         let secant = ((excess - last[1]) / step).max(k);
-        let told = step.max(-step);
-        slope = told.below(x * c(TELLING), slope, secant);
+        let length = step.max(-step);
+        slope = length.below(x * c(TELLING), slope, secant);
         last = [x, excess];
         let next = x - excess / slope;
         let middle = (low + high) * c(0.5);

@@ -3,6 +3,7 @@
 mod brute;
 mod closest;
 mod complex;
+mod dual;
 mod epitrochoid;
 mod feet;
 mod friction;

@@ -1,37 +1,33 @@
 //! The load of one elastic bearing.
 
+use pinwheel_contact::Scalar;
 use pinwheel_mbs::ContactEnergy;
 use pinwheel_scene::bearings::BearingLaw;
 
 /// One bearing at a state.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct BearingLoad {
+pub struct BearingLoad<S = f64> {
     /// On the disc at its centre, N, ground frame.
-    pub on_wheel: [f64; 2],
+    pub on_wheel: [S; 2],
     /// Disc's centre less the eccentric's, m, ground frame.
-    pub offset_m: [f64; 2],
+    pub offset_m: [S; 2],
     /// Friction on the disc, N m.
-    pub drag_n_m: f64,
+    pub drag_n_m: S,
     /// Angular velocity of the disc relative to the eccentric, rad/s.
-    pub(super) turning: f64,
+    pub(super) turning: S,
     /// Rate of the offset, m/s.
-    pub(super) rate: f64,
+    pub(super) rate: S,
 }
 
-impl BearingLoad {
+impl<S: Scalar> BearingLoad<S> {
     /// At an offset that moves with a velocity, m/s.
     #[inline]
-    pub(super) fn of(
-        law: &BearingLaw,
-        offset_m: [f64; 2],
-        [ux, uy]: [f64; 2],
-        turning: f64,
-    ) -> Self {
+    pub(super) fn of(law: &BearingLaw, offset_m: [S; 2], [ux, uy]: [S; 2], turning: S) -> Self {
         let [dx, dy] = offset_m;
         let offset = (dx * dx + dy * dy).sqrt();
-        let [nx, ny] = match offset > 0.0 {
+        let [nx, ny] = match offset.value() > 0.0 {
             true => [dx / offset, dy / offset],
-            false => [0.0; 2],
+            false => [dx.like(0.0); 2],
         };
         let rate = ux * nx + uy * ny;
         let force = law.force(offset, rate);
@@ -43,7 +39,9 @@ impl BearingLoad {
             rate,
         }
     }
+}
 
+impl BearingLoad {
     /// Adds what it stores and loses.
     pub(super) fn add_energy(&self, law: &BearingLaw, sum: &mut ContactEnergy) {
         let [dx, dy] = self.offset_m;

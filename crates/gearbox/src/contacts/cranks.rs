@@ -15,10 +15,12 @@
 mod derivatives;
 
 use arrayvec::ArrayVec;
+use pinwheel_contact::{Complex, Dual, Scalar};
 use pinwheel_mbs::{BodyState, ContactEnergy, Wrench};
 use pinwheel_scene::bearings::BearingLaw;
 
 use super::bearing_load::BearingLoad;
+use super::motion::Motion;
 use super::pair::PairContact;
 use crate::geometry::Geometry;
 use crate::scene::{Cranks as CranksOfScene, Scene};
@@ -57,16 +59,16 @@ pub struct CrankSet {
 
 /// A crank's bearing in one disc.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct CrankBearing {
+pub(super) struct CrankBearing<S = f64> {
     /// Its force at the bore's centre; the offset is that centre less the eccentric's.
-    pub(super) load: BearingLoad,
+    pub(super) load: BearingLoad<S>,
     /// The offset's velocity where the support is rigid, m/s.
-    velocity: [f64; 2],
+    velocity: Complex<S>,
     /// Bore's centre from the disc's, and the eccentric's from the crank's, m, ground frame.
-    pub(super) arm: [f64; 2],
-    eccentric: [f64; 2],
+    pub(super) arm: Complex<S>,
+    eccentric: Complex<S>,
     /// How far the eccentric moves as its crank turns in an elastic mesh, by the largest eccentricity.
-    across: [f64; 2],
+    across: Complex<S>,
 }
 
 /// How far a crank gives way, m: in its support, and at the largest eccentricity by its turn in the mesh.
@@ -82,7 +84,7 @@ struct Springs {
 
 impl Springs {
     /// Adds a bearing's xx, xy and yy, where its eccentric moves `across`.
-    fn add(&mut self, [xx, xy, yy]: [f64; 3], [x, y]: [f64; 2]) {
+    fn add(&mut self, [xx, xy, yy]: [f64; 3], Complex { re: x, im: y }: Complex) {
         for (sum, k) in self.support.iter_mut().zip([xx, xy, yy]) {
             *sum += k;
         }
@@ -106,36 +108,45 @@ impl Springs {
     }
 }
 
-impl CrankBearing {
-    fn on_crank(&self) -> [f64; 2] {
-        self.load.on_wheel.map(|f| -f)
+impl<S: Scalar> CrankBearing<S> {
+    /// This bearing where its crank has given way.
+    #[inline]
+    fn loaded(&self, law: &BearingLaw, [x, y, turned]: [S; 3]) -> Self {
+        let moved = self.across.scale(turned);
+        let [dx, dy] = self.load.offset_m;
+        let offset = [dx - x - moved.re, dy - y - moved.im];
+        Self {
+            load: BearingLoad::of(law, offset, self.velocity.to_array(), self.load.turning),
+            eccentric: self.eccentric + moved,
+            ..*self
+        }
+    }
+
+    fn on_crank(&self) -> Complex<S> {
+        let [x, y] = self.load.on_wheel;
+        -Complex::new(x, y)
+    }
+
+    /// Moments of its force about the disc's centre, and about the crank's axis, N m. The force points along the offset: at the
+    /// bore's centre its lever is the eccentric's.
+    fn moments(&self) -> [S; 2] {
+        let (force, drag) = (self.on_crank(), self.load.drag_n_m);
+        [
+            drag - self.arm.cross(force),
+            self.eccentric.cross(force) - drag,
+        ]
     }
 }
 
-/// Force at rest of a bearing at an offset, N, and its derivatives xx, xy, yy, N/m.
-fn pressed(law: &BearingLaw, [dx, dy]: [f64; 2]) -> ([f64; 2], [f64; 3]) {
-    let offset = dx.hypot(dy);
-    let beyond = offset - law.clearance_m;
-    if beyond <= 0.0 || offset == 0.0 {
-        return Default::default();
+/// Force at rest of a bearing at an offset, N.
+fn pressed<S: Scalar>(law: &BearingLaw, [x, y]: [S; 2]) -> Complex<S> {
+    let along = Complex::new(x, y);
+    let offset = along.norm();
+    let beyond = offset - x.like(law.clearance_m);
+    if beyond.value() <= 0.0 || offset.value() == 0.0 {
+        return Complex::<f64>::default().like(x);
     }
-    let [nx, ny] = [dx / offset, dy / offset];
-    let force = law.elastic(beyond);
-    let (along, across) = (law.exponent * force / beyond, force / offset);
-    let derivatives = [
-        along * nx * nx + across * ny * ny,
-        (along - across) * nx * ny,
-        along * ny * ny + across * nx * nx,
-    ];
-    ([force * nx, force * ny], derivatives)
-}
-
-fn turned([x, y]: [f64; 2], (s, c): (f64, f64)) -> [f64; 2] {
-    [c * x - s * y, s * x + c * y]
-}
-
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
+    along.scale(law.elastic(beyond) / offset)
 }
 
 impl CrankSet {
@@ -197,13 +208,11 @@ impl CrankSet {
         wheel: usize,
         crank: usize,
     ) -> (BearingLoad, [f64; 2]) {
-        let mut found = OfCrank::new();
-        self.crank(bodies, crank, &mut found);
-        let (body, [x, y]) = (
-            bodies[self.layout.wheel_bodies().start + wheel],
-            found[wheel].arm,
-        );
-        (found[wheel].load, [body.x + x, body.y + y])
+        let mut bearings = OfCrank::new();
+        self.crank(bodies, crank, &mut bearings);
+        let body = bodies[self.layout.wheel_bodies().start + wheel];
+        let CrankBearing { load, arm, .. } = bearings[wheel];
+        (load, [body.x + arm.re, body.y + arm.im])
     }
 
     /// Load of the bearings of all cranks in a disc together, whose offset is their mean.
@@ -262,50 +271,77 @@ impl CrankSet {
     /// The bearings of one crank, of every disc, and how far the crank gives way.
     fn crank(&self, bodies: &[BodyState], crank: usize, out: &mut OfCrank) -> Deflection {
         let layout = self.layout;
-        let (input, output) = (&bodies[Layout::INPUT], &bodies[Layout::OUTPUT]);
-        let place = &bodies[layout.internal_bodies().start + crank];
-        let rho = self.teeth_ratio;
-        let angle = (1.0 + rho) * output.angle - rho * input.angle + self.phases[crank];
-        let rate = (1.0 + rho) * output.rate - rho * input.rate;
-        let turn = angle.sin_cos();
+        let [input, output] = [Layout::INPUT, Layout::OUTPUT].map(|body| &bodies[body]);
+        let seat = &bodies[layout.internal_bodies().start + crank];
+        let shaft = Motion {
+            place: Complex::new(seat.x, seat.y),
+            velocity: Complex::new(seat.vx, seat.vy),
+            ..self.shaft(
+                [output.angle, input.angle],
+                [output.rate, input.rate],
+                crank,
+            )
+        };
         let wheels = &bodies[layout.wheel_bodies()];
         out.clear();
         for (i, wheel) in wheels.iter().enumerate() {
-            let eccentric = turned(self.eccentrics[i], turn);
-            let arm = turned(self.bores[i][crank].0, wheel.angle.sin_cos());
-            let velocity = [
-                wheel.vx - wheel.rate * arm[1] - place.vx + rate * eccentric[1],
-                wheel.vy + wheel.rate * arm[0] - place.vy - rate * eccentric[0],
-            ];
-            out.push(CrankBearing {
-                load: BearingLoad {
-                    offset_m: [
-                        wheel.x + arm[0] - place.x - eccentric[0],
-                        wheel.y + arm[1] - place.y - eccentric[1],
-                    ],
-                    turning: wheel.rate - rate,
-                    ..BearingLoad::default()
-                },
-                arm,
-                eccentric,
-                across: [-eccentric[1] / self.throw_m, eccentric[0] / self.throw_m],
-                velocity,
-            });
+            out.push(self.unloaded(i, crank, &Motion::of(wheel), &shaft));
         }
         let given = match (self.support, self.mesh) {
             (None, None) => [0.0; 3],
             _ => self.deflection(crank, out),
         };
-        let [x, y, turned] = given;
-        for (i, found) in out.iter_mut().enumerate() {
-            let law = self.law(i, crank);
-            let moved = found.across.map(|across| turned * across);
-            found.eccentric = [found.eccentric[0] + moved[0], found.eccentric[1] + moved[1]];
-            let [dx, dy] = found.load.offset_m;
-            let offset = [dx - x - moved[0], dy - y - moved[1]];
-            found.load = BearingLoad::of(&law, offset, found.velocity, found.load.turning);
+        for (i, bearing) in out.iter_mut().enumerate() {
+            *bearing = bearing.loaded(&self.law(i, crank), given);
         }
         given
+    }
+
+    /// Turning of a crank at the angles and rates of output and input; it stands in the origin.
+    #[inline]
+    fn shaft<S: Scalar>(&self, angles: [S; 2], rates: [S; 2], crank: usize) -> Motion<S> {
+        let c = |x: f64| rates[0].like(x);
+        let (rho, still) = (
+            c(self.teeth_ratio),
+            Complex::<f64>::default().like(rates[0]),
+        );
+        let turned = |[output, input]: [S; 2]| (c(1.0) + rho) * output - rho * input;
+        Motion {
+            place: still,
+            velocity: still,
+            turn: Complex::unit(turned(angles) + c(self.phases[crank])),
+            rate: turned(rates),
+        }
+    }
+
+    /// The bearing of a disc on a crank that does not give way, whose load is not known yet.
+    #[inline]
+    fn unloaded<S: Scalar>(
+        &self,
+        wheel: usize,
+        crank: usize,
+        disc: &Motion<S>,
+        shaft: &Motion<S>,
+    ) -> CrankBearing<S> {
+        let like = |point: [f64; 2]| Complex::from(point).like(disc.rate);
+        let eccentric = like(self.eccentrics[wheel]) * shaft.turn;
+        let arm = like(self.bores[wheel][crank].0) * disc.turn;
+        let (zero, throw) = (disc.rate.like(0.0), disc.rate.like(self.throw_m));
+        CrankBearing {
+            load: BearingLoad {
+                on_wheel: [zero; 2],
+                offset_m: (disc.place + arm - shaft.place - eccentric).to_array(),
+                drag_n_m: zero,
+                turning: disc.rate - shaft.rate,
+                rate: zero,
+            },
+            velocity: disc.velocity + arm.turned().scale(disc.rate)
+                - shaft.velocity
+                - eccentric.turned().scale(shaft.rate),
+            arm,
+            eccentric,
+            across: Complex::new(-eccentric.im / throw, eccentric.re / throw),
+        }
     }
 
     /// The bearing's law in a bore with a clearance of its own.
@@ -318,22 +354,26 @@ impl CrankSet {
     }
 
     /// A matrix of springs in which what is rigid stays where it is, and the force that it leaves.
-    fn held(&self, mut springs: Springs, [x, y, turning]: Deflection) -> (Springs, Deflection) {
-        let is_held = [self.support.is_none(), self.mesh.is_none()];
-        if is_held[0] {
+    fn constrained(
+        &self,
+        mut springs: Springs,
+        [x, y, turning]: Deflection,
+    ) -> (Springs, Deflection) {
+        let constrained = [self.support.is_none(), self.mesh.is_none()];
+        if constrained[0] {
             springs.support = [1.0, 0.0, 1.0];
         }
-        if is_held[1] {
+        if constrained[1] {
             springs.mesh = 1.0;
         }
-        if is_held != [false; 2] {
+        if constrained != [false; 2] {
             springs.both = [0.0; 2];
         }
-        let free = |held: bool, force: f64| if held { 0.0 } else { force };
+        let free = |constrained: bool, force: f64| if constrained { 0.0 } else { force };
         let left = [
-            free(is_held[0], x),
-            free(is_held[0], y),
-            free(is_held[1], turning),
+            free(constrained[0], x),
+            free(constrained[0], y),
+            free(constrained[1], turning),
         ];
         (springs, left)
     }
@@ -361,15 +401,16 @@ impl CrankSet {
             );
             for (i, bearing) in bearings.iter().enumerate() {
                 let law = self.law(i, crank);
-                let [ax, ay] = bearing.across;
+                let Complex { re: ax, im: ay } = bearing.across;
                 let [dx, dy] = bearing.load.offset_m;
                 let offset = [dx - x - turned * ax, dy - y - turned * ay];
-                let ([fx, fy], derivatives) = pressed(&law, offset);
+                let Complex { re: fx, im: fy } = pressed(&law, Dual::variables(offset));
+                springs.add([fx.by[0], fx.by[1], fy.by[1]], bearing.across);
+                let (fx, fy) = (fx.value, fy.value);
                 force = [force[0] + fx, force[1] + fy, force[2] + ax * fx + ay * fy];
-                springs.add(derivatives, bearing.across);
                 size += fx.hypot(fy);
             }
-            let (springs, force) = self.held(springs, force);
+            let (springs, force) = self.constrained(springs, force);
             (force, springs, size)
         };
         let length = |[x, y, turning]: Deflection| x.hypot(y).hypot(turning);
@@ -385,46 +426,37 @@ impl CrankSet {
             let mut next = None;
             for _ in 0..HALVINGS {
                 let there = [0, 1, 2].map(|k| given[k] + share * step[k]);
-                let found = left(there);
-                if length(found.0) < most {
-                    next = Some((there, found));
+                let balance = left(there);
+                if length(balance.0) < most {
+                    next = Some((there, balance));
                     break;
                 }
                 share *= 0.5;
             }
             // As near as rounding lets it come.
-            let Some((there, found)) = next else { break };
+            let Some((there, balance)) = next else { break };
             given = there;
-            (force, springs, size) = found;
+            (force, springs, size) = balance;
         }
         given
-    }
-
-    /// Moment of a crank about its own axis, which its planet carries, N m.
-    fn moment(bearings: &[CrankBearing]) -> f64 {
-        // The force points along the offset: at the bore's centre its lever is the eccentric's.
-        let of = |bearing: &CrankBearing| {
-            cross(bearing.eccentric, bearing.on_crank()) - bearing.load.drag_n_m
-        };
-        bearings.iter().map(of).sum()
     }
 
     /// Adds the loads of all of them.
     pub(crate) fn add_loads(&self, bodies: &[BodyState], loads: &mut [Wrench]) {
         let layout = self.layout;
-        let mut found = OfCrank::new();
+        let mut bearings = OfCrank::new();
         for (crank, body) in layout.internal_bodies().enumerate() {
-            self.crank(bodies, crank, &mut found);
-            let mut sum = [0.0; 2];
-            for (wheel, bearing) in layout.wheel_bodies().zip(&found) {
-                let [fx, fy] = bearing.on_crank();
-                sum = [sum[0] + fx, sum[1] + fy];
-                loads[wheel].fx -= fx;
-                loads[wheel].fy -= fy;
-                loads[wheel].moment += bearing.load.drag_n_m - cross(bearing.arm, [fx, fy]);
+            self.crank(bodies, crank, &mut bearings);
+            let (mut sum, mut moment) = (Complex::<f64>::default(), 0.0);
+            for (wheel, bearing) in layout.wheel_bodies().zip(&bearings) {
+                let (force, [on_disc, on_crank]) = (bearing.on_crank(), bearing.moments());
+                sum = sum + force;
+                moment += on_crank;
+                loads[wheel].fx -= force.re;
+                loads[wheel].fy -= force.im;
+                loads[wheel].moment += on_disc;
             }
-            let moment = Self::moment(&found);
-            let [fx, fy] = self.with_mesh(sum, moment, &bodies[body]);
+            let [fx, fy] = self.with_mesh(sum.to_array(), moment, &bodies[body]);
             loads[body].fx += fx;
             loads[body].fy += fy;
             loads[Layout::INPUT].moment -= self.teeth_ratio * moment;
@@ -444,12 +476,12 @@ impl CrankSet {
 
     /// Adds what they and the supports store, and what they lose.
     pub(crate) fn add_energy(&self, bodies: &[BodyState], sum: &mut ContactEnergy) {
-        let mut found = OfCrank::new();
+        let mut bearings = OfCrank::new();
         for crank in 0..self.count() {
-            let [x, y, turned] = self.crank(bodies, crank, &mut found);
+            let [x, y, turned] = self.crank(bodies, crank, &mut bearings);
             sum.stored_j += 0.5 * self.support.unwrap_or_default() * (x * x + y * y);
             sum.stored_j += 0.5 * self.mesh.unwrap_or_default() * turned * turned;
-            for (wheel, bearing) in found.iter().enumerate() {
+            for (wheel, bearing) in bearings.iter().enumerate() {
                 bearing.load.add_energy(&self.law(wheel, crank), sum);
             }
         }

@@ -1,7 +1,8 @@
 //! Contact detection: on the exact curve, or on discrete points as published.
 
 use pinwheel_contact::{
-    Complex, Epitrochoid, Foot, HertzStiffness, Hole, HolePoints, Law, NormalLaw, ProfilePoints,
+    Complex, Dual, Epitrochoid, Foot, HertzStiffness, Hole, HolePoints, Law, NormalLaw,
+    ProfilePoints, Scalar,
 };
 
 use pinwheel_scene::scales::hertz;
@@ -12,39 +13,36 @@ use crate::scene::{self, Scene};
 
 /// A touching pair in the disc's frame.
 #[derive(Debug, Clone, Copy)]
-pub struct Touch {
+pub struct Touch<S = f64> {
     /// W, m from the disc's centre.
-    pub point: Complex,
+    pub point: Complex<S>,
     /// n, from the pin centre to W.
-    pub normal: Complex,
+    pub normal: Complex<S>,
     /// delta, m; above 0 but for `Detection::profile_gap` and `Detection::hole_gap`.
-    pub penetration: f64,
+    pub penetration: S,
     /// K, N/m^1.5.
-    pub stiffness: f64,
+    pub stiffness: S,
     /// Growth of K as P moves along t = R90 n, N/m^2.5; 0 where K is constant or only known at points.
-    pub stiffness_slope: f64,
+    pub stiffness_slope: S,
 }
 
-impl Touch {
+impl<S: Scalar> Touch<S> {
     /// A pin of that radius, its centre in `p`, touches a point; K there.
-    pub fn at_point(p: Complex, point: Complex, radius: f64, stiffness: f64) -> Self {
-        let arm = point - p;
+    pub fn at_point(p: Complex<S>, point: Complex, radius: f64, stiffness: f64) -> Self {
+        let c = |x: f64| p.re.like(x);
+        let arm = point.like(p.re) - p;
         Self {
-            point,
+            point: point.like(p.re),
             normal: outwards(arm),
-            penetration: radius - arm.norm(),
-            stiffness,
-            stiffness_slope: 0.0,
+            penetration: c(radius) - arm.norm(),
+            stiffness: c(stiffness),
+            stiffness_slope: c(0.0),
         }
-    }
-
-    /// True if a pin of that radius is pressed in, and not by more than that.
-    fn presses(&self, radius: f64) -> bool {
-        self.penetration > 0.0 && self.penetration < radius
     }
 
     /// The touch of a disc that is turned by e^{i angle} = `by`.
     pub(super) fn turned(self, by: Complex) -> Self {
+        let by = by.like(self.penetration);
         Self {
             point: self.point * by,
             normal: self.normal * by,
@@ -53,25 +51,19 @@ impl Touch {
     }
 }
 
-/// How a touch changes as P moves along t.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Derivatives {
-    /// By how much n turns towards t, 1/m.
-    pub(super) turning: f64,
-    /// dK, N/m^2.5.
-    pub(super) stiffening: f64,
-    /// d2K, N/m^3.5; 0 for laws without a force along the profile.
-    pub(super) bend: f64,
+impl Touch {
+    /// True if a pin of that radius is pressed in, and not by more than that.
+    fn presses(&self, radius: f64) -> bool {
+        self.penetration > 0.0 && self.penetration < radius
+    }
 }
-
-/// Parameter by which the stiffness is looked at beside a foot, rad.
-const BESIDE: f64 = 1e-5;
 
 /// Finds the contact of one pin centre `p` (disc frame) with the disc.
 pub(super) trait Detection: Send + 'static {
-    /// True if the detection has derivatives ([`Derivatives`]). Nearest points have none, because they jump.
-    const HAS_SLOPES: bool;
-
+    /// Returns the detection that touches are differentiated with. Nearest points have none, because they jump.
+    fn exact(&self) -> Option<&Exact> {
+        None
+    }
     /// Ring pin `j`: e^{i a0} and e^{i zk a0} start the search. With e^{ia} of the foot.
     fn profile(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<(Touch, Complex)>;
     /// Output pin in hole `k` of `wheel`.
@@ -82,14 +74,6 @@ pub(super) trait Detection: Send + 'static {
     fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch;
     /// Radius of ring pin `j`, and its K where the curve bends by `kappa`.
     fn sleeve(&self, j: usize, kappa: f64) -> (f64, f64);
-    /// How a touch of ring pin `j` changes, e^{ia} = `unit` at its foot.
-    fn profile_slopes(&self, _j: usize, _touch: &Touch, _unit: Complex) -> Derivatives {
-        Derivatives::default()
-    }
-    /// Derivatives of a touch of output pin `k`.
-    fn hole_slopes(&self, _wheel: usize, _k: usize, _touch: &Touch) -> Derivatives {
-        Derivatives::default()
-    }
 }
 
 /// A ring pin.
@@ -111,13 +95,14 @@ struct Internal {
 impl Internal {
     /// The pin at the hole's exact edge, pressed in along `normal`.
     #[inline]
-    fn touch(&self, penetration: f64, normal: Complex) -> Touch {
+    fn touch<S: Scalar>(&self, penetration: S, normal: Complex<S>) -> Touch<S> {
+        let c = |x: f64| penetration.like(x);
         Touch {
-            point: self.hole.centre + normal.scale(self.hole.radius),
+            point: self.hole.centre.like(penetration) + normal.scale(c(self.hole.radius)),
             normal,
             penetration,
-            stiffness: self.stiffness,
-            stiffness_slope: 0.0,
+            stiffness: c(self.stiffness),
+            stiffness_slope: c(0.0),
         }
     }
 }
@@ -161,7 +146,7 @@ impl Shapes {
         }
     }
 
-    fn sleeve(&self, j: usize, kappa: f64) -> (f64, f64) {
+    fn sleeve<S: Scalar>(&self, j: usize, kappa: S) -> (f64, S) {
         let radius = self.external[j].radius;
         (radius, self.hertz.of_edge(radius, self.offset, kappa))
     }
@@ -174,17 +159,19 @@ impl Shapes {
 
     /// dK/da of K = k sqrt(r (1 - q' kappa)/(1 + (r - q') kappa)) over the way |C'| (1 + s kappa) that P, s outside of C,
     /// moves with da, along t = R90 n; n is minus the curve's normal, so t points towards smaller a.
-    fn stiffness_slope(&self, j: usize, foot: &Foot, stiffness: f64) -> f64 {
+    fn stiffness_slope<S: Scalar>(&self, j: usize, foot: &Foot<S>, stiffness: S) -> S {
+        let c = |x: f64| stiffness.like(x);
         if !self.hertz.is_curved() {
-            return 0.0;
+            return c(0.0);
         }
         let (External { radius, larger }, at) = (self.external[j], &foot.at);
         let bend = self
             .curve
             .curvature_slope(foot.unit, foot.unit.powu(self.curve.lobes() + 1));
-        let room = (1.0 - self.offset * at.curvature) * (1.0 + larger * at.curvature);
-        let per_parameter = -0.5 * stiffness * radius * bend / room;
-        -per_parameter / (at.speed * (1.0 + foot.distance * at.curvature))
+        let one = c(1.0);
+        let room = (one - c(self.offset) * at.curvature) * (one + c(larger) * at.curvature);
+        let per_parameter = c(-0.5) * stiffness * c(radius) * bend / room;
+        -per_parameter / (at.speed * (one + foot.distance * at.curvature))
     }
 }
 
@@ -200,50 +187,72 @@ impl Exact {
     }
 
     #[inline]
-    fn stiffness(&self, j: usize, foot: &Foot) -> f64 {
-        self.0.sleeve(j, foot.at.curvature).1
-    }
-
-    #[inline]
-    fn at(&self, j: usize, foot: &Foot) -> Touch {
-        let stiffness = self.stiffness(j, foot);
+    fn at<S: Scalar>(&self, j: usize, foot: &Foot<S>) -> Touch<S> {
+        let c = |x: f64| foot.distance.like(x);
+        let (_, stiffness) = self.0.sleeve(j, foot.at.curvature);
         let stiffness_slope = if self.1 {
             self.0.stiffness_slope(j, foot, stiffness)
         } else {
-            0.0
+            c(0.0)
         };
         Touch {
-            point: foot.at.position - foot.at.normal.scale(self.0.offset),
+            point: foot.at.position - foot.at.normal.scale(c(self.0.offset)),
             normal: -foot.at.normal,
-            penetration: self.0.external[j].larger - foot.distance,
+            penetration: c(self.0.external[j].larger) - foot.distance,
             stiffness,
             stiffness_slope,
         }
     }
 
-    /// The foot of a P that is `distance` outside of the curve at e^{ia} = `unit`.
-    fn foot_at(&self, unit: Complex, distance: f64) -> Foot {
-        let curve = &self.0.curve;
-        Foot {
-            unit,
-            at: curve.at_unit(unit, unit.powu(curve.lobes() + 1)),
-            distance,
+    /// Ring pin `j` about the foot e^{ia} = `unit` of the value of `p`, with derivatives.
+    pub(super) fn beside<const N: usize>(
+        &self,
+        j: usize,
+        p: Complex<Dual<N>>,
+        unit: Complex,
+    ) -> Touch<Dual<N>> {
+        // The place alone counts: its two coordinates are fewer variables than all that move it.
+        let [x, y] = Dual::variables([p.re.value, p.im.value]);
+        let touch = self.at(j, &self.0.curve.foot_beside(unit, Complex::new(x, y)));
+        let own = [p.re, p.im];
+        let vector = |z: Complex<Dual<2>>| Complex::new(z.re.through(&own), z.im.through(&own));
+        Touch {
+            point: vector(touch.point),
+            normal: vector(touch.normal),
+            penetration: touch.penetration.through(&own),
+            stiffness: touch.stiffness.through(&own),
+            stiffness_slope: touch.stiffness_slope.through(&own),
         }
+    }
+
+    /// Output pin in hole `k` of `wheel`.
+    #[inline]
+    pub(super) fn in_hole<S: Scalar>(
+        &self,
+        wheel: usize,
+        k: usize,
+        p: Complex<S>,
+    ) -> Option<Touch<S>> {
+        let internal = &self.0.internal[wheel][k];
+        let (penetration, normal) = internal.hole.penetration(p, internal.sleeve)?;
+        Some(internal.touch(penetration, normal))
     }
 }
 
 /// Direction of an offset from a hole's centre; the disc's x axis in the centre itself.
-fn outwards(offset: Complex) -> Complex {
+fn outwards<S: Scalar>(offset: Complex<S>) -> Complex<S> {
     let distance = offset.norm();
-    if distance > 0.0 {
-        offset.scale(1.0 / distance)
+    if distance.value() > 0.0 {
+        offset.scale(distance.like(1.0) / distance)
     } else {
-        Complex::ONE
+        Complex::ONE.like(distance)
     }
 }
 
 impl Detection for Exact {
-    const HAS_SLOPES: bool = true;
+    fn exact(&self) -> Option<&Exact> {
+        Some(self)
+    }
 
     #[inline]
     fn profile(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<(Touch, Complex)> {
@@ -264,40 +273,11 @@ impl Detection for Exact {
 
     #[inline]
     fn hole(&self, wheel: usize, k: usize, p: Complex) -> Option<Touch> {
-        let internal = &self.0.internal[wheel][k];
-        let (penetration, normal) = internal.hole.penetration(p, internal.sleeve)?;
-        Some(internal.touch(penetration, normal))
+        self.in_hole(wheel, k, p)
     }
 
     fn sleeve(&self, j: usize, kappa: f64) -> (f64, f64) {
         self.0.sleeve(j, kappa)
-    }
-
-    fn profile_slopes(&self, j: usize, touch: &Touch, unit: Complex) -> Derivatives {
-        let distance = self.0.external[j].larger - touch.penetration;
-        let slope = |foot: &Foot| self.0.stiffness_slope(j, foot, self.stiffness(j, foot));
-        let foot = self.foot_at(unit, distance);
-        let closer = 1.0 + distance * foot.at.curvature;
-        // t points towards smaller parameters; P stays as far outside.
-        let bend = if self.1 {
-            let beside = |da: f64| slope(&self.foot_at(unit * Complex::unit(da), distance));
-            -(beside(BESIDE) - beside(-BESIDE)) / (2.0 * BESIDE * foot.at.speed * closer)
-        } else {
-            0.0
-        };
-        Derivatives {
-            turning: -foot.at.curvature / closer,
-            stiffening: slope(&foot),
-            bend,
-        }
-    }
-
-    fn hole_slopes(&self, wheel: usize, k: usize, touch: &Touch) -> Derivatives {
-        let Internal { hole, sleeve, .. } = &self.0.internal[wheel][k];
-        Derivatives {
-            turning: 1.0 / (hole.radius - sleeve + touch.penetration),
-            ..Derivatives::default()
-        }
     }
 }
 
@@ -349,8 +329,6 @@ impl Points {
 }
 
 impl Detection for Points {
-    const HAS_SLOPES: bool = false;
-
     #[inline]
     fn profile(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<(Touch, Complex)> {
         let foot = self.shapes.foot(j, p, start)?;

@@ -1,13 +1,25 @@
 //! Elastic bearings that discs float on, one on each eccentric of the input: their forces on discs and input.
 
-use pinwheel_mbs::{BodyState, ContactEnergy, Jacobian, Wrench};
+use pinwheel_contact::{Complex, Dual, Scalar};
+use pinwheel_mbs::{BodyState, ContactEnergy, Derivatives, Variable, Wrench};
 use pinwheel_scene::bearings::BearingLaw;
 
 use super::bearing_load::BearingLoad;
-use super::pairs::places;
+use super::motion::{self, Motion};
 use crate::Layout;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
+
+/// Motion of a disc whose direction does not count.
+#[inline(always)]
+fn unturned(body: &BodyState) -> Motion {
+    Motion {
+        place: Complex::new(body.x, body.y),
+        velocity: Complex::new(body.vx, body.vy),
+        turn: Complex::ONE,
+        rate: body.rate,
+    }
+}
 
 /// The bearings of all eccentrics.
 #[derive(Debug, Clone)]
@@ -36,29 +48,26 @@ impl EccentricBearings {
             &bodies[Layout::INPUT],
             &bodies[self.layout.wheel_bodies()][wheel],
         );
-        self.load_at(
-            input,
-            hub,
-            self.eccentric_centres[wheel],
-            input.angle.sin_cos(),
-        )
+        let turn = input.angle.sin_cos();
+        self.load_at(input, turn, &unturned(hub), self.eccentric_centres[wheel])
     }
 
-    /// Load of the bearing of a disc on its one eccentric from the states of input and disc and the seat, with sine
-    /// and cosine of the input's angle.
+    /// Load of the bearing of a disc on its one eccentric from the states of input and disc, sine and cosine of the input's
+    /// angle, and the eccentric's centre.
     #[inline(always)]
-    fn load_at(
+    fn load_at<S: Scalar>(
         &self,
         input: &BodyState,
-        wheel: &BodyState,
-        [sx, sy]: [f64; 2],
-        (s, c): (f64, f64),
-    ) -> BearingLoad {
+        (s, c): (S, S),
+        wheel: &Motion<S>,
+        centre: [f64; 2],
+    ) -> BearingLoad<S> {
+        let [sx, sy, x, y, rate] =
+            [centre[0], centre[1], input.x, input.y, input.rate].map(|x| s.like(x));
         let (ex, ey) = (c * sx - s * sy, s * sx + c * sy);
-        let (dx, dy) = (wheel.x - input.x - ex, wheel.y - input.y - ey);
-        let (ux, uy) = (wheel.vx + input.rate * ey, wheel.vy - input.rate * ex);
-        let turning = wheel.rate - input.rate;
-        BearingLoad::of(&self.law, [dx, dy], [ux, uy], turning)
+        let offset = [wheel.place.re - x - ex, wheel.place.im - y - ey];
+        let velocity = [wheel.velocity.re + rate * ey, wheel.velocity.im - rate * ex];
+        BearingLoad::of(&self.law, offset, velocity, wheel.rate - rate)
     }
 
     /// Adds all of them, and their moments to `moments`: input and discs turn about their centres of mass.
@@ -75,7 +84,7 @@ impl EccentricBearings {
         let mut on_input = Wrench::default();
         let hubs = bodies[first..].iter().zip(&mut loads[first..]);
         for (k, (&seat, (hub, load))) in self.eccentric_centres.iter().zip(hubs).enumerate() {
-            let bearing = self.load_at(input, hub, seat, turn);
+            let bearing = self.load_at(input, turn, &unturned(hub), seat);
             let ([fx, fy], drag) = (bearing.on_wheel, bearing.drag_n_m);
             load.fx += fx;
             load.fy += fy;
@@ -96,60 +105,31 @@ impl EccentricBearings {
         }
     }
 
-    /// Adds how they change with all that is free, and with the time as the input turns. With d the offset, n along it and t = R90
-    /// n, e the eccentric and omega the input's rate:
-    ///
-    /// ```text
-    /// force on the disc  -F n,    dF = F_d n.dd + F_v (n.dd' + (d'.t) t.dd/|d|),    dn = t (t.dd)/|d|
-    /// by the time:        dd = -C' dt,  dd' = omega^2 e dt
-    /// ```
-    pub(crate) fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Jacobian) {
-        let first = places(self.layout, derivatives);
-        let Some(position) = &mut derivatives.position else {
-            return;
-        };
-        let input = bodies[Layout::INPUT];
-        for (wheel, body) in self.layout.wheel_bodies().enumerate() {
-            let load = self.load(bodies, wheel);
-            let [dx, dy] = load.offset_m;
-            let offset = dx.hypot(dy);
-            let [force, by_offset, by_rate] = self.law.derivatives(offset, load.rate);
-            if force == 0.0 {
-                continue;
-            }
-            let body = bodies[body];
-            let (n, t) = ([dx / offset, dy / offset], [-dy / offset, dx / offset]);
-            let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
-            let e = [body.x - input.x - dx, body.y - input.y - dy];
-            let of_seat = [-input.rate * e[1], input.rate * e[0]];
-            let passing = dot([body.vx - of_seat[0], body.vy - of_seat[1]], t);
-            let turning = body.rate - input.rate;
-            let [drag_by_force, drag_by_rate] = self.law.drag_slopes(force, turning);
-            let hub = 1 + wheel;
-            let rows = [first + 2 * wheel, first + 2 * wheel + 1];
-            // By the way d moves and by its rate: the force along n, its part across, the moment.
-            let moved = |way: [f64; 2], faster: [f64; 2]| {
-                let across = dot(way, t) / offset;
-                let grown = by_offset * dot(way, n) + by_rate * (dot(faster, n) + passing * across);
-                let on_wheel = [0, 1].map(|k| -grown * n[k] - force * across * t[k]);
-                (on_wheel, drag_by_force * grown)
+    /// Adds their derivatives by all that is free, and by the time as the input turns.
+    pub(crate) fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Derivatives<'_>) {
+        let input = &bodies[Layout::INPUT];
+        for (body, &centre) in self.layout.wheel_bodies().zip(&self.eccentric_centres) {
+            let hub = &bodies[body];
+            let [x, y, vx, vy, rate, phi] =
+                Dual::variables([hub.x, hub.y, hub.vx, hub.vy, hub.rate, input.angle]);
+            let wheel = Motion {
+                place: Complex::new(x, y),
+                velocity: Complex::new(vx, vy),
+                turn: Complex::ONE.like(x),
+                rate,
             };
-            for (k, axis) in [[1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
-                for (matrix, (push, moment)) in [
-                    (&mut *position, moved(axis, [0.0; 2])),
-                    (&mut derivatives.rate, moved([0.0; 2], axis)),
-                ] {
-                    matrix.add(rows[0], rows[k], push[0]);
-                    matrix.add(rows[1], rows[k], push[1]);
-                    matrix.add(hub, rows[k], moment);
-                }
-            }
-            derivatives.rate.add(hub, hub, drag_by_rate);
-            let squared = input.rate * input.rate;
-            let (push, moment) = moved(of_seat.map(|v| -v), e.map(|x| squared * x));
-            derivatives.time[rows[0]] += push[0];
-            derivatives.time[rows[1]] += push[1];
-            derivatives.time[hub] += moment;
+            let load = self.load_at(input, phi.sin_cos(), &wheel, centre);
+            let [_, x, y, rate, vx, vy] =
+                motion::variables(derivatives.coordinates, body, hub, input);
+            let variables = [x, y, vx, vy, rate, Variable::Time(input.rate)];
+            let (place, angle) = (
+                derivatives.coordinates.place(body),
+                derivatives.coordinates.angle(body),
+            );
+            let [fx, fy] = load.on_wheel;
+            derivatives.add(place, &variables, &fx.by);
+            derivatives.add(place.map(|x| x + 1), &variables, &fy.by);
+            derivatives.add(angle, &variables, &load.drag_n_m.by);
         }
     }
 

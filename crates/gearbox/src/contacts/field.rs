@@ -1,7 +1,7 @@
 //! All forces between the bodies of a gear as a function of their states: contacts, bearings, friction of pins, seals.
 
 use pinwheel_contact::PinLaw;
-use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation, Pose, Wrench};
+use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation, Wrench};
 
 use super::pair::{PairContact, PairField};
 use super::pin_friction::PinFriction;
@@ -24,30 +24,28 @@ pub struct ContactField {
 }
 
 impl ContactField {
-    /// Adds to what `sums` holds: loads (force, and moment about the centre of mass), moments about the pins and their
-    /// derivatives, and writes what the contacts store and dissipate. Returns `false` and leaves `sums` unchanged if the
-    /// requested output is not available for this `pose`. Loads of bodies in their actual positions are always available;
-    /// moments need a gear without friction. See [`Forces::evaluate`](pinwheel_mbs::Forces::evaluate).
+    /// See [`Forces::work_from_angles`](pinwheel_mbs::Forces::work_from_angles): without friction of the contacts.
+    #[must_use]
+    pub fn work_from_angles(&self) -> bool {
+        self.contacts.work_from_angles()
+    }
+
+    /// See [`Forces::have_derivatives`](pinwheel_mbs::Forces::have_derivatives): with exact detection.
+    #[must_use]
+    pub fn have_derivatives(&self) -> bool {
+        self.contacts.have_derivatives()
+    }
+
+    /// Adds to the outputs of `request`: loads (force, and moment about the centre of mass), moments about the pins, derivatives,
+    /// and what the contacts store and dissipate. See [`Forces::evaluate`](pinwheel_mbs::Forces::evaluate).
     ///
-    /// Derivatives are those where the input turns at a constant rate. Free are all bodies but the input, in their order, and
-    /// without friction the output and the discs alone.
-    pub fn evaluate(
-        &mut self,
-        bodies: &[BodyState],
-        pose: Pose,
-        sums: &mut Evaluation<'_>,
-    ) -> bool {
-        let Some(pose) = self.carrier.pose(pose, sums) else {
-            return false;
-        };
-        if !self.contacts.evaluate(bodies, pose, sums) {
-            return false;
-        }
-        self.carrier.add(bodies, sums);
+    /// Derivatives are those where the input turns at a constant rate. Discs without free places are carried by it.
+    pub fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        self.contacts.evaluate(bodies, request);
+        self.carrier.add(bodies, request);
         if let Some(seals) = &self.seals {
-            seals.add(bodies, sums);
+            seals.add(bodies, request);
         }
-        true
     }
 
     /// Visits every touching pair (penetration > 0), disc by disc, external before internal.
@@ -72,7 +70,7 @@ impl ContactField {
 
     /// Adds every body's contact load to `loads`.
     pub fn add_loads(&mut self, bodies: &[BodyState], loads: &mut [Wrench]) {
-        self.evaluate(bodies, Pose::Any, &mut Evaluation::of_loads(loads));
+        self.evaluate(bodies, &mut Evaluation::of_loads(loads));
     }
 
     /// Returns the energy that the contacts store, and the powers that they dissipate, at these states.

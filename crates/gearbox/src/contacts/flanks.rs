@@ -33,8 +33,13 @@ struct Corner {
 /// Where on the profile a pin touches.
 #[derive(Clone, Copy)]
 pub enum Seat {
-    /// Beside the curve's point e^{ia}.
-    Foot(Complex),
+    /// Beside the curve's point e^{ia}, of a disc that is turned.
+    Foot {
+        /// e^{ia}.
+        unit: Complex,
+        /// By how much, e^{i angle}.
+        turn: Complex,
+    },
     /// At a corner between flanks, or in a hole.
     Corner,
 }

@@ -7,6 +7,7 @@ pub(crate) mod eccentric_bearings;
 mod field;
 pub(crate) mod flanks;
 mod lanes;
+mod motion;
 pub(crate) mod pair;
 mod pairs;
 mod pin_friction;

@@ -1,7 +1,7 @@
 //! One pair of disc and pin, and the loops over all pairs of a gear.
 
 use pinwheel_contact::{NormalLaw, PinLaw};
-use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation, Pose};
+use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation};
 
 use crate::Sleeve;
 
@@ -76,8 +76,14 @@ impl PairContact {
 ///
 /// Implementations keep no history: the same states give the same bits.
 pub trait PairField: Send {
+    /// See [`Forces::work_from_angles`](pinwheel_mbs::Forces::work_from_angles).
+    fn work_from_angles(&self) -> bool;
+
+    /// See [`Forces::have_derivatives`](pinwheel_mbs::Forces::have_derivatives).
+    fn have_derivatives(&self) -> bool;
+
     /// See [`ContactField::evaluate`](super::ContactField::evaluate).
-    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool;
+    fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>);
 
     /// Visits every touching pair (penetration > 0), disc by disc, external before internal.
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact));

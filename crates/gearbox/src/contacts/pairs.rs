@@ -4,12 +4,15 @@
 //! disc brings the pins in, one brings the sum of forces back. Forces of a pair act at W on
 //! both bodies, so action and reaction balance in force and in moment.
 
-use pinwheel_contact::{AdamsFriction, Complex, Friction, NormalLaw, PinLaw, RegularisedCoulomb};
+use pinwheel_contact::{
+    AdamsFriction, Complex, Dual, Friction, NormalLaw, OnPin, PinLaw, RegularisedCoulomb, Scalar,
+};
 use pinwheel_faults::{Fault, factor};
-use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation, Jacobian, Pose, Wrench};
+use pinwheel_mbs::{BodyState, Derivatives, Evaluation, Wrench};
 
-use super::detection::{Derivatives, Detection, Touch};
+use super::detection::{Detection, Exact, Touch};
 use super::flanks::{Flanks, Seat};
+use super::motion::{self, Motion};
 use super::pair::{PairContact, PairField};
 use super::pin_friction::PinFriction;
 use crate::geometry::Geometry;
@@ -30,59 +33,66 @@ pub(super) struct Pairs<D> {
 
 /// A disc's frame and motion.
 #[derive(Clone, Copy)]
-pub(super) struct WheelFrame {
-    pub(super) centre: Complex,
+pub(super) struct WheelFrame<S = f64> {
+    pub(super) centre: Complex<S>,
     /// e^{i theta}, disc frame to ground.
-    pub(super) turn: Complex,
+    pub(super) turn: Complex<S>,
     /// Velocity of the centre in the disc's directions.
-    pub(super) velocity: Complex,
-    pub(super) rate: f64,
+    pub(super) velocity: Complex<S>,
+    pub(super) rate: S,
 }
 
-impl WheelFrame {
-    fn of(body: &BodyState) -> Self {
-        let turn = Complex::unit(body.angle);
-        Self {
-            centre: Complex::new(body.x, body.y),
+impl<S: Scalar> WheelFrame<S> {
+    fn of(disc: &Motion<S>) -> Self {
+        let Motion {
+            place,
+            velocity,
             turn,
-            velocity: Complex::new(body.vx, body.vy) * turn.conj(),
-            rate: body.rate,
+            rate,
+        } = *disc;
+        Self {
+            centre: place,
+            turn,
+            velocity: velocity * turn.conj(),
+            rate,
         }
     }
 
     #[inline]
-    fn point(&self, body: &BodyState) -> Complex {
-        (Complex::new(body.x, body.y) - self.centre) * self.turn.conj()
+    fn point(&self, place: Complex<S>) -> Complex<S> {
+        (place - self.centre) * self.turn.conj()
     }
 }
 
 /// Rates and forces of a touch, still in the disc's frame.
 #[derive(Clone, Copy)]
-pub(super) struct Loaded {
-    pub(super) touch: Touch,
+pub(super) struct Loaded<S = f64> {
+    pub(super) touch: Touch<S>,
     /// W - P.
-    pub(super) arm: Complex,
-    pub(super) normal_rate: f64,
-    pub(super) tangential_rate: f64,
-    pub(super) normal_force: f64,
-    pub(super) friction_force: f64,
-    pub(super) along_force: f64,
+    pub(super) arm: Complex<S>,
+    pub(super) normal_rate: S,
+    pub(super) tangential_rate: S,
+    pub(super) normal_force: S,
+    pub(super) friction_force: S,
+    pub(super) along_force: S,
 }
 
-impl Loaded {
+impl<S: Scalar> Loaded<S> {
     /// Force on the pin at its centre, along the profile.
     #[inline]
-    fn at_centre(&self) -> Complex {
+    fn at_centre(&self) -> Complex<S> {
         self.touch.normal.turned().scale(self.along_force)
     }
 
     /// Force on the pin at W.
     #[inline]
-    fn on_sleeve(&self) -> Complex {
+    fn on_sleeve(&self) -> Complex<S> {
         self.touch.normal.turned().scale(self.friction_force)
             - self.touch.normal.scale(self.normal_force)
     }
+}
 
+impl Loaded {
     /// The pair in the ground frame.
     #[inline]
     pub(super) fn contact(
@@ -145,17 +155,18 @@ impl<D: Detection> Pairs<D> {
     fn profile(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<(Touch, Seat)> {
         let Some(flanks) = &self.flanks else {
             let (touch, unit) = self.detection.profile(j, p, start)?;
-            return Some((touch, Seat::Foot(unit)));
+            let turn = Complex::ONE;
+            return Some((touch, Seat::Foot { unit, turn }));
         };
         let [unit, multiple] = start;
         let [one, other] = flanks.turns().map(|turn| {
             let back = turn.conj();
             let start = [unit * back, multiple * back.powu(self.external_sleeves)];
-            let found = self.detection.profile(j, p * back, start);
-            found.map(|(touch, unit)| (touch.turned(turn), Seat::Foot(unit)))
+            let foot = self.detection.profile(j, p * back, start);
+            foot.map(|(touch, unit)| (touch.turned(turn), Seat::Foot { unit, turn }))
         });
-        let found = self.on_flanks(flanks, j, p, [one?, other?]);
-        (found.0.penetration > 0.0).then_some(found)
+        let nearest = self.on_flanks(flanks, j, p, [one?, other?]);
+        (nearest.0.penetration > 0.0).then_some(nearest)
     }
 
     fn profile_gap(&self, j: usize, p: Complex) -> Touch {
@@ -182,23 +193,25 @@ impl<D: Detection> Pairs<D> {
 
     /// v_rel = (pin's material velocity at W, spin included) - (disc's at W), then Eq. 20 and 21.
     #[inline]
-    fn load(
+    fn load<S: Scalar + OnPin>(
         &self,
         kind: Sleeve,
-        touch: Touch,
-        wheel: &WheelFrame,
-        sleeve: &BodyState,
-        p: Complex,
-    ) -> Loaded {
+        touch: Touch<S>,
+        wheel: &WheelFrame<S>,
+        (velocity, rate): (Complex<S>, S),
+        p: Complex<S>,
+    ) -> Loaded<S> {
         let arm = touch.point - p;
-        let sleeve_velocity = Complex::new(sleeve.vx, sleeve.vy) * wheel.turn.conj()
-            + arm.turned().scale(sleeve.rate);
+        let sleeve_velocity = velocity * wheel.turn.conj() + arm.turned().scale(rate);
         let wheel_velocity = wheel.velocity + touch.point.turned().scale(wheel.rate);
         let relative = sleeve_velocity - wheel_velocity;
         let normal_rate = relative.dot(touch.normal);
         let tangential_rate = relative.dot(touch.normal.turned());
         let (stiffness, depth) = (touch.stiffness, touch.penetration);
-        let normal_force = self.force(kind, stiffness, depth, normal_rate);
+        let normal_force = match kind {
+            Sleeve::External(_) => self.law.law.force(stiffness, depth, normal_rate),
+            Sleeve::Internal(_) => self.law.force(stiffness, depth, normal_rate),
+        };
         let along = self.law.law.along(stiffness, depth);
         Loaded {
             touch,
@@ -207,16 +220,7 @@ impl<D: Detection> Pairs<D> {
             tangential_rate,
             normal_force,
             friction_force: self.friction.force(normal_force, tangential_rate),
-            along_force: along.map_or(0.0, |along| -touch.stiffness_slope * along),
-        }
-    }
-
-    /// F of a pin of that kind.
-    #[inline]
-    fn force(&self, kind: Sleeve, stiffness: f64, depth: f64, rate: f64) -> f64 {
-        match kind {
-            Sleeve::External(_) => self.law.law.force(stiffness, depth, rate),
-            Sleeve::Internal(_) => self.law.force(stiffness, depth, rate),
+            along_force: along.map_or(depth.like(0.0), |along| -touch.stiffness_slope * along),
         }
     }
 
@@ -235,55 +239,28 @@ impl<D: Detection> Pairs<D> {
         let first = self.layout.external_bodies().start;
         for (j, &direction) in self.external_directions.iter().enumerate() {
             let sleeve = &bodies[first + j];
-            let p = frame.point(sleeve);
+            let p = frame.point(Complex::new(sleeve.x, sleeve.y));
             if let Some((touch, seat)) = self.profile(j, p, [direction * back, multiple]) {
-                let pair = self.load(Sleeve::External(j), touch, frame, sleeve, p);
+                let pair = self.load(Sleeve::External(j), touch, frame, moves(sleeve), p);
                 visit(Sleeve::External(j), first + j, &pair, seat);
             }
         }
         let first = self.layout.internal_bodies().start;
         for k in 0..self.layout.internal_sleeves {
             let sleeve = &bodies[first + k];
-            let p = frame.point(sleeve);
+            let p = frame.point(Complex::new(sleeve.x, sleeve.y));
             if let Some(touch) = self.detection.hole(wheel, k, p) {
-                let pair = self.load(Sleeve::Internal(k), touch, frame, sleeve, p);
+                let pair = self.load(Sleeve::Internal(k), touch, frame, moves(sleeve), p);
                 visit(Sleeve::Internal(k), first + k, &pair, Seat::Corner);
             }
         }
     }
 }
 
-/// Number of the output among the free bodies, which are all but the first.
-pub(super) const OUTPUT: usize = Layout::OUTPUT - 1;
-
-/// Number of the first place of discs that float, among all that is free.
-pub(super) fn places(layout: Layout, derivatives: &Jacobian) -> usize {
-    derivatives
-        .rate
-        .dimension()
-        .saturating_sub(2 * layout.wheels)
-}
-/// Shares of stiffness and penetration, and the closing speed (m/s), by which the law's differences go to either side.
-pub(super) const STIFFNESS_SHARE: f64 = 1e-4;
-pub(super) const PENETRATION_SHARE: f64 = 1e-5;
-pub(super) const CLOSING: f64 = 1e-6;
-
-/// Derivatives of what a pair does: moments on its disc, on the output and on the pin, and the force on the disc, ground frame.
-type Rows = [f64; 5];
-
-/// Motion by which derivatives are taken: it moves the pin's centre P against the disc.
-#[derive(Clone, Copy)]
-struct Move {
-    /// d(delta), d(tau): the way of P along n and along t.
-    way: [f64; 2],
-    /// How the velocity of P changes along n and along t, that n turns left aside.
-    drift: [f64; 2],
-    /// How z changes: its moment on n, and along n.
-    arm: [f64; 2],
-    /// By how much the disc turns.
-    turn: f64,
-    /// Derivative of the sliding speed with respect to the motion's rate.
-    slip: f64,
+/// Velocity and rate of a pin.
+#[inline]
+fn moves(sleeve: &BodyState) -> (Complex, f64) {
+    (Complex::new(sleeve.vx, sleeve.vy), sleeve.rate)
 }
 
 /// Reaction of the pins on a disc, in its frame.
@@ -300,166 +277,6 @@ impl Reaction {
         load.fx += ground.re;
         load.fy += ground.im;
         load.moment += self.moment;
-    }
-}
-
-impl<D: Detection> Pairs<D> {
-    /// How what a pair does changes with the angles of disc and output, then with the input's, or with the place of a disc that
-    /// floats, and with their rates; then with the pin's own rate, which friction alone feels. In the notation of
-    /// [`derivatives`](super::lanes), whose formulas these are for one pair.
-    fn columns(
-        &self,
-        bodies: &[BodyState],
-        frame: &WheelFrame,
-        (sleeve, body): (Sleeve, &BodyState),
-        pair: &Loaded,
-        derivatives: &Derivatives,
-        (friction, floats): (Option<RegularisedCoulomb>, bool),
-    ) -> ([(Rows, Rows); 4], Rows) {
-        let (law, touch) = (&self.law.law, &pair.touch);
-        let (stiffness, depth) = (touch.stiffness, touch.penetration);
-        let (n, t) = (touch.normal, touch.normal.turned());
-        let back = frame.turn.conj();
-        let (p, c) = (touch.point - pair.arm, frame.centre * back);
-        let z = p + c;
-        let is_internal = matches!(sleeve, Sleeve::Internal(_));
-        let carried = f64::from(u8::from(is_internal));
-        let carrier = carried * bodies[Layout::OUTPUT].rate;
-        let (over_wheel, over_input) = (carrier - frame.rate, carrier - bodies[Layout::INPUT].rate);
-        let velocity =
-            Complex::new(body.vx, body.vy) * back - frame.velocity - p.turned().scale(frame.rate);
-        let (closing, passing) = (velocity.dot(n), velocity.dot(t));
-
-        let force = |stiffness: f64, depth: f64, closing: f64| {
-            self.force(sleeve, stiffness, depth, closing)
-        };
-        let either = |h: f64, of: &dyn Fn(f64) -> f64| (of(h) - of(-h)) / (2.0 * h);
-        let by_stiffness = either(STIFFNESS_SHARE * stiffness, &|h| {
-            force(stiffness + h, depth, closing)
-        });
-        let by_depth = either(PENETRATION_SHARE * depth, &|h| {
-            force(stiffness, depth + h, closing)
-        });
-        let by_closing = either(CLOSING, &|h| force(stiffness, depth, closing + h));
-        let pressed = force(stiffness, depth, closing);
-        let Derivatives {
-            turning,
-            stiffening,
-            bend,
-        } = *derivatives;
-        // A = -K' Y, and its derivatives by the way along t and by the depth; K' itself grows with the depth by -turning.
-        let along = law.along(stiffness, depth).filter(|_| !is_internal);
-        let [at_centre, along_by_path, along_by_depth] = along.map_or([0.0; 3], |along| {
-            let rise = either(PENETRATION_SHARE * depth, &|h| {
-                law.along(stiffness, depth + h).unwrap_or_default()
-            });
-            let by_stiffness = either(STIFFNESS_SHARE * stiffness, &|h| {
-                law.along(stiffness + h, depth).unwrap_or_default()
-            });
-            [
-                -stiffening * along,
-                -(bend * along + stiffening * stiffening * by_stiffness),
-                stiffening * (turning * along - rise),
-            ]
-        });
-
-        // T = -mu F g, and its derivatives by F and by v_t.
-        let (rho, spin) = (pair.arm.dot(n), body.rate - frame.rate);
-        let [mut drag_by_force, mut drag_by_slip] = [0.0; 2];
-        if let Some(RegularisedCoulomb { coefficient, ramp }) = friction {
-            let share = (rho * spin + passing) / ramp;
-            drag_by_force = -coefficient * share.clamp(-1.0, 1.0);
-            if share.abs() < 1.0 {
-                drag_by_slip = -coefficient / ramp * pressed;
-            }
-        }
-        let drag = drag_by_force * pressed;
-
-        let (across, along) = (p.cross(n), p.dot(n));
-        // A disc that is carried swings with the input, one that floats goes its own way.
-        let turned = |way: [f64; 2], turn: f64| {
-            let (by_centre, beside) = (c.dot(n) * turn, c.cross(n) * turn);
-            Move {
-                way,
-                drift: [
-                    -over_wheel * way[1] - by_centre * over_input,
-                    over_wheel * way[0] + beside * over_input,
-                ],
-                arm: [-way[1] - by_centre, way[0] + beside],
-                turn: if turn < 0.0 { 1.0 } else { 0.0 },
-                slip: way[1],
-            }
-        };
-        let mut of_wheel = turned([-across, -along], -1.0);
-        // With W instead of P.
-        of_wheel.slip -= rho;
-        let of_output = turned([carried * z.cross(n), carried * z.dot(n)], 0.0);
-        let of_input = turned([-c.cross(n), -c.dot(n)], 1.0);
-        let axes = [back, back.turned()];
-        let [x, y] = axes.map(|axis| {
-            let way = [-axis.dot(n), -axis.dot(t)];
-            Move {
-                way,
-                drift: [frame.rate * way[1], -frame.rate * way[0]],
-                arm: [0.0; 2],
-                turn: 0.0,
-                slip: way[1],
-            }
-        });
-        if floats {
-            of_wheel.drift = [passing, -closing];
-        }
-        let moves = match floats {
-            true => [of_wheel, of_output, x, y],
-            false => [of_wheel, of_output, of_input, of_input],
-        };
-        let ground = |normal: f64, tangential: f64| {
-            axes.map(|axis| axis.dot(n.scale(normal) + t.scale(tangential)))
-        };
-        let by = moves.map(|of| {
-            let ([lever, path], [aside, against]) = (of.way, of.arm);
-            let tilt = turning * path;
-            let slower = tilt * passing + of.drift[0];
-            let faster = of.drift[1] - tilt * closing - lever * spin;
-            let push = by_stiffness * stiffening * path + by_depth * lever + by_closing * slower;
-            let pull = drag_by_force * push + drag_by_slip * faster;
-            let beside = along_by_path * path + along_by_depth * lever;
-            let wheel = pull * of_wheel.slip + push * across
-                - pressed * (path - tilt * along)
-                - drag * tilt * p.dot(t)
-                - beside * along
-                - at_centre * (lever + tilt * p.dot(t));
-            let output = pull * of_output.slip - push * of_output.way[0]
-                + carried * drag * (against + tilt * z.dot(t))
-                - carried * pressed * (tilt * z.dot(n) + aside);
-            let tilt = tilt + of.turn;
-            let [fx, fy] = ground(
-                push + (drag + at_centre) * tilt,
-                pressed * tilt - pull - beside,
-            );
-            let position = [wheel, output, pull * rho - drag * lever, fx, fy];
-            let push = by_closing * lever;
-            let pull = drag_by_force * push + drag_by_slip * of.slip;
-            let [fx, fy] = ground(push, -pull);
-            let rate = [
-                pull * of_wheel.slip + push * across,
-                pull * of_output.slip - push * of_output.way[0],
-                pull * rho,
-                fx,
-                fy,
-            ];
-            (position, rate)
-        });
-        let pull = drag_by_slip * rho;
-        let [fx, fy] = ground(0.0, -pull);
-        let by_spin = [
-            pull * of_wheel.slip,
-            pull * of_output.slip,
-            pull * rho,
-            fx,
-            fy,
-        ];
-        (by, by_spin)
     }
 }
 
@@ -482,124 +299,143 @@ impl<D: Detection> Pairs<D> {
         load.moment += pair.arm.cross(on_sleeve);
     }
 
-    /// The friction that derivatives must know, if any, and whether discs float; `None`: this field has none of the derivatives asked for.
-    fn sloped_friction(
+    /// Adds the derivatives of what one pair does; `at`: its disc, pin, the pin's body and where it touches.
+    #[inline(never)]
+    fn add_derivatives(
         &self,
-        derivatives: &Jacobian,
-    ) -> Option<(Option<RegularisedCoulomb>, bool)> {
-        let free = derivatives.rate.dimension();
-        let places = 2 * self.layout.wheels;
-        let [rubbing, smooth] = [self.layout.bodies() - 1, 1 + self.layout.wheels];
-        let (friction, floats) = match self.friction {
-            Friction::Regularised(friction) if free == rubbing || free == rubbing + places => {
-                (Some(friction), free > rubbing)
-            }
-            _ if free == smooth || free == smooth + places => (None, free > smooth),
-            _ => return None,
-        };
-        (D::HAS_SLOPES && derivatives.position.is_some()).then_some((friction, floats))
-    }
-
-    /// Adds how what one pair does changes; `at`: its disc, pin, the pin's body and where it touches.
-    #[inline]
-    fn add_slopes_of(
-        &self,
-        (wheel, sleeve, body, seat): (usize, Sleeve, usize, Seat),
+        exact: &Exact,
+        (wheel, sleeve, pin, seat): (usize, Sleeve, usize, Seat),
         bodies: &[BodyState],
-        frame: &WheelFrame,
         pair: &Loaded,
-        (friction, floats): (Option<RegularisedCoulomb>, bool),
-        derivatives: &mut Jacobian,
+        derivatives: &mut Derivatives<'_>,
     ) {
-        let first_place = places(self.layout, derivatives);
-        let Some(position) = &mut derivatives.position else {
-            return;
+        let hub = self.layout.wheel_bodies().start + wheel;
+        let [input, output, disc, own] =
+            [Layout::INPUT, Layout::OUTPUT, hub, pin].map(|body| &bodies[body]);
+        let [angle, x, y, rate, vx, vy] = motion::values(disc);
+        let [angle, x, y, rate, vx, vy, psi, psi_rate, spin] = Dual::variables([
+            angle,
+            x,
+            y,
+            rate,
+            vx,
+            vy,
+            output.angle,
+            output.rate,
+            own.rate,
+        ]);
+        let frame = WheelFrame::of(&motion::of_values([angle, x, y, rate, vx, vy]));
+        let is_internal = matches!(sleeve, Sleeve::Internal(_));
+        let (place, velocity) = if is_internal {
+            let Motion {
+                place, velocity, ..
+            } = Motion::carried(own, output, [psi, psi_rate]);
+            (place, velocity)
+        } else {
+            let (place, (velocity, _)) = (Complex::new(own.x, own.y), moves(own));
+            (place.like(spin), velocity.like(spin))
         };
+        let p = frame.point(place);
         let touch = match (sleeve, seat) {
-            (Sleeve::External(j), Seat::Foot(unit)) => {
-                self.detection.profile_slopes(j, &pair.touch, unit)
+            (Sleeve::External(j), Seat::Foot { unit, turn }) => {
+                let touch = exact.beside(j, p * turn.conj().like(spin), unit);
+                Some(touch.turned(turn))
             }
-            (Sleeve::External(_), Seat::Corner) => Derivatives {
-                turning: -1.0 / pair.arm.norm(),
-                ..Derivatives::default()
-            },
-            (Sleeve::Internal(k), _) => self.detection.hole_slopes(wheel, k, &pair.touch),
+            (Sleeve::External(j), Seat::Corner) => {
+                let (radius, _) = exact.sleeve(j, 0.0);
+                Some(Touch::at_point(
+                    p,
+                    pair.touch.point,
+                    radius,
+                    pair.touch.stiffness,
+                ))
+            }
+            (Sleeve::Internal(k), _) => exact.in_hole(wheel, k, p),
         };
-        let own = (sleeve, &bodies[body]);
-        let (by, by_spin) = self.columns(bodies, frame, own, pair, &touch, (friction, floats));
-        let place = first_place + 2 * wheel;
-        let rows = [1 + wheel, OUTPUT, body - 1, place, place + 1];
-        for (k, &row) in rows.iter().enumerate() {
-            // Pins are free where something rubs.
-            if k == 2 && friction.is_none() || k > 2 && !floats {
-                continue;
-            }
-            let free = [rows[0], rows[1], place, place + 1];
-            for (of, (by_place, by_rate)) in free.iter().zip(&by).take(if floats { 4 } else { 2 }) {
-                position.add(row, *of, by_place[k]);
-                derivatives.rate.add(row, *of, by_rate[k]);
-            }
-            if !floats {
-                derivatives.time[row] += by[2].0[k] * bodies[Layout::INPUT].rate;
-            }
-            if friction.is_some() {
-                derivatives.rate.add(row, body - 1, by_spin[k]);
-            }
+        let Some(touch) = touch else { return };
+        let pair = self.load(sleeve, touch, &frame, (velocity, spin), p);
+        let (on_sleeve, at_centre) = (pair.on_sleeve(), pair.at_centre());
+        let ground = (on_sleeve + at_centre) * frame.turn;
+        let coordinates = derivatives.coordinates;
+        let (turn, carrier) = (coordinates.angle(pin), coordinates.angle(Layout::OUTPUT));
+        let [angle, x, y, rate, vx, vy] = motion::variables(coordinates, hub, disc, input);
+        let variables = [
+            angle,
+            x,
+            y,
+            rate,
+            vx,
+            vy,
+            motion::position(carrier, output.rate),
+            motion::rate(carrier, 0.0),
+            motion::rate(turn, 0.0),
+        ];
+        let (place_row, on_disc) = (
+            coordinates.place(hub),
+            -touch.point.cross(on_sleeve) - p.cross(at_centre),
+        );
+        derivatives.add(coordinates.angle(hub), &variables, &on_disc.by);
+        derivatives.add(place_row, &variables, &(-ground.re).by);
+        derivatives.add(place_row.map(|x| x + 1), &variables, &(-ground.im).by);
+        derivatives.add(turn, &variables, &pair.arm.cross(on_sleeve).by);
+        if is_internal {
+            derivatives.add(carrier, &variables, &place.cross(ground).by);
         }
     }
 }
 
 impl<D: Detection> PairField for Pairs<D> {
-    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool {
-        let friction = match &sums.derivatives {
-            None => Some((None, false)),
-            Some(derivatives) => self.sloped_friction(derivatives),
-        };
-        let is_told = sums.moments.is_none() && pose != Pose::AnglesOnly;
-        let Some(friction) = friction.filter(|_| is_told) else {
-            return false;
-        };
-        let mut energy = ContactEnergy::default();
+    fn work_from_angles(&self) -> bool {
+        false
+    }
+
+    fn have_derivatives(&self) -> bool {
+        self.detection.exact().is_some() && matches!(self.friction, Friction::Regularised(_))
+    }
+
+    fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
         let pins = self
             .pins
-            .filter(|_| sums.loads.is_some() || sums.wants_energy);
+            .filter(|_| request.loads.is_some() || request.energy.is_some());
         for (wheel, hub) in self.layout.wheel_bodies().enumerate() {
-            let frame = WheelFrame::of(&bodies[hub]);
+            let frame = WheelFrame::of(&Motion::of(&bodies[hub]));
             let mut reaction = Reaction::default();
             self.wheel_pairs(wheel, bodies, &frame, |sleeve, body, pair, seat| {
-                if let Some(loads) = &mut sums.loads {
+                if let Some(loads) = &mut request.loads {
                     self.add_load(pair, &frame, &mut loads[body], &mut reaction);
                 }
-                if let Some(derivatives) = &mut sums.derivatives {
+                if let (Some(derivatives), Some(exact)) =
+                    (&mut request.derivatives, self.detection.exact())
+                {
                     let at = (wheel, sleeve, body, seat);
-                    self.add_slopes_of(at, bodies, &frame, pair, friction, derivatives);
+                    self.add_derivatives(exact, at, bodies, pair, derivatives);
                 }
-                if !sums.wants_energy && pins.is_none() {
+                if request.energy.is_none() && pins.is_none() {
                     return;
                 }
                 let pair = pair.contact(&self.law, wheel, sleeve, &frame);
-                if sums.wants_energy {
-                    pair.add_energy(&self.law, &mut energy);
+                if let Some(energy) = &mut request.energy {
+                    pair.add_energy(&self.law, energy);
                 }
                 if let Some(pins) = pins {
                     let drag = pins.drag(bodies, &pair);
-                    energy.sleeve_friction_w += drag.lost_w;
-                    if let Some(loads) = &mut sums.loads {
+                    if let Some(energy) = &mut request.energy {
+                        energy.sleeve_friction_w += drag.lost_w;
+                    }
+                    if let Some(loads) = &mut request.loads {
                         pins.add(bodies, &pair, &drag, loads);
                     }
                 }
             });
-            if let Some(loads) = &mut sums.loads {
+            if let Some(loads) = &mut request.loads {
                 reaction.add_to(&mut loads[hub], &frame);
             }
         }
-        sums.energy = sums.wants_energy.then_some(energy);
-        true
     }
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
-            let frame = WheelFrame::of(&bodies[body]);
+            let frame = WheelFrame::of(&Motion::of(&bodies[body]));
             self.wheel_pairs(wheel, bodies, &frame, |sleeve, _, pair, _| {
                 visit(&pair.contact(&self.law, wheel, sleeve, &frame));
             });
@@ -607,15 +443,16 @@ impl<D: Detection> PairField for Pairs<D> {
     }
 
     fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
-        let frame = WheelFrame::of(&bodies[self.layout.wheel_bodies().start + wheel]);
+        let hub = &bodies[self.layout.wheel_bodies().start + wheel];
+        let frame = WheelFrame::of(&Motion::of(hub));
         let body = &bodies[self.layout.sleeve_body(sleeve)];
-        let p = frame.point(body);
+        let p = frame.point(Complex::new(body.x, body.y));
         let touch = match sleeve {
             Sleeve::External(j) => {
                 let back = frame.turn.conj();
                 let multiple = back.powu(self.external_sleeves);
                 let start = [self.external_directions[j] * back, multiple];
-                self.profile(j, p, start).map(|found| found.0)
+                self.profile(j, p, start).map(|(touch, _)| touch)
             }
             Sleeve::Internal(k) => self.detection.hole(wheel, k, p),
         };
@@ -623,7 +460,7 @@ impl<D: Detection> PairField for Pairs<D> {
             Sleeve::External(j) => self.profile_gap(j, p),
             Sleeve::Internal(k) => self.detection.hole_gap(wheel, k, p),
         };
-        let mut pair = self.load(sleeve, touch.unwrap_or_else(gap), &frame, body, p);
+        let mut pair = self.load(sleeve, touch.unwrap_or_else(gap), &frame, moves(body), p);
         if touch.is_none() {
             (pair.normal_force, pair.friction_force, pair.along_force) = (0.0, 0.0, 0.0);
         }

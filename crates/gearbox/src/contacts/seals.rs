@@ -5,9 +5,9 @@
 //! ```
 //! with slow = 1 rad/s at the input, and as much less at the output as that turns slower.
 
-use pinwheel_mbs::{BodyState, Evaluation, Jacobian};
+use pinwheel_mbs::{BodyState, Derivatives, Evaluation};
 
-use super::pairs::OUTPUT;
+use super::motion;
 use crate::Layout;
 use crate::scene::Scene;
 
@@ -46,18 +46,18 @@ impl Seals {
         })
     }
 
-    /// Adds loads, moments, derivatives and energy as far as `sums` has them.
-    pub(super) fn add(&self, bodies: &[BodyState], sums: &mut Evaluation<'_>) {
-        if let Some(loads) = sums.loads.as_deref_mut() {
+    /// Adds loads, moments, derivatives and energy as far as they are requested.
+    pub(super) fn add(&self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        if let Some(loads) = request.loads.as_deref_mut() {
             self.add_moments(bodies, loads, |load| &mut load.moment);
         }
-        if let Some(moments) = sums.moments.as_deref_mut() {
+        if let Some(moments) = request.moments.as_deref_mut() {
             self.add_moments(bodies, moments, |moment| moment);
         }
-        if let Some(energy) = &mut sums.energy {
+        if let Some(energy) = &mut request.energy {
             energy.seal_friction_w += self.lost_w(bodies);
         }
-        if let Some(derivatives) = sums.derivatives.as_deref_mut() {
+        if let Some(derivatives) = &mut request.derivatives {
             self.add_jacobian(bodies, derivatives);
         }
     }
@@ -75,11 +75,12 @@ impl Seals {
     }
 
     /// Adds how the output's fades where it turns slowly; the input's rate is constant.
-    fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Jacobian) {
+    fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Derivatives<'_>) {
         let [_, output] = self.0;
         if bodies[output.body].rate.abs() < output.slow_rad_s {
             let slope = -output.torque_n_m / output.slow_rad_s;
-            derivatives.rate.add(OUTPUT, OUTPUT, slope);
+            let row = derivatives.coordinates.angle(output.body);
+            derivatives.add(row, &[motion::rate(row, 0.0)], &[slope]);
         }
     }
 

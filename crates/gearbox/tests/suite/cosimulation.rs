@@ -3,7 +3,7 @@
 use pinwheel_gearbox::cosimulation::{CoSimulation, Prescribed, Setup, start};
 use pinwheel_gearbox::internals::GearForces;
 use pinwheel_gearbox::{Gearbox, native};
-use pinwheel_mbs::{Evaluation, Forces as _, Jacobian, Pose, Structure};
+use pinwheel_mbs::{Coordinates, Evaluation, Forces as _, Jacobian, Structure};
 use pinwheel_scene::Scene;
 
 const SPEED: f64 = 52.34;
@@ -117,8 +117,12 @@ fn held_torques_have_slopes() {
         let mut forces = GearForces::new(&gear).unwrap();
         (forces.held[1].slope, forces.speed_in_torque_out) = (slope, usual);
         let mut derivatives = Jacobian::new(&structure, 6);
-        let mut sums = Evaluation::of_slopes(&mut derivatives);
-        let known = forces.evaluate(0.1, &bodies, Pose::Prescribed, &mut sums);
+        let coordinates = Coordinates::new(bodies.len(), &[1, 2, 3], &[]);
+        let known = forces.have_derivatives();
+        if known {
+            let mut request = Evaluation::of_derivatives(&mut derivatives, &coordinates);
+            forces.evaluate(0.1, &bodies, &mut request);
+        }
         known.then(|| derivatives.time[0])
     };
     let (level, rising) = (by_time(0.0, true).unwrap(), by_time(500.0, true).unwrap());

@@ -4,8 +4,8 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactField, Kernel};
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_mbs::{
-    BodyState, Evaluation, Forces, Formulation, Jacobian, OdeSystem, Pose, Reduced, Structure,
-    Wrench,
+    BodyState, Coordinates, Detail, Evaluation, Forces, Formulation, Jacobian, OdeSystem, Reduced,
+    Structure, Wrench,
 };
 use pinwheel_scene::{Scene, Sleeve};
 use proptest::prelude::*;
@@ -18,14 +18,12 @@ impl Forces for Contacts {
         self.0.add_loads(bodies, loads);
     }
 
-    fn evaluate(
-        &mut self,
-        _: f64,
-        bodies: &[BodyState],
-        pose: Pose,
-        sums: &mut Evaluation<'_>,
-    ) -> bool {
-        sums.moments.is_none() && self.0.evaluate(bodies, pose, sums)
+    fn have_derivatives(&self) -> bool {
+        self.0.have_derivatives()
+    }
+
+    fn evaluate(&mut self, _: f64, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        self.0.evaluate(bodies, request);
     }
 }
 
@@ -185,7 +183,7 @@ fn touching(
     t: f64,
     y: &[f64],
 ) -> Vec<(usize, usize, bool)> {
-    let bodies = system.observe(t, y).bodies.to_vec();
+    let bodies = system.observe(t, y, Detail::Everything).bodies.to_vec();
     let mut pairs = Vec::new();
     let mut field = gearbox.contact_field().unwrap();
     field.touching(&bodies, &mut |pair| {
@@ -506,7 +504,9 @@ fn one_pass_gives_what_two_give() {
         gearbox.kernel = kernel;
         let mut field = gearbox.frictionless_field().unwrap();
         let mut statics = Statics::new(&gearbox).unwrap();
-        let free = 1 + gearbox.layout.wheels;
+        let turning: Vec<usize> = (1..2 + gearbox.layout.wheels).collect();
+        let coordinates = Coordinates::new(gearbox.layout.bodies(), &turning, &[]);
+        let free = turning.len();
         let structure = Structure::SecondOrder {
             is_leaf: vec![false; free],
         };
@@ -515,17 +515,14 @@ fn one_pass_gives_what_two_give() {
             let new = || Jacobian::new(&structure, 2 * free);
             let (mut loads, mut derivatives) = (vec![Wrench::default(); bodies.len()], new());
             field.add_loads(&bodies, &mut loads);
-            assert!(field.evaluate(
-                &bodies,
-                Pose::Any,
-                &mut Evaluation::of_slopes(&mut derivatives)
-            ));
+            let mut request = Evaluation::of_derivatives(&mut derivatives, &coordinates);
+            field.evaluate(&bodies, &mut request);
             let (mut both, mut of_both) = (vec![Wrench::default(); bodies.len()], new());
-            let mut sums = Evaluation {
-                derivatives: Some(&mut of_both),
-                ..Evaluation::of_loads(&mut both)
+            let mut request = Evaluation {
+                loads: Some(&mut both),
+                ..Evaluation::of_derivatives(&mut of_both, &coordinates)
             };
-            assert!(field.evaluate(&bodies, Pose::Any, &mut sums));
+            field.evaluate(&bodies, &mut request);
             assert!(loads.iter().any(|load| load.fx != 0.0));
             assert_eq!(loads, both, "{preset} {kernel:?}");
             let [position, of_both] =

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{PairContact, PairField};
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_mbs::{BodyState, Evaluation, Pose};
+use pinwheel_mbs::{BodyState, Evaluation};
 use pinwheel_scene::{Layout, Scene, Sleeve};
 
 /// The largest turn of a disc from its ideal mesh at any evaluation, rad, as bits.
@@ -14,7 +14,15 @@ static FARTHEST_SEEN: AtomicU64 = AtomicU64::new(0);
 struct Watched(Box<dyn PairField>, Gearbox);
 
 impl PairField for Watched {
-    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool {
+    fn work_from_angles(&self) -> bool {
+        self.0.work_from_angles()
+    }
+
+    fn have_derivatives(&self) -> bool {
+        self.0.have_derivatives()
+    }
+
+    fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
         let (layout, geometry) = (self.1.layout, &self.1.geometry);
         for (i, body) in layout.wheel_bodies().enumerate() {
             let ideal = geometry.ideal_wheel_angle(i, bodies[Layout::INPUT].angle);
@@ -22,7 +30,7 @@ impl PairField for Watched {
             let turned = (bodies[body].angle - ideal).abs().to_bits();
             FARTHEST_SEEN.fetch_max(turned, Ordering::Relaxed);
         }
-        self.0.evaluate(bodies, pose, sums)
+        self.0.evaluate(bodies, request);
     }
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {

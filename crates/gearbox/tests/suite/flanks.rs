@@ -16,9 +16,10 @@ fn of_two_flanks_the_nearer_is_touched() {
     let pit = PI / scene.gear.lobes() as f64;
     let at = |angle: f64, penetration: f64| {
         let point = Complex::unit(angle).scale(0.05);
-        let mut touch = Touch::at_point(Complex::default(), point, 0.006, 1e9);
+        let mut touch = Touch::at_point(Complex::new(0.0, 0.0), point, 0.006, 1e9);
         touch.penetration = penetration;
-        (touch, Seat::Foot(Complex::unit(angle)))
+        let (unit, turn) = (Complex::unit(angle), Complex::ONE);
+        (touch, Seat::Foot { unit, turn })
     };
     for (ccw, cw) in [(1e-6, 2e-6), (2e-6, 1e-6)] {
         let feet = [at(pit + 1e-3, ccw), at(pit - 1e-3, cw)];

@@ -4,7 +4,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::{ContactField, PairContact};
 use pinwheel_gearbox::internals::GearForces;
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_mbs::{BodyState, Evaluation, Forces as _, Jacobian, Pose, Structure, Wrench};
+use pinwheel_mbs::{BodyState, Coordinates, Evaluation, Forces as _, Jacobian, Structure, Wrench};
 use pinwheel_scene::{Layout, Override, Scene};
 
 fn gearbox(sets: &[(&str, &str)]) -> Gearbox {
@@ -39,13 +39,13 @@ fn the_whole_is_friction_and_the_rest() {
         let bodies = pose(&gearbox);
         let (mut forces, mut field) = both(&gearbox);
         let zeros = vec![Wrench::default(); bodies.len()];
-        let (mut whole, mut seen, mut rest) = (zeros.clone(), zeros.clone(), zeros);
+        let (mut whole, mut again, mut rest) = (zeros.clone(), zeros.clone(), zeros);
         let mut contacts = Vec::new();
         forces.apply(0.1, &bodies, &mut whole);
-        let mut sums = Evaluation::of_loads(&mut seen).with_energy();
-        assert!(forces.evaluate(0.1, &bodies, Pose::Any, &mut sums));
-        let energy = sums.energy.unwrap();
-        assert_eq!(whole, seen);
+        let mut request = Evaluation::of_loads(&mut again).with_energy();
+        forces.evaluate(0.1, &bodies, &mut request);
+        let energy = request.energy.unwrap();
+        assert_eq!(whole, again);
         let known = field.energy(&bodies);
         assert!((energy.stored_j / known.stored_j - 1.0).abs() < 1e-12);
         assert!((energy.friction_w() / known.friction_w() - 1.0).abs() < 1e-9);
@@ -109,8 +109,10 @@ fn loads_follow_their_leg() {
     };
     let derivatives = |forces: &mut GearForces, time: f64| {
         let mut derivatives = Jacobian::new(&structure, 6);
-        let mut sums = Evaluation::of_slopes(&mut derivatives);
-        assert!(forces.evaluate(time, &bodies, Pose::Prescribed, &mut sums));
+        let coordinates = Coordinates::new(bodies.len(), &[1, 2, 3], &[]);
+        let mut request = Evaluation::of_derivatives(&mut derivatives, &coordinates);
+        assert!(forces.have_derivatives());
+        forces.evaluate(time, &bodies, &mut request);
         derivatives.time
     };
     let (rising, risen) = (

@@ -50,9 +50,9 @@ fn both(gearbox: &Gearbox, kernel: Kernel, bodies: &[BodyState]) -> (Vec<Wrench>
     gearbox.kernel = kernel;
     let mut loads = vec![Wrench::default(); bodies.len()];
     let mut field = gearbox.contact_field().unwrap();
-    let mut sums = Evaluation::of_loads(&mut loads).with_energy();
-    field.evaluate(bodies, Pose::Any, &mut sums);
-    let energy = sums.energy.unwrap();
+    let mut request = Evaluation::of_loads(&mut loads).with_energy();
+    field.evaluate(bodies, &mut request);
+    let energy = request.energy.unwrap();
     (loads, energy)
 }
 
@@ -63,12 +63,14 @@ fn from_angles(
     moments: &mut [f64],
     loads: &mut [Wrench],
 ) -> Option<ContactEnergy> {
-    let mut sums = Evaluation {
-        moments: Some(moments),
-        ..Evaluation::of_loads(loads).with_energy()
+    let mut request = Evaluation {
+        loads: Some(loads),
+        ..Evaluation::of_moments(moments).with_energy()
     };
-    field.evaluate(bodies, Pose::AnglesOnly, &mut sums);
-    sums.energy
+    field.work_from_angles().then(|| {
+        field.evaluate(bodies, &mut request);
+        request.energy.unwrap()
+    })
 }
 
 /// Moments about the pins, and loads with energies, from angles and rates alone.
@@ -82,11 +84,16 @@ fn held(
     let mut field = gearbox.contact_field().unwrap();
     let mut loads = vec![Wrench::default(); bodies.len()];
     let mut moments = vec![0.0; bodies.len()];
-    let mut sums = Evaluation::of_moments(&mut moments);
-    let known = field.evaluate(bodies, Pose::AnglesOnly, &mut sums);
-    let mut sums = Evaluation::of_loads(&mut loads).with_energy();
-    field.evaluate(bodies, Pose::Prescribed, &mut sums);
-    let energy = sums.energy.unwrap();
+    let known = field.work_from_angles();
+    if known {
+        field.evaluate(bodies, &mut Evaluation::of_moments(&mut moments));
+    }
+    let mut request = Evaluation {
+        pose: Pose::Prescribed,
+        ..Evaluation::of_loads(&mut loads).with_energy()
+    };
+    field.evaluate(bodies, &mut request);
+    let energy = request.energy.unwrap();
     let (mut all, mut written) = (vec![0.0; bodies.len()], loads.clone());
     written.fill(Wrench::default());
     let held = from_angles(&mut field, bodies, &mut all, &mut written);
@@ -536,8 +543,11 @@ fn hard_levers_find_what_touches() {
             bodies[Layout::OUTPUT].angle = 0.0;
             let mut found = [0; 2].map(|_| vec![Wrench::default(); bodies.len()]);
             fields[0].add_loads(&bodies, &mut found[0]);
-            let mut sums = Evaluation::of_loads(&mut found[1]);
-            fields[1].evaluate(&bodies, Pose::Prescribed, &mut sums);
+            let mut request = Evaluation {
+                pose: Pose::Prescribed,
+                ..Evaluation::of_loads(&mut found[1])
+            };
+            fields[1].evaluate(&bodies, &mut request);
             for body in gearbox.layout.external_bodies() {
                 let [a, b] = [0, 1].map(|k| found[k][body].fx.hypot(found[k][body].fy));
                 touching += u64::from(a > 0.0);

@@ -95,8 +95,8 @@ pub(super) trait Method: Serialize + DeserializeOwned + Send {
     fn advance(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError>;
     /// Writes the state at `t`, which lies inside the last accepted step and is not its end.
     fn inside(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]);
-    /// As [`Stepper::seen`].
-    fn seen(&self) -> Option<&[f64]> {
+    /// As [`Stepper::evaluated_state`].
+    fn evaluated_state(&self) -> Option<&[f64]> {
         None
     }
     /// Takes over what was saved of a run of the same method and settings.
@@ -139,8 +139,8 @@ impl<M: Method> Stepper for M {
         system.project(t, y);
     }
 
-    fn seen(&self) -> Option<&[f64]> {
-        Method::seen(self)
+    fn evaluated_state(&self) -> Option<&[f64]> {
+        Method::evaluated_state(self)
     }
 
     fn counts(&self) -> StepCounts {

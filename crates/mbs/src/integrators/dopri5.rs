@@ -174,7 +174,7 @@ impl Dopri5 {
             if i + 1 < STAGES {
                 system.derivative(t, &self.next, &mut rest[0]);
             } else {
-                system.derivative_in_passing(t, &self.next, &mut rest[0]);
+                system.derivative_at_end(t, &self.next, false, &mut rest[0]);
             }
             self.clock.counts.evaluations += 1;
         }
@@ -242,7 +242,7 @@ impl Method for Dopri5 {
         }
     }
 
-    fn seen(&self) -> Option<&[f64]> {
+    fn evaluated_state(&self) -> Option<&[f64]> {
         Some(&self.y)
     }
 

@@ -147,9 +147,9 @@ pub trait Stepper: Send {
     fn set_stop_time(&mut self, _time: f64) {}
     /// Writes the state at `t`, which lies inside the last accepted step.
     fn interpolate(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]);
-    /// The state at the end of the last accepted step, if f was evaluated of it last, in passing
-    /// ([`OdeSystem::derivative_in_passing`]).
-    fn seen(&self) -> Option<&[f64]> {
+    /// The state at the end of the last accepted step, if f was evaluated of it last
+    /// ([`OdeSystem::derivative_at_end`]).
+    fn evaluated_state(&self) -> Option<&[f64]> {
         None
     }
     /// Counts so far.

@@ -133,8 +133,8 @@ impl Stepper for Segments {
         self.stepper.interpolate(system, t, y);
     }
 
-    fn seen(&self) -> Option<&[f64]> {
-        self.stepper.seen()
+    fn evaluated_state(&self) -> Option<&[f64]> {
+        self.stepper.evaluated_state()
     }
 
     fn counts(&self) -> StepCounts {

@@ -60,7 +60,7 @@ impl Inertia {
     }
 }
 
-/// A body held by one revolute, at its centre of mass.
+/// A body joints_of by one revolute, at its centre of mass.
 #[derive(Debug, Clone)]
 struct Leaf {
     body: usize,
@@ -126,13 +126,13 @@ impl Pinned {
     pub(super) fn new(mechanism: &Mechanism) -> (Self, Rest) {
         let revolutes = mechanism.revolutes.len();
         let ends = mechanism.ends();
-        let mut held = vec![0_u32; mechanism.bodies.len()];
+        let mut joints_of = vec![0_u32; mechanism.bodies.len()];
         for &(child, parent) in &ends {
             for body in once(child).chain(parent) {
-                held[body] += 1;
+                joints_of[body] += 1;
             }
         }
-        let mut left = vec![true; held.len()];
+        let mut left = vec![true; joints_of.len()];
         let mut leaves = Vec::new();
         let alone = mechanism.bodies.iter().map(|b| Inertia {
             mass: b.mass,
@@ -143,7 +143,7 @@ impl Pinned {
         let touching =
             |body: usize| move |e: &(usize, Option<usize>)| e.0 == body || e.1 == Some(body);
         for (constraint, joint) in mechanism.revolutes.iter().enumerate() {
-            if held[joint.child] > 1 || joint.child_point != [0.0; 2] {
+            if joints_of[joint.child] > 1 || joint.child_point != [0.0; 2] {
                 continue;
             }
             let body = &mechanism.bodies[joint.child];
@@ -240,12 +240,12 @@ impl Pinned {
         }
         for hub in &self.hubs {
             let (inertia, load) = (&self.inertia[hub.body], bodies[hub.body]);
-            let held = constraints[hub.constraint];
+            let constrained = constraints[hub.constraint];
             let alpha = match hub.driver {
-                None => hub.free.dot(&(load - inertia.times(&held))) * hub.over_inertia,
+                None => hub.free.dot(&(load - inertia.times(&constrained))) * hub.over_inertia,
                 Some(driver) => constraints[driver].x,
             };
-            let a = held + hub.free * alpha;
+            let a = constrained + hub.free * alpha;
             let rest = load - inertia.times(&a);
             bodies[hub.body] = a;
             constraints[hub.constraint] = Vector3::new(rest.x, rest.y, 0.0);

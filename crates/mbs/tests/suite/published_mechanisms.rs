@@ -4,7 +4,7 @@
 //! are observed between step sizes where the leading error term rules.
 
 use pinwheel_mbs::integrators::{METHODS, StepSettings};
-use pinwheel_mbs::{Formulation, Lagrange, OdeSystem, Stabilisation};
+use pinwheel_mbs::{Detail, Formulation, Lagrange, OdeSystem, Stabilisation};
 
 use super::bounds;
 use super::mechanisms;
@@ -288,7 +288,8 @@ fn andrews_start_is_consistent() {
     let (beta, theta) = (dydt[21 + 2], dydt[21 + 5] - dydt[21 + 2]);
     assert!((beta - 14_222.443_920).abs() < 1e-2, "{beta}");
     assert!((theta + 10_666.832_940).abs() < 1e-2, "{theta}");
-    let reactions: Vec<f64> = (problem.read)(&system.observe(0.0, &y))[14..].to_vec();
+    let reactions: Vec<f64> =
+        (problem.read)(&system.observe(0.0, &y, Detail::Everything))[14..].to_vec();
     assert!(
         (reactions[0] - 98.566_870_393).abs() < 1e-4,
         "{reactions:?}"

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::{
-    Body, BodyState, Driver, Forces, Formulation, Lagrange, Mechanism, Motion, OdeSystem, Revolute,
-    Stabilisation, Wrench,
+    Body, BodyState, Detail, Driver, Forces, Formulation, Lagrange, Mechanism, Motion, OdeSystem,
+    Revolute, Stabilisation, Wrench,
 };
 use proptest::prelude::*;
 
@@ -156,7 +156,7 @@ fn compare(m: &Mechanism, loads: &[Wrench], tolerance: f64) -> Result<(), TestCa
         prop_assert!((found - exact).abs() < tolerance * scale, "{found} {exact}");
     }
     let scale = largest(&multipliers);
-    let seen = system.observe(0.0, &y);
+    let seen = system.observe(0.0, &y, Detail::Everything);
     let reactions = seen
         .reactions
         .expect("the Lagrange form knows them")

@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::integrators::{StepSettings, start};
 use pinwheel_mbs::sliding::{Arrowhead, Contact, Row, SlidingProblem, Slip};
 use pinwheel_mbs::{
-    Body, BodyState, Evaluation, Forces, Formulation, Mechanism, OdeSystem, Pose, Reduced,
-    Revolute, Wrench,
+    Body, BodyState, Evaluation, Forces, Formulation, Mechanism, OdeSystem, Reduced, Revolute,
+    Variable, Wrench,
 };
 use proptest::prelude::*;
 
@@ -132,33 +132,26 @@ impl Forces for Brake {
         loads[1].moment += 2.0 * RADIUS * friction;
     }
 
-    fn evaluate(
-        &mut self,
-        t: f64,
-        bodies: &[BodyState],
-        _: Pose,
-        sums: &mut Evaluation<'_>,
-    ) -> bool {
-        if let Some(loads) = &mut sums.loads {
+    fn have_derivatives(&self) -> bool {
+        true
+    }
+
+    fn evaluate(&mut self, t: f64, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        if let Some(loads) = &mut request.loads {
             self.apply(t, bodies, loads);
         }
-        let Some(derivatives) = &mut sums.derivatives else {
-            return sums.moments.is_none();
+        let Some(derivatives) = &mut request.derivatives else {
+            return;
         };
         let levers = [RADIUS, 2.0 * RADIUS];
         let sliding = levers[0] * bodies[0].rate + levers[1] * bodies[1].rate;
         if sliding.abs() < self.ramp {
+            let rates = [Variable::Rate(0), Variable::Rate(1)];
             for (row, a) in levers.iter().enumerate() {
-                for (column, b) in levers.iter().enumerate() {
-                    derivatives.rate.add(
-                        row,
-                        column,
-                        -self.coefficient * self.normal / self.ramp * a * b,
-                    );
-                }
+                let slope = -self.coefficient * self.normal / self.ramp * a;
+                derivatives.add(Some(row), &rates, &levers.map(|b| slope * b));
             }
         }
-        true
     }
 
     fn apply_without_friction(

@@ -21,26 +21,27 @@
 //! right to 1e-9, so that a law needs none of its own. Where friction or law have a kink, one side's slope counts.
 
 use pinwheel_contact::{ComplexLanes, Lanes, NormalLaw, PinLaw, Real, RegularisedCoulomb};
-use pinwheel_mbs::{Arrow, BodyState, Jacobian};
+use pinwheel_mbs::{self as mbs, BodyState, Variable};
 use pulp::Simd;
 
 use super::pair_loop::{Group, Sink, Wheel};
 use crate::Layout;
-use crate::contacts::pairs::{CLOSING, OUTPUT, PENETRATION_SHARE, STIFFNESS_SHARE, places};
+
+/// Shares of stiffness and penetration, and the closing speed (m/s), by which the law's differences go to either side.
+const STIFFNESS_SHARE: f64 = 1e-4;
+const PENETRATION_SHARE: f64 = 1e-5;
+const CLOSING: f64 = 1e-6;
 
 /// Adds the derivatives of the moments about the pins to a Jacobian.
-pub(super) struct Derivatives<'a> {
+pub(super) struct Derivatives<'a, 'b> {
     law: PinLaw,
     friction: RegularisedCoulomb,
-    position: &'a mut Arrow,
-    rate: &'a mut Arrow,
-    time: &'a mut [f64],
+    derivatives: &'a mut mbs::Derivatives<'b>,
     input_rate: f64,
     output_rate: f64,
-    /// Pins' first body, external and internal.
-    first: [usize; 2],
-    /// Where the discs' places begin, if they float.
-    places: Option<usize>,
+    layout: Layout,
+    /// True if the discs' places are free.
+    floats: bool,
 }
 
 /// Columns of the motions that move a contact besides the pin's own angle: those of disc, output and input, or the
@@ -50,35 +51,24 @@ const CARRIER: usize = 1;
 const INPUT: usize = 2;
 const PLACE: usize = 2;
 
-impl<'a> Derivatives<'a> {
-    /// `None` for a Jacobian that is not of second order.
+impl<'a, 'b> Derivatives<'a, 'b> {
     pub(super) fn new(
         law: PinLaw,
         friction: RegularisedCoulomb,
         layout: Layout,
         bodies: &[BodyState],
-        derivatives: &'a mut Jacobian,
-    ) -> Option<Self> {
-        let places = places(layout, derivatives);
-        let hubs_or_bodies = if friction.coefficient > 0.0 {
-            layout.bodies() - 1
-        } else {
-            1 + layout.wheels
-        };
-        Some(Self {
-            places: (derivatives.rate.dimension() > hubs_or_bodies).then_some(places),
+        derivatives: &'a mut mbs::Derivatives<'b>,
+    ) -> Self {
+        let first = layout.wheel_bodies().start;
+        Self {
             law,
             friction,
-            position: derivatives.position.as_mut()?,
-            rate: &mut derivatives.rate,
-            time: &mut derivatives.time,
+            floats: derivatives.coordinates.place(first).is_some(),
+            derivatives,
             input_rate: bodies[Layout::INPUT].rate,
             output_rate: bodies[Layout::OUTPUT].rate,
-            first: [
-                layout.external_bodies().start,
-                layout.internal_bodies().start,
-            ],
-        })
+            layout,
+        }
     }
 }
 
@@ -178,29 +168,58 @@ type Moments<S> = [Lanes<S>; 3];
 /// Derivatives of the force on a disc that floats, along n and along t.
 type Force<S> = [Lanes<S>; 2];
 
-impl Derivatives<'_> {
+impl Derivatives<'_, '_> {
     fn rubs(&self) -> bool {
         self.friction.coefficient > 0.0
     }
 
-    /// Adds a column of derivatives, of the angle or rate `of` a hub, or of the time.
+    /// Number of a disc's angle.
+    fn hub(&self, wheel: usize) -> Option<usize> {
+        let body = self.layout.wheel_bodies().start + wheel;
+        self.derivatives.coordinates.angle(body)
+    }
+
+    /// Number of x, or with `axis` 1 of y, of a disc.
+    fn place(&self, wheel: usize, axis: usize) -> Option<usize> {
+        let body = self.layout.wheel_bodies().start + wheel;
+        self.derivatives.coordinates.place(body).map(|x| x + axis)
+    }
+
+    /// Number of the output's angle.
+    fn output(&self) -> Option<usize> {
+        self.derivatives.coordinates.angle(Layout::OUTPUT)
+    }
+
+    /// Number of the angle of lane `k`'s pin.
+    #[inline(always)]
+    fn sleeve<S: Simd>(&self, group: &Group<'_, S>, k: usize) -> Option<usize> {
+        let bodies = match group.external {
+            true => self.layout.external_bodies(),
+            false => self.layout.internal_bodies(),
+        };
+        self.derivatives
+            .coordinates
+            .angle(bodies.start + group.from + k)
+    }
+
+    /// Adds a column of derivatives of the moments at a disc.
     #[inline(always)]
     fn add<S: Simd>(
         &mut self,
-        target: Target,
+        by: Variable,
         group: &Group<'_, S>,
-        hub: usize,
+        wheel: usize,
         column: Moments<S>,
     ) {
-        let rows = [hub, OUTPUT];
+        let rows = [self.hub(wheel), self.output()];
         let count = if group.external { 1 } else { 2 };
         for (&row, moment) in rows.iter().zip(column).take(count) {
-            self.put(target, row, moment.sum());
+            self.derivatives.add(row, &[by], &[moment.sum()]);
         }
         if self.rubs() {
             for (k, &value) in column[2].as_slice().iter().enumerate() {
                 if value != 0.0 {
-                    self.put(target, self.sleeve(group, k), value);
+                    self.derivatives.add(self.sleeve(group, k), &[by], &[value]);
                 }
             }
         }
@@ -210,43 +229,23 @@ impl Derivatives<'_> {
     #[inline(always)]
     fn add_force<S: Simd>(
         &mut self,
-        target: Target,
+        by: Variable,
         wheel: &Wheel<S>,
         [n, t]: [ComplexLanes<S>; 2],
         force: Force<S>,
     ) {
-        let Some(places) = self.places else { return };
+        if !self.floats {
+            return;
+        }
         let force = n.scale(force[0]) + t.scale(force[1]);
-        let row = places + 2 * wheel.number;
-        self.put(target, row, wheel.back.dot(force).sum());
-        self.put(target, row + 1, wheel.back.turned().dot(force).sum());
-    }
-
-    #[inline(always)]
-    fn put(&mut self, target: Target, row: usize, value: f64) {
-        match target {
-            Target::Position(of) => self.position.add(row, of, value),
-            Target::Rate(of) => self.rate.add(row, of, value),
-            Target::Time => self.time[row] += value,
+        for (k, axis) in [wheel.back, wheel.back.turned()].into_iter().enumerate() {
+            let row = self.place(wheel.number, k);
+            self.derivatives.add(row, &[by], &[axis.dot(force).sum()]);
         }
     }
-
-    /// Place of lane `k`'s pin among the free bodies.
-    #[inline(always)]
-    fn sleeve<S: Simd>(&self, group: &Group<'_, S>, k: usize) -> usize {
-        self.first[usize::from(!group.external)] - 1 + group.from + k
-    }
 }
 
-/// Variable by which columns are derivatives, with its number in the Jacobian.
-#[derive(Clone, Copy)]
-enum Target {
-    Position(usize),
-    Rate(usize),
-    Time,
-}
-
-impl Sink for Derivatives<'_> {
+impl Sink for Derivatives<'_, '_> {
     #[inline(always)]
     fn group<S: Simd>(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let (touching, mask) = (&group.touching, group.touching.mask);
@@ -297,7 +296,7 @@ impl Sink for Derivatives<'_> {
         if group.external {
             (normal_levers[CARRIER], levers[CARRIER]) = (zero, zero);
         }
-        let floats = self.places.is_some();
+        let floats = self.floats;
         if floats {
             for (k, axis) in [(PLACE, axes[0]), (PLACE + 1, axes[1])] {
                 (normal_levers[k], levers[k]) = (-axis.dot(n), -axis.dot(t));
@@ -356,23 +355,22 @@ impl Sink for Derivatives<'_> {
                 + drag * (against + tilt * z.dot(t));
             let on_sleeve = rho * pull - depth * drag;
             let column = [on_wheel, on_output, on_sleeve];
-            let hub = 1 + wheel.number;
+            let number = wheel.number;
             if k == INPUT && !floats {
-                let rate = one.like(self.input_rate);
-                let column = [on_wheel * rate, on_output * rate, on_sleeve * rate];
-                self.add(Target::Time, &group, hub, column);
+                self.add(Variable::Time(self.input_rate), &group, number, column);
                 continue;
             }
-            let of = match (k, self.places) {
-                (WHEEL, _) => hub,
-                (CARRIER, _) | (_, None) => OUTPUT,
-                (_, Some(places)) => places + 2 * wheel.number + k - PLACE,
+            let of = match k {
+                WHEEL => self.hub(number),
+                CARRIER => self.output(),
+                _ => self.place(number, k - PLACE),
             };
-            self.add(Target::Position(of), &group, hub, column);
+            let Some(of) = of else { continue };
+            self.add(Variable::Position(of), &group, number, column);
             let tilt = if k == WHEEL { tilt + one } else { tilt };
             let across = push + (drag + at_centre) * tilt;
             let beside = force * tilt - pull - more_at_centre;
-            self.add_force(Target::Position(of), wheel, [n, t], [across, beside]);
+            self.add_force(Variable::Position(of), wheel, [n, t], [across, beside]);
             let lever = if k == WHEEL { wheel_lever } else { path };
             let push = pressure.by_closing * depth;
             let pull = drag_by_force * push + drag_by_slip * lever;
@@ -381,26 +379,30 @@ impl Sink for Derivatives<'_> {
                 pull * levers[CARRIER] - push * normal_levers[CARRIER],
                 rho * pull,
             ];
-            self.add(Target::Rate(of), &group, hub, column);
-            self.add_force(Target::Rate(of), wheel, [n, t], [push, -pull]);
+            self.add(Variable::Rate(of), &group, number, column);
+            self.add_force(Variable::Rate(of), wheel, [n, t], [push, -pull]);
         }
         if self.rubs() {
             let pull = drag_by_slip * rho;
             let rows = [pull * wheel_lever, pull * levers[CARRIER], pull * rho];
             for k in 0..Lanes::<S>::COUNT {
                 let own = rows[2].as_slice()[k];
-                if own != 0.0 {
-                    let sleeve = self.sleeve(&group, k);
-                    self.rate.add(sleeve, sleeve, own);
-                    self.rate
-                        .add(1 + wheel.number, sleeve, rows[0].as_slice()[k]);
-                    self.rate.add(OUTPUT, sleeve, rows[1].as_slice()[k]);
-                    if let Some(places) = self.places {
-                        let row = places + 2 * wheel.number;
-                        for (k_axis, axis) in axes.iter().enumerate() {
-                            let value = -(axis.dot(t) * pull);
-                            self.rate.add(row + k_axis, sleeve, value.as_slice()[k]);
-                        }
+                if own == 0.0 {
+                    continue;
+                }
+                let Some(sleeve) = self.sleeve(&group, k) else {
+                    continue;
+                };
+                let (hub, output) = (self.hub(wheel.number), self.output());
+                let by = [Variable::Rate(sleeve)];
+                self.derivatives.add(Some(sleeve), &by, &[own]);
+                self.derivatives.add(hub, &by, &[rows[0].as_slice()[k]]);
+                self.derivatives.add(output, &by, &[rows[1].as_slice()[k]]);
+                if self.floats {
+                    for (k_axis, axis) in axes.iter().enumerate() {
+                        let value = -(axis.dot(t) * pull);
+                        let row = self.place(wheel.number, k_axis);
+                        self.derivatives.add(row, &by, &[value.as_slice()[k]]);
                     }
                 }
             }

@@ -282,13 +282,13 @@ impl JointSpace {
         law: &PinLaw,
         shapes: &Shapes,
         bodies: &[BodyState],
-        found: &mut mbs::Evaluation<'_>,
+        request: &mut mbs::Evaluation<'_>,
     ) {
         let output = self.place::<S, FLOATS>(simd, bodies);
         let nothing = Lanes::splat(simd, 0.0);
         let mut sums = Evaluation {
-            asked: LOADS && found.wants_energy,
-            on_sleeves: !FLOATS || !found.floating_alone,
+            asked: LOADS && request.energy.is_some(),
+            on_sleeves: !FLOATS || !request.floating_alone,
             on_input: nothing,
             on_output: nothing,
             on_pins: nothing,
@@ -298,7 +298,7 @@ impl JointSpace {
         };
         self.external::<S, LOADS, FLOATS>(simd, &law.on_rigid_pin(), shapes, bodies, &mut sums);
         self.internal::<S, LOADS, FLOATS>(simd, law, shapes, bodies, output, &mut sums);
-        if LOADS && let Some(loads) = &mut found.loads {
+        if LOADS && let Some(loads) = &mut request.loads {
             if sums.on_sleeves {
                 self.scatter(loads);
             }
@@ -308,14 +308,14 @@ impl JointSpace {
             }
         }
         if sums.asked {
-            found.energy = Some(ContactEnergy {
+            request.energy = Some(ContactEnergy {
                 stored_j: sums.stored.sum(),
                 damping_w: sums.dissipated.sum(),
                 sleeve_friction_w: sums.rubbed.sum(),
                 ..ContactEnergy::default()
             });
         }
-        if let Some(moments) = &mut found.moments {
+        if let Some(moments) = &mut request.moments {
             moments[Layout::INPUT] += sums.on_input.sum();
             moments[Layout::OUTPUT] += sums.on_output.sum();
             let on_wheels = &mut moments[self.layout.wheel_bodies()];

@@ -15,7 +15,7 @@ mod shapes;
 
 use pinwheel_contact::{PinLaw, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
-use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation, Pose};
+use pinwheel_mbs::{BodyState, Evaluation, Pose};
 use pulp::Simd;
 
 use super::detection::Exact;
@@ -70,7 +70,7 @@ struct JointSpaceLoop<'a, 'b, const LOADS: bool, const FLOATS: bool> {
     shapes: &'a Shapes,
     law: PinLaw,
     bodies: &'a [BodyState],
-    sums: &'a mut Evaluation<'b>,
+    request: &'a mut Evaluation<'b>,
 }
 
 impl<const LOADS: bool, const FLOATS: bool> pulp::WithSimd
@@ -85,7 +85,7 @@ impl<const LOADS: bool, const FLOATS: bool> pulp::WithSimd
             &self.law,
             self.shapes,
             self.bodies,
-            self.sums,
+            self.request,
         );
     }
 }
@@ -104,7 +104,9 @@ impl LaneField {
             },
             pins: PinFriction::of(scene),
             floats: scene.bearings.eccentric.is_some(),
-            joint_space: (coefficient == 0.0).then(|| JointSpace::new(scene, geometry)),
+            // Cranks stand where their bodies do, and have no levers.
+            joint_space: (coefficient == 0.0 && scene.cranks.is_none())
+                .then(|| JointSpace::new(scene, geometry)),
             pairs: LanePairs {
                 layout,
                 shapes: Shapes::new(scene, geometry),
@@ -124,28 +126,26 @@ impl LaneField {
         });
     }
 
-    fn sum(&mut self, bodies: &[BodyState], sums: &mut Evaluation<'_>) {
-        let Some(loads) = sums.loads.as_deref_mut() else {
+    fn add_loads(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        let Some(loads) = request.loads.as_deref_mut() else {
             return;
         };
-        let mut energy = sums.wants_energy.then(ContactEnergy::default);
         let sink = Loads {
             law: self.law,
             friction: self.friction,
             pins: self.pins,
             output_rate: bodies[Layout::OUTPUT].rate,
             loads,
-            energy: energy.as_mut(),
+            energy: request.energy.as_mut(),
         };
         self.pair_loop(bodies, sink);
-        sums.energy = energy;
     }
 
     /// Moments, and loads if they are asked for, of bodies whose joints hold them. Nothing rubs.
     fn sum_in_joint_space<const LOADS: bool, const FLOATS: bool>(
         &mut self,
         bodies: &[BodyState],
-        sums: &mut Evaluation<'_>,
+        request: &mut Evaluation<'_>,
     ) {
         if let Some(joint_space) = &mut self.joint_space {
             self.arch.dispatch(JointSpaceLoop::<LOADS, FLOATS> {
@@ -153,53 +153,37 @@ impl LaneField {
                 shapes: &self.pairs.shapes,
                 law: self.law,
                 bodies,
-                sums,
+                request,
             });
         }
-    }
-
-    /// False, and nothing was added, for free bodies that are not those of a gear with or without friction.
-    fn add_jacobian(&mut self, bodies: &[BodyState], sums: &mut Evaluation<'_>) -> bool {
-        let Some(derivatives) = sums.derivatives.as_deref_mut() else {
-            return true;
-        };
-        let (layout, law, friction) = (self.pairs.layout, self.law, self.friction);
-        let has_friction = friction.coefficient > 0.0;
-        let free = if has_friction {
-            layout.bodies() - 1
-        } else {
-            1 + layout.wheels
-        };
-        let all = derivatives.rate.dimension();
-        let places = 2 * layout.wheels;
-        if all != free && all != free + places || derivatives.position.is_none() {
-            return false;
-        }
-        if let Some(sink) = Derivatives::new(law, friction, layout, bodies, derivatives) {
-            self.pair_loop(bodies, sink);
-        }
-        true
     }
 }
 
 impl PairField for LaneField {
-    fn evaluate(&mut self, bodies: &[BodyState], pose: Pose, sums: &mut Evaluation<'_>) -> bool {
-        if self.joint_space.is_some() && pose != Pose::Any && sums.derivatives.is_none() {
-            match (sums.loads.is_some(), self.floats) {
-                (true, false) => self.sum_in_joint_space::<true, false>(bodies, sums),
-                (false, false) => self.sum_in_joint_space::<false, false>(bodies, sums),
-                (true, true) => self.sum_in_joint_space::<true, true>(bodies, sums),
-                // Forces move such discs, and moments are not all.
-                (false, true) => return false,
-            }
-            return true;
-        }
-        let is_told = sums.moments.is_none() && pose != Pose::AnglesOnly;
-        if !is_told || !self.add_jacobian(bodies, sums) {
-            return false;
-        }
-        self.sum(bodies, sums);
+    fn work_from_angles(&self) -> bool {
+        self.joint_space.is_some()
+    }
+
+    fn have_derivatives(&self) -> bool {
         true
+    }
+
+    fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        let from_angles = self.joint_space.is_some() && request.pose == Pose::Prescribed;
+        if from_angles && request.derivatives.is_none() {
+            match (request.loads.is_some(), self.floats) {
+                (true, false) => self.sum_in_joint_space::<true, false>(bodies, request),
+                (false, false) => self.sum_in_joint_space::<false, false>(bodies, request),
+                (_, true) => self.sum_in_joint_space::<true, true>(bodies, request),
+            }
+            return;
+        }
+        if let Some(derivatives) = &mut request.derivatives {
+            let (law, friction, layout) = (self.law, self.friction, self.pairs.layout);
+            let sink = Derivatives::new(law, friction, layout, bodies, derivatives);
+            self.pair_loop(bodies, sink);
+        }
+        self.add_loads(bodies, request);
     }
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {

@@ -130,7 +130,7 @@ pub struct EtdAdams {
     /// Index of the order of the next step, among the orders.
     which: usize,
     /// Predicted state, at which f was evaluated, padded, and whether it stands for the sample.
-    seen: Vec<f64>,
+    predicted: Vec<f64>,
     shown: bool,
     /// f of all rows, and errors; padded.
     f: Vec<f64>,
@@ -168,7 +168,7 @@ impl EtdAdams {
             since_look: 0,
             look_after: LOOK,
             which: 0,
-            seen: zeros.clone(),
+            predicted: zeros.clone(),
             shown: false,
             f: zeros.clone(),
             scales: vec![f64::NAN; zeros.len()],
@@ -340,7 +340,7 @@ impl EtdAdams {
     /// Updates the weights of errors for the last evaluated state.
     fn weigh(&mut self, system: &dyn OdeSystem) {
         let n = self.y.len();
-        system.scale(&self.seen[..n], &mut self.f[..n]);
+        system.scale(&self.predicted[..n], &mut self.f[..n]);
         for ((scale, known), weight) in self.f[..n]
             .iter()
             .zip(&mut self.scales)
@@ -419,20 +419,16 @@ impl EtdAdams {
         let known = history.known(order);
         self.arch
             .dispatch(step.propagator.predict(linear, known, x, product));
-        copy(x, &mut self.seen);
-        line.restore(end, &mut self.seen);
-        let (seen, f) = (
-            &self.seen[..linear.dimension],
+        copy(x, &mut self.predicted);
+        line.restore(end, &mut self.predicted);
+        let (predicted, f) = (
+            &self.predicted[..linear.dimension],
             &mut self.f[..linear.dimension],
         );
-        if lands {
-            system.derivative_to_observe(end, seen, f);
-        } else {
-            system.derivative_in_passing(end, seen, f);
-        }
+        system.derivative_at_end(end, predicted, lands, f);
         self.counts.evaluations += 1;
         let point = history.push();
-        copy(&self.seen, &mut point.y);
+        copy(&self.predicted, &mut point.y);
         point.set(&f[linear.first..], product);
         let known = history.count;
         history.differ(known.min(TERMS));
@@ -457,8 +453,8 @@ impl EtdAdams {
             (self.wanted, self.which) = (0.5 * h, 0);
             return (!error.is_finite()).then_some(false);
         }
-        for ((y, seen), change) in self.y.iter_mut().zip(&self.seen).zip(&self.f) {
-            *y = seen + change;
+        for ((y, predicted), change) in self.y.iter_mut().zip(&self.predicted).zip(&self.f) {
+            *y = predicted + change;
         }
         self.shown = squares[2] <= SHOWN * SHOWN;
         self.time = end;
@@ -556,7 +552,7 @@ impl Stepper for EtdAdams {
             Some(multistep) if self.runs && self.taken > 0 => {
                 if is_here {
                     y.copy_from_slice(if self.shown {
-                        &self.seen[..y.len()]
+                        &self.predicted[..y.len()]
                     } else {
                         &self.y
                     });
@@ -569,10 +565,10 @@ impl Stepper for EtdAdams {
         }
     }
 
-    fn seen(&self) -> Option<&[f64]> {
+    fn evaluated_state(&self) -> Option<&[f64]> {
         match self.runs && self.taken > 0 {
-            true => self.shown.then(|| &self.seen[..self.y.len()]),
-            false => Stepper::seen(&self.start),
+            true => self.shown.then(|| &self.predicted[..self.y.len()]),
+            false => Stepper::evaluated_state(&self.start),
         }
     }
 

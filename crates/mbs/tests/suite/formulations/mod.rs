@@ -8,8 +8,8 @@ use approx::assert_relative_eq;
 use bounds::holds;
 use pinwheel_mbs::integrators::{StepSettings, Stepper, start};
 use pinwheel_mbs::{
-    Body, BodyState, Driver, ErrorScales, Forces, Formulation, Lagrange, Mechanism, MechanismError,
-    Motion, OdeSystem, Reduced, Revolute, Stabilisation, Wrench,
+    Body, BodyState, Detail, Driver, ErrorScales, Forces, Formulation, Lagrange, Mechanism,
+    MechanismError, Motion, OdeSystem, Reduced, Revolute, Stabilisation, Wrench,
 };
 
 /// Weight, and a spring on every body's angle that makes the motion less simple.
@@ -135,11 +135,21 @@ fn reduced_and_lagrange_form_move_alike() {
         assert_eq!(reduced.degrees_of_freedom(), free);
         assert_eq!(lagrange.degrees_of_freedom(), 12);
         let (y, z) = (run(&mut reduced, 1e-3, 1.0), run(&mut lagrange, 1e-3, 1.0));
-        let torques: Vec<f64> = lagrange.observe(1.0, &z).driver_torques.to_vec();
-        let bodies: Vec<BodyState> = lagrange.observe(1.0, &z).bodies.to_vec();
-        let reactions: Vec<[f64; 2]> = lagrange.observe(1.0, &z).reactions.unwrap().to_vec();
+        let torques: Vec<f64> = lagrange
+            .observe(1.0, &z, Detail::Everything)
+            .driver_torques
+            .to_vec();
+        let bodies: Vec<BodyState> = lagrange
+            .observe(1.0, &z, Detail::Everything)
+            .bodies
+            .to_vec();
+        let reactions: Vec<[f64; 2]> = lagrange
+            .observe(1.0, &z, Detail::Everything)
+            .reactions
+            .unwrap()
+            .to_vec();
         assert_eq!(reduced.joint_error(1.0, &y), 0.0);
-        let seen = reduced.observe(1.0, &y);
+        let seen = reduced.observe(1.0, &y, Detail::Everything);
         for (a, b) in seen.bodies.iter().zip(&bodies) {
             for (what, a, b) in [
                 ("x", a.x, b.x),
@@ -363,7 +373,7 @@ fn idle_bodies_turn_uniformly() {
     let mut system = Reduced::new(m.clone(), weight(&m), &[3]).unwrap();
     assert_eq!((system.degrees_of_freedom(), system.dimension()), (2, 4));
     let y = system.initial();
-    let seen = system.observe(0.5, &y).bodies[3];
+    let seen = system.observe(0.5, &y, Detail::Everything).bodies[3];
     assert_eq!((seen.angle, seen.rate), (0.9, 1.0));
 }
 
@@ -378,26 +388,29 @@ fn what_is_observed_is_of_the_state_asked_for() {
     z[0] += 0.5;
     for (t, y) in [(0.0, &y), (0.2, &y), (0.2, &z), (0.0, &z)] {
         let mut other = fresh();
-        let expected = other.observe(t, y);
-        let seen = system.observe(t, y);
+        let expected = other.observe(t, y, Detail::Everything);
+        let seen = system.observe(t, y, Detail::Everything);
         assert_eq!(seen.bodies, expected.bodies);
         assert_eq!(seen.loads, expected.loads);
         assert_eq!(seen.driver_torques, expected.driver_torques);
         let (mut derivatives, mut same) = (vec![0.0; y.len()], vec![0.0; y.len()]);
         other.derivative(t, y, &mut derivatives);
-        system.derivative_to_observe(t, y, &mut same);
+        system.derivative_at_end(t, y, true, &mut same);
         assert_eq!(derivatives, same);
         system.derivative(t, &z, &mut derivatives);
     }
-    system.observe(0.2, &y);
+    system.observe(0.2, &y, Detail::Everything);
     let motion = Motion {
         rate: 7.0,
         ..Motion::default()
     };
     system.set_motion(0, motion);
-    assert_eq!(system.observe(0.2, &y).bodies[0].rate, 7.0);
+    assert_eq!(
+        system.observe(0.2, &y, Detail::Everything).bodies[0].rate,
+        7.0
+    );
     system.forces_mut().masses[3] = 2.0;
-    let load = system.observe(0.2, &y).loads[3].fy;
+    let load = system.observe(0.2, &y, Detail::Everything).loads[3].fy;
     assert_relative_eq!(load, -2.0 * 9.81, max_relative = 1e-15);
 }
 
@@ -442,8 +455,8 @@ fn a_settled_state_is_evaluated_as_any_other() {
     let mut begun = Lagrange::new(off, weight(&m), Stabilisation::Projection).unwrap();
     assert_eq!(derivatives(&mut begun, 0.2, &y), expected);
     assert_eq!(
-        begun.observe(0.2, &y).bodies,
-        fresh().observe(0.2, &y).bodies
+        begun.observe(0.2, &y, Detail::Everything).bodies,
+        fresh().observe(0.2, &y, Detail::Everything).bodies
     );
     // f of a state is that of the settled one.
     assert_eq!(derivatives(&mut system, 0.2, &apart), expected);
@@ -460,7 +473,10 @@ fn free_bodies_are_projected_nowhere() {
         for (k, y) in y.iter_mut().enumerate().filter(|(k, _)| k / 3 % 5 == 4) {
             *y = 0.1 * (k as f64 + 1.0);
         }
-        let (mut derivatives, seen) = (vec![0.0; y.len()], system.observe(0.0, &y).bodies[4]);
+        let (mut derivatives, seen) = (
+            vec![0.0; y.len()],
+            system.observe(0.0, &y, Detail::Everything).bodies[4],
+        );
         system.derivative(0.0, &y, &mut derivatives);
         system.project(0.0, &mut y);
         (
@@ -611,7 +627,10 @@ fn two_drivers_do_the_same_in_both_forms() {
         reduced.restart_at(segment);
         lagrange.restart_at(segment);
         let (one, other) = (run(&mut reduced, 1e-3, 0.2), run(&mut lagrange, 1e-3, 0.2));
-        let (one, other) = (reduced.observe(0.2, &one), lagrange.observe(0.2, &other));
+        let (one, other) = (
+            reduced.observe(0.2, &one, Detail::Everything),
+            lagrange.observe(0.2, &other, Detail::Everything),
+        );
         for (a, b) in one.bodies.iter().zip(other.bodies) {
             for (a, b) in [
                 (a.x, b.x),
@@ -637,7 +656,7 @@ fn two_drivers_do_the_same_in_both_forms() {
     let mut moved = y.clone();
     moved[0] += 0.1;
     let moments = |reduced: &mut Reduced<Wind>, y: &[f64]| {
-        let seen = reduced.observe(0.0, y);
+        let seen = reduced.observe(0.0, y, Detail::Everything);
         seen.loads.iter().map(|load| load.moment).sum::<f64>()
     };
     let (before, after) = (moments(&mut reduced, &y), moments(&mut reduced, &moved));

@@ -16,7 +16,7 @@ pub(crate) use pendulum::pendulum;
 
 use elements::Elements;
 use pinwheel_mbs::integrators::{StepCounts, StepError, StepSettings, start};
-use pinwheel_mbs::{Formulation, Lagrange, Mechanism, Observation, Stabilisation};
+use pinwheel_mbs::{Detail, Formulation, Lagrange, Mechanism, Observation, Stabilisation};
 
 /// A mechanism with its loads and its published read-out.
 #[derive(Debug, Clone)]
@@ -66,7 +66,7 @@ impl Problem {
             }
             stepper.interpolate(&mut system, t, &mut y);
             joint_error = joint_error.max(system.joint_error(t, &y));
-            let seen = system.observe(t, &y);
+            let seen = system.observe(t, &y, Detail::Everything);
             values.push((self.read)(&seen));
             energy.push(seen.kinetic_j + self.loads.potential(seen.bodies));
         }

@@ -1,0 +1,86 @@
+//! States of the bodies that a contact or bearing joins, with derivatives or without.
+
+use pinwheel_contact::{Complex, Dual, Scalar};
+use pinwheel_mbs::{BodyState, Variable};
+
+/// Place, direction and velocities of a body.
+#[derive(Clone, Copy)]
+pub(super) struct Motion<S = f64> {
+    pub(super) place: Complex<S>,
+    pub(super) velocity: Complex<S>,
+    /// e^{i angle}.
+    pub(super) turn: Complex<S>,
+    pub(super) rate: S,
+}
+
+impl Motion {
+    #[inline]
+    pub(super) fn of(body: &BodyState) -> Self {
+        Self {
+            place: Complex::new(body.x, body.y),
+            velocity: Complex::new(body.vx, body.vy),
+            turn: Complex::unit(body.angle),
+            rate: body.rate,
+        }
+    }
+}
+
+impl<S: Scalar> Motion<S> {
+    /// Motion of a body that the output carries, which stands at `angle` and turns at `rate`.
+    pub(super) fn carried(body: &BodyState, output: &BodyState, [angle, rate]: [S; 2]) -> Self {
+        let turn = Complex::unit(angle - angle.like(output.angle));
+        let place = Complex::new(body.x, body.y).like(angle) * turn;
+        Self {
+            place,
+            velocity: place.turned().scale(rate),
+            turn,
+            rate,
+        }
+    }
+}
+
+/// Angle, x, y and their rates, in this order, of a disc as variables.
+pub(super) fn values(disc: &BodyState) -> [f64; 6] {
+    [disc.angle, disc.x, disc.y, disc.rate, disc.vx, disc.vy]
+}
+
+/// Motion of a disc whose [`values`] are these.
+pub(super) fn of_values<const N: usize>(
+    [angle, x, y, rate, vx, vy]: [Dual<N>; 6],
+) -> Motion<Dual<N>> {
+    Motion {
+        place: Complex::new(x, y),
+        velocity: Complex::new(vx, vy),
+        turn: Complex::unit(angle),
+        rate,
+    }
+}
+
+/// A coordinate of this number; `None`: it moves at that speed.
+pub(super) fn position(number: Option<usize>, speed: f64) -> Variable {
+    number.map_or(Variable::Time(speed), Variable::Position)
+}
+
+/// The rate of a coordinate of this number; `None`: it changes at that acceleration.
+pub(super) fn rate(number: Option<usize>, acceleration: f64) -> Variable {
+    number.map_or(Variable::Time(acceleration), Variable::Rate)
+}
+
+/// Variables of a disc's [`values`]; one without free places is carried round by the input.
+pub(super) fn variables(
+    coordinates: &pinwheel_mbs::Coordinates,
+    number: usize,
+    disc: &BodyState,
+    input: &BodyState,
+) -> [Variable; 6] {
+    let (angle, x) = (coordinates.angle(number), coordinates.place(number));
+    let (y, squared) = (x.map(|x| x + 1), input.rate * input.rate);
+    [
+        position(angle, disc.rate),
+        position(x, disc.vx),
+        position(y, disc.vy),
+        rate(angle, 0.0),
+        rate(x, -squared * (disc.x - input.x)),
+        rate(y, -squared * (disc.y - input.y)),
+    ]
+}
