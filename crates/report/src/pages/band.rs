@@ -1,0 +1,98 @@
+//! Bands of other contact laws, in words and as a table.
+
+use pinwheel_contact::laws::law_info;
+use crate::figure::{interval, rounded};
+use crate::format::{joined, significant};
+use crate::study::Block;
+use pinwheel_studies::band::{Bands, ROLLERS};
+use pinwheel_timeseries::figure::{FigureDef, definitions as defs};
+use pinwheel_timeseries::table::Table;
+
+/// Figures of the table of bands.
+static TOLD: [&FigureDef; 4] = [
+    &defs::EXTERNAL_FORCE,
+    &defs::INTERNAL_FORCE,
+    &defs::STIFFNESS,
+    &defs::LOST_MOTION,
+];
+
+/// Sentence on a scene whose own law lies outside of what is defensible, with the remedy.
+pub(crate) fn outside(bands: &Bands) -> Option<String> {
+    if bands.holds_own() {
+        return None;
+    }
+    let of = law_info(&bands.own).map_or("", |law| law.shape.words());
+    Some(format!(
+        "{} ({of}) lies outside of the band for these rollers: --set contact.law={ROLLERS}, or say why not",
+        bands.own
+    ))
+}
+
+/// Sentence on the laws from which the bands are.
+pub(crate) fn about(bands: &Bands) -> String {
+    if bands.laws.is_empty() {
+        return format!("no band: {ROLLERS} carries this load in no position of the gear");
+    }
+    format!(
+        "least and largest by {}; a spread of models, not validated by measurement",
+        bands.laws.join("; ")
+    )
+}
+
+/// Effect of cuts of the profile on the largest external force.
+pub(crate) fn fit(bands: &Bands) -> Option<String> {
+    let FigureDef { label, unit, .. } = &defs::EXTERNAL_FORCE;
+    let fitted = bands.fitted(&defs::EXTERNAL_FORCE).into_iter();
+    let cut = |(cut, value)| format!("{:.0} \u{b5}m: {} {unit}", 1e6 * cut, significant(value, 3));
+    let told = joined(", by ", fitted.map(cut));
+    (!told.is_empty()).then(|| format!("{label}; profile cut by {told}"))
+}
+
+/// Label of a figure for which the scene's own law lies outside of the band.
+pub(crate) const OUTSIDE: &str = "law";
+
+/// Rows of a terminal.
+pub(crate) fn rows(bands: &Bands) -> Vec<(&'static str, String)> {
+    let mut rows = vec![("by contact law", about(bands))];
+    rows.extend(outside(bands).map(|said| (OUTSIDE, said)));
+    rows.extend(fit(bands).map(|said| ("fit", said)));
+    rows
+}
+
+/// Blocks of a page.
+pub(crate) fn blocks(bands: &Bands) -> Vec<Block> {
+    let rows = TOLD.into_iter().filter_map(|def| bands.get(def));
+    let rows = rows.filter_map(|one| Some((one, one.value?, one.by_contact_law?)));
+    let mut table = Table::of(format!("By contact law, statics: {}", about(bands)), rows)
+        .text("", "Figure", |(one, ..)| &*one.def.label)
+        .text("", "Unit", |(one, ..)| &*one.def.unit)
+        .text("", &bands.own, |(_, own, band)| rounded(*own, *band))
+        .text("", "Band", |(.., band)| interval(*band));
+    for (place, fit) in bands.fits.iter().enumerate() {
+        let cut = format!("cut by {:.0} \u{b5}m", 1e6 * fit.cut_m);
+        table = table.text("", &cut, |(one, ..)| {
+            let fitted = bands.fitted(&one.def);
+            fitted
+                .get(place)
+                .map_or_else(String::new, |(_, value)| significant(*value, 3))
+        });
+    }
+    let said = outside(bands).map(Block::Text);
+    said.into_iter().chain([table.done().into()]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_law_is_no_band() {
+        let none = Bands {
+            laws: Vec::new(),
+            own: "paper".to_owned(),
+            figures: Vec::new(),
+            fits: Vec::new(),
+        };
+        assert!(about(&none).starts_with("no band: line-hertz "));
+    }
+}
