@@ -1,9 +1,9 @@
 //! Bands of other contact laws, in words and as a table.
 
-use pinwheel_contact::laws::law_info;
 use crate::figure::{interval, rounded};
 use crate::format::{joined, significant};
 use crate::study::Block;
+use pinwheel_contact::laws::law_info;
 use pinwheel_studies::band::{Bands, ROLLERS};
 use pinwheel_timeseries::figure::{FigureDef, definitions as defs};
 use pinwheel_timeseries::table::Table;

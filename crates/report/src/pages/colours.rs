@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use pinwheel_engines::info;
 use crate::COLOURS as COUNT;
+use pinwheel_engines::info;
 
 /// Style of each name: known engines have their own, others one that follows from their name. Two on one page share
 /// a colour only if there are more than [`COUNT`]; then they differ by dash.

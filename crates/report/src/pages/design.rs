@@ -3,13 +3,13 @@
 use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
 
-use pinwheel_engines::Cancelled;
-use pinwheel_gearbox::Gearbox;
 use crate::figure::{self, number, table};
 use crate::format::{self, joined, significant};
 use crate::stack::stack;
 use crate::study::{Axis, Block, Chart, Fact, Mark, Section, Study, Style};
 use crate::terminal::{self, list, titled};
+use pinwheel_engines::Cancelled;
+use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;

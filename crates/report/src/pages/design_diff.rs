@@ -2,12 +2,12 @@
 
 use std::sync::atomic::AtomicBool;
 
-use pinwheel_engines::Cancelled;
 use crate::figure::{cell, number};
 use crate::format::{self, NONE, joined, significant};
 use crate::study::{Block, Section, Study, Tile, Tone, Verdict};
 use crate::table::named;
 use crate::terminal::{self, TITLE, paragraph, styled};
+use pinwheel_engines::Cancelled;
 use pinwheel_scene::keys::key;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::design_diff::{DesignDiff, KeyDiff};

@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use pinwheel_engines::{family, lacking, remedy};
 use crate::format::joined;
 use crate::terminal::{self, paragraph};
+use pinwheel_engines::{family, lacking, remedy};
 use pinwheel_studies::choice::Listed;
 use pinwheel_timeseries::table::Table;
 

@@ -6,11 +6,11 @@ use std::f64::consts::TAU;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use crate::study::{Block, Study};
+use crate::{figure, script};
 use pinwheel_contact::laws::LAWS;
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::{Gearbox, auto};
-use crate::study::{Block, Study};
-use crate::{figure, script};
 use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::{CheckedScene, Formulation, Override, Scene, edited, preset, scales};
 use pinwheel_studies::{Control, Provenance, StudyError, band, design};

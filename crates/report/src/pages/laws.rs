@@ -1,8 +1,8 @@
 //! The contact laws a scene can name.
 
-use pinwheel_contact::laws::{LAWS, LawInfo, Shape};
 use crate::format::joined;
 use crate::terminal::{TITLE, pairs, paragraph, styled};
+use pinwheel_contact::laws::{LAWS, LawInfo, Shape};
 use serde_json::json;
 
 /// All laws, one after the other.

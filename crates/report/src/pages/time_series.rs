@@ -7,10 +7,10 @@
 //! no peak is lost. Only where two samples a pixel are too many for every channel, channels are left out. Metrics never
 //! come from here.
 
-use pinwheel_compare::comparison::Comparison;
-use pinwheel_compare::{Participant, Quantity, SharedModel, Verdict, quantities};
 use crate::script;
 use crate::study::{Block, escape};
+use pinwheel_compare::comparison::Comparison;
+use pinwheel_compare::{Participant, Quantity, SharedModel, Verdict, quantities};
 use pinwheel_timeseries::columns;
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -629,7 +629,8 @@ mod tests {
             engines.collect::<Vec<_>>(),
             [vec![0, 1], vec![0, 1], vec![1]]
         );
-        let mut read = crate::pages::packed::tests::Reader::new(&found.quantities[0].channels[2].packed);
+        let mut read =
+            crate::pages::packed::tests::Reader::new(&found.quantities[0].channels[2].packed);
         assert_eq!(read.places(), [0usize; 0]);
         assert!((read.column()[600] - 0.6).abs() < 1e-4);
     }

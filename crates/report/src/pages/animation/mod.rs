@@ -2,11 +2,11 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::study::Block;
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::native::{self, NativeError};
 use pinwheel_gearbox::resolve;
 use pinwheel_gearbox::{Gearbox, GearboxError, auto};
-use crate::study::Block;
 use pinwheel_scene::{CheckedScene, Formulation, Scene};
 use pinwheel_timeseries::TimeSeries;
 

@@ -343,7 +343,8 @@ mod tests {
         );
         // The first channel rises from 3 to 7 N m.
         let first =
-            crate::pages::packed::tests::Reader::new(made.view["samples"].as_str().unwrap()).column();
+            crate::pages::packed::tests::Reader::new(made.view["samples"].as_str().unwrap())
+                .column();
         for (value, wanted) in first.iter().zip([3.0, 4.0, 5.0, 6.0, 7.0]) {
             assert!((value - wanted).abs() < 7.0 / 16_000.0, "{first:?}");
         }

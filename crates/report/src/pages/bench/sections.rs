@@ -1,8 +1,8 @@
 //! The sections: costs at given errors, work-precision plots, the reference, what is unequal, all points.
 
-use pinwheel_engines::{AccuracySetting, SharedModel};
 use crate::format::{NONE, joined, limit, plain};
 use crate::study::{Axis, Block, Chart, Section, Series, Style};
+use pinwheel_engines::{AccuracySetting, SharedModel};
 use pinwheel_studies::bench::{self, Advantage, CostAt, Errors, Measure, Ranking, WorkPrecision};
 use pinwheel_studies::reference::Solution;
 use pinwheel_timeseries::table::{Mark, Shown, Table};

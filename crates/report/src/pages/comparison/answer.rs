@@ -3,15 +3,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::figure::shown;
+use crate::format::{joined, significant};
+use crate::study::{Fact, Mark, Tone, Verdict};
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::shown::{Finding, Kind, Shown};
 use pinwheel_compare::{
     Assessment, Comparison, SharedModel, Status, Verdict as Judged, quantities,
 };
 use pinwheel_engines::{Form, info, known, lacking, remedy};
-use crate::figure::shown;
-use crate::format::{joined, significant};
-use crate::study::{Fact, Mark, Tone, Verdict};
 use pinwheel_studies::band::declined;
 use pinwheel_studies::comparison::{Largest, MatchedContactRun, Outcome};
 

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use crate::format;
 use pinwheel_compare::comparison::EngineSummary;
 use pinwheel_compare::{Assessment, Comparison, Verdict, WindowKind};
-use crate::format;
 use pinwheel_timeseries::table::{Mark, Table, TableOf};
 
 use super::words;

@@ -11,11 +11,11 @@ mod words;
 
 use std::sync::atomic::AtomicBool;
 
-use pinwheel_engines::Cancelled;
-use pinwheel_gearbox::Statement;
 use crate::figure::tile;
 use crate::format;
 use crate::study::{Block, Fact, Section, Study};
+use pinwheel_engines::Cancelled;
+use pinwheel_gearbox::Statement;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::comparison::Outcome;
 use pinwheel_timeseries::table::Table;

@@ -1,10 +1,10 @@
 //! One line for each pair, and behind it everything that was judged and measured of it.
 
+use crate::format::{self, NONE, relative, relative_or_none, significant};
+use crate::study::{Block, Item};
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::metrics::PairMetrics;
 use pinwheel_compare::{Against, Assessment, Metric, Quantity, SharedModel, Verdict, WindowKind};
-use crate::format::{self, NONE, relative, relative_or_none, significant};
-use crate::study::{Block, Item};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 
 use super::common::{Page, mark};

@@ -1,10 +1,10 @@
 //! Sections of a comparison's page: tracks with their pairs and figures, energy, costs, engines.
 
+use crate::format::{self, joined};
+use crate::study::{Block, Section};
 use pinwheel_compare::comparison::{EngineSummary, Figures};
 use pinwheel_compare::uncertainty::Norm;
 use pinwheel_compare::{Assessment, Metric, Quantity, SharedModel, quantities};
-use crate::format::{self, joined};
-use crate::study::{Block, Section};
 use pinwheel_timeseries::norms::Statistics;
 use pinwheel_timeseries::table::{Mark, Shown, Table};
 

@@ -1,13 +1,13 @@
 //! Text of `pinwheel compare` on stdout: figures of every engine, verdicts of every pair.
 
-use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
-use pinwheel_compare::metrics::PairMetrics;
-use pinwheel_compare::quantities::INPUT_TORQUE;
-use pinwheel_compare::{Comparison, Counts, SharedModel, Verdict};
 use crate::figure::tile;
 use crate::format::{self, significant};
 use crate::study::{Fact, Tone};
 use crate::terminal::{self, BAD, GOOD, OPEN, QUIET, TITLE, paragraph, styled};
+use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
+use pinwheel_compare::metrics::PairMetrics;
+use pinwheel_compare::quantities::INPUT_TORQUE;
+use pinwheel_compare::{Comparison, Counts, SharedModel, Verdict};
 use pinwheel_scene::Scene;
 use pinwheel_studies::comparison::Outcome;
 use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
@@ -47,7 +47,10 @@ fn with_notes(
     trust: &[Fact],
     (kept, reasons): (usize, usize),
 ) -> String {
-    let mut text = format!("{}\n\n", styled(TITLE, &paragraph(&crate::pages::title(scene))));
+    let mut text = format!(
+        "{}\n\n",
+        styled(TITLE, &paragraph(&crate::pages::title(scene)))
+    );
     text += &format!("{}\n", terminal::facts(&answer.shown()));
     text += &terminal::pairs(figures(answer.found).iter().map(tile).map(|one| {
         let value = format!("{} {}", one.value, one.unit);

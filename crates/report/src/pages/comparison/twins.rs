@@ -1,9 +1,9 @@
 //! Engines with contacts of their own beside native runs with the same contacts, in words and as a table.
 
-use pinwheel_compare::Verdict as Judged;
 use crate::format::significant;
 use crate::study::Block;
 use crate::table::named;
+use pinwheel_compare::Verdict as Judged;
 use pinwheel_studies::comparison::{MatchedContactRun, Outcome};
 use pinwheel_timeseries::table::{Mark, Table};
 

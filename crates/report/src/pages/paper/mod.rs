@@ -2,8 +2,8 @@
 
 use std::sync::atomic::AtomicBool;
 
-use pinwheel_engines::Cancelled;
 use crate::study::{self, Axis, Block, Chart, Fact, Section, Series, Study, Style, Tone};
+use pinwheel_engines::Cancelled;
 use pinwheel_scene::Scene;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::paper::{ClaimVerdict, Cost, PaperFigure, PaperResult, Plot};

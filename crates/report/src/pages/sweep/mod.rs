@@ -1,11 +1,9 @@
 //! A sweep's page: figures over what was varied, and every run in a table.
 
-use pinwheel_compare::quantities;
 use crate::format::{count, joined, plain, readable_unit, seconds, significant};
-use crate::study::{
-    Block, Grid, GridAxis, GridFigure, Section, Study, Tile, Tone, Verdict,
-};
+use crate::study::{Block, Grid, GridAxis, GridFigure, Section, Study, Tile, Tone, Verdict};
 use crate::table::named;
+use pinwheel_compare::quantities;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::sweep::{self, Axis, Plan, RunRecord, STATICS, Value, definition};
 use pinwheel_timeseries::figure::FigureDef;
