@@ -1,0 +1,315 @@
+//! A check against a baseline: what moved, before and after, by how much it moved.
+
+use std::collections::BTreeMap;
+
+use crate::format::joined;
+use crate::study::{self, Block, Section, Study, Tone};
+use crate::terminal::{self, QUIET, TITLE, styled};
+use pinwheel_studies::Provenance;
+use pinwheel_studies::baseline::{
+    Acceptance, Baseline, CaseCheck, Check, CostCheck, Listed, Made, QuantityCheck, Record,
+    Verdict, limits,
+};
+use pinwheel_timeseries::table::{Mark, Shown, Table};
+
+/// One quantity of one case.
+type Moved<'a> = (&'a CaseCheck, &'a QuantityCheck);
+
+/// The page of a check against the baseline `name`.
+#[must_use]
+pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -> String {
+    let moved = moved(check);
+    // What is worse is read, what passed is folded.
+    let bad = |verdict: Verdict| verdict == Verdict::Worse;
+    let passed = check.cases.iter().filter(|case| !bad(case.verdict)).count();
+    let all = cases_table("Every scene by every solver", check.cases.iter());
+    let mut cases = Section::new("cases", "All cases").with(all);
+    if passed == check.cases.len() {
+        cases = cases.folded(format!("{passed} cases, none worse"));
+    }
+    let mut costs = Section::new("costs", "Costs").with(costs_block(check));
+    let mut counts = check.cases.iter().flat_map(|case| &case.costs);
+    if !counts.any(|cost| bad(cost.verdict)) {
+        costs = costs.folded("Counts of the program's work, none worse");
+    }
+    let study = Study {
+        title: format!("baseline {name}"),
+        eyebrow: "What moved since it was accepted".to_owned(),
+        lead: format!(
+            "{} cases run again and compared with the results accepted on {}: against the accepted result, and by the change \
+             of their error against a converged run.",
+            check.cases.len(),
+            baseline.made.date,
+        ),
+        verdict: Some(study::Verdict {
+            tone: match check.verdict {
+                Verdict::Worse => Tone::Bad,
+                Verdict::Changed | Verdict::New | Verdict::Traded => Tone::Neutral,
+                Verdict::Same | Verdict::Better => Tone::Good,
+            },
+            headline: headline(check.verdict).to_owned(),
+            detail: joined("; ", sentences(name, check)),
+        }),
+        sections: vec![
+            Section::new("moved", "What moved").with(moved_blocks(&moved)),
+            cases,
+            costs,
+            Section::new("limits", "Limits")
+                .with(limits::table())
+                .folded("What a figure may move by, and why"),
+            Section::new("history", "History")
+                .with(history_blocks(baseline, check))
+                .folded("What was accepted, when and why"),
+        ],
+        ..Study::default()
+    };
+    crate::pages::render(study, made)
+}
+
+/// Text for a terminal, without the place of the page: a line on each solver, and the cases that moved.
+#[must_use]
+pub fn text(name: &str, check: &Check) -> String {
+    let (same, mut moved): (Vec<_>, Vec<_>) = check
+        .cases
+        .iter()
+        .partition(|case| case.verdict == Verdict::Same);
+    moved.sort_by_key(|case| std::cmp::Reverse(case.verdict));
+    let lines = sentences(name, check);
+    let mut text: Vec<String> = lines.map(|line| terminal::paragraph(&line)).collect();
+    if !moved.is_empty() {
+        let table = terminal::table(&cases_table("", moved.into_iter()));
+        text.push(table.trim_end().to_owned());
+    }
+    let mut solvers: Vec<&str> = same.iter().map(|case| case.choice.as_str()).collect();
+    solvers.sort_unstable();
+    let groups = solvers.chunk_by(|a, b| a == b);
+    let named = groups.map(|group| format!("{} {}", group[0], group.len()));
+    if !solvers.is_empty() {
+        let list = format!("same to rounding: {}", joined(", ", named));
+        text.push(styled(QUIET, &terminal::paragraph(&list)));
+    }
+    text.join("\n")
+}
+
+/// Text of a record for a terminal: how far off each solver is, and what is not in it.
+#[must_use]
+pub fn recorded(name: &str, record: &Record) -> String {
+    let own = [name.to_owned()];
+    let solvers = match record.baseline.solvers.as_slice() {
+        [] => &own,
+        solvers => solvers,
+    };
+    let of = |solver: &String| {
+        let errors = record.errors().into_iter();
+        let errors = errors.filter(|(_, case, ..)| case.choice == *solver || solvers == own);
+        let errors: Vec<_> = errors.collect();
+        let far = errors
+            .iter()
+            .filter(|(.., error)| *error > limits::FAR_OFF)
+            .count();
+        let named = errors.iter().take(far.clamp(1, 3));
+        let named = named.map(|(scene, case, quantity, error)| {
+            let by = match case.choice == *solver {
+                true => String::new(),
+                false => format!(" by {}", case.choice),
+            };
+            let off = match 100.0 * error {
+                percent if percent < 0.1 => format!("{percent:.1e}"),
+                percent => format!("{percent:.1}"),
+            };
+            format!("{}{by} {off} % in {}", scene.name, quantity.label())
+        });
+        let (cases, named) = (errors.len(), joined(", ", named));
+        match far {
+            _ if cases == 0 => format!("{solver}: nothing recorded"),
+            0 => format!(
+                "{solver}: {cases} cases recorded, none more than 1 % off a converged native run; farthest: {named}"
+            ),
+            far => format!(
+                "{solver}: DIFFERS in {far} of {cases} cases recorded by more than 1 % from a converged native run: {named}"
+            ),
+        }
+    };
+    let lines = solvers.iter().map(of);
+    // A reason stands once, with all scenes that it is for.
+    let mut reasons: BTreeMap<(&str, &str), Vec<&str>> = BTreeMap::new();
+    for out in &record.left_out {
+        let scenes = reasons.entry((&out.choice, &out.reason)).or_default();
+        scenes.push(&out.scene);
+    }
+    let left_out = reasons.into_iter().map(|((choice, reason), scenes)| {
+        format!("not recorded by {choice}: {}: {reason}", scenes.join(", "))
+    });
+    let kept = record.baseline.scenes.len() - record.scenes.len();
+    let kept = (kept > 0).then(|| format!("other scenes, kept as they were: {kept}"));
+    joined("\n", lines.chain(left_out).chain(kept))
+}
+
+/// The baselines that there are, with the reasons for which they were accepted.
+#[must_use]
+pub fn list(listed: &[Listed]) -> String {
+    let mut text = String::new();
+    for one in listed {
+        let made = &one.made;
+        let (name, scenes) = (styled(TITLE, &one.name), one.scenes);
+        let when = format!("made {}, {} build, {}", made.date, made.build, made.vectors);
+        text.push_str(&format!("{name}  {scenes} scenes, {when}\n"));
+        let row = |a: &Acceptance| [" ", &a.date, &a.reason].map(str::to_owned);
+        text.push_str(&terminal::list(one.accepted.iter().map(row)));
+    }
+    text
+}
+
+/// Quantities beyond their rounding, by how much they moved.
+fn moved(check: &Check) -> Vec<Moved<'_>> {
+    let all = check.cases.iter();
+    let all = all.flat_map(|case| case.quantities.iter().map(move |quantity| (case, quantity)));
+    let mut moved: Vec<Moved<'_>> = all
+        .filter(|(_, quantity)| quantity.verdict != Verdict::Same)
+        .collect();
+    moved.sort_by(|(_, a), (_, b)| b.change.total_cmp(&a.change));
+    moved
+}
+
+fn headline(verdict: Verdict) -> &'static str {
+    match verdict {
+        Verdict::Same => "Nothing moved but roundings",
+        Verdict::Changed => "Results moved, within their limits",
+        Verdict::New => "Nothing is shown of some cases",
+        Verdict::Better => "Something is better, nothing is worse",
+        Verdict::Traded => "Something is more accurate and dearer",
+        Verdict::Worse => "Something is worse",
+    }
+}
+
+/// One line on each solver.
+fn sentences(name: &str, check: &Check) -> impl Iterator<Item = String> {
+    check.answers(name).into_iter().map(|answer| answer.text)
+}
+
+fn mark(verdict: Verdict) -> Mark {
+    match verdict {
+        Verdict::Same => Mark::Muted,
+        Verdict::Changed | Verdict::New | Verdict::Traded => Mark::Warn,
+        Verdict::Better => Mark::Good,
+        Verdict::Worse => Mark::Bad,
+    }
+}
+
+/// `1e-5 > 2e-5`, or the one figure where both are the same.
+fn both<T: PartialEq>(before: T, after: T, words: impl Fn(T) -> String) -> String {
+    match before == after {
+        true => words(after),
+        false => format!("{} > {}", words(before), words(after)),
+    }
+}
+
+/// A scene and what solves it.
+fn place(case: &CaseCheck) -> String {
+    format!("{}, {}", case.scene, case.choice)
+}
+
+/// The quantity that moved most, if any did.
+fn most(case: &CaseCheck) -> Option<&QuantityCheck> {
+    case.moved_most().filter(|moved| moved.change > 0.0)
+}
+
+/// The count that moved most, otherwise the first.
+fn count(case: &CaseCheck) -> Option<&CostCheck> {
+    let moved = case.costs.iter();
+    let moved = moved.filter(|cost| cost.verdict != Verdict::Same);
+    moved.max_by_key(|cost| cost.verdict).or(case.costs.first())
+}
+
+/// A row a case: what moved most, and the count that moved most.
+fn cases_table<'a>(caption: &str, cases: impl Iterator<Item = &'a CaseCheck>) -> Table {
+    Table::of(caption, cases)
+        .text("", "Scene", |case| &case.scene)
+        .text("", "Solver", |case| &case.choice)
+        .text("", "Verdict", |case| case.verdict.label())
+        .marked(|case| mark(case.verdict))
+        .text("", "Moved most", |case| match &case.trouble {
+            Some(trouble) => trouble.clone(),
+            None => most(case).map_or("", |moved| moved.label).to_owned(),
+        })
+        .number("", "Change", |case| Some(most(case)?.change))
+        .shown(Shown::Relative)
+        .text("", "Error before > after", |case| {
+            let error = |error: f64| format!("{error:.2e}");
+            let errors = most(case).map(|of| both(of.error_before, of.error_after, error));
+            errors.unwrap_or_default()
+        })
+        .text("", "Right-hand sides", |case| {
+            count(case).map_or_else(String::new, |cost| {
+                let counts = both(cost.before, cost.after, |count| format!("{count:.0}"));
+                match cost.label {
+                    "right-hand sides" => counts,
+                    label => format!("{label} {counts}"),
+                }
+            })
+        })
+        .done()
+}
+
+fn moved_blocks(moved: &[Moved<'_>]) -> Vec<Block> {
+    if moved.is_empty() {
+        return vec!["Every quantity of every case is the accepted one to rounding.".into()];
+    }
+    let table = Table::of("Quantities beyond their rounding", moved)
+        .text("", "Case", |(case, _)| place(case))
+        .text("", "Quantity", |(_, of)| of.label)
+        .number("", "Change", |(_, of)| of.change)
+        .shown(Shown::Relative)
+        .number("", "Rounding up to", |(_, of)| of.rounding_limit)
+        .shown(Shown::Relative)
+        .number("", "Error before", |(_, of)| of.error_before)
+        .shown(Shown::Relative)
+        .number("", "Error after", |(_, of)| of.error_after)
+        .shown(Shown::Relative)
+        .number("", "Mean before", |(_, of)| of.mean[0])
+        .number("", "Mean after", |(_, of)| of.mean[1])
+        .number("", "Peak before", |(_, of)| of.peak[0])
+        .number("", "Peak after", |(_, of)| of.peak[1])
+        .text("", "Verdict", |(_, of)| of.verdict.label())
+        .marked(|(_, of)| mark(of.verdict));
+    let text = "Change, rounding and errors are shares of the quantity's size; errors are against the converged run, which \
+                was recorded with the accepted ones.";
+    vec![text.into(), table.into()]
+}
+
+fn costs_block(check: &Check) -> Block {
+    let costs = check.cases.iter();
+    let costs = costs.flat_map(|case| case.costs.iter().map(move |cost| (case, cost)));
+    let differ = costs.filter(|(_, cost)| cost.before != cost.after);
+    let caption = "Counts that differ; they depend on the program alone, not on the machine";
+    let table = Table::of(caption, differ)
+        .text("", "Case", |(case, _)| place(case))
+        .text("", "Count", |(_, cost)| cost.label)
+        .number("", "Before", |(_, cost)| cost.before)
+        .shown(Shown::Decimals(0))
+        .number("", "After", |(_, cost)| cost.after)
+        .shown(Shown::Decimals(0))
+        .number("", "May move", |(_, cost)| cost.limit)
+        .shown(Shown::Decimals(0))
+        .text("", "Verdict", |(_, cost)| cost.verdict.label())
+        .marked(|(_, cost)| mark(cost.verdict))
+        .done();
+    match table.is_empty() {
+        true => "No count differs from the accepted one.".into(),
+        false => table.into(),
+    }
+}
+
+fn history_blocks(baseline: &Baseline, check: &Check) -> Vec<Block> {
+    let made = |what: &str, made: &Made| {
+        format!(
+            "{what}: {}, version {}, {} build, contact loop on {}, {}",
+            made.date, made.version, made.build, made.vectors, made.processor
+        )
+    };
+    let table = Table::of("Why results were accepted", &baseline.accepted)
+        .text("", "Date", |one| &one.date)
+        .text("", "Reason", |one| &one.reason);
+    let states = vec![made("Before", &check.before), made("After", &check.after)];
+    vec![Block::List(states), table.into()]
+}

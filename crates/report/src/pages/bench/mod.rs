@@ -1,0 +1,75 @@
+//! The page of `pinwheel bench`: headline, what errors cost, the reference, what is unequal, all runs.
+
+use crate::format::{limit, significant};
+use crate::study::{Section, Study, Tone, Verdict};
+use pinwheel_studies::Provenance;
+use pinwheel_studies::bench::{Ranking, WorkPrecision};
+
+mod figures;
+mod sections;
+mod text;
+
+pub use figures::failure;
+pub use text::text;
+
+/// Everything on the page.
+#[must_use]
+pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
+    let rankings = &measured.rankings();
+    let scene = &measured.scene;
+    let versions = measured.series.iter();
+    let versions = versions.map(|series| (series.engine.clone(), series.version.clone()));
+    let mut study = Study {
+        title: scene.name.clone(),
+        eyebrow: "Speed against error".to_owned(),
+        lead: format!(
+            "What accuracy costs: every engine, integrator and step on the scene {} over {} s, against a converged run. \
+             All runs were made in one session on one machine.",
+            scene.name, scene.solver.duration_s
+        ),
+        verdict: rankings.first().and_then(|first| verdict(measured, first)),
+        sections: sections::all(measured, rankings),
+        versions: versions.collect(),
+        ..Study::default()
+    };
+    if !measured.complete {
+        let text = "The measurement was stopped by the user. What had been measured until then stands here; what is missing is \
+                    not a result.";
+        let stopped = Section::new("incomplete", "Incomplete").with(text);
+        study.sections.insert(0, stopped);
+    }
+    crate::pages::render(study, made)
+}
+
+fn verdict(study: &WorkPrecision, ranking: &Ranking) -> Option<Verdict> {
+    let lead = ranking.advantage.as_ref()?;
+    let factor = significant(lead.ratio, 2);
+    let [least, bound] = match lead.at_least {
+        true => [
+            "at least ",
+            " A bound stands where a series ends before this error.",
+        ],
+        false => [""; 2],
+    };
+    let peer = match lead.peer_cpu_s.reached() {
+        true => "the fastest peer that got there",
+        false => "any peer: none got there",
+    };
+    Some(Verdict {
+        tone: Tone::Neutral,
+        headline: format!(
+            "At a force error of {} the native solver is {least}{factor} times faster than {peer}",
+            limit(ranking.error),
+        ),
+        detail: format!(
+            "{} takes {} of CPU time, {} takes {}; relative L2 error of all pin forces over the whole {} s, \
+             start-up included; interpolated between runs in the log-log plane.{}",
+            lead.native,
+            figures::cpu(lead.native_cpu_s),
+            lead.peer,
+            figures::cpu(lead.peer_cpu_s),
+            study.scene.solver.duration_s,
+            bound
+        ),
+    })
+}

@@ -1,0 +1,545 @@
+//! Questions of a reader to a comparison, answered: which force, how sure, who disagrees and why, what next. Page and
+//! terminal say the same.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::format::{joined, significant};
+use crate::study::{Fact, Mark, Tile, Tone, Verdict};
+use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
+use pinwheel_compare::shown::{Finding, Kind, Shown};
+use pinwheel_compare::{
+    Assessment, Comparison, SharedModel, Status, Verdict as Judged, quantities,
+};
+use pinwheel_engines::{Form, info, known, lacking, remedy};
+use pinwheel_studies::band::declined;
+use pinwheel_studies::comparison::{Largest, MatchedContactRun, Outcome};
+
+use super::figures::{best, figures, numerical};
+use super::twins::{self, percent};
+use super::words;
+use crate::pages::band;
+
+/// Format of shares: by signs of a page or of a terminal.
+pub(super) type Number = fn(f64) -> String;
+
+/// The answer.
+pub(super) struct Answer<'a> {
+    pub(super) found: &'a Outcome,
+    number: Number,
+}
+
+impl<'a> Answer<'a> {
+    pub(super) fn new(found: &'a Outcome, number: Number) -> Self {
+        Self { found, number }
+    }
+
+    pub(super) fn comparison(&self) -> &'a Comparison {
+        &self.found.comparison
+    }
+
+    /// The verdict with the figure that people come for.
+    pub(super) fn verdict(&self) -> Verdict {
+        let (tone, word, said) = self.judged();
+        Verdict {
+            tone,
+            headline: match said.as_str() {
+                "" => word,
+                said => format!("{word}: {said}"),
+            },
+            detail: self.summary(),
+        }
+    }
+
+    /// Evidence for each thing that the user brought, or for the engines together: a line each. Limits that hold are part of their
+    /// record's line.
+    pub(super) fn shown(&self) -> Vec<Fact> {
+        let findings = self.found.comparison.findings.iter();
+        let findings = findings.filter(|one| one.kind != Kind::Limit || one.shown != Shown::Agrees);
+        let fact = |one: &Finding| {
+            let mark = match (one.shown, one.status) {
+                (_, 1) => Mark::Bad,
+                (Shown::Agrees, 0) if self.scope().is_none() => Mark::Good,
+                _ => Mark::Warn,
+            };
+            match one.line.strip_prefix(&format!("{}: ", one.name)) {
+                Some(words) if one.kind != Kind::Limit => Fact::new(one.name.as_str(), mark, words),
+                _ => Fact::new("limit", mark, one.line.as_str()),
+            }
+        };
+        findings.map(fact).collect()
+    }
+
+    /// Reason why an agreement proves less than it could: engines that agree are all our own, or share the contact law.
+    fn scope(&self) -> Option<&'static str> {
+        let agreeing = self.entries(|_| true);
+        let agreeing = agreeing.filter(|(_, entry)| entry.result.verdict == Judged::Agree);
+        let tracks: BTreeSet<SharedModel> = agreeing.map(|(pair, _)| pair.track).collect();
+        let independent = [SharedModel::OwnContact, SharedModel::Measured];
+        let mut twins = self.found.twins.iter();
+        if twins.any(|twin| twin.verdict == Judged::Agree)
+            || independent.iter().any(|track| tracks.contains(track))
+        {
+            return None;
+        }
+        Some(match tracks.contains(&SharedModel::SharedLaw) {
+            true => "one contact law, shared by all engines that agree",
+            false => "our own engines alone",
+        })
+    }
+
+    /// Returns the tone, the verdict in a word or two, and the figure or difference that it is about. The tone is good only where
+    /// an agreement is more than one of engines that share the contact law, and no difference is unexplained.
+    pub(super) fn judged(&self) -> (Tone, String, String) {
+        let found = self.found;
+        let mut twins = found.twins.iter();
+        if let Some(twin) = twins.find(|twin| twin.verdict == Judged::Differ) {
+            let worst = twin.worst().map(|worst| percent(worst.difference()));
+            let said = format!(
+                "{} is {} from a native run with the same contacts",
+                words::short(&twin.engine),
+                worst.unwrap_or_default()
+            );
+            return (Tone::Bad, "Differs".to_owned(), said);
+        }
+        let (tone, word) = self.of_engines();
+        if tone == Tone::Good && found.is_unexplained() {
+            let largest = found.largest().map(|largest| self.apart(&largest));
+            let said = largest.unwrap_or_default();
+            return (Tone::Open, "Not confirmed".to_owned(), said);
+        }
+        let said = self.worst(Judged::Differ, |_| true);
+        let said = said.or_else(|| self.unbalanced());
+        let said = said.unwrap_or_else(|| self.first_figure());
+        if let (Tone::Good, Some(scope)) = (tone, self.scope()) {
+            return (Tone::Open, format!("{word}, {scope}"), said);
+        }
+        (tone, word, said)
+    }
+
+    /// Verdict of the engines, without what limits it. An engine that was left out beforehand does not count as broken.
+    fn of_engines(&self) -> (Tone, String) {
+        let comparison = &self.found.comparison;
+        let engines = || comparison.engines.iter();
+        let broken = engines().filter(|e| e.status.is_broken()).count();
+        let finished = engines().any(|e| e.status.is_finished());
+        let (tone, word) = match (comparison.exit_status(), broken) {
+            _ if !finished => (Tone::Open, "No engine could run this scene"),
+            (1, _) => (Tone::Bad, "Differs"),
+            (_, 1) => (Tone::Bad, "1 engine did not finish"),
+            (_, 2..) => return (Tone::Bad, format!("{broken} engines did not finish")),
+            (0, _) => (Tone::Good, "Pass"),
+            _ => (Tone::Open, "Not confirmed"),
+        };
+        (tone, word.to_owned())
+    }
+
+    fn first_figure(&self) -> String {
+        let figures = figures(self.found).into_iter();
+        let forces: Vec<Tile> = figures.filter(|figure| figure.unit == "N").collect();
+        match forces.as_slice() {
+            [external, internal] => format!(
+                "largest pin force {} N external, {} N internal",
+                external.value, internal.value
+            ),
+            _ => String::new(),
+        }
+    }
+
+    /// Engines that agree, and what differs most, in a sentence each.
+    fn summary(&self) -> String {
+        let (engines, programs) = self.agreeing();
+        let agree = match engines {
+            0 => "No two engines agree.".to_owned(),
+            n if programs == 1 => format!("{n} solvers of one program agree."),
+            n => format!("{n} engines of {programs} programs agree."),
+        };
+        let most = self.found.largest().filter(|most| most.share() > SEEN);
+        let most = most.map_or_else(String::new, |most| {
+            format!(" Largest difference: {}.", self.apart(&most))
+        });
+        agree + &most
+    }
+
+    /// Number of engines that agree with another one on the scene's own law, and of their programs.
+    fn agreeing(&self) -> (usize, usize) {
+        let agree = self.entries(SHARES);
+        let agree = agree.filter(|(_, entry)| entry.result.verdict == Judged::Agree);
+        let engines = agree.flat_map(|(pair, _)| [pair.a.as_str(), pair.b.as_str()]);
+        let engines: BTreeSet<&str> = engines.collect();
+        let programs = engines.iter().map(|name| pinwheel_engines::family(name));
+        let programs = programs.collect::<BTreeSet<&str>>().len();
+        (engines.len(), programs)
+    }
+
+    /// `ring pin force 479 N here, 303 N by rapier-colliders`.
+    fn apart(&self, most: &Largest<'_>) -> String {
+        let (label, unit) = quantities::label_and_unit(most.quantity);
+        let [here, there] = [most.here, most.there].map(|value| significant(value, 3));
+        let by = words::short(most.engine);
+        let label = label.to_lowercase();
+        format!("{label} {here} {unit} here, {there} by {by}")
+    }
+
+    /// Can I trust it: equations, integration, contacts, law, fit, measurement and what was done to its data.
+    pub(super) fn trust(&self) -> Vec<Fact> {
+        let mut facts = vec![self.equations()];
+        let unbalanced = self.unbalanced();
+        facts.extend(unbalanced.map(|said| Fact::new("balance", Mark::Bad, said)));
+        facts.extend(self.integration());
+        facts.push(self.contacts());
+        facts.extend(self.difference());
+        facts.extend(self.law());
+        facts.extend(self.measured());
+        let notes = words::of_measured(&self.found.comparison);
+        facts.extend(notes.map(|note| Fact::new(DATA, Mark::None, note)));
+        facts
+    }
+
+    /// Entries of the pairs that `of` chooses.
+    fn entries(
+        &self,
+        of: impl Fn(&Pair) -> bool,
+    ) -> impl Iterator<Item = (&'a Pair, &'a PairEntry)> {
+        let pairs = self.found.comparison.pairs.iter();
+        let pairs = pairs.filter(move |pair| of(pair));
+        pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)))
+    }
+
+    /// Pair of a verdict whose difference is the largest: `reduced and exudyn-constrained, output pin force: D = 2e-4, U = 4e-3`.
+    fn worst(&self, verdict: Judged, of: impl Fn(&Pair) -> bool) -> Option<String> {
+        let entries = self.entries(of);
+        let entries = entries.filter(|(_, entry)| entry.result.verdict == verdict);
+        let worst = entries.max_by(|(_, a), (_, b)| size(&a.result).total_cmp(&size(&b.result)));
+        let (pair, entry) = worst?;
+        let result = &entry.result;
+        let [a, b] = [&pair.a, &pair.b].map(|name| words::short(name));
+        let label = self.label(entry);
+        let bound = match (result.combined(), result.bound) {
+            (Some(u), _) => format!(", U = {}", (self.number)(u)),
+            (None, Some(limit)) => format!(", limit {}", (self.number)(limit)),
+            _ => String::new(),
+        };
+        let d = (self.number)(size(result));
+        Some(format!("{a} and {b}, {label}: D = {d}{bound}"))
+    }
+
+    /// An entry's quantity within a sentence.
+    fn label(&self, entry: &PairEntry) -> String {
+        words::label(&self.found.comparison, &entry.quantity).to_lowercase()
+    }
+
+    fn equations(&self) -> Fact {
+        let fact = |mark, text| Fact::new("equations", mark, text);
+        if let Some(worst) = self.worst(Judged::Differ, SHARES) {
+            return fact(Mark::Bad, format!("they differ: {worst}"));
+        }
+        let Some(worst) = self.worst(Judged::Agree, SHARES) else {
+            let text = "nothing agrees yet: no two engines with the scene's law were compared";
+            return fact(Mark::Warn, text.to_owned());
+        };
+        let (mark, agree) = match self.agreeing() {
+            (n, 1) => (
+                Mark::Warn,
+                format!("{n} solvers of our own agree; no other program. At"),
+            ),
+            (n, programs) => (
+                Mark::Good,
+                format!("{n} engines of {programs} programs agree; at"),
+            ),
+        };
+        fact(mark, format!("{agree} most {worst}"))
+    }
+
+    /// Engines whose own output torque and load do not give the output its acceleration.
+    fn unbalanced(&self) -> Option<String> {
+        let engines = self.found.comparison.engines.iter();
+        let alone = engines.flat_map(|e| e.judged.iter().map(move |entry| (e, &entry.result)));
+        let off = alone.filter(|(_, result)| result.verdict == Judged::Differ);
+        let worst = off.clone().map(|(_, result)| result);
+        let worst = worst.max_by(|a, b| size(a).total_cmp(&size(b)))?;
+        let names: BTreeSet<&str> = off.map(|(e, _)| words::short(&e.name)).collect();
+        Some(format!(
+            "{}: output torque and load do not give the output its acceleration, by {} (limit {})",
+            joined(", ", names),
+            (self.number)(size(worst)),
+            (self.number)(worst.bound.unwrap_or_default())
+        ))
+    }
+
+    fn integration(&self) -> Option<Fact> {
+        let comparison = &self.found.comparison;
+        let (best, window) = best(comparison)?;
+        let off = |engine: &EngineSummary| numerical(comparison, engine, window);
+        let fact = |mark, text: &str| Some(Fact::new("integration", mark, text));
+        let Some(own) = off(best) else {
+            let unknown = "how far the runs are from the exact solution is not known";
+            return fact(Mark::Warn, unknown);
+        };
+        let mut text = format!(
+            "{} is within {} of the exact solution, by its coarser runs",
+            best.name,
+            (self.number)(own)
+        );
+        // The scene's own method and step.
+        let form = |e: &&EngineSummary| info(&e.name).and_then(|info| info.form);
+        let mut scene = comparison.engines.iter();
+        let scene = scene.find(|e| matches!(form(e), Some(Form::Reduced | Form::Lagrange)));
+        let scene = scene.filter(|e| e.name != best.name);
+        if let Some((engine, off)) = scene.and_then(|e| Some((&e.name, off(e)?))) {
+            let off = (self.number)(off);
+            text += &format!("; the scene's own step ({engine}) {off}");
+        }
+        let mark = match own <= comparison.resolution {
+            true => Mark::Good,
+            false => Mark::Warn,
+        };
+        fact(mark, &text)
+    }
+
+    fn contacts(&self) -> Fact {
+        let fact = |mark, text| Fact::new("contacts", mark, text);
+        let differ = |twin: &&MatchedContactRun| twin.verdict == Judged::Differ;
+        let mut twins = self.found.twins.iter();
+        if let Some(line) = twins.find(differ).and_then(twins::line) {
+            return fact(Mark::Bad, line);
+        }
+        let mut parts = Vec::new();
+        let twins = self.found.twins.iter();
+        let twins = twins.filter(|twin| twin.verdict == Judged::Agree);
+        let twins = twins.filter_map(|twin| {
+            Some(format!(
+                "{} {}",
+                words::short(&twin.engine),
+                percent(twin.worst()?.difference())
+            ))
+        });
+        let twins = joined(", ", twins);
+        if !twins.is_empty() {
+            parts.push(format!("{twins} from native runs with the same contacts"));
+        }
+        let without_twin = |pair: &Pair| {
+            let mut twins = self.found.twins.iter();
+            !twins.any(|twin| twin.engine == pair.a || twin.engine == pair.b)
+        };
+        let alike = self.worst(Judged::Agree, |pair| {
+            pair.track == SharedModel::OwnContact && without_twin(pair)
+        });
+        parts.extend(alike.map(|worst| format!("agree: {worst}")));
+        if !parts.is_empty() {
+            return fact(Mark::Good, parts.join("; "));
+        }
+        let mut engines = self.found.comparison.engines.iter();
+        let has_own = engines.any(|e| e.track == SharedModel::OwnContact && e.status.is_finished());
+        let why = match has_own {
+            true => {
+                "the run is all start-up, in which engines with contacts of their own damp otherwise"
+            }
+            false => "no engine with contacts of its own took part",
+        };
+        fact(Mark::Warn, format!("not checked: {why}"))
+    }
+
+    /// The largest difference there is, judged or not.
+    fn difference(&self) -> Option<Fact> {
+        let most = self.found.largest()?;
+        let why = match most.twin {
+            _ if most.share() < SEEN || most.verdict == Some(Judged::Agree) => String::new(),
+            Some(twin) if most.is_explained() => {
+                format!(": {}, a difference of models", twin.contacts)
+            }
+            Some(_) => ": its own contacts do not explain it".to_owned(),
+            None if most.verdict == Some(Judged::Inconclusive) => {
+                ": nothing explains it, and it is not resolved".to_owned()
+            }
+            None => ": nothing explains it".to_owned(),
+        };
+        let mark = match most.is_explained() || most.share() < SEEN {
+            true => Mark::None,
+            false => Mark::Warn,
+        };
+        let share = (self.number)(most.share());
+        let text = format!("{} ({share}){why}", self.apart(&most));
+        Some(Fact::new("differs most", mark, text))
+    }
+
+    fn law(&self) -> Vec<Fact> {
+        let scene = &self.found.gearbox.scene;
+        let Some(bands) = &self.found.bands else {
+            let why = declined(scene);
+            let why = why.unwrap_or("the gear cannot be balanced, or has no load");
+            let text = format!("no band: {why}");
+            return vec![Fact::new("contact law", Mark::Muted, text)];
+        };
+        let outside = band::outside(bands);
+        let mark = Mark::warn(outside.is_some());
+        let within = "is within its band: a spread of models, not validated";
+        let text = outside.unwrap_or_else(|| format!("{} {within}", bands.own));
+        let law = Fact::new("contact law", mark, text);
+        let given = scene.gear.modification.equidistant_m != 0.0 || scene.gear.backlash_m != 0.0;
+        let fit = band::fit(bands).map(|text| match given {
+            true => Fact::new("fit", Mark::None, text),
+            false => Fact::new("fit", Mark::Warn, format!("none given: {text}")),
+        });
+        [law].into_iter().chain(fit).collect()
+    }
+
+    fn measured(&self) -> Option<Fact> {
+        let pairs = || self.entries(|pair| pair.track == SharedModel::Measured);
+        let (mut pair, mut entry) = Assessment::gravest(pairs(), |(_, entry)| &entry.result)?;
+        let mut said = words::verdict(&entry.result, self.number);
+        // Without an uncertainty to judge by there is still how far apart they are.
+        let apart = |entry: &PairEntry| entry.metrics.as_ref()?.relative_l2;
+        if entry.result.verdict == Judged::NotCompared {
+            let pairs = pairs().filter_map(|(pair, entry)| Some((pair, entry, apart(entry)?)));
+            if let Some((of, farthest, l2)) = pairs.max_by(|a, b| a.2.total_cmp(&b.2)) {
+                (pair, entry) = (of, farthest);
+                let place = self.label(entry);
+                said = format!(
+                    "{said}; at most {} apart (relative L2, {place})",
+                    (self.number)(l2)
+                );
+            }
+        }
+        let [a, b] = [&pair.a, &pair.b].map(|name| words::short(name));
+        let mark = match entry.result.verdict {
+            Judged::Agree => Mark::Good,
+            _ => Mark::Warn,
+        };
+        let text = format!("{a} and {b}: {said}");
+        Some(Fact::new("measurement", mark, text))
+    }
+
+    /// Facts on parts that were not checked, with the way to check them; so many reasons of engines without figures are
+    /// given one by one.
+    pub(super) fn unchecked(&self, told: usize) -> Vec<Fact> {
+        let comparison = &self.found.comparison;
+        let here = |name: &str| comparison.engines.iter().any(|engine| engine.name == name);
+        let lacks: Vec<&str> = lacking().map(|info| info.name).collect();
+        let mut absent: BTreeMap<String, Vec<&str>> = BTreeMap::new();
+        for info in known().filter(|info| !here(info.name)) {
+            let remedy = remedy(info).filter(|_| lacks.contains(&info.name));
+            let why = remedy.map_or_else(
+                || "not asked for; run it without `--engines`".to_owned(),
+                |remedy| format!("not in this build; {remedy}"),
+            );
+            absent.entry(why).or_default().push(info.name);
+        }
+        let mut facts = Vec::new();
+        for (why, names) in absent.into_iter().rev() {
+            let families = names.iter().map(|name| pinwheel_engines::family(name));
+            let families = joined(", ", families.collect::<BTreeSet<&str>>());
+            let text = format!("{families} ({} engines): {why}", names.len());
+            facts.push(Fact::new("engines", Mark::None, text));
+        }
+        let mut left_out = left_out(comparison);
+        let more = left_out.split_off(told.min(left_out.len()));
+        if !more.is_empty() {
+            let names = more.into_iter().flat_map(|(_, names)| names).collect();
+            let why = "`--verbose` says why, or Engines on the page";
+            left_out.push((why.to_owned(), names));
+        }
+        facts.extend(told_as_facts(&left_out));
+        let recorded = comparison.engines.iter();
+        let recorded = recorded.filter(|engine| engine.cost.recorded.is_some());
+        let recorded = joined(", ", recorded.map(|engine| words::short(&engine.name)));
+        if !recorded.is_empty() {
+            let text = format!(
+                "{recorded}: not run here but recorded before; Engines on the page says when and why"
+            );
+            facts.push(Fact::new("recorded", Mark::None, text));
+        }
+        let counts = comparison.counts;
+        if counts.inconclusive > counts.inconclusive_actionable {
+            let groups = words::groups(comparison).join(", ");
+            let text = format!(
+                "{} of {} comparisons: {groups}",
+                counts.inconclusive,
+                counts.compared()
+            );
+            facts.push(Fact::new(UNRESOLVED, Mark::None, text));
+        }
+        if self.measured().is_none() {
+            let text = "nothing here is measured; `--against rig.csv --map rig.toml` would";
+            facts.push(Fact::new("measurement", Mark::None, text));
+        }
+        facts
+    }
+
+    /// Facts on the next steps.
+    pub(super) fn next(&self) -> Vec<Fact> {
+        let open = words::inconclusive(&self.found.comparison).into_iter();
+        let open = open.map(|(who, why)| format!("{who}: {why}"));
+        let mut next: Vec<String> = open.take(3).collect();
+        let unexplained = self.found.largest().filter(|_| self.found.is_unexplained());
+        if let Some(most) = unexplained {
+            next.push(match most.twin {
+                _ if most.measured && most.verdict == Some(Judged::Differ) => format!(
+                    "find what the model leaves out of `{}`, or what is wrong with it: it is off by more than it may be",
+                    most.engine
+                ),
+                _ if most.measured => format!(
+                    "state in its map how far `{}` may be off (`uncertainty`): then it is judged",
+                    most.engine
+                ),
+                Some(_) => format!(
+                    "ask for more of `{}`: --longest 300; or leave it out",
+                    most.engine
+                ),
+                None => format!("refine `{}` or leave it out: --engines", most.engine),
+            });
+        }
+        if next.is_empty() {
+            let design = "`pinwheel design` of this scene: stiffness, lost motion, pressure";
+            next.push(design.to_owned());
+        }
+        let facts = next.into_iter();
+        let facts = facts.map(|text| Fact::new("next", Mark::None, text));
+        facts.collect()
+    }
+}
+
+/// Reasons why engines have no figures, with the engines of each.
+pub(super) fn left_out(comparison: &Comparison) -> Vec<(String, Vec<&str>)> {
+    let is_late = |engine: &&EngineSummary| matches!(engine.status, Status::TimedOut { .. });
+    let late = comparison.engines.iter().filter(is_late).count();
+    // Each needs another time; which, its own row of the page says.
+    let time = "timed out; Engines on the page says what each needs (`--longest SECONDS`)";
+    let reasons = comparison.engines.iter().filter_map(|engine| {
+        let reason = engine.status.reason()?;
+        let reason = match late > 1 && is_late(&engine) {
+            true => time.to_owned(),
+            false => reason,
+        };
+        Some((reason, words::short(&engine.name)))
+    });
+    words::grouped(reasons)
+}
+
+/// Reasons of engines that were left out, as facts.
+pub(super) fn told_as_facts(left_out: &[(String, Vec<&str>)]) -> Vec<Fact> {
+    let told = left_out.iter().map(|(reason, names)| {
+        // The label says so already.
+        let reason = reason.strip_prefix("left out: ").unwrap_or(reason);
+        let text = format!("{}: {reason}", names.join(", "));
+        Fact::new("left out", Mark::None, text)
+    });
+    told.collect()
+}
+
+/// Label of facts on changes that were made to measured data.
+pub(super) const DATA: &str = "data";
+/// Pairs that solve the scene's own law.
+const SHARES: fn(&Pair) -> bool =
+    |pair| matches!(pair.track, SharedModel::Native | SharedModel::SharedLaw);
+/// Label of verdicts that are neither *agree* nor *differ*, with nothing to act on.
+pub(super) const UNRESOLVED: &str = "not resolved";
+/// Number of reasons that are listed one by one, where there is room.
+pub(super) const MOST: usize = 2;
+/// Difference of models from which on the verdict names it.
+const SEEN: f64 = 0.03;
+
+fn size(result: &Assessment) -> f64 {
+    result
+        .difference
+        .map_or(0.0, |d| (d - result.predicted).abs())
+}

@@ -1,0 +1,79 @@
+//! Parts of a comparison's page that all its sections use.
+
+use std::collections::BTreeMap;
+
+use crate::format;
+use pinwheel_compare::comparison::EngineSummary;
+use pinwheel_compare::{Assessment, Comparison, Verdict, WindowKind};
+use pinwheel_timeseries::table::{Mark, Table, TableOf};
+
+use super::words;
+use crate::pages::colours;
+
+/// Common data of the parts of the page.
+pub(super) struct Page<'a> {
+    pub(super) comparison: &'a Comparison,
+    /// Colour and dash of each engine by its name.
+    styles: BTreeMap<&'a str, usize>,
+}
+
+impl<'a> Page<'a> {
+    pub(super) fn new(comparison: &'a Comparison) -> Self {
+        let names = comparison.engines.iter().map(|e| e.name.as_str());
+        let styles = colours::by_name(names);
+        Self { comparison, styles }
+    }
+
+    /// A table of rows that each belong to an engine, which the first column names.
+    pub(super) fn of_engines<R>(
+        &self,
+        caption: &str,
+        rows: impl IntoIterator<Item = R>,
+        engine: impl Fn(&R) -> &'a EngineSummary,
+    ) -> TableOf<R> {
+        Table::of(caption, rows)
+            .text("", "Engine", |row| &engine(row).name)
+            .coloured(|row| self.styles.get(engine(row).name.as_str()).copied())
+    }
+
+    /// A quantity in words.
+    pub(super) fn quantity(&self, name: &'a str) -> &'a str {
+        words::label(self.comparison, name)
+    }
+
+    /// A quantity and a window, e.g. `driver torque, steady`.
+    pub(super) fn place(&self, quantity: &'a str, window: WindowKind) -> String {
+        let label = self.quantity(quantity).to_lowercase();
+        format!("{label}, {}", window.word())
+    }
+
+    /// A window in words, e.g. `Steady, 0.3–0.6 s`.
+    pub(super) fn window(&self, kind: WindowKind) -> String {
+        let word = match kind {
+            WindowKind::Steady => "Steady",
+            WindowKind::Transient => "Transient",
+            WindowKind::Whole => "Whole run",
+        };
+        let mut windows = self.comparison.windows.iter();
+        match windows.find(|window| window.kind == kind) {
+            Some(window) => format!("{word}, {}", span(window.from_s, window.to_s)),
+            None => word.to_owned(),
+        }
+    }
+}
+
+/// Mark of a verdict: what is open stands back.
+pub(super) fn mark(found: &Assessment) -> Mark {
+    match found.verdict {
+        Verdict::Agree => Mark::Good,
+        Verdict::Differ => Mark::Bad,
+        Verdict::Inconclusive if found.actionable => Mark::Warn,
+        Verdict::Inconclusive | Verdict::NotCompared => Mark::Muted,
+    }
+}
+
+/// An interval of time, `0.3–0.6 s`.
+pub(super) fn span(from_s: f64, to_s: f64) -> String {
+    let [from, to] = [from_s, to_s].map(format::plain);
+    format!("{from}\u{2013}{to}\u{202f}s")
+}

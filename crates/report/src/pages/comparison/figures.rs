@@ -1,0 +1,107 @@
+//! Figures that people come for: forces, driver torque and efficiency of the engine that speaks for all.
+
+use crate::format::{self, NONE};
+use crate::study::Tile;
+use pinwheel_compare::comparison::EngineSummary;
+use pinwheel_compare::uncertainty::Norm;
+use pinwheel_compare::{Comparison, Quantity, SharedModel, WindowKind, quantities};
+use pinwheel_studies::comparison::Outcome;
+
+use crate::pages::band;
+use crate::pages::figure::{bounds, rounded};
+
+/// Window of the figures: the steady one, or else all of the run, whose largest force may come after the start-up.
+pub(super) fn window(comparison: &Comparison) -> Option<WindowKind> {
+    let windows = comparison.windows.iter().map(|window| window.kind);
+    windows.min_by_key(|kind| *kind == WindowKind::Transient)
+}
+
+/// Engine that speaks for all, with the window of its figures: of those that share the contact law, or of all if none does, one
+/// that is not recorded, and of those the one of the smallest uncertainty.
+pub(super) fn best(comparison: &Comparison) -> Option<(&EngineSummary, WindowKind)> {
+    let window = window(comparison)?;
+    let is_sharing =
+        |e: &&EngineSummary| matches!(e.track, SharedModel::Native | SharedModel::SharedLaw);
+    let engines = || {
+        let engines = comparison.engines.iter();
+        engines.filter(|e| e.status.is_finished())
+    };
+    let some_share = engines().any(|e| is_sharing(&e));
+    let engines = engines().filter(|e| !some_share || is_sharing(e));
+    let engines = engines.filter(|e| e.figures_in(window).is_some());
+    let rank = |e: &EngineSummary| {
+        let off = numerical(comparison, e, window).unwrap_or(f64::INFINITY);
+        (e.cost.recorded.is_some(), off)
+    };
+    let best = engines.min_by(|a, b| {
+        let (a, b) = (rank(a), rank(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    });
+    Some((best?, window))
+}
+
+/// Largest relative distance of an engine's torques and forces from the exact solution of its equations.
+pub(super) fn numerical(
+    comparison: &Comparison,
+    engine: &EngineSummary,
+    window: WindowKind,
+) -> Option<f64> {
+    let known = comparison.quantities.iter().filter(|q| q.is_load());
+    let shares = known.filter_map(|q| {
+        let size = engine.figures_in(window)?.quantities.get(&q.name)?.rms;
+        Some(engine.u(&q.name, window, Norm::L2)? / size)
+    });
+    shares.reduce(f64::max)
+}
+
+/// Forces, driver torque and efficiency, each with its bounds.
+pub(super) fn figures(found: &Outcome) -> Vec<Tile> {
+    let Some((best, window)) = best(&found.comparison) else {
+        return Vec::new();
+    };
+    let loads = found.comparison.quantities.iter();
+    let loads = loads.filter(|q| q.is_load() && q.name != quantities::OUTPUT_TORQUE);
+    let loads = loads.filter_map(|quantity| load(found, best, window, quantity));
+    let mut figures: Vec<Tile> = loads.collect();
+    // What bears the load first.
+    figures.sort_by_key(|figure| figure.unit != "N");
+    figures.extend(efficiency(best, window));
+    figures
+}
+
+/// Mean of a torque, or the largest force.
+fn load(found: &Outcome, best: &EngineSummary, window: WindowKind, of: &Quantity) -> Option<Tile> {
+    let own = best.figures_in(window)?.quantities.get(&of.name)?;
+    let scales = found.comparison.context.scales;
+    let (value, kind, norm, scale) = match of.is_torque() {
+        true => (own.mean, "mean", Norm::Mean, scales.torque_n_m),
+        false => (own.max, "largest", Norm::Peak, scales.force_n),
+    };
+    let off = best.u(&of.name, window, norm);
+    let (shown, off) = format::bounded(value, off, scale.unwrap_or(0.0));
+    let bands = found.bands.as_ref();
+    let laws = bands.and_then(|bands| bands.of(band::key_of_peak(&of.name)?, value));
+    let shown = laws.map_or(shown, |laws| rounded(value, laws));
+    let label = format!("{}, {kind}", of.label);
+    Some(Tile::new(label, shown, bounds(laws, &off, "numerical")).unit(&of.unit))
+}
+
+/// The efficiency, or why there is none.
+fn efficiency(best: &EngineSummary, window: WindowKind) -> Option<Tile> {
+    let figures = best.figures_in(window)?;
+    // Its powers are those of the mean torques.
+    let share = |name: &str| {
+        let mean = figures.quantities.get(name)?.mean.abs();
+        let share = best.u(name, window, Norm::Mean)? / mean;
+        Some(share).filter(|share| share.is_finite())
+    };
+    let Some(value) = figures.efficiency else {
+        let reason = figures.efficiency_reason.as_ref()?;
+        return Some(Tile::new("Efficiency", NONE, reason));
+    };
+    let [driver, load] = [quantities::INPUT_TORQUE, quantities::OUTPUT_TORQUE].map(share);
+    let off = driver.zip(load).map(|(driver, load)| driver + load);
+    let percent = 100.0 * value;
+    let (value, off) = format::bounded(percent, off.map(|off| off * percent), 0.0);
+    Some(Tile::new("Efficiency", value, bounds(None, &off, "numerical")).unit("%"))
+}

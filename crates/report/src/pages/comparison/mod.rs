@@ -1,0 +1,117 @@
+//! A comparison of engines on one scene.
+
+mod answer;
+mod common;
+mod figures;
+mod pairs;
+mod sections;
+mod text;
+mod twins;
+mod words;
+
+use std::sync::atomic::AtomicBool;
+
+use crate::format;
+use crate::study::{Block, Fact, Section, Study};
+use pinwheel_engines::Cancelled;
+use pinwheel_gearbox::Statement;
+use pinwheel_studies::Provenance;
+use pinwheel_studies::comparison::Outcome;
+use pinwheel_timeseries::table::Table;
+
+use answer::Answer;
+use common::Page;
+pub use text::{details, text};
+
+use crate::pages::{animation, band, time_series};
+
+/// The page; `cancel` stops it while the motion is computed.
+///
+/// # Errors
+/// `cancel` was set.
+pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<String, Cancelled> {
+    let (comparison, participants) = (&found.comparison, &found.participants);
+    let page = Page::new(comparison);
+    let answer = Answer::new(found, format::relative);
+    let mut sections = Vec::new();
+    if let Some(time_series) = time_series::block(comparison, participants, false) {
+        sections.push(Section::new("courses", "Over time").with(time_series));
+    }
+    // Details stand below the first screen.
+    let mut details = twins::blocks(found);
+    details.extend(found.bands.iter().flat_map(band::blocks));
+    if !details.is_empty() {
+        sections.push(Section::new("models", "Models").with(details));
+    }
+    sections.extend(page.tracks());
+    sections.extend(page.energy());
+    sections.push(page.costs());
+    let model = Section::new("model", "Model").with(model(found));
+    sections.push(model.folded(""));
+    sections.push(page.engines());
+    let versions = participants.iter();
+    let versions = versions.map(|p| (p.name.clone(), p.version.clone()));
+    let scene = Block::Code(found.gearbox.scene.to_toml());
+    let study = Study {
+        title: comparison.context.scene.clone(),
+        eyebrow: match comparison.engines.len() {
+            1 => "Comparison of 1 engine on the scene".to_owned(),
+            engines => format!("Comparison of {engines} engines on the scene"),
+        },
+        lead: comparison.context.description.clone(),
+        verdict: Some(answer.verdict()),
+        top: vec![answer.shown().into()],
+        tiles_title: figures::best(comparison).map_or_else(String::new, |(engine, window)| {
+            format!("{}, by {}", page.window(window), engine.name)
+        }),
+        tiles: figures::figures(found),
+        below: below(&answer),
+        aside: animation::aside(&found.gearbox, cancel)?,
+        sections,
+        appendix: vec![Block::folded("The scene, every key", scene)],
+        versions: versions.collect(),
+        made: Some(made.date.clone()),
+        ..Study::default()
+    };
+    Ok(crate::pages::render(study, made))
+}
+
+/// Facts below the figures, and remarks.
+fn below(answer: &Answer<'_>) -> Vec<Block> {
+    let under = |title: &str, facts: Vec<Fact>| {
+        let facts = (!facts.is_empty()).then(|| [Block::heading(title), facts.into()]);
+        facts.into_iter().flatten()
+    };
+    let mut unchecked = answer.unchecked(answer::MOST);
+    // Bookkeeping last: it may be cut off.
+    unchecked.sort_by_key(|fact| fact.label == answer::UNRESOLVED);
+    unchecked.splice(0..0, answer.next());
+    let comparison = answer.comparison();
+    let divergence = comparison.context.divergence.iter();
+    let remarks = words::of_windows(comparison).chain(divergence.map(|d| d.told.clone()));
+    under("Can I trust it?", answer.trust())
+        .chain(under("What next, and what was not checked", unchecked))
+        .chain(remarks.map(Block::Text))
+        .collect()
+}
+
+/// Tables of the model: its parts, those that are left out, and what is assumed.
+fn model(found: &Outcome) -> Vec<Block> {
+    let statements = |caption: &str, list: &[Statement]| {
+        Table::of(caption, list)
+            .text("", "What", |statement| &statement.what)
+            .text("", "Why", |statement| &statement.why)
+            .done()
+    };
+    let assumptions = Table::of("Assumptions", &found.assumptions)
+        .text("", "What", |a| format!("{} = {}", a.key, a.value))
+        .text("", "Why", |a| &a.reason)
+        .done();
+    let tables = [
+        statements("What was modelled", &found.model.modelled),
+        statements("What was left out, and why", &found.model.left_out),
+        assumptions,
+    ];
+    let tables = tables.into_iter().filter(|table| !table.is_empty());
+    tables.map(Block::Table).collect()
+}

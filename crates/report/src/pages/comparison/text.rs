@@ -1,0 +1,314 @@
+//! Text of `pinwheel compare` on stdout: figures of every engine, verdicts of every pair.
+
+use crate::format::{self, significant};
+use crate::study::{Fact, Tone};
+use crate::terminal::{self, BAD, GOOD, OPEN, QUIET, TITLE, paragraph, styled};
+use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
+use pinwheel_compare::metrics::PairMetrics;
+use pinwheel_compare::quantities::INPUT_TORQUE;
+use pinwheel_compare::{Comparison, Counts, SharedModel, Verdict};
+use pinwheel_scene::Scene;
+use pinwheel_studies::comparison::Outcome;
+use pinwheel_timeseries::columns::{EXTERNAL_FORCE, INTERNAL_FORCE};
+use pinwheel_timeseries::table::{Mark, Shown, Table};
+
+use super::answer::{self, Answer};
+use super::common::mark;
+use super::figures::{figures, window};
+use super::words;
+use crate::pages::band;
+
+/// The answer on one screen at most, without the place of the page. Notes on measured data, then reasons why engines were left out,
+/// are shortened until it fits; [`details`] has all of them.
+#[must_use]
+pub fn text(scene: &Scene, found: &Outcome) -> String {
+    let answer = Answer::new(found, share);
+    let trust = answer.trust();
+    let notes = trust
+        .iter()
+        .filter(|fact| fact.label == answer::DATA)
+        .count();
+    let fewer = (0..answer::MOST).rev().map(|reasons| (0, reasons));
+    let room = (0..=notes).rev().map(|kept| (kept, answer::MOST));
+    let rooms = room.chain(fewer);
+    let mut texts = rooms.map(|room| with_notes(scene, &answer, &trust, room));
+    let shortest = texts.next_back().unwrap_or_default();
+    // One more with the page's place.
+    texts
+        .find(|text| text.lines().count() < SCREEN)
+        .unwrap_or(shortest)
+}
+
+/// The answer with so many notes on measured data, and so many reasons why engines were left out.
+fn with_notes(
+    scene: &Scene,
+    answer: &Answer<'_>,
+    trust: &[Fact],
+    (kept, reasons): (usize, usize),
+) -> String {
+    let mut text = format!(
+        "{}\n\n",
+        styled(TITLE, &paragraph(&crate::pages::title(scene)))
+    );
+    text += &format!("{}\n", terminal::facts(&answer.shown()));
+    text += &terminal::pairs(figures(answer.found).into_iter().map(|one| {
+        let value = format!("{} {}", one.value, one.unit);
+        // Four words would not stand on one line.
+        let bounds = one.detail.replace("by contact law", "by law");
+        let value = match one.value.as_str() {
+            format::NONE => one.value,
+            _ => format!("{value:12}"),
+        };
+        (one.label, format!("{value} {bounds}"))
+    }));
+    let facts = |title: &str, facts: &[Fact]| match facts {
+        [] => String::new(),
+        facts => format!("\n{}\n{}", styled(TITLE, title), terminal::facts(facts)),
+    };
+    let (notes, mut told): (Vec<Fact>, Vec<Fact>) = trust
+        .iter()
+        .cloned()
+        .partition(|fact| fact.label == answer::DATA);
+    let more = notes.len() - kept;
+    told.extend(notes.into_iter().take(kept));
+    if more > 0 {
+        let more =
+            format!("{more} more on what was done to it: `--verbose`, or Measured on the page");
+        told.push(Fact::new(answer::DATA, Mark::None, more));
+    }
+    text += &facts("can I trust it", &told);
+    let mut unchecked = answer.unchecked(reasons);
+    // The last line counts these.
+    unchecked.retain(|fact| fact.label != answer::UNRESOLVED);
+    text += &facts("not checked", &unchecked);
+    text += &terminal::facts(&answer.next());
+    text += &total(answer);
+    match text.lines().count() < SCREEN {
+        true => text,
+        false => text.replace("\n\n", "\n"),
+    }
+}
+
+/// Lines of a screen.
+const SCREEN: usize = 30;
+
+/// Every figure and every verdict.
+#[must_use]
+pub fn details(found: &Outcome) -> String {
+    let comparison = &found.comparison;
+    let mut text = format!("\n{}", terminal::table(&engines(comparison)));
+    text += &terminal::facts(&answer::told_as_facts(&answer::left_out(comparison)));
+    for table in [measured(comparison), pairs(comparison)] {
+        if !table.is_empty() {
+            text.push('\n');
+            text.push_str(&terminal::table(&table));
+        }
+    }
+    if let Some(bands) = &found.bands {
+        text.push('\n');
+        text.push_str(&terminal::pairs(band::rows(bands)));
+    }
+    let told = words::of_windows(comparison).chain(budgets(comparison));
+    let told = told.chain(words::of_measured(comparison));
+    let twins = found.twins.iter().filter_map(super::twins::line);
+    text + &terminal::paragraphs(told.chain(twins))
+}
+
+/// A share as a terminal shows it.
+fn share(value: f64) -> String {
+    match value.abs() >= 1e-3 {
+        true => format!("{}\u{202f}%", significant(100.0 * value, 2)),
+        false => brief_number(value),
+    }
+}
+
+/// The last lines: what all verdicts amount to.
+fn total(answer: &Answer<'_>) -> String {
+    let (tone, word, _) = answer.judged();
+    let style = match tone {
+        Tone::Good => GOOD,
+        Tone::Bad => BAD,
+        Tone::Open => OPEN,
+        Tone::Neutral => QUIET,
+    };
+    let (word, counts) = (word.to_uppercase(), words::counts(answer.comparison()));
+    styled(style, &paragraph(&format!("{word}  {counts}")))
+}
+
+/// Statement on an engine or a pair in a row, and its mark.
+type Said = (String, Mark);
+
+fn engines(comparison: &Comparison) -> Table {
+    let window = window(comparison);
+    let statistics = |engine: &EngineSummary, quantity: &str| {
+        let figures = engine.figures_in(window?)?;
+        figures.quantities.get(quantity).copied()
+    };
+    let peak = |engine: &EngineSummary, quantity| Some(statistics(engine, quantity)?.peak);
+    Table::of("", &comparison.engines)
+        .text("", "engine", |engine| &engine.name)
+        .number("", "torque N m", |engine| {
+            Some(statistics(engine, INPUT_TORQUE)?.mean)
+        })
+        .shown(Shown::Decimals(4))
+        .number("", "ext N", |engine| peak(engine, EXTERNAL_FORCE))
+        .shown(Shown::Decimals(1))
+        .number("", "int N", |engine| peak(engine, INTERNAL_FORCE))
+        .shown(Shown::Decimals(1))
+        .number("", "wall s", |engine| {
+            Some(engine.cost.wall_s).filter(|wall| *wall > 0.0)
+        })
+        .shown(Shown::Decimals(2))
+        .said(|engine| engine.cost.recorded.as_ref().map(|_| "recorded".to_owned()))
+        .text("", "load", |engine| own_verdict(engine).0)
+        .marked(|engine| own_verdict(engine).1)
+        .done()
+}
+
+/// The verdict on an engine alone, its balance with the load; of one without figures why in a word, as the reason stands below
+/// the table.
+fn own_verdict(engine: &EngineSummary) -> Said {
+    if engine.status.reason().is_some() {
+        return match engine.status.is_broken() {
+            true => (engine.status.word().to_owned(), Mark::Bad),
+            false => ("left out".to_owned(), Mark::Muted),
+        };
+    }
+    let verdicts = engine.judged.iter().map(|entry| &entry.result);
+    let mut compared = verdicts.filter(|one| one.verdict != Verdict::NotCompared);
+    let last = compared.next_back();
+    last.map_or_else(Said::default, |one| {
+        (one.verdict.word().to_owned(), mark(one))
+    })
+}
+
+/// Distances of measured data from each engine, quantity by quantity.
+fn measured(comparison: &Comparison) -> Table {
+    let pairs = comparison.pairs.iter();
+    let pairs = pairs.filter(|p| p.track == SharedModel::Measured);
+    let entries = pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)));
+    let rows = entries.filter_map(|(pair, entry)| Some((pair, entry, entry.metrics.as_ref()?)));
+    const SHARES: [(&str, fn(&PairMetrics) -> Option<f64>); 3] = [
+        ("L2", |metrics| metrics.relative_l2),
+        ("mean", |metrics| metrics.mean_difference),
+        ("peak", |metrics| metrics.peak_difference),
+    ];
+    let mut table = Table::of("", rows)
+        .text("", "measured", |(pair, ..)| name(pair))
+        .text("", "quantity", |(_, entry, _)| place(entry));
+    for (label, of) in SHARES {
+        table = table
+            .number("", label, |(.., metrics)| of(metrics))
+            .unit("%")
+            .shown(Shown::Percent);
+    }
+    let said = |entry: &PairEntry| words::verdict(&entry.result, brief_number);
+    table
+        .text("", "verdict", |(_, entry, _)| said(entry))
+        .done()
+}
+
+/// Pairs that are listed one by one, those that differ before those with something to act on.
+const LISTED: usize = 5;
+
+/// Table of pairs: what they share, how often each verdict occurs, and the gravest one; then pairs with something to
+/// act on.
+fn pairs(comparison: &Comparison) -> Table {
+    let mut rows: Vec<(String, Option<Counts>, Said)> = Vec::new();
+    for (track, shares) in [
+        (SharedModel::Native, "equations"),
+        (SharedModel::SharedLaw, "contact law"),
+        (SharedModel::OwnContact, "nothing"),
+        (SharedModel::Measured, "measured data"),
+    ] {
+        let of_track = || comparison.pairs.iter().filter(|pair| pair.track == track);
+        let mut counts = Counts::default();
+        let entries = of_track().flat_map(|pair| &pair.entries);
+        entries.for_each(|entry| counts.add(&entry.result));
+        if of_track().next().is_none() {
+            continue;
+        }
+        let known = of_track().filter_map(|pair| Some((pair, words::gravest(pair)?)));
+        // What no setting would settle says less than what agrees.
+        let rank = |entry: &PairEntry| match entry.result.rank() {
+            2 => 0,
+            rank => rank,
+        };
+        let worst = known.max_by(|a, b| {
+            let graver = rank(a.1).cmp(&rank(b.1));
+            graver.then(a.1.result.share().total_cmp(&b.1.result.share()))
+        });
+        let said = worst.map_or_else(Said::default, |(pair, entry)| {
+            let said = words::verdict(&entry.result, brief_number);
+            (format!("{}: {said}", name(pair)), mark(&entry.result))
+        });
+        rows.push((shares.to_owned(), Some(counts), said));
+    }
+    let known = comparison.pairs.iter();
+    let known = known.filter_map(|pair| Some((pair, words::gravest(pair)?)));
+    let mut open: Vec<(&Pair, &PairEntry)> = known.filter(|(_, e)| e.result.actionable).collect();
+    open.sort_by_key(|(_, entry)| std::cmp::Reverse(entry.result.rank()));
+    for (pair, entry) in open.into_iter().take(LISTED) {
+        let said = words::verdict(&entry.result, brief_number);
+        let said = format!("{said}; {}", place(entry));
+        rows.push((name(pair), None, (said, mark(&entry.result))));
+    }
+    Table::of("", &rows)
+        .text("", "pairs that share", |(shares, ..)| shares)
+        .whole("", "agree", |(_, counts, _)| Some((*counts)?.agree))
+        .whole("", "differ", |(_, counts, _)| Some((*counts)?.differ))
+        .whole("", "inconcl.", |(_, counts, _)| {
+            Some((*counts)?.inconclusive)
+        })
+        .text("", "at worst", |(.., (said, _))| said)
+        .marked(|(.., (_, mark))| *mark)
+        .done()
+}
+
+/// A quantity and a window.
+fn place(entry: &PairEntry) -> String {
+    format!("{}, {}", brief(&entry.quantity), entry.window.word())
+}
+
+fn name(pair: &Pair) -> String {
+    format!("{} / {}", words::short(&pair.a), words::short(&pair.b))
+}
+
+fn brief_number(value: f64) -> String {
+    format!("{value:.0e}")
+}
+
+/// `external_sleeve_force_n` as `ring pin force`.
+fn brief(quantity: &str) -> String {
+    let (stem, _) = pinwheel_timeseries::stem_and_unit(quantity);
+    stem.replace("external_sleeve", "ring pin")
+        .replace("internal_sleeve", "output pin")
+        .replace('_', " ")
+}
+
+/// Signs of a bar.
+const BAR: usize = 20;
+
+/// The shares of numerics, inputs and data in the uncertainty of a comparison with measured data, as bars.
+fn budgets(comparison: &Comparison) -> Vec<String> {
+    let budget = |(pair, entry): (&Pair, &PairEntry)| {
+        let deciding = entry.assessments.iter().find(|one| one.decides)?;
+        let budget = deciding.budget?;
+        let shares = budget.shares()?;
+        let signs = |share: f64| (share * BAR as f64).round() as usize;
+        let parts = shares.iter().zip(["n", "i", "d"]);
+        let bar: String = parts
+            .map(|(share, sign)| sign.repeat(signs(*share)))
+            .collect();
+        let [numerical, input, data] = shares.map(|share| 100.0 * share);
+        Some(format!(
+            "{}, {}: u_val = {:.1e} [{bar:BAR$}] numerics {numerical:.0} %, inputs {input:.0} %, data {data:.0} %",
+            name(pair),
+            place(entry),
+            budget.validation()
+        ))
+    };
+    let pairs = comparison.pairs.iter();
+    let entries = pairs.flat_map(|pair| pair.entries.iter().map(move |entry| (pair, entry)));
+    entries.filter_map(budget).collect()
+}

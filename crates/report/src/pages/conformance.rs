@@ -1,0 +1,85 @@
+//! The page and the table of `pinwheel solver check`.
+
+use crate::study::{Section, Study, Tone, Verdict};
+use crate::terminal::{self, BAD, GOOD, TITLE, styled};
+use pinwheel_studies::Provenance;
+use pinwheel_studies::conformance::Outcome;
+use pinwheel_studies::junit::State;
+use pinwheel_timeseries::table::{Mark, Table};
+
+/// A state in a word, and how that is marked.
+fn shown(state: State) -> (&'static str, Mark) {
+    match state {
+        State::Passed => ("passed", Mark::Good),
+        State::Failed => ("FAILED", Mark::Bad),
+        State::Skipped => ("skipped", Mark::Muted),
+    }
+}
+
+fn headline(found: &Outcome) -> String {
+    let [passed, failed, skipped] =
+        [State::Passed, State::Failed, State::Skipped].map(|state| found.count(state));
+    if found.passed() {
+        format!("{passed} trials passed, {skipped} skipped")
+    } else {
+        format!("{failed} trials FAILED, {passed} passed, {skipped} skipped")
+    }
+}
+
+/// Every trial; for a terminal what it asks for stands only where it failed.
+fn table(found: &Outcome, terminal: bool) -> Table {
+    let table = Table::of("Trials of the solver", &found.findings)
+        .text("", "trial", |finding| finding.name)
+        .text("", "result", |finding| shown(finding.state).0)
+        .marked(|finding| shown(finding.state).1);
+    let table = if terminal {
+        table.text("", "seen", |finding| match finding.state {
+            State::Failed => format!("must: {}. Seen: {}", finding.must, finding.seen),
+            _ => finding.seen.clone(),
+        })
+    } else {
+        table
+            .text("", "must", |finding| finding.must)
+            .text("", "seen", |finding| &finding.seen)
+    };
+    table.done()
+}
+
+/// The table for a terminal.
+#[must_use]
+pub fn text(found: &Outcome) -> String {
+    let style = if found.passed() { GOOD } else { BAD };
+    let title = format!(
+        "{} {}, {}",
+        found.solver,
+        found.version,
+        found.track.as_str()
+    );
+    format!(
+        "{}\n{}\n{}\n{}",
+        styled(style, &terminal::paragraph(&found.answer)),
+        styled(TITLE, &title),
+        terminal::table(&table(found, true)),
+        styled(style, &headline(found))
+    )
+}
+
+/// The page.
+#[must_use]
+pub fn page(found: &Outcome, made: &Provenance) -> String {
+    let study = Study {
+        title: found.solver.clone(),
+        eyebrow: "Conformance of a solver".to_owned(),
+        lead: "What every engine must survive before comparisons can rely on it, tried on short runs of the preset \
+               `paper`."
+            .to_owned(),
+        verdict: Some(Verdict {
+            tone: Tone::of(found.passed()),
+            headline: found.answer.clone(),
+            detail: format!("{}; {}, {}", headline(found), found.version, found.track.as_str()),
+        }),
+        sections: vec![Section::new("trials", "Trials").with(table(found, false))],
+        ..Study::default()
+    };
+    crate::pages::render(study, made)
+}

@@ -1,0 +1,542 @@
+//! A design's page and text: what it is like to the shafts, who carries the load, and what the contacts bear.
+
+use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
+
+use crate::format::{self, NONE, joined, significant};
+use crate::stack::stack;
+use crate::study::{Axis, Block, Chart, Fact, Mark, Section, Study, Style, Tile};
+use crate::terminal::{self, list, titled};
+use pinwheel_engines::Cancelled;
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::catalogue::Draft;
+use pinwheel_scene::derived;
+use pinwheel_studies::Provenance;
+use pinwheel_studies::design::{DesignFigure, DesignResult, Joint, Rest, Share};
+use pinwheel_timeseries::table::{Shown, Table};
+
+mod curves;
+mod loads;
+
+pub(crate) use loads::{bearing_chart, sharing_charts};
+
+use crate::pages::figure::{SHOWN, bounds, figure, interval, known, rounded, with_uncertainty};
+use crate::pages::{animation, band};
+use curves::{Drawn, chart, degrees, line, of_design};
+use loads::{bearings, sharing};
+
+/// Figures that stand on the first screen.
+pub(crate) const HEADLINES: [&str; 6] = [
+    "lost_motion_arcmin",
+    "torsional_stiffness_n_m_per_arcmin",
+    "transmission_error_rated_arcmin",
+    "external_force_n",
+    "external_pressure_mpa",
+    "efficiency_rated_percent",
+];
+
+/// Name and sentence of the parts whose compliance lost motion and stiffness contain.
+fn given_way(found: &DesignResult) -> (&'static str, String) {
+    match found.budget.split_last() {
+        None => (CONTACTS, CONTACTS_ONLY.to_owned()),
+        Some((last, before)) => {
+            let before = joined(", ", before.iter().map(|share| share.part));
+            let names = joined(" and ", [&before, last.part]);
+            let said = format!(
+                "Lost motion and stiffness are those of {names}; all else, and the housing, is rigid here."
+            );
+            ("what gives way", said)
+        }
+    }
+}
+
+const CONTACTS: &str = "contacts only";
+/// Sentence about lost motion and stiffness of a scene without bearings.
+const CONTACTS_ONLY: &str = "Lost motion and stiffness are those of the contacts: bearings, pins, discs and housing are rigid here. Real \
+                             gears are softer by factors.";
+
+/// The page; `cancel` stops it while the motion is computed.
+///
+/// # Errors
+/// `cancel` was set.
+pub fn page(
+    found: &DesignResult,
+    gearbox: &Gearbox,
+    made: &Provenance,
+    cancel: &AtomicBool,
+) -> Result<String, Cancelled> {
+    let scene = &found.scene;
+    let caption = "For a data sheet; after \u{b1} how far a figure may be off numerically: by the poses that were looked at, or by the run's own \
+                   verification";
+    let all = figures(caption, &found.figures, |one| how(found, one));
+    let mut first = Section::new("figures", "Figures").with(all);
+    if !found.shares().is_empty() {
+        let caption = "Compliance: what gives way under the rated load";
+        first = first.with(Block::Html(stack(caption, &found.shares())));
+    }
+    if !found.budget.is_empty() {
+        first = first.with(budget(found));
+    }
+    if let Some(bands) = &found.bands {
+        first = first.with(band::blocks(bands));
+    }
+    let mut sections = vec![
+        first,
+        torsion(found),
+        transmission(found),
+        sharing(found),
+        bearings(found),
+    ];
+    if !found.efficiency.is_empty() {
+        sections.push(efficiency(found));
+    }
+    sections.extend(found.joint.as_ref().map(joint));
+    sections.push(dimensions(found));
+    let study = Study {
+        title: scene.name.clone(),
+        eyebrow: "Pinwheel design".to_owned(),
+        lead: format!(
+            "{} A gear of ratio {} under its rated {} N m. Statics unless said otherwise: contacts in balance, exact geometry, \
+             the law `{}`.",
+            sentence(&scene.description),
+            found.dimensions.ratio,
+            figure(found.rated_torque_n_m),
+            scene.contact.law
+        ),
+        tiles_title: format!("At {} N m", figure(found.rated_torque_n_m)),
+        tiles: tiles(found),
+        below: vec![
+            Block::heading("May I use them, and what next?"),
+            Block::Facts(notes(found).into_iter().map(fact).collect()),
+            Block::Html(files(found)),
+        ],
+        aside: animation::aside(gearbox, cancel)?,
+        sections,
+        ..Study::default()
+    };
+    Ok(crate::pages::render(study, made))
+}
+
+/// Links to the files that stand beside the page.
+fn files(found: &DesignResult) -> String {
+    let link = |name: &str| format!("<a href=\"{name}\">{name}</a>");
+    let discs = (0..found.discs.len()).map(|number| link(&format!("disc_{number}.dxf")));
+    let joint = found.joint.iter().map(|_| link("joint.urdf"));
+    let links = joined(", ", discs.chain(joint));
+    format!("<p class=\"about\">Drawings beside this page: {links}</p>")
+}
+
+/// Notes on the figures before they are used, and on the next step.
+fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
+    let mut notes = vec![given_way(found)];
+    notes.extend(found.rest.as_ref().map(|rest| ("fit", fitted(rest))));
+    if let Some(bands) = &found.bands {
+        notes.extend(band::rows(bands));
+    }
+    let next = "`pinwheel compare` of this scene: whether other engines confirm the forces";
+    notes.push(("next", next.to_owned()));
+    notes
+}
+
+fn fact((label, text): (&str, String)) -> Fact {
+    let is_warning = [CONTACTS, band::OUTSIDE].contains(&label);
+    let mark = if is_warning { Mark::Warn } else { Mark::None };
+    Fact::new(label, mark, text)
+}
+
+/// Text for a terminal; `whole`: with the rule by which each figure is counted.
+#[must_use]
+pub fn text(found: &DesignResult, whole: bool) -> String {
+    let mut table = figures("", &found.figures, |one| how(found, one));
+    let mut rows = Vec::new();
+    if !whole {
+        table.columns.pop();
+        // What a figure is not told for is no detail.
+        let without = found.figures.iter();
+        rows.extend(without.filter_map(|one| {
+            let why = withheld(found, one).join("; ");
+            (!why.is_empty()).then_some((one.what, why))
+        }));
+    }
+    for share in &found.budget {
+        rows.push(("budget", budgeted(share)));
+    }
+    rows.extend(notes(found));
+    if !whole {
+        let verbose = "how each figure is: --verbose, or the page";
+        rows.push(("counted", verbose.to_owned()));
+    }
+    let table = terminal::table(&table) + "\n";
+    titled(&found.scene.name, [table, terminal::pairs(rows)])
+}
+
+/// Text for a terminal on a scene made of a catalogue's data.
+#[must_use]
+pub fn draft(draft: &Draft) -> String {
+    let row = |what: &str, value: String, how: &str| [what.to_owned(), value, how.to_owned()];
+    let of = derived(&draft.scene);
+    let mm = |metres: f64| format!("{} mm", figure(1e3 * metres));
+    let mut rows = vec![
+        row("ratio", of.ratio.to_string(), "input turns per output turn"),
+        row("wall, hole to profile", mm(of.walls.hole_to_profile_m), ""),
+        row("wall, hole to hole", mm(of.walls.hole_to_hole_m), ""),
+        row("gap, pin to pin", mm(of.walls.sleeve_to_sleeve_m), ""),
+    ];
+    let bend = mm(of.smallest_convex_radius_m);
+    let undercut = "a larger pin radius undercuts the disc";
+    rows.push(row("sharpest bend of the pins' path", bend, undercut));
+    let force = format!("{} N", figure(of.external_force_estimate_n));
+    rows.push(row(
+        "largest pin force",
+        force,
+        "external, rigid: 4 T/(e zs zk)",
+    ));
+    for key in &draft.suggested {
+        let name = key.rsplit('.').next().unwrap_or(key);
+        rows.push(row("suggested", String::new(), name));
+    }
+    titled(&draft.scene.name, [list(rows)])
+}
+
+fn sentence(text: &str) -> String {
+    match text.trim_end_matches('.') {
+        "" => String::new(),
+        text => format!("{text}."),
+    }
+}
+
+/// A figure where there is little room, and what bounds it: its band, and how far it may be off numerically.
+#[must_use]
+pub fn headline(one: &DesignFigure) -> (String, String) {
+    let Some(value) = one.value else {
+        return (NONE.to_owned(), String::new());
+    };
+    let [shown, off] = known(value, one.uncertainty);
+    let laws = wide(one);
+    let shown = laws.map_or(shown, |laws| rounded(value, laws));
+    // The sign stays with its number.
+    let off = off.replace(' ', "\u{a0}");
+    (shown, bounds(laws, &off, "numerical"))
+}
+
+/// Its band, where that is wider than the figure is off numerically.
+fn wide(one: &DesignFigure) -> Option<[f64; 2]> {
+    let off = one.uncertainty.unwrap_or(0.0);
+    one.by_contact_law.filter(|[low, high]| high - low > off)
+}
+
+/// A figure with the digits that its band leaves, and how far it may be off numerically.
+fn with_band(one: &DesignFigure) -> String {
+    match (one.value, wide(one)) {
+        (Some(value), Some(laws)) => {
+            let shown = rounded(value, laws);
+            // Beside a value rounded by more it would be wrong.
+            let moved = shown.parse::<f64>();
+            let moved = moved.map_or(0.0, |shown| (shown - value).abs());
+            let off = one.uncertainty.filter(|u| *u > 0.0 && *u >= moved);
+            let off = off.map_or_else(String::new, |u| format!(" \u{b1} {}", significant(u, 1)));
+            format!("{shown}{off}")
+        }
+        _ => with_uncertainty(one.value, one.uncertainty),
+    }
+}
+
+/// Rule by which a figure is counted, its spread over the mesh, and what only this gear's outcome knows.
+fn how(found: &DesignResult, one: &DesignFigure) -> String {
+    let mut parts = vec![counted(one)];
+    if one.key == "lost_motion_run_arcmin" {
+        let statics = found.torsion.lost_motion_at_0_arcmin;
+        parts.extend(statics.map(|lost| format!("{} by statics at that pose", figure(lost))));
+    }
+    parts.extend(withheld(found, one));
+    parts.join("; ")
+}
+
+/// Reasons why a figure is not there.
+fn withheld(found: &DesignResult, one: &DesignFigure) -> Vec<String> {
+    let mut parts = Vec::new();
+    if one.key == "efficiency_rated_percent" {
+        let rated = found.efficiency.last().and_then(|run| run.efficiency);
+        parts.extend(rated.and_then(|efficiency| efficiency.defined().err()));
+    }
+    if one.is_lost_motion() {
+        parts.extend(found.preloaded.clone());
+    }
+    if one.value.is_none() {
+        let runs = found.cycle.iter().map(|cycle| cycle.status);
+        let mut ended = runs.chain(found.efficiency.last().map(|run| run.status));
+        if let Some(status) = ended.find(|status| *status != "finished") {
+            parts.push(format!("the run {status}"));
+        }
+    }
+    parts
+}
+
+fn tiles(found: &DesignResult) -> Vec<Tile> {
+    let wanted = |one: &&DesignFigure| HEADLINES.contains(&one.key);
+    let tile = |one: &DesignFigure| {
+        if one.value.is_none() {
+            return Tile::new(one.what, NONE, withheld(found, one).join("; "));
+        }
+        // How it is counted stands in the table.
+        let (value, bounds) = headline(one);
+        Tile::new(one.what, value, bounds).unit(one.unit)
+    };
+    found.figures.iter().filter(wanted).map(tile).collect()
+}
+
+/// Figures with their uncertainty; `how`: how one is counted.
+fn figures(
+    caption: &str,
+    figures: &[DesignFigure],
+    how: impl Fn(&DesignFigure) -> String,
+) -> Table {
+    let mut table = Table::of(caption, figures)
+        .text("", "Figure", |one| one.what)
+        .number("", "Value", |one| one.value)
+        .said(|one| with_band(one));
+    if figures.iter().any(|one| wide(one).is_some()) {
+        let laws = |one: &&DesignFigure| wide(one).map_or_else(String::new, interval);
+        table = table.text("", "By contact law", laws);
+    }
+    table
+        .text("", "Unit", |one| one.unit)
+        .text("", "How", |one| how(one))
+        .done()
+}
+
+/// Rule by which a figure is counted, and its spread over the mesh.
+fn counted(one: &DesignFigure) -> String {
+    let Some(spread) = one.over_the_mesh else {
+        return one.how.to_owned();
+    };
+    let mean = one.mean_over_the_mesh;
+    let mean = mean.filter(|mean| one.value != Some(*mean));
+    let [least, largest] = spread;
+    // How it changes is known to more digits than how much it is.
+    if let Some(value) = one.value.filter(|_| wide(one).is_some()) {
+        let percent = |share: f64| format!("{} %", significant(100.0 * share.abs(), 2));
+        let off = one.mesh_uncertainty.map_or(0.0, |[a, b]| a + b);
+        let varies = [largest - least, off].map(|length| 100.0 * length / value.abs());
+        let varies = with_uncertainty(Some(varies[0]), Some(varies[1]));
+        let mean = mean.map_or_else(String::new, |mean| {
+            format!(", {} less on average", percent(1.0 - mean / value))
+        });
+        return format!("{}; varies by {varies} % over the mesh{mean}", one.how);
+    }
+    let ends = one.mesh_uncertainty;
+    let end = |k: usize| with_uncertainty(Some(spread[k]), ends.map(|ends| ends[k]));
+    let (least, largest) = (end(0), end(1));
+    let mean = mean.map_or_else(String::new, |mean| format!(", {} on average", figure(mean)));
+    format!("{}; {least} to {largest} over the mesh{mean}", one.how)
+}
+
+fn joint(joint: &Joint) -> Section {
+    let springs = Table::of(
+        "Springs of the joint, which act beyond their dead band",
+        &joint.springs,
+    )
+    .number("", "Dead band, both sides", |spring| {
+        2.0 * spring.dead_band_rad
+    })
+    .unit("rad")
+    .shown(SHOWN)
+    .number("", "Stiffness", |spring| spring.stiffness_n_m_per_rad)
+    .unit("N m/rad")
+    .shown(SHOWN);
+    Section::new("joint", "As a joint")
+        .with(format!(
+            "The gear as one joint of a robot's model, of ratio {}: the files `joint_mujoco.xml`, `joint.urdf` and `joint.sdf` hold it, \
+             the latter two for Drake as well. It has no transmission error, and everywhere the mesh's mean stiffness and play.",
+            joint.ratio
+        ))
+        .with(figures("What the joint is made of", &joint.figures, counted))
+        .with(Block::folded("Springs in parallel", springs))
+}
+
+/// Twist over torque, by statics and by a run.
+pub(crate) fn torsion_chart(designs: &Drawn<'_>) -> Chart {
+    let mut series = Vec::new();
+    for (k, (_, found)) in designs.iter().enumerate() {
+        let torsion = &found.torsion;
+        let statics = line(&torsion.torque_n_m, &torsion.twist_arcmin).styled(Style::Both);
+        series.push(of_design(designs, k, (0, "statics"), statics));
+        let Some(cycle) = &found.cycle else { continue };
+        let closed = cycle.closed_from.min(cycle.angle_arcmin.len());
+        let half = closed + (cycle.angle_arcmin.len() - closed) / 2;
+        for (what, range) in [
+            ((1, "run, load falls"), closed..half),
+            ((2, "run, load rises"), half..cycle.angle_arcmin.len()),
+        ] {
+            let (x, y) = (&cycle.torque_n_m[range.clone()], &cycle.angle_arcmin[range]);
+            series.push(of_design(designs, k, what, line(x, y)));
+        }
+    }
+    chart(
+        "Twist of the output, input locked",
+        "Torque on the output (N m)",
+        "Twist (arcmin)",
+        series,
+    )
+}
+
+fn torsion(found: &DesignResult) -> Section {
+    let mut text = "The input is locked and the load is taken from one direction to the other. Lost motion is the twist between +3 and -3 % of \
+                    the rated torque, the largest of all poses over the mesh; stiffness the slope between 50 and 100 %."
+        .to_owned();
+    if found.cycle.is_some() {
+        text.push_str(
+            " The run takes the load there and back so slowly that the gear follows; the width of its loop is what friction holds back. \
+             Friction is regularised: a contact that hardly slides gives way slowly.",
+        );
+    }
+    Section::new("torsion", "Lost motion and stiffness")
+        .with(text)
+        .with(vec![torsion_chart(&[("", found)])])
+}
+
+/// Names of the loads of transmission errors and their orders.
+const LOADS: [&str; 2] = ["rated load", "no load"];
+
+/// Transmission error over the period of each, and its orders; of several designs those under the rated load.
+pub(crate) fn transmission_charts(designs: &Drawn<'_>) -> [Chart; 2] {
+    let (mut series, mut spectrum) = (Vec::new(), Vec::new());
+    for (k, (_, found)) in designs.iter().enumerate() {
+        let turn = degrees(&found.input_angle_rad);
+        for (n, (of, load)) in found.transmission.iter().zip(LOADS).enumerate() {
+            let about_mean = of.error_arcmin.iter().map(|error| error - of.mean_arcmin);
+            let error = line(&turn, &about_mean.collect::<Vec<_>>());
+            series.push(of_design(designs, k, (n, load), error));
+            if n > 0 && designs.len() > 1 {
+                continue; // Points have no dash that tells them apart.
+            }
+            let harmonics = of.harmonics.iter();
+            let (orders, amplitudes): (Vec<f64>, Vec<f64>) = harmonics
+                .map(|h| (h.input_order, h.amplitude_arcmin))
+                .unzip();
+            let points = line(&orders, &amplitudes).styled(Style::Points);
+            spectrum.push(of_design(designs, k, (n, load), points));
+        }
+    }
+    [
+        chart(
+            "Transmission error",
+            "Input angle (degrees)",
+            "Error about its mean (arcmin)",
+            series,
+        ),
+        Chart::new(
+            "Orders",
+            Axis::linear("Cycles per turn of the input"),
+            Axis::log("Amplitude (arcmin)"),
+            spectrum,
+        ),
+    ]
+}
+
+fn transmission(found: &DesignResult) -> Section {
+    let rows = found.transmission.iter().zip(LOADS);
+    let rows = rows.flat_map(|(of, load)| of.harmonics.iter().take(6).map(move |h| (load, h)));
+    let orders = Table::of("Largest orders of the transmission error", rows)
+        .text("", "Load", |(load, _)| *load)
+        .number("", "Per input turn", |(_, h)| h.input_order)
+        .shown(SHOWN)
+        .number("", "Per output turn", |(_, h)| h.output_order)
+        .shown(SHOWN)
+        .number("", "Amplitude", |(_, h)| h.amplitude_arcmin)
+        .unit("arcmin")
+        .shown(SHOWN)
+        .text("", "Of", |(_, h)| h.of);
+    Section::new("transmission-error", "Transmission error")
+        .with(
+            "Output angle less that of the ideal mesh, about its mean, over one period in which both meshes come round. What repeats with the \
+             mesh excites the machine at its order times the input's speed.",
+        )
+        .with(Vec::from(transmission_charts(&[("", found)])))
+        .with(Block::folded("Largest orders", orders))
+}
+
+/// Table of the compliance budget, part by part.
+fn budget(found: &DesignResult) -> Table {
+    Table::of(
+        "Compliance budget: what gives way, each part with all before it",
+        &found.budget,
+    )
+    .text("", "Part", |share| share.part)
+    .number("", "Share of the compliance", |share| 100.0 * share.share)
+    .unit("%")
+    .shown(Shown::Digits(3))
+    .number("", "Stiffness up to here", |share| {
+        share.stiffness_n_m_per_arcmin
+    })
+    .unit("N m/arcmin")
+    .shown(SHOWN)
+    .number("", "Lost motion up to here", |share| {
+        share.lost_motion_arcmin
+    })
+    .unit("arcmin")
+    .shown(SHOWN)
+    .done()
+}
+
+/// The fitted rest, and what is not known of it.
+fn fitted(rest: &Rest) -> String {
+    format!(
+        "A fit, not a prediction: with bearings.output_torsion_n_m_rad={} the gear has the stated {} N m/arcmin. The rest is then {} % \
+         of the compliance; nothing here says what it is made of.",
+        significant(rest.output_torsion_n_m_rad, 4),
+        figure(rest.stated_n_m_per_arcmin),
+        significant(100.0 * rest.share, 2)
+    )
+}
+
+fn budgeted(share: &Share) -> String {
+    format!(
+        "{} {} % of the compliance; with all before {} N m/arcmin, lost motion {} arcmin",
+        share.part,
+        significant(100.0 * share.share, 2),
+        significant(share.stiffness_n_m_per_arcmin, 3),
+        significant(share.lost_motion_arcmin, 2)
+    )
+}
+
+fn efficiency(found: &DesignResult) -> Section {
+    let efficiency = Table::of("Efficiency over speed and torque", &found.efficiency)
+        .number("", "Input", |run| run.input_speed_rad_s.abs() * 30.0 / PI)
+        .unit("rpm")
+        .shown(SHOWN)
+        .number("", "Load", |run| run.output_torque_n_m)
+        .unit("N m")
+        .shown(SHOWN)
+        .number("", "Lost in contacts", |run| {
+            run.efficiency.map(|e| e.lost_share)
+        })
+        .unit("%")
+        .shown(Shown::Percent)
+        .number("", "Created by the law", |run| {
+            Some(run.efficiency?.created_share)
+        })
+        .unit("%")
+        .said(|run| Some(format::signed_percent(run.efficiency?.created_share)))
+        .text("", "Run", |run| run.status);
+    Section::new("efficiency", "Efficiency")
+        .with(
+            "Runs with the scene's own friction and damping. Losses of bearings, seals and oil are not in the model. What a contact law creates or \
+             destroys by itself stands beside them.",
+        )
+        .with(efficiency)
+}
+
+fn dimensions(found: &DesignResult) -> Section {
+    let lines = found.dimensions.lines(&found.scene);
+    let sizes = Table::of(
+        "Sizes, walls and gaps",
+        lines.iter().filter(|line| line.unit == "m"),
+    )
+    .text("", "What", |line| line.what)
+    .number("", "mm", |line| 1e3 * line.value)
+    .shown(SHOWN)
+    .text("", "How", |line| line.how);
+    let sizes = Block::folded("What follows from the dimensions", sizes);
+    Section::new("dimensions", "Dimensions").with(sizes)
+}

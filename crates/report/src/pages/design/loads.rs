@@ -1,0 +1,146 @@
+//! Parts of a design's page on loads: who carries the load, and what bearings take.
+
+use crate::study::{Axis, Chart, Section, Series, Style};
+use pinwheel_studies::design::DesignResult;
+use pinwheel_timeseries::table::Table;
+
+use super::curves::{Drawn, chart, degrees, line, of_design};
+use crate::pages::figure::{SHOWN, figure};
+
+/// Name of the parts that carry discs on the output's side.
+fn inner(found: &DesignResult) -> &'static str {
+    match found.scene.cranks {
+        Some(_) => "Crank bearings",
+        None => "Output pins",
+    }
+}
+
+/// Force over place, of ring pins, and of internal ones or crank bearings.
+pub(crate) fn sharing_charts(designs: &Drawn<'_>) -> Vec<Chart> {
+    let of = |(stage, title): (usize, &str)| {
+        let series = designs.iter().enumerate().map(|(k, (_, found))| {
+            let sharing = &found.sharing[stage];
+            // Places at which no pose has a touching pin are not zeros of a curve.
+            let all = sharing.place_deg.iter().zip(&sharing.force_n);
+            let (x, y): (Vec<f64>, Vec<f64>) = all.filter(|(_, force)| **force > 0.0).unzip();
+            of_design(designs, k, (0, "largest force"), line(&x, &y))
+        });
+        let note = match designs {
+            [(_, found)] => {
+                let touching = figure(found.sharing[stage].touching.mean);
+                match (stage, found.scene.cranks) {
+                    (1, Some(_)) => format!("{touching} bearings of a disc carry on average."),
+                    _ => format!("{touching} pins touch a disc on average."),
+                }
+            }
+            _ => String::new(),
+        };
+        let (x, y) = ("Place of the pin from the eccentric (degrees)", "Force (N)");
+        Chart {
+            note,
+            ..chart(title, x, y, series.collect())
+        }
+    };
+    let inner = designs
+        .first()
+        .map_or("Output pins", |(_, found)| inner(found));
+    let stages = ["Ring pins", inner].into_iter().enumerate();
+    stages.map(of).collect()
+}
+
+pub(super) fn sharing(found: &DesignResult) -> Section {
+    // Cranks carry no pins.
+    let kinds = if found.scene.cranks.is_some() { 1 } else { 2 };
+    let sharing = ["external", "internal"].into_iter().zip(&found.sharing);
+    let sharing = sharing.take(kinds);
+    let rows = sharing
+        .zip(&found.pressure)
+        .map(|((pins, force), pressure)| (pins, force, pressure));
+    let contacts = Table::of("Contacts under the rated load", rows)
+        .text("", "Pins", |(pins, ..)| *pins)
+        .number("", "Largest force", |(_, of, _)| of.largest_force_n.max)
+        .unit("N")
+        .shown(SHOWN)
+        .number("", "Largest pressure", |(.., of)| 1e-6 * of.largest_pa)
+        .unit("MPa")
+        .shown(SHOWN)
+        .number("", "at", |(.., of)| of.largest_at_deg)
+        .unit("degrees")
+        .shown(SHOWN)
+        .number("", "Largest sliding", |(.., of)| of.sliding_m_s)
+        .unit("m/s")
+        .shown(SHOWN)
+        .number("", "p v", |(.., of)| 1e-6 * of.pressure_sliding_w_m2)
+        .unit("MPa m/s")
+        .shown(SHOWN);
+    Section::new("contacts", "Load sharing and pressure")
+        .with(
+            "Forces of all discs and poses under the rated load, by where the pin stands from the disc's eccentric. Pressure is that of a \
+             line contact after Hertz over the face width; the edges of discs and pins are left out, and press harder. Sliding is that of the \
+             disc on pins that do not turn.",
+        )
+        .with(sharing_charts(&[("", found)]))
+        .with(contacts)
+}
+
+/// Force on the bearing that carries most over the period of each.
+pub(crate) fn bearing_chart(designs: &Drawn<'_>) -> Chart {
+    let mut series = Vec::new();
+    for (k, (_, found)) in designs.iter().enumerate() {
+        let Some(bearing) = found.most_loaded() else {
+            continue;
+        };
+        let turn = degrees(&found.input_angle_rad);
+        for (part, force) in [
+            ((0, "away from the input's axis"), &bearing.radial_n),
+            ((1, "around the input's axis"), &bearing.tangential_n),
+        ] {
+            series.push(of_design(designs, k, part, line(&turn, force)));
+        }
+    }
+    chart(
+        "Force on the disc's bearing",
+        "Input angle (degrees)",
+        "Force (N)",
+        series,
+    )
+}
+
+/// Harmonics of the part that only loads the bearing.
+fn bearing_orders(found: &DesignResult) -> Chart {
+    let wheel = found.most_loaded().into_iter();
+    let harmonics = wheel.flat_map(|bearing| &bearing.radial_harmonics);
+    let (orders, sizes): (Vec<f64>, Vec<f64>) =
+        harmonics.map(|h| (h.input_order, h.amplitude_n)).unzip();
+    let points = Series::line("away from the input's axis", orders, sizes).styled(Style::Points);
+    let x = Axis::linear("Cycles per turn of the input");
+    Chart::new(
+        "Orders of the force",
+        x,
+        Axis::log("Amplitude (N)"),
+        vec![points],
+    )
+}
+
+pub(super) fn bearings(found: &DesignResult) -> Section {
+    let (title, carried) = match found.scene.cranks {
+        Some(_) => (
+            "Force on a disc",
+            "What the contacts press on a disc, the bearings of its cranks carry together, beside what turns the output.",
+        ),
+        None => (
+            "Bearing of the eccentric",
+            "What the contacts press on a disc, its bearing carries on the eccentric. The part around the axis makes the driver's torque; \
+             the part away from it only loads the bearing.",
+        ),
+    };
+    let others = match found.scene.gear.errors.is_none() {
+        true => "the others follow a share of a turn later",
+        false => "no other carries more",
+    };
+    let most = found.most_loaded().map_or(0, |bearing| bearing.wheel);
+    let all = found.bearings.len();
+    Section::new("bearings", title)
+        .with(format!("{carried} Disc {most} of {all}; {others}."))
+        .with(vec![bearing_chart(&[("", found)]), bearing_orders(found)])
+}

@@ -1,0 +1,356 @@
+//! Two designs side by side: page and text.
+
+use std::sync::atomic::AtomicBool;
+
+use crate::format::{self, NONE, joined, significant};
+use crate::study::{Block, Section, Study, Tile, Tone, Verdict};
+use crate::table::named;
+use crate::terminal::{self, TITLE, paragraph, styled};
+use pinwheel_engines::Cancelled;
+use pinwheel_scene::keys::key;
+use pinwheel_studies::Provenance;
+use pinwheel_studies::design_diff::{DesignDiff, FigureDiff, Judged, KeyDiff};
+use pinwheel_timeseries::table::{Mark, Table, TableOf};
+use serde_json::Value;
+
+use crate::pages::design::{self, HEADLINES};
+use crate::pages::figure::{figure, with_uncertainty};
+use crate::pages::{animation, time_series};
+
+/// Keys that one reads before the figures; more are folded.
+const MANY: usize = 12;
+
+/// Figures of the time series that are shown where there is little room.
+const SERIES: [&str; 3] = [
+    "input_torque_n_m mean",
+    "external_sleeve_force_n peak",
+    "internal_sleeve_force_n peak",
+];
+
+/// The page; `cancel` stops it while the motion is computed.
+///
+/// # Errors
+/// `cancel` was set.
+pub fn page(
+    found: &DesignDiff,
+    made: &Provenance,
+    cancel: &AtomicBool,
+) -> Result<String, Cancelled> {
+    let [a, b] = &found.names;
+    let mut sections = vec![scene(found), figures(found)];
+    sections.extend(over_time(found));
+    sections.push(curves(found));
+    sections.extend(motion(found, cancel)?);
+    let study = Study {
+        title: format!("{a} and {b}"),
+        eyebrow: "Pinwheel, two designs side by side".to_owned(),
+        lead: format!(
+            "What changed from `{a}` to `{b}`, in the scene, in every figure of a design and over time. Statics and runs as `pinwheel design`; \
+             time series by {}, each refined until its uncertainty is known.",
+            found.engine
+        ),
+        verdict: Some(verdict(found)),
+        tiles: tiles(found),
+        sections,
+        ..Study::default()
+    };
+    Ok(crate::pages::render(study, made))
+}
+
+/// Text for a terminal.
+#[must_use]
+pub fn text(found: &DesignDiff) -> String {
+    let [a, b] = &found.names;
+    let mut text = styled(TITLE, &format!("{a} and {b}")) + "\n";
+    let stated = || found.changed.iter().filter(|change| !change.follows);
+    if stated().next().is_some() {
+        text.push_str(&terminal::table(&keys(found, "", stated()).done()));
+    }
+    let followed = found.changed.len() - stated().count();
+    if followed > 0 {
+        let keys = counted(followed, "key that follows", "keys that follow");
+        text.push_str(&format!("and {keys} from them\n"));
+    }
+    let derived = found.derived.iter().filter(|r| r.judged != Judged::Same);
+    let means = steady(found).filter(|row| SERIES.contains(&row.key.as_str()));
+    let all = derived.chain(&found.figures).chain(means);
+    let figures = both(found, "", all)
+        .said(|row| match row.judged {
+            Judged::BelowUncertainty => "not shown".to_owned(),
+            _ => change(row),
+        })
+        .marked(|row| match row.judged {
+            Judged::Differ => Mark::None,
+            _ => Mark::Muted,
+        });
+    let mut all = found.figures.iter();
+    let below = all.any(|row| row.judged == Judged::BelowUncertainty);
+    let note = match below {
+        true => {
+            "not shown: the difference is below the uncertainty of both together (after \u{b1})"
+        }
+        false => "",
+    };
+    format!(
+        "{text}\n{}{}\n{}",
+        terminal::table(&figures.done()),
+        paragraph(note),
+        paragraph(&verdict(found).headline)
+    )
+}
+
+/// Means and peaks of the first window.
+fn steady(found: &DesignDiff) -> impl Iterator<Item = &FigureDiff> {
+    let first = found.time_series.first();
+    first.into_iter().flat_map(|(_, rows)| rows)
+}
+
+fn verdict(found: &DesignDiff) -> Verdict {
+    let all = || found.figures.iter().chain(steady(found));
+    let count = |judged: Judged| all().filter(|row| row.judged == judged).count();
+    let (same, below) = (count(Judged::Same), count(Judged::BelowUncertainty));
+    let (differ, total) = (count(Judged::Differ), all().count());
+    let unknown = total - same - below - differ;
+    let headline = if found.identical() {
+        "The designs are identical: every key has the same value".to_owned()
+    } else if differ == 0 {
+        format!(
+            "No difference was shown: none of {total} figures differs by more than its uncertainty"
+        )
+    } else {
+        let most = most(found).into_iter();
+        // `torsional stiffness × 43.5`.
+        let most = most.map(|row| format!("{} {}", row.what, change(row)));
+        match joined("; ", most).as_str() {
+            "" => format!("{differ} of {total} figures differ by more than their uncertainty"),
+            most => format!("{differ} of {total} figures differ, most: {most}"),
+        }
+    };
+    let changed = found.changed.len();
+    let changed = counted(
+        changed,
+        "key of the scene differs",
+        "keys of the scene differ",
+    );
+    let same = counted(same, "figure is", "figures are");
+    let mut detail =
+        format!("{changed}; {same} the same, {below} with a difference below the uncertainty");
+    if unknown > 0 {
+        detail.push_str(&format!(", of {unknown} it is not known"));
+    }
+    if let Some((name, reason)) = found.broken() {
+        detail.push_str(&format!(". {name}: {reason}"));
+    }
+    Verdict {
+        tone: found.broken().map_or(Tone::Neutral, |_| Tone::Bad),
+        headline,
+        detail: format!("{detail}."),
+    }
+}
+
+/// The headline figures that differ most, largest change first.
+fn most(found: &DesignDiff) -> Vec<&FigureDiff> {
+    const MOST: usize = 3;
+    let differs = |row: &&FigureDiff| row.judged == Judged::Differ && row.change().is_some();
+    let headline = |row: &&FigureDiff| HEADLINES.contains(&row.key.as_str());
+    let rows = found.figures.iter().filter(headline);
+    let mut rows: Vec<&FigureDiff> = rows.filter(differs).collect();
+    // By the factor, whichever way.
+    let size = |share: f64| (1.0 + share).abs().ln().abs();
+    let factor = |row: &FigureDiff| row.change().map_or(0.0, size);
+    rows.sort_by(|a, b| factor(b).total_cmp(&factor(a)));
+    rows.truncate(MOST);
+    rows
+}
+
+fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
+/// Value as a file would have it, for people to read.
+fn value(value: Option<&Value>) -> String {
+    match value {
+        None => NONE.to_owned(),
+        Some(Value::String(text)) => text.clone(),
+        Some(Value::Number(number)) => number.as_f64().map_or(number.to_string(), format::plain),
+        Some(other) => other.to_string(),
+    }
+}
+
+fn change(row: &FigureDiff) -> String {
+    match row.change() {
+        _ if row.judged == Judged::Same => "0".to_owned(),
+        Some(share) if share >= 9.0 => format!("\u{d7} {}", significant(1.0 + share, 3)),
+        Some(share) if share.abs() >= 1e-4 => {
+            let sign = if share > 0.0 { "+" } else { "" };
+            format!("{sign}{} %", significant(100.0 * share, 3))
+        }
+        Some(share) => significant(share, 1),
+        None => NONE.to_owned(),
+    }
+}
+
+/// Unit and factor of both values: those that people use for the larger.
+fn scaled(row: &FigureDiff) -> (String, f64) {
+    let sizes = row.values.iter().flatten().map(|v| v.abs());
+    format::readable_unit(&row.unit, sizes.fold(0.0, f64::max))
+}
+
+fn shown(row: &FigureDiff, k: usize) -> String {
+    let (_, factor) = scaled(row);
+    let scale = |v: Option<f64>| v.map(|v| factor * v);
+    with_uncertainty(scale(row.values[k]), scale(row.uncertainty[k]))
+}
+
+fn tiles(found: &DesignDiff) -> Vec<Tile> {
+    let wanted = |row: &&FigureDiff| HEADLINES.contains(&row.key.as_str());
+    let tile = |row: &FigureDiff| {
+        let [a, b] = row
+            .values
+            .map(|value| value.map_or(NONE.to_owned(), figure));
+        let judged = match row.judged {
+            Judged::Same => "the same".to_owned(),
+            Judged::Differ => change(row),
+            Judged::BelowUncertainty => "no difference shown".to_owned(),
+            _ => format!("{}: {}", change(row), judged(row).0),
+        };
+        Tile::new(&row.what, format!("{a} \u{2192} {b}"), judged).unit(&row.unit)
+    };
+    found.figures.iter().filter(wanted).map(tile).collect()
+}
+
+/// A verdict in words, and its mark.
+fn judged(row: &FigureDiff) -> (&'static str, Mark) {
+    match row.judged {
+        Judged::Same => ("the same", Mark::Muted),
+        Judged::BelowUncertainty => ("below the uncertainty: no difference shown", Mark::Muted),
+        Judged::Differ => ("", Mark::None),
+        Judged::NotKnown => ("uncertainty not known", Mark::Warn),
+        Judged::Missing => ("not in both", Mark::Warn),
+    }
+}
+
+/// Figures of both designs and their change.
+fn both<'a>(
+    found: &DesignDiff,
+    caption: &str,
+    rows: impl Iterator<Item = &'a FigureDiff>,
+) -> TableOf<&'a FigureDiff> {
+    let label = |row: &FigureDiff| named(&row.what, &scaled(row).0);
+    let mut table = Table::of(caption, rows).text("", "Figure", |row| label(row));
+    for (k, name) in found.names.iter().enumerate() {
+        table = table
+            .number("", name, |row| row.values[k])
+            .said(|row| shown(row, k));
+    }
+    table
+        .number("", "Change", |row| row.change())
+        .said(|row| change(row))
+}
+
+/// Figures of both designs, their change and the verdict on it.
+fn table<'a>(
+    found: &DesignDiff,
+    caption: &str,
+    rows: impl Iterator<Item = &'a FigureDiff>,
+) -> Block {
+    let table = both(found, caption, rows)
+        .text("", "Judged", |row| judged(row).0)
+        .marked(|row| judged(row).1);
+    table.into()
+}
+
+/// Keys with the values of both scenes.
+fn keys<'a>(
+    found: &DesignDiff,
+    caption: &str,
+    changes: impl Iterator<Item = &'a KeyDiff>,
+) -> TableOf<&'a KeyDiff> {
+    let [a, b] = &found.names;
+    Table::of(caption, changes)
+        .text("", "Key", |change| format!("`{}`", change.key))
+        .text("", a, |change| value(change.values[0].as_ref()))
+        .text("", b, |change| value(change.values[1].as_ref()))
+}
+
+fn scene(found: &DesignDiff) -> Section {
+    let keys = |caption: &str, follows: bool| {
+        let of = found.changed.iter().filter(|c| c.follows == follows);
+        let table = keys(found, caption, of)
+            .text("", "What it is", |change| {
+                key(&change.key).map_or("", |key| key.about)
+            })
+            .done();
+        (!table.is_empty()).then_some(Block::Table(table))
+    };
+    let stated = keys("Keys that differ", false);
+    let many = found.changed.iter().filter(|c| !c.follows).count();
+    let mut blocks: Vec<Block> = match stated {
+        Some(table) if many > MANY => vec![Block::folded(format!("{many} keys differ"), table)],
+        other => other.into_iter().collect(),
+    };
+    if found.identical() {
+        blocks.push(
+            "Every key of both scenes has the same value, but for name and description.".into(),
+        );
+    }
+    let derived = found.derived.iter();
+    let mut differing = derived.filter(|row| row.judged != Judged::Same).peekable();
+    if differing.peek().is_some() {
+        let caption = "What follows from the dimensions and the load";
+        blocks.push(table(found, caption, differing));
+    }
+    if let Some(followed) = keys("Keys that both scenes leave to a formula", true) {
+        blocks.push(Block::folded(
+            "Keys that differ because others do",
+            followed,
+        ));
+    }
+    Section::new("scene", "What changed").with(blocks)
+}
+
+fn figures(found: &DesignDiff) -> Section {
+    Section::new("figures", "Figures")
+        .with(
+            "After \u{b1} how far a figure may be off: by the poses that were looked at, or by the run's own verification. A difference below \
+             both together was not shown.",
+        )
+        .with(table(found, "Figures of both designs", found.figures.iter()))
+}
+
+fn over_time(found: &DesignDiff) -> Option<Section> {
+    let time_series = time_series::block(&found.comparison, &found.participants, true)?;
+    let windows = found.time_series.iter();
+    let mut tables = windows.map(|(window, rows)| {
+        let caption = format!("Means and peaks, {} window", window.word());
+        table(found, &caption, rows.iter())
+    });
+    let first = Vec::from_iter(tables.next());
+    let rest: Vec<Block> = tables.collect();
+    let section = Section::new("courses", "Over time")
+        .with(time_series)
+        .with(first);
+    Some(match rest.is_empty() {
+        true => section,
+        false => section.with(Block::folded("Other windows", rest)),
+    })
+}
+
+fn curves(found: &DesignDiff) -> Section {
+    let designs = [0, 1].map(|k| (found.names[k].as_str(), &found.designs[k]));
+    let mut charts = vec![design::torsion_chart(&designs)];
+    charts.extend(design::transmission_charts(&designs));
+    charts.extend(design::sharing_charts(&designs));
+    charts.push(design::bearing_chart(&designs));
+    Section::new("curves", "Side by side").with(charts)
+}
+
+/// Both in motion, over the time that both run.
+fn motion(found: &DesignDiff, cancel: &AtomicBool) -> Result<Option<Section>, Cancelled> {
+    let scenes = [0, 1].map(|k| &found.designs[k].scene);
+    let [a, b] = scenes.map(|scene| animation::sampled(scene));
+    let (step, duration) = (a.0.min(b.0), a.1.min(b.1));
+    let both = [0, 1].map(|k| (found.names[k].as_str(), scenes[k]));
+    let motion = animation::beside(both, (0.0, duration), step, 0.5 * duration, cancel)?;
+    Ok(motion.map(|motion| Section::new("motion", "Motion").with(motion)))
+}

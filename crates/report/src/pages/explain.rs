@@ -1,0 +1,70 @@
+//! Pages on a scene's model, its assumptions and its expected figures.
+
+use crate::terminal::{TITLE, list, pairs, paragraph, styled};
+use pinwheel_scene::Line;
+use pinwheel_studies::explained::Explanation;
+
+/// Text for a terminal.
+#[must_use]
+pub fn text(explanation: &Explanation<'_>) -> String {
+    let title = paragraph(&crate::pages::title(explanation.scene));
+    let mut text = format!("{}\n", styled(TITLE, &title));
+    let mut section = |title: &str, rows: String| {
+        if !rows.is_empty() {
+            text.push_str(&format!("\n{}\n{rows}", styled(TITLE, title)));
+        }
+    };
+    let model = &explanation.model;
+    for (title, facts) in [("Modelled", &model.modelled), ("Left out", &model.left_out)] {
+        section(title, pairs(facts.iter().map(|s| (&s.what, &s.why))));
+    }
+    let sizes = list(figures(explanation, false));
+    section("What follows from the dimensions", sizes);
+    section("To be expected", list(expected(explanation)));
+    let frequencies = explanation.derived.frequencies.iter().map(|of| {
+        let order = format!("order {:.4} of the input", of.order);
+        [of.what.to_owned(), format!("{:.3} Hz", of.hertz), order]
+    });
+    section("Frequencies", list(frequencies));
+    let assumptions = explanation.assumptions.iter();
+    let assumptions = assumptions.map(|a| [&a.key, &a.value, &a.reason].map(|x| x.to_string()));
+    section("Assumptions", list(assumptions));
+    text
+}
+
+/// A figure in the unit that people use for it.
+fn shown(line: &Line) -> String {
+    match line.unit {
+        "m" => format!("{:.4} mm", 1e3 * line.value),
+        "rad" => format!("{:.4} mrad", 1e3 * line.value),
+        "N m" => format!("{:.4} N m", line.value),
+        "N" => format!("{:.1} N", line.value),
+        _ => format!("{} : 1", line.value),
+    }
+}
+
+/// Lengths and angles, or forces.
+fn figures(explanation: &Explanation<'_>, forces: bool) -> Vec<[String; 3]> {
+    let lines = explanation.derived.lines(explanation.scene);
+    let of = |line: &&Line| line.unit.starts_with('N') == forces;
+    // Without backlash there is no play to speak of.
+    let there = |line: &&Line| line.unit != "rad" || line.value != 0.0;
+    let row = |line: &Line| [line.what.to_owned(), shown(line), line.how.to_owned()];
+    lines.iter().filter(of).filter(there).map(row).collect()
+}
+
+fn expected(explanation: &Explanation<'_>) -> Vec<[String; 3]> {
+    let phase = |what: &str, same: bool| {
+        let how = match same {
+            true => "in phase: no ripple cancels",
+            false => "out of phase: ripple partly cancels",
+        };
+        [what.to_owned(), String::new(), how.to_owned()]
+    };
+    let of = &explanation.derived;
+    let (external, internal) = (of.external_ripple_in_phase, of.internal_ripple_in_phase);
+    let mut rows = figures(explanation, true);
+    rows.push(phase("discs at the ring pins", external));
+    rows.push(phase("discs at the output pins", internal));
+    rows
+}

@@ -1,0 +1,189 @@
+//! The study of the paper as a page.
+
+use std::sync::atomic::AtomicBool;
+
+use crate::study::{self, Axis, Block, Chart, Fact, Section, Series, Study, Style, Tone};
+use pinwheel_engines::Cancelled;
+use pinwheel_scene::Scene;
+use pinwheel_studies::Provenance;
+use pinwheel_studies::paper::{ClaimVerdict, Cost, PaperFigure, PaperResult, Plot};
+use pinwheel_timeseries::table::{Mark, Shown, Table};
+
+use crate::pages::animation;
+
+mod text;
+
+pub use text::text;
+
+/// The page; `cancel` stops it while the motion is computed.
+///
+/// # Errors
+/// `cancel` was set.
+pub fn page(
+    found: &PaperResult,
+    made: &Provenance,
+    cancel: &AtomicBool,
+) -> Result<String, Cancelled> {
+    // Every row of the two tables below.
+    let figures = found.figures.iter().map(|figure| figure.verdict);
+    let verdicts = figures.chain(found.claims.iter().map(|judged| judged.verdict));
+    let verdicts: Vec<ClaimVerdict> = verdicts.collect();
+    let count = |wanted| {
+        verdicts
+            .iter()
+            .filter(|verdict| **verdict == wanted)
+            .count()
+    };
+    let all = verdicts.len();
+    let [holds, sometimes, not, meaningless] = [
+        ClaimVerdict::Holds,
+        ClaimVerdict::Conditional,
+        ClaimVerdict::DoesNotHold,
+        ClaimVerdict::Meaningless,
+    ]
+    .map(count);
+    let mut sections = vec![overview(found)];
+    if !found.claims.is_empty() {
+        sections.push(claims(found));
+    }
+    sections.extend(motion(cancel)?);
+    sections.extend(found.figures.iter().map(section));
+    sections.push(costs(found));
+    let study = Study {
+        title: "The paper, computed again".into(),
+        eyebrow: "Figures and claims of Król's multibody model of a cycloidal gearbox".into(),
+        lead: "Each figure from our own runs in the paper's axes and units: what the paper says it shows, whether ours \
+               shows it, and by which number. Figures of the paper are not reproduced here; the words are a summary."
+            .into(),
+        // A claim that does not hold is a finding, not a failure.
+        verdict: Some(study::Verdict {
+            tone: Tone::Neutral,
+            headline: format!("{holds} of {all} figures and claims hold when computed again"),
+            detail: format!(
+                "{sometimes} hold under a condition, {not} do not, {meaningless} cannot be computed; by {} runs.",
+                found.runs
+            ),
+        }),
+        sections,
+        ..Study::default()
+    };
+    Ok(crate::pages::render(study, made))
+}
+
+/// The gearbox without and with backlash, over the input turn that most figures draw.
+fn motion(cancel: &AtomicBool) -> Result<Option<Section>, Cancelled> {
+    const TURN: (f64, f64) = (0.24, 0.36);
+    let paper = Scene::paper();
+    let (step, _) = animation::sampled(&paper);
+    let mut wide = paper.clone();
+    wide.gear.backlash_m = 6e-4;
+    let (Ok(paper), Ok(wide)) = (paper.check(), wide.check()) else {
+        return Ok(None);
+    };
+    let both = [("without backlash", &paper), ("0.6 mm of backlash", &wide)];
+    let about = "One turn of the input, from 0.24 to 0.36 s, as our solver computes it: with backlash fewer ring pins carry \
+                 the same load, each with a higher force.";
+    let motion = animation::beside(both, TURN, step, TURN.0, cancel)?;
+    Ok(motion.map(|motion| Section::new("motion", "Motion").with(about).with(motion)))
+}
+
+fn overview(found: &PaperResult) -> Section {
+    let caption = "What the paper's figures say, and what ours show";
+    let table = Table::of(caption, &found.figures)
+        .text("", "Figure", |figure| &figure.name)
+        .text("", "The paper says", |figure| &figure.says)
+        .text("", "Our runs show", |figure| &figure.found)
+        .text("", "So it", |figure| figure.verdict.words())
+        .marked(|figure| mark(figure.verdict));
+    Section::new("figures", "Overview").with(table)
+}
+
+fn section(figure: &PaperFigure) -> Section {
+    let numbers = Table::of(format!("Numbers of {}", figure.name), &figure.numbers)
+        .text("", "Number", |n| n.name.replace('_', " "))
+        .number("", "Value", |n| n.value)
+        .text("", "Unit", |n| &n.unit);
+    let (words, mark) = (figure.verdict.words(), mark(figure.verdict));
+    Section::new(&figure.id, &figure.name)
+        .with(Block::Columns(vec![
+            Fact::new("The paper", Mark::None, &figure.says),
+            Fact::new(format!("Ours: {words}"), mark, &figure.found),
+        ]))
+        .with(format!("Why: {}", figure.why))
+        .with(figure.plots.iter().map(chart).collect::<Vec<_>>())
+        .with(Block::folded("Numbers", numbers))
+        .folded(format!("{}: {words}", figure.title))
+}
+
+fn chart(plot: &Plot) -> Chart {
+    let series = plot.curves.iter().map(|curve| {
+        // A curve has its own abscissae: where it has no value there is nothing to join.
+        let there = plot.x.iter().zip(&curve.y).filter(|(_, y)| y.is_finite());
+        let (x, y): (Vec<f64>, Vec<f64>) = there.unzip();
+        Series::line(&curve.label, x, y).styled(match curve.points {
+            true => Style::Points,
+            false => Style::Line,
+        })
+    });
+    let y = Axis {
+        label: plot.y_label.clone(),
+        log: plot.y_log,
+    };
+    let x = Axis::linear(&plot.x_label);
+    Chart {
+        note: plot.note.clone(),
+        ..Chart::new(&plot.title, x, y, series.collect())
+    }
+}
+
+fn claims(found: &PaperResult) -> Section {
+    let caption = "What the paper says in words, each judged by the numbers of a figure";
+    let judged = Table::of(caption, &found.claims)
+        .text("", "Claim", |judged| &judged.claim.claim)
+        .text("", "Verdict", |judged| judged.verdict.words())
+        .marked(|judged| mark(judged.verdict))
+        .text("", "Our figure", |judged| &judged.figure);
+    let caption = "Why, by which computation, and where in the paper";
+    let reasons = Table::of(caption, &found.claims)
+        .text("", "Claim", |judged| &judged.claim.claim)
+        .text("", "Why", |judged| &judged.claim.remark)
+        .text("", "Judged by", |judged| &judged.claim.judged_by)
+        .text("", "Where", |judged| &judged.claim.place);
+    Section::new("claims", "Claims")
+        .with(judged)
+        .with(Block::folded(caption, reasons))
+}
+
+fn costs(found: &PaperResult) -> Section {
+    let whole = Cost {
+        what: format!("this whole study, {} runs", found.runs),
+        paper_s: None,
+        ours_s: found.wall_s,
+    };
+    let table = Table::of("Cost of a run", found.costs.iter().chain([&whole]))
+        .text("", "Analysis", |cost| &cost.what)
+        .number("", "The paper", |cost| cost.paper_s)
+        .shown(Shown::Seconds)
+        .number("", "Ours", |cost| cost.ours_s)
+        .shown(Shown::Seconds)
+        .number("", "Ratio", |cost| cost.paper_s.map(|s| s / cost.ours_s))
+        .shown(Shown::Decimals(0));
+    Section::new("cost", "Cost")
+        .with(
+            "Wall time of 0.6 s of the gearbox, 60 000 steps of 1e-5 s by Heun's method, on one core. The paper's machine is not \
+             named, so the ratio compares program and machine together. The paper scans all points for every pin; only points \
+             near the ideal mesh can touch, so their number need not cost time. Adams took over an hour.",
+        )
+        .with(table)
+        .folded("time of a run, beside the paper's")
+}
+
+/// Mark of a verdict.
+fn mark(verdict: ClaimVerdict) -> Mark {
+    match verdict {
+        ClaimVerdict::Holds => Mark::Good,
+        ClaimVerdict::DoesNotHold => Mark::Bad,
+        ClaimVerdict::Conditional => Mark::Warn,
+        ClaimVerdict::Meaningless => Mark::Muted,
+    }
+}

@@ -1,0 +1,133 @@
+//! The stability study: which method survives which hard scene, and how the others fail.
+
+mod maps;
+mod text;
+
+pub use text::text;
+
+use crate::format;
+use crate::study::{Block, Section, Study, Tile, Tone, Verdict};
+use pinwheel_scene::Formulation;
+use pinwheel_studies::Provenance;
+use pinwheel_studies::stability::{Atlas, Cell, SERVED, SceneRow};
+use pinwheel_timeseries::table::{Mark, Shown, Table};
+
+/// The page.
+#[must_use]
+pub fn page(atlas: &Atlas, made: &Provenance) -> String {
+    let mut sections = maps::sections(atlas);
+    sections.insert(0, scenes(atlas));
+    let study = Study {
+        title: "Stability on hard cases".to_owned(),
+        eyebrow: "Pinwheel stability study".to_owned(),
+        lead: "Every hard scene with every formulation and integrator: the largest step that works, the error at the paper's step, \
+               what fails first, and where the energy goes."
+            .to_owned(),
+        verdict: Some(verdict(atlas)),
+        tiles: tiles(atlas),
+        sections,
+        ..Study::default()
+    };
+    crate::pages::render(study, made)
+}
+
+fn verdict(atlas: &Atlas) -> Verdict {
+    let (rows, all) = (atlas.done().count(), atlas.rows.len());
+    let unserved = atlas.unserved();
+    let served = format!("{} %", 100.0 * SERVED);
+    let stopped = match rows < all {
+        true => format!(" The study was stopped: {rows} of {all} scenes are done."),
+        false => String::new(),
+    };
+    let detail = format!(
+        "Forces against a converged run, at a step of {} or the tolerance in the column's head.{stopped}",
+        format::seconds(atlas.options.step_s)
+    );
+    let headline = match unserved.len() {
+        _ if rows == 0 => "No scene of the atlas is done yet".to_owned(),
+        0 => format!("Each of the {rows} scenes has a method that gives it within {served}"),
+        n => {
+            let list = unserved.join(", ");
+            format!("{n} of {rows} scenes have no method within {served}: {list}")
+        }
+    };
+    Verdict {
+        tone: Tone::of(rows > 0 && rows == all && unserved.is_empty()),
+        headline,
+        detail,
+    }
+}
+
+fn tiles(atlas: &Atlas) -> Vec<Tile> {
+    let cells = || atlas.done().flat_map(|row| &row.cells);
+    let failed = cells().filter(|cell| cell.failure.is_some()).count();
+    let step = format::seconds(atlas.options.step_s);
+    let pairs = Tile::new(
+        "Scene and method",
+        cells().count().to_string(),
+        format!("{failed} of them fail at {step}"),
+    );
+    let bests = atlas.done();
+    let bests = bests.filter_map(|row| Some((row.best()?.1, &row.scene)));
+    let hardest = bests.max_by(|a, b| a.0.total_cmp(&b.0));
+    let hardest = hardest.map(|(error, scene)| {
+        let detail = format!("{scene}, error of the forces with the best method");
+        Tile::new("Hardest scene", format::relative(error), detail)
+    });
+    [pairs.unit("pairs")].into_iter().chain(hardest).collect()
+}
+
+fn scenes(atlas: &Atlas) -> Section {
+    let auto = |row: &SceneRow| {
+        let mut cells = row.cells.iter();
+        let own = cells.find(|cell| {
+            cell.method.integrator == row.auto && cell.method.formulation == Formulation::Reduced
+        });
+        own.and_then(Cell::right_to)
+    };
+    let with = |name: &str, error: f64| format!("{name}: {}", format::relative(error));
+    let served = |error: Option<f64>| match error {
+        Some(error) if error <= SERVED => Mark::Good,
+        Some(_) => Mark::Warn,
+        None => Mark::None,
+    };
+    let best = |row: &SceneRow| row.best().map(|(_, error)| error);
+    let rows: Vec<&SceneRow> = atlas.done().collect();
+    let scenes = Table::of(
+        "What integrator = auto takes for a hard scene, and what does best, with the errors of the forces",
+        &rows,
+    )
+    .text("", "Scene", |row| &row.scene)
+    .text("", "auto", |row| {
+        auto(row).map_or_else(|| row.auto.clone(), |error| with(&row.auto, error))
+    })
+    .marked(|row| served(auto(row)))
+    .text("", "Best", |row| match row.best() {
+        Some((cell, error)) => with(&cell.method.name(), error),
+        None => "none".to_owned(),
+    })
+    .marked(|row| match best(row) {
+        None => Mark::Bad,
+        error => served(error),
+    });
+    let references = Table::of(
+        "Method with its step or tolerance, and how far a second run lies from it",
+        &rows,
+    )
+    .text("", "Scene", |row| &row.scene)
+    .text("", "Converged run", |row| match &row.reference {
+        Some(run) => format!("{} at {:.1e}", run.solution.method, run.solution.setting),
+        None => row.refused.clone().unwrap_or_default(),
+    })
+    .marked(|row| Mark::bad(row.reference.is_none()))
+    .number("", "Distance of a second one, forces", |row| {
+        row.reference.as_ref().map(|run| run.apart.forces)
+    })
+    .shown(Shown::Relative)
+    .text("", "Why it is hard", |row| &row.why);
+    let why = Block::folded(
+        "Why each is hard, and the converged run that errors are measured against",
+        references,
+    );
+    Section::new("scenes", "Scenes").with(scenes).with(why)
+}

@@ -1,0 +1,52 @@
+//! The study on a terminal: what each method gets right. The page has the map of scenes.
+
+use crate::format::{self, joined};
+use crate::terminal::{self, paragraphs, titled};
+use pinwheel_studies::stability::Atlas;
+use pinwheel_timeseries::table::{Mark, Table};
+
+/// Number of scenes in which each method gives the right picture, and its smallest step; without the place of the page.
+#[must_use]
+pub fn text(atlas: &Atlas) -> String {
+    let scenes: Vec<_> = atlas.done().filter(|row| row.refused.is_none()).collect();
+    let cells = |place: usize| {
+        let cells = scenes.iter();
+        cells.filter_map(move |row| Some((row.scene.as_str(), row.cells.get(place)?)))
+    };
+    let methods = atlas.options.methods.iter().enumerate();
+    let table = Table::of("", methods)
+        .text("", "method", |(_, method)| method.name())
+        .text("", "right", |(k, _)| {
+            let count = cells(*k).filter(|(_, cell)| cell.is_right()).count();
+            format!("{count} of {}", scenes.len())
+        })
+        .text(
+            "",
+            "its smallest step, or largest error of forces",
+            |(k, _)| {
+                let step =
+                    cells(*k).filter_map(|(scene, cell)| Some((scene, cell.largest_step_s?)));
+                let step = step.min_by(|a, b| a.1.total_cmp(&b.1));
+                let error = cells(*k).filter_map(|(scene, cell)| Some((scene, cell.right_to()?)));
+                let error = error.max_by(|a, b| a.1.total_cmp(&b.1));
+                match (step, error) {
+                    (Some((scene, step)), _) => format!("{}, {scene}", format::seconds(step)),
+                    (None, Some((scene, error))) => format!("{}, {scene}", format::relative(error)),
+                    (None, None) => String::new(),
+                }
+            },
+        )
+        .text("", "fails in", |(k, _)| {
+            let wrong = cells(*k).filter(|(_, cell)| !cell.is_right());
+            joined(", ", wrong.map(|(scene, _)| scene))
+        })
+        .marked(|_| Mark::Bad);
+    let refused = atlas
+        .done()
+        .filter_map(|row| Some((&row.scene, row.refused.as_ref()?)));
+    let refused = refused.map(|(scene, why)| format!("{scene}: {why}"));
+    let findings = paragraphs(atlas.findings().map(|(line, _)| line));
+    let table = terminal::table(&table.done().without_empty());
+    let map = "The map of scenes and methods is on the page.".to_owned();
+    titled("stability", [findings, table, paragraphs(refused), map])
+}

@@ -1,0 +1,307 @@
+//! A sweep's page: figures over what was varied, and every run in a table.
+
+use crate::format::{count, joined, plain, readable_unit, seconds, significant};
+use crate::study::{Block, Grid, GridAxis, GridFigure, Section, Study, Tile, Tone, Verdict};
+use crate::table::named;
+use pinwheel_compare::quantities;
+use pinwheel_studies::Provenance;
+use pinwheel_studies::sweep::{self, Axis, Plan, RunRecord, STATICS, Value};
+use pinwheel_timeseries::table::{Column, Table, Values};
+
+mod text;
+mod tolerances;
+
+pub use text::{list, text};
+
+/// Rows of the table of runs at most; the CSV has all.
+const MOST_ROWS: usize = 500;
+/// Figures to choose from at most.
+const MOST_FIGURES: usize = 40;
+
+/// The page of a finished sweep; `table`: [its results](pinwheel_studies::sweep::results).
+#[must_use]
+pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance) -> String {
+    let ended = records.iter().filter(|record| record.ending.is_finished());
+    let unfinished = records.len() - ended.count();
+    let sweep = &plan.sweep;
+    let keys = sweep.axes.iter().flat_map(|axis| &axis.keys);
+    let varied = keys.map(|(key, list)| format!("{key} ({})", list.len()));
+    let varied: Vec<String> = varied.collect();
+    let (runs_done, over) = (records.len(), varied.join(" x "));
+    let mut lead = match sweep.description.as_str() {
+        "" => format!("{runs_done} runs of the scene {} over {over}.", sweep.scene),
+        description => description.to_owned(),
+    };
+    let idle = sweep::idle(plan, records);
+    if !idle.is_empty() {
+        let idle = idle.join(", ");
+        lead += &format!(
+            " No effect on this scene: {idle}. Runs that differ in nothing else are equal to the bit."
+        );
+    }
+    let mut sections = Vec::new();
+    let sampled = sweep::tolerances(plan, table);
+    if !sampled.is_empty() {
+        sections.push(tolerances::section(plan, table, &sampled));
+    }
+    let grid = grid(plan, records, table);
+    let answer = answer(&grid, plan);
+    // Over random values there is no line to draw.
+    if sampled.is_empty()
+        && !grid.figures.is_empty()
+        && grid.axes.iter().any(|axis| axis.values.len() > 1)
+    {
+        sections.push(Section::new("figures", "Figures").with(Block::Grid(grid)));
+    }
+    let all = Section::new("runs", "Runs").with(runs(plan, table));
+    // Folded where there is something to look at before.
+    sections.push(match sections.is_empty() {
+        true => all,
+        false => all.folded("Every run: what was varied, how it ended, its figures"),
+    });
+    let file = Block::Code(sweep.text.trim_end().to_owned());
+    let file = Section::new("sweep", "Sweep file").with(file);
+    sections.push(file.folded("What was asked for"));
+    let versions = records.iter();
+    let versions = versions.map(|record| (record.engine.clone(), record.engine_version.clone()));
+    let lost = (unfinished > 0).then(|| Verdict {
+        tone: Tone::Bad,
+        headline: format!("{unfinished} of {runs_done} runs did not finish"),
+        detail: "They are in the table with the reason, and gaps in the figures.".to_owned(),
+    });
+    let simulated = seconds(simulated_s(plan));
+    let cpu = seconds(records.iter().map(|record| record.cpu_s).sum());
+    let study = Study {
+        title: sweep.name.clone(),
+        eyebrow: "Sweep".to_owned(),
+        lead,
+        verdict: lost.or_else(|| tolerances::verdict(&sampled)).or(answer),
+        tiles: vec![
+            Tile::new("Runs", count(runs_done as u64), sweep.engines.join(", ")),
+            Tile::new("Varied", varied.len().to_string(), varied.join(", ")),
+            Tile::new("Simulated", simulated, "all runs together"),
+            Tile::new("Processor time", cpu, "the engines', all runs together"),
+        ],
+        sections,
+        versions: versions.collect(),
+        ..Study::default()
+    };
+    crate::pages::render(study, made)
+}
+
+/// Range of the first figure over the runs with its uncertainty, or the statement that there is no trend beyond it.
+fn answer(grid: &Grid, plan: &Plan) -> Option<Verdict> {
+    let figure = grid.figures.first()?;
+    let parts = |label: &str| -> (String, String) {
+        let unit = label.strip_suffix(')').and_then(|l| l.rsplit_once(" ("));
+        match unit {
+            Some((name, unit)) => (name.to_owned(), format!(" {unit}")),
+            None => (label.to_owned(), String::new()),
+        }
+    };
+    let (name, unit) = parts(&figure.label);
+    let known = figure.values.iter().enumerate();
+    let known = known.filter_map(|(run, value)| Some((run, (*value)?)));
+    let (least, low) = known.clone().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (most, high) = known.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let bound = |run: usize| match figure.uncertainty.get(run).copied().flatten() {
+        Some(u) => format!(" \u{b1}\u{202f}{}", significant(u, 1)),
+        None => String::new(),
+    };
+    let at = |run: usize| {
+        let places = grid.axes.iter().zip(&grid.runs[run]);
+        let named = places.filter(|(axis, _)| axis.values.len() > 1);
+        let words = named.map(|(axis, place)| {
+            let (name, unit) = parts(&axis.label);
+            format!("{} {}{unit}", name.to_lowercase(), axis.values[*place])
+        });
+        joined(", ", words)
+    };
+    let off = figure.uncertainty.iter().flatten().copied();
+    let off = off.fold(f64::NAN, f64::max);
+    let [from, to] = [(low, least), (high, most)]
+        .map(|(value, run)| format!("{}{}", significant(value, 4), bound(run)));
+    let headline = match high - low <= 2.0 * off {
+        true => format!("{name}: no trend beyond what the runs may be off by"),
+        false => format!("{name}: {from} to {to}{unit}"),
+    };
+    let (least, most, runs) = (at(least), at(most), plan.runs.len());
+    Some(Verdict {
+        tone: Tone::Neutral,
+        headline,
+        detail: format!("Least at {least}; largest at {most}; over {runs} runs."),
+    })
+}
+
+/// Simulated time of all runs, s: balances have none.
+fn simulated_s(plan: &Plan) -> f64 {
+    let moving = plan.runs.iter().filter(|run| run.engine != STATICS);
+    moving.fold(0.0, |sum, run| sum + run.scene.solver.duration_s)
+}
+
+/// Heading and unit of a column, if it is a figure.
+fn heading(name: &str, records: &[RunRecord]) -> Option<(String, String)> {
+    let share = match name {
+        "efficiency" => Some("Efficiency"),
+        "efficiency_accounted" => Some("Efficiency by what is lost"),
+        _ => None,
+    };
+    if let Some(words) = share {
+        return Some((words.to_owned(), String::new()));
+    }
+    if let Some((word, quantity)) = name.split_once('_')
+        && ["mean", "peak", "rms"].contains(&word)
+    {
+        let (label, unit) = quantities::label_and_unit(quantity);
+        return Some((format!("{label}, {word}"), unit));
+    }
+    let balanced = records.iter().any(|r| r.balances.contains_key(name));
+    balanced.then(|| quantities::label_and_unit(name))
+}
+
+/// A column of numbers that are not the same in every run, as a figure.
+fn figure(column: &Column, records: &[RunRecord]) -> Option<GridFigure> {
+    let Values::Number(values) = &column.values else {
+        return None;
+    };
+    let (label, unit) = heading(&column.name, records)?;
+    let mut present = values.iter().flatten();
+    let first = present.next()?;
+    present.find(|value| *value != first)?;
+    let (unit, factor) = readable_unit(&unit, largest(values.iter().flatten()));
+    let scaled = |value: &Option<f64>| value.map(|v| factor * v);
+    let off = records.iter().zip(values);
+    let off =
+        off.map(|(record, value)| Some(factor * uncertainty(record, &column.name, (*value)?)?));
+    Some(GridFigure {
+        label: named(&label, &unit),
+        values: values.iter().map(scaled).collect(),
+        uncertainty: off.collect(),
+    })
+}
+
+/// The largest magnitude.
+fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
+    let values = values.into_iter();
+    values.fold(0.0, |most, value| value.abs().max(most))
+}
+
+/// Grid of the varied keys, and of the engines where there are several, with every figure that is not the same in every
+/// run.
+fn grid(plan: &Plan, records: &[RunRecord], table: &Table) -> Grid {
+    let mut axes: Vec<GridAxis> = plan.sweep.axes.iter().map(axis).collect();
+    let engines = &plan.sweep.engines;
+    if engines.len() > 1 {
+        axes.push(GridAxis {
+            label: "engine".to_owned(),
+            values: engines.clone(),
+            numbers: None,
+        });
+    }
+    let mut columns: Vec<&Column> = table.columns.iter().collect();
+    // Peaks of forces and means of torques say most; the rest follows in its order.
+    columns.sort_by_key(|column| match column.name.as_str() {
+        "peak_external_sleeve_force_n" => 0,
+        "peak_internal_sleeve_force_n" => 1,
+        "mean_input_torque_n_m" => 2,
+        "efficiency_accounted" => 3,
+        name if name.starts_with("rms_") || name.ends_with("_rad") => 5,
+        _ => 4,
+    });
+    let columns = columns.into_iter();
+    let figures = columns.filter_map(|column| figure(column, records));
+    Grid {
+        figures: figures.take(MOST_FIGURES).collect(),
+        runs: (0..plan.runs.len()).map(|run| plan.places(run)).collect(),
+        axes,
+    }
+}
+
+/// An axis in the words and units that people use; of keys that change together the first, with the others' names.
+fn axis(axis: &Axis) -> GridAxis {
+    let Some((key, values)) = axis.keys.first() else {
+        return GridAxis::default();
+    };
+    // Units that keys of scenes have and quantities do not.
+    const OWN: [(&str, &str); 2] = [("_n_s_m", "N s/m"), ("_kg_m3", "kg/m\u{b3}")];
+    let name = |key: &str| {
+        let key = key.rsplit('.').next().unwrap_or(key);
+        let mut own = OWN.iter();
+        match own.find_map(|(suffix, unit)| Some((key.strip_suffix(suffix)?, *unit))) {
+            Some((stem, unit)) => (quantities::label_and_unit(stem).0, unit.to_owned()),
+            None => quantities::label_and_unit(key),
+        }
+    };
+    let (mut label, unit) = name(key);
+    for (other, _) in &axis.keys[1..] {
+        label.push_str(&format!(" with {}", name(other).0.to_lowercase()));
+    }
+    let numbers: Option<Vec<f64>> = values.iter().map(Value::number).collect();
+    let Some(numbers) = numbers else {
+        return GridAxis {
+            label,
+            values: values.iter().map(ToString::to_string).collect(),
+            numbers: None,
+        };
+    };
+    let (unit, factor) = readable_unit(&unit, largest(&numbers));
+    let numbers: Vec<f64> = numbers.iter().map(|v| factor * v).collect();
+    GridAxis {
+        label: named(&label, &unit),
+        values: numbers.iter().map(|v| plain(*v)).collect(),
+        numbers: Some(numbers),
+    }
+}
+
+/// Uncertainty of a figure: the engine's own statement, what lies between samples, and of means what the window's place does to them.
+fn uncertainty(record: &RunRecord, column: &str, value: f64) -> Option<f64> {
+    let torque = column.contains("torque") || column == "efficiency";
+    let [forces, driver] = record.uncertainty.unwrap_or([f64::NAN; 2]);
+    let share = if torque { driver } else { forces };
+    let numerical = value.abs() * share + record.sampling(column).unwrap_or(0.0);
+    let mean_of = column.strip_prefix("mean_");
+    let spread = mean_of.and_then(|quantity| record.figures.get(quantity));
+    let drift = spread.map_or(f64::NAN, |spread| spread.drift);
+    // What is not known adds nothing; if neither is, nothing is said.
+    let parts = [numerical, drift].into_iter();
+    parts.filter(|part| part.is_finite()).reduce(f64::hypot)
+}
+
+/// The table of runs.
+fn runs(plan: &Plan, table: &Table) -> Vec<Block> {
+    let all = table.len();
+    let reasons: Vec<String> = (0..all.min(MOST_ROWS))
+        .filter_map(|row| {
+            let reason = table.column("reason")?.values.words(row)?;
+            Some(format!("Run {}: {reason}", row + 1))
+        })
+        .collect();
+    let mut shown = table.clone().rows(|row| row < MOST_ROWS).without_empty();
+    // Figures are shaded from the column's least to its largest.
+    let varied = |name: &str| plan.keys().any(|key| key == name);
+    for column in &mut shown.columns {
+        let mut prefixes = ["mean_", "peak_", "rms_", "efficiency"].iter();
+        let figure = prefixes.any(|prefix| column.name.starts_with(prefix));
+        let Values::Number(values) = &column.values else {
+            continue;
+        };
+        let there = || values.iter().flatten().copied();
+        let low = there().fold(f64::INFINITY, f64::min);
+        let high = there().fold(f64::NEG_INFINITY, f64::max);
+        if figure && high > low && !varied(&column.name) {
+            let shade = |value: &Option<f64>| value.map(|v| 0.6 * (v - low) / (high - low));
+            column.shades = values.iter().map(shade).collect();
+        }
+    }
+    let mut blocks = Vec::new();
+    if shown.len() < all {
+        let count = shown.len();
+        blocks.push(format!("The first {count} of {all} runs; results.csv has all.").into());
+    }
+    blocks.push(shown.into());
+    if !reasons.is_empty() {
+        let title = "Remarks on runs: how they ended, and which figures to read with care";
+        blocks.push(Block::folded(title, Block::List(reasons)));
+    }
+    blocks
+}

@@ -1,0 +1,34 @@
+//! Checks that costly work is done once: how often a comparison compiles its gearbox. The process counts, so this is
+//! its only test.
+
+use std::sync::atomic::AtomicBool;
+
+use pinwheel_faults::compilations;
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::{Override, Scene};
+use pinwheel_studies::comparison::{self, Input};
+use pinwheel_studies::{Control, Provenance, choice};
+
+#[test]
+fn regress_a_comparison_compiles_its_gearbox_once() {
+    let sets = ["solver.duration_s=0.004", "drive.start=equilibrium"];
+    let sets: Vec<Override> = sets.iter().map(|set| set.parse().unwrap()).collect();
+    let scene = Scene::load("paper", &sets).unwrap();
+    let names: [&str; 0] = [];
+    let engines = choice::engines(&names[..], &scene).unwrap();
+    assert!(engines.len() >= 3, "{}", engines.len());
+    let gearbox = Gearbox::new(&scene).unwrap();
+    let input = Input {
+        gearbox: &gearbox,
+        engines: &engines,
+        data: &[],
+    };
+    let found = comparison::run(&input, &Control::quiet()).unwrap();
+    assert!(found.comparison.context.divergence.is_some());
+    let made = Provenance::here("pinwheel compare paper".to_owned());
+    let page =
+        pinwheel_report::pages::comparison::page(&found, &made, &AtomicBool::new(false)).unwrap();
+    assert!(page.contains("native solver"), "the motion");
+    // Twins are other gears.
+    assert_eq!(compilations(), 1 + found.twins.len() as u64);
+}
