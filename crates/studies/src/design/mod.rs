@@ -36,6 +36,7 @@ use serde::Serialize;
 
 use crate::band::{self, Bands};
 use crate::control::{compile, of_scene};
+use crate::motion::Motion;
 use crate::output::{OutputError, write_with};
 use crate::provenance::{Provenance, Summary};
 use crate::{Control, Progress, StudyError, single};
@@ -153,6 +154,9 @@ pub struct DesignResult {
     pub joint: Option<Joint>,
     /// The discs as drawings.
     pub discs: Vec<Drawing>,
+    /// The gearbox in motion, for a page.
+    #[serde(skip)]
+    pub motion: Option<Motion>,
 }
 
 /// Answers all of it for the scene of `gearbox`; `runs`: also what takes dynamic runs.
@@ -160,6 +164,20 @@ pub struct DesignResult {
 /// # Errors
 /// Cancelled; no load or more of it than the teeth carry; a scene that cannot be modelled.
 pub fn run(
+    gearbox: &Gearbox,
+    runs: bool,
+    control: &Control<'_>,
+) -> Result<DesignResult, StudyError> {
+    let mut found = answers(gearbox, runs, control)?;
+    found.motion = Motion::of(gearbox, control)?;
+    Ok(found)
+}
+
+/// [`run`] without the motion.
+///
+/// # Errors
+/// As [`run`].
+pub(crate) fn answers(
     gearbox: &Gearbox,
     runs: bool,
     control: &Control<'_>,
@@ -293,6 +311,7 @@ pub(crate) fn figures_of(
         efficiency,
         joint: None,
         discs: drawing::discs(scene)?,
+        motion: None,
     })
 }
 
@@ -390,18 +409,22 @@ impl DesignResult {
             cycle: own.cycle,
             efficiency: own.efficiency,
             joint: own.joint,
+            motion: own.motion,
             rest,
             ..figures_of(gearbox, false, control)?
         };
         if statics != *self {
             return Ok(None);
         }
+        let mut made = run(gearbox, self.cycle.is_some(), control)?;
+        // It names the scene and is judged by its picture.
+        let motion = std::mem::replace(&mut made.motion, statics.motion);
         let found = Self {
             scene: statics.scene,
             rest,
-            ..run(gearbox, self.cycle.is_some(), control)?
+            ..made
         };
-        Ok((found == *self).then_some(found))
+        Ok((found == *self).then_some(Self { motion, ..found }))
     }
 
     /// The eccentric bearing with the largest force; the first of discs that carry alike.
