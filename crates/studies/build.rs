@@ -9,9 +9,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
 /// Crates that show or drive and compute nothing.
-const SHOWN: [&str; 7] = [
-    "benches", "cli", "law", "pages", "pinwheel", "python", "report",
-];
+const SHOWN: [&str; 6] = ["benches", "cli", "law", "pinwheel", "python", "report"];
 
 fn main() -> io::Result<()> {
     let here = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());

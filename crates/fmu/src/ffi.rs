@@ -22,7 +22,7 @@ use std::slice;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use pinwheel_handles::Handles;
+use pinwheel_gearbox::handles::Handles;
 
 use crate::instance::{Instance, Refusal};
 use crate::model::Model;

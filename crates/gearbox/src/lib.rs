@@ -39,6 +39,7 @@ mod frequencies;
 mod gearbox;
 mod geometry;
 pub mod guard;
+pub mod handles;
 mod linear_signal;
 pub mod native;
 pub mod pressure;

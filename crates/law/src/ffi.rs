@@ -23,7 +23,7 @@ use std::ptr;
 use std::slice;
 use std::sync::{Mutex, PoisonError};
 
-use pinwheel_handles::Handles;
+use pinwheel_gearbox::handles::Handles;
 
 use crate::law::{Law, LawError};
 use crate::{ABI, LOAD, STATE};

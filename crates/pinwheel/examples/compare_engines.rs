@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(&folder)?;
     let made = Provenance::here("the example compare_engines");
     found.write(&folder, &made)?;
-    let page = pages::comparison::page(&found, &made, &stop)?;
+    let page = pages::comparison::page(&found, &made);
     std::fs::write(folder.join("index.html"), page)?;
     println!("page: {}", folder.join("index.html").display());
     Ok(())

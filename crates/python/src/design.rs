@@ -1,16 +1,14 @@
 //! From a catalogue to a scene, from a scene to a designer's figures, and to a co-simulation unit.
 
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 use pinwheel::engines::external::fmu_library;
 use pinwheel::fmu::{Imprint, Package, PackageError};
+use pinwheel::pages;
 use pinwheel::report::figure::shown;
 use pinwheel::scene::catalogue::{ARGUMENTS, Catalogue, MATERIALS};
 use pinwheel::scene::did_you_mean;
-use pinwheel::studies::StudyError;
 use pinwheel::studies::design::{self as designs, Drawing};
-use pinwheel::{Gearbox, pages};
 use pyo3::conversion::FromPyObjectOwned;
 use pyo3::prelude::*;
 
@@ -75,7 +73,6 @@ pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
 #[pyclass(frozen, module = "pinwheel._core")]
 pub(crate) struct Designed {
     found: designs::DesignResult,
-    gearbox: Gearbox,
 }
 
 #[pymethods]
@@ -91,10 +88,8 @@ impl Designed {
     }
 
     /// The page that opens offline.
-    fn page(&self, py: Python<'_>) -> Raises<String> {
-        let never = AtomicBool::new(false);
-        let page = py.detach(|| pages::design::page(&self.found, &self.gearbox, &made(), &never));
-        Ok(page.map_err(StudyError::from)?)
+    fn page(&self) -> String {
+        pages::design::page(&self.found, &made())
     }
 
     /// Text for a terminal.
@@ -120,7 +115,7 @@ pub(crate) fn design(
     let found = supervised(py, &Desk::new(), progress.as_ref(), |control| {
         designs::run(&gearbox, runs, control)
     })?;
-    Ok(Designed { found, gearbox })
+    Ok(Designed { found })
 }
 
 /// The scene as a co-simulation unit: the file's bytes. `library`: of such units; by itself as the program finds it.

@@ -1,12 +1,11 @@
 //! Comparison, bench, explanation, and the list of engines.
 
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
 use pinwheel::engines::Engine;
 use pinwheel::pages;
 use pinwheel::studies::comparison::{Effort, foreign};
-use pinwheel::studies::{Provenance, StudyError, bench as benches, choice, comparison, explained};
+use pinwheel::studies::{Provenance, bench as benches, choice, comparison, explained};
 use pyo3::prelude::*;
 
 use crate::errors::{Raises, ended, plain};
@@ -57,10 +56,8 @@ impl Compared {
     }
 
     /// The page that opens offline.
-    fn page(&self, py: Python<'_>) -> Raises<String> {
-        let page =
-            py.detach(|| pages::comparison::page(&self.outcome, &made(), &AtomicBool::new(false)));
-        Ok(page.map_err(StudyError::from)?)
+    fn page(&self) -> String {
+        pages::comparison::page(&self.outcome, &made())
     }
 
     /// Text for a terminal.

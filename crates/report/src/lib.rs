@@ -1,15 +1,16 @@
-//! The report: one self-contained HTML page, and text for terminals.
+//! The report: what studies found, as one self-contained HTML page and as text for terminals.
 //!
 //! ```text
-//!  findings of any study ─> study (tiles, facts, tables, charts) ─> one HTML file, nothing outside it
-//!                       └─> terminal (facts, tables)
+//!  outcome of a study ─> pages (a file or folder a study) ─> study (tiles, facts, tables, charts) ─> one HTML file
+//!                                                        └─> terminal (facts, tables)
 //! ```
 //!
 //! [`study::render`] makes the page of any study. A page opens without a network, reads without a script (every table
-//! is plain HTML), and draws its time series with an embedded plotting library. No study and no engine is known here.
+//! is plain HTML), and draws its time series with an embedded plotting library. Only [`pages`] knows studies.
 
 pub mod figure;
 pub mod format;
+pub mod pages;
 pub mod sanitize;
 pub mod script;
 pub mod stack;

@@ -25,6 +25,7 @@ use serde_json::Value;
 
 use crate::comparison::{Effort, context, refine};
 use crate::control::of_scene;
+use crate::motion::{Motion, sampled};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
 use crate::{Control, Progress, StudyError, design, single};
@@ -79,6 +80,9 @@ pub struct DesignDiff {
     /// The runs behind it.
     #[serde(skip)]
     pub participants: Vec<Participant>,
+    /// Both in motion over the time that both run, for a page.
+    #[serde(skip)]
+    pub motion: Vec<Motion>,
 }
 
 /// Payload of `summary.json`.
@@ -104,7 +108,7 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
     }
     let grid = on_one_grid(input.gearboxes)?;
     let answer = |k: usize| -> Result<_, StudyError> {
-        let design = design::run(input.gearboxes[k], true, control)?;
+        let design = design::answers(input.gearboxes[k], true, control)?;
         let (name, effort) = (&names[k], input.efforts[k]);
         let (at, context) = (Progress::new(k, 2, name), context(&grid[k].scene));
         let (participant, evidence) =
@@ -137,7 +141,15 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
         compare(&context, &participants[k..=k], &rules)
     };
     let alone = [alone(0)?, alone(1)?];
+    let [of_a, of_b] = scenes.map(|scene| sampled(scene));
+    let (step, duration) = (of_a.0.min(of_b.0), of_a.1.min(of_b.1));
+    let both = [0, 1].map(|k| (names[k].as_str(), scenes[k]));
+    let mut motion = Motion::beside(both, (0.0, duration), step, control)?;
+    for one in &mut motion {
+        one.begin_s = 0.5 * duration;
+    }
     Ok(DesignDiff {
+        motion,
         engine: input.engine.name().to_owned(),
         changed: changed(scenes)?,
         derived: derived(scenes, [&designs[0].dimensions, &designs[1].dimensions]),

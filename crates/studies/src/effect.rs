@@ -136,13 +136,13 @@ impl Settings<'_> {
         found: &DesignResult,
         took: Duration,
         control: &Control<'_>,
-        mut equal: impl FnMut(&DesignResult, &Gearbox) -> Result<bool, StudyError>,
+        mut equal: impl FnMut(&DesignResult) -> bool,
     ) -> Result<Vec<usize>, StudyError> {
         if took > LONGEST_DESIGN {
             return Ok(Vec::new());
         }
         self.without_effect(|without| match found.repeated(without, control) {
-            Ok(Some(other)) => equal(&other, without),
+            Ok(Some(other)) => Ok(equal(&other)),
             Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
             // Without this setting there is no design, or another one.
             _ => Ok(false),

@@ -58,6 +58,7 @@ pub mod explained;
 mod fourier;
 pub mod gears;
 pub mod junit;
+pub mod motion;
 pub mod paper;
 mod pool;
 pub mod provenance;

@@ -11,7 +11,7 @@ use crate::args::{self, CompareArgs, SceneArgs};
 use crate::failure::Failure;
 use crate::folder::{Folder, check_junit};
 use crate::progress::watched;
-use crate::{interrupt, screen};
+use crate::screen;
 
 pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let gearbox = args.scene.load()?;
@@ -36,7 +36,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     // An engine that was asked for by name and is left out ends in an error.
     found.comparison.passed &= found.broken(asked_by_name).is_none();
     let made = folder.write(|dir, made| found.write(dir, made))?;
-    let page = pages::comparison::page(&found, &made, interrupt::flag())?;
+    let page = pages::comparison::page(&found, &made);
     let mut text = pages::comparison::text(scene, &found);
     if screen::manner().verbose {
         text.push('\n');
@@ -87,7 +87,7 @@ fn designs(args: &CompareArgs, first: &Gearbox, other: &str) -> Result<u8, Failu
     };
     let found = watched(|control| design_diff::run(&input, control))?;
     let made = folder.write(|dir, made| found.write(dir, made))?;
-    let page = pages::design_diff::page(&found, &made, interrupt::flag())?;
+    let page = pages::design_diff::page(&found, &made);
     folder.show(&page, &pages::design_diff::text(&found))?;
     if let Some((name, reason)) = found.broken() {
         return Err(Failure::engine(format!(

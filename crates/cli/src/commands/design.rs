@@ -3,18 +3,17 @@
 use std::path::Path;
 use std::time::Instant;
 
-use pinwheel::gearbox::Gearbox;
 use pinwheel::pages;
 use pinwheel::scene::Fault;
 use pinwheel::scene::catalogue::ARGUMENTS;
-use pinwheel::studies::design::{self, DesignResult};
+use pinwheel::studies::design;
 
 use super::idle;
 use crate::args::{DesignArgs, InitArgs, quoted};
 use crate::failure::Failure;
 use crate::folder::{self, Folder};
 use crate::progress::watched;
-use crate::{interrupt, screen};
+use crate::screen;
 
 pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     let to_screen = args.file == Path::new("-");
@@ -70,16 +69,13 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
         found.fit_rest(stated)?;
     }
     let made = folder.write(|dir, made| found.write(dir, made))?;
-    let page = |found: &DesignResult, gearbox: &Gearbox| {
-        pages::design::page(found, gearbox, &made, interrupt::flag())
-    };
-    let html = page(&found, &gearbox)?;
+    let html = pages::design::page(&found, &made);
     let text = pages::design::text(&found, screen::manner().verbose);
     folder.show(&html, &text)?;
     let of = "the figures and files of this design";
     idle::name(&args.scene, &gearbox, of, |settings, control| {
-        settings.idle_in_design(&found, took, control, |other, gearbox| {
-            Ok(page(other, gearbox)? == html)
+        settings.idle_in_design(&found, took, control, |other| {
+            pages::design::page(other, &made) == html
         })
     })
 }

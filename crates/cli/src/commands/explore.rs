@@ -525,7 +525,7 @@ impl Explorer {
         };
         let found = comparison::run_with(&input, effort, &control)?;
         let made = folder.write(|dir, made| found.write(dir, made))?;
-        let page = pages::comparison::page(&found, &made, interrupt::flag())?;
+        let page = pages::comparison::page(&found, &made);
         folder.write_page(&page)?;
         let place = folder.publish()?;
         Ok((page, place.display().to_string()))

@@ -7,7 +7,6 @@ use pinwheel::studies::paper::{self, Options};
 use crate::args::PaperArgs;
 use crate::failure::Failure;
 use crate::folder::Folder;
-use crate::interrupt;
 use crate::progress::watched;
 
 pub(crate) fn paper(args: &PaperArgs) -> Result<(), Failure> {
@@ -33,6 +32,6 @@ pub(crate) fn paper(args: &PaperArgs) -> Result<(), Failure> {
         )),
     })?;
     let made = folder.write(|dir, made| found.write(dir, &options, made))?;
-    let page = pages::paper::page(&found, &made, interrupt::flag())?;
+    let page = pages::paper::page(&found, &made);
     folder.show(&page, &pages::paper::text(&found))
 }

@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use pinwheel_faults::{Fault, armed};
 use pinwheel_gearbox::Gearbox;
-use pinwheel_handles::Handles;
+use pinwheel_gearbox::handles::Handles;
 use pinwheel_law::Evaluator;
 
 use crate::engine::Ending;

@@ -1,15 +1,12 @@
 //! A design's page and text: what it is like to the shafts, who carries the load, and what the contacts bear.
 
 use std::f64::consts::PI;
-use std::sync::atomic::AtomicBool;
 
 use crate::figure::{self, number, table};
 use crate::format::{self, joined, significant};
 use crate::stack::stack;
 use crate::study::{Axis, Block, Chart, Fact, Mark, Section, Study, Style};
 use crate::terminal::{self, list, titled};
-use pinwheel_engines::Cancelled;
-use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
@@ -59,16 +56,9 @@ const CONTACTS: &str = "contacts only";
 const CONTACTS_ONLY: &str = "Lost motion and stiffness are those of the contacts: bearings, pins, discs and housing are rigid here. Real \
                              gears are softer by factors.";
 
-/// The page; `cancel` stops it while the motion is computed.
-///
-/// # Errors
-/// `cancel` was set.
-pub fn page(
-    found: &DesignResult,
-    gearbox: &Gearbox,
-    made: &Provenance,
-    cancel: &AtomicBool,
-) -> Result<String, Cancelled> {
+/// The page.
+#[must_use]
+pub fn page(found: &DesignResult, made: &Provenance) -> String {
     let scene = &found.scene;
     let caption = "For a data sheet; after \u{b1} how far a figure may be off numerically: by the poses that were looked at, or by the run's own \
                    verification";
@@ -118,11 +108,11 @@ pub fn page(
             Block::Facts(notes(found).into_iter().map(fact).collect()),
             Block::Html(files(found)),
         ],
-        aside: animation::aside(gearbox, cancel)?,
+        aside: animation::aside(found.motion.as_ref()),
         sections,
         ..Study::default()
     };
-    Ok(crate::pages::render(study, made))
+    crate::pages::render(study, made)
 }
 
 /// Links to the files that stand beside the page.

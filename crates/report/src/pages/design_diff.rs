@@ -1,13 +1,10 @@
 //! Two designs side by side: page and text.
 
-use std::sync::atomic::AtomicBool;
-
 use crate::figure::{cell, number};
 use crate::format::{self, NONE, joined, significant};
 use crate::study::{Block, Section, Study, Tile, Tone, Verdict};
 use crate::table::named;
 use crate::terminal::{self, TITLE, paragraph, styled};
-use pinwheel_engines::Cancelled;
 use pinwheel_scene::keys::key;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::design_diff::{DesignDiff, KeyDiff};
@@ -28,20 +25,14 @@ const SERIES: [&str; 3] = [
     "internal_sleeve_force_n peak",
 ];
 
-/// The page; `cancel` stops it while the motion is computed.
-///
-/// # Errors
-/// `cancel` was set.
-pub fn page(
-    found: &DesignDiff,
-    made: &Provenance,
-    cancel: &AtomicBool,
-) -> Result<String, Cancelled> {
+/// The page.
+#[must_use]
+pub fn page(found: &DesignDiff, made: &Provenance) -> String {
     let [a, b] = &found.names;
     let mut sections = vec![scene(found), figures(found)];
     sections.extend(over_time(found));
     sections.push(curves(found));
-    sections.extend(motion(found, cancel)?);
+    sections.extend(motion(found));
     let study = Study {
         title: format!("{a} and {b}"),
         eyebrow: "Pinwheel, two designs side by side".to_owned(),
@@ -55,7 +46,7 @@ pub fn page(
         sections,
         ..Study::default()
     };
-    Ok(crate::pages::render(study, made))
+    crate::pages::render(study, made)
 }
 
 /// Text for a terminal.
@@ -341,11 +332,7 @@ fn curves(found: &DesignDiff) -> Section {
 }
 
 /// Both in motion, over the time that both run.
-fn motion(found: &DesignDiff, cancel: &AtomicBool) -> Result<Option<Section>, Cancelled> {
-    let scenes = [0, 1].map(|k| &found.designs[k].scene);
-    let [a, b] = scenes.map(|scene| animation::sampled(scene));
-    let (step, duration) = (a.0.min(b.0), a.1.min(b.1));
-    let both = [0, 1].map(|k| (found.names[k].as_str(), scenes[k]));
-    let motion = animation::beside(both, (0.0, duration), step, 0.5 * duration, cancel)?;
-    Ok(motion.map(|motion| Section::new("motion", "Motion").with(motion)))
+fn motion(found: &DesignDiff) -> Option<Section> {
+    let motion = animation::beside(&found.motion)?;
+    Some(Section::new("motion", "Motion").with(motion))
 }

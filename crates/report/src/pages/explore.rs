@@ -13,11 +13,12 @@ use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::{Gearbox, auto};
 use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::{CheckedScene, Formulation, Override, Scene, edited, preset, scales};
+use pinwheel_studies::motion::Motion;
 use pinwheel_studies::{Control, Provenance, StudyError, band, design};
 use pinwheel_timeseries::columns;
 use serde_json::{Value, json};
 
-use crate::pages::animation::{self, Animation, markup};
+use crate::pages::animation::{Animation, drawn, markup};
 use crate::pages::design::is_headline;
 
 /// A key that a slider moves.
@@ -229,11 +230,13 @@ fn moved(
     cancel: &AtomicBool,
 ) -> Result<Result<(Animation, Value), String>, Cancelled> {
     let step = span_s / SAMPLES;
-    let found = animation::window(gearbox, "", (0.0, span_s), step, cancel)?;
-    let Some((view, series)) = found else {
+    let found = Motion::over(gearbox, "", (0.0, span_s), step, &Control::silent(cancel))?;
+    let view = found.as_ref().and_then(drawn);
+    let Some((view, motion)) = view.zip(found) else {
         let why = "the run diverges at once; take a smaller solver.step_s";
         return Ok(Err(why.to_owned()));
     };
+    let series = &motion.time_series;
     let times = series.time_s().len();
     let short = |values: &[f64]| -> Vec<f32> { values.iter().map(|v| *v as f32).collect() };
     let torque = series.channel(columns::INPUT_TORQUE).map(short);
@@ -311,7 +314,7 @@ pub fn page(
         format!("<option{chosen}>{}</option>", info.name)
     });
     let explorer = format!(
-        include_str!("../templates/explore.html"),
+        include_str!("../../templates/explore.html"),
         motion = markup(&views, 0.0),
         laws = laws.collect::<String>(),
         data = script::json_text(&data)
@@ -325,7 +328,7 @@ pub fn page(
             .to_owned(),
         below: vec![Block::Live {
             markup: explorer,
-            scripts: script::code(include_str!("../assets/explore.js")),
+            scripts: script::code(include_str!("../../assets/explore.js")),
             asks: true,
         }],
         ..Study::default()

@@ -12,7 +12,7 @@
 //! ```
 //! use crate::terminal::plain;
 //!
-//! let text = plain(&pinwheel_pages::laws::text());
+//! let text = plain(&pinwheel_report::pages::laws::text());
 //! assert!(text.contains("hunt-crossley"), "what a scene's contact.law may be");
 //! ```
 

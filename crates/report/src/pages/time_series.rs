@@ -48,9 +48,12 @@ pub(crate) fn block(
     let note = |note: &String| format!("<p class=\"note\">{}</p>", escape(note));
     let notes: String = data.notes.iter().map(note).collect();
     Some(Block::Live {
-        markup: format!(include_str!("../templates/time_series.html"), notes = notes),
+        markup: format!(
+            include_str!("../../templates/time_series.html"),
+            notes = notes
+        ),
         scripts: script::data("chart-data", &data)
-            + &script::code(include_str!("../assets/time_series.js")),
+            + &script::code(include_str!("../../assets/time_series.js")),
         asks: false,
     })
 }

@@ -26,6 +26,7 @@ use serde::Serialize;
 
 use crate::band::{self, Bands};
 use crate::control::{Control, Progress, TimeLimit, WITHIN};
+use crate::motion::Motion;
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
 use crate::single::{RunRecord, save};
@@ -65,6 +66,8 @@ pub struct Outcome {
     pub bands: Option<Bands>,
     /// Engines with contacts of their own against native runs with the same contacts.
     pub twins: Vec<MatchedContactRun>,
+    /// The gearbox in motion, for a page.
+    pub motion: Option<Motion>,
 }
 
 /// Payload of `summary.json`.
@@ -152,6 +155,7 @@ pub fn run_with(
         assumptions: assumptions(scene),
         bands: band::of(input.gearbox, control)?,
         twins,
+        motion: Motion::of(input.gearbox, control)?,
     };
     // Verdicts of pairs know neither twins nor runs that broke.
     outcome.comparison.passed = outcome.exit_status() == 0 && outcome.broken(false).is_none();

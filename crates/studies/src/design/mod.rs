@@ -37,6 +37,7 @@ use serde::Serialize;
 
 use crate::band::{self, Bands};
 use crate::control::{compile, of_scene};
+use crate::motion::Motion;
 use crate::output::{OutputError, write_with};
 use crate::provenance::{Provenance, Summary};
 use crate::{Control, Progress, StudyError, single};
@@ -155,6 +156,9 @@ pub struct DesignResult {
     pub discs: Vec<Drawing>,
     /// Balances of the unchanged gear that were solved before those of the bands, and those that were known.
     pub balances: [u64; 2],
+    /// The gearbox in motion, for a page.
+    #[serde(skip)]
+    pub motion: Option<Motion>,
 }
 
 /// Answers all of it for the scene of `gearbox`; `runs`: also what takes dynamic runs.
@@ -162,6 +166,20 @@ pub struct DesignResult {
 /// # Errors
 /// Cancelled; no load or more of it than the teeth carry; a scene that cannot be modelled.
 pub fn run(
+    gearbox: &Gearbox,
+    runs: bool,
+    control: &Control<'_>,
+) -> Result<DesignResult, StudyError> {
+    let mut found = answers(gearbox, runs, control)?;
+    found.motion = Motion::of(gearbox, control)?;
+    Ok(found)
+}
+
+/// [`run`] without the motion.
+///
+/// # Errors
+/// As [`run`].
+pub(crate) fn answers(
     gearbox: &Gearbox,
     runs: bool,
     control: &Control<'_>,
@@ -299,6 +317,7 @@ fn figures_by(
         joint: None,
         discs: Vec::new(),
         balances: [0; 2],
+        motion: None,
     })
 }
 
@@ -426,18 +445,22 @@ impl DesignResult {
             budget: own.budget,
             discs: own.discs,
             balances: own.balances,
+            motion: own.motion,
             rest,
             ..figures_of(gearbox, false, control)?
         };
         if statics != *self {
             return Ok(None);
         }
+        let mut made = run(gearbox, self.cycle.is_some(), control)?;
+        // It names the scene and is judged by its picture.
+        let motion = std::mem::replace(&mut made.motion, statics.motion);
         let found = Self {
             scene: statics.scene,
             rest,
-            ..run(gearbox, self.cycle.is_some(), control)?
+            ..made
         };
-        Ok((found == *self).then_some(found))
+        Ok((found == *self).then_some(Self { motion, ..found }))
     }
 
     /// The eccentric bearing with the largest force; the first of discs that carry alike.

@@ -15,6 +15,8 @@ pub(crate) mod write;
 
 use std::time::Instant;
 
+use pinwheel_engines::Cancelled;
+use pinwheel_scene::Scene;
 use serde::Serialize;
 
 pub use figure::{Claim, ClaimVerdict, Curve, JudgedClaim, PaperFigure, Plot};
@@ -23,6 +25,7 @@ pub use runs::Peer;
 
 use crate::StudyError;
 use crate::control::{Control, Progress};
+use crate::motion::{Motion, sampled};
 use figure::{Measured, number};
 use runs::{Model, Runs};
 use statements::Statements;
@@ -40,6 +43,9 @@ pub struct PaperResult {
     pub runs: usize,
     /// Wall time of the whole study, s.
     pub wall_s: f64,
+    /// The gearbox without and with backlash, over the input turn that most figures draw, for a page.
+    #[serde(skip)]
+    pub motion: Vec<Motion>,
 }
 
 /// Cost of 0.6 s of the gearbox.
@@ -75,6 +81,20 @@ pub struct Options {
     pub figures: Vec<String>,
     /// Run that stands in Adams' place in Fig. 10.
     pub peer: Option<Peer>,
+}
+
+/// Computes the gearbox's motion without and with backlash.
+fn motion(control: &Control<'_>) -> Result<Vec<Motion>, Cancelled> {
+    const TURN: (f64, f64) = (0.24, 0.36);
+    let paper = Scene::paper();
+    let (step, _) = sampled(&paper);
+    let mut wide = paper.clone();
+    wide.gear.backlash_m = 6e-4;
+    let (Ok(paper), Ok(wide)) = (paper.check(), wide.check()) else {
+        return Ok(Vec::new());
+    };
+    let both = [("without backlash", &paper), ("0.6 mm of backlash", &wide)];
+    Motion::beside(both, TURN, step, control)
 }
 
 type Make = fn(&Runs<'_>) -> Result<Vec<Measured>, StudyError>;
@@ -143,6 +163,7 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, Stud
         costs,
         runs: runs.count(),
         wall_s: start.elapsed().as_secs_f64(),
+        motion: motion(control)?,
     })
 }
 

@@ -9,72 +9,18 @@ use crate::format::significant;
 use crate::script::json_text;
 use crate::study::escape;
 use pinwheel_scene::Scene;
-use pinwheel_timeseries::{TimeSeries, columns};
+use pinwheel_studies::motion::{channels, floats};
+use pinwheel_timeseries::TimeSeries;
 use serde_json::{Value, json};
 
 use crate::pages::packed::{Rounding, Writer};
 
-/// Channels that an animation of a scene needs beside the contract's (`output.channels` of the scene).
-pub(super) fn needed(scene: &Scene) -> Vec<String> {
-    let mut needed = vec![
-        "transmission_error_arcmin",
-        "wheel_transmission_error_arcmin_*",
-        "wheel_*_external_normal_force_n_*",
-        "wheel_*_internal_normal_force_n_*",
-    ];
-    if floats(scene) {
-        needed.extend([
-            "eccentric_bearing_offset_x_m_*",
-            "eccentric_bearing_offset_y_m_*",
-        ]);
-    }
-    needed.into_iter().map(str::to_owned).collect()
-}
-
-/// True if discs move against their eccentrics.
-fn floats(scene: &Scene) -> bool {
-    scene.bearings.eccentric.is_some()
-}
-
 /// Binary digits of a channel's largest value that are kept.
 const DIGITS: i32 = 14;
-/// Bytes that the samples of one gearbox may take as 16-bit numbers, before they are packed.
-const BUDGET: usize = 360_000;
-/// Samples in the time a disc takes from pin to pin: forces must not lose their shape.
-const PER_SLEEVE: f64 = 24.0;
 /// Forces below this share of the largest are not drawn.
 const LEAST: f64 = 1e-3;
-/// Radians of a minute of arc.
-const ARCMIN: f64 = PI / (180.0 * 60.0);
 /// Largest distance at which a disc is drawn off its eccentric, as a share of the pins' circle.
 const OFFSET: f64 = 0.02;
-
-/// Packed channels in their order, each with its factor: torques, angles in rad, forces, offsets in mm.
-fn channels(scene: &Scene) -> Vec<(String, f64)> {
-    let gear = &scene.gear;
-    let mut channels = vec![
-        (columns::INPUT_TORQUE.to_owned(), 1.0),
-        (columns::OUTPUT_TORQUE.to_owned(), 1.0),
-        ("transmission_error_arcmin".to_owned(), ARCMIN),
-    ];
-    let error = |i| (format!("wheel_transmission_error_arcmin_{i}"), ARCMIN);
-    channels.extend((0..gear.wheels).map(error));
-    for i in 0..gear.wheels {
-        for (kind, count) in [
-            ("external", gear.external_sleeves),
-            ("internal", gear.internal_sleeves),
-        ] {
-            let force = |n| (format!("wheel_{i}_{kind}_normal_force_n_{n}"), 1.0);
-            channels.extend((0..count).map(force));
-        }
-    }
-    if floats(scene) {
-        let offset = |(i, axis)| (format!("eccentric_bearing_offset_{axis}_m_{i}"), 1e3);
-        let axes = (0..gear.wheels).flat_map(|i| [(i, "x"), (i, "y")]);
-        channels.extend(axes.map(offset));
-    }
-    channels
-}
 
 /// 1, 2, 5, 10, ...: how many times larger offsets of up to `largest` are drawn, to be at most `wanted`.
 fn magnified(largest: f64, wanted: f64) -> f64 {
@@ -86,16 +32,6 @@ fn magnified(largest: f64, wanted: f64) -> f64 {
     let steps = [5.0, 2.0, 1.0].into_iter();
     let mut steps = steps.filter(|step| step * decade <= ratio);
     steps.next().unwrap_or(1.0) * decade
-}
-
-/// Distance of the samples of a scene, s, and the longest stretch that fits into one page, s.
-pub(super) fn sampling(scene: &Scene) -> (f64, f64) {
-    let turn = TAU / scene.drive.input_speed_rad_s.abs().max(1e-9);
-    let sleeve = turn / scene.gear.external_sleeves as f64;
-    // Vibration of the discs on their contacts, about 1 kHz, must not be lost either.
-    let step = (sleeve / PER_SLEEVE).min(2e-4);
-    let samples = BUDGET / (2 * channels(scene).len());
-    (step, step * samples.saturating_sub(1) as f64)
 }
 
 /// One gearbox, ready to be drawn.
@@ -263,7 +199,7 @@ pub(crate) fn markup(views: &[Animation], begin_s: f64) -> String {
     let drawn = views.iter().map(|Animation { title, view, .. }| {
         let count = |key: &str| view["gear"][key].as_u64().unwrap_or_default();
         format!(
-            include_str!("../../templates/gearbox.html"),
+            include_str!("../../../templates/gearbox.html"),
             title = escape(title),
             wheels = count("wheels"),
             lobes = count("zk") - 1,
@@ -279,8 +215,8 @@ pub(crate) fn markup(views: &[Animation], begin_s: f64) -> String {
         )
     });
     format!(
-        include_str!("../../templates/gearboxes.html"),
-        css = include_str!("../../assets/animation.css"),
+        include_str!("../../../templates/gearboxes.html"),
+        css = include_str!("../../../assets/animation.css"),
         views = drawn.collect::<String>(),
         wheels = wheels.collect::<String>(),
         full = significant(number("full"), 3),
@@ -289,14 +225,16 @@ pub(crate) fn markup(views: &[Animation], begin_s: f64) -> String {
             false => "",
         },
         data = json_text(&data),
-        gearbox = include_str!("../../assets/gearbox.js"),
-        picture = include_str!("../../assets/gearbox-picture.js"),
-        animation = include_str!("../../assets/animation.js")
+        gearbox = include_str!("../../../assets/gearbox.js"),
+        picture = include_str!("../../../assets/gearbox-picture.js"),
+        animation = include_str!("../../../assets/animation.js")
     )
 }
 
 #[cfg(test)]
 mod tests {
+    use pinwheel_studies::motion::{BYTES, sampled};
+
     use super::*;
 
     fn scene() -> Scene {
@@ -424,12 +362,12 @@ mod tests {
         let mut large = scene();
         let gear = &mut large.gear;
         (gear.external_sleeves, gear.internal_sleeves, gear.wheels) = (60, 12, 4);
-        for scene in [scene(), large] {
-            let (step, stretch) = sampling(&scene);
+        for mut scene in [scene(), large] {
+            scene.solver.duration_s = 1e3;
+            let (step, stretch) = sampled(&scene);
             assert!(
                 step > 0.0
-                    && 2.0 * channels(&scene).len() as f64 * (stretch / step)
-                        < 1.01 * BUDGET as f64
+                    && 2.0 * channels(&scene).len() as f64 * (stretch / step) < 1.01 * BYTES as f64
             );
         }
     }

@@ -9,12 +9,9 @@ mod text;
 mod twins;
 mod words;
 
-use std::sync::atomic::AtomicBool;
-
 use crate::figure::tile;
 use crate::format;
 use crate::study::{Block, Fact, Section, Study};
-use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::Statement;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::comparison::Outcome;
@@ -26,11 +23,9 @@ pub use text::{details, text};
 
 use crate::pages::{animation, band, time_series};
 
-/// The page; `cancel` stops it while the motion is computed.
-///
-/// # Errors
-/// `cancel` was set.
-pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<String, Cancelled> {
+/// The page.
+#[must_use]
+pub fn page(found: &Outcome, made: &Provenance) -> String {
     let (comparison, participants) = (&found.comparison, &found.participants);
     let page = Page::new(comparison);
     let answer = Answer::new(found, format::relative);
@@ -67,14 +62,14 @@ pub fn page(found: &Outcome, made: &Provenance, cancel: &AtomicBool) -> Result<S
         }),
         tiles: figures::figures(found).iter().map(tile).collect(),
         below: below(&answer),
-        aside: animation::aside(&found.gearbox, cancel)?,
+        aside: animation::aside(found.motion.as_ref()),
         sections,
         appendix: vec![Block::folded("The scene, every key", scene)],
         versions: versions.collect(),
         made: Some(made.date.clone()),
         ..Study::default()
     };
-    Ok(crate::pages::render(study, made))
+    crate::pages::render(study, made)
 }
 
 /// Facts below the figures, and remarks.

@@ -1,10 +1,6 @@
 //! The study of the paper as a page.
 
-use std::sync::atomic::AtomicBool;
-
 use crate::study::{self, Axis, Block, Chart, Fact, Section, Series, Study, Style, Tone};
-use pinwheel_engines::Cancelled;
-use pinwheel_scene::Scene;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::paper::{ClaimVerdict, Cost, PaperFigure, PaperResult, Plot};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
@@ -15,15 +11,9 @@ mod text;
 
 pub use text::text;
 
-/// The page; `cancel` stops it while the motion is computed.
-///
-/// # Errors
-/// `cancel` was set.
-pub fn page(
-    found: &PaperResult,
-    made: &Provenance,
-    cancel: &AtomicBool,
-) -> Result<String, Cancelled> {
+/// The page.
+#[must_use]
+pub fn page(found: &PaperResult, made: &Provenance) -> String {
     // Every row of the two tables below.
     let figures = found.figures.iter().map(|figure| figure.verdict);
     let verdicts = figures.chain(found.claims.iter().map(|judged| judged.verdict));
@@ -46,7 +36,7 @@ pub fn page(
     if !found.claims.is_empty() {
         sections.push(claims(found));
     }
-    sections.extend(motion(cancel)?);
+    sections.extend(motion(found));
     sections.extend(found.figures.iter().map(section));
     sections.push(costs(found));
     let study = Study {
@@ -67,24 +57,15 @@ pub fn page(
         sections,
         ..Study::default()
     };
-    Ok(crate::pages::render(study, made))
+    crate::pages::render(study, made)
 }
 
 /// The gearbox without and with backlash, over the input turn that most figures draw.
-fn motion(cancel: &AtomicBool) -> Result<Option<Section>, Cancelled> {
-    const TURN: (f64, f64) = (0.24, 0.36);
-    let paper = Scene::paper();
-    let (step, _) = animation::sampled(&paper);
-    let mut wide = paper.clone();
-    wide.gear.backlash_m = 6e-4;
-    let (Ok(paper), Ok(wide)) = (paper.check(), wide.check()) else {
-        return Ok(None);
-    };
-    let both = [("without backlash", &paper), ("0.6 mm of backlash", &wide)];
+fn motion(found: &PaperResult) -> Option<Section> {
     let about = "One turn of the input, from 0.24 to 0.36 s, as our solver computes it: with backlash fewer ring pins carry \
                  the same load, each with a higher force.";
-    let motion = animation::beside(both, TURN, step, TURN.0, cancel)?;
-    Ok(motion.map(|motion| Section::new("motion", "Motion").with(about).with(motion)))
+    let motion = animation::beside(&found.motion)?;
+    Some(Section::new("motion", "Motion").with(about).with(motion))
 }
 
 fn overview(found: &PaperResult) -> Section {

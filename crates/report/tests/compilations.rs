@@ -1,8 +1,6 @@
 //! Checks that costly work is done once: how often a comparison compiles its gearbox. The process counts, so this is
 //! its only test.
 
-use std::sync::atomic::AtomicBool;
-
 use pinwheel_faults::compilations;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
@@ -26,7 +24,7 @@ fn regress_a_comparison_compiles_its_gearbox_once() {
     let found = comparison::run(&input, &Control::quiet()).unwrap();
     assert!(found.comparison.context.divergence.is_some());
     let made = Provenance::here("pinwheel compare paper".to_owned());
-    let page = pinwheel_pages::comparison::page(&found, &made, &AtomicBool::new(false)).unwrap();
+    let page = pinwheel_report::pages::comparison::page(&found, &made);
     assert!(page.contains("native solver"), "the motion");
     // Twins are other gears.
     assert_eq!(compilations(), 1 + found.twins.len() as u64);

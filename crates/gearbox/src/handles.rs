@@ -3,7 +3,7 @@
 //! A handle that was closed or made up finds nothing instead of freed memory, and closing twice does nothing.
 //!
 //! ```
-//! use pinwheel_handles::Handles;
+//! use pinwheel_gearbox::handles::Handles;
 //!
 //! static GEARS: Handles<&str> = Handles::new();
 //! let handle = GEARS.open::<u8>("gear");

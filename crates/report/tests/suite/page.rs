@@ -1,15 +1,14 @@
 //! The page as a whole: it says what was compared, loads nothing, and no scene can break out of it.
 
-use std::sync::atomic::AtomicBool;
-
 use pinwheel_compare::uncertainty::Source;
 use pinwheel_compare::{
     Comparison, Context, Cost, Evidence, Participant, Rules, SharedModel, Status, compare,
 };
 use pinwheel_gearbox::{Gearbox, explain};
 use pinwheel_scene::Scene;
-use pinwheel_studies::Provenance;
 use pinwheel_studies::comparison::Outcome;
+use pinwheel_studies::motion::Motion;
+use pinwheel_studies::{Control, Provenance};
 use pinwheel_timeseries::TimeSeries;
 
 /// Text of a hostile scene that tries to end an element, an attribute, a script.
@@ -88,16 +87,17 @@ fn page_of(comparison: &Comparison, participants: &[Participant]) -> String {
     let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
     let found = Outcome {
         model: explain(&gearbox),
-        gearbox,
         comparison: comparison.clone(),
         participants: participants.to_vec(),
         assumptions: Vec::new(),
         bands: None,
+        motion: Motion::of(&gearbox, &Control::quiet()).unwrap(),
         twins: Vec::new(),
+        gearbox,
     };
     let mut made = Provenance::here(format!("pinwheel compare {HOSTILE}"));
     made.machine.processor = HOSTILE.to_owned();
-    pinwheel_pages::comparison::page(&found, &made, &AtomicBool::new(false)).unwrap()
+    pinwheel_report::pages::comparison::page(&found, &made)
 }
 
 /// Every participant is known to 2e-5.

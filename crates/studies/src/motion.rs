@@ -1,0 +1,184 @@
+//! The gearbox in motion, as pages draw it: the native solver's own time series, pair by pair.
+
+use std::f64::consts::{PI, TAU};
+
+use pinwheel_engines::{Cancelled, Control};
+use pinwheel_gearbox::native::{self, NativeError};
+use pinwheel_gearbox::{Gearbox, GearboxError, auto, resolve};
+use pinwheel_scene::{CheckedScene, Formulation, Scene};
+use pinwheel_timeseries::{TimeSeries, columns};
+
+/// Limit of the cost of a picture where the scene's own method fails, evaluations: a few seconds.
+const BUDGET: u64 = 3_000_000;
+/// Bytes that the samples of one gearbox may take as 16-bit numbers, before they are packed.
+pub const BYTES: usize = 360_000;
+/// Samples in the time a disc takes from pin to pin: forces must not lose their shape.
+const PER_SLEEVE: f64 = 24.0;
+/// Radians of a minute of arc.
+const ARCMIN: f64 = PI / (180.0 * 60.0);
+
+/// Motion of one gearbox over a stretch of time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Motion {
+    /// Name of the gearbox and of what computed the motion.
+    pub title: String,
+    /// Its scene.
+    pub scene: CheckedScene,
+    /// Samples with all of [`channels`], evenly spaced.
+    pub time_series: TimeSeries,
+    /// Begin and end of the stretch, s.
+    pub span_s: (f64, f64),
+    /// Time at which the picture begins, s.
+    pub begin_s: f64,
+}
+
+impl Motion {
+    /// Computes a gearbox's motion over as long as a page holds. It begins at its second half, where the start-up transient has
+    /// died down. `None` where there is nothing to show, as when the run diverges at once.
+    ///
+    /// # Errors
+    /// Cancelled.
+    pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Self>, Cancelled> {
+        let scene = &gearbox.scene;
+        let (step, duration) = sampled(scene);
+        let title = format!("{}, native solver", scene.name);
+        let found = Self::over(gearbox, &title, (0.0, duration), step, control)?;
+        Ok(found.map(|motion| Self {
+            begin_s: 0.5 * duration,
+            ..motion
+        }))
+    }
+
+    /// Computes a gearbox's motion from `from_s` to `to_s`, recorded anew every `step` seconds with the channels that a picture
+    /// needs. Pictures beside each other share both.
+    ///
+    /// # Errors
+    /// Cancelled.
+    pub fn over(
+        gearbox: &Gearbox,
+        title: &str,
+        (from_s, to_s): (f64, f64),
+        step: f64,
+        control: &Control<'_>,
+    ) -> Result<Option<Self>, Cancelled> {
+        let recording = gearbox.with_solver(|solver| {
+            solver.formulation = Formulation::Reduced;
+            // No denser than the scene's own samples on short runs, which would only be straight lines.
+            solver.sample_s = step.min(to_s);
+            solver.duration_s = to_s;
+        });
+        let names = needed(&gearbox.scene);
+        let recording = recording.map_err(GearboxError::from);
+        let Ok(gearbox) = recording.and_then(|gearbox| gearbox.with_channels(names)) else {
+            return Ok(None);
+        };
+        let watch = &mut |_| control.is_cancelled();
+        let mut run = match native::run_at_samples(&gearbox, watch) {
+            Ok(run) => run,
+            Err(NativeError::Stopped) => return Err(Cancelled),
+            Err(_) => return Ok(None),
+        };
+        let mut title = title.to_owned();
+        if !run.ending.is_finished() {
+            // Forces that run away are no picture of the gear where another method gets through.
+            match resolve::run_resolved(&gearbox, auto::TARGET, BUDGET, watch) {
+                Ok((other, _)) if other.ending.is_finished() => {
+                    title.push_str(", by a method that gets through");
+                    run = other;
+                }
+                Err(NativeError::Stopped) => return Err(Cancelled),
+                // What there is until then is worth seeing.
+                _ => title.push_str(", until it diverges"),
+            }
+        }
+        Ok(Some(Self {
+            title,
+            scene: gearbox.scene.clone(),
+            time_series: run.time_series,
+            span_s: (from_s, to_s),
+            begin_s: from_s,
+        }))
+    }
+
+    /// Computes the motions of two scenes over the same time; those that have nothing to show are left out.
+    ///
+    /// # Errors
+    /// Cancelled.
+    pub fn beside(
+        scenes: [(&str, &CheckedScene); 2],
+        span: (f64, f64),
+        step: f64,
+        control: &Control<'_>,
+    ) -> Result<Vec<Self>, Cancelled> {
+        let mut all = Vec::new();
+        for (title, scene) in scenes {
+            if let Ok(gearbox) = Gearbox::new(scene) {
+                all.extend(Self::over(&gearbox, title, span, step, control)?);
+            }
+        }
+        Ok(all)
+    }
+}
+
+/// Returns the distance of the samples of a scene's motion, and the time that a page shows, s.
+#[must_use]
+pub fn sampled(scene: &Scene) -> (f64, f64) {
+    let turn = TAU / scene.drive.input_speed_rad_s.abs().max(1e-9);
+    let sleeve = turn / scene.gear.external_sleeves as f64;
+    // Vibration of the discs on their contacts, about 1 kHz, must not be lost either.
+    let step = (sleeve / PER_SLEEVE).min(2e-4);
+    let samples = BYTES / (2 * channels(scene).len());
+    let longest = step * samples.saturating_sub(1) as f64;
+    (step, scene.solver.duration_s.min(longest))
+}
+
+/// True if discs move against their eccentrics.
+#[must_use]
+pub fn floats(scene: &Scene) -> bool {
+    scene.bearings.eccentric.is_some()
+}
+
+/// Channels that a motion needs beside those that every run records (`output.channels` of the scene).
+fn needed(scene: &Scene) -> Vec<String> {
+    let mut needed = vec![
+        "transmission_error_arcmin",
+        "wheel_transmission_error_arcmin_*",
+        "wheel_*_external_normal_force_n_*",
+        "wheel_*_internal_normal_force_n_*",
+    ];
+    if floats(scene) {
+        needed.extend([
+            "eccentric_bearing_offset_x_m_*",
+            "eccentric_bearing_offset_y_m_*",
+        ]);
+    }
+    needed.into_iter().map(str::to_owned).collect()
+}
+
+/// Returns the channels of a motion in their order, each with its factor: torques, angles in rad, forces, offsets in mm.
+#[must_use]
+pub fn channels(scene: &Scene) -> Vec<(String, f64)> {
+    let gear = &scene.gear;
+    let mut channels = vec![
+        (columns::INPUT_TORQUE.to_owned(), 1.0),
+        (columns::OUTPUT_TORQUE.to_owned(), 1.0),
+        ("transmission_error_arcmin".to_owned(), ARCMIN),
+    ];
+    let error = |i| (format!("wheel_transmission_error_arcmin_{i}"), ARCMIN);
+    channels.extend((0..gear.wheels).map(error));
+    for i in 0..gear.wheels {
+        for (kind, count) in [
+            ("external", gear.external_sleeves),
+            ("internal", gear.internal_sleeves),
+        ] {
+            let force = |n| (format!("wheel_{i}_{kind}_normal_force_n_{n}"), 1.0);
+            channels.extend((0..count).map(force));
+        }
+    }
+    if floats(scene) {
+        let offset = |(i, axis)| (format!("eccentric_bearing_offset_{axis}_m_{i}"), 1e3);
+        let axes = (0..gear.wheels).flat_map(|i| [(i, "x"), (i, "y")]);
+        channels.extend(axes.map(offset));
+    }
+    channels
+}
