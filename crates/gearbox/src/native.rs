@@ -145,8 +145,11 @@ pub(crate) fn run_within(
     }
 }
 
-/// The reduced form of `mechanism`, which is the gear's but for its drivers.
-pub(crate) fn reduced<F: Forces>(
+/// Returns the reduced form of `mechanism`, which is the gear's but for its drivers and masses.
+///
+/// # Errors
+/// The mechanism cannot be reduced.
+pub fn reduced<F: Forces>(
     gearbox: &Gearbox,
     mechanism: Mechanism,
     forces: F,

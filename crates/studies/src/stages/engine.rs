@@ -1,0 +1,70 @@
+//! An engine's run with its states, and one with a smaller step.
+
+use pinwheel_engines::{AccuracySetting, Cancelled, Control, Engine};
+use pinwheel_gearbox::{Frequencies, Gearbox};
+use pinwheel_timeseries::TimeSeries;
+
+use super::judged::ORDER_MARGIN;
+use super::locate::{Located, Runs, locate};
+use super::{model, states};
+
+/// Samples that a run to be judged has at least.
+const LEAST: f64 = 100.0;
+/// Factor by which step or tolerance is made smaller, and how far the error of a run by tolerance falls at least.
+const STEP: f64 = 4.0;
+const TOLERANCE: [f64; 2] = [100.0, 4.0];
+
+/// Runs a scene on an engine, until `until_s` at least and with samples that its vibration shows, and judges its stages. `None`:
+/// it does not run, or the scene has no reduced form.
+///
+/// # Errors
+/// A stop.
+pub fn of_engine(
+    engine: &dyn Engine,
+    gearbox: &Gearbox,
+    until_s: f64,
+    control: &Control<'_>,
+) -> Result<Option<Located>, Cancelled> {
+    let none = model::Change::None;
+    let Some(native) = model::Model::new(gearbox, &none, 0.0) else {
+        return Ok(None);
+    };
+    let channels = states::Columns::of(gearbox, native.free()).channels();
+    let rad_s = Frequencies::of(&gearbox.scene).contact_rad_s;
+    let Ok(short) = gearbox.with_channels(channels) else {
+        return Ok(None);
+    };
+    let short = short.with_solver(|solver| {
+        let steps = (rad_s * solver.step_s).recip().floor().max(1.0);
+        solver.sample_s = solver.sample_s.min(steps * solver.step_s);
+        let long = (LEAST * solver.sample_s).max(until_s + 0.2 * LEAST * solver.sample_s);
+        solver.duration_s = solver.duration_s.min(long);
+    });
+    let Ok(short) = short else { return Ok(None) };
+    let run = |gearbox: &Gearbox| -> Result<Option<TimeSeries>, Cancelled> {
+        let run = engine.run_compiled(gearbox, control)?;
+        Ok(run.ending.is_finished().then_some(run.time_series))
+    };
+    let Some(own) = run(&short)? else {
+        return Ok(None);
+    };
+    let mut finer = None;
+    if let Some(refinement) = engine.info().refinement {
+        let (by, falls) = match refinement.knob {
+            AccuracySetting::Step => (STEP, STEP.powf(refinement.order.min(2.0) - ORDER_MARGIN)),
+            AccuracySetting::Tolerance => (TOLERANCE[0], TOLERANCE[1]),
+        };
+        let knob = refinement.knob;
+        let fine = short.with_solver(|solver| match knob {
+            AccuracySetting::Step => solver.step_s /= by,
+            AccuracySetting::Tolerance => solver.tolerance /= by,
+        });
+        if let Ok(fine) = fine {
+            finer = run(&fine)?.map(|run| (run, falls));
+        }
+    }
+    let finer = finer.as_ref().map(|(run, falls)| (run, *falls));
+    let name = engine.name();
+    let run = &own;
+    Ok(locate(gearbox, Runs { name, run, finer }))
+}
