@@ -33,6 +33,9 @@ type Values<'a> = &'a dyn Fn(&mut Model<'_>) -> Option<Vec<f64>>;
 /// Changes that explain almost the same are told apart by their factor: a sign or a missing part is more likely than any.
 const ALIKE: f64 = 1e-4;
 
+/// Factor on a mass that is missing.
+const LIGHTEST: f64 = 1e-9;
+
 /// Fits every suspect to a run's values and the native ones, and returns the best that explains at least `least`.
 pub(super) fn cause(
     gearbox: &Gearbox,
@@ -45,7 +48,11 @@ pub(super) fn cause(
             Size::Angle => 1e-6,
             Size::Factor | Size::Switch => 1e-4,
         };
-        let fit = fit(run, native, small, &mut |size| {
+        let lightest = match suspect.change {
+            Change::Mass(_) => LIGHTEST - 1.0,
+            _ => f64::NEG_INFINITY,
+        };
+        let fit = fit(run, native, [small, lightest], &mut |size| {
             values(&mut Model::new(gearbox, &suspect.change, size)?)
         })?;
         (fit.explained >= least).then_some((suspect, fit))

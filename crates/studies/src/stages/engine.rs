@@ -4,7 +4,7 @@ use pinwheel_engines::{AccuracySetting, Cancelled, Control, Engine};
 use pinwheel_gearbox::{Frequencies, Gearbox};
 use pinwheel_timeseries::TimeSeries;
 
-use super::judged::ORDER_MARGIN;
+use super::judged::{ORDER_MARGIN, Stage};
 use super::locate::{Located, Runs, locate};
 use super::{model, states};
 
@@ -13,6 +13,8 @@ const LEAST: f64 = 100.0;
 /// Factor by which step or tolerance is made smaller, and how far the error of a run by tolerance falls at least.
 const STEP: f64 = 4.0;
 const TOLERANCE: [f64; 2] = [100.0, 4.0];
+/// Times that it is made smaller while the motion is off and nothing explains it.
+const LEVELS: i32 = 2;
 
 /// Runs a scene on an engine, until `until_s` at least and with samples that its vibration shows, and judges its stages. `None`:
 /// it does not run, or the scene has no reduced form.
@@ -45,26 +47,37 @@ pub fn of_engine(
         let run = engine.run_compiled(gearbox, control)?;
         Ok(run.ending.is_finished().then_some(run.time_series))
     };
-    let Some(own) = run(&short)? else {
+    let Some(mut own) = run(&short)? else {
         return Ok(None);
     };
-    let mut finer = None;
-    if let Some(refinement) = engine.info().refinement {
-        let (by, falls) = match refinement.knob {
-            AccuracySetting::Step => (STEP, STEP.powf(refinement.order.min(2.0) - ORDER_MARGIN)),
-            AccuracySetting::Tolerance => (TOLERANCE[0], TOLERANCE[1]),
-        };
-        let knob = refinement.knob;
-        let fine = short.with_solver(|solver| match knob {
-            AccuracySetting::Step => solver.step_s /= by,
-            AccuracySetting::Tolerance => solver.tolerance /= by,
+    let judge = |run: &TimeSeries, finer: Option<(&TimeSeries, f64)>| {
+        let name = engine.name();
+        locate(gearbox, Runs { name, run, finer })
+    };
+    let Some(refinement) = engine.info().refinement else {
+        return Ok(judge(&own, None));
+    };
+    let (by, falls) = match refinement.knob {
+        AccuracySetting::Step => (STEP, STEP.powf(refinement.order.min(2.0) - ORDER_MARGIN)),
+        AccuracySetting::Tolerance => (TOLERANCE[0], TOLERANCE[1]),
+    };
+    let mut located = None;
+    for level in 1..=LEVELS {
+        let fine = short.with_solver(|solver| match refinement.knob {
+            AccuracySetting::Step => solver.step_s /= by.powi(level),
+            AccuracySetting::Tolerance => solver.tolerance /= by.powi(level),
         });
-        if let Ok(fine) = fine {
-            finer = run(&fine)?.map(|run| (run, falls));
+        let Some(finer) = fine.ok().map(|fine| run(&fine)).transpose()?.flatten() else {
+            return Ok(located.or_else(|| judge(&own, None)));
+        };
+        located = judge(&own, Some((&finer, falls)));
+        // Steps that are far too long show no order.
+        let is_open =
+            |found: &Located| found.cause.is_none() && found.first() >= Some(Stage::Equations);
+        if !located.as_ref().is_some_and(is_open) {
+            break;
         }
+        own = finer;
     }
-    let finer = finer.as_ref().map(|(run, falls)| (run, *falls));
-    let name = engine.name();
-    let run = &own;
-    Ok(locate(gearbox, Runs { name, run, finer }))
+    Ok(located)
 }

@@ -12,7 +12,7 @@ pub(super) struct Fit {
 }
 
 /// Share that the linear part has to explain before a change is followed further.
-const LEAST: f64 = 0.3;
+const LEAST: f64 = 0.2;
 /// Gauss-Newton steps.
 const STEPS: usize = 8;
 
@@ -25,11 +25,12 @@ fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 /// Fits a change to `target`, by Gauss-Newton steps from no change, where the model gives `base`. `predict` gives the model's
-/// values with a change of a given size, `None` where there is no such model; `small` is a size that changes them linearly.
+/// values with a change of a given size, `None` where there is no such model; `small` is a size that changes them linearly, and no
+/// size is below `least`.
 pub(super) fn fit(
     target: &[f64],
     base: &[f64],
-    small: f64,
+    [small, least]: [f64; 2],
     predict: &mut dyn FnMut(f64) -> Option<Vec<f64>>,
 ) -> Option<Fit> {
     let all = less(target, base);
@@ -37,13 +38,18 @@ pub(super) fn fit(
     let (mut size, mut left, mut values) = (0.0, all, base.to_vec());
     let mut slope_square = 0.0;
     for step in 0..STEPS {
-        let slope = less(&predict(size + small)?, &values);
+        // A model that barely exists may have one side alone.
+        let (near, small) = match predict(size + small) {
+            Some(near) => (near, small),
+            None => (predict(size - small)?, -small),
+        };
+        let slope = less(&near, &values);
         slope_square = dot(&slope, &slope) / (small * small);
         let along = dot(&slope, &left) / small;
         if !(slope_square > 0.0) || step == 0 && !(along * along / slope_square > LEAST * whole) {
             return None;
         }
-        let mut change = along / slope_square;
+        let mut change = (along / slope_square).max(least - size);
         // A model far away may not exist, or be worse.
         let mut halvings = 0..6;
         let next = loop {

@@ -6,6 +6,8 @@ use serde::Serialize;
 pub(super) const ROUNDING: f64 = 1e-6;
 /// Error of the flow, as a share of what the load would do.
 pub(super) const FLOW: f64 = 1e-6;
+/// Error of the integration that no order is asked of, as a share of what the load would do: no verdict depends on less.
+pub(super) const SMALL: f64 = 1e-4;
 /// Share of a residual that a cause must explain.
 pub(super) const EXPLAINED: f64 = 0.9;
 /// Share that it must explain where the step's own error is not known.

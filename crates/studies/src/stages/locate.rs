@@ -1,5 +1,7 @@
 //! All stages of a run, one after the other.
 
+use std::ops::Range;
+
 use pinwheel_gearbox::Gearbox;
 use pinwheel_timeseries::TimeSeries;
 use serde::Serialize;
@@ -108,7 +110,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         depth: Depth::default(),
     };
     if !missing.is_empty() {
-        let note = format!("columns of states would tell: {}", missing.join(", "));
+        let note = format!("these columns would tell: {}", missing.join(", "));
         let blind = |stage| Judged::untold(stage, &note);
         located.stages = Stage::ALL.map(blind).into();
         return Some(located);
@@ -116,19 +118,30 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
     let samples = motion::samples(gearbox, &states, best, SAMPLES);
     let columns = forces::Columns::of(gearbox, &mut native, best, &samples)?;
     located.depth = columns.depth(&mut native, gearbox.layout, &samples);
+    let rough = runs.finer.and_then(|_| {
+        let samples = motion::samples(gearbox, &states, runs.run, SAMPLES);
+        forces::Columns::of(gearbox, &mut native, runs.run, &samples)
+    });
     let judged = |stage, (residual, note), bound| Judged {
         stage,
         residual: Some(residual),
         bound,
         note,
     };
-    let column = |of: usize| columns.worst(of..of + 1);
+    // Forces that lag by a part of the step fall with it.
+    let column = |stage, of: Range<usize>| {
+        let (residual, note) = columns.worst(of.clone());
+        let falls = rough
+            .as_ref()
+            .map_or(0.0, |rough| rough.worst(of).0 - residual);
+        judged(stage, (residual, note), ROUNDING + falls.abs())
+    };
     located.stages = vec![
         judged(Stage::Start, start(&native, &samples), ROUNDING),
         judged(Stage::ContactSearch, columns.search(), 0.0),
-        judged(Stage::Law, columns.worst(columns.forces()), ROUNDING),
-        judged(Stage::Assembly, column(forces::OUTPUT), ROUNDING),
-        judged(Stage::Driver, column(forces::DRIVER), ROUNDING),
+        column(Stage::Law, columns.forces()),
+        column(Stage::Assembly, forces::OUTPUT..forces::OUTPUT + 1),
+        column(Stage::Driver, forces::DRIVER..forces::DRIVER + 1),
     ];
     let by_columns = |sure| {
         let [written, base] = [&columns.written, &columns.native].map(|rows| columns.stacked(rows));
@@ -152,10 +165,12 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
     } else if let Some(fine) = Motion::of(gearbox, &mut native, &states, best, &samples) {
         let rough = runs.finer.and_then(|(_, falls)| {
             let rough = Motion::of(gearbox, &mut native, &states, runs.run, &samples)?;
-            Some((rough.size(), falls))
+            Some((rough, falls))
         });
         located.depth.motion = fine.sizes();
-        located.stages.extend(fine.judged(rough));
+        located
+            .stages
+            .extend(fine.judged(rough.as_ref().map(|(rough, falls)| (rough, *falls))));
         if fine.size() > FLOW && (rough.is_none() || off(&located, &[Stage::Equations])) {
             let [reached, base] = [&fine.reached, &fine.flowed].map(|states| fine.stacked(states));
             let sure = if rough.is_some() { EXPLAINED } else { SURE };
@@ -163,11 +178,16 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
                 Some(fine.stacked(&fine.flows(model)?))
             });
         }
-        if let (None, Some(_)) = (rough, &found) {
-            for judged in &mut located.stages {
-                if judged.stage == Stage::Equations {
-                    judged.residual = Some(fine.size());
+        let alone = found.is_none() && fine.is_alone();
+        for judged in &mut located.stages {
+            match judged.stage {
+                Stage::Equations if found.is_some() => judged.residual = Some(fine.size()),
+                // Equations are wrong at all times.
+                Stage::Equations if alone && judged.is_off() => judged.stage = Stage::Integration,
+                Stage::Integration if alone && judged.residual.is_none() => {
+                    judged.stage = Stage::Equations;
                 }
+                _ => {}
             }
         }
         if found.is_none() && off(&located, &[Stage::Driver]) {

@@ -4,7 +4,7 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Layout, load_profile};
 use pinwheel_timeseries::TimeSeries;
 
-use super::judged::{FLOW, Judged, Stage};
+use super::judged::{FLOW, Judged, SMALL, Stage};
 use super::model::Model;
 use super::states::Columns;
 
@@ -136,44 +136,65 @@ impl Motion {
         (sizes.iter().map(|size| size * size).sum::<f64>() / sizes.len() as f64).sqrt()
     }
 
-    /// Place of the largest defect in words.
-    fn peak(&self) -> String {
-        let sizes = self.sizes();
-        let place = (0..sizes.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b]));
-        let square: f64 = sizes.iter().map(|size| size * size).sum();
-        place.map_or_else(String::new, |k| {
-            let alone = sizes[k] * sizes[k] > ALONE * square;
-            let only = if alone { "alone" } else { "most" };
-            format!(
-                "{only} from t = {:.4e} to {:.4e} s",
-                self.intervals[k].0, self.intervals[k].1
-            )
-        })
+    /// Defect as a share of what the run's own motion changes: it grows with the motion's amplitude.
+    pub(super) fn share(&self) -> f64 {
+        let ends = self.stacked(&self.flowed);
+        let starts = self.intervals.iter().map(|(_, _, y)| y.clone());
+        let starts = self.stacked(&starts.collect::<Vec<_>>());
+        let half = |k: usize| k % self.flowed[0].len() >= self.flowed[0].len() / 2;
+        let changes = ends
+            .iter()
+            .zip(&starts)
+            .enumerate()
+            .filter(|(k, _)| half(*k));
+        let square: f64 = changes.map(|(_, (end, start))| (end - start).powi(2)).sum();
+        self.size() / (square / self.intervals.len() as f64).sqrt()
     }
 
-    /// Judges equations and integration. `rough`: size of the defects of the run with a larger step, and how far they should have
+    /// Interval of the largest defect, and its share of the square of all.
+    fn peak(&self) -> (usize, f64) {
+        let sizes = self.sizes();
+        let square: f64 = sizes.iter().map(|size| size * size).sum();
+        let place = (0..sizes.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b]));
+        place.map_or((0, 0.0), |k| (k, sizes[k] * sizes[k] / square))
+    }
+
+    /// True if one interval has almost all of the defect.
+    pub(super) fn is_alone(&self) -> bool {
+        self.peak().1 > ALONE
+    }
+
+    /// Interval of the largest defect in words.
+    fn place(&self) -> String {
+        let which = if self.is_alone() { "alone" } else { "most" };
+        let (from, to, _) = &self.intervals[self.peak().0];
+        format!("{which} from t = {from:.4e} to {to:.4e} s")
+    }
+
+    /// Judges equations and integration. `rough`: the motion of the run with a larger step, and how far its defects should have
     /// fallen.
-    pub(super) fn judged(&self, rough: Option<(f64, f64)>) -> [Judged; 2] {
+    pub(super) fn judged(&self, rough: Option<(&Self, f64)>) -> [Judged; 2] {
         let size = self.size();
         let Some((rough, falls)) = rough else {
             let note = "a run with a smaller step would tell: state [refine]";
             return [Stage::Equations, Stage::Integration].map(|stage| Judged::untold(stage, note));
         };
+        let fell = rough.share() / self.share();
         let equations = Judged {
             stage: Stage::Equations,
             residual: Some(size),
             // An error of the step alone falls to half at least.
-            bound: (rough - size).abs() + FLOW,
-            note: self.peak(),
+            bound: size * (fell - 1.0).abs() + FLOW,
+            note: self.place(),
         };
         let integration = Judged {
             stage: Stage::Integration,
             residual: Some(size),
-            bound: rough / falls + FLOW,
+            bound: (size * fell / falls).max(SMALL),
             note: format!(
                 "falls by {:.1} where it should by {falls:.1}, {}",
-                rough / size,
-                self.peak()
+                fell,
+                self.place()
             ),
         };
         match equations.is_off() {

@@ -2,7 +2,7 @@
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Layout;
-use pinwheel_timeseries::{TimeSeries, columns};
+use pinwheel_timeseries::{TimeSeries, columns, group_of};
 
 /// Column of each coordinate of a gear and of its rate, in the order of the reduced form's y. `None`: a pin's angle, on which
 /// nothing depends.
@@ -68,10 +68,18 @@ impl Columns {
         asked.cloned().collect()
     }
 
-    /// Columns that a run lacks.
+    /// Columns that a run lacks, as patterns.
     pub(super) fn missing(&self, run: &TimeSeries) -> Vec<String> {
         let names = self.channels().into_iter();
-        names.filter(|name| run.channel(name).is_none()).collect()
+        let lacking = names.filter(|name| run.channel(name).is_none());
+        let mut patterns: Vec<String> = lacking
+            .map(|name| match group_of(&name) {
+                (family, Some(_)) => format!("{family}_*"),
+                (family, None) => family.to_owned(),
+            })
+            .collect();
+        patterns.dedup();
+        patterns
     }
 
     /// State of a run at a sample; NaN for what it lacks.

@@ -180,25 +180,31 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
     }
     let what = "moments of contact forces on the discs";
     add(Stage::Assembly, "lever", what, Size::Factor, Change::Lever);
-    let equations: [(&str, Change); 5] = [
+    let pins = layout.external_bodies().start..layout.bodies();
+    let turning = [
+        ("inertia of the discs", layout.wheel_bodies()),
+        ("inertia of the pins", pins),
+        ("inertia of the ring pins", layout.external_bodies()),
+        ("inertia of the output pins", layout.internal_bodies()),
+    ];
+    let turning = turning.map(|(what, bodies)| (what, masses(bodies, true)));
+    let output = move |mechanism: &mut Mechanism, p: f64| {
+        mechanism.bodies[Layout::OUTPUT].moment *= 1.0 + p;
+        for pin in layout.internal_bodies() {
+            mechanism.bodies[pin].mass *= 1.0 + p;
+        }
+    };
+    let equations = [
         (
             "mass of the output pins on the output shaft",
             masses(layout.internal_bodies(), false),
         ),
         (
             "inertia of the output with its pins",
-            Change::Mass(Box::new(whole_output)),
-        ),
-        ("inertia of the discs", masses(layout.wheel_bodies(), true)),
-        (
-            "inertia of the ring pins",
-            masses(layout.external_bodies(), true),
-        ),
-        (
-            "inertia of the output pins",
-            masses(layout.internal_bodies(), true),
+            Change::Mass(Box::new(output)),
         ),
     ];
+    let equations = equations.into_iter().chain(turning);
     for (what, change) in equations {
         add(Stage::Equations, "inertia", what, Size::Factor, change);
     }
@@ -256,22 +262,7 @@ fn masses(bodies: std::ops::Range<usize>, turning: bool) -> Change {
             } else {
                 &mut body.mass
             };
-            *of *= (1.0 + p).max(1e-9);
+            *of *= 1.0 + p;
         }
     }))
-}
-
-/// Factor on the moment of inertia of the output shaft with the masses that it carries.
-fn whole_output(mechanism: &mut Mechanism, p: f64) {
-    let carried = |mechanism: &Mechanism| -> f64 {
-        let on_output = mechanism.revolutes.iter();
-        let on_output = on_output.filter(|joint| joint.parent == Some(Layout::OUTPUT));
-        let of = on_output.map(|joint| {
-            let [x, y] = joint.parent_point;
-            mechanism.bodies[joint.child].mass * (x * x + y * y)
-        });
-        of.sum()
-    };
-    let whole = mechanism.bodies[Layout::OUTPUT].moment + carried(mechanism);
-    mechanism.bodies[Layout::OUTPUT].moment += p.max(-0.99) * whole;
 }
