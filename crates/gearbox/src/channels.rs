@@ -3,7 +3,9 @@
 use pinwheel_mbs::BodyState;
 
 use pinwheel_scene::Scales;
-use pinwheel_scene::channels::{Channels, Chosen, Component, Joint, PairQuantity, Part, What, Whole};
+use pinwheel_scene::channels::{
+    Channels, Chosen, Component, Joint, PairQuantity, Part, What, Whole,
+};
 
 use crate::Gearbox;
 use crate::contacts::{ContactEnergy, ContactField, EccentricBearings, PairContact};

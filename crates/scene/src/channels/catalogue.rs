@@ -264,6 +264,12 @@ impl Over {
 }
 
 impl Family {
+    /// True for states of bodies.
+    #[must_use]
+    pub fn is_state(&self) -> bool {
+        matches!(self.what, What::State(..))
+    }
+
     /// Returns the columns of the family in a gearbox.
     pub fn members(&self, layout: Layout) -> impl Iterator<Item = Chosen> {
         let family = *self;

@@ -41,42 +41,42 @@ impl Located {
     /// One line for the first screen, which begins with `stage` where a stage is off.
     #[must_use]
     pub fn sentence(&self) -> String {
+        match self.first() {
+            Some(_) => format!("stage {}", self.words()),
+            None => self.words(),
+        }
+    }
+
+    /// The first stage that is off and the likely cause with its figure; or that no stage is.
+    #[must_use]
+    pub fn words(&self) -> String {
         let Some(first) = self.first() else {
-            let blind = self.stages.iter().find(|judged| judged.residual.is_none());
-            return match blind {
-                Some(judged) => {
-                    format!("no stage is off of those that can be told; {}", judged.note)
-                }
-                None => "no stage is off: what differs is the error of its step".to_owned(),
-            };
+            let mut blind = self.stages.iter();
+            let blind = blind.find(|judged| judged.residual.is_none());
+            return blind.map_or_else(
+                || "no stage is off: what differs is the error of its step".to_owned(),
+                |judged| format!("no stage is off of those that can be told: {}", judged.note),
+            );
         };
         let name = first.name();
-        match &self.cause {
-            Some(cause) => {
-                let shown = cause.distance.map_or_else(String::new, |[without, with]| {
-                    format!(
-                        "; with it a native run is {} away, not {}",
-                        percent(with),
-                        percent(without)
-                    )
-                });
-                let explained = percent(cause.explained);
-                format!(
-                    "stage {name}: likely {}: {} explains {explained}{shown}",
-                    cause.word, cause.what
-                )
-            }
-            None => {
-                let judged = self.stages.iter().find(|judged| judged.stage == first);
-                judged.map_or_else(String::new, |judged| {
-                    let residual = percent(judged.residual.unwrap_or(f64::NAN));
-                    format!(
-                        "stage {name}: off by {residual}, {}; no known fault explains it",
-                        judged.note
-                    )
-                })
-            }
+        if let Some(cause) = &self.cause {
+            let shown = cause.distance.map(|distance| distance.map(percent));
+            let shown = shown.map_or_else(String::new, |[without, with]| {
+                format!("; a native run with it is {with} away, without it {without}")
+            });
+            let explained = percent(cause.explained);
+            let (word, what) = (cause.word, &cause.what);
+            return format!("{name}, likely {word}: {what} explains {explained}{shown}");
         }
+        let mut stages = self.stages.iter();
+        let judged = stages.find(|judged| judged.stage == first);
+        judged.map_or_else(String::new, |judged| {
+            let residual = percent(judged.residual.unwrap_or(f64::NAN));
+            format!(
+                "{name}: off by {residual}, {}; no known fault explains it",
+                judged.note
+            )
+        })
     }
 }
 

@@ -19,6 +19,7 @@ mod judged;
 mod locate;
 mod model;
 mod motion;
+mod pairs;
 mod states;
 mod suspects;
 
@@ -26,3 +27,4 @@ pub use cause::Cause;
 pub use engine::of_engine;
 pub use judged::{Depth, Judged, Stage};
 pub use locate::{Located, Runs, locate};
+pub use pairs::of_comparison;
