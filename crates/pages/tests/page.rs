@@ -87,6 +87,7 @@ fn page_of(comparison: &Comparison, participants: &[Participant]) -> String {
     scene.solver.duration_s = 0.002;
     let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
     let found = Outcome {
+        stages: Vec::new(),
         model: explain(&gearbox),
         gearbox,
         comparison: comparison.clone(),

@@ -152,7 +152,7 @@ program solver
     do k = 3, n
       if (carrier(k) /= 0) write (file, '(",", es24.16e3)', advance='no') hypot(loads(1, k), loads(2, k))
     end do
-    write (file, '(*(",", es24.16e3))', advance='no') states(3, 3:2 + wheels), states(6, 2:n)
+    write (file, '(*(:, ",", es24.16e3))', advance='no') states(3, 3:2 + wheels), states(6, 2:n)
     write (file, '(a)')
     if (mod(sample, 100_c_int64_t) == 1) write (0, '(a, es12.5)') '@t ', times(sample)
     if (sample == samples) exit
