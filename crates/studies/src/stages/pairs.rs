@@ -12,8 +12,8 @@ use super::locate::Located;
 /// Share of the largest difference from which a run has departed.
 const DEPARTED: f64 = 0.2;
 
-/// Judges the stages of every engine with the scene's law that differs from a native run, and of solvers from outside that are
-/// inconclusive too.
+/// Judges the stages of every engine with the scene's law that differs from a native run or diverged, and of solvers from outside
+/// that are inconclusive too.
 ///
 /// # Errors
 /// A stop.
@@ -44,12 +44,20 @@ pub fn of_comparison(
         };
         let mut pairs = comparison.pairs.iter().filter(is_of);
         let mut ran = participants.iter();
-        let ran = ran.find(|one| one.name == info.name && one.status.is_finished());
-        let differs =
-            pairs.any(|pair| pair.entries.iter().any(|entry| asked(entry.result.verdict)));
-        if let Some(ran) = ran.filter(|_| differs && info.track == SharedModel::SharedLaw) {
-            let until_s = departure_s(&ran.time_series, &native.time_series);
-            all.extend(of_engine(engine.as_ref(), gearbox, until_s, control)?);
+        let ran = ran.find(|one| one.name == info.name && !one.time_series.is_empty());
+        let differs = |one: &&Participant| {
+            one.status.is_broken()
+                || pairs.any(|pair| pair.entries.iter().any(|entry| asked(entry.result.verdict)))
+        };
+        if info.track == SharedModel::SharedLaw
+            && let Some(ran) = ran.filter(differs)
+        {
+            let until_s = match ran.status.is_finished() {
+                true => departure_s(&ran.time_series, &native.time_series),
+                false => 0.0,
+            };
+            let found = of_engine(engine.as_ref(), gearbox, until_s, control)?;
+            all.extend(found.filter(|found| info.brought || found.first().is_some()));
         }
     }
     Ok(all)
