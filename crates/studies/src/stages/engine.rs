@@ -58,7 +58,10 @@ pub fn of_engine(
         return Ok(judge(&own, None));
     };
     let (by, falls) = match refinement.knob {
-        AccuracySetting::Step => (STEP, STEP.powf(refinement.order.min(2.0) - ORDER_MARGIN)),
+        AccuracySetting::Step => {
+            let lost = ORDER_MARGIN[usize::from(gearbox.has_friction())];
+            (STEP, STEP.powf(refinement.order.min(2.0) - lost))
+        }
         AccuracySetting::Tolerance => (TOLERANCE[0], TOLERANCE[1]),
     };
     let mut located = None;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::load_profile;
 use pinwheel_timeseries::TimeSeries;
 use serde::Serialize;
 
@@ -155,13 +156,18 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
     };
     let mut found = None;
     let hides = [Stage::ContactSearch, Stage::Law, Stage::Assembly];
-    if off(&located, &hides) {
-        for stage in [Stage::Equations, Stage::Integration] {
-            located
-                .stages
-                .push(Judged::untold(stage, "hidden by an earlier stage"));
-        }
-        found = by_columns(EXPLAINED);
+    let is_loaded = load_profile::largest(&gearbox.scene.drive) > 0.0;
+    if off(&located, &hides) || !is_loaded {
+        let note = match is_loaded {
+            true => "hidden by an earlier stage",
+            false => "a load would tell: the motion is measured by what it does",
+        };
+        let stages = [Stage::Equations, Stage::Integration];
+        let untold = stages.map(|stage| Judged::untold(stage, note));
+        located.stages.extend(untold);
+        found = off(&located, &Stage::ALL)
+            .then(|| by_columns(EXPLAINED))
+            .flatten();
     } else if let Some(fine) = Motion::of(gearbox, &mut native, &states, best, &samples) {
         let rough = runs.finer.and_then(|(_, falls)| {
             let rough = Motion::of(gearbox, &mut native, &states, runs.run, &samples)?;

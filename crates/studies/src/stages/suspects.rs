@@ -1,5 +1,7 @@
 //! Known faults of solvers, as changes of the native model.
 
+use std::ops::Range;
+
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::PairContact;
 use pinwheel_mbs::Mechanism;
@@ -34,235 +36,202 @@ pub(super) struct Suspect {
 /// Pairs that a fault concerns.
 type Of = fn(&PairContact) -> bool;
 
-const STAGES: [(&str, Of); 3] = [
-    ("of all contacts", |_| true),
-    ("of ring pins", |pair| {
-        matches!(pair.sleeve, Sleeve::External(_))
-    }),
-    ("of output pins", |pair| {
-        matches!(pair.sleeve, Sleeve::Internal(_))
-    }),
-];
-
 /// Suspects of a gear, the most likely of those that look alike first.
 pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
+    use Size::{Angle, Factor, Switch};
+    use Stage::{Assembly, Driver, Equations, Integration, Law, Start};
     let mut all = Vec::new();
     let mut add = |stage, cause, what: &str, size, change| {
+        let what = what.to_owned();
         all.push(Suspect {
             stage,
             cause,
-            what: what.to_owned(),
+            what,
             size,
             change,
         });
     };
-    let (scene, layout) = (&gearbox.scene, gearbox.layout);
-    let pairs = |of: Of, force: fn(&PairContact, f64) -> [f64; 3]| {
-        Change::Pair(Box::new(move |pair, elastic| match of(pair) {
-            true => force(pair, elastic),
-            false => [0.0; 3],
-        }))
-    };
-    for (which, of) in STAGES {
-        let (law, by) = (Stage::Law, Size::Factor);
+    let (scene, layout, rubs) = (&gearbox.scene, gearbox.layout, gearbox.has_friction());
+    let of_stages: [(&str, Of); 3] = [
+        ("of all contacts", |_| true),
+        ("of ring pins", is_external),
+        ("of output pins", |pair| !is_external(pair)),
+    ];
+    for (which, of) in of_stages {
+        let what = format!("stiffness {which}");
         let change = pairs(of, |pair, elastic| {
             let [normal, friction, _] = pressed(pair, elastic);
             [normal, friction, pair.along_force_n]
         });
-        add(law, "stiffness", &format!("stiffness {which}"), by, change);
-        let change = pairs(of, |pair, elastic| {
-            pressed(pair, pair.normal_force_n - elastic)
-        });
-        add(law, "damping", &format!("damping {which}"), by, change);
-        if gearbox.has_friction() {
-            let change = pairs(of, |pair, _| [0.0, pair.friction_force_n, 0.0]);
-            add(law, "friction", &format!("friction {which}"), by, change);
-        }
+        add(Law, "stiffness", &what, Factor, change);
+        let what = format!("damping {which}");
+        let damping = |pair: &PairContact, elastic| pressed(pair, pair.normal_force_n - elastic);
+        add(Law, "damping", &what, Factor, pairs(of, damping));
+        let what = format!("friction {which}");
+        let friction = |pair: &PairContact, _| [0.0, pair.friction_force_n, 0.0];
+        add(Law, "friction", &what, Factor, pairs(of, friction));
     }
-    let radius = scene.gear.external_sleeve_radius_m;
-    let flat = hertz(scene).on_flat(radius);
-    if hertz(scene).is_curved() {
-        let change = Change::Pair(Box::new(move |pair, elastic| {
-            // 1/R = 1/q + 1/R_p: in a pit R_p is below 0.
-            let of = radius * (pair.stiffness / flat).powi(2);
-            let pit = matches!(pair.sleeve, Sleeve::External(_)) && of > radius;
-            let other = (2.0 / radius - 1.0 / of).recip();
-            let share = if pit { (other / of).sqrt() - 1.0 } else { 0.0 };
-            pressed(pair, elastic * share)
-        }));
+    let (radius, hertz) = (scene.gear.external_sleeve_radius_m, hertz(scene));
+    let flat = hertz.on_flat(radius);
+    if hertz.is_curved() {
+        // 1/R = 1/q + 1/R_p: in a pit R_p is below 0.
+        let r = move |pair: &PairContact| radius * (pair.stiffness / flat).powi(2);
+        let is_pit = move |pair: &PairContact| is_external(pair) && r(pair) > radius;
+        let change = pairs(is_pit, move |pair, elastic| {
+            let other = (2.0 / radius - 1.0 / r(pair)).recip();
+            pressed(pair, elastic * ((other / r(pair)).sqrt() - 1.0))
+        });
         let what = "curvature of the other sign in pits";
-        add(Stage::Law, "curvature", what, Size::Switch, change);
+        add(Law, "curvature", what, Switch, change);
     }
     if scene.contact.law == "paper" {
         let damping = scene.contact.damping_n_s_m;
-        let change = Change::Pair(Box::new(move |pair, elastic| {
-            let ramped = pair.normal_force_n - elastic;
-            let more = damping * pair.normal_rate_m_s - ramped;
-            pressed(pair, more.max(-pair.normal_force_n))
-        }));
-        add(
-            Stage::Law,
-            "damping",
-            "damping without its ramp",
-            Size::Switch,
-            change,
+        let change = pairs(
+            |_| true,
+            move |pair, elastic| {
+                let whole = damping * pair.normal_rate_m_s + elastic;
+                pressed(pair, whole.max(0.0) - pair.normal_force_n)
+            },
         );
+        add(Law, "damping", "damping without its ramp", Switch, change);
     }
-    let mut key = |stage, cause, what: &str, set: fn(&mut Scene, f64)| {
-        add(
-            stage,
-            cause,
-            what,
-            Size::Factor,
-            Change::Scene(Box::new(set)),
-        );
-    };
-    key(Stage::Law, "damping", "contact.ramp_m", |scene, p| {
-        scene.contact.ramp_m *= 1.0 + p;
-    });
-    if gearbox.has_friction() {
-        let what = "contact.friction_ramp_m_s";
-        key(Stage::Law, "friction", what, |scene, p| {
-            scene.contact.friction_ramp_m_s *= 1.0 + p;
-        });
+    let change = keys(|scene, p| scene.contact.ramp_m *= 1.0 + p);
+    add(Law, "damping", "contact.ramp_m", Factor, change);
+    if rubs {
+        let change = keys(|scene, p| scene.contact.friction_ramp_m_s *= 1.0 + p);
+        add(Law, "friction", "contact.friction_ramp_m_s", Factor, change);
     }
-    key(
-        Stage::Start,
-        "eccentricity",
-        "gear.eccentricity_m",
-        |scene, p| {
-            scene.gear.eccentricity_m *= 1.0 + p;
-        },
-    );
+    let change = keys(|scene, p| scene.gear.eccentricity_m *= 1.0 + p);
+    add(Start, "eccentricity", "gear.eccentricity_m", Factor, change);
+    let (circle, count) = (scene.gear.internal_circle_radius_m, layout.internal_sleeves);
     for wheel in 0..layout.wheels {
-        let phase = move |scene: &mut Scene, p: f64| {
+        let change = keys(move |scene, p| {
             let errors = &mut scene.gear.errors.phase_rad;
             errors.resize(layout.wheels, 0.0);
             errors[wheel] += p;
-        };
-        let change = Change::Scene(Box::new(phase));
+        });
         let what = format!("phase of disc {wheel}'s eccentric");
-        add(Stage::Start, "phase", &what, Size::Angle, change);
-        let circle = scene.gear.internal_circle_radius_m;
-        let holes = move |scene: &mut Scene, p: f64| {
-            let count = layout.internal_sleeves;
+        add(Start, "phase", &what, Angle, change);
+        let change = keys(move |scene, p| {
             let errors = &mut scene.gear.errors.hole_tangential_m;
             errors.resize(layout.wheels * count, 0.0);
-            errors[wheel * count..][..count]
-                .iter_mut()
-                .for_each(|error| *error += p * circle);
-        };
-        let change = Change::Scene(Box::new(holes));
+            let own = &mut errors[wheel * count..][..count];
+            own.iter_mut().for_each(|error| *error += p * circle);
+        });
         let what = format!("angle of disc {wheel}'s holes");
-        add(Stage::Start, "holes", &what, Size::Angle, change);
-        let change = Change::Pair(Box::new(move |pair, _| match pair.wheel == wheel {
-            true => [
-                pair.normal_force_n,
-                pair.friction_force_n,
-                pair.along_force_n,
-            ],
-            false => [0.0; 3],
-        }));
-        let what = format!("forces of disc {wheel}");
-        add(Stage::Assembly, "sum", &what, Size::Factor, change);
-        let what = format!("share of disc {wheel} in the driver's torque");
-        add(
-            Stage::Driver,
-            "share",
-            &what,
-            Size::Factor,
-            Change::DriverShare(wheel),
+        add(Start, "holes", &what, Angle, change);
+        let change = pairs(
+            move |pair| pair.wheel == wheel,
+            |pair, _| {
+                let [normal, friction, _] = pressed(pair, pair.normal_force_n);
+                [normal, friction, pair.along_force_n]
+            },
         );
-        let first = layout.wheel_bodies().start;
+        add(
+            Assembly,
+            "sum",
+            &format!("forces of disc {wheel}"),
+            Factor,
+            change,
+        );
+        let what = format!("share of disc {wheel} in the driver's torque");
+        add(Driver, "share", &what, Factor, Change::DriverShare(wheel));
+        let body = layout.wheel_bodies().start + wheel;
         let what = format!("inertia of disc {wheel}");
-        let change = masses(first + wheel..first + wheel + 1, true);
-        add(Stage::Equations, "inertia", &what, Size::Factor, change);
+        add(Equations, "inertia", &what, Factor, turning(body..body + 1));
     }
     let what = "moments of contact forces on the discs";
-    add(Stage::Assembly, "lever", what, Size::Factor, Change::Lever);
-    let pins = layout.external_bodies().start..layout.bodies();
-    let turning = [
-        ("inertia of the discs", layout.wheel_bodies()),
-        ("inertia of the pins", pins),
-        ("inertia of the ring pins", layout.external_bodies()),
-        ("inertia of the output pins", layout.internal_bodies()),
-    ];
-    let turning = turning.map(|(what, bodies)| (what, masses(bodies, true)));
+    add(Assembly, "lever", what, Factor, Change::Lever);
+    let (external, internal) = (layout.external_bodies(), layout.internal_bodies());
+    let pins = internal.clone();
     let output = move |mechanism: &mut Mechanism, p: f64| {
         mechanism.bodies[Layout::OUTPUT].moment *= 1.0 + p;
-        for pin in layout.internal_bodies() {
-            mechanism.bodies[pin].mass *= 1.0 + p;
-        }
+        heavier(mechanism, pins.clone(), p);
     };
-    let equations = [
+    let pins = internal.clone();
+    let on_output = move |mechanism: &mut Mechanism, p| heavier(mechanism, pins.clone(), p);
+    let discs = layout.wheel_bodies();
+    let of_discs = move |mechanism: &mut Mechanism, p| heavier(mechanism, discs.clone(), p);
+    for (what, change) in [
         (
             "mass of the output pins on the output shaft",
-            masses(layout.internal_bodies(), false),
+            Change::Mass(Box::new(on_output)),
         ),
         (
             "inertia of the output with its pins",
             Change::Mass(Box::new(output)),
         ),
-    ];
-    let equations = equations.into_iter().chain(turning);
-    for (what, change) in equations {
-        add(Stage::Equations, "inertia", what, Size::Factor, change);
+        ("inertia of the discs", turning(layout.wheel_bodies())),
+        ("inertia of the pins", turning(external.start..internal.end)),
+        ("inertia of the ring pins", turning(external)),
+        ("inertia of the output pins", turning(internal)),
+        ("mass of the discs", Change::Mass(Box::new(of_discs))),
+    ] {
+        add(Equations, "inertia", what, Factor, change);
     }
-    if gearbox.floats() {
-        let change = masses(layout.wheel_bodies(), false);
-        add(
-            Stage::Equations,
-            "inertia",
-            "mass of the discs",
-            Size::Factor,
-            change,
-        );
-    }
-    add(Stage::Equations, "load", "load", Size::Factor, Change::Load);
+    add(Equations, "load", "load", Factor, Change::Load);
     add(
-        Stage::Integration,
+        Integration,
         "step",
         "motion in a step",
-        Size::Factor,
+        Factor,
         Change::Step,
     );
-    let last = 2 + layout.external_sleeves + layout.internal_sleeves;
-    for (stage, cause, what, (from, to)) in [
-        (
-            Stage::Driver,
-            "torque",
-            "driver's torque as written",
-            (0, 1),
-        ),
-        (
-            Stage::Assembly,
-            "torque",
-            "output's torque as written",
-            (1, 2),
-        ),
-        (Stage::Law, "force", "forces as written", (2, last)),
-    ] {
-        add(stage, cause, what, Size::Factor, Change::Column(from, to));
-    }
+    let last = 2 + layout.external_sleeves + count;
+    let column = Change::Column;
+    add(
+        Driver,
+        "torque",
+        "driver's torque as written",
+        Factor,
+        column(0, 1),
+    );
+    add(
+        Assembly,
+        "torque",
+        "output's torque as written",
+        Factor,
+        column(1, 2),
+    );
+    add(Law, "force", "forces as written", Factor, column(2, last));
     all
+}
+
+fn is_external(pair: &PairContact) -> bool {
+    matches!(pair.sleeve, Sleeve::External(_))
+}
+
+/// Forces beside those of the pairs that it concerns.
+fn pairs(
+    of: impl Fn(&PairContact) -> bool + 'static,
+    force: impl Fn(&PairContact, f64) -> [f64; 3] + 'static,
+) -> Change {
+    Change::Pair(Box::new(move |pair, elastic| match of(pair) {
+        true => force(pair, elastic),
+        false => [0.0; 3],
+    }))
+}
+
+fn keys(set: impl Fn(&mut Scene, f64) + 'static) -> Change {
+    Change::Scene(Box::new(set))
+}
+
+/// Factor on moments of inertia.
+fn turning(bodies: Range<usize>) -> Change {
+    Change::Mass(Box::new(move |mechanism, p| {
+        let bodies = &mut mechanism.bodies[bodies.clone()];
+        bodies.iter_mut().for_each(|body| body.moment *= 1.0 + p);
+    }))
+}
+
+/// Factor on masses.
+fn heavier(mechanism: &mut Mechanism, bodies: Range<usize>, p: f64) {
+    let bodies = &mut mechanism.bodies[bodies];
+    bodies.iter_mut().for_each(|body| body.mass *= 1.0 + p);
 }
 
 /// Forces of a pair with so much more normal force, N, and its share of the friction.
 fn pressed(pair: &PairContact, more: f64) -> [f64; 3] {
     let share = more / pair.normal_force_n.max(f64::MIN_POSITIVE);
     [more, share * pair.friction_force_n, 0.0]
-}
-
-/// Factor on masses of bodies, or on their moments of inertia.
-fn masses(bodies: std::ops::Range<usize>, turning: bool) -> Change {
-    Change::Mass(Box::new(move |mechanism, p| {
-        for body in &mut mechanism.bodies[bodies.clone()] {
-            let of = if turning {
-                &mut body.moment
-            } else {
-                &mut body.mass
-            };
-            *of *= 1.0 + p;
-        }
-    }))
 }

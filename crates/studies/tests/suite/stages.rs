@@ -6,10 +6,11 @@ use pinwheel_engines::{
 use pinwheel_faults::{Armed, Fault};
 use pinwheel_gearbox::channels::{LawPairs, Seen};
 use pinwheel_gearbox::internals::GearForces;
-use pinwheel_gearbox::{Gearbox, Recorder, native};
+use pinwheel_gearbox::{Frequencies, Gearbox, Recorder, native};
 use pinwheel_mbs::integrators::{Segments, StepSettings, Stepper as _};
 use pinwheel_mbs::{Formulation as _, Mechanism, OdeSystem as _, Reduced};
 use pinwheel_scene::{CheckedScene, Scene, load_profile};
+use pinwheel_studies::gears::gear;
 use pinwheel_studies::stages::{Located, Stage, of_engine};
 use pinwheel_timeseries::TimeSeries;
 
@@ -507,6 +508,35 @@ fn accuses_nobody() {
     }
 }
 
+/// Gears that nobody chose: no stage of a right solver is off, and 1 % more stiffness is named with its factor on each.
+#[test]
+fn judges_random_gears() {
+    let wrong = Solver {
+        fault: Some(Fault::Stiffness),
+        ..RIGHT
+    };
+    let mut judged = 0;
+    for number in 0..20 {
+        let Some(mut scene) = gear(number) else {
+            continue;
+        };
+        let rad_s = Frequencies::of(&scene).contact_rad_s;
+        (scene.solver.step_s, scene.solver.integrator) = (0.05 / rad_s, "rk4".to_owned());
+        (scene.solver.sample_s, scene.solver.duration_s) = (1.0 / rad_s, 100.0 / rad_s);
+        scene.contact.friction_coefficient = 0.0;
+        let Ok(scene) = scene.check() else { continue };
+        let Some(found) = located(&RIGHT, &scene, 0.0) else {
+            continue;
+        };
+        assert_eq!(found.first(), None, "{number}: {}", found.sentence());
+        let found = located(&wrong, &scene, 0.0).unwrap();
+        let cause = found.cause.expect("a cause");
+        assert_eq!(cause.word, "stiffness", "{number}");
+        judged += 1;
+    }
+    assert!(judged >= 15, "{judged}");
+}
+
 /// Engines of others are right, as their own tests say.
 #[test]
 fn accuses_no_engine() {
@@ -520,7 +550,8 @@ fn accuses_no_engine() {
         let scene = scene(preset, &[]);
         for name in [
             "rapier-shared-law",
-            "exudyn",
+            "exudyn-shared-law-constrained",
+            "exudyn-shared-law-explicit",
             "mujoco-shared-law",
             "ida-shared-law",
         ] {
