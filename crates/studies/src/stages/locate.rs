@@ -81,6 +81,8 @@ impl Located {
     }
 }
 
+/// Distance of a run from a native one, relative, of which nothing has to be explained.
+const NEAR: f64 = 1e-5;
 /// Samples of the native run that shows a cause.
 const SHOWN: usize = 60;
 
@@ -201,9 +203,14 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         }
     }
     located.stages.sort_by_key(|judged| judged.stage);
-    located.cause = found.map(|(cause, change)| Cause {
+    let shown = found.map(|(cause, change)| Cause {
         distance: distance(gearbox, &change, cause.size, &states, best),
         ..cause
+    });
+    // A native run has to come nearer with it, unless it was there.
+    located.cause = shown.filter(|cause| {
+        let mut distance = cause.distance.iter();
+        distance.all(|[without, with]| *without < NEAR || *with <= 0.5 * without)
     });
     Some(located)
 }
