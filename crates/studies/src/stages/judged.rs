@@ -116,7 +116,7 @@ pub struct Depth {
 pub(super) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
     match percent {
-        _ if percent >= 99.995 && percent < 100.0 => "100 %".to_owned(),
+        _ if (99.995..100.0).contains(&percent) => "100 %".to_owned(),
         _ if percent >= 10.0 => format!("{percent:.1} %"),
         _ if percent >= 0.01 => format!("{percent:.2} %"),
         _ => format!("{percent:.0e} %"),
