@@ -6,12 +6,13 @@ import csv
 import dataclasses
 import io
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from pinwheel_engines.layout import Kinematics
+from pinwheel_engines.layout import Kinematics, Layout
 from pinwheel_engines.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -69,6 +70,19 @@ def column_names(scene: Scene) -> list[str]:
     return names
 
 
+def state_columns(layout: Layout) -> dict[str, tuple[int, int]]:
+    """Columns of the bodies' states: body, and component of x y angle vx vy rate."""
+    wheels = range(layout.bodies)[layout.wheel_bodies]
+    names = {"output_rate_rad_s": (1, 5)}
+    components = ["x_m", "y_m", "angle_rad", "velocity_x_m_s", "velocity_y_m_s", "rate_rad_s"]
+    for component, name in enumerate(components):
+        names |= {f"wheel_{name}_{i}": (body, component) for i, body in enumerate(wheels)}
+    for kind, bodies in [("external", layout.external_bodies), ("internal", layout.internal_bodies)]:
+        sleeves = enumerate(range(layout.bodies)[bodies])
+        names |= {f"{kind}_sleeve_rate_rad_s_{i}": (body, 5) for i, body in sleeves}
+    return names
+
+
 class Recorder:
     """Fills the columns sample by sample."""
 
@@ -77,10 +91,17 @@ class Recorder:
         self.times_s = scene.solver.sample_times_s()
         self.names = column_names(scene)
         self.table = np.zeros((self.times_s.size, len(self.names)))
+        known = state_columns(kinematics.layout)
+        asked = [name for name in known if any(fnmatchcase(name, pattern) for pattern in scene.channels)]
+        self.places = {name: known[name] for name in asked}
+        self.states = np.zeros((self.times_s.size, len(asked)))
+        self.recorded = False
         self.count = 0
 
     def record(self, states: Floats, loads: Floats, input_torque_n_m: float) -> None:
         """Takes one sample from the bodies' states and contact loads; samples come in order."""
+        self.recorded = True
+        self.states[self.count] = [states[place] for place in self.places.values()]
         self.record_forces(
             input_torque_n_m,
             self.kinematics.output_torque(states, loads),
@@ -105,4 +126,7 @@ class Recorder:
 
     def columns(self) -> dict[str, Floats]:
         """All samples taken so far."""
-        return {name: self.table[: self.count, i].copy() for i, name in enumerate(self.names)}
+        columns = {name: self.table[: self.count, i].copy() for i, name in enumerate(self.names)}
+        if self.recorded:
+            columns |= {name: self.states[: self.count, i].copy() for i, name in enumerate(self.places)}
+        return columns

@@ -279,6 +279,8 @@ class Scene:
     sleeve_bore_m: float = 0.0
     # The first key of what the compiled law alone has; empty: none.
     compiled_only: str = ""
+    # Patterns of the columns that are wanted beyond those of every run.
+    channels: tuple[str, ...] = ()
 
     @staticmethod
     def of(scene: str | Scene) -> Scene:
@@ -313,6 +315,7 @@ class Scene:
             keys("bearings")[0].get("sleeve_friction_coefficient", 0.0),
             keys("bearings")[0].get("sleeve_bore_m", 0.0),
             next((f"bearings.{key}" for key in _COMPILED_ONLY if keys("bearings")[0].get(key)), ""),
+            tuple(keys("output")[0].get("channels", ())),
         )
 
     @staticmethod

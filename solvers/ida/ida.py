@@ -224,6 +224,15 @@ class Courses:
         columns = ["time_s", "input_torque_n_m", "output_torque_n_m", "output_angle_rad"]
         columns += [f"external_sleeve_force_n_{k}" for k in range(self.external.size)]
         columns += [f"internal_sleeve_force_n_{k}" for k in range(self.internal.size)]
+        # States: places and angles, then velocities and rates.
+        moving = np.setdiff1d(np.arange(OUTPUT + 1, mechanism.carriers.size), self.sleeves)
+        kinds = ["x_m", "y_m", "angle_rad", "velocity_x_m_s", "velocity_y_m_s", "rate_rad_s"]
+        wheels = [(f"wheel_{name}_{k}", body, place) for place, name in enumerate(kinds) for k, body in enumerate(moving)]
+        rates = [(f"external_sleeve_rate_rad_s_{k}", body, 5) for k, body in enumerate(self.external)]
+        rates += [(f"internal_sleeve_rate_rad_s_{k}", body, 5) for k, body in enumerate(self.internal)]
+        states = [("output_rate_rad_s", OUTPUT, 5), *wheels, *rates]
+        columns += [name for name, _, _ in states]
+        self.places = [(body, place) for _, body, place in states]
         self.file = path.open("w", encoding="ascii")
         print(*columns, sep=",", file=self.file)
 
@@ -234,7 +243,7 @@ class Courses:
         own = loads[OUTPUT, 2]
         output_torque = own + float(np.sum(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]))
         sleeves = np.hypot(loads[self.sleeves, 0], loads[self.sleeves, 1])
-        values = [time_s, input_torque, output_torque, states[OUTPUT, 2], *sleeves]
+        values = [time_s, input_torque, output_torque, states[OUTPUT, 2], *sleeves, *(states[at] for at in self.places)]
         print(*(repr(float(value)) for value in values), sep=",", file=self.file)
 
 

@@ -11,4 +11,5 @@ mod foreign;
 mod safety;
 mod solvers;
 mod stability;
+mod stages;
 mod sweep;

@@ -198,15 +198,40 @@ pub(crate) fn commit(folder: &Path, fault: &str) {
 fn crossval_a_check_names_every_fault() {
     let Some(folder) = faulty() else { return };
     let force = "sleeve_force_n_";
-    for (fault, trial, quantity) in [
-        ("none", "", ""),
-        ("friction", "friction: ", force),
-        ("curvature", "laws", force),
-        ("inertia", "laws", force),
-        ("phase", "contacts", force),
-        ("step", "runs", "the output shaft is"),
-        ("damping", "contacts", force),
-        ("long-step", "repeats", "longer than solver.step_s"),
+    for (fault, trial, quantity, stage) in [
+        ("none", "", "", ""),
+        (
+            "friction",
+            "friction: ",
+            force,
+            "law, likely friction: friction of all contacts with the other sign",
+        ),
+        (
+            "curvature",
+            "laws",
+            force,
+            "law, likely curvature: curvature of the other sign in pits",
+        ),
+        (
+            "inertia",
+            "laws",
+            force,
+            "equations, likely inertia: mass of the output pins on the output shaft, missing",
+        ),
+        (
+            "phase",
+            "contacts",
+            force,
+            "start, likely phase: phase of disc 1's eccentric off by 1.000e-3",
+        ),
+        ("step", "runs", "the output shaft is", ""),
+        (
+            "damping",
+            "contacts",
+            force,
+            "law, likely damping: damping without its ramp",
+        ),
+        ("long-step", "repeats", "longer than solver.step_s", ""),
     ] {
         commit(folder.path(), fault);
         let ran = run_in(
@@ -230,6 +255,10 @@ fn crossval_a_check_names_every_fault() {
             serde_json::from_slice(&std::fs::read(at).expect("summary")).expect("json");
         let answer = summary["answer"].as_str().unwrap_or_default();
         assert!(answer.starts_with("faulty: differs: "), "{fault}: {answer}");
+        assert!(
+            summary.to_string().contains(&format!("stage {stage}")) || stage.is_empty(),
+            "{fault}: {summary}"
+        );
         let failed = summary["findings"].as_array().into_iter().flatten();
         let mut failed = failed.filter(|finding| finding["state"] == "failed");
         let named = failed.any(|finding| {

@@ -3,7 +3,9 @@
 use pinwheel_mbs::BodyState;
 
 use pinwheel_scene::Scales;
-use pinwheel_scene::channels::{Channels, Chosen, Joint, PairQuantity, Part, What, Whole};
+use pinwheel_scene::channels::{
+    Channels, Chosen, Component, Joint, PairQuantity, Part, What, Whole,
+};
 
 use crate::Gearbox;
 use crate::carrier::Carrier;
@@ -206,6 +208,17 @@ impl Values {
                         _ => seen.reactions.and_then(|all| all.get(body).copied()),
                     };
                     force.map(|force| of_joint(bodies, force, body, part))
+                }
+                What::State(joint, component) => {
+                    let body = &bodies[carried(self.layout, joint, chosen.number)];
+                    Some(match component {
+                        Component::Angle => body.angle,
+                        Component::Rate => body.rate,
+                        Component::X => body.x,
+                        Component::Y => body.y,
+                        Component::VelocityX => body.vx,
+                        Component::VelocityY => body.vy,
+                    })
                 }
                 What::Whole(whole) => match whole {
                     Whole::Efficiency => Some(efficiency(powers)),

@@ -155,8 +155,11 @@ impl Forces for NoForces {
     fn apply(&mut self, _: f64, _: &[BodyState], _: &mut [Wrench]) {}
 }
 
-/// The reduced form of `mechanism`, which is the gear's but for its drivers.
-pub(crate) fn reduced<F: Forces>(
+/// Returns the reduced form of `mechanism`, which is the gear's but for its drivers and masses.
+///
+/// # Errors
+/// The mechanism cannot be reduced.
+pub fn reduced<F: Forces>(
     gearbox: &Gearbox,
     mechanism: Mechanism,
     forces: F,

@@ -29,6 +29,7 @@ use crate::control::{Control, Progress, compile};
 use crate::junit::{self, State};
 use crate::output::OutputError;
 use crate::provenance::{Provenance, Summary};
+use crate::stages::of_engine;
 
 /// One trial.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -178,6 +179,8 @@ struct Trials<'a> {
     control: Control<'a>,
     /// Keys of every scene.
     set: [String; 2],
+    /// True until the stages of a failure were judged.
+    is_unexplained: AtomicBool,
 }
 
 /// Tries a solver.
@@ -194,6 +197,7 @@ pub fn check(solver: &Solver, control: &Control<'_>) -> Result<Outcome, StudyErr
             format!("contact.law={law}"),
             "solver.duration_s=0.02".to_owned(),
         ],
+        is_unexplained: AtomicBool::new(true),
     };
     let mut findings: Vec<Finding> = Vec::new();
     for (done, trial) in TRIALS.iter().enumerate() {
@@ -255,8 +259,12 @@ impl Trials<'_> {
         match trial.name.as_str() {
             "runs" => self.runs(&scene),
             "repeats" => self.repeats(&scene),
-            "start" => self.start(&scene),
-            "accuracy" => self.accuracy(&scene),
+            "start" => self
+                .start(&scene)
+                .or_else(|miss| self.located(&scene, miss)),
+            "accuracy" => self
+                .accuracy(&scene)
+                .or_else(|miss| self.located(&scene, miss)),
             "bad ends" => self.bad_ends(&scene),
             "stop" => self.stop(&scene),
             "laws" => {
@@ -348,7 +356,19 @@ impl Trials<'_> {
                 break;
             }
         }
-        right(off, RIGHT, &fine, &truth)
+        right(off, RIGHT, &fine, &truth).or_else(|miss| self.located(&scene, miss))
+    }
+
+    /// Adds to the first failure the stage that is off.
+    fn located<T>(&self, scene: &CheckedScene, miss: Miss) -> Result<T, Miss> {
+        if let Miss::Ended(State::Failed, why) = &miss
+            && self.shares_the_law()
+            && self.is_unexplained.swap(false, Ordering::Relaxed)
+            && let Some(found) = of_engine(self.solver, &compile(scene)?, 0.0, &self.control)?
+        {
+            return failed(format!("{why}; {}", found.sentence()));
+        }
+        Err(miss)
     }
 
     /// Holds the solver against the native one on several scenes. One that its manifest rules out is not held.

@@ -70,6 +70,7 @@ pub mod rng;
 mod sampling;
 pub mod single;
 pub mod stability;
+pub mod stages;
 pub mod sweep;
 
 pub use pinwheel_files::{file, folder, output};

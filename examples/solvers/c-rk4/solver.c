@@ -66,6 +66,11 @@ static void record(FILE *file, double t)
     for (k = 2; k < bodies; k++)
         if (carrier[k] != 0)
             fprintf(file, ",%.17g", hypot(loads[3 * k], loads[3 * k + 1]));
+    for (k = 2; k < bodies; k++)
+        if (carrier[k] == 0)
+            fprintf(file, ",%.17g", states[6 * k + 2]);
+    for (k = 1; k < bodies; k++)
+        fprintf(file, ",%.17g", states[6 * k + 5]);
     fprintf(file, "\n");
 }
 
@@ -114,6 +119,16 @@ int main(int argc, char **argv)
         if (on == 1)
             fprintf(file, ",internal_sleeve_force_n_%d", internal++);
     }
+    /* States: with them Pinwheel says which part of a solver differs. */
+    for (k = 0; k < bodies - 2 - external - internal; k++)
+        fprintf(file, ",wheel_angle_rad_%d", k);
+    fprintf(file, ",output_rate_rad_s");
+    for (k = 0; k < bodies - 2 - external - internal; k++)
+        fprintf(file, ",wheel_rate_rad_s_%d", k);
+    for (k = 0; k < external; k++)
+        fprintf(file, ",external_sleeve_rate_rad_s_%d", k);
+    for (k = 0; k < internal; k++)
+        fprintf(file, ",internal_sleeve_rate_rad_s_%d", k);
     fprintf(file, "\n");
 
     for (sample = 0; sample < samples; sample++) {

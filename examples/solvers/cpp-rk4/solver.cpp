@@ -137,6 +137,17 @@ int main(int argc, char **argv)
         if (gear.bodies[k].carrier == 1)
             file << ",internal_sleeve_force_n_" << internal++;
     }
+    // States: with them Pinwheel says which part of a solver differs.
+    const int wheels = static_cast<int>(n) - 2 - external - internal;
+    for (int k = 0; k < wheels; k++)
+        file << ",wheel_angle_rad_" << k;
+    file << ",output_rate_rad_s";
+    for (int k = 0; k < wheels; k++)
+        file << ",wheel_rate_rad_s_" << k;
+    for (int k = 0; k < external; k++)
+        file << ",external_sleeve_rate_rad_s_" << k;
+    for (int k = 0; k < internal; k++)
+        file << ",internal_sleeve_rate_rad_s_" << k;
     file << "\n";
 
     long all = 0;
@@ -151,6 +162,11 @@ int main(int argc, char **argv)
         for (std::size_t k = 2; k < n; k++)
             if (gear.bodies[k].carrier != 0)
                 file << "," << std::hypot(gear.loads[3 * k], gear.loads[3 * k + 1]);
+        for (std::size_t k = 2; k < n; k++)
+            if (gear.bodies[k].carrier == 0)
+                file << "," << y[k];
+        for (std::size_t k = 1; k < n; k++)
+            file << "," << y[n + k];
         file << "\n";
         if (sample % 100 == 0)
             std::cerr << "@t " << times[sample] << "\n";

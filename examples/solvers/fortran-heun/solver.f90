@@ -99,7 +99,7 @@ program solver
   use pinwheel
   implicit none
   character(4096) :: job
-  integer :: k, step, steps, file, external_sleeves, internal_sleeves
+  integer :: k, step, steps, file, external_sleeves, internal_sleeves, wheels
   integer(c_int64_t) :: sample, samples, all
   real(dp) :: h, t, driver, output, nothing(1)
   real(dp), allocatable :: times(:), y(:, :), first(:, :), second(:, :)
@@ -130,6 +130,13 @@ program solver
       internal_sleeves = internal_sleeves + 1
     end if
   end do
+  ! States: with them Pinwheel says which part of a solver differs.
+  wheels = n - 2 - external_sleeves - internal_sleeves
+  call head('wheel_angle_rad_', wheels)
+  write (file, '(a)', advance='no') ',output_rate_rad_s'
+  call head('wheel_rate_rad_s_', wheels)
+  call head('external_sleeve_rate_rad_s_', external_sleeves)
+  call head('internal_sleeve_rate_rad_s_', internal_sleeves)
   write (file, '(a)')
   output_moment = moment(2) + sum(mass * (seat(1, :)**2 + seat(2, :)**2), mask=carrier == 1)
 
@@ -145,6 +152,7 @@ program solver
     do k = 3, n
       if (carrier(k) /= 0) write (file, '(",", es24.16e3)', advance='no') hypot(loads(1, k), loads(2, k))
     end do
+    write (file, '(*(:, ",", es24.16e3))', advance='no') states(3, 3:2 + wheels), states(6, 2:n)
     write (file, '(a)')
     if (mod(sample, 100_c_int64_t) == 1) write (0, '(a, es12.5)') '@t ', times(sample)
     if (sample == samples) exit
@@ -164,4 +172,12 @@ program solver
   write (file, '(a, i0, a, i0, a)') '{"steps": ', all, ', "degrees_of_freedom": ', n - 1, ', "settings": "Heun"}'
   close (file)
   call law_close(law)
+contains
+  ! Writes the names of columns with numbers from 0.
+  subroutine head(name, count)
+    character(*), intent(in) :: name
+    integer, intent(in) :: count
+    integer :: j
+    write (file, '(*(a, i0))', advance='no') (',' // name, j, j = 0, count - 1)
+  end subroutine
 end program

@@ -78,13 +78,20 @@ with open(job / "courses.csv", "w", encoding="utf-8") as courses:
     columns = ["time_s", "input_torque_n_m", "output_torque_n_m", "output_angle_rad"]
     columns += [f"external_sleeve_force_n_{j}" for j in range(len(sleeves) - len(internal))]
     columns += [f"internal_sleeve_force_n_{j}" for j in range(len(internal))]
+    # States: with them Pinwheel says which part of a solver differs.
+    external = len(sleeves) - len(internal)
+    columns += ["output_rate_rad_s"] + [f"wheel_angle_rad_{j}" for j in range(len(wheels))]
+    columns += [f"wheel_rate_rad_s_{j}" for j in range(len(wheels))]
+    columns += [f"external_sleeve_rate_rad_s_{j}" for j in range(external)]
+    columns += [f"internal_sleeve_rate_rad_s_{j}" for j in range(len(internal))]
     print(*columns, sep=",", file=courses)
     for sample, time in enumerate(times):
         slopes(time, angles, rates)
         driver = -loads[2] - sum(map(turning, wheels))
         output = loads[5] + sum(map(turning, internal))
         forces = [math.hypot(loads[3 * k], loads[3 * k + 1]) for k in sleeves]
-        print(time, driver, output, angles[1], *forces, sep=",", file=courses)
+        state = [rates[1], *(angles[k] for k in wheels), *rates[2:]]
+        print(time, driver, output, angles[1], *forces, *state, sep=",", file=courses)
         if sample % 100 == 0:
             print("@t", time, file=sys.stderr)
         if time == times[-1]:

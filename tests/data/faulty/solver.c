@@ -195,6 +195,15 @@ int main(int argc, char **argv)
         if (on == 1)
             fprintf(file, ",internal_sleeve_force_n_%d", inner++);
     }
+    for (k = 0; k < wheels; k++)
+        fprintf(file, ",wheel_angle_rad_%d", k);
+    fprintf(file, ",output_rate_rad_s");
+    for (k = 0; k < wheels; k++)
+        fprintf(file, ",wheel_rate_rad_s_%d", k);
+    for (k = 0; k < outer; k++)
+        fprintf(file, ",external_sleeve_rate_rad_s_%d", k);
+    for (k = 0; k < inner; k++)
+        fprintf(file, ",internal_sleeve_rate_rad_s_%d", k);
     output_moment += moment[1];
     seat[1 + wheels] *= cexp(I * (has("phase") ? 1e-3 : 0.0));
     fprintf(file, "\n");
@@ -209,6 +218,10 @@ int main(int argc, char **argv)
         for (k = 2; k < bodies; k++)
             if (carrier[k] != 0)
                 fprintf(file, ",%.17g", cabs(force[k]));
+        for (k = 2; k < 2 + wheels; k++)
+            fprintf(file, ",%.17g", angle[k]);
+        for (k = 1; k < bodies; k++)
+            fprintf(file, ",%.17g", spin[k]);
         fprintf(file, "\n");
         if (sample + 1 == samples)
             break;

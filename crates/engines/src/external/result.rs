@@ -4,8 +4,10 @@ use std::fs::File;
 use std::io::{self, Read, Seek as _};
 use std::path::Path;
 
+use pinwheel_files::fits;
 use pinwheel_gearbox::{Gearbox, guard};
 use pinwheel_law::{CALLS_FILE, job};
+use pinwheel_scene::channels::FAMILIES;
 use pinwheel_timeseries::{TimeSeries, columns};
 use serde::Deserialize;
 
@@ -260,11 +262,20 @@ fn checked(
     let wanted =
         |name: &str| required.iter().any(|known| known == name) || channels.contains(&name);
     let kept: Vec<_> = read.channels().iter().filter(|c| wanted(&c.name)).collect();
+    // A solver may write its states always.
+    let is_state = |name: &str| {
+        FAMILIES
+            .iter()
+            .any(|family| family.is_state() && fits(family.pattern, name))
+    };
+    let others = read.channels().iter().map(|channel| channel.name.as_str());
+    let others = others
+        .filter(|name| !wanted(name) && !is_state(name))
+        .count();
     let mut notes = Vec::new();
-    if kept.len() < read.channels().len() {
+    if others > 0 {
         notes.push(format!(
-            "{} columns that nobody asked for were left out.",
-            read.channels().len() - kept.len()
+            "{others} columns that nobody asked for were left out."
         ));
     }
     // The first row that is no number, or where the output left its mesh: what stands before it counts.

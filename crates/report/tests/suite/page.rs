@@ -86,6 +86,7 @@ fn page_of(comparison: &Comparison, participants: &[Participant]) -> String {
     scene.solver.duration_s = 0.002;
     let gearbox = Gearbox::new(&scene.check().unwrap()).unwrap();
     let found = Outcome {
+        stages: Vec::new(),
         model: explain(&gearbox),
         comparison: comparison.clone(),
         participants: participants.to_vec(),

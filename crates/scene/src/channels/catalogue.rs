@@ -67,6 +67,23 @@ pub enum Part {
     Tangential,
 }
 
+/// Component of a body's state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Component {
+    /// Angle, rad, not brought back to a turn.
+    Angle,
+    /// Rate of the angle, rad/s.
+    Rate,
+    /// Place of the centre of mass, x, m.
+    X,
+    /// Place y, m.
+    Y,
+    /// Velocity of the centre of mass, x, m/s.
+    VelocityX,
+    /// Velocity y, m/s.
+    VelocityY,
+}
+
 /// Numbers of the gearbox or of a disc.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Whole {
@@ -103,6 +120,8 @@ pub enum What {
     Joint(Joint, Part),
     /// Quantity of the gearbox or a disc.
     Whole(Whole),
+    /// State of the body that a joint carries, ground frame.
+    State(Joint, Component),
 }
 
 /// Parts over which the `*` of a family run.
@@ -156,7 +175,7 @@ macro_rules! families {
     };
 }
 
-use {Joint as J, PairQuantity as P, Part as X, Whole as W};
+use {Component as C, Joint as J, PairQuantity as P, Part as X, Whole as W};
 
 /// All families, in the order of the columns.
 pub const FAMILIES: &[Family] = families! {
@@ -212,6 +231,15 @@ pub const FAMILIES: &[Family] = families! {
     "wheel_*_internal_force_y_n_*" WheelsInternal What::Pair(P::ForceY), "its y";
     "wheel_*_internal_pressure_pa_*" WheelsInternal What::Pair(P::Pressure), "p0 of a line contact over the face width";
     "wheel_*_internal_pressure_sliding_w_m2_*" WheelsInternal What::Pair(P::PressureSliding), "p0 times the sliding speed";
+    "output_rate_rad_s" One What::State(J::Output, C::Rate), "rate of output_angle_rad";
+    "wheel_angle_rad_*" Wheels What::State(J::Eccentric, C::Angle), "disc angle, counter-clockwise, ground frame";
+    "wheel_rate_rad_s_*" Wheels What::State(J::Eccentric, C::Rate), "its rate";
+    "wheel_x_m_*" Wheels What::State(J::Eccentric, C::X), "place of the disc's centre, x, ground frame";
+    "wheel_y_m_*" Wheels What::State(J::Eccentric, C::Y), "its y";
+    "wheel_velocity_x_m_s_*" Wheels What::State(J::Eccentric, C::VelocityX), "velocity of the disc's centre, x, ground frame";
+    "wheel_velocity_y_m_s_*" Wheels What::State(J::Eccentric, C::VelocityY), "its y";
+    "external_sleeve_rate_rad_s_*" External What::State(J::ExternalPin, C::Rate), "rate of a ring pin about its centre, counter-clockwise";
+    "internal_sleeve_rate_rad_s_*" Internal What::State(J::InternalPin, C::Rate), "rate of an output pin about its centre, counter-clockwise, ground frame";
 };
 
 impl Over {
@@ -236,6 +264,12 @@ impl Over {
 }
 
 impl Family {
+    /// True for states of bodies.
+    #[must_use]
+    pub fn is_state(&self) -> bool {
+        matches!(self.what, What::State(..))
+    }
+
     /// Returns the columns of the family in a gearbox.
     pub fn members(&self, layout: Layout) -> impl Iterator<Item = Chosen> {
         let family = *self;

@@ -13,7 +13,7 @@ mod select;
 
 #[doc(hidden)]
 pub use catalogue::always_there;
-pub use catalogue::{Chosen, FAMILIES, Family, Joint, PairQuantity, Part, What, Whole};
+pub use catalogue::{Chosen, Component, FAMILIES, Family, Joint, PairQuantity, Part, What, Whole};
 #[doc(hidden)]
 pub use select::{MOST_PATTERNS, select};
 

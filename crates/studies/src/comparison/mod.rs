@@ -30,6 +30,7 @@ use crate::motion::Motion;
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
 use crate::single::{RunRecord, save};
+use crate::stages::{self, Located};
 use crate::{StudyError, divergence};
 pub use context::context;
 use foreign::Data;
@@ -68,6 +69,8 @@ pub struct Outcome {
     pub twins: Vec<MatchedContactRun>,
     /// The gearbox in motion, for a page.
     pub motion: Option<Motion>,
+    /// Which stage of an engine with the scene's law differs, and why.
+    pub stages: Vec<Located>,
 }
 
 /// Payload of `summary.json`.
@@ -81,6 +84,8 @@ struct Found<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     by_contact_law: Option<&'a Bands>,
     twins: &'a [MatchedContactRun],
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    stages: &'a [Located],
     scene: &'a Scene,
 }
 
@@ -147,7 +152,15 @@ pub fn run_with(
     };
     let comparison = compare(&context, &participants, &rules)?;
     let twins = twins::of(input.gearbox, &comparison, &participants, control)?;
+    let stages = stages::of_comparison(
+        input.gearbox,
+        input.engines,
+        &comparison,
+        &participants,
+        control,
+    )?;
     let mut outcome = Outcome {
+        stages,
         gearbox: input.gearbox.clone(),
         comparison,
         participants,
@@ -315,6 +328,7 @@ impl Outcome {
             assumptions: &self.assumptions,
             by_contact_law: self.bands.as_ref(),
             twins: &self.twins,
+            stages: &self.stages,
             scene: &self.gearbox.scene,
         };
         Summary::new(made, found).write(dir)

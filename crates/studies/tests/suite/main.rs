@@ -32,6 +32,7 @@ mod series;
 mod settings;
 mod snapshot;
 mod spectrum;
+mod stages;
 mod statements;
 mod studies;
 mod sweep;

@@ -16,6 +16,7 @@ use pinwheel_studies::band::declined;
 use pinwheel_studies::comparison::{Largest, MatchedContactRun, Outcome};
 
 use super::figures::{best, figures, numerical};
+use super::stages;
 use super::twins::{self, percent};
 use super::words;
 use crate::pages::band;
@@ -67,7 +68,10 @@ impl<'a> Answer<'a> {
                 _ => Fact::new("limit", mark, one.line.as_str()),
             }
         };
-        findings.map(fact).collect()
+        findings
+            .map(fact)
+            .chain(stages::facts(self.found))
+            .collect()
     }
 
     /// Reason why an agreement proves less than it could: engines that agree are all our own, or share the contact law.
@@ -486,6 +490,9 @@ impl<'a> Answer<'a> {
                     "ask for more of `{}`: --longest 300; or leave it out",
                     most.engine
                 ),
+                None if stages::names(self.found, most.engine) => {
+                    format!("mend that stage of `{}`; Stages on the page shows where", most.engine)
+                }
                 None => format!("refine `{}` or leave it out: --engines", most.engine),
             });
         }

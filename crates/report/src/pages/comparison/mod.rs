@@ -5,6 +5,7 @@ mod common;
 mod figures;
 mod pairs;
 mod sections;
+mod stages;
 mod text;
 mod twins;
 mod words;
@@ -33,6 +34,7 @@ pub fn page(found: &Outcome, made: &Provenance) -> String {
     if let Some(time_series) = time_series::block(comparison, participants, false) {
         sections.push(Section::new("courses", "Over time").with(time_series));
     }
+    sections.extend(stages::section(found));
     // Details stand below the first screen.
     let mut details = twins::blocks(found);
     details.extend(found.bands.iter().flat_map(band::blocks));

@@ -1,0 +1,124 @@
+//! Stages and their judgement.
+
+use serde::Serialize;
+
+/// Largest rounding of a law that somebody else wrote, as a share: its search for the closest point and its sums.
+pub(super) const ROUNDING: f64 = 1e-6;
+/// Error of the flow, as a share of what the load would do.
+pub(super) const FLOW: f64 = 1e-6;
+/// Error of the integration that no order is asked of, as a share of what the load would do: no verdict depends on less.
+pub(super) const SMALL: f64 = 1e-4;
+/// Share of a residual that a cause must explain.
+pub(super) const EXPLAINED: f64 = 0.9;
+/// Share that it must explain where the step's own error is not known.
+pub(super) const SURE: f64 = 0.99;
+/// Samples that are looked at, but for those at changes of the load.
+pub(super) const SAMPLES: usize = 40;
+/// Order below that stated which is still right: contacts that open and close take some of it, and pins that stick and slip more.
+pub(super) const ORDER_MARGIN: [f64; 2] = [0.7, 1.2];
+
+/// A stage of a solver, in the order of judgement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Stage {
+    /// States at the start, and geometry.
+    Start,
+    /// Which pairs touch.
+    ContactSearch,
+    /// Forces of the contacts.
+    Law,
+    /// Sum of the forces, lever arms, moments.
+    Assembly,
+    /// Masses, inertia, load, kinematics.
+    Equations,
+    /// Torque of the driver.
+    Driver,
+    /// Order, events, jumps.
+    Integration,
+}
+
+impl Stage {
+    /// All stages.
+    pub const ALL: [Self; 7] = [
+        Self::Start,
+        Self::ContactSearch,
+        Self::Law,
+        Self::Assembly,
+        Self::Equations,
+        Self::Driver,
+        Self::Integration,
+    ];
+
+    /// Name in words.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Start => "start",
+            Self::ContactSearch => "contact search",
+            Self::Law => "law",
+            Self::Assembly => "assembly",
+            Self::Equations => "equations",
+            Self::Driver => "driver",
+            Self::Integration => "integration",
+        }
+    }
+}
+
+/// Judgement of a stage.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Judged {
+    /// The stage.
+    pub stage: Stage,
+    /// Its residual, as a share of the native quantity; `None`: it cannot be told.
+    pub residual: Option<f64>,
+    /// Residual from which the stage is off.
+    pub bound: f64,
+    /// Place of the largest residual, or the columns that would tell.
+    pub note: String,
+}
+
+impl Judged {
+    /// A stage that cannot be told, and the reason.
+    pub(super) fn untold(stage: Stage, note: &str) -> Self {
+        let note = note.to_owned();
+        Self {
+            stage,
+            residual: None,
+            bound: ROUNDING,
+            note,
+        }
+    }
+
+    /// True if the stage is off.
+    #[must_use]
+    pub fn is_off(&self) -> bool {
+        self.residual
+            .is_some_and(|residual| !(residual <= self.bound))
+    }
+}
+
+/// Residuals over time, pins and the profile.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Depth {
+    /// Times of the samples, s.
+    pub time_s: Vec<f64>,
+    /// Largest residual of a pin's force at each of them, as a share of the largest force.
+    pub force: Vec<f64>,
+    /// Residual of the motion over the interval that begins there; empty where states are missing.
+    pub motion: Vec<f64>,
+    /// Root mean square residual of each pin's force, as a share of the largest force: external, then internal.
+    pub pins: Vec<f64>,
+    /// Root mean square residual of ring pins by the place of contact on a lobe, from one pit to the next; NaN: no contact.
+    pub profile: Vec<f64>,
+}
+
+/// A share in words.
+pub(super) fn percent(share: f64) -> String {
+    let percent = 100.0 * share;
+    match percent {
+        _ if (99.995..100.0).contains(&percent) => "100 %".to_owned(),
+        _ if percent >= 10.0 => format!("{percent:.1} %"),
+        _ if percent >= 0.01 => format!("{percent:.2} %"),
+        _ => format!("{percent:.0e} %"),
+    }
+}

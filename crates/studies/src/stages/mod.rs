@@ -1,0 +1,30 @@
+//! Which stage of a solver differs: each judged at the solver's own states, so that no stage inherits an earlier error.
+//!
+//! ```text
+//! law, assembly, driver   F_A(t_n) - F(s_A(t_n))                columns against the native ones at the run's own state
+//! equations, integration  d_n = s_A(t_n+1) - Phi(s_A(t_n))      Phi: converged native flow over one interval
+//! ```
+//! Of d_n what falls with the run's step is integration (a second run at a smaller one shows it), what stays are equations.
+//! A cause is a [`suspects`] change p of the model that explains the residual r: least squares of r on dF/dp or dPhi/dp, by
+//! Gauss-Newton, and a native run with it.
+//!
+//! Sources: defect of one step, Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, 1993, II.3; defect
+//! correction, Stetter, Numer. Math. 29 (1978) 425.
+
+mod cause;
+mod engine;
+mod fit;
+mod forces;
+mod judged;
+mod locate;
+mod model;
+mod motion;
+mod pairs;
+mod states;
+mod suspects;
+
+pub use cause::Cause;
+pub use engine::of_engine;
+pub use judged::{Depth, Judged, Stage};
+pub use locate::{Located, Runs, locate};
+pub use pairs::of_comparison;
