@@ -29,8 +29,8 @@ fn asks_for_columns_by_name_and_pattern() {
     assert_eq!(names(&["wheel_*_external_penetration_m_3"]).len(), 2);
     // Recorded anyway.
     assert!(names(&["input_torque_n_m"]).is_empty());
-    // The whole, discs, shafts' bearings, eccentrics', pins, pairs.
-    let all = 6 + 2 * 3 + 2 * 3 + 2 * 7 + 24 * 3 + 2 * 24 * 12;
+    // The gear, discs, shafts' bearings, eccentrics', pins, pairs.
+    let all = 7 + 2 * 9 + 2 * 3 + 2 * 7 + 24 * 4 + 2 * 24 * 12;
     assert_eq!(names(&["*"]).len(), all);
 }
 

@@ -4,7 +4,7 @@ use pinwheel_gearbox::Gearbox;
 use serde::Serialize;
 
 use super::fit::{Fit, fit};
-use super::judged::Stage;
+use super::judged::{ROUNDING, Stage};
 use super::model::{Change, Model};
 use super::suspects::{self, Size, Suspect};
 
@@ -95,7 +95,7 @@ impl Size {
 
     /// The change in words, with its size.
     fn words(self, what: &str, fit: &Fit) -> String {
-        let (size, off) = (fit.size, fit.plus_minus);
+        let (size, off) = (fit.size, fit.plus_minus.max(ROUNDING));
         let telling = self.is_telling(fit);
         match self {
             Self::Factor if telling && size < -1.5 => format!("{what} with the other sign"),

@@ -61,13 +61,9 @@ impl Located {
         };
         let name = first.name();
         if let Some(cause) = &self.cause {
-            let shown = cause.distance.map(|distance| distance.map(percent));
-            let shown = shown.map_or_else(String::new, |[without, with]| {
-                format!("; a native run with it is {with} away, without it {without}")
-            });
             let explained = percent(cause.explained);
             let (word, what) = (cause.word, &cause.what);
-            return format!("{name}, likely {word}: {what} explains {explained}{shown}");
+            return format!("{name}, likely {word}: {what} explains {explained}");
         }
         let mut stages = self.stages.iter();
         let judged = stages.find(|judged| judged.stage == first);
@@ -78,6 +74,17 @@ impl Located {
                 judged.note
             )
         })
+    }
+
+    /// Returns the sentence of [`words`](Self::words) with the native runs that confirm the cause.
+    #[must_use]
+    pub fn in_full(&self) -> String {
+        let distance = self.cause.as_ref().and_then(|cause| cause.distance);
+        let confirmed = distance.map_or_else(String::new, |distance| {
+            let [without, with] = distance.map(percent);
+            format!("; a native run with it is {with} away, without it {without}")
+        });
+        self.words() + &confirmed
     }
 }
 

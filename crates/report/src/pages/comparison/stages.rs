@@ -41,7 +41,7 @@ fn blocks(located: &Located) -> Vec<Block> {
         Some(_) if judged.is_off() => "off",
         Some(_) => "passes",
     };
-    let title = format!("{}: {}", words::short(&located.run), located.words());
+    let title = format!("{}: {}", words::short(&located.run), located.in_full());
     let table = Table::of(&title, &located.stages)
         .text("", "Stage", |judged| judged.stage.name())
         .text("", "Verdict", |judged| word(judged))
