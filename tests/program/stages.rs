@@ -5,18 +5,12 @@ use pinwheel_tests::{run_in, words};
 
 use crate::solvers::{commit, faulty};
 
-/// A solver whose friction drives the sliding, and one that is right.
+/// A solver whose curvature has the other sign in pits, and one that is right.
 #[test]
 fn crossval_a_comparison_names_the_stage() {
     let Some(folder) = faulty() else { return };
-    let compare = "compare paper-friction --set solver.duration_s=0.01 --engines native-resolved,faulty --solver solver.toml --out out";
-    for (fault, named) in [
-        (
-            "friction",
-            "law, likely friction: friction of all contacts with",
-        ),
-        ("none", ""),
-    ] {
+    let compare = "compare paper --set solver.duration_s=0.01 --engines native-resolved,faulty --solver solver.toml --out out";
+    for (fault, named) in [("curvature", "law, likely curvature"), ("none", "")] {
         commit(folder.path(), fault);
         let ran = run_in(folder.path(), words(compare));
         let lines: Vec<&str> = ran.stdout.lines().take(12).collect();
