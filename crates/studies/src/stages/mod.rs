@@ -5,7 +5,7 @@
 //! equations, integration  d_n = s_A(t_n+1) - Phi(s_A(t_n))      Phi: converged native flow over one interval
 //! ```
 //! Of d_n what falls with the run's step is integration (a second run at a smaller one shows it), what stays are equations.
-//! A cause is a [`suspects`] change p of the model that explains the residual r: least squares of r on dF/dp or dPhi/dp, by
+//! A cause is a suspected change p of the model that explains the residual r: least squares of r on dF/dp or dPhi/dp, by
 //! Gauss-Newton, and a native run with it.
 //!
 //! Sources: defect of one step, Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, 1993, II.3; defect

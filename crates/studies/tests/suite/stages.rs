@@ -1,5 +1,7 @@
 //! Which stage differs, and why: solvers with one fault each, and right ones.
 
+#![allow(clippy::print_stdout, reason = "measured figures")]
+
 use pinwheel_engines::{
     Control, Engine, EngineInfo, Halt, Prepared, Refinement, Run, RunStats, SharedModel, by_name,
 };
