@@ -1,6 +1,6 @@
 //! Runs that verify themselves: what a run's numbers are uncertain by, refined until that is small enough.
 //!
-//! The error of the finest of two or three runs is [`convergence::estimate`], and never below a third of the distance
+//! The error of the finest of two or three runs is [`pinwheel_timeseries::convergence::estimate`], and never below a third of the distance
 //! to the run before: impacts make errors fall unevenly. A run is resolved when its uncertainty **and** that distance
 //! are within the target; the distance may be four times that where the two runs before lay within a hundredth of each
 //! other, so that errors fall as they should. Two runs that are wrong alike, as when both pass over an impact, are what
