@@ -11,36 +11,36 @@ use serde::{Deserialize, Serialize};
 
 use crate::{BodyId, BodyState};
 
-/// A rigid body and where it starts.
+/// Rigid body with its initial state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// For messages.
+    /// Name in messages.
     pub name: String,
-    /// kg, > 0.
+    /// Mass, kg, > 0.
     pub mass: f64,
-    /// About the centre of mass, kg m^2, > 0.
+    /// Moment of inertia about the centre of mass, kg m^2, > 0.
     pub moment: f64,
     /// State at t = 0.
     pub start: BodyState,
 }
 
-/// A revolute joint without friction.
+/// Revolute joint without friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Revolute {
     /// Body 1; `None` is the ground, whose frame the point is then given in.
     pub parent: Option<BodyId>,
-    /// The joint in the parent's frame (from its centre of mass), m.
+    /// Position of the joint in the parent's frame (from its centre of mass), m.
     pub parent_point: [f64; 2],
     /// Body 2.
     pub child: BodyId,
-    /// The joint in the child's frame (from its centre of mass), m.
+    /// Position of the joint in the child's frame (from its centre of mass), m.
     pub child_point: [f64; 2],
 }
 
-/// f(t) = angle + rate (t - from) + acceleration (t - from)^2/2.
+/// Prescribed motion f(t) = angle + rate (t - from) + acceleration (t - from)^2/2.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Motion {
-    /// When it begins, s.
+    /// Start time, s.
     pub from_s: f64,
     /// f(from), rad.
     pub angle: f64,
@@ -51,7 +51,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// f, f' and f'' at `t`.
+    /// Returns f, f' and f'' at `t`.
     #[must_use]
     #[inline]
     pub fn at(&self, t: f64) -> (f64, f64, f64) {
