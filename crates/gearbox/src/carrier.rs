@@ -34,13 +34,13 @@ impl Carrier {
         }
     }
 
-    /// True where discs float on elastic bearings.
+    /// Returns true if discs float on elastic bearings.
     #[must_use]
     pub fn floats(&self) -> bool {
         !matches!(self, Self::Rigid)
     }
 
-    /// The cranks of an RV gear.
+    /// Returns the cranks of an RV gear; `None` for other gears.
     #[must_use]
     pub fn cranks(&self) -> Option<&CrankSet> {
         match self {

@@ -178,7 +178,7 @@ pub fn reduced<F: Forces>(
         .with_scales(gearbox.error_scales()))
 }
 
-/// The scene's method from `y` at `t` (s) on, with no step longer than `longest_s` where it chooses them.
+/// Starts the scene's method from `y` at `t`, s. Where the method chooses its steps, none is longer than `longest_s`.
 pub(crate) fn segments(
     gearbox: &Gearbox,
     t: f64,
@@ -196,7 +196,7 @@ pub(crate) fn segments(
         .ok_or_else(|| GearboxError::UnknownIntegrator(solver.integrator.clone()))
 }
 
-/// Steps through the run, samples between steps, guards every sample.
+/// Steps through the run, records samples inside steps, and checks every sample.
 fn integrate<F: Formulation>(
     gearbox: &Gearbox,
     mut system: F,
@@ -208,7 +208,7 @@ fn integrate<F: Formulation>(
     let breaks = load_profile::breaks(&gearbox.scene.drive);
     let mut stepper = segments(gearbox, 0.0, &y, &breaks, limits.longest_step_s)?;
     let mut load = load_profile::piece_at(&gearbox.scene.drive, 0.0);
-    // Most methods leave the energy behind and most scenes ask for no channels: then there is no need of it.
+    // Most methods do not compute the energy, and most scenes request no channels; then the energy is not needed.
     let mut field = None;
     let times = solver.sample_times_s();
     let whole = !limits.samples_alone;
@@ -313,12 +313,12 @@ fn integrate<F: Formulation>(
     })
 }
 
-/// Ends a run at that time, s, in these words.
+/// Ends a run at the given time, s, with the given message.
 fn diverged(time_s: f64) -> impl FnOnce(String) -> NativeError {
     move |quantity| NativeError::Ended(Ending::Diverged { time_s, quantity })
 }
 
-/// Returns the contact field beside that of the equations, which is built when it is first needed.
+/// Returns a contact field separate from that of the equations; it is built when first needed.
 fn built<'a>(
     gearbox: &Gearbox,
     field: &'a mut Option<ContactField>,
