@@ -64,41 +64,41 @@ impl Motion {
     }
 }
 
-/// A prescribed relative rotation (Eq. 4).
+/// Driver: prescribed relative rotation (Eq. 4).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Driver {
     /// Body from which the angle is measured; `None` is the ground.
     pub parent: Option<BodyId>,
-    /// The driven body.
+    /// Driven body.
     pub child: BodyId,
-    /// The prescribed angle.
+    /// Prescribed angle.
     pub motion: Motion,
 }
 
-/// Why a mechanism cannot be solved.
+/// Reason why a mechanism cannot be solved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MechanismError {
-    /// A joint names a body that is not there, or joins a body to itself.
+    /// A joint refers to a body that does not exist, or joins a body to itself.
     #[error("{joint} refers to body {body}, which does not exist or is its own partner")]
     Body {
-        /// e.g. `revolute 3`.
+        /// Name of the joint, e.g. `revolute 3`.
         joint: String,
-        /// The index given.
+        /// Index in the joint.
         body: usize,
     },
     /// A mass, moment, point or motion that is not finite or not positive.
     #[error("{what} must be finite and, for masses and moments, positive")]
     Value {
-        /// Which value.
+        /// Name of the value.
         what: String,
     },
-    /// More or contradictory constraints than coordinates, or the same one twice.
+    /// Constraints exceed the coordinates, contradict each other, or repeat one.
     #[error("constraints are redundant: {constraint} adds nothing to the others")]
     Redundant {
         /// Number of the first constraint that depends on the others.
         constraint: String,
     },
-    /// The exact elimination does not apply.
+    /// The exact elimination does not apply, for the given reason.
     #[error("the reduced form needs centre-pinned bodies: {0}; use the Lagrange form")]
     NotReducible(String),
 }
@@ -115,20 +115,20 @@ pub struct Mechanism {
 }
 
 impl Mechanism {
-    /// Number of scalar constraints: two a revolute, one a driver.
+    /// Returns the number of scalar constraints: two a revolute, one a driver.
     #[must_use]
     pub fn constraints(&self) -> usize {
         2 * self.revolutes.len() + self.drivers.len()
     }
 
-    /// Child and parent of every revolute, then of every driver.
+    /// Returns child and parent of every revolute, then of every driver.
     pub(crate) fn ends(&self) -> Vec<(BodyId, Option<BodyId>)> {
         let joints = self.revolutes.iter().map(|j| (j.child, j.parent));
         let drivers = self.drivers.iter().map(|d| (d.child, d.parent));
         joints.chain(drivers).collect()
     }
 
-    /// Kinetic energy of the bodies in these states, J.
+    /// Returns the kinetic energy of the bodies in the given states, J.
     #[must_use]
     pub fn kinetic_j(&self, states: &[BodyState]) -> f64 {
         let of = |(body, v): (&Body, &BodyState)| {
