@@ -4,8 +4,8 @@
 //! [`prerequisites`] lists, so that its pivot is regular whenever D has full rank:
 //! * a joint of the spanning forest waits for its outer body: these rows stay independent in any pose,
 //!   because each has a body to itself;
-//! * a joint that closes a loop waits for all bodies of that loop. The constraints gone by then
-//!   either lie wholly within the loops closed or hang on bodies of their own, so they are rows of D.
+//! * a joint that closes a loop waits for all bodies of that loop. The constraints eliminated before it either lie within the
+//! closed loops or have bodies of their own, so that they are independent rows of D.
 
 use crate::mechanism::Mechanism;
 use crate::tree::Forest;
