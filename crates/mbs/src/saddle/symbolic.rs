@@ -5,7 +5,7 @@
 //! * a joint of the spanning forest waits for its outer body: these rows stay independent in any pose,
 //!   because each has a body to itself;
 //! * a joint that closes a loop waits for all bodies of that loop. The constraints eliminated before it either lie within the
-//! closed loops or have bodies of their own, so that they are independent rows of D.
+//!   closed loops or have bodies of their own, so that they are independent rows of D.
 
 use crate::mechanism::Mechanism;
 use crate::tree::Forest;
