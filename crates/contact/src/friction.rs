@@ -12,7 +12,7 @@ use crate::laws::step;
 /// Coulomb friction that rises linearly up to the sliding speed `ramp`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RegularisedCoulomb {
-    /// mu
+    /// Coefficient of friction mu.
     pub coefficient: f64,
     /// v_s, m/s.
     pub ramp: f64,

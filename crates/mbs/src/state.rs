@@ -39,9 +39,9 @@ impl BodyState {
 /// Force at the centre of mass of a body and moment about it, in the ground frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wrench {
-    /// N
+    /// Force, N.
     pub fx: f64,
-    /// N
+    /// Force, N.
     pub fy: f64,
     /// Moment, N m, counter-clockwise.
     pub moment: f64,

@@ -66,7 +66,7 @@ pub(super) trait Detection: Send + 'static {
     }
     /// Returns the touch of ring pin `j` and e^{ia} of its foot; e^{i a0} and e^{i zk a0} start the search.
     fn profile(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<(Touch, Complex)>;
-    /// Output pin in hole `k` of `wheel`.
+    /// Returns the touch of the output pin in hole `k` of `wheel`.
     fn hole(&self, wheel: usize, k: usize, p: Complex) -> Option<Touch>;
     /// Returns the closest points of a ring pin that [`profile`](Self::profile) reports without contact.
     fn profile_gap(&self, j: usize, p: Complex) -> Touch;
@@ -224,7 +224,7 @@ impl Exact {
         }
     }
 
-    /// Output pin in hole `k` of `wheel`.
+    /// Returns the touch of the output pin in hole `k` of `wheel`.
     #[inline]
     pub(super) fn in_hole<S: Scalar>(
         &self,

@@ -105,13 +105,13 @@ pub enum StepError {
     /// The state or its derivative is not finite.
     #[error("the state is no longer finite at t = {time} s")]
     NotFinite {
-        /// Where, s.
+        /// Time, s.
         time: f64,
     },
     /// An adaptive method cannot meet its tolerance.
     #[error("the step fell below rounding at t = {time} s: the tolerance cannot be met")]
     StepTooSmall {
-        /// Where, s.
+        /// Time, s.
         time: f64,
     },
 }
