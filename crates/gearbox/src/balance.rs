@@ -5,6 +5,9 @@
 //! ```
 //! E is the kinetic energy at the start plus the load times the elastic twist under it. A gear at rest has no works, and
 //! without E rounding would count.
+//!
+//! An explicit method that does not follow friction makes spins jump back and forth. Forces may look right while the account
+//! loses a hundred times the work done. Angles stay in their mesh, so that only the energy shows the fault.
 
 use pinwheel_mbs::BodyState;
 

@@ -57,6 +57,9 @@ impl SlidingStage {
     /// `guess` of i: Newton's method begins at v* + a guess. Damping makes the normal forces depend slightly on the velocities,
     /// and they are evaluated at this estimate. A guess from the previous stage differs by the change of the friction since,
     /// and moves them by less than 1e-3.
+    ///
+    /// `normal_force(k, listed, rate)` is the law of contact k at other velocities. Returns false if there is no solution.
+    /// Afterwards [`contact_forces`](Self::contact_forces) and [`accelerate`](Self::accelerate) use the solution.
     pub fn solve(
         &mut self,
         a: f64,
