@@ -9,9 +9,8 @@
 //!   that is smaller by L, that is if `|r|^2 < 2 rho (s - L) + L^2`, P is farther from C than L.
 //! * *foot*: a stationary point with |s| < rho is the closest point of the whole curve.
 //!
-//! Where Newton cannot help (pins lifted off a pit by backlash stand near its centre of curvature) a
-//! third test mostly can: C is star-shaped about the origin, so P is outside if the ray through it
-//! leaves the curve earlier.
+//! Where Newton's method fails (pins lifted off a pit by backlash are near its centre of curvature), a third test mostly
+//! decides. C is star-shaped about the origin, so that P is outside if the ray through it leaves the curve earlier.
 
 use crate::{Complex, Epitrochoid, Foot, Scalar};
 
@@ -25,25 +24,25 @@ const MAX_STEPS: usize = 12;
 const RAY_STEPS: usize = 3;
 /// Distance that a point must lie beyond the curve to be outside for certain, relative to R.
 const RAY_MARGIN: f64 = 1e-12;
-/// How near the ray those steps must have come, relative to the distance of P: the bound of the radius is proved there
-/// (the steepest slope is at least 1e-3), and far from the ray it would be wrong.
+/// Largest distance from the ray after these steps, relative to the distance of P. The bound of the radius is proved up to it
+/// (the steepest slope is at least 1e-3), and is wrong far from the ray.
 const RAY_BESIDE: f64 = 1e-3;
 
 /// Result of the local search.
 enum Local {
     /// P is outside for certain.
     Outside,
-    /// The closest point of the whole curve.
+    /// Closest point of the entire curve.
     Foot(Foot),
-    /// Not certain.
+    /// No certain result.
     Unknown,
 }
 
 impl Epitrochoid {
-    /// The foot of `p` if its signed distance from the curve is below `limit`, m: 0 for points inside the curve; another
-    /// one for a pin whose radius differs from the offset of the edge, which touches elsewhere than on the curve.
+    /// Returns the foot of `p` if its signed distance from the curve is below `limit`, m. The limit is 0 for points inside the
+    /// curve. It differs for a pin whose radius is not the offset of the edge.
     ///
-    /// The search begins at e^{ia} and e^{i zk a} of a parameter; the result does not depend on it but for rounding.
+    /// The search begins at e^{ia} and e^{i zk a} of a parameter, which affects the result only by rounding.
     #[must_use]
     #[inline]
     pub fn foot_within(&self, p: Complex, start: [Complex; 2], limit: f64) -> Option<Foot> {
@@ -55,8 +54,8 @@ impl Epitrochoid {
         }
     }
 
-    /// True if the ray from the origin through `p` certainly leaves the curve before it reaches `p`, and `p` is farther from
-    /// the curve than `away`.
+    /// Returns true if the ray from the origin through `p` certainly leaves the curve before it reaches `p`, and `p` is farther
+    /// from the curve than `away`, m.
     ///
     /// C(a) is moved along its tangent onto the ray. What is left beside the ray (w) changes the radius by
     /// less than w times the steepest slope of the curve against circles. Points that near to `p` lie within asin(away/|p|) of
@@ -83,7 +82,7 @@ impl Epitrochoid {
         along > 0.0 && beside < RAY_BESIDE * radius && (along + margin) * growth < radius - away
     }
 
-    /// The rare case, kept out of the hot path.
+    /// Searches globally; this case is rare and kept out of the hot path.
     #[cold]
     #[inline(never)]
     fn foot_by_search(&self, p: Complex, limit: f64) -> Option<Foot> {
@@ -157,7 +156,7 @@ impl Epitrochoid {
         }
     }
 
-    /// The closest point of the whole curve to any `p`.
+    /// Returns the closest point of the entire curve to any `p`.
     ///
     /// Samples the part of the curve that can be closer than the best point known, brackets every
     /// local minimum of the distance, and refines each by bisection-safeguarded Newton.
@@ -205,7 +204,7 @@ impl Epitrochoid {
         }
     }
 
-    /// The minimum of |P - C(a)| between `low` and `high`, where (P - C) . C' falls through zero.
+    /// Returns the minimum of |P - C(a)| between `low` and `high`, where (P - C) . C' falls through zero.
     fn refine(&self, p: Complex, mut low: f64, mut high: f64) -> f64 {
         let mut a = 0.5 * (low + high);
         for _ in 0..80 {

@@ -31,7 +31,7 @@ pub struct FeetLanes<S: Simd> {
     pub position: ComplexLanes<S>,
     /// Outward unit normal.
     pub normal: ComplexLanes<S>,
-    /// All that does not depend on the directions.
+    /// Quantities of the foot that do not depend on the directions.
     pub foot: LocalFeet<S>,
 }
 
@@ -89,7 +89,7 @@ const SIN: [f64; 6] = [
     1.0,
 ];
 
-/// Sum of an alternating series in x^2, coefficients highest first.
+/// Returns the sum of an alternating series in x^2, coefficients highest first.
 #[inline(always)]
 fn alternating<S: Simd>(x2: Lanes<S>, coefficients: &[f64]) -> Lanes<S> {
     let mut sum = x2.like(coefficients[0]);
@@ -99,7 +99,7 @@ fn alternating<S: Simd>(x2: Lanes<S>, coefficients: &[f64]) -> Lanes<S> {
     sum
 }
 
-/// e^{ix} - 1 by the last terms of the series.
+/// Returns e^{ix} - 1 by the last terms of the series.
 #[inline(always)]
 fn turned_by<S: Simd>(x: Lanes<S>, terms: usize) -> ComplexLanes<S> {
     let x2 = x * x;
@@ -130,8 +130,8 @@ impl<S: Simd> Pose<S> {
 }
 
 impl Epitrochoid {
-    /// Feet of the points `p` that lie inside the curve, searched from e^{ia} = `unit` and
-    /// e^{i zk a} = `multiple` (common to all lanes). Lanes that are not `present` are never inside.
+    /// Returns the feet of the points `p` that lie inside the curve, searched from e^{ia} = `unit` and e^{i zk a} = `multiple`
+    /// (common to all lanes). Lanes that are not `present` are never inside.
     #[must_use]
     #[inline(always)]
     pub fn penetrating_feet<S: Simd>(
@@ -296,7 +296,7 @@ impl Epitrochoid {
         }
     }
 
-    /// The scalar search for the lanes that need it.
+    /// Runs the scalar search for the lanes that need it.
     #[cold]
     #[inline(never)]
     fn find_lost<S: Simd>(

@@ -1,4 +1,4 @@
-//! The epitrochoid C on which pin centres stand in contact.
+//! Epitrochoid C on which pin centres lie in contact.
 //!
 //! ```text
 //! C(a)  = R e^{ia} + e e^{i zk a},           R = e zk/m            (Eq. 1 without the offset q)
@@ -26,19 +26,19 @@ pub struct CurvePoint<R = f64> {
     pub curvature: R,
 }
 
-/// The point of the curve closest to a given point P.
+/// Point of the curve closest to a given point P.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Foot<R = f64> {
     /// e^{ia} at the foot; its argument is the parameter a.
     pub unit: Complex<R>,
-    /// The curve there.
+    /// Curve at the foot.
     pub at: CurvePoint<R>,
     /// (P - C) . n, m: positive outside.
     pub distance: R,
 }
 
 impl Foot {
-    /// Parameter a in (-pi, pi].
+    /// Returns the parameter a in (-pi, pi].
     #[must_use]
     pub fn parameter(&self) -> f64 {
         self.unit.arg()
@@ -79,7 +79,7 @@ pub struct Epitrochoid {
 }
 
 impl Epitrochoid {
-    /// The curve of eccentricity `e` (m), `sleeves` = zk ring pins, 3 or more, and shortening m (0 < m < 1); `None` if
+    /// Creates the curve of eccentricity `e` (m), `sleeves` = zk ring pins, 3 or more, and shortening m (0 < m < 1); `None` if
     /// one of them is out of range or not finite.
     #[must_use]
     pub fn new(eccentricity: f64, sleeves: u32, shortening: f64) -> Option<Self> {
@@ -111,39 +111,39 @@ impl Epitrochoid {
         Some(curve)
     }
 
-    /// True if [`new`](Self::new) makes an equal curve of these parameters.
+    /// Returns true if [`new`](Self::new) makes an equal curve of these parameters.
     #[must_use]
     pub fn is_of(&self, eccentricity: f64, sleeves: u32, shortening: f64) -> bool {
         (self.eccentricity, self.sleeves, self.shortening) == (eccentricity, sleeves, shortening)
     }
 
-    /// R, m.
+    /// Returns R, m.
     #[must_use]
     pub fn pitch_radius(&self) -> f64 {
         self.pitch_radius
     }
 
-    /// H: a point P is outside for certain where `H |r|^2 < r.T` for any a, with `r = (P - C(a))/R` and
-    /// `T = e^{ia} + m e^{i zk a}`.
+    /// Returns H: a point P is outside for certain where `H |r|^2 < r.T` for any a, with `r = (P - C(a))/R` and `T = e^{ia} + m
+    /// e^{i zk a}`.
     #[must_use]
     pub fn repulsion(&self) -> f64 {
         self.search.repulsion
     }
 
-    /// zs = zk - 1.
+    /// Returns the number of lobes zs = zk - 1.
     #[must_use]
     pub fn lobes(&self) -> u32 {
         self.sleeves - 1
     }
 
-    /// The curve at parameter `a`, rad.
+    /// Returns the curve at parameter `a`, rad.
     #[must_use]
     pub fn at(&self, a: f64) -> CurvePoint {
         let unit = Complex::unit(a);
         self.at_unit(unit, unit.powu(self.sleeves))
     }
 
-    /// The curve at e^{ia} = `unit`, with e^{i zk a} = `multiple`.
+    /// Returns the curve at e^{ia} = `unit`, with e^{i zk a} = `multiple`.
     #[must_use]
     #[inline]
     pub fn at_unit<R: Real>(&self, unit: Complex<R>, multiple: Complex<R>) -> CurvePoint<R> {
@@ -161,21 +161,21 @@ impl Epitrochoid {
         }
     }
 
-    /// kappa R (1 + m^2 + 2 m c)^{3/2}: the numerator of the curvature.
+    /// Returns kappa R (1 + m^2 + 2 m c)^{3/2}, the numerator of the curvature.
     #[inline]
     fn bend<R: Real>(&self, cos_lobe: R) -> R {
         let (m, zk) = (self.shortening, f64::from(self.sleeves));
         cos_lobe.like(1.0 + m * m * zk) + cos_lobe.like(m * (1.0 + zk)) * cos_lobe
     }
 
-    /// kappa as a function of c = cos(zs a), 1/m.
+    /// Returns kappa as a function of c = cos(zs a), 1/m.
     #[must_use]
     pub fn curvature(&self, cos_lobe: f64) -> f64 {
         let m = self.shortening;
         self.bend(cos_lobe) / (self.pitch_radius * (1.0 + m * m + 2.0 * m * cos_lobe).powf(1.5))
     }
 
-    /// d kappa/da at e^{ia} = `unit`, with e^{i zk a} = `multiple`, 1/m.
+    /// Returns d kappa/da at e^{ia} = `unit`, with e^{i zk a} = `multiple`, 1/m.
     #[must_use]
     pub fn curvature_slope<R: Real>(&self, unit: Complex<R>, multiple: Complex<R>) -> R {
         let (m, zk) = (self.shortening, f64::from(self.sleeves));
@@ -187,7 +187,7 @@ impl Epitrochoid {
         -slope * c(zk - 1.0) * sin_lobe
     }
 
-    /// Largest curvature anywhere, 1/m: an offset q at or beyond its inverse undercuts the profile.
+    /// Returns the largest curvature of the curve, 1/m: an offset q at or beyond its inverse undercuts the profile.
     ///
     /// Between the ends c = +-1 the extremum has d kappa/dc = 0, that is
     /// `(1 + zk)(1 + m^2 + 2 m c) = 3 (1 + m^2 zk + m (1 + zk) c)`, linear in c. It lies above -1 by
@@ -204,7 +204,7 @@ impl Epitrochoid {
         }
     }
 
-    /// tan of the largest angle between normal and radius, from samples of half a lobe, with a margin.
+    /// Returns tan of the largest angle between normal and radius, from samples of half a lobe, with a margin.
     fn steepest_slope(&self) -> f64 {
         let half = std::f64::consts::PI / f64::from(self.lobes());
         let slope = |k: u32| {
@@ -237,8 +237,8 @@ impl Epitrochoid {
         (GENTLE / largest).sqrt().min(1.0)
     }
 
-    /// Reach of the curve to either side [Federer 1959]: inf |y - x|^2 / (2 |(y - x) . n_x|), outside and inside, m; and
-    /// the largest sqrt(g)/(2 rho) with rho the reach outside of a place, 1/m.
+    /// Computes the reach of the curve to either side [Federer 1959]: inf |y - x|^2 / (2 |(y - x) . n_x|), outside and inside,
+    /// m. The third value is the largest sqrt(g)/(2 rho), with rho the local reach outside, 1/m.
     ///
     /// Computed from samples of half a lobe, which mirrors the other half, against the whole curve, and lowered by the
     /// margin that the sampling needs; the curvature bound, which the samples approach last, is exact.

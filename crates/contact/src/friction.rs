@@ -12,7 +12,7 @@ use crate::laws::step;
 /// Coulomb friction that rises linearly up to the sliding speed `ramp`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RegularisedCoulomb {
-    /// mu
+    /// Coefficient of friction mu.
     pub coefficient: f64,
     /// v_s, m/s.
     pub ramp: f64,
@@ -57,7 +57,7 @@ impl AdamsFriction {
     }
 }
 
-/// The friction of a scene.
+/// Friction of a scene.
 ///
 /// ```
 /// use pinwheel_contact::{Friction, RegularisedCoulomb};
@@ -69,9 +69,9 @@ impl AdamsFriction {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Friction {
-    /// Eq. 21.
+    /// Regularised Coulomb friction, Eq. 21.
     Regularised(RegularisedCoulomb),
-    /// Adams.
+    /// Friction of Adams with two velocities.
     Adams(AdamsFriction),
 }
 

@@ -21,14 +21,14 @@ pub struct Material {
 }
 
 impl Material {
-    /// h = (1 - nu^2)/(pi E), 1/Pa.
+    /// Returns the compliance h = (1 - nu^2)/(pi E), 1/Pa.
     #[must_use]
     pub fn compliance(&self) -> f64 {
         (1.0 - self.poisson * self.poisson) / (std::f64::consts::PI * self.young)
     }
 }
 
-/// K as a function of the effective radius.
+/// Stiffness K as a function of the effective radius.
 ///
 /// ```
 /// use pinwheel_contact::{HertzStiffness, Material};
@@ -42,16 +42,16 @@ impl Material {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HertzStiffness {
     coefficient: f64,
-    /// Pin radius and power, of laws that a pin's radius enters beside R.
+    /// Pin radius and power, for laws that depend on the pin's radius besides R.
     sleeve: Option<(f64, f64)>,
     /// Factor in holes.
     internal: f64,
-    /// External and internal, of laws that curvature does not enter.
+    /// Stiffness of external and internal contacts, for laws without curvature.
     stages: Option<[f64; 2]>,
 }
 
 impl HertzStiffness {
-    /// Materials of pin and disc, and the multiplier H.
+    /// Creates the stiffness from the materials of pin and disc and the multiplier H.
     #[must_use]
     pub fn new(sleeve: Material, wheel: Material, multiplier: f64) -> Self {
         let multiplier = multiplier * factor(Fault::Stiffness, 1.01);
@@ -64,13 +64,13 @@ impl HertzStiffness {
         }
     }
 
-    /// With a factor on K in holes.
+    /// Returns the stiffness with a factor on K in holes.
     #[must_use]
     pub fn with_internal(self, internal: f64) -> Self {
         Self { internal, ..self }
     }
 
-    /// K of ring and output pins, whatever their radii.
+    /// Returns the stiffness with fixed K of ring and output pins, whatever their radii.
     #[must_use]
     pub fn of_stages(self, stages: [f64; 2]) -> Self {
         Self {
@@ -79,13 +79,13 @@ impl HertzStiffness {
         }
     }
 
-    /// True if K changes with the curvature.
+    /// Returns true if K changes with the curvature.
     #[must_use]
     pub fn is_curved(&self) -> bool {
         self.stages.is_none()
     }
 
-    /// With a factor (`radius`/sleeve)^`power` on K: pins of that radius (m) have Hertz's.
+    /// Returns the stiffness with a factor (`radius`/sleeve)^`power` on K: pins of that radius (m) have Hertz's.
     #[must_use]
     pub fn with_sleeve(self, radius: f64, power: f64) -> Self {
         Self {
@@ -94,13 +94,13 @@ impl HertzStiffness {
         }
     }
 
-    /// K/sqrt(R), N/m^2.
+    /// Returns K/sqrt(R), N/m^2.
     #[must_use]
     pub fn coefficient(&self) -> f64 {
         self.coefficient
     }
 
-    /// K, N/m^1.5, of a pin of radius `sleeve` where R_c R_p/(R_c + R_p) = `radius`, m (both > 0).
+    /// Returns K, N/m^1.5, of a pin of radius `sleeve` where R_c R_p/(R_c + R_p) = `radius`, m (both > 0).
     #[must_use]
     #[inline]
     pub fn of<R: Real>(&self, sleeve: f64, radius: R) -> R {
@@ -113,14 +113,14 @@ impl HertzStiffness {
         }
     }
 
-    /// K of a pin on a flat.
+    /// Returns K of a pin on a flat, N/m^1.5.
     #[must_use]
     pub fn on_flat(&self, sleeve: f64) -> f64 {
         self.of(sleeve, sleeve)
     }
 
-    /// K of a pin of radius `sleeve` on the inward offset by `offset` of a curve that bends by `kappa`: with
-    /// R_c = 1/kappa - offset the radicand is `sleeve (1 - offset kappa)/(1 + (sleeve - offset) kappa)`.
+    /// Returns K of a pin of radius `sleeve` on the inward offset by `offset` of a curve with curvature `kappa`: with R_c =
+    /// 1/kappa - offset the radicand is `sleeve (1 - offset kappa)/(1 + (sleeve - offset) kappa)`.
     #[must_use]
     #[inline]
     pub fn of_edge<R: Real>(&self, sleeve: f64, offset: f64, kappa: R) -> R {
@@ -130,7 +130,7 @@ impl HertzStiffness {
         self.of(sleeve, radius)
     }
 
-    /// K of a pin of radius `sleeve` in a hole of radius `hole` (R_c = -hole).
+    /// Returns K of a pin of radius `sleeve` in a hole of radius `hole` (R_c = -hole).
     #[must_use]
     pub fn of_hole(&self, sleeve: f64, hole: f64) -> f64 {
         match self.stages {

@@ -85,7 +85,7 @@ impl<S: Simd> Lanes<S> {
         }
     }
 
-    /// The instruction set.
+    /// Returns the instruction set.
     #[must_use]
     #[inline(always)]
     pub fn simd(self) -> S {
@@ -289,8 +289,8 @@ impl<S: Simd> Real for Lanes<S> {
         self
     }
 
-    /// To 2 units of the last place: exponent and mantissa m in [1/sqrt 2, sqrt 2] by integers, then
-    /// ln m = 2 artanh((m - 1)/(m + 1)).
+    /// Computes the logarithm to 2 units of the last place: exponent and mantissa m in [1/sqrt 2, sqrt 2] by integers, then ln
+    /// m = 2 artanh((m - 1)/(m + 1)).
     #[inline(always)]
     fn ln(mut self) -> Self {
         const MANTISSA: u64 = (1 << 52) - 1;
@@ -357,14 +357,14 @@ impl<S: Simd> Real for Lanes<S> {
 }
 
 impl<S: Simd> Mask<S> {
-    /// Both set.
+    /// Returns lanes in which both masks are set.
     #[must_use]
     #[inline(always)]
     pub fn and(self, other: Self) -> Self {
         both!(Mask.m, self, k, self.simd.and_m64s(self.m[k], other.m[k]))
     }
 
-    /// This one set and the other not.
+    /// Returns lanes in which this mask is set and the other is not.
     #[must_use]
     #[inline(always)]
     pub fn without(self, other: Self) -> Self {
@@ -374,7 +374,7 @@ impl<S: Simd> Mask<S> {
         })
     }
 
-    /// One of both set.
+    /// Returns lanes in which at least one mask is set.
     #[must_use]
     #[inline(always)]
     pub fn or(self, other: Self) -> Self {

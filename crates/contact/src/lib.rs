@@ -1,7 +1,7 @@
 //! Contact between curves: closest points, penetration laws, friction.
 //!
-//! Pure functions of gap, rate and curvature; nothing here knows of bodies or time.
-//! Planar, SI units; vectors are `[x, y]`, rotations unit complex numbers.
+//! Pure functions of gap, rate and curvature, independent of bodies and time. Planar, SI units; vectors are `[x, y]`, rotations
+//! unit complex numbers.
 //!
 //! ```text
 //!          curve C of pin centres                     hole in the disc
@@ -77,7 +77,7 @@ pub use laws::{
 pub use points::{HolePoints, ProfilePoints, Vertex};
 pub use real::{Real, Scalar};
 
-/// Private items that the tests of this crate reach; no part of the interface.
+/// Private items for the tests of this crate; not part of the interface.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::search::Search;

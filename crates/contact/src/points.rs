@@ -18,7 +18,7 @@ pub struct Vertex {
 }
 
 impl Vertex {
-    /// Contact stiffness K of a pin of radius `q` there, N/m^1.5: 1/(R_c R_p/(R_c + R_p)) = 1/R_c + 1/R_p.
+    /// Returns the contact stiffness K of a pin of radius `q` at the vertex, N/m^1.5: 1/(R_c R_p/(R_c + R_p)) = 1/R_c + 1/R_p.
     #[must_use]
     #[inline]
     pub fn stiffness(&self, q: f64, hertz: &HertzStiffness) -> f64 {
@@ -34,7 +34,7 @@ pub struct ProfilePoints {
 }
 
 impl ProfilePoints {
-    /// `count` points on the offset of `curve` by `offset` (m) for pins up to a radius `q` (m).
+    /// Creates `count` points on the offset of `curve` by `offset` (m) for pins up to a radius `q` (m).
     ///
     /// `None` if a pit is so coarsely sampled that the circle through three points is smaller than the pin: Eq. 23
     /// then has no real value.
@@ -67,7 +67,7 @@ impl ProfilePoints {
         })
     }
 
-    /// The vertex nearest to `p` for a foot of parameter `a` (rad), with its squared distance (m^2).
+    /// Returns the vertex nearest to `p` for a foot of parameter `a` (rad), with its squared distance (m^2).
     #[must_use]
     #[inline]
     pub fn nearest(&self, p: Complex, a: f64) -> (&Vertex, f64) {
@@ -92,7 +92,7 @@ impl ProfilePoints {
     }
 }
 
-/// Signed curvature (1/m) of the circle through three points, positive when they turn left.
+/// Returns the signed curvature (1/m) of the circle through three points, positive when they turn left.
 fn circle_curvature(a: Complex, b: Complex, c: Complex) -> f64 {
     let area2 = (b - a).cross(c - a);
     2.0 * area2 / ((b - a).norm() * (c - b).norm() * (c - a).norm())
@@ -114,7 +114,7 @@ pub struct HolePoints {
 }
 
 impl HolePoints {
-    /// `count` points on a circle.
+    /// Creates `count` points on a circle.
     #[must_use]
     pub fn new(count: usize) -> Self {
         let step = std::f64::consts::TAU / count as f64;

@@ -8,9 +8,9 @@ pub struct Search {
     pub(crate) per_zk: f64,
     /// 1/R, 1/m.
     pub(crate) per_radius: f64,
-    /// m.
+    /// Shortening m.
     pub(crate) shortening: f64,
-    /// H.
+    /// Bound H of [`Epitrochoid::repulsion`](crate::Epitrochoid::repulsion).
     pub(crate) repulsion: f64,
     /// Coefficients of -f^(n)(0)/(n! zk^(n-1)) for n = 2 to 5: the constant and the factor of m cos or m sin.
     pub series: [[f64; 2]; 4],
@@ -19,7 +19,7 @@ pub struct Search {
 }
 
 impl Search {
-    /// `radius`: R, m. `repulsion`: H.
+    /// Creates the constants. `radius`: R, m. `repulsion`: H.
     pub fn new(sleeves: u32, m: f64, radius: f64, repulsion: f64) -> Self {
         let zk = f64::from(sleeves);
         let zs = zk - 1.0;

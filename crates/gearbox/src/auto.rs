@@ -1,7 +1,7 @@
-//! `integrator = "auto"`: the method, step and tolerance that a scene's forces ask for, and why.
+//! Choice of method, step and tolerance for `integrator = "auto"` from a scene's forces, with the reason.
 //!
-//! A plan is a good first try, from [`Frequencies`]; [`resolve`](crate::resolve) verifies it on the run itself, refines
-//! it, and falls back on the next plan of the [`chain`] where it fails.
+//! A plan is a first estimate from [`Frequencies`]. The module [`resolve`](crate::resolve) verifies it on the run itself and
+//! refines it. Where it fails, the next plan of the [`chain`] is tried.
 
 use pinwheel_mbs::integrators::{Family, method};
 
@@ -13,71 +13,70 @@ use crate::{Gearbox, GearboxError};
 
 pub use pinwheel_scene::names::AUTO;
 
-/// Numerical uncertainty that `auto` promises: relative L2 of all pin forces over the run, and of the driver's torque.
-/// A tenth of what the least certain inputs of such a model (stiffness, friction) are ever known to, so that figures of a run
-/// are the model's own.
+/// Target of the numerical uncertainty of `auto`: relative L2 of all pin forces over the run, and of the driver's torque. It is
+/// a tenth of the accuracy to which the least certain inputs of the model (stiffness, friction) are known.
 pub const TARGET: f64 = 1e-3;
 
-/// Tolerance of Dormand-Prince for a target, as a share of it. Its error is some 15 times the tolerance on gears whose
-/// contacts stay closed, and up to hundreds of times where discs bounce.
+/// Tolerance of Dormand-Prince, relative to the target. Its error is about 15 times the tolerance on gears whose contacts stay
+/// closed, and up to hundreds of times where discs bounce.
 const SMOOTH: f64 = 5e-4;
-/// Longest step of the exponential method, in those that see every contact: it evaluates once a step, at its end.
+/// Longest step of the exponential method, in steps that resolve every contact: it evaluates once a step, at its end.
 const EXPONENTIAL_STEP: f64 = 1.25;
-/// The tolerance with friction, where steps follow its rate and digits cost next to nothing: `paper-friction` takes 3 % more
+/// Tolerance with friction, where steps follow its rate and more digits cost little: `paper-friction` takes 3 % more
 /// evaluations at 1e-7 than at 1e-5, and its torque is 500 times better.
 const RUBBING: f64 = 1e-4;
-/// Tolerance of the adaptive IMEX method for a target, as a share of it: its error is 0.1 to 30 times the tolerance.
+/// Tolerance of the adaptive IMEX method, relative to the target: its error is 0.1 to 30 times the tolerance.
 const IMPLICIT: f64 = 0.05;
-/// Tolerance of RODAS5P for a target, as a share of it: its error is 10 to 16 times the tolerance on `paper-friction`.
+/// Tolerance of RODAS5P, relative to the target: its error is 10 to 16 times the tolerance on `paper-friction`.
 const ROSENBROCK: f64 = 0.02;
-/// Largest tolerance at which RODAS5P lands on the friction's ramp: looser ones cost more and give less. Plastic with 0.3 mm
-/// of play takes nine times the evaluations at 1e-4 until it gives up.
+/// Largest tolerance at which RODAS5P resolves the friction's ramp: looser ones need more evaluations for less accuracy.
+/// Plastic with 0.3 mm of play takes nine times the evaluations at 1e-4, and then fails.
 const LOOSEST_ROSENBROCK: f64 = 1e-5;
-/// How much coarser the run is that verifies one by RODAS5P.
+/// Ratio of the tolerances of the run that verifies one by RODAS5P and of that run.
 pub(crate) const COARSER_ROSENBROCK: f64 = 4.0;
-/// Explicit steps follow friction with about ten evaluations a relaxation; implicit ones take some 80 a radian of
-/// the contacts' oscillation at a target of [`TARGET`] on the paper's gear, growing with its inverse root: up to this many
-/// relaxations a radian the explicit method is the cheaper one.
+/// Relaxations of friction per radian of the contacts' oscillation up to which the explicit method is cheaper. Explicit steps
+/// take about ten evaluations per relaxation. Implicit ones take some 80 per radian at a target of [`TARGET`] on the paper's
+/// gear, growing with its inverse root.
 const RELAXATIONS_A_RADIAN: f64 = 8.0;
 /// Step of fixed-step methods at [`TARGET`], in radians of the contacts' oscillation.
 const RADIANS: f64 = 0.1;
-/// Steps of the energy account and first steps, in the same radians: 1.1e-5 s for the paper's gear.
+/// Steps of the energy account and first steps, in radians of the contacts' oscillation: 1.1e-5 s for the paper's gear.
 const FIRST_RADIANS: f64 = 0.125;
-/// Bounds of what is worth asking for.
+/// Bounds of useful tolerances.
 const TOLERANCES: (f64, f64) = (1e-13, 1e-2);
 
-/// The method for gears without friction.
+/// Name of the method for gears without friction.
 pub(crate) const EXPONENTIAL: &str = "etd-adams";
 
-/// One way to run a scene.
+/// Settings of one run of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// Name of the method.
     pub integrator: &'static str,
-    /// Step of fixed-step methods, first step of adaptive ones, s; the energy account has an entry every ten.
+    /// Step of fixed-step methods, first step of adaptive ones, s; the energy account has an entry every ten steps.
     pub step_s: f64,
-    /// Relative error a step of adaptive methods.
+    /// Relative error per step of adaptive methods.
     pub tolerance: f64,
     /// Longest step of adaptive methods, s.
     pub longest_step_s: f64,
-    /// Why, one sentence.
+    /// Reason for the plan, one sentence.
     pub reason: String,
 }
 
 impl Plan {
-    /// True if the tolerance sets the plan's steps.
+    /// Returns true if the tolerance sets the plan's steps.
     #[must_use]
     pub fn adaptive(&self) -> bool {
         method(self.integrator).is_some_and(|method| method.adaptive)
     }
 
-    /// Family of the plan's method: the way in which it uses the equations.
+    /// Returns the family of the plan's method: the way in which it uses the equations.
     #[must_use]
     pub fn family(&self) -> Option<Family> {
         method(self.integrator).map(|method| method.family)
     }
 
-    /// Value of the setting that determines the plan's steps: a tolerance, or a step, s.
+    /// Returns the value of the setting that determines the plan's steps: a tolerance, or a step, s.
     #[must_use]
     pub fn value(&self) -> f64 {
         if self.adaptive() {
@@ -87,7 +86,7 @@ impl Plan {
         }
     }
 
-    /// Setting that determines the plan's steps, in words.
+    /// Returns the setting that determines the plan's steps, in words.
     #[must_use]
     pub fn setting(&self) -> String {
         if self.adaptive() {
@@ -97,13 +96,13 @@ impl Plan {
         }
     }
 
-    /// Plan with the setting `factor` times finer (below 1: coarser).
+    /// Returns the plan with the setting `factor` times finer (below 1: coarser).
     #[must_use]
     pub fn finer(&self, factor: f64) -> Self {
         let mut plan = self.clone();
         if plan.adaptive() {
             plan.tolerance = (plan.tolerance / factor).clamp(TOLERANCES.0, TOLERANCES.1);
-            // Runs whose steps are all the longest would be the same run twice.
+            // Without this, runs in which the longest step limits all steps would be identical.
             let power = method(plan.integrator).map_or(0.0, |method| method.step_power);
             plan.longest_step_s /= (self.tolerance / plan.tolerance).powf(power);
         } else {
@@ -112,7 +111,7 @@ impl Plan {
         plan
     }
 
-    /// The gearbox with these settings.
+    /// Returns the gearbox with the plan's settings.
     ///
     /// # Errors
     /// A step that no scene may have.
@@ -125,8 +124,8 @@ impl Plan {
         Ok(applied?)
     }
 
-    /// The gearbox with these settings for a run that only serves to judge another. Where steps end at samples, it has
-    /// half as many of them.
+    /// Returns the gearbox with the plan's settings for a run that only serves to judge another. Where steps end at samples,
+    /// the run has half as many samples.
     ///
     /// # Errors
     /// As [`applied`](Self::applied).
@@ -144,7 +143,7 @@ impl Plan {
         Ok(sparse?)
     }
 
-    /// Limits of the plan's run.
+    /// Returns the limits of the plan's run.
     pub(crate) fn limits(&self) -> Limits {
         Limits {
             longest_step_s: self.longest_step_s,
@@ -153,7 +152,7 @@ impl Plan {
     }
 }
 
-/// Name of the integrator that a scene is solved with, and why.
+/// Returns the name of the integrator that a scene is solved with, and the reason.
 #[must_use]
 pub fn integrator(scene: &Scene) -> (String, String) {
     let named = &scene.solver.integrator;
@@ -164,13 +163,14 @@ pub fn integrator(scene: &Scene) -> (String, String) {
     (plan.integrator.to_owned(), plan.reason)
 }
 
-/// How a run that promises `target` goes about a scene, whose own step and tolerance are for named methods.
+/// Returns the plan of a run of a scene with an uncertainty of `target`; the scene's own step and tolerance are for named
+/// methods.
 #[must_use]
 pub fn plan(scene: &Scene, target: f64) -> Plan {
     Planner::new(scene, target).first()
 }
 
-/// The plan and what to try when it fails, the best first.
+/// Returns the plan and its fallbacks, the best first.
 #[must_use]
 pub fn chain(scene: &Scene, target: f64) -> Vec<Plan> {
     let planner = Planner::new(scene, target);
@@ -215,18 +215,18 @@ impl<'a> Planner<'a> {
         self.scene.contact.friction_coefficient > 0.0
     }
 
-    /// Forces that jump from point to point would only shorten adaptive steps.
+    /// Returns true if contact forces are smooth; jumps from point to point would only shorten adaptive steps.
     fn smooth(&self) -> bool {
         self.scene.contact.detection == Detection::Exact
     }
 
-    /// Friction that falls with speed is no convex problem.
+    /// Returns true if friction may be implicit; friction that falls with speed is no convex problem.
     fn may_be_implicit(&self) -> bool {
         self.has_friction() && self.scene.contact.friction_law == FrictionLaw::Regularised
     }
 
     fn first(&self) -> Plan {
-        // The form whose Jacobian is known in closed form, without which a Rosenbrock step costs ten times as much.
+        // The reduced form has a Jacobian in closed form, without which a Rosenbrock step costs ten times as much.
         let is_reduced = self.scene.solver.formulation == Formulation::Reduced;
         let Frequencies {
             contact_rad_s: contact,
@@ -281,8 +281,8 @@ impl<'a> Planner<'a> {
         }
     }
 
-    /// Measured on 60 random gears and ten presets at tolerances of 1e-4 to 1e-9: 0.2 to 0.8 of the evaluations of Dormand-Prince
-    /// for the same error, however long the run.
+    /// Returns the plan of the exponential method. On 60 random gears and ten presets at tolerances of 1e-4 to 1e-9 it took 0.2
+    /// to 0.8 of the evaluations of Dormand-Prince for equal errors, whatever the length of the run.
     fn exponential(&self) -> Plan {
         let (solver, contact) = (&self.scene.solver, self.frequencies.contact_rad_s);
         let samples = solver.duration_s / solver.sample_s;
@@ -296,7 +296,7 @@ impl<'a> Planner<'a> {
             samples + 6.0 * radians,
         );
         let plan = Plan {
-            // Bearings, which stay closed, are a part of what it is exact for.
+            // Bearings stay closed, and the method is exact for them.
             step_s: FIRST_RADIANS / self.frequencies.touch_rad_s,
             ..self.plan(EXPONENTIAL, SMOOTH * self.twist(), &reason)
         };
@@ -314,14 +314,15 @@ impl<'a> Planner<'a> {
         self.plan("dopri5", share * self.twist(), reason)
     }
 
-    /// A law stiffer than Hertz' twists less than errors are weighed by.
+    /// Returns the factor on the tolerance for laws stiffer than Hertz's: their twist is smaller than the scale of errors.
     fn twist(&self) -> f64 {
         Frequencies::depth_share(self.scene).min(1.0)
     }
 
     fn rosenbrock(&self, reason: &str) -> Plan {
         let plan = self.plan("rodas5p", ROSENBROCK, reason);
-        // Looser, and it jumps to and fro over the friction's ramp; so does the coarser run that verifies it.
+        // With looser tolerances it jumps back and forth over the friction's ramp, and so does the coarser run that verifies
+        // it.
         Plan {
             tolerance: plan.tolerance.min(LOOSEST_ROSENBROCK / COARSER_ROSENBROCK),
             ..plan
@@ -333,7 +334,7 @@ impl<'a> Planner<'a> {
     }
 
     fn fixed(&self, integrator: &'static str, reason: &str) -> Plan {
-        // As of order two, which forces with kinks leave of any.
+        // Order two is assumed, to which forces with kinks reduce any method.
         let radians = RADIANS * (self.target / TARGET).sqrt();
         Plan {
             step_s: radians / self.frequencies.contact_rad_s,

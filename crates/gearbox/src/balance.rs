@@ -1,13 +1,13 @@
-//! Tells a run whose energy comes from nowhere from one that a contact law merely feeds a little.
+//! Balance check that distinguishes runs with spurious energy from runs whose contact law adds a little.
 //!
 //! ```text
 //! |sum of remainders| <= MOST (E + sum of |work of the driver| + |work of the load|, sample by sample)
 //! ```
-//! E is the kinetic energy at the start plus the load times the elastic twist under it: a gear that stands
-//! still turns nothing over, and rounding must not count there.
-//! An explicit method that cannot follow friction lets spins jump back and forth: forces may look right
-//! while the account loses a hundred times the work done. Angles stay in their mesh, so that only the
-//! energy shows it.
+//! E is the kinetic energy at the start plus the load times the elastic twist under it. A gear at rest has no works, and
+//! without E rounding would count.
+//!
+//! An explicit method that does not follow friction makes spins jump back and forth. Forces may look right while the account
+//! loses a hundred times the work done. Angles stay in their mesh, so that only the energy shows the fault.
 
 use pinwheel_mbs::BodyState;
 
@@ -15,22 +15,22 @@ use crate::Gearbox;
 use crate::energy::EnergyAudit;
 use crate::load_profile;
 
-/// Largest remainder as a share of what was turned over. Measured over all presets with `rk2`, `rk4` and
-/// `imex2` at 1e-5 s: runs that are right stay below 0.16 (the first 0.1 ms of steel, whose 5.6 kHz the
-/// account's entries hardly resolve; 0.03 later), runs that are not come to 36 and more.
+/// Largest remainder, relative to the turnover. Over all presets with `rk2`, `rk4` and `imex2` at 1e-5 s, correct runs stay
+/// below 0.16 (the first 0.1 ms of steel, whose 5.6 kHz the account's entries hardly resolve; 0.03 later). Faulty runs reach 36
+/// and more.
 const MOST: f64 = 2.0;
 
-/// The account so far.
+/// Sums of the energy account so far.
 #[derive(Debug, Clone)]
 pub struct Balance {
-    /// Energy that nothing accounts for, J.
+    /// Sum of the remainders, J.
     pub remainder_j: f64,
     /// Energy at the start and works, J.
     pub turnover_j: f64,
 }
 
 impl Balance {
-    /// Nothing turned over yet but E.
+    /// Creates the balance with E as its turnover.
     pub(crate) fn new(gearbox: &Gearbox) -> Self {
         let mechanism = gearbox.mechanism();
         let starts: Vec<BodyState> = mechanism.bodies.iter().map(|body| body.start).collect();
@@ -43,7 +43,7 @@ impl Balance {
     /// Adds the account from one sample to the next.
     ///
     /// # Errors
-    /// How much energy nothing accounts for.
+    /// A message with the remainder that exceeds the limit.
     #[inline]
     pub fn add(&mut self, audit: &EnergyAudit) -> Result<(), String> {
         self.remainder_j += audit.remainder_j;
@@ -60,10 +60,10 @@ impl Balance {
     }
 }
 
-/// Energy in the contacts under the load, about, J.
+/// Returns the approximate energy in the contacts under the load, J.
 pub fn elastic_j(gearbox: &Gearbox) -> f64 {
     let scales = gearbox.error_scales();
-    // Without load the scales are those of the least force.
+    // Without load the scales follow from the least force.
     let least = gearbox.least_force_n() * scales.length / scales.angle;
     load_profile::largest(&gearbox.scene.drive).max(least) * scales.angle
 }

@@ -1,6 +1,6 @@
-//! What carries the discs of a gear: eccentrics that hold them, elastic bearings on the eccentrics, or the cranks of an RV gear.
+//! Carrier of the discs of a gear: rigid eccentrics, elastic bearings on the eccentrics, or the cranks of an RV gear.
 //!
-//! A gearbox resolves it once from its scene; everything that depends on it asks the carrier.
+//! A gearbox chooses its carrier once from its scene; all that depends on the carrier calls its methods.
 
 use pinwheel_mbs::{BodyState, ContactEnergy, Derivatives, Evaluation, Wrench};
 use pinwheel_scene::bearings::BearingLaw;
@@ -15,7 +15,7 @@ use crate::scene::Scene;
 /// Parts that carry the discs.
 #[derive(Debug, Clone)]
 pub enum Carrier {
-    /// Eccentrics of the input hold the discs by revolutes.
+    /// Revolutes on eccentrics of the input carry the discs.
     Rigid,
     /// Discs float on elastic bearings on the input's eccentrics.
     Floating(EccentricBearings),
@@ -24,7 +24,7 @@ pub enum Carrier {
 }
 
 impl Carrier {
-    /// Carrier of a scene.
+    /// Returns the carrier of a scene.
     #[must_use]
     pub fn of(scene: &Scene, geometry: &Geometry) -> Self {
         match (BearingLaw::of(scene), &scene.cranks) {
@@ -34,13 +34,13 @@ impl Carrier {
         }
     }
 
-    /// True where discs float on elastic bearings.
+    /// Returns true if discs float on elastic bearings.
     #[must_use]
     pub fn floats(&self) -> bool {
         !matches!(self, Self::Rigid)
     }
 
-    /// The cranks of an RV gear.
+    /// Returns the cranks of an RV gear; `None` for other gears.
     #[must_use]
     pub fn cranks(&self) -> Option<&CrankSet> {
         match self {
@@ -49,13 +49,13 @@ impl Carrier {
         }
     }
 
-    /// Degrees of freedom that a disc has on it.
+    /// Returns the degrees of freedom of a disc on this carrier.
     #[must_use]
     pub fn freedoms_of_disc(&self) -> usize {
         if self.floats() { 3 } else { 1 }
     }
 
-    /// Law of the bearings.
+    /// Returns the law of the bearings.
     #[must_use]
     pub fn law(&self) -> Option<&BearingLaw> {
         match self {
@@ -65,12 +65,12 @@ impl Carrier {
         }
     }
 
-    /// Offset of a bearing under a force, m.
+    /// Returns the offset of a bearing under a force (N), m.
     pub(crate) fn offset_under(&self, force: f64) -> f64 {
         self.law().map_or(0.0, |law| law.offset_under(force))
     }
 
-    /// Stiffness of a bearing under a force, N/m.
+    /// Returns the stiffness of a bearing under a force (N), N/m.
     pub(crate) fn slope_under(&self, force: f64) -> f64 {
         self.law().map_or(0.0, |law| law.slope_under(force))
     }
@@ -83,7 +83,7 @@ impl Carrier {
         }
     }
 
-    /// Bearings without friction.
+    /// Returns the carrier with bearings without friction.
     pub(crate) fn frictionless(mut self) -> Self {
         if let Some(law) = self.law_mut() {
             law.drag_m = 0.0;
@@ -91,8 +91,8 @@ impl Carrier {
         self
     }
 
-    /// Bearings and supports whose deflection under the same forces is `share` of theirs, with `of_clearance` times
-    /// their clearance.
+    /// Returns the carrier with the deflections of bearings and supports under equal forces multiplied by `share`, and their
+    /// clearance by `of_clearance`.
     pub(crate) fn share(&self, share: f64, of_clearance: f64) -> Self {
         let mut less = self.clone();
         match &mut less {
@@ -103,7 +103,7 @@ impl Carrier {
         less
     }
 
-    /// Adds loads, moments, derivatives and energy as far as they are requested.
+    /// Adds the loads, moments, derivatives and energy that are requested.
     pub(crate) fn add(&self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
         if let Some(derivatives) = &mut request.derivatives {
             self.add_jacobian(bodies, derivatives);
@@ -116,7 +116,8 @@ impl Carrier {
         }
     }
 
-    /// Adds loads of all bearings, and of those on eccentrics the moments about the bodies' centres of mass to `moments`.
+    /// Adds the loads of all bearings. The moments of bearings on eccentrics about the bodies' centres of mass are added to
+    /// `moments`.
     #[inline]
     pub(crate) fn add_loads(
         &self,
@@ -131,7 +132,7 @@ impl Carrier {
         }
     }
 
-    /// Adds derivatives of the bearings' loads with respect to everything free, and to time.
+    /// Adds derivatives of the bearings' loads with respect to all free coordinates and to time.
     pub(crate) fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Derivatives<'_>) {
         match self {
             Self::Rigid => {}
@@ -140,7 +141,7 @@ impl Carrier {
         }
     }
 
-    /// Adds energy stored and powers dissipated.
+    /// Adds the stored energy and the dissipated powers.
     pub(crate) fn add_energy(&self, bodies: &[BodyState], sum: &mut ContactEnergy) {
         match self {
             Self::Rigid => {}
@@ -149,8 +150,8 @@ impl Carrier {
         }
     }
 
-    /// Load of the bearing that carries a disc, or of those of all cranks together, whose offset is their mean; `None`: a revolute
-    /// carries it.
+    /// Returns the load of the bearing that carries a disc. On cranks it is the load of all bearings in the disc, and the
+    /// offset is their mean. `None`: a revolute carries the disc.
     #[must_use]
     pub fn load(&self, bodies: &[BodyState], wheel: usize) -> Option<BearingLoad> {
         match self {
@@ -160,7 +161,7 @@ impl Carrier {
         }
     }
 
-    /// Bearings of cranks that carry a force, as pairs.
+    /// Returns the bearings of cranks that carry a force, as pairs.
     #[must_use]
     pub fn pairs(&self, bodies: &[BodyState]) -> Vec<PairContact> {
         self.cranks()

@@ -1,4 +1,4 @@
-//! The values of channels ([`pinwheel_scene::channels`]) at one sample.
+//! Values of channels ([`pinwheel_scene::channels`]) at one sample.
 
 use pinwheel_mbs::BodyState;
 
@@ -14,18 +14,18 @@ use crate::geometry::Geometry;
 use crate::pressure::LinePressure;
 use crate::{Layout, Sleeve};
 
-/// Minutes of arc of a radian.
+/// Minutes of arc per radian.
 const ARCMIN: f64 = 180.0 * 60.0 / std::f64::consts::PI;
 
-/// Takes a disc and the pin that touches it.
+/// Callback with a disc and the pin that touches it.
 pub type Visit<'a> = &'a mut dyn FnMut(usize, Sleeve);
 
-/// Source of the figures of contacts that an engine knows at a sample.
+/// Source of contact data that an engine knows at a sample.
 pub trait PairSource {
-    /// A pair at its closest points, touching or not; `None` if the engine does not know it.
+    /// Returns a pair at its closest points, touching or not; `None` if the engine does not know it.
     fn pair(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> Option<PairContact>;
 
-    /// Visits every pair that touches, which is less than to look at all pairs; `false` if the engine does not know them so.
+    /// Visits every pair that touches, which costs less than evaluating all pairs; `false` if the engine has no list of them.
     fn touching(&mut self, _: &[BodyState], _visit: &mut dyn FnMut(&PairContact)) -> bool {
         false
     }
@@ -33,11 +33,12 @@ pub trait PairSource {
     /// Visits every pair that carries a normal force above `least_n`, N.
     fn loaded(&mut self, bodies: &[BodyState], least_n: f64, visit: Visit<'_>);
 
-    /// Powers that the contacts lose; `None` if the engine does not know them.
+    /// Returns the powers that the contacts lose; `None` if the engine does not know them.
     fn losses(&mut self, bodies: &[BodyState]) -> Option<ContactEnergy>;
 }
 
-/// Contacts of an engine whose contact forces are those of our law at its states; of an RV gear with the bearings of its cranks.
+/// Contacts of an engine whose contact forces follow the native law at its states; for an RV gear with the bearings of its
+/// cranks.
 pub struct LawPairs<'a>(pub &'a mut ContactField);
 
 impl PairSource for LawPairs<'_> {
@@ -66,32 +67,32 @@ impl PairSource for LawPairs<'_> {
 
 /// State that an engine knows at a sample.
 pub struct Seen<'a> {
-    /// All bodies.
+    /// States of all bodies.
     pub bodies: &'a [BodyState],
     /// Torque on the input shaft, N m.
     pub driver_torque_n_m: f64,
     /// Force of every revolute on the body it carries, N, ground frame, in the order of
     /// [`Gearbox::mechanism`]; `None` if the engine does not know them.
     pub reactions: Option<&'a [[f64; 2]]>,
-    /// The contacts.
+    /// Source of the contacts' data.
     pub contacts: &'a mut dyn PairSource,
 }
 
-/// Columns being recorded.
+/// Channel columns under construction.
 #[derive(Debug, Clone)]
 pub(crate) struct Values {
     list: Vec<Chosen>,
-    /// `None` once the engine could not tell the value.
+    /// Values of each channel; `None` as soon as the engine did not know one.
     columns: Vec<Option<Vec<f64>>>,
-    /// The pairs asked for, each once, and where each channel's stands.
+    /// Requested pairs, each once, and the index of each channel's pair.
     pairs: Vec<(usize, Sleeve)>,
     places: Vec<usize>,
-    /// Where each pair of the gear stands among them, by its [`number`].
+    /// Index of each pair of the gear among the requested ones, by its [`number`].
     known: Vec<Option<usize>>,
     found: Vec<Option<PairContact>>,
-    /// True if a channel needs the figures of pairs without contact.
+    /// True if a channel needs data of pairs without contact.
     needs_gaps: bool,
-    /// Pins that press on each disc: external, internal.
+    /// Numbers of pins that press on each disc: external, internal.
     contacts: Vec<[usize; 2]>,
     needs_contacts: bool,
     needs_losses: bool,
@@ -104,7 +105,7 @@ pub(crate) struct Values {
 }
 
 impl Values {
-    /// `None` if the scene asks for nothing.
+    /// Creates the columns; `None` if the scene requests no channel.
     pub(crate) fn new(gearbox: &Gearbox, samples: usize) -> Option<Self> {
         let Channels { list } = &gearbox.channels;
         if list.is_empty() {
@@ -158,7 +159,7 @@ impl Values {
         })
     }
 
-    /// Adds a sample. `output_torque`: all that turns the output shaft but its load, N m.
+    /// Adds a sample. `output_torque`: total torque on the output shaft without its load, N m.
     pub(crate) fn record(&mut self, seen: &mut Seen<'_>, output_torque: f64) {
         let bodies = seen.bodies;
         let apart = self.find(seen);
@@ -272,13 +273,13 @@ impl Values {
         None
     }
 
-    /// Takes the last sample out again.
+    /// Removes the last sample and appends its values to `row`.
     pub(crate) fn take_last(&mut self, row: &mut Vec<f64>) {
         let last = |column: &mut Option<Vec<f64>>| column.as_mut().and_then(Vec::pop);
         row.extend(self.columns.iter_mut().map(|c| last(c).unwrap_or(f64::NAN)));
     }
 
-    /// Names and values of the columns that have one value for each of `samples`.
+    /// Returns the names and values of the columns that have one value for each of `samples`.
     pub(crate) fn finish(self, samples: usize) -> impl Iterator<Item = (String, Vec<f64>)> {
         let named = self.list.into_iter().zip(self.columns);
         named
@@ -287,7 +288,7 @@ impl Values {
     }
 }
 
-/// Number of a pair among those of all discs and bodies.
+/// Returns the number of a pair among those of all discs and bodies.
 fn number(layout: Layout, (wheel, sleeve): (usize, Sleeve)) -> usize {
     wheel * layout.bodies() + layout.sleeve_body(sleeve)
 }
@@ -309,7 +310,7 @@ fn of_pair(pair: &PairContact, quantity: PairQuantity, pressure: impl Fn() -> f6
     }
 }
 
-/// The body that a joint carries. Revolutes stand in the order of these bodies, see [`Gearbox::mechanism`].
+/// Returns the body that a joint carries. Revolutes are in the order of these bodies, see [`Gearbox::mechanism`].
 fn carried(layout: Layout, joint: Joint, number: usize) -> usize {
     match joint {
         Joint::Input => Layout::INPUT,

@@ -1,15 +1,16 @@
-//! The native solver for co-simulation: the importer chooses the times and drives or loads the shafts.
+//! Native solver for co-simulation: the importer chooses the times and prescribes speeds or torques of the shafts.
 //!
 //! ```text
 //! input shaft:   speed omega(t) prescribed, or torque M(t) applied to the shaft's own inertia
 //! output shaft:  torque T(t) applied, or speed prescribed
 //! u(t) = value + slope (t - from),  from one communication point to the next
 //! ```
-//! A prescribed value acts from a communication point on, where it may jump; there the method starts anew. As long as
-//! it stays what it was, the method goes on with its own steps and its history, so that the error is that of a run.
+//! A prescribed value acts from a communication point on, where it may jump; there the method starts anew. While the signals do
+//! not change, the method continues with its own steps and history, so that its error is that of a run.
 //!
-//! The usual gear (speed in, torque out) takes the same forces as a run. Where the input is free or the output is not, moments
-//! are summed over all bodies and derivatives are differences: more evaluations, the same motion.
+//! The usual drive (speed in, torque out) takes the same forces as a run. Where the input is free or the output's speed is
+//! prescribed, moments are summed over all bodies and derivatives are differences. This needs more evaluations and gives the
+//! same motion.
 
 use pinwheel_mbs::integrators::{Segments, StepCounts, Stepper, method};
 use pinwheel_mbs::{BodyState, Detail, Driver, Formulation, Motion, OdeSystem as _, Reduced};
@@ -25,15 +26,15 @@ use crate::native::{reduced, segments};
 use crate::scene::{self, Drive};
 use crate::{Gearbox, GearboxError, Layout, Recorder, guard};
 
-/// A motion is looked at after so many steps, and at communication points.
+/// Number of steps after which a motion is checked, besides the checks at communication points.
 const LOOK: u32 = 4096;
 
 /// Kind of prescribed value of a shaft.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Prescribed {
-    /// Its speed, rad/s.
+    /// Speed, rad/s.
     BySpeed,
-    /// A torque, N m.
+    /// Torque, N m.
     ByTorque,
 }
 
@@ -47,25 +48,25 @@ impl Prescribed {
     }
 }
 
-/// How both shafts are held, counter-clockwise positive.
+/// Prescribed values of both shafts, counter-clockwise positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Setup {
-    /// The input shaft.
+    /// Prescribed value of the input shaft.
     pub input: Prescribed,
-    /// The output shaft.
+    /// Prescribed value of the output shaft.
     pub output: Prescribed,
     /// Speeds of the shafts at t = 0, rad/s; that of the output counts where it is prescribed.
     pub speeds_rad_s: [f64; 2],
-    /// Torque on the output beside the scene's load at t = 0, N m.
+    /// Torque on the output besides the scene's load at t = 0, N m.
     pub torque_n_m: f64,
     /// True if the scene's load, with its ramp and changes, acts on the output too.
     pub scene_load: bool,
-    /// Relative error a step in place of what the scene says or [`auto`] plans.
+    /// Relative error per step, in place of the scene's or that of [`auto`].
     pub tolerance: Option<f64>,
 }
 
 impl Setup {
-    /// As the scene has it.
+    /// Returns the setup of a scene's drive.
     #[must_use]
     pub fn of(drive: &Drive) -> Self {
         Self {
@@ -86,13 +87,13 @@ pub struct Shafts {
     pub input: [f64; 2],
     /// Speed of the output shaft, rad/s.
     pub output_speed_rad_s: f64,
-    /// Torque from outside on the output shaft, N m.
+    /// External torque on the output shaft, N m.
     pub load_torque_n_m: f64,
     /// Largest force on a pin, N.
     pub largest_force_n: f64,
 }
 
-/// A gear between two communication points.
+/// Simulation of a gear from one communication point to the next.
 pub struct CoSimulation {
     gearbox: Gearbox,
     setup: Setup,
@@ -122,7 +123,7 @@ struct State {
 }
 
 impl CoSimulation {
-    /// At t = 0. The scene's formulation does not count: the reduced form is exact and costs least.
+    /// Creates a simulation at t = 0. The scene's formulation is ignored: the reduced form is exact and costs least.
     ///
     /// # Errors
     /// A speed, load or tolerance that the scene's checks refuse.
@@ -194,39 +195,39 @@ impl CoSimulation {
         })
     }
 
-    /// The time reached, s.
+    /// Returns the time reached, s.
     #[must_use]
     pub fn time_s(&self) -> f64 {
         self.time
     }
 
-    /// The method and its relative error a step.
+    /// Returns the method and its relative error per step.
     #[must_use]
     pub fn method(&self) -> (&str, f64) {
         let solver = &self.gearbox.scene.solver;
         (&solver.integrator, solver.tolerance)
     }
 
-    /// The step of a fixed-step method, s.
+    /// Returns the step of a fixed-step method, s.
     #[must_use]
     pub fn step_s(&self) -> f64 {
         self.gearbox.scene.solver.step_s
     }
 
-    /// True if the error of a step sets the method's steps.
+    /// Returns true if the error of a step sets the method's steps.
     #[must_use]
     pub fn adaptive(&self) -> bool {
         method(self.method().0).is_some_and(|method| method.adaptive)
     }
 
-    /// Work of the method since the prescribed signals last changed.
+    /// Returns the work of the method since the prescribed signals last changed.
     #[must_use]
     pub fn counts(&self) -> StepCounts {
         self.stepper.counts()
     }
 
-    /// From now on the input and the output are held by these values (rad/s or N m, as the setup says) and their changes a
-    /// second.
+    /// Prescribes values of input and output (rad/s or N m, as the setup says) from the present time on, with their rates of
+    /// change per second.
     pub fn prescribe(&mut self, prescribed: [(f64, f64); 2]) {
         let t = self.time;
         let goes_on = |now: &LinearSignal, (value, slope): (f64, f64)| {
@@ -256,7 +257,7 @@ impl CoSimulation {
         self.restart();
     }
 
-    /// Tells the system what holds the shafts.
+    /// Sets the prescribed motions and torques in the system.
     fn apply_prescribed(&mut self) {
         for (driver, motion) in self.motions.iter().enumerate() {
             self.system.set_motion(driver, *motion);
@@ -269,26 +270,26 @@ impl CoSimulation {
         ];
     }
 
-    /// The method anew from here.
+    /// Restarts the method at the present state.
     fn restart(&mut self) {
         let speed = self.gearbox.scene.drive.input_speed_rad_s;
         let now = self.setup.input.choose(self.prescribed[0].value, speed);
-        // Contacts come and go as fast as the input turns.
+        // Rates of contacts scale with the speed of the input.
         let share = (speed / now).abs().min(1.0);
         let share = if share > 0.0 { share } else { 1.0 };
         let longest = self.longest_step_s * share;
-        // The name was known when the first began.
+        // The method's name was checked at the first start.
         if let Ok(begun) = segments(&self.gearbox, self.time, &self.y, &self.breaks, longest) {
             self.stepper = begun;
         }
         self.system.restart_at(self.time);
     }
 
-    /// Goes on to time `to`, s; `cancelled` is asked at every step.
+    /// Advances to time `to`, s; `cancelled` is called at every step.
     ///
     /// # Errors
-    /// When and why no step can follow, which quantity ran away, or that it was cancelled: nothing can follow but an earlier
-    /// state.
+    /// A message with the time and cause: no step can follow, a quantity diverged, or the run was cancelled. Afterwards only an
+    /// earlier state can be continued.
     pub fn advance(&mut self, to: f64, cancelled: &dyn Fn() -> bool) -> Result<(), String> {
         self.stepper.set_stop_time(to);
         let mut steps = 0_u32;
@@ -299,7 +300,7 @@ impl CoSimulation {
             let step = self.stepper.step(&mut self.system);
             step.map_err(|error| error.to_string())?;
             steps += 1;
-            // What runs away takes ever smaller steps.
+            // Diverging motions take ever smaller steps.
             if steps.is_multiple_of(LOOK) {
                 self.look(self.stepper.time())?;
             }
@@ -309,7 +310,7 @@ impl CoSimulation {
         Ok(())
     }
 
-    /// Takes the state at time `t` and checks it.
+    /// Sets the state at time `t` and checks it.
     fn look(&mut self, t: f64) -> Result<(), String> {
         self.stepper.interpolate(&mut self.system, t, &mut self.y);
         let observed = self.system.observe(t, &self.y, Detail::Forces);
@@ -328,7 +329,7 @@ impl CoSimulation {
             Prescribed::BySpeed => driver(),
             Prescribed::ByTorque => self.prescribed[0].at(t),
         };
-        // Beside the torque that is held and the scene's.
+        // Torque on the output besides the prescribed one and the scene's load.
         let output = match self.setup.output {
             Prescribed::BySpeed => driver(),
             Prescribed::ByTorque => 0.0,
@@ -356,7 +357,7 @@ impl CoSimulation {
         shafts
     }
 
-    /// Everything that the next steps depend on, to the bit; for the same program, scene and setup.
+    /// Returns all data that the next steps depend on, to the bit; for the same program, scene and setup.
     #[must_use]
     pub fn save(&mut self) -> Vec<u8> {
         let state = State {
@@ -370,7 +371,7 @@ impl CoSimulation {
         postcard::to_allocvec(&state).unwrap_or_default()
     }
 
-    /// Goes back to a saved state. False: these bytes are none of this gear, and nothing has changed.
+    /// Restores a saved state. False: the bytes are no state of this gear, and nothing has changed.
     pub fn restore(&mut self, bytes: &[u8]) -> bool {
         let Ok(state) = postcard::from_bytes::<State>(bytes) else {
             return false;
@@ -393,13 +394,13 @@ fn unload(drive: &mut Drive) {
     drive.load_changes.clear();
 }
 
-/// States at t = 0: the scene's start with the speed and the load that there are.
+/// Returns the states at t = 0: the scene's start with the prescribed speed and load.
 #[doc(hidden)]
 pub fn start(gearbox: &Gearbox, setup: &Setup) -> Result<Vec<BodyState>, GearboxError> {
     let drive = &gearbox.scene.drive;
     let before = gearbox.load_torque(0.0);
     let load = match (setup.output, setup.scene_load) {
-        // What holds the output's speed holds the scene's load at first.
+        // The prescribed speed of the output carries the scene's load at first.
         (Prescribed::BySpeed, _) => before,
         (Prescribed::ByTorque, true) => before + setup.torque_n_m,
         (Prescribed::ByTorque, false) => setup.torque_n_m,

@@ -1,4 +1,4 @@
-//! Efficiency with and without what the contact law itself creates.
+//! Efficiency with and without the energy that the contact law itself creates.
 
 use pinwheel_timeseries::figure::FigureDef;
 use pinwheel_timeseries::figure::definitions::FRICTION;
@@ -7,37 +7,39 @@ use serde::{Deserialize, Serialize};
 
 use crate::energy::EnergyAudit;
 
-/// The efficiency of a window of a run.
+/// Efficiency of a window of a run.
 ///
-/// The paper's law creates energy ([`crate::energy`]), so that what leaves a gear over what enters it can be above 1, and
-/// with light friction hides half of the loss. What contacts lose is in the account apart from that, and tells the efficiency
-/// that the gear has: `1 - lost/supplied`, with `supplied = delivered + lost`. Storage over the window is left out of both.
+/// The paper's law creates energy ([`crate::energy`]). The ratio of output to input work can therefore exceed 1, and with light
+/// friction the law hides half of the loss. The account has the losses of contacts separately, which give the actual efficiency
+/// of the gear: `1 - lost/supplied`, with `supplied = delivered + lost`. Both exclude storage over the window.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Efficiency {
-    /// Work delivered over work taken in, as the time series have it: with the energy that the law creates, the run's own error and
-    /// storage at the ends of the window.
+    /// Ratio of the work delivered to the work taken in, from the time series: it contains the energy that the law creates, the
+    /// run's own error, and storage at the ends of the window.
     pub measured: f64,
-    /// Work delivered over work delivered and lost: with all of that taken out. Never above 1 where contacts only lose.
+    /// Ratio of the work delivered to the work delivered and lost, without created energy, errors and storage. Never above 1
+    /// where contacts only lose.
     pub of_losses: f64,
-    /// The account's remainder as a share of the work taken in: what the law (and the run) created, negative if destroyed.
-    /// Its size is the half-truth of `measured`: their difference, but for storage.
+    /// Remainder of the account, relative to the work taken in: energy that the law (and the run) created, negative if
+    /// destroyed. It is the error of `measured`, except for storage.
     pub created_share: f64,
-    /// Losses in contacts, as a share of the work delivered and lost.
+    /// Losses in contacts, relative to the work delivered and lost.
     pub lost_share: f64,
-    /// How far `created_share` may be off by what lies between the account's entries.
+    /// Possible error of `created_share` due to the variation between the account's entries.
     pub created_off: f64,
-    /// Possible error of `lost_share` and of `of_losses` due to the course between the account's entries.
+    /// Possible error of `lost_share` and of `of_losses` due to the variation between the account's entries.
     pub lost_off: f64,
-    /// Losses of contacts, bearings, sleeves on their pins and seals by friction, as shares of the work delivered and
-    /// lost; `None` where nothing rubs so.
+    /// Losses of contacts, bearings, sleeves on their pins and seals by friction, relative to the work delivered and lost;
+    /// `None` for parts without friction.
     #[serde(skip)]
     by_cause: [Option<f64>; 4],
-    /// True if anything rubs, so that the loss is more than that of the contacts' damping.
+    /// True if any part has friction, so that the loss exceeds that of the contacts' damping.
     pub rubs: bool,
 }
 
 impl Efficiency {
-    /// From an account; `None` where no work passes from one shaft to the other, or more is stored than passes.
+    /// Computes the efficiency of an account; `None` where no work passes from one shaft to the other, or more is stored than
+    /// passes.
     #[must_use]
     pub fn of(audit: &EnergyAudit) -> Option<Self> {
         // Either shaft may drive.
@@ -68,10 +70,10 @@ impl Efficiency {
         })
     }
 
-    /// The efficiency by what is lost, at most 1.
+    /// Returns the efficiency from the losses, at most 1.
     ///
     /// # Errors
-    /// Why there is none, in words: the law creates or destroys power, or nothing is lost because nothing rubs.
+    /// A message why there is none: the law creates or destroys power, or there is no loss because there is no friction.
     pub fn defined(&self) -> Result<f64, String> {
         let percent = |share: f64| format!("{:.2} %", 100.0 * share);
         if self.created_share.abs() > CREATED {
@@ -92,13 +94,13 @@ impl Efficiency {
         Ok(self.of_losses.min(1.0))
     }
 
-    /// Shares that friction loses, each with its definition: those of what rubs.
+    /// Returns the shares lost by friction, each with its definition, of the parts that have friction.
     pub fn by_cause(&self) -> impl Iterator<Item = (&'static FigureDef, f64)> {
         let shares = FRICTION.into_iter().zip(self.by_cause);
         shares.filter_map(|(def, share)| Some((def, share?)))
     }
 
-    /// Below and above: what to show where one figure would mislead.
+    /// Returns a lower and an upper value, to be shown where one figure would mislead.
     #[must_use]
     pub fn interval(&self) -> [f64; 2] {
         [

@@ -1,20 +1,20 @@
-//! The energy account of a run: where every joule of the driver went.
+//! Energy account of a run: distribution of the driver's work.
 //!
 //! ```text
 //! kinetic + stored, end - start  =  work of driver + work of load - lost by damping - lost by sliding + remainder
 //! ```
-//! Stored energy is the integral of the force at rest over the penetration, at the stiffness of that place.
-//! For a law with a potential the remainder is the error of the run; for the paper's law, whose stiffness
-//! varies along the profile while the force is normal only, it is the energy the law creates (about 0.95 %).
+//! Stored energy is the integral of the force at rest over the penetration, at the local stiffness. For a law with a potential
+//! the remainder is the error of the run. For the paper's law, whose stiffness varies along the profile while the force is
+//! normal only, it is the energy that the law creates (about 0.95 %).
 //!
-//! Works are integrals of powers over equally spaced states of the run by the rule that is exact for cubics
-//! (each interval from the cubic through its neighbours), so they converge with order 4 and the state
-//! itself brings the integrator's order. States are at most `STEPS` steps apart, whatever is sampled.
-//! Where the load jumps its power does: there are two states at that time, one with each load, and no interval's
-//! cubic reaches over it. Entries between samples are folded into the works at once: what a run keeps of its energy
-//! grows with its samples, not with its steps. States that a method passes through with all forces at hand are entries too.
+//! Works are integrals of powers over equally spaced states of the run by the rule that is exact for cubics (each interval from
+//! the cubic through its neighbours). They converge with order 4, and the states with the integrator's order. States are at
+//! most `STEPS` steps apart, whatever the sampling. Where the load jumps, its power jumps: there are two states at that time,
+//! one with each load, and no interval's cubic crosses it. Entries between samples are added to the works at once, so that the
+//! stored data grow with the samples, not with the steps. States within a method's steps at which all forces are known are
+//! entries too.
 //!
-//! The variation between entries is stated with the works (`scatter`).
+//! The uncertainty by the variation between entries is stated with the works (`scatter`).
 
 mod scatter;
 
@@ -26,31 +26,32 @@ use crate::Layout;
 use crate::contacts::ContactEnergy;
 use crate::scene::Scene;
 
-/// Steps between two entries at most: 1e-4 s at the paper's step is 8 entries a period of its fastest
-/// oscillation (1.2 kHz), and costs a few per cent of the run.
+/// Largest number of steps between two entries: 1e-4 s at the paper's step is 8 entries a period of its fastest oscillation
+/// (1.2 kHz), and costs a few per cent of the run.
 const STEPS: f64 = 10.0;
 
-/// By how much more than so many steps an interval may be long.
+/// Relative excess over this number of steps that counts as rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// Intervals that differ by no more than this share are equal: sample times are products and sums of decimal numbers.
+/// Relative difference up to which intervals count as equal: sample times are products and sums of decimal numbers.
 const EQUAL: f64 = 1e-9;
 
-/// An entry in passing that is nearer to one neighbour than this share of the distance to the other says nothing new.
+/// Least distance of an intermediate entry from one neighbour, relative to the distance to the other. A nearer one adds no
+/// information.
 const NEAR: f64 = 0.1;
 
-/// driver, load, damping, and friction of contacts, bearings, pins and seals: powers, W, or works, J.
+/// Powers, W, or works, J, of driver, load, damping, and friction of contacts, bearings, pins and seals.
 type Flows = [f64; 7];
 
 /// Works and energies at the samples of a run.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EnergyAccount {
-    /// Which of contacts, bearings, pins and seals rub.
+    /// True for those of contacts, bearings, pins and seals that have friction.
     rubbing: [bool; 4],
-    /// Works up to the segment under way, J.
+    /// Works up to the start of the present segment, J.
     before_segment: Flows,
     segment: Segment,
-    /// An entry in passing, until the next one tells whether it is far enough from it.
+    /// Intermediate entry, kept until the next entry shows whether their distance suffices.
     passed: Option<(f64, Flows)>,
     scatter: Scatter,
     marks: Vec<Mark>,
@@ -60,18 +61,18 @@ pub struct EnergyAccount {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Mark {
     time: f64,
-    /// Since the start, J.
+    /// Works since the start, J.
     works: Flows,
-    /// kinetic, stored, J.
+    /// Kinetic and stored energy, J.
     energies: [f64; 2],
-    /// Squares of what works since the start may be off by, J^2.
+    /// Squares of the possible errors of the works since the start, J^2.
     off: Two,
 }
 
 pub use pinwheel_timeseries::EnergyAudit;
 
 impl EnergyAccount {
-    /// An empty account of a run of `scene` with room for so many samples.
+    /// Creates an empty account of a run of `scene` with capacity for `samples` samples.
     pub(crate) fn new(scene: &Scene, samples: usize) -> Self {
         Self {
             rubbing: scene.rubbing(),
@@ -80,21 +81,20 @@ impl EnergyAccount {
         }
     }
 
-    /// True if the account needs no entry between two samples.
+    /// Returns true if the account needs no entry between two samples.
     #[inline]
     pub(crate) fn is_short(from: f64, to: f64, step: f64) -> bool {
         to - from <= (1.0 + ROUNDING) * STEPS * step
     }
 
-    /// Times between two samples at which entries are due, both ends excluded.
-    /// `least`: intervals that they make at least.
+    /// Returns the times between two samples at which entries are due, both ends excluded. `least`: least number of intervals.
     pub fn between(from: f64, to: f64, step: f64, least: u64) -> impl Iterator<Item = f64> {
         let parts = ((to - from) / (STEPS * step) - ROUNDING).ceil();
         let parts = parts.max(least as f64);
         (1..parts as u64).map(move |k| from + (to - from) * k as f64 / parts)
     }
 
-    /// The next entry is the first of a segment, at the time of the last one.
+    /// Starts a new segment: its first entry has the time of the last one.
     pub fn restart_at(&mut self) {
         self.before_segment = add(self.before_segment, self.segment.work());
         self.segment = Segment::default();
@@ -106,13 +106,13 @@ impl EnergyAccount {
         self.enter(seen.time, powers(load, seen, contacts));
     }
 
-    /// Adds an entry of a state in passing, where there is none beside it.
+    /// Adds an intermediate entry, where there is no other close to it.
     pub(crate) fn pass(&mut self, load: f64, seen: &Observation<'_>, contacts: &ContactEnergy) {
         self.settle_passed(seen.time);
         self.passed = Some((seen.time, powers(load, seen, contacts)));
     }
 
-    /// Enters what was passed if it is far enough from the entries before it and at `next`, s.
+    /// Enters the intermediate entry if it is far enough from the entries before it and at `next`, s.
     #[inline]
     fn settle_passed(&mut self, next: f64) {
         let (Some((time, powers)), Some(last)) = (self.passed.take(), self.segment.last()) else {
@@ -124,7 +124,7 @@ impl EnergyAccount {
         }
     }
 
-    /// Adds the entry of a sample, which the account can begin or end at.
+    /// Adds the entry of a sample, at which the account can begin or end.
     pub(crate) fn add_sample(
         &mut self,
         load: f64,
@@ -153,7 +153,7 @@ impl EnergyAccount {
         self.settle(time, powers);
     }
 
-    /// Adds an entry, and settles the works up to the last samples, whose last intervals it makes more accurate.
+    /// Adds an entry and finishes the works up to the last samples, whose last intervals it makes more accurate.
     #[inline]
     fn settle(&mut self, time: f64, powers: Flows) {
         let [driver, load, lost @ ..] = powers;
@@ -166,7 +166,7 @@ impl EnergyAccount {
         }
     }
 
-    /// The account between the samples nearest to `from` and `to`, s. `None` with fewer than two samples there.
+    /// Returns the account between the samples nearest to `from` and `to`, s. `None` with fewer than two samples there.
     #[must_use]
     pub fn audit(&self, from: f64, to: f64) -> Option<EnergyAudit> {
         let marks = &self.marks;
@@ -185,7 +185,7 @@ impl EnergyAccount {
         Some(self.between_marks(&marks[from], &marks[to]))
     }
 
-    /// The account between the last two samples.
+    /// Returns the account between the last two samples.
     #[inline]
     pub(crate) fn latest(&self) -> Option<EnergyAudit> {
         match self.marks.as_slice() {
@@ -194,7 +194,7 @@ impl EnergyAccount {
         }
     }
 
-    /// The account from one sample to another.
+    /// Returns the account from one sample to another.
     #[inline]
     fn between_marks(&self, a: &Mark, b: &Mark) -> EnergyAudit {
         let [driver_j, load_j, damping_j, rubbed @ ..] =
@@ -228,7 +228,7 @@ impl EnergyAccount {
         }
     }
 
-    /// The account of the whole run.
+    /// Returns the account of the entire run.
     #[must_use]
     pub fn total(&self) -> Option<EnergyAudit> {
         self.audit(f64::NEG_INFINITY, f64::INFINITY)
@@ -250,21 +250,21 @@ fn powers(load: f64, seen: &Observation<'_>, contacts: &ContactEnergy) -> Flows 
     ]
 }
 
-/// One time of a segment.
+/// Entry of a segment at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Entry {
     time: f64,
     powers: Flows,
-    /// From the segment's start, J; of the last entry as far as its power is known.
+    /// Work from the segment's start, J; of the last entry, as far as its power is known.
     work: Flows,
-    /// The sample it is.
+    /// Index of the sample at this entry, if it is one.
     mark: Option<usize>,
 }
 
-/// The last entries of a segment, as many as one interval's cubic needs; what lies before is in their works.
+/// Last entries of a segment, as many as one interval's cubic needs; earlier ones are included in their works.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Segment {
-    /// Entries kept, the oldest first.
+    /// Number of entries kept, the oldest first.
     len: usize,
     /// True if the segment had more entries than are kept.
     cut: bool,
@@ -272,7 +272,7 @@ struct Segment {
 }
 
 impl Segment {
-    /// Returns the entries up to which the work has become another.
+    /// Adds an entry and returns the entries whose works have changed.
     #[inline]
     fn add(&mut self, time: f64, powers: Flows) -> &[Entry] {
         let new = Entry {
@@ -288,8 +288,8 @@ impl Segment {
             self.entries[self.len] = new;
             self.len += 1;
         }
-        // The cubic of an interval inside reaches one entry farther on each side: the last but one interval is
-        // settled now, and with the fourth entry of a segment all before it.
+        // The cubic of an inner interval reaches one entry farther on each side. The last interval but one is final now, and
+        // with the fourth entry of a segment all before it.
         let first = if self.cut { 2 } else { 1 };
         let even = is_even(&self.entries[..self.len]);
         for k in first..self.len {
@@ -299,18 +299,18 @@ impl Segment {
         &self.entries[first.min(self.len)..self.len]
     }
 
-    /// When its last entry was, s.
+    /// Returns the time of the last entry, s.
     fn last(&self) -> Option<f64> {
         Some(self.entries[self.len.checked_sub(1)?].time)
     }
 
-    /// Works so far, J.
+    /// Returns the works so far, J.
     fn work(&self) -> Flows {
         let last = self.len.checked_sub(1);
         last.map_or([0.0; 7], |k| self.entries[k].work)
     }
 
-    /// The last entry is sample `mark`.
+    /// Marks the last entry as sample `mark`.
     fn mark(&mut self, mark: usize) {
         if let Some(last) = self.len.checked_sub(1) {
             self.entries[last].mark = Some(mark);
@@ -322,7 +322,7 @@ fn add(a: Flows, b: Flows) -> Flows {
     std::array::from_fn(|k| a[k] + b[k])
 }
 
-/// True for four entries of equal intervals, which nearly all are.
+/// Returns true for four entries of equal intervals, which is the usual case.
 #[inline]
 fn is_even(entries: &[Entry]) -> bool {
     let [a, b, c, d] = entries else {
@@ -333,12 +333,12 @@ fn is_even(entries: &[Entry]) -> bool {
     equal(b, c) && equal(c, d)
 }
 
-/// Integrals over [t_k, t_k+1] of the polynomial through these two to four entries, which are `even` or not.
+/// Integrates over [t_k, t_k+1] the polynomial through two to four entries, whose intervals are equal if `even`.
 #[inline]
 fn interval(entries: &[Entry], k: usize, even: bool) -> Flows {
     let (low, h) = (entries[k].time, entries[k + 1].time - entries[k].time);
     if even {
-        // The same integral for equal intervals.
+        // Closed form of the integral for equal intervals.
         let [a, b, c, d]: [f64; 4] = match k {
             0 => [9.0, 19.0, -5.0, 1.0],
             1 => [-1.0, 13.0, 13.0, -1.0],
@@ -347,7 +347,7 @@ fn interval(entries: &[Entry], k: usize, even: bool) -> Flows {
         let share = h / 24.0;
         return weighted(entries, [share * a, share * b, share * c, share * d]);
     }
-    // Gauss' three points, exact for the cubic.
+    // Gauss' rule with three points, exact for the cubic.
     let x = 0.5 * 0.6_f64.sqrt();
     let points = [(0.5 - x, 5.0), (0.5, 8.0), (0.5 + x, 5.0)];
     let lagrange = |i: usize, t: f64| -> f64 {

@@ -1,14 +1,14 @@
-//! Why a scene cannot be modelled.
+//! Errors of scenes that cannot be modelled.
 
 use pinwheel_scene::Fault;
 
-/// Why a checked scene still cannot be modelled.
+/// Reason why a checked scene cannot be modelled.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GearboxError {
-    /// No such curve or channel, or contacts that the detection cannot give.
+    /// Curve or channel that does not exist, or contacts that the detection cannot compute.
     #[error("{0}")]
     Geometry(String),
-    /// No such law.
+    /// Name of a contact law that does not exist.
     #[error("no contact law `{0}`")]
     UnknownLaw(String),
     /// Too few points for the pits.
@@ -31,10 +31,10 @@ pub enum GearboxError {
         /// The load, N m.
         load_n_m: f64,
     },
-    /// A change that the scene's checks refuse.
+    /// Change that the scene's checks refuse.
     #[error(transparent)]
     Refused(#[from] Fault),
-    /// No such integrator.
+    /// Name of an integrator that does not exist.
     #[error("no integrator `{0}`")]
     UnknownIntegrator(String),
 }

@@ -1,40 +1,40 @@
 //! Events between two samples of a native run: entries of the energy account, breaks of the load, the sample.
 //!
-//! A break that falls on a sample comes first, so that the sample sees the load that begins there. Where it falls
-//! between samples, the account needs an entry on both its sides, and the cubics of its segments need four each.
+//! A break at the time of a sample comes first, so that the sample has the load that begins there. At a break between samples
+//! the account needs an entry on both sides, and the cubics of its segments need four each.
 
 use crate::energy::EnergyAccount;
 
-/// Distance, in steps, within which two times are the same: times are products and sums of decimal numbers.
+/// Distance, in steps, within which two times count as equal: times are products and sums of decimal numbers.
 const SAME: f64 = 1e-9;
-/// Intervals of the account beside a break.
+/// Least number of intervals of the account beside a break.
 const BESIDE_A_BREAK: u64 = 3;
 
-/// Something due.
+/// Event of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event {
-    /// An entry of the energy account, s.
+    /// Time of an entry of the energy account, s.
     Entry(f64),
-    /// The end of a segment, s: an entry with the load that ends. The second time is the break as the scene gives it.
+    /// End of a segment, s: an entry with the load that ends. The second time is the break of the scene.
     Break(f64, f64),
-    /// The sample, s.
+    /// Time of the sample, s.
     Sample(f64),
 }
 
 impl Event {
-    /// When, s.
+    /// Returns the time of the event, s.
     pub fn time(self) -> f64 {
         let (Self::Entry(time) | Self::Break(time, _) | Self::Sample(time)) = self;
         time
     }
 
-    /// Puts all that is due after the sample at `from` up to the one at `to`, s, into `list`. `breaks` increase.
+    /// Writes to `list` all events after the sample at `from` up to the one at `to`, s. `breaks` increase.
     #[inline]
     pub fn list(list: &mut Vec<Self>, from: f64, to: f64, breaks: &[f64], step: f64) {
         let same = SAME * step;
         list.clear();
         let beside = |b: &f64| from - same <= *b && *b <= to + same;
-        // Nearly every sample of a run comes here for itself alone.
+        // Nearly every sample of a run is the only event here.
         if !EnergyAccount::is_short(from, to, step) || breaks.iter().any(beside) {
             Self::list_before(list, from, to, breaks, step);
         }
@@ -45,14 +45,14 @@ impl Event {
     fn list_before(list: &mut Vec<Self>, from: f64, to: f64, breaks: &[f64], step: f64) {
         let same = SAME * step;
         let (mut start, mut beside) = (from, breaks.iter().any(|b| (b - from).abs() <= same));
-        // Stretches end at breaks, and one at the sample.
+        // Intervals end at breaks, and the last one at the sample.
         let mut stretch = |list: &mut Vec<Self>, end: f64, at_break: bool| {
             let least = if beside || at_break {
                 BESIDE_A_BREAK
             } else {
                 1
             };
-            // Nothing is left between a break on the sample and the sample.
+            // No entry lies between a break at the sample's time and the sample.
             let least = if end - start > same { least } else { 0 };
             list.extend(EnergyAccount::between(start, end, step, least).map(Self::Entry));
             (start, beside) = (end, true);

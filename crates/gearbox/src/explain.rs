@@ -13,11 +13,11 @@ use crate::scene::{Detection, Formulation, Gear, Scene, Stabilisation};
 pub struct Statement {
     /// Part that is modelled or left out.
     pub what: String,
-    /// Why.
+    /// Reason for it.
     pub why: String,
 }
 
-/// A list of statements in the making.
+/// List of statements under construction.
 #[derive(Default)]
 struct Statements(Vec<Statement>);
 
@@ -47,13 +47,13 @@ pub struct Explanation {
     pub modelled: Vec<Statement>,
     /// Parts that the model leaves out.
     pub left_out: Vec<Statement>,
-    /// Columns beside the contract's that the scene asks for.
+    /// Columns that the scene records besides the contract's.
     pub channels: Vec<String>,
-    /// Every channel there is, `*` standing for numbers, with what it holds.
+    /// All available channels, with `*` for numbers, and their contents.
     pub channels_available: Vec<Statement>,
 }
 
-/// States the elastic parts that carry the discs.
+/// Describes the elastic parts that carry the discs.
 fn bearings(gearbox: &Gearbox, modelled: &mut Statements, left_out: &mut Statements) {
     let scene: &Scene = &gearbox.scene;
     if let Some(law) = gearbox.carrier.law() {
@@ -323,7 +323,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     }
 }
 
-/// The modified profile and the errors of single parts.
+/// Describes the modified profile and the errors of single parts.
 fn deviations(gear: &Gear, modelled: &mut Statements) {
     let micrometres = |length_m: f64| format!("{:+.3} um", 1e6 * length_m);
     let change = &gear.modification;

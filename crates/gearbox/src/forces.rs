@@ -16,18 +16,19 @@ pub struct GearForces {
     contact: Contacts,
     drive: Drive,
     field: ContactField,
-    /// The load of this segment.
+    /// Load of the present segment.
     load: LoadSegment,
-    /// Torques that are held on input and output besides, N m.
+    /// Additional prescribed torques on input and output, N m.
     pub held: [LinearSignal; 2],
-    /// Speed in, torque out: what the short cuts are made for.
+    /// True if the input's speed and the output's torque are prescribed; only then moments follow from angles, and derivatives
+    /// are known.
     pub speed_in_torque_out: bool,
     /// Touching pairs of the last listing.
     pairs: Vec<PairContact>,
 }
 
 impl GearForces {
-    /// Forces of a gearbox in its first segment.
+    /// Creates the forces of a gearbox in its first segment.
     ///
     /// # Errors
     /// See [`Gearbox::contact_field`].
@@ -52,7 +53,7 @@ impl GearForces {
         }
     }
 
-    /// The load on the output with what is held there, N m.
+    /// Returns the load on the output with the additional torque, N m.
     pub(crate) fn load_n_m(&self, time: f64) -> f64 {
         self.load.torque(time) + self.held[1].at(time)
     }

@@ -15,7 +15,7 @@ use crate::statics::Statics;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::scales::{hertz, least_depth};
 
-/// A scene turned into bodies, joints and contacts. Body order: [`Layout`].
+/// Scene compiled to bodies, joints and contacts. Body order: [`Layout`].
 #[derive(Debug, Clone)]
 pub struct Gearbox {
     /// The scene.
@@ -26,13 +26,14 @@ pub struct Gearbox {
     pub geometry: Geometry,
     /// Parts that carry the discs.
     pub carrier: Carrier,
-    /// Channels recorded beside the contract's columns.
+    /// Channels recorded besides the contract's columns.
     pub channels: Channels,
-    /// Which contact loop is used.
+    /// Contact loop in use.
     pub kernel: Kernel,
     /// Initial states other than the ideal mesh's.
     pub(crate) start: Option<Vec<BodyState>>,
-    /// K of a ring pin on a straight edge, N/m^1.5: finding the wall behind the holes takes longer than a balance.
+    /// K of a ring pin on a straight edge, N/m^1.5. It is stored because finding the wall behind the holes takes longer than a
+    /// balance.
     flat_stiffness: f64,
 }
 
@@ -71,8 +72,8 @@ impl Gearbox {
         Ok(gearbox)
     }
 
-    /// Gearbox with other settings of the solver. Results of the gear, its masses, loads and contacts are not computed
-    /// again; the dear one is the equilibrium from which it starts.
+    /// Returns the gearbox with other settings of the solver. Results of the gear, its masses, loads and contacts are not
+    /// computed again; the most expensive is the equilibrium from which it starts.
     ///
     /// # Errors
     /// Settings that the checks refuse.
@@ -83,10 +84,10 @@ impl Gearbox {
         })
     }
 
-    /// Gearbox that records these channels, by names or patterns; nothing else is computed again.
+    /// Returns the gearbox that records these channels, by names or patterns; nothing else is computed again.
     ///
     /// # Errors
-    /// No such channel, or more than the checks allow.
+    /// A channel does not exist, or there are more channels than the checks allow.
     pub fn with_channels(&self, patterns: Vec<String>) -> Result<Self, GearboxError> {
         let scene = self
             .scene
@@ -98,7 +99,7 @@ impl Gearbox {
         })
     }
 
-    /// A fresh contact field for this scene.
+    /// Creates a contact field for this scene.
     ///
     /// # Errors
     /// Unknown law, or points too coarse for the profile.
@@ -115,7 +116,7 @@ impl Gearbox {
         })
     }
 
-    /// The scene as if nothing rubbed at its contacts.
+    /// Returns the scene without friction at its contacts.
     fn frictionless(&self) -> Scene {
         let mut scene = self.scene.clone().into_scene();
         scene.contact.friction_coefficient = 0.0;
@@ -123,7 +124,7 @@ impl Gearbox {
         scene
     }
 
-    /// The contacts alone, without friction and without the bearings.
+    /// Creates the contacts alone, without friction and without the bearings.
     ///
     /// # Errors
     /// As [`contact_field`](Self::contact_field).
@@ -131,7 +132,7 @@ impl Gearbox {
         contacts::contacts(&self.frictionless(), &self.geometry, self.kernel)
     }
 
-    /// A contact field for this scene as if its friction coefficient were 0.
+    /// Creates a contact field for this scene with a friction coefficient of 0.
     ///
     /// # Errors
     /// As [`contact_field`](Self::contact_field).
@@ -139,36 +140,37 @@ impl Gearbox {
         self.field_of(&self.frictionless())
     }
 
-    /// True when pins can be turned by contact forces.
+    /// Returns true if contact forces can turn pins.
     #[must_use]
     pub fn has_friction(&self) -> bool {
         self.scene.contact.friction_coefficient > 0.0
     }
 
-    /// How far carrier and flange twist under a moment on the output, N m, rad; 0 where they are rigid.
+    /// Returns the twist of carrier and flange, rad, under a torque on the output, N m; 0 where they are rigid.
     #[must_use]
     pub fn flange_twist_rad(&self, torque_n_m: f64) -> f64 {
         let torsion = self.scene.bearings.output_torsion_n_m_rad;
         torsion.map_or(0.0, |stiffness| torque_n_m / stiffness)
     }
 
-    /// True when discs float on elastic bearings.
+    /// Returns true if discs float on elastic bearings.
     #[must_use]
     pub fn floats(&self) -> bool {
         self.carrier.floats()
     }
 
-    /// Load torque on the output shaft at time `t`, N m (counter-clockwise positive); at a jump what it jumps to.
+    /// Returns the load torque on the output shaft at time `t`, N m (counter-clockwise positive); at a jump, its value after
+    /// the jump.
     #[must_use]
     pub fn load_torque(&self, t: f64) -> f64 {
         load_profile::piece_at(&self.scene.drive, t).torque(t)
     }
 
-    /// Errors that adaptive methods count as 1: the elastic twist of a disc under its largest static load, vibrating
-    /// at the frequency this stiffness gives.
+    /// Returns the errors that adaptive methods weigh as 1: the elastic twist of a disc under its largest static load,
+    /// vibrating at the frequency that this stiffness gives.
     ///
-    /// The largest static pin force is about 4 T/(e zs zk) a disc (linear springs, no clearance), its
-    /// penetration (F/K)^(2/3), the twist that over the lever e zs.
+    /// The largest static pin force is about 4 T/(e zs zk) a disc (linear springs, no clearance). Its penetration is
+    /// (F/K)^(2/3), and the twist is the penetration over the lever e zs.
     #[must_use]
     pub fn error_scales(&self) -> ErrorScales {
         let gear = &self.scene.gear;
@@ -195,7 +197,7 @@ impl Gearbox {
         self.flat_stiffness * least_depth(&self.scene).powf(1.5)
     }
 
-    /// The least force, and as torque that force on the eccentric.
+    /// Returns the least force, N, and the torque of that force on the eccentric, N m.
     #[must_use]
     pub fn least_loads(&self) -> LoadFloor {
         let force_n = self.least_force_n();
@@ -205,13 +207,13 @@ impl Gearbox {
         }
     }
 
-    /// How far `a` lies from the reference `b`, measured by what this gear calls small ([`Distance::between`]).
+    /// Returns the distance of `a` from the reference `b`, measured with the least loads of this gear ([`Distance::between`]).
     #[must_use]
     pub fn distance(&self, a: &TimeSeries, b: &TimeSeries) -> Distance {
         Distance::between(a, b, self.least_loads())
     }
 
-    /// Input angle and rate at time `t`.
+    /// Returns the motion of the input.
     #[must_use]
     pub fn input_motion(&self) -> Motion {
         Motion {
@@ -220,7 +222,7 @@ impl Gearbox {
         }
     }
 
-    /// States at t = 0 as `drive.start` wants them.
+    /// Returns the states at t = 0 that `drive.start` asks for.
     #[must_use]
     pub fn initial_states(&self) -> Vec<BodyState> {
         self.start
@@ -228,7 +230,8 @@ impl Gearbox {
             .unwrap_or_else(|| self.kinematic_states())
     }
 
-    /// States at t = 0 at the ideal mesh: its rates, ring pins at rest, internal ones turning with the output.
+    /// Returns the states at t = 0 at the ideal mesh: with its rates, ring pins at rest, and internal pins turning with the
+    /// output.
     #[must_use]
     pub fn kinematic_states(&self) -> Vec<BodyState> {
         let speed = self.scene.drive.input_speed_rad_s;
@@ -251,7 +254,8 @@ impl Gearbox {
         states
     }
 
-    /// Bodies, revolutes and the driver of the whole gearbox: 28 and 29 for the paper's. Discs that float have no revolute.
+    /// Returns the bodies, revolutes and the driver of the gearbox: 28 and 29 for the paper's. Discs that float have no
+    /// revolute.
     #[must_use]
     pub fn mechanism(&self) -> Mechanism {
         let (layout, mass) = (self.layout, &self.scene.mass);

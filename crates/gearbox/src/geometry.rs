@@ -1,11 +1,10 @@
-//! The gear's geometry: where everything sits at the ideal mesh.
+//! Geometry of the gear: positions of its parts at the ideal mesh.
 //!
-//! Disc i of n has its centre at `e e^{i f}`, `f = a + 2 pi i/n` with the eccentrics' angle a, which is the input's but in
-//! RV gears ([`Geometry::eccentric_angle`]). It
-//! meshes exactly at the angle `(pi - f)/zs`. Ring pin j sits at `(R + d) e^{2 pi i j/zk}`,
-//! output pin k at `R_w e^{i (psi + 2 pi k/zi)}` with the output angle psi; hole k of every disc
-//! stands around output pin k at t = 0, its centre at `R_w` from the disc's. Errors of the parts move them from
-//! there; a disc's edge is that of its modified profile.
+//! Disc i of n has its centre at `e e^{i f}`, `f = a + 2 pi i/n`. The angle a of the eccentrics is the input's, except in RV
+//! gears ([`Geometry::eccentric_angle`]). The disc meshes exactly at the angle `(pi - f)/zs`. Ring pin j sits at `(R + d) e^{2
+//! pi i j/zk}`, output pin k at `R_w e^{i (psi + 2 pi k/zi)}` with the output angle psi. Hole k of every disc surrounds output
+//! pin k at t = 0, with its centre at `R_w` from the disc's. Errors of the parts displace them from these positions; a disc's
+//! edge is that of its modified profile.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,13 +19,13 @@ use crate::scene::{Gear, Scene};
 /// Derived geometry; disc-frame points are relative to the disc's centre.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Geometry {
-    /// C, the path of the generating pin's centre; without modification pin centres stand on it.
+    /// C, the path of the generating pin's centre; without modification, pin centres lie on it.
     pub curve: Epitrochoid,
-    /// q', by which a disc's edge lies inside C, m.
+    /// Distance q' of a disc's edge inside C, m.
     pub edge_offset_m: f64,
-    /// e^{i delta} of a rotational modification: a disc is what two such discs turned by +-delta have in common.
+    /// Factor e^{i delta} of a rotational modification: the disc is the intersection of two discs turned by +-delta.
     pub flanks: Option<Complex>,
-    /// Directions e^{2 pi i j/zk} in which pins stand but for their errors.
+    /// Nominal directions e^{2 pi i j/zk} of the ring pins, without their errors.
     pub external_directions: Vec<Complex>,
     /// Pin positions on the housing, m.
     pub external_points: Vec<[f64; 2]>,
@@ -38,27 +37,27 @@ pub struct Geometry {
     pub internal_radii_m: Vec<f64>,
     /// Angles of the eccentrics from the input's, 2 pi i/n, rad.
     pub wheel_phases: Vec<f64>,
-    /// Their eccentricities, m.
+    /// Eccentricities of the eccentrics, m.
     pub eccentricities_m: Vec<f64>,
-    /// By how much each crank of an RV gear is out of phase, rad; of other gears none.
+    /// Phase error of each crank of an RV gear, rad; empty for other gears.
     pub crank_phases: Vec<f64>,
     /// Hole centres of every disc, disc frame, m.
     pub hole_centres: Vec<Vec<Complex>>,
     /// Radii of the holes of every disc, m.
     pub hole_radii_m: Vec<Vec<f64>>,
-    /// rho of an RV gear's first stage, teeth of the sun over a planet's; 0 where the input bears the eccentrics.
+    /// Ratio rho of an RV gear's first stage, teeth of the sun over a planet's; 0 where the input carries the eccentrics.
     pub teeth_ratio: f64,
-    /// How far a disc turns freely at most, rad.
+    /// Largest free rotation of a disc, rad.
     pub wheel_play_rad: f64,
     /// Largest free rotation of the output in its holes, rad.
     pub hole_play_rad: f64,
     lobes: f64,
-    /// Speed of the eccentrics for that of the input at the ideal mesh.
+    /// Ratio of the eccentrics' speed to the input's at the ideal mesh.
     eccentric_per_input: f64,
 }
 
 impl Geometry {
-    /// Geometry of a checked scene.
+    /// Computes the geometry of a checked scene.
     ///
     /// # Errors
     /// Parameters for which there is no curve.
@@ -66,8 +65,8 @@ impl Geometry {
         Self::after(None, scene)
     }
 
-    /// Geometry of a checked scene that reuses the curve of an `earlier` one where it is equal. Most of the work is in
-    /// the curve's reaches.
+    /// Computes the geometry of a checked scene, and reuses the curve of an `earlier` one where it is equal. Most of the work
+    /// is in the curve's reaches.
     pub(crate) fn after(earlier: Option<&Self>, scene: &Scene) -> Result<Self, GearboxError> {
         let gear = &scene.gear;
         let sleeves = u32::try_from(gear.external_sleeves).unwrap_or(u32::MAX);
@@ -84,7 +83,7 @@ impl Geometry {
         let (wheels, external, internal) =
             (gear.wheels, gear.external_sleeves, gear.internal_sleeves);
         let lobes = gear.external_sleeves as f64 - 1.0;
-        // Holes are cut where eccentrics without errors put their pins.
+        // Holes are cut around the pins at their places for eccentrics without errors.
         let start = |i: usize| (PI - TAU * i as f64 / wheels as f64) / lobes;
         let mut wheel_phases: Vec<f64> = (0..wheels).map(|i| gear.phase_of_rad(i)).collect();
         if let (true, Some(last)) = (armed(Fault::WheelPhase), wheel_phases.last_mut()) {
@@ -131,7 +130,7 @@ impl Geometry {
         })
     }
 
-    /// Geometry of a gear whose output has neither pins nor holes.
+    /// Returns the geometry of a gear whose output has neither pins nor holes.
     pub(crate) fn without_internal_sleeves(&self) -> Self {
         Self {
             internal_points: Vec::new(),
@@ -142,7 +141,7 @@ impl Geometry {
         }
     }
 
-    /// True if all pins and all holes are alike, and no pin is larger than the tool radius that cut the profile.
+    /// Returns true if all pins are alike, all holes are alike, and no pin is larger than the tool radius that cut the profile.
     /// The lanes assume this.
     #[must_use]
     pub(crate) fn is_uniform(&self, gear: &Gear) -> bool {
@@ -155,7 +154,8 @@ impl Geometry {
             && holes.all(|wheel| alike(wheel, gear.hole_radius_m))
     }
 
-    /// Angle of the eccentrics for those of input and output, rad; rates likewise: (1 + rho) output - rho input of an RV gear.
+    /// Returns the angle of the eccentrics from those of input and output, rad; rates likewise. In an RV gear it is (1 + rho)
+    /// output - rho input.
     #[must_use]
     pub fn eccentric_angle(&self, input: f64, output: f64) -> f64 {
         match self.teeth_ratio {
@@ -164,13 +164,14 @@ impl Geometry {
         }
     }
 
-    /// Angle of the eccentrics for that of the input at the ideal mesh, rad.
+    /// Returns the angle of the eccentrics from that of the input at the ideal mesh, rad.
     #[must_use]
     pub fn ideal_eccentric_angle(&self, input: f64) -> f64 {
         self.eccentric_per_input * input
     }
 
-    /// Disc `i` on an eccentric that stands at an angle and turns at a rate (rad, rad/s), itself at its `own`.
+    /// Returns the state of disc `i` on its eccentric; `eccentric` and `own` are angle and rate of eccentric and disc (rad,
+    /// rad/s).
     pub(crate) fn wheel_state(&self, i: usize, eccentric: [f64; 2], own: [f64; 2]) -> BodyState {
         let ([turned, speed], [angle, rate]) = (eccentric, own);
         let (s, c) = (turned + self.wheel_phases[i]).sin_cos();
@@ -178,7 +179,7 @@ impl Geometry {
         BodyState::new([e * c, e * s, angle], [-speed * e * s, speed * e * c, rate])
     }
 
-    /// Output pin `k` turning with the output, which stands at an angle and turns at a rate (rad, rad/s).
+    /// Returns the state of output pin `k`, which turns with the output at its angle and rate (rad, rad/s).
     pub(crate) fn internal_state(&self, k: usize, [psi, rate]: [f64; 2]) -> BodyState {
         let (s, c) = psi.sin_cos();
         let [px, py] = self.internal_points[k];
@@ -186,19 +187,19 @@ impl Geometry {
         BodyState::new([x, y, psi], [-rate * y, rate * x, rate])
     }
 
-    /// Angle of disc `i` at the ideal mesh, for the input angle `phi`, rad.
+    /// Returns the angle of disc `i` at the ideal mesh, for the input angle `phi`, rad.
     #[must_use]
     pub fn ideal_wheel_angle(&self, i: usize, phi: f64) -> f64 {
         (PI - self.ideal_eccentric_angle(phi) - self.wheel_phases[i]) / self.lobes
     }
 
-    /// Angle of the output at the ideal mesh, for the input angle `phi`, rad.
+    /// Returns the angle of the output at the ideal mesh, for the input angle `phi`, rad.
     #[must_use]
     pub fn ideal_output_angle(&self, phi: f64) -> f64 {
         -self.ideal_eccentric_angle(phi) / self.lobes
     }
 
-    /// zs, lobes of a disc: from one to the next it turns by 2 pi/zs.
+    /// Returns zs, the number of lobes of a disc: their pitch is 2 pi/zs.
     #[must_use]
     pub fn lobes(&self) -> f64 {
         self.lobes

@@ -1,8 +1,7 @@
-//! Detects runs that diverged although every number is finite.
+//! Guard that detects runs that diverged although every number is finite.
 //!
-//! A penalty model that blows up often stays finite: discs jump teeth and the time series look like
-//! data. In a gearbox that works, every disc follows its ideal mesh within its free play and
-//! some elastic twist, far below a pitch.
+//! A diverging penalty model often stays finite: discs jump teeth, and the time series look regular. In a working gearbox every
+//! disc follows its ideal mesh within its free play and some elastic twist, far below a pitch.
 
 use pinwheel_mbs::BodyState;
 
@@ -15,7 +14,7 @@ const PITCHES: f64 = 0.25;
 /// Checks one state.
 ///
 /// # Errors
-/// Which body left its mesh and by how much, or which state is not finite.
+/// A message with the body that left its mesh and its deviation, or with the state that is not finite.
 #[inline]
 pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
     let geometry = &gearbox.geometry;
@@ -28,10 +27,10 @@ pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
     check_output(gearbox, input, bodies[Layout::OUTPUT].angle)
 }
 
-/// Checks the angle of the output shaft alone where the input stands at the angle `input`, rad.
+/// Checks the angle of the output shaft alone, at the input angle `input`, rad.
 ///
 /// # Errors
-/// By how much it left its mesh, or that it is not finite.
+/// A message with the deviation from the mesh, or that the angle is not finite.
 pub fn check_output(gearbox: &Gearbox, input: f64, output: f64) -> Result<(), String> {
     let geometry = &gearbox.geometry;
     let play = geometry.wheel_play_rad + geometry.hole_play_rad;
@@ -39,7 +38,7 @@ pub fn check_output(gearbox: &Gearbox, input: f64, output: f64) -> Result<(), St
     judge(pitch(gearbox), off, play, || "the output shaft".into())
 }
 
-/// Angle from one lobe to the next, rad.
+/// Returns the angle from one lobe to the next, rad.
 fn pitch(gearbox: &Gearbox) -> f64 {
     std::f64::consts::TAU / gearbox.geometry.lobes()
 }

@@ -1,6 +1,6 @@
-//! Handles for C programs: numbers in the shape of addresses, none of which is ever used twice.
+//! Handles for C programs: numbers in the form of addresses. No number is used twice.
 //!
-//! A handle that was closed or made up finds nothing instead of freed memory, and closing twice does nothing.
+//! A closed or invented handle refers to no value instead of freed memory, and closing it again does nothing.
 //!
 //! ```
 //! use pinwheel_gearbox::handles::Handles;
@@ -15,37 +15,36 @@
 use std::ptr;
 use std::sync::{Arc, PoisonError, RwLock};
 
-/// All that were ever opened, by number - 1; closed ones leave their place empty.
+/// All values ever opened, by number - 1; closed ones leave an empty place.
 pub struct Handles<T>(RwLock<Vec<Option<Arc<T>>>>);
 
 impl<T> Handles<T> {
-    /// None yet.
+    /// Creates an empty table.
     #[must_use]
     pub const fn new() -> Self {
         Self(RwLock::new(Vec::new()))
     }
 
-    /// A handle for it; what it points to is never read.
+    /// Stores a value and returns its handle, an address that is never read.
     pub fn open<P>(&self, held: T) -> *mut P {
         let mut all = self.0.write().unwrap_or_else(PoisonError::into_inner);
         all.push(Some(Arc::new(held)));
         ptr::without_provenance_mut(all.len())
     }
 
-    /// Value of a handle, if it is open.
+    /// Returns the value of a handle, if it is open.
     pub fn find<P>(&self, handle: *const P) -> Option<Arc<T>> {
         let all = self.0.read().unwrap_or_else(PoisonError::into_inner);
         all.get(handle.addr().checked_sub(1)?)?.clone()
     }
 
-    /// Closes a handle and returns its value, if it was open. Others that are at work on it keep it until they are
-    /// done.
+    /// Closes a handle and returns its value, if it was open. Threads that work with the value keep it until they are done.
     pub fn close<P>(&self, handle: *const P) -> Option<Arc<T>> {
         let mut all = self.0.write().unwrap_or_else(PoisonError::into_inner);
         all.get_mut(handle.addr().checked_sub(1)?)?.take()
     }
 
-    /// Closes all of which this is true.
+    /// Closes all handles for whose values `which` is true.
     pub fn close_all(&self, which: impl Fn(&T) -> bool) {
         let mut all = self.0.write().unwrap_or_else(PoisonError::into_inner);
         for place in all.iter_mut() {

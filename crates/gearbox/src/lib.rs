@@ -1,4 +1,4 @@
-//! A checked scene as bodies, joints and contacts, and the native solver that runs it.
+//! Model of a checked scene as bodies, joints and contacts, and the native solver that runs it.
 //!
 //! ```text
 //!  CheckedScene ─> Gearbox ─┬─> mechanism   bodies, revolutes, driver
@@ -60,7 +60,7 @@ pub use geometry::Geometry;
 pub use pinwheel_timeseries::norms::{Distance, LoadFloor};
 pub use recorder::Recorder;
 
-/// Private items that the tests of this crate reach; no part of the interface.
+/// Private items for the tests of this crate; not part of the interface.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::balance::{Balance, elastic_j};

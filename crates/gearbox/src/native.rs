@@ -1,4 +1,4 @@
-//! The native run: a scene's equations, integrated and recorded.
+//! Native run: integration and recording of a scene's equations.
 
 use pinwheel_mbs::integrators::{Segments, StepCounts, StepError, StepSettings, Stepper, method};
 use pinwheel_mbs::{
@@ -21,35 +21,35 @@ use crate::{Gearbox, GearboxError, Recorder, auto, guard};
 /// Result of a run, complete or not.
 #[derive(Debug, Clone)]
 pub struct NativeRun {
-    /// Samples so far.
+    /// Recorded samples.
     pub time_series: TimeSeries,
     /// Work of the integrator.
     pub counts: StepCounts,
     /// Newton steps of the implicit stages, samples inside steps included.
     pub newton_steps: u64,
-    /// Velocities integrated.
+    /// Number of integrated velocities.
     pub degrees_of_freedom: usize,
     /// Largest joint error at any sample, m.
     pub joint_drift_m: f64,
     /// Time reached, s.
     pub end_s: f64,
-    /// Where the energy went.
+    /// Energy balance of the run.
     pub energy: EnergyAccount,
-    /// How it ended: finished, or diverged with the samples before.
+    /// Ending of the run: finished, or diverged with the samples before.
     pub ending: Ending,
 }
 
 impl NativeRun {
-    /// The run if it came to its end.
+    /// Returns the run if it finished.
     ///
     /// # Errors
-    /// How it ended otherwise.
+    /// The ending of a run that did not finish.
     pub fn whole(self) -> Result<Self, Ending> {
         self.ending.whole().map(|()| self)
     }
 }
 
-/// Why there is no run.
+/// Errors for which there is no run.
 #[derive(Debug, thiserror::Error)]
 pub enum NativeError {
     /// The scene cannot be modelled.
@@ -58,7 +58,7 @@ pub enum NativeError {
     /// The observer asked to stop.
     #[error("stopped")]
     Stopped,
-    /// A run that is of use only whole ([`NativeRun::whole`]) ended before.
+    /// The run ended early, where only a complete one is of use ([`NativeRun::whole`]).
     #[error(transparent)]
     Ended(#[from] Ending),
     /// Recording failed.
@@ -69,12 +69,12 @@ pub enum NativeError {
 /// Baumgarte's rate in units of 1/step: fast enough to matter, slow enough for explicit methods.
 const BAUMGARTE_PER_STEP: f64 = 0.1;
 
-/// Minimum distance between two evaluations that are used for extremes, in steps of the scene, or of 0.125 rad of the fastest
+/// Least time between two evaluations that are used for extremes, in steps of the scene, or of 0.125 rad of the fastest
 /// oscillation. Evaluating every step would slow a fast run by about 5 %.
 const EXTREMA_STRIDE: f64 = 3.0;
 
-/// Runs the scene; `watch` receives the simulated time at every sample and every 1000 steps and returns true to stop.
-/// With the integrator `auto` this is one run as [`auto::plan`] has it; [`resolve::run_resolved`](crate::resolve::run_resolved) verifies it.
+/// Runs the scene; `watch` receives the simulated time at every sample and every 1000 steps, and returns true to stop. With the
+/// integrator `auto` this is one run by [`auto::plan`]; [`resolve::run_resolved`](crate::resolve::run_resolved) verifies it.
 ///
 /// # Errors
 /// See [`NativeError`].
@@ -148,14 +148,14 @@ pub(crate) fn run_within(
     }
 }
 
-/// Forces of a system that is only asked how its contacts move with the free rates.
+/// Empty forces of a system that only serves to compute how its contacts move with the free rates.
 struct NoForces;
 
 impl Forces for NoForces {
     fn apply(&mut self, _: f64, _: &[BodyState], _: &mut [Wrench]) {}
 }
 
-/// Returns the reduced form of `mechanism`, which is the gear's but for its drivers and masses.
+/// Returns the reduced form of `mechanism`, which may differ from the gear's only in its drivers and masses.
 ///
 /// # Errors
 /// The mechanism cannot be reduced.
@@ -178,7 +178,7 @@ pub fn reduced<F: Forces>(
         .with_scales(gearbox.error_scales()))
 }
 
-/// The scene's method from `y` at `t` (s) on, with no step longer than `longest_s` where it chooses them.
+/// Starts the scene's method from `y` at `t`, s. Where the method chooses its steps, none is longer than `longest_s`.
 pub(crate) fn segments(
     gearbox: &Gearbox,
     t: f64,
@@ -196,7 +196,7 @@ pub(crate) fn segments(
         .ok_or_else(|| GearboxError::UnknownIntegrator(solver.integrator.clone()))
 }
 
-/// Steps through the run, samples between steps, guards every sample.
+/// Steps through the run, records samples inside steps, and checks every sample.
 fn integrate<F: Formulation>(
     gearbox: &Gearbox,
     mut system: F,
@@ -208,7 +208,7 @@ fn integrate<F: Formulation>(
     let breaks = load_profile::breaks(&gearbox.scene.drive);
     let mut stepper = segments(gearbox, 0.0, &y, &breaks, limits.longest_step_s)?;
     let mut load = load_profile::piece_at(&gearbox.scene.drive, 0.0);
-    // Most methods leave the energy behind and most scenes ask for no channels: then there is no need of it.
+    // Most methods do not compute the energy, and most scenes request no channels; then the energy is not needed.
     let mut field = None;
     let times = solver.sample_times_s();
     let whole = !limits.samples_alone;
@@ -313,12 +313,12 @@ fn integrate<F: Formulation>(
     })
 }
 
-/// Ends a run at that time, s, in these words.
+/// Ends a run at the given time, s, with the given message.
 fn diverged(time_s: f64) -> impl FnOnce(String) -> NativeError {
     move |quantity| NativeError::Ended(Ending::Diverged { time_s, quantity })
 }
 
-/// Returns the contact field beside that of the equations, which is built when it is first needed.
+/// Returns a contact field separate from that of the equations; it is built when first needed.
 fn built<'a>(
     gearbox: &Gearbox,
     field: &'a mut Option<ContactField>,

@@ -19,7 +19,7 @@ pub struct LinePressure {
 }
 
 impl LinePressure {
-    /// Pressure of contacts of this material and length.
+    /// Creates the pressure of contacts with the scene's materials and line length.
     #[must_use]
     pub fn new(contact: &Contact) -> Self {
         let softness = |young: f64, poisson: f64| (1.0 - poisson * poisson) / young;
@@ -34,7 +34,7 @@ impl LinePressure {
         }
     }
 
-    /// p0 of a contact, Pa, whose disc has its centre (m, ground frame) there and is turned by `angle` (rad).
+    /// Returns p0 of a contact, Pa; its disc has its centre (m, ground frame) there and is turned by `angle` (rad).
     #[must_use]
     pub fn of(
         &self,
@@ -60,14 +60,15 @@ impl LinePressure {
     }
 }
 
-/// Curvature of C at the foot of the pin's centre, on the flank that it touches, 1/m; `centre` (m) and `angle` (rad) are the disc's.
+/// Returns the curvature of C at the foot of the pin's centre, on the flank that it touches, 1/m; `centre` (m) and `angle`
+/// (rad) are the disc's.
 #[must_use]
 pub fn curvature(geometry: &Geometry, contact: &PairContact, centre: [f64; 2], angle: f64) -> f64 {
     let of = |[x, y]: [f64; 2]| Complex::new(x, y);
     let back = Complex::unit(angle).conj();
     let p = (of(contact.centre) - of(centre)) * back;
     let n = of(contact.normal) * back;
-    // Farther than the radius of any pin that touches.
+    // Search limit beyond the radius of any pin that touches.
     let (curve, limit) = (&geometry.curve, 0.5 * geometry.curve.pitch_radius());
     let foot = |turn: Complex| {
         let p = p * turn.conj();

@@ -1,4 +1,4 @@
-//! Turns states at sample times into the contract's time series. Every engine records through this.
+//! Recorder that turns states at sample times into the contract's time series. Every engine records through it.
 
 use pinwheel_mbs::{BodyState, Observation, Wrench};
 use pinwheel_timeseries::sampling::{self, Between, Point, QUANTITIES};
@@ -15,37 +15,38 @@ pub struct Recorder {
     layout: Layout,
     time: Vec<f64>,
     columns: Vec<Vec<f64>>,
-    /// Samples one after the other that are not in the columns yet: so many columns are quicker written a few samples at a time.
+    /// Samples, one after the other, that are not yet in the columns: with so many columns, writing several samples at a time
+    /// is quicker.
     rows: Vec<f64>,
-    /// How many they are.
+    /// Number of samples in `rows`.
     pending: usize,
     /// Loads of all bodies.
     loads: Vec<Wrench>,
-    /// Channels that the scene requests beyond the contract's columns.
+    /// Channels that the scene requests besides the contract's columns.
     channels: Option<Values>,
-    /// Record between samples, where a solver gives one, and its columns at one time.
+    /// Record between samples, where a solver provides one, and a row of its columns at one time.
     between: Option<Between>,
     row: Vec<f64>,
 }
 
-/// Samples that are brought to their columns at a time.
+/// Number of samples written to the columns at a time.
 const ROWS: usize = 128;
 
 impl Recorder {
-    /// Names of the contract's columns after the time, in their order.
+    /// Returns the names of the contract's columns after the time, in their order.
     #[must_use]
     pub fn contract(gearbox: &Gearbox) -> Vec<String> {
         let layout = gearbox.layout;
         columns::of_gearbox(layout.external_sleeves, layout.internal_sleeves).collect()
     }
 
-    /// An empty recording with room for the scene's samples.
+    /// Creates an empty recording with capacity for the scene's samples.
     #[must_use]
     pub fn new(gearbox: &Gearbox) -> Self {
         Self::with_room(gearbox, gearbox.scene.solver.sample_times_s().len())
     }
 
-    /// An empty recording with room for so many samples.
+    /// Creates an empty recording with capacity for `samples` samples.
     #[must_use]
     pub(crate) fn with_room(gearbox: &Gearbox, samples: usize) -> Self {
         let layout = gearbox.layout;
@@ -55,7 +56,7 @@ impl Recorder {
             pending: 0,
             layout,
             time: Vec::with_capacity(samples),
-            // A clone of an empty column would have no room.
+            // A clone of an empty column would have no capacity.
             columns: (0..columns::HEAD.len() + sleeves)
                 .map(|_| Vec::with_capacity(samples))
                 .collect(),
@@ -66,8 +67,8 @@ impl Recorder {
         }
     }
 
-    /// An empty recording with room for so many samples, of a solver that also evaluates quantities between samples
-    /// ([`record_between`](Self::record_between)).
+    /// Creates an empty recording with capacity for `samples` samples, for a solver that also evaluates quantities between
+    /// samples ([`record_between`](Self::record_between)).
     #[must_use]
     pub(crate) fn with_between(gearbox: &Gearbox, samples: usize) -> Self {
         let recorder = Self::with_room(gearbox, samples);
@@ -78,8 +79,8 @@ impl Recorder {
         }
     }
 
-    /// Records a sample from the bodies' states, with contact forces of our law.
-    /// `driver_torque`: on the input shaft, N m.
+    /// Records a sample from the bodies' states, with contact forces of the native law. `driver_torque`: on the input shaft, N
+    /// m.
     pub fn record(
         &mut self,
         t: f64,
@@ -94,8 +95,8 @@ impl Recorder {
         self.loads = loads;
     }
 
-    /// Records a sample that a formulation tells, where a pin's only load is its contacts'. `shafts`: torque of the driver, and the
-    /// load on the output, N m.
+    /// Records a sample from a formulation's observation, in which contacts are the only load of a pin. `shafts`: torque of the
+    /// driver, and the load on the output, N m.
     pub fn record_observed(&mut self, seen: &Observation<'_>, shafts: [f64; 2]) {
         let (head, sleeves) = self.head(seen, shafts);
         self.record_known(seen.time, head, sleeves);
@@ -105,7 +106,7 @@ impl Recorder {
         }
     }
 
-    /// Records what lies between samples.
+    /// Records an observation between samples.
     pub(crate) fn record_between(&mut self, seen: &Observation<'_>, shafts: [f64; 2]) {
         let (head, sleeves) = self.head(seen, shafts);
         if let Some(between) = &mut self.between {
@@ -114,7 +115,7 @@ impl Recorder {
         }
     }
 
-    /// The columns before the pins', and the pins' loads.
+    /// Returns the columns before the pins', and the pins' loads.
     fn head<'a>(
         &self,
         seen: &Observation<'a>,
@@ -122,7 +123,7 @@ impl Recorder {
     ) -> ([f64; columns::HEAD.len()], &'a [Wrench]) {
         let sleeves = &seen.loads[self.layout.external_bodies().start..];
         let output = Layout::OUTPUT;
-        // All that turns the output but the load on itself.
+        // Moment on the output without its load.
         let torque = match seen.moments {
             Some(moments) => moments[output] - load,
             None => self.output_torque(seen.bodies, sleeves) + (seen.loads[output].moment - load),
@@ -130,8 +131,8 @@ impl Recorder {
         ([driver_torque, torque, seen.bodies[output].angle], sleeves)
     }
 
-    /// Records a sample whose pin forces (ground frame, N, external then internal) are known, and what turns the output beside
-    /// them and its load, N m.
+    /// Records a sample whose pin forces (ground frame, N, external then internal) are known. Other torques on the output,
+    /// without its load, are given in N m.
     pub fn record_forces(
         &mut self,
         t: f64,
@@ -157,7 +158,7 @@ impl Recorder {
         self.record_known(t, [driver_torque, torque, angle], forces);
     }
 
-    /// Torque of the forces on the output pins, N m.
+    /// Returns the torque of the forces on the output pins, N m.
     fn output_torque(&self, bodies: &[BodyState], forces: &[Wrench]) -> f64 {
         let output = bodies[Layout::OUTPUT];
         let forces = &forces[self.layout.external_sleeves..];
@@ -184,7 +185,7 @@ impl Recorder {
         self.pending += 1;
     }
 
-    /// Brings the pending samples to their columns.
+    /// Writes the pending samples to their columns.
     fn flush(&mut self) {
         let width = self.columns.len();
         for (k, column) in self.columns.iter_mut().enumerate() {
@@ -194,8 +195,8 @@ impl Recorder {
         self.pending = 0;
     }
 
-    /// True if the scene asks for channels: [`record_channels`](Self::record_channels) is then
-    /// due after every sample. Columns it cannot fill are left out of the time series.
+    /// Returns true if the scene asks for channels: [`record_channels`](Self::record_channels) is then due after every sample.
+    /// Columns that cannot be filled are missing in the time series.
     #[must_use]
     pub fn wants_channels(&self) -> bool {
         self.channels.is_some()
@@ -210,7 +211,7 @@ impl Recorder {
         }
     }
 
-    /// Takes the last sample out again: its values in the order of the columns, NaN for what is not known.
+    /// Removes the last sample and writes its values to `row` in the order of the columns, NaN where unknown.
     pub fn take_last(&mut self, row: &mut Vec<f64>) {
         self.flush();
         row.clear();
@@ -221,19 +222,19 @@ impl Recorder {
         }
     }
 
-    /// Samples so far.
+    /// Returns the number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
         self.time.len()
     }
 
-    /// True before the first sample.
+    /// Returns true before the first sample.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.time.is_empty()
     }
 
-    /// The time series recorded so far.
+    /// Returns the time series recorded so far.
     ///
     /// # Errors
     /// Samples were not recorded in increasing time.
@@ -257,13 +258,13 @@ impl Recorder {
 fn fill(row: &mut [f64], head: [f64; columns::HEAD.len()], forces: &[Wrench]) {
     let (heads, magnitudes) = row.split_at_mut(head.len());
     heads.copy_from_slice(&head);
-    // `hypot` is exact to the last digit where squares overflow, which costs 2 % of a fast run.
+    // `hypot` would be exact even where squares overflow, but costs 2 % of a fast run.
     for (magnitude, Wrench { fx, fy, .. }) in magnitudes.iter_mut().zip(forces) {
         *magnitude = (fx * fx + fy * fy).sqrt();
     }
 }
 
-/// The quantities of [`QUANTITIES`] in a row of columns.
+/// Returns the quantities of [`QUANTITIES`] in a row of columns.
 fn points(layout: Layout, row: &[f64]) -> [Point; QUANTITIES.len()] {
     let (head, sleeves) = row.split_at(columns::HEAD.len());
     let (externals, others) = sleeves.split_at(layout.external_sleeves);

@@ -1,13 +1,13 @@
-//! Runs that verify themselves: what a run's numbers are uncertain by, refined until that is small enough.
+//! Self-verifying runs: estimates the numerical uncertainty of a run, and refines the run until that is small enough.
 //!
-//! The error of the finest of two or three runs is [`pinwheel_timeseries::convergence::estimate`], and never below a third of the distance
-//! to the run before: impacts make errors fall unevenly. A run is resolved when its uncertainty **and** that distance
-//! are within the target; the distance may be four times that where the two runs before lay within a hundredth of each
-//! other, so that errors fall as they should. Two runs that are wrong alike, as when both pass over an impact, are what
-//! no estimate shows; so no step is longer than a contact
-//! ([`Frequencies::longest_step_s`](crate::Frequencies::longest_step_s)), and the finer run is clearly finer.
+//! The error of the finest of two or three runs is [`pinwheel_timeseries::convergence::estimate`], and never below a third of the distance to the
+//! previous run, because impacts make errors fall unevenly. A run is resolved when its uncertainty **and** that distance are
+//! within the target. The distance may be four times the target where the two previous runs were within a hundredth of each
+//! other, so that errors fall regularly. No estimate detects two runs with equal errors, as when both pass over an impact.
+//! Therefore no step is longer than a contact ([`Frequencies::longest_step_s`](crate::Frequencies::longest_step_s)), and the
+//! finer run is clearly finer.
 //!
-//! Where steps end at samples, the coarsest run has only every other one: otherwise both runs might take the same steps.
+//! Where steps end at samples, the coarsest run has only every other sample: otherwise both runs might take equal steps.
 //!
 //! Costs are counted in evaluations of the forces, not in seconds, so that every machine takes the same levels.
 
@@ -34,24 +34,25 @@ use crate::run_limits::Limits;
 use crate::scene::{Detection, Scene};
 use crate::{Distance, Gearbox, unfollowed};
 
-/// The least error as a share of the distance to the coarser run.
+/// Least error, relative to the distance to the coarser run.
 const LEAST_SHARE: f64 = 1.0 / 3.0;
-/// How much of the target two runs may lie apart where the two before were within [`CALM`] of each other.
+/// Largest distance of two runs, in targets, where the two previous runs were within [`CALM`] of each other.
 const CONFIRMED: f64 = 4.0;
-/// Distance below which no impact is on the wrong side of another any more.
+/// Distance below which impacts of two runs occur in the same order.
 const CALM: f64 = 1e-2;
-/// Levels of one method at most.
+/// Largest number of levels of one method.
 const MOST_LEVELS: usize = 12;
-/// Levels in a row that may fail before the next method is tried.
+/// Number of successive failed levels after which the next method is tried.
 const MOST_FAILURES: usize = 3;
 
-/// Usual limit of the cost of a verified run, evaluations of the forces over all levels. It is half a minute for the
-/// paper's gear, which takes 8e4 of them over 0.6 s.
+/// Usual limit of the cost of a verified run, evaluations of the forces over all levels. It is half a minute for the paper's
+/// gear, which takes 8e4 evaluations over 0.6 s.
 pub const BUDGET: u64 = 30_000_000;
 
-/// Runs the scene until its time series are within `target` (relative L2 of the forces and of the driver's torque), within
-/// the budget; returns the finest run and what is known of its error, or a diverged one if every method of ours diverges. The integrator, step and tolerance of the scene are
-/// not used. `watch` as in [`native::run`]; time starts anew with every level.
+/// Runs the scene until its time series are within `target` (relative L2 of the forces and of the driver's torque), within the
+/// budget. It returns the finest run and the estimate of its error, or a diverged run if every native method diverges. The
+/// integrator, step and tolerance of the scene are not used. `watch` works as in [`native::run`]; its time starts anew with
+/// every level.
 ///
 /// # Errors
 /// See [`NativeError`].
@@ -78,22 +79,22 @@ pub fn run_resolved(
     search.finish(budget, watch)
 }
 
-/// The finest pair so far.
+/// Best run so far, with its error.
 #[doc(hidden)]
 pub struct Best {
     pub run: Rc<NativeRun>,
-    /// How it was run, if it holds no more than half of the samples.
+    /// Plan of the run, if it has no more than half of the samples.
     pub sparse: Option<Plan>,
-    /// Index of its level.
+    /// Index of the run's level.
     pub level: usize,
     /// Known error of the run.
     pub error: Option<Distance>,
-    /// Coarser runs of its method.
+    /// Coarser runs by the run's method.
     pub ladder: Option<Ladder>,
     pub holds: bool,
 }
 
-/// Runs of a scene so far.
+/// Search for a resolved run of a scene, with its runs so far.
 #[doc(hidden)]
 pub struct Search<'a> {
     pub gearbox: &'a Gearbox,
@@ -101,14 +102,14 @@ pub struct Search<'a> {
     pub left: u64,
     pub levels: Vec<Level>,
     pub best: Option<Best>,
-    /// Why the refinement ended before the target was reached.
+    /// Reason why the refinement ended before the target was reached.
     pub stopped: Option<String>,
-    /// The last run that did not come to its end.
+    /// Last run that did not finish.
     pub diverged: Option<NativeRun>,
 }
 
 impl Search<'_> {
-    /// Refines one method; true when there is nothing left to do.
+    /// Refines one method; returns true when the search is complete.
     pub fn refine(
         &mut self,
         plan: &Plan,
@@ -119,7 +120,7 @@ impl Search<'_> {
         };
         let mut plan = plan.finer(1.0 / refinement.first);
         let mut factor = refinement.first;
-        // Of this method, the finest first.
+        // Settings and runs of this method, the finest first.
         let mut runs: Vec<(f64, Rc<NativeRun>)> = Vec::new();
         let mut last: Option<(Distance, f64)> = None;
         let mut failures = 0;
@@ -135,7 +136,7 @@ impl Search<'_> {
                 ));
                 return Ok(true);
             }
-            // What only shows how far the next one moves.
+            // The first run only serves to measure the distance of the next one.
             let sparse = runs.is_empty();
             match self.level(&plan, sparse, watch)? {
                 None => {
@@ -186,7 +187,7 @@ impl Search<'_> {
             }
             let finer = plan.finer(factor);
             if finer == plan {
-                // What moves still at the level of rounding is the scene's own: no other method would tell it.
+                // Distances that do not shrink at the level of rounding belong to the scene itself: no other method would help.
                 self.stopped = Some(format!(
                     "at {} {} still moves: the scene amplifies roundings",
                     plan.setting(),
@@ -204,7 +205,7 @@ impl Search<'_> {
         Ok(false)
     }
 
-    /// One run; `None` if it diverged.
+    /// Runs one level; `None` if it diverged.
     fn level(
         &mut self,
         plan: &Plan,
@@ -242,7 +243,7 @@ impl Search<'_> {
         Ok(None)
     }
 
-    /// Keeps the run if it is known better than the best.
+    /// Keeps the run if its known error is smaller than that of the best.
     pub fn keep(&mut self, found: Best) {
         let worst = |error: Option<Distance>| error.map_or(f64::INFINITY, |e| e.worst());
         let best = self.best.as_ref();
@@ -274,7 +275,7 @@ impl Search<'_> {
             Some(best) => {
                 let run = match best.sparse {
                     None => Rc::unwrap_or_clone(best.run),
-                    // The refinement ended at its beginning: whoever asked wants all samples.
+                    // The refinement ended at its first run, but the caller needs all samples.
                     Some(plan) => {
                         native::run_within(&plan.applied(self.gearbox)?, plan.limits(), watch)?
                     }
@@ -294,7 +295,7 @@ impl Search<'_> {
     }
 }
 
-/// True if a target is reached: `moved` is the distance to the coarser run, `before` that of one refinement earlier.
+/// Returns true if a target is reached. `moved` is the distance to the coarser run, `before` that of the previous refinement.
 #[doc(hidden)]
 pub fn holds(target: f64, error: Distance, moved: Distance, before: Option<Distance>) -> bool {
     let calm = before.is_some_and(|before| before.worst() <= CALM);
@@ -302,11 +303,11 @@ pub fn holds(target: f64, error: Distance, moved: Distance, before: Option<Dista
     error.worst() <= target && moved.worst() <= most * target
 }
 
-/// Non-smooth feature of a scene that bounds the order of fixed steps.
+/// Returns the non-smooth feature of a scene that bounds the order of fixed steps.
 #[must_use]
 pub fn roughness(scene: &Scene) -> Rough {
     let contact = &scene.contact;
-    // Laws of hysteresis have another damping, which grows with the penetration.
+    // Damping of hysteresis laws differs: it grows with the penetration.
     let law = law_info(&contact.law);
     let viscous = law.is_none_or(|law| law.keys.contains(&"contact.damping_n_s_m"));
     let bearing = BearingLaw::of(scene).filter(|law| law.clearance_m > 0.0);
@@ -323,7 +324,7 @@ pub fn roughness(scene: &Scene) -> Rough {
     }
 }
 
-/// How errors of a native method fall on a scene: in the step, or in the tolerance.
+/// Returns the convergence of a native method on a scene: in the step, or in the tolerance.
 #[must_use]
 pub fn convergence_of(method: &MethodInfo, scene: &Scene) -> Method {
     match method.adaptive {
@@ -332,19 +333,19 @@ pub fn convergence_of(method: &MethodInfo, scene: &Scene) -> Method {
     }
 }
 
-/// How errors of fixed steps of a method of this order fall on a scene.
+/// Returns the convergence in the step of a method of this order with fixed steps.
 #[must_use]
 pub fn by_step(order: f64, scene: &Scene) -> Method {
     let rough = Some(roughness(scene));
     Method::Step { order, rough }
 }
 
-/// How errors fall with the tolerance on a scene; `explicit`: with the steps of an explicit Runge-Kutta method.
+/// Returns the convergence in the tolerance on a scene; `explicit`: with the steps of an explicit Runge-Kutta method.
 #[must_use]
 pub fn by_tolerance(scene: &Scene, explicit: bool) -> Method {
     let contact = &scene.contact;
-    // Where friction sets the explicit steps, tolerances change them little, and the error no more: measured on
-    // `paper-friction` between 1e-7 and 1e-9, 5 times the distance in the driver's torque.
+    // Where friction sets the explicit steps, tolerances hardly change steps and error. On `paper-friction` between 1e-7 and
+    // 1e-9 the error was 5 times the distance in the driver's torque.
     let scatters =
         contact.detection == Detection::Points || explicit && contact.friction_coefficient > 0.0;
     let order = match explicit {
@@ -355,20 +356,20 @@ pub fn by_tolerance(scene: &Scene, explicit: bool) -> Method {
     Method::Tolerance { order }
 }
 
-/// How a method is refined and what that gains.
+/// Refinement of a method, with its gain and cost.
 #[doc(hidden)]
 pub struct Refinement {
     /// Kind of setting, with its order, by which runs at two settings show their errors.
     pub method: Method,
-    /// Factor from the coarser to the finer of the first two runs.
+    /// Refinement factor from the coarser to the finer of the first two runs.
     pub first: f64,
     /// Usual order of the error in the setting.
     pub order: f64,
-    /// How the cost grows with the factor.
+    /// Exponent of the cost in the factor.
     pub cost: f64,
-    /// Least and most of a refinement.
+    /// Least and largest factor of a refinement.
     pub factors: (f64, f64),
-    /// Error of all runs alike, as a share of the tolerance.
+    /// Error that all runs share, relative to the tolerance.
     pub shared_error: f64,
 }
 
@@ -394,7 +395,7 @@ impl Refinement {
             (true, Family::Exponential) => by_tolerance(10.0, 0.9, 0.3),
             (true, _) if has_friction => by_tolerance(10.0, 0.45, 0.2),
             (true, _) => by_tolerance(10.0, 0.9, 0.2),
-            // Kinks leave two orders, friction's switches one and a half, points one.
+            // Kinks reduce the order to two, switches of friction to one and a half, points to one.
             (false, _) => Self {
                 factors: (2.0, 8.0),
                 ..by_tolerance(2.0, 1.0, 1.0)
@@ -402,8 +403,8 @@ impl Refinement {
         })
     }
 
-    /// Bound of the finer run's error; `before` is the distance one refinement earlier and its factor. Directions are not
-    /// looked at, so that no order counts as confirmed.
+    /// Returns a bound of the finer run's error; `before` is the previous refinement's distance and factor. Directions of the
+    /// changes are not compared, so that no order counts as confirmed.
     pub fn error(&self, moved: Distance, factor: f64, before: Option<(Distance, f64)>) -> Distance {
         let apart: Vec<_> = [Some((moved, factor)), before]
             .into_iter()
@@ -429,7 +430,7 @@ impl Refinement {
         let level = |(setting, run): &(f64, Rc<NativeRun>)| ladder::Level {
             setting: *setting,
             run: Ok(run.time_series.clone()),
-            // A part of the whole run's.
+            // Contained in the wall time of the run.
             wall_s: 0.0,
         };
         Some(Ladder {
@@ -440,7 +441,7 @@ impl Refinement {
         })
     }
 
-    /// The next refinement: to a third of the target.
+    /// Returns the factor of the next refinement, which aims at a third of the target.
     pub fn next(&self, error: Distance, target: f64) -> f64 {
         let wanted = (3.0 * error.worst() / target).powf(1.0 / self.order);
         if wanted.is_finite() {

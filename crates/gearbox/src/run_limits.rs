@@ -1,30 +1,30 @@
-//! Limits of a run; and the end of one whose adaptive steps have become so short that its own end is out of reach.
+//! Limits of a run, and its early end when adaptive steps become too short to reach the end of the scene.
 
 use pinwheel_mbs::integrators::{Family, method};
 
 use crate::scene::Scene;
 
-/// Steps from one look at whether the run must stop to the next; samples may be much farther apart.
+/// Number of steps between two checks for a stop; samples may be much farther apart.
 const LOOK: u64 = 1000;
-/// Accepted steps between two looks at the pace.
+/// Number of accepted steps between two checks of the pace.
 pub const SPAN: u64 = 20_000;
-/// Steps that may be left at the pace of the last [`SPAN`]: at ten microseconds a step five minutes.
-/// Measured most of a run worth having: 9e6 (`dopri5` on `hard-friction-narrow`, 0.6 s).
+/// Largest number of remaining steps at the pace of the last [`SPAN`]: at ten microseconds a step, five minutes. The largest
+/// number measured in a useful run is 9e6 (`dopri5` on `hard-friction-narrow`, 0.6 s).
 const MOST_STEPS: f64 = 3e7;
 
 /// Limits of a run besides its scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Limits {
-    /// No step of an adaptive method is longer, s.
+    /// Longest step of an adaptive method, s.
     pub(crate) longest_step_s: f64,
-    /// The run ends as diverged after this many evaluations.
+    /// Number of evaluations after which the run ends as diverged.
     pub(crate) evaluations: u64,
-    /// Nothing is looked at between samples: steps need not end there.
+    /// True if nothing is evaluated between samples: steps need not end there.
     pub(crate) samples_alone: bool,
 }
 
 impl Limits {
-    /// None: what a run with a named method has.
+    /// No limits, as for a run with a named method.
     pub(crate) const NONE: Self = Self {
         longest_step_s: f64::INFINITY,
         evaluations: u64::MAX,
@@ -35,7 +35,7 @@ impl Limits {
 /// Progress of one run with steps from a tolerance.
 #[derive(Debug, Clone)]
 pub struct Pace {
-    /// Steps asked for.
+    /// Number of requested steps.
     steps: u64,
     end: f64,
     last: f64,
@@ -45,7 +45,7 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// At time 0 of a scene whose contacts rub or do not.
+    /// Creates the progress at time 0 of a scene with or without friction of contacts.
     pub fn new(scene: &Scene, has_friction: bool) -> Self {
         Self {
             steps: 0,
@@ -57,7 +57,7 @@ impl Pace {
         }
     }
 
-    /// Before each step: whether it is time to look.
+    /// Returns true if a check is due; to be called before each step.
     #[inline]
     pub(crate) fn is_due(&mut self) -> bool {
         let due = self.steps.is_multiple_of(LOOK);
@@ -65,7 +65,7 @@ impl Pace {
         due
     }
 
-    /// Looks at a run that has reached `time` in `steps` steps.
+    /// Checks a run that has reached `time` (s) in `steps` steps.
     ///
     /// # Errors
     /// Returns the cost of reaching the end, and a remedy.
@@ -78,7 +78,7 @@ impl Pace {
         self.last = time;
         self.next_look = steps + SPAN;
         if left > MOST_STEPS {
-            // Two digits, and a tenth below what this pace reaches.
+            // Rounded to two digits, and a tenth below the time that this pace reaches.
             let reached = format!("{:.1e}", time + 0.9 * MOST_STEPS * step);
             let reached: f64 = reached.parse().unwrap_or(time);
             let implicit = method(&self.integrator)

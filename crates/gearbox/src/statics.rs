@@ -1,17 +1,17 @@
 //! Statics: the angles at which a gearbox at rest carries its load, for a given input angle.
 //!
-//! Exact geometry and the scene's own law at rate 0, so without damping and friction. Unknowns are the output's angle and what the
-//! carrier leaves free of the discs: their angles on eccentrics that hold them, their places too on elastic bearings, nothing on
-//! rigid cranks. Each disc must be free of force and moment as far as it is free, the output
-//! free of moment together with the load:
+//! The geometry is exact, and the scene's own law acts at rate 0, without damping and friction. Unknowns are the output's angle
+//! and the free coordinates of the discs. On eccentrics these are the discs' angles, on elastic bearings their places too;
+//! rigid cranks leave none. The residual of each disc is its force and moment in its free coordinates. The residual of the
+//! output is its moment together with the load:
 //!
 //! ```text
 //! F_i = 0, M_i = 0 for every disc i,    sum over discs of M_out,i + M_load = 0
 //! ```
-//! One quasi-Newton method finds them (`newton`), in some ten evaluations without a known balance and half of that with one at the
-//! pose before. Discs that float begin at the balance on rigid bearings and continue from there (`continuation`). Where Newton's
-//! method finds none on rigid bearings, or the
-//! contacts have no derivatives (discrete points), brackets do (`brackets`).
+//! One quasi-Newton method solves these equations (`newton`), in some ten evaluations without a known balance and half as many
+//! from the balance at the pose before. Discs that float begin at the balance on rigid bearings and continue from there
+//! (`continuation`). Brackets replace Newton's method on rigid bearings where it fails or where the contacts have no
+//! derivatives (discrete points; `brackets`).
 
 mod brackets;
 mod continuation;
@@ -32,20 +32,21 @@ use problem::{Balanced, Free, LEFT, OF_A_DISC, Problem, Size};
 
 /// Elastic twist allowed beyond the free play, in pitches (2 pi/zs): the guard of dynamic runs is 0.25.
 const PITCHES: f64 = 0.2;
-/// Difference steps, in the depths and twists of contacts under the load.
+/// Difference steps, relative to the depths and twists of contacts under the load.
 const DIFFERENCE: f64 = 2e-5;
-/// Twist to begin with beyond the free play, in those of the load by the estimate for adaptive steps: pressed in deeper than the
-/// load will press. Forces that stiffen with the depth then lead back without passing the balance, and all that will carry touches
-/// from the start.
+/// Initial twist beyond the free play, relative to the twist of the load by the estimate for adaptive steps. It presses
+/// contacts deeper than the load will. Forces that stiffen with the depth then lead back without passing the balance, and all
+/// pairs that will carry touch from the start.
 const TWIST: f64 = 2.0;
-/// Least share of the largest load that sizes follow, of discs that float and of others.
+/// Least ratio of the load to the largest load from which the sizes of a problem are scaled: of discs that float, and of
+/// others.
 const LEAST_SIZES: [f64; 2] = [1e-2, 1e-3];
-/// How much more of bearings' offsets a balance turns the output by at most than they would if all were across the eccentric.
+/// Largest ratio of the output's turn at a balance by bearing offsets to its turn if all offsets lay across the eccentric.
 const GIVEN_WAY: f64 = 4.0;
-/// Roundings of a disc's place that may be left as a force of its bearing.
+/// Rounding errors of a disc's place that may remain as a force of its bearing.
 const ROUNDINGS: f64 = 4.0;
 
-/// Angles in balance.
+/// Angles and poses of a gearbox in static balance.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Equilibrium {
     /// The input angle, rad.
@@ -85,27 +86,27 @@ pub struct Statics<'a> {
     motion: Motion,
     /// Derivatives of the moments with respect to angles, and of the forces on discs to their places.
     derivatives: Jacobian,
-    /// Numbers of the unknowns in these.
+    /// Numbers of the unknowns in `derivatives`.
     coordinates: Coordinates,
-    /// What carries the discs, without friction, because a balance at rest has none; and rigid bearings.
+    /// Carrier of the discs, without friction, because a balance at rest has none; `rigid` takes all bearings as rigid.
     carrier: Arc<Carrier>,
     rigid: Arc<Carrier>,
-    /// Last balances of discs that float, and their loads.
+    /// Last balances of discs that float, each with its load, N m.
     floated: Vec<(Equilibrium, f64)>,
-    /// Room for moments that contacts tell without loads, by body.
+    /// Buffer of the moments that contacts return without loads, by body, N m.
     moments_by_body: Vec<f64>,
-    /// The last contacts asked for moments alone had them.
+    /// True if the contacts could return moments alone at the last evaluation.
     tells_moments: bool,
     scales: ErrorScales,
     largest_n_m: f64,
     least_force_n: f64,
     /// Evaluations of all contacts so far.
     evaluations: u64,
-    /// Balances so far.
+    /// Balances solved so far.
     balances: u64,
-    /// Balances that were known when they were asked for again.
+    /// Requests for balances that were already known.
     repeats: u64,
-    /// Unknowns of the balances so far and what is left there, by input angle and load.
+    /// Unknowns and residuals of the balances so far, by the bits of input angle and load.
     known: HashMap<[u64; 2], (Vec<f64>, DVector<f64>)>,
 }
 
@@ -123,7 +124,7 @@ struct Motion {
 }
 
 impl Motion {
-    /// None, of so many discs.
+    /// Returns the motion at rest of `wheels` discs.
     fn none(wheels: usize) -> Self {
         Self {
             speed: 0.0,
@@ -135,7 +136,7 @@ impl Motion {
 }
 
 impl<'a> Statics<'a> {
-    /// A solver for `gearbox`.
+    /// Creates a solver for `gearbox`.
     ///
     /// # Errors
     /// See [`Gearbox::contact_field`].
@@ -167,24 +168,24 @@ impl<'a> Statics<'a> {
         })
     }
 
-    /// Solver that takes all bearings as rigid.
+    /// Returns the solver with all bearings taken as rigid.
     #[must_use]
     pub fn on_rigid_bearings(mut self) -> Self {
         self.carrier = self.rigid.clone();
         self
     }
 
-    /// The balance that is looked for at the input angle `phi` under a load on this carrier.
+    /// Returns the equations of the balance at the input angle `phi` (rad) under the torque `load` (N m) on this carrier.
     fn problem(&self, phi: f64, load: f64, carrier: &Arc<Carrier>) -> Problem {
         let (scales, gear) = (&self.scales, &self.gearbox.scene.gear);
         let moment = load.abs().max(self.least_force_n * gear.lever_m());
         let largest = self.largest_n_m.max(moment);
-        // Places are known to their rounding, and so are forces, however light the load.
+        // Rounding of places limits the accuracy of forces, however light the load.
         let least = LEAST_SIZES[usize::from(!carrier.floats())];
         let share = (moment / largest).max(least);
         let moment = share * largest;
         let force = moment / gear.lever_m();
-        // Where bearings sit: of cranks on their circle, about which forces have moments as well.
+        // Distance of the bearings from the gear's centre. Forces on cranks' circle have moments about the centre as well.
         let circle = carrier.cranks().map(|cranks| cranks.circle_radius_m);
         let place = circle.unwrap_or(gear.eccentricity_m);
         let rounding = ROUNDINGS * f64::EPSILON * place * carrier.slope_under(force);
@@ -210,7 +211,7 @@ impl<'a> Statics<'a> {
         }
     }
 
-    /// Half widths of the brackets: of a disc about its ideal mesh, of the output about its own.
+    /// Returns the half widths of the brackets, rad: of a disc about its ideal mesh, and of the output about its ideal angle.
     fn brackets(&self) -> (f64, f64) {
         let geometry = &self.gearbox.geometry;
         let twist = PITCHES * std::f64::consts::TAU / geometry.lobes();
@@ -236,7 +237,7 @@ impl<'a> Statics<'a> {
         }
     }
 
-    /// Puts all bodies in place, with the velocities of the motion about which forces are taken.
+    /// Sets the poses of all bodies and their velocities in the motion about which forces are taken.
     fn place(&mut self, problem: &Problem, u: &[f64]) {
         self.turn(problem, u);
         let (layout, geometry) = (self.gearbox.layout, &self.gearbox.geometry);
@@ -262,7 +263,7 @@ impl<'a> Statics<'a> {
         }
     }
 
-    /// Forces and moments that are not in balance at `u`, in the order of the unknowns.
+    /// Returns the unbalanced forces and moments at `u`, in the order of the unknowns.
     fn residual(&mut self, problem: &Problem, u: &[f64]) -> DVector<f64> {
         if problem.free == Free::Angles {
             self.turn(problem, u);
@@ -281,7 +282,7 @@ impl<'a> Statics<'a> {
                 let moments = discs.map(|i| all[OF_A_DISC * (i + 1)]);
                 DVector::from_iterator(u.len(), std::iter::once(all[0]).chain(moments))
             }
-            // By virtual work: the output takes discs along, and their eccentrics turn with the cranks.
+            // Virtual work gives the one moment: the output takes the discs along, and their eccentrics turn with the cranks.
             Free::Output => {
                 let cranks = 1.0 + self.gearbox.geometry.teeth_ratio;
                 let bodies = &self.bodies[self.gearbox.layout.wheel_bodies()];
@@ -294,8 +295,8 @@ impl<'a> Statics<'a> {
         }
     }
 
-    /// Moments that are not in balance on output and discs at their angles, by contacts that need neither loads nor places for them;
-    /// else `None`.
+    /// Returns the unbalanced moments on output and discs at their angles, N m. `None`: the contacts need loads or places for
+    /// them.
     fn moments(&mut self, load: f64) -> Option<DVector<f64>> {
         // Forces move discs that float.
         if self.gearbox.carrier.floats() || !self.field.work_from_angles() {
@@ -318,7 +319,7 @@ impl<'a> Statics<'a> {
         ))
     }
 
-    /// Moment on the output, and forces and moment on every disc, that are not in balance where the bodies are.
+    /// Returns the unbalanced moment on the output, and the unbalanced forces and moment on every disc, at the bodies' poses.
     fn forces(&mut self, problem: &Problem) -> DVector<f64> {
         self.evaluations += 1;
         self.loads.fill(Wrench::default());
@@ -344,7 +345,8 @@ impl<'a> Statics<'a> {
         all
     }
 
-    /// Adds the contacts' loads on the discs; those on the output's pins too, unless their moment is known, which is returned.
+    /// Adds the contacts' loads on the discs and returns the known moment on the output, N m. If that moment is not known, the
+    /// loads on the output's pins are added too, and 0 is returned.
     fn add_contacts(&mut self) -> f64 {
         if !self.field.work_from_angles() {
             self.field.add_loads(&self.bodies, &mut self.loads);
@@ -360,8 +362,8 @@ impl<'a> Statics<'a> {
         self.moments_by_body[Layout::OUTPUT]
     }
 
-    /// Jacobian of the residual, which is `here` at `u`: by differences where they are cheaper, or the only way. `None`: discs on
-    /// eccentrics whose contacts have no derivatives.
+    /// Returns the Jacobian of the residual, which is `here` at `u`. It is taken by differences where these are cheaper or the
+    /// contacts have no derivatives. `None`: discs on eccentrics whose contacts have no derivatives.
     fn jacobian(
         &mut self,
         problem: &Problem,
@@ -382,7 +384,7 @@ impl<'a> Statics<'a> {
         Some(self.differences(problem, u, here))
     }
 
-    /// Derivatives of the residual with respect to the unknowns and to their rates, as the contacts have them.
+    /// Returns the derivatives of the residual with respect to the unknowns and to their rates. `None`: the contacts have none.
     fn derivatives(&mut self, problem: &Problem, u: &[f64]) -> Option<[DMatrix<f64>; 2]> {
         self.evaluations += 1;
         self.place(problem, u);
@@ -411,7 +413,7 @@ impl<'a> Statics<'a> {
         }))
     }
 
-    /// Derivatives of the residual, which is `here` at `u`, by differences.
+    /// Returns the derivatives of the residual, which is `here` at `u`, by differences.
     fn differences(&mut self, problem: &Problem, u: &[f64], here: &DVector<f64>) -> DMatrix<f64> {
         let mut matrix = DMatrix::zeros(u.len(), u.len());
         let mut moved = u.to_vec();
@@ -425,7 +427,8 @@ impl<'a> Statics<'a> {
         matrix
     }
 
-    /// Jacobian at a balance by differences, and by the contacts' own derivatives, with that to rates.
+    /// Returns the Jacobian at a balance by differences, and from the contacts' own derivatives with respect to the unknowns
+    /// and to their rates.
     #[doc(hidden)]
     pub fn jacobians(
         &mut self,
@@ -441,11 +444,11 @@ impl<'a> Statics<'a> {
         )
     }
 
-    /// Stiffness, N m/rad, and damping, N m s/rad, of the output about a balance, the input locked and the discs following.
-    /// `None`: the contacts have no derivatives.
+    /// Returns the stiffness, N m/rad, and damping, N m s/rad, of the output about a balance, with the input locked and the
+    /// discs following. `None`: the contacts have no derivatives.
     ///
-    /// With s the rate of change all derivatives are K + s D. Discs that follow are eliminated: the output is left with
-    /// 1/e.(K + s D)^-1 e, taken to first order in s.
+    /// With s the rate of change, the derivatives are K + s D. Elimination of the discs leaves the output 1/e.(K + s D)^-1 e,
+    /// taken to first order in s.
     pub fn compliance(&mut self, at: &Equilibrium) -> Option<[f64; 2]> {
         let problem = self.problem(at.input, 0.0, &self.carrier);
         let u = problem.unknowns(&at.bodies, self.gearbox.layout);
@@ -464,8 +467,8 @@ impl<'a> Statics<'a> {
         ])
     }
 
-    /// True if the ideal mesh is in balance without a load, but for rounding. Nothing decides at which other place in
-    /// its play the gear would come to rest: forces of next to no depth have no derivative to follow.
+    /// Returns true if the ideal mesh is in balance without a load, but for rounding. No other rest position within the play is
+    /// determined: forces of very small depth have no derivative to follow.
     fn rests(&mut self, problem: &Problem, ideal: &[f64]) -> bool {
         let mut largest = |turn: f64| {
             let turned: Vec<f64> = ideal.iter().map(|angle| angle + turn).collect();
@@ -474,7 +477,7 @@ impl<'a> Statics<'a> {
         largest(0.0) <= 1e-3 * largest(1e-9)
     }
 
-    /// The equilibrium at the input angle `phi` (rad) under the load torque `load` (N m on the output).
+    /// Solves the equilibrium at the input angle `phi` (rad) under the load torque `load` (N m on the output).
     ///
     /// # Errors
     /// [`GearboxError::NoEquilibrium`]: the load is more than the teeth carry before they jump.
@@ -485,7 +488,7 @@ impl<'a> Statics<'a> {
         }
     }
 
-    /// The equilibrium on rigid bearings.
+    /// Solves the equilibrium on rigid bearings.
     fn solve_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         let problem = self.problem(phi, load, &self.rigid);
         let ideal = self.ideal(&problem);
@@ -504,7 +507,7 @@ impl<'a> Statics<'a> {
         }
     }
 
-    /// Unknowns of rigid bearings at the ideal mesh.
+    /// Returns the unknowns of rigid bearings at the ideal mesh.
     fn ideal(&self, problem: &Problem) -> Vec<f64> {
         let discs = match problem.free {
             Free::Angles => self.gearbox.layout.wheels,
@@ -514,9 +517,9 @@ impl<'a> Statics<'a> {
         std::iter::once(problem.ideal).chain(discs).collect()
     }
 
-    /// The equilibrium from that `near` by, under the same load at an input angle not far off. It takes fewer steps
-    /// than [`Statics::solve`] and gives the same to rounding; where Newton's method fails from there, it begins
-    /// afresh.
+    /// Solves the equilibrium at an input angle `phi` (rad) close to that of `near`, under the same load `load` (N m). It takes
+    /// fewer steps than [`Statics::solve`] and gives the same result to rounding. Where Newton's method fails from `near`, it
+    /// starts again without it.
     ///
     /// # Errors
     /// As [`Statics::solve`].
@@ -526,7 +529,7 @@ impl<'a> Statics<'a> {
         phi: f64,
         load: f64,
     ) -> Result<Equilibrium, GearboxError> {
-        // Where it may rest there is no slope to follow.
+        // Without a load the gear may rest anywhere in its play, and there is no slope to follow.
         let found = (load != 0.0).then(|| self.continue_from(near, phi, load));
         match found.flatten() {
             Some(found) => Ok(found),
@@ -534,7 +537,7 @@ impl<'a> Statics<'a> {
         }
     }
 
-    /// The balance near another one; `None`: it leads nowhere.
+    /// Solves the balance from the one at `near`; `None`: Newton's method did not converge from there.
     fn continue_from(&mut self, near: &Equilibrium, phi: f64, load: f64) -> Option<Equilibrium> {
         let problem = self.problem(phi, load, &self.carrier);
         let mut u = problem.unknowns(&near.bodies, self.gearbox.layout);
@@ -559,8 +562,8 @@ impl<'a> Statics<'a> {
         Some(self.equilibrium(&problem, &u, balanced))
     }
 
-    /// The balance at the next of some input angles under one load: from the one before, `last`, if there is one; this one
-    /// afterwards. One that is known is not solved again.
+    /// Solves the balance at the next of some input angles under one load, and stores it in `last`. It starts from the previous
+    /// balance in `last`, if there is one. A balance that is already known is not solved again.
     ///
     /// # Errors
     /// As [`Statics::solve`].
@@ -587,7 +590,7 @@ impl<'a> Statics<'a> {
         Ok(last.insert(found))
     }
 
-    /// The balance at `u`, where so much is left.
+    /// Returns the balance at `u`, whose residual is `left`.
     fn equilibrium(
         &mut self,
         problem: &Problem,
@@ -608,25 +611,25 @@ impl<'a> Statics<'a> {
         }
     }
 
-    /// The gearbox that is balanced.
+    /// Returns the gearbox that is balanced.
     #[must_use]
     pub fn gearbox(&self) -> &'a Gearbox {
         self.gearbox
     }
 
-    /// Evaluations of all contacts so far: what poses cost.
+    /// Returns the number of evaluations of all contacts so far, the cost of the poses.
     #[must_use]
     pub fn evaluations(&self) -> u64 {
         self.evaluations
     }
 
-    /// Balances that [`track`](Self::track) solved, and those that it knew.
+    /// Returns the number of balances that [`track`](Self::track) solved, and of those that were already known.
     #[must_use]
     pub fn balances(&self) -> [u64; 2] {
         [self.balances, self.repeats]
     }
 
-    /// Touching pairs of an equilibrium.
+    /// Returns the touching pairs of an equilibrium.
     pub fn touching(&mut self, equilibrium: &Equilibrium) -> Vec<PairContact> {
         let mut pairs = Vec::new();
         self.field
@@ -634,18 +637,17 @@ impl<'a> Statics<'a> {
         pairs
     }
 
-    /// The bearings that cranks of an RV gear carry discs by, as pairs; of other gears none.
+    /// Returns the bearings by which cranks of an RV gear carry discs, as pairs; empty for other gears.
     #[must_use]
     pub fn on_cranks(&self, equilibrium: &Equilibrium) -> Vec<PairContact> {
         self.carrier.pairs(&equilibrium.bodies)
     }
 
-    /// States at t = 0 of a run that starts loaded and already in its slow motion.
+    /// Solves the states at t = 0 of a run that starts loaded and already in its slow motion.
     ///
-    /// Along the equilibria the angles are functions of the input angle, so rates are `omega d/dphi` and
-    /// accelerations `omega^2 d^2/dphi^2`, by central differences. A second solution takes the damping at
-    /// these rates and the moments these accelerations need into account; its own derivative gives the rates.
-    /// Pins spin as at the kinematic start.
+    /// Angles along the equilibria are functions of the input angle. Rates are therefore `omega d/dphi` and accelerations
+    /// `omega^2 d^2/dphi^2`, by central differences. A second solution includes the damping at these rates and the moments of
+    /// these accelerations; its derivatives give the rates. Pins spin as at the kinematic start.
     ///
     /// # Errors
     /// See [`Statics::solve`].

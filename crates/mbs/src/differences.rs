@@ -4,12 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Jacobian, OdeSystem};
 
-/// Share of a component's scale by which differences move it: errors of rounding and of the next term meet.
+/// Difference step, relative to a component's scale: errors of rounding and of the next term are equal there.
 const SHARE: f64 = 6e-6;
-/// Share of the current step by which differences move the time.
+/// Difference step of the time, relative to the current step.
 const TIME_SHARE: f64 = 1e-4;
 
-/// Slopes by central differences, for systems that do not know theirs.
+/// Derivatives by central differences, for systems without derivatives of their own.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Differences {
     y: Vec<f64>,

@@ -3,14 +3,14 @@
 use crate::sliding::Contact;
 use crate::{BodyId, BodyState, ContactEnergy, Jacobian, Variable, Wrench};
 
-/// How far the bodies of an evaluation can be relied upon.
+/// Reliability of the bodies' poses in an evaluation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Pose {
-    /// Anywhere: the joints may be off by the integrator's error.
+    /// Poses may violate the joints by the integrator's error.
     #[default]
     Any,
-    /// Every body stands and moves as its joints prescribe. Forces that work [from angles](Forces::work_from_angles) read
-    /// nothing but angles and rates, and the places of bodies that no joint holds.
+    /// Every body has the pose and velocity that its joints prescribe. Forces that work [from angles](Forces::work_from_angles)
+    /// read only angles and rates, and the positions of bodies without a joint.
     Prescribed,
 }
 
@@ -22,8 +22,7 @@ pub struct Coordinates {
 }
 
 impl Coordinates {
-    /// Numbers the angles of the `turning` ones among so many bodies, then x and y of one after the other of the
-    /// `floating` ones.
+    /// Numbers the angles of the `turning` bodies among `bodies`, then x and y of each of the `floating` bodies.
     #[must_use]
     pub fn new(bodies: usize, turning: &[BodyId], floating: &[BodyId]) -> Self {
         let (mut angles, mut places) = (vec![None; bodies], vec![None; bodies]);
@@ -49,11 +48,11 @@ impl Coordinates {
     }
 }
 
-/// Jacobian to which forces add their derivatives: of moments about the pins by the rows of the free angles, loads of carried
-/// bodies included, and of the forces on bodies that no joint holds by those of their places.
+/// Jacobian to which forces add their derivatives. Rows of free angles receive those of moments about the pins, loads of
+/// carried bodies included; rows of positions those of forces on bodies without a joint.
 #[derive(Debug)]
 pub struct Derivatives<'a> {
-    /// Derivatives by coordinates (N m/rad), rates (N m s/rad) and time (N m/s), and those of forces.
+    /// Derivatives with respect to coordinates (N m/rad), rates (N m s/rad) and time (N m/s), and those of forces.
     pub jacobian: &'a mut Jacobian,
     /// Rows and columns of the bodies.
     pub coordinates: &'a Coordinates,
@@ -73,16 +72,16 @@ impl Derivatives<'_> {
 /// Outputs that an evaluation of the forces adds to; those that are `None` are not requested.
 #[derive(Debug, Default)]
 pub struct Evaluation<'a> {
-    /// How far the bodies can be relied upon.
+    /// Reliability of the bodies' poses.
     pub pose: Pose,
     /// Loads on all bodies, in their order: ground frame, N and N m about the centre of mass. With a prescribed pose they
     /// hold 0 on entry.
     pub loads: Option<&'a mut [Wrench]>,
-    /// True if only loads on bodies that no joint holds are needed, because `moments` give the rest.
+    /// True if only loads on bodies without a joint are needed, because `moments` give the others.
     pub floating_alone: bool,
-    /// Moments about the pins by body, N m, loads of carried bodies included, of forces that work
-    /// [from angles](Forces::work_from_angles): of the free bodies of [`Reduced`](crate::Reduced), and where `loads` are asked
-    /// for too also of the driven ones.
+    /// Moments about the pins by body, N m, loads of carried bodies included, of forces that work [from
+    /// angles](Forces::work_from_angles). They are those of the free bodies of [`Reduced`](crate::Reduced); if `loads` are
+    /// requested too, also those of the driven bodies.
     pub moments: Option<&'a mut [f64]>,
     /// Derivatives, of forces that [have them](Forces::have_derivatives).
     pub derivatives: Option<Derivatives<'a>>,
@@ -132,12 +131,12 @@ pub trait Forces {
     /// Adds every applied load to `loads` (body order of the mechanism).
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]);
 
-    /// True if moments, and loads with them, follow from angles and rates alone. Asked once.
+    /// Returns true if moments, and loads with them, follow from angles and rates alone. Called once.
     fn work_from_angles(&self) -> bool {
         false
     }
 
-    /// True if these forces know their derivatives. Asked once.
+    /// Returns true if these forces have their derivatives. Called once.
     fn have_derivatives(&self) -> bool {
         false
     }
@@ -145,7 +144,7 @@ pub trait Forces {
     /// Adds to the outputs of `request`, which never exceeds what these forces [work](Self::work_from_angles) and
     /// [have](Self::have_derivatives).
     ///
-    /// By default forces know their loads, and those alone.
+    /// By default forces provide their loads alone.
     fn evaluate(&mut self, t: f64, bodies: &[BodyState], request: &mut Evaluation<'_>) {
         request.energy = None;
         if let Some(loads) = request.loads.as_deref_mut() {
@@ -155,7 +154,7 @@ pub trait Forces {
 
     /// Adds every applied load but the friction of contacts, and lists these contacts.
     ///
-    /// By default there is no friction to tell apart.
+    /// By default there is no separate friction.
     fn apply_without_friction(
         &mut self,
         time: f64,
@@ -167,12 +166,12 @@ pub trait Forces {
         self.apply(time, bodies, loads);
     }
 
-    /// From now on the loads are those of the segment which begins at `from` (s), at its end too, until the next call;
-    /// see [`OdeSystem::restart_at`](crate::OdeSystem::restart_at). By default there are no segments.
+    /// Switches to the loads of the segment that begins at `from` (s), which are used at its end too, until the next call; see
+    /// [`OdeSystem::restart_at`](crate::OdeSystem::restart_at). By default there are no segments.
     fn restart_at(&mut self, _from: f64) {}
 
-    /// Normal force (N) of contact `index` of the last list if it closed at `rate` (m/s, along its
-    /// normal, first body against second) at the same positions. `listed`: the force in the list.
+    /// Returns the normal force (N) of contact `index` of the last list for a closing rate `rate` (m/s, along its normal, first
+    /// body against second) at equal positions. `listed`: the force in the list.
     fn normal_force(&self, _index: usize, listed: f64, _rate: f64) -> f64 {
         listed
     }

@@ -6,26 +6,26 @@
 //! ```text
 //! (s I - [0 I; K D]) (x, w) = (r, p)   =>   (s I - D - K/s) w = p + K r/s,   x = (r + w)/s
 //! ```
-//! Velocities may be *hubs* and *leaves* (as in [`crate::sliding`]): what no entry joins to another leaf is
-//! eliminated one by one, and the Schur complement of the hubs is factored densely, with pivots. Nothing need be symmetric.
+//! Velocities may be *hubs* and *leaves* (as in [`crate::sliding`]): a leaf has no entry with another leaf. Leaves are
+//! eliminated one by one, and the Schur complement of the hubs is factored densely, with pivots. No symmetry is required.
 
 use serde::{Deserialize, Serialize};
 
 use crate::lu::{Lu, dot};
 
-/// How f depends on y.
+/// Structure of the dependence of f on y.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Structure {
-    /// Nothing is known.
+    /// No known structure.
     FirstOrder,
-    /// y = (q, v), both of this length, and q' = v. True: a leaf, whose acceleration depends on no other leaf.
+    /// Mechanical system: y = (q, v), both of the length of `is_leaf`, and q' = v.
     SecondOrder {
-        /// By velocity.
+        /// By velocity: true for a leaf, whose acceleration depends on no other leaf.
         is_leaf: Vec<bool>,
     },
 }
 
-/// A square matrix in which no entry joins two leaves.
+/// Square matrix in which no entry joins two leaves.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Arrow {
     places: Vec<Place>,
@@ -46,7 +46,7 @@ pub(crate) enum Place {
 }
 
 impl Place {
-    /// Places of all velocities, with the numbers of hubs and of leaves.
+    /// Returns the places of all velocities, with the numbers of hubs and of leaves.
     pub(crate) fn all(is_leaf: &[bool]) -> (Vec<Self>, usize, usize) {
         let (mut hubs, mut leaves) = (0, 0);
         let places = is_leaf.iter().map(|&leaf| {
@@ -71,7 +71,7 @@ impl Arrow {
         }
     }
 
-    /// Rows and columns.
+    /// Returns the number of rows, which is that of columns.
     #[must_use]
     pub fn dimension(&self) -> usize {
         self.places.len()
@@ -88,7 +88,7 @@ impl Arrow {
         self.leaves.fill(0.0);
     }
 
-    /// Adds to an entry; of two different leaves there is none, and nothing happens.
+    /// Adds `value` to an entry; two different leaves have none, and nothing changes.
     #[inline]
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         let (hubs, leaves) = (self.hub_count(), self.leaves.len());
@@ -101,7 +101,7 @@ impl Arrow {
         }
     }
 
-    /// One entry; 0 between leaves.
+    /// Returns one entry; 0 between different leaves.
     #[must_use]
     pub fn entry(&self, row: usize, column: usize) -> f64 {
         let (hubs, leaves) = (self.hub_count(), self.leaves.len());
@@ -135,7 +135,7 @@ impl Arrow {
     }
 }
 
-/// A vector with hubs and leaves apart.
+/// Vector with its hubs and leaves stored separately.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Parted {
     hubs: Vec<f64>,
@@ -161,7 +161,7 @@ impl Parted {
         }
     }
 
-    /// self += factor matrix x.
+    /// Adds the product: self += factor matrix x.
     fn add_product(&mut self, factor: f64, matrix: &Arrow, x: &Self) {
         let (m, l) = (self.hubs.len(), self.leaves.len());
         for (i, sum) in self.hubs.iter_mut().enumerate() {
@@ -179,7 +179,7 @@ impl Parted {
     }
 }
 
-/// y += a x.
+/// Adds a multiple of a vector: y += a x.
 fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
     for (y, x) in y.iter_mut().zip(x) {
         *y += a * x;
@@ -189,20 +189,20 @@ fn axpy(a: f64, x: &[f64], y: &mut [f64]) {
 /// Variable of a derivative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Variable {
-    /// Coordinate of this number.
+    /// Number of a coordinate.
     Position(usize),
-    /// Velocity of this number.
+    /// Number of a velocity.
     Rate(usize),
-    /// Function of the time that changes at this rate.
+    /// Function of the time, with its rate of change.
     Time(f64),
 }
 
-/// The derivatives of a system's f, and the factors of s I - df/dy.
+/// Derivatives of a system's f, and the factors of s I - df/dy.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Jacobian {
     /// K of a mechanical system in the order of v, 1/s^2; `None` of a system of first order.
     pub position: Option<Arrow>,
-    /// D, 1/s, or the whole of df/dy of a system of first order.
+    /// D, 1/s, or the entire df/dy of a system of first order.
     pub rate: Arrow,
     /// da/dt, or df/dt of a system of first order.
     pub time: Vec<f64>,
@@ -217,7 +217,7 @@ pub struct Jacobian {
 }
 
 impl Jacobian {
-    /// All 0. `dimension` is the length of y.
+    /// Creates a Jacobian of zeros. `dimension` is the length of y.
     #[must_use]
     pub fn new(structure: &Structure, dimension: usize) -> Self {
         let (rate, second) = match structure {
@@ -242,14 +242,14 @@ impl Jacobian {
         }
     }
 
-    /// All 0 again.
+    /// Sets all derivatives to 0.
     pub fn clear(&mut self) {
         self.position.iter_mut().for_each(Arrow::clear);
         self.rate.clear();
         self.time.fill(0.0);
     }
 
-    /// Adds to the derivative of the acceleration `row` of a mechanical system.
+    /// Adds `value` to the derivative of the acceleration `row` of a mechanical system with respect to `by`.
     #[inline]
     pub fn add(&mut self, row: usize, by: Variable, value: f64) {
         match by {
@@ -274,7 +274,7 @@ impl Jacobian {
         axpy(factor, &self.time, &mut dydt[first..]);
     }
 
-    /// Factors `shift` I - df/dy. False if that is singular or not finite.
+    /// Factors `shift` I - df/dy. Returns false if the matrix is singular or not finite.
     #[must_use]
     pub fn factor(&mut self, shift: f64) -> bool {
         self.shift = shift;

@@ -5,9 +5,8 @@
 //! `D_parent = [-1 0 s_y; 0 -1 -s_x]`, `D_child = [1 0 -s_y; 0 1 s_x]`,
 //! `gamma = rate_child^2 s_child - rate_parent^2 s_parent`, and for a driver `gamma = f''`.
 //!
-//! Only accelerations are constrained, so positions drift with the integrator's error
-//! (Heun at 1e-5 s: about 1e-9 m on the paper's discs, but 4e-10 m inside every second stage,
-//! which is 1e-4 of a penetration). [`Stabilisation`] says what is done about it.
+//! Only accelerations are constrained, so positions drift with the integrator's error: for Heun at 1e-5 s about 1e-9 m on the
+//! paper's discs, but 4e-10 m inside every second stage, which is 1e-4 of a penetration. [`Stabilisation`] chooses the remedy.
 
 mod split;
 mod turning;
@@ -25,42 +24,42 @@ use crate::state::{BodyId, BodyState, ContactEnergy, Wrench};
 use crate::tree::{Arms, Forest, turned};
 use turning::{Projected, Turning};
 
-/// Means besides the accelerations to keep the joints together.
+/// Correction of the joints' drift, besides the constraints on accelerations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stabilisation {
-    /// Nothing, as published.
+    /// No correction, as published.
     None,
     /// [Baumgarte 1972]: gamma - 2 b dPhi/dt - b^2 Phi with the rate b, 1/s.
     Baumgarte {
         /// b, 1/s; b times the step must stay below about 1 for explicit methods.
         rate: f64,
     },
-    /// Every stage is evaluated, and every step ends, on the constraints: along the forest of joints
-    /// centres follow from angles, driven angles from time; loops are closed by Newton steps of
-    /// least kinetic energy, `M dq + D' mu = 0, D dq = -Phi`.
+    /// Projection of every evaluated stage and of every step's end onto the constraints. Along the forest of joints centres
+    /// follow from angles and driven angles from time. Loops are closed by Newton steps of least kinetic energy, `M dq + D' mu
+    /// = 0, D dq = -Phi`.
     Projection,
 }
 
-/// Newton steps for closing loops.
+/// Largest number of Newton steps to close loops.
 const LOOP_STEPS: usize = 8;
-/// Loops are closed when no joint is farther apart than this share of the largest coordinate (at least 1 m).
+/// Tolerance of closed loops: largest gap of a joint, relative to the largest coordinate (at least 1 m).
 const LOOP_TOLERANCE: f64 = 1e-14;
-/// How far the fastest body turns to get beside a singular pose, rad.
+/// Turn of the fastest body that leads away from a singular pose, rad.
 const BESIDE: f64 = 2e-5;
 
-/// The state of a body; without one that of the ground.
+/// Returns the state of a body; `None` is the ground.
 fn state_of(bodies: &[BodyState], body: Option<BodyId>) -> BodyState {
     body.map_or_else(BodyState::default, |body| bodies[body])
 }
 
-/// Three coordinates of every body, then their rates.
+/// Splits y into three coordinates of every body and their rates.
 #[inline]
 fn coordinates(y: &[f64]) -> (&[[f64; 3]], &[[f64; 3]]) {
     let (q, v) = y.split_at(y.len() / 2);
     (q.as_chunks().0, v.as_chunks().0)
 }
 
-/// Views three coordinates of every body, then their rates, for writing.
+/// Splits y into three coordinates of every body and their rates, for writing.
 #[inline]
 fn coordinates_mut(y: &mut [f64]) -> (&mut [[f64; 3]], &mut [[f64; 3]]) {
     let (q, v) = y.split_at_mut(y.len() / 2);
@@ -77,7 +76,7 @@ fn write<'a>(bodies: impl IntoIterator<Item = &'a BodyState>, y: &mut [f64]) {
     }
 }
 
-/// The equations of a mechanism under applied `F`.
+/// Equations of a mechanism under applied `F`.
 pub struct Lagrange<F> {
     mechanism: Mechanism,
     forces: F,
@@ -87,22 +86,22 @@ pub struct Lagrange<F> {
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
     arms: Vec<Arms>,
-    /// Which of the arms turn, and with whom.
+    /// Arms that turn, and the bodies they turn with.
     turning: Vec<Turning>,
     projected: Projected,
     reactions: Vec<[f64; 2]>,
     torques: Vec<f64>,
-    /// How contacts depend on the free rates, where friction may be treated implicitly.
+    /// Dependence of contacts on the free rates, where friction may be treated implicitly.
     contacts: Option<PinnedContacts>,
     rates: Vec<f64>,
-    /// First estimate of the friction's accelerations of these rates.
+    /// First estimate of the accelerations by friction of these rates.
     guess: Vec<f64>,
     friction: Vec<Wrench>,
     scales: Option<ErrorScales>,
 }
 
 impl<F: Forces> Lagrange<F> {
-    /// Checks the mechanism, does the symbolic work and tries one factorisation at the start.
+    /// Creates the equations: checks the mechanism, orders the elimination and tries one factorisation at the start.
     ///
     /// # Errors
     /// Bad indices or values; constraints that depend on each other at t = 0.
@@ -142,22 +141,22 @@ impl<F: Forces> Lagrange<F> {
         Ok(system)
     }
 
-    /// Lets methods treat friction implicitly; `contacts` comes from [`crate::Reduced`] of the same mechanism.
-    /// Without it they fail on a mechanism whose forces list contacts.
+    /// Enables implicit treatment of friction; `contacts` comes from [`crate::Reduced`] of the same mechanism. Without it,
+    /// methods with implicit friction fail on a mechanism whose forces list contacts.
     #[must_use]
     pub fn with_contacts(mut self, contacts: PinnedContacts) -> Self {
         self.contacts = Some(contacts);
         self
     }
 
-    /// Sets the errors that adaptive methods count as 1.
+    /// Sets the errors that adaptive methods weigh as 1.
     #[must_use]
     pub fn with_scales(mut self, scales: ErrorScales) -> Self {
         self.scales = Some(scales);
         self
     }
 
-    /// All bodies as y has them.
+    /// Sets the states of all bodies from y.
     fn unpack(&mut self, y: &[f64]) {
         self.projected.valid = false;
         let (q, v) = coordinates(y);
@@ -166,7 +165,8 @@ impl<F: Forces> Lagrange<F> {
         }
     }
 
-    /// As far as the forest does not say where they are: what [`satisfy_constraints`](Self::satisfy_constraints) begins with.
+    /// Sets from y the coordinates that the forest of joints does not determine, before
+    /// [`satisfy_constraints`](Self::satisfy_constraints).
     fn unpack_free(&mut self, y: &[f64]) {
         self.projected.valid = false;
         let (q, v) = coordinates(y);
@@ -184,7 +184,7 @@ impl<F: Forces> Lagrange<F> {
         }
     }
 
-    /// Arms as they will stand after every body has turned on at its own rate for `time`.
+    /// Turns the arms on by `time`, each at its body's rate.
     fn turn_arms(&mut self, time: f64) {
         self.projected.valid = false;
         for (arms, joint) in self.arms.iter_mut().zip(&self.mechanism.revolutes) {
@@ -194,12 +194,12 @@ impl<F: Forces> Lagrange<F> {
         }
     }
 
-    /// Factors; where constraints depend on each other, beside that pose.
+    /// Factors the system; where constraints depend on each other, at a neighbouring pose.
     ///
-    /// Loops can lose rank in single poses that motion passes through, and the accelerations there are
-    /// the limit from both sides. So the arms are turned on by [`BESIDE`], each at its body's rate;
-    /// gamma is taken at the same arms, so that the solution is that of the neighbouring pose of the same
-    /// branch, and the error is of the order of that angle, in this one evaluation.
+    /// Loops can lose rank in single poses that the motion passes through, and the accelerations there are the limit from both
+    /// sides. The arms are therefore turned on by [`BESIDE`], each at its body's rate, and gamma is taken at the same arms. The
+    /// solution is then that of the neighbouring pose of the same branch. Its error is of the order of that angle, in this one
+    /// evaluation.
     fn factor_beside(&mut self) -> Result<(), usize> {
         let Err(constraint) = self.saddle.factor(Dependent::Refuse, &self.arms) else {
             return Ok(());
@@ -212,7 +212,7 @@ impl<F: Forces> Lagrange<F> {
         self.saddle.factor(Dependent::Refuse, &self.arms)
     }
 
-    /// Phi and dPhi/dt of a revolute.
+    /// Returns Phi and dPhi/dt of a revolute.
     fn revolute_error(&self, k: usize) -> ([f64; 2], [f64; 2]) {
         let joint = &self.mechanism.revolutes[k];
         let ([px, py], [cx, cy]) = (self.arms[k].parent, self.arms[k].child);
@@ -227,7 +227,7 @@ impl<F: Forces> Lagrange<F> {
         )
     }
 
-    /// Phi and dPhi/dt of a driver.
+    /// Returns Phi and dPhi/dt of a driver.
     fn driver_error(&self, k: usize, t: f64) -> (f64, f64) {
         let driver = &self.mechanism.drivers[k];
         let parent = state_of(&self.bodies, driver.parent);
@@ -239,7 +239,7 @@ impl<F: Forces> Lagrange<F> {
         )
     }
 
-    /// Right-hand side gamma of Eq. 9, with Baumgarte's feedback if chosen.
+    /// Sets the right-hand side gamma of Eq. 9, with Baumgarte's feedback if chosen.
     fn set_gamma(&mut self, t: f64) {
         let revolutes = self.arms.len();
         self.saddle.constraints().fill(Vector3::zeros());
@@ -267,7 +267,7 @@ impl<F: Forces> Lagrange<F> {
         }
     }
 
-    /// Puts the bodies onto the constraints at time `t`.
+    /// Projects the bodies onto the constraints at time `t`.
     fn satisfy_constraints(&mut self, t: f64) {
         for driver in &self.mechanism.drivers {
             let (angle, rate, _) = driver.motion.at(t);
@@ -282,7 +282,8 @@ impl<F: Forces> Lagrange<F> {
         }
     }
 
-    /// Newton's method on all constraints in the metric of the mass matrix, then one exact solve for the rates.
+    /// Corrects positions by Newton's method on all constraints in the metric of the mass matrix, then the rates by one exact
+    /// solve.
     fn close_loops(&mut self, t: f64) {
         let far = |b: &BodyState| b.x.abs().max(b.y.abs());
         let tolerance = LOOP_TOLERANCE * self.bodies.iter().map(far).fold(1.0, f64::max);
@@ -309,7 +310,8 @@ impl<F: Forces> Lagrange<F> {
         }
     }
 
-    /// Puts -Phi, or -dPhi/dt where `rates` is true, into the constraint rows; returns the largest component of a revolute's.
+    /// Writes -Phi, or -dPhi/dt where `rates` is true, into the constraint rows, and returns the largest component of a
+    /// revolute's error.
     fn set_joint_errors(&mut self, t: f64, rates: bool) -> f64 {
         let mut worst: f64 = 0.0;
         for k in 0..self.arms.len() {
@@ -326,16 +328,16 @@ impl<F: Forces> Lagrange<F> {
         worst
     }
 
-    /// Solves M dq + D' mu = 0, D dq = what stands in the constraint rows.
+    /// Solves M dq + D' mu = 0, D dq = b, with b in the constraint rows.
     fn correct(&mut self) -> Result<(), usize> {
-        // Dependent directions take no part: nothing is known of them, and a step of least energy leaves them alone.
+        // Dependent directions are dropped: they have no defined correction, and a step of least energy does not move them.
         self.saddle.factor(Dependent::Drop, &self.arms)?;
         self.saddle.bodies().fill(Vector3::zeros());
         self.saddle.solve();
         Ok(())
     }
 
-    /// The applied loads at the unpacked bodies; the contacts' energy if it is asked for and known.
+    /// Sums the applied loads at the unpacked bodies, and returns the contacts' energy if it is requested and known.
     fn sum_loads(&mut self, t: f64, wants_energy: bool) -> Option<ContactEnergy> {
         self.loads.fill(Wrench::default());
         let pose = if self.stabilisation == Stabilisation::Projection {
@@ -354,7 +356,7 @@ impl<F: Forces> Lagrange<F> {
         request.energy
     }
 
-    /// Accelerations and multipliers under the loads.
+    /// Solves the accelerations and multipliers under the loads.
     fn accelerate(&mut self, t: f64) -> Result<(), usize> {
         self.factor_beside()?;
         self.set_gamma(t);
@@ -363,14 +365,14 @@ impl<F: Forces> Lagrange<F> {
         Ok(())
     }
 
-    /// Bodies that rest where the forest has them, wherever they were put.
+    /// Resets the poses of bodies at rest to those of the forest of joints.
     fn rest(&mut self) {
         if self.stabilisation == Stabilisation::Projection {
             self.forest.place_resting(&mut self.bodies, &self.arms);
         }
     }
 
-    /// Bodies and arms at (t, y), unless they stand there.
+    /// Sets bodies and arms to (t, y), unless they already are.
     fn prepare(&mut self, t: f64, y: &[f64]) {
         if self.projected.is(t, y) {
             return;
@@ -453,7 +455,7 @@ impl<F: Forces> Formulation for Lagrange<F> {
         self.prepare(t, y);
         let energy = self.sum_loads(t, true);
         let solved = self.accelerate(t).is_ok();
-        // Without a solution nothing is known of them.
+        // Without a solution the multipliers are unknown.
         let sign = if solved { -1.0 } else { f64::NAN };
         let (joints, drivers) = self.saddle.constraints().split_at(self.arms.len());
         for (reaction, mu) in zip(&mut self.reactions, joints) {

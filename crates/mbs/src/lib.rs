@@ -67,7 +67,7 @@ pub use reduced::Reduced;
 pub use saddle::SaddlePoint;
 pub use state::{BodyId, BodyState, ContactEnergy, Wrench, add_pair};
 
-/// Private items that the tests of this crate reach; no part of the interface.
+/// Private items for the tests of this crate; not part of the interface.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::integrators::etd_adams::columns::{Columns, ROWS, padded};

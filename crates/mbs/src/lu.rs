@@ -15,12 +15,12 @@ pub struct Lu {
     entries: Vec<f64>,
     /// Inverses of the pivots.
     inverse: Vec<f64>,
-    /// Row that came to each place.
+    /// Row that was swapped to each place.
     swaps: Vec<usize>,
 }
 
 impl Lu {
-    /// Zeros of an `n` x `n` matrix.
+    /// Creates an `n` x `n` matrix of zeros.
     pub fn new(n: usize) -> Self {
         Self {
             n,
@@ -30,12 +30,12 @@ impl Lu {
         }
     }
 
-    /// A, row by row, to be written before [`factor`](Self::factor).
+    /// Returns the entries of A, row by row, to be written before [`factor`](Self::factor).
     pub fn entries_mut(&mut self) -> &mut [f64] {
         &mut self.entries
     }
 
-    /// False if the matrix is singular or not finite.
+    /// Factors the matrix. Returns false if it is singular or not finite.
     pub fn factor(&mut self) -> bool {
         let n = self.n;
         for k in 0..n {

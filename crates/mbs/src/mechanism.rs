@@ -11,36 +11,36 @@ use serde::{Deserialize, Serialize};
 
 use crate::{BodyId, BodyState};
 
-/// A rigid body and where it starts.
+/// Rigid body with its initial state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// For messages.
+    /// Name in messages.
     pub name: String,
-    /// kg, > 0.
+    /// Mass, kg, > 0.
     pub mass: f64,
-    /// About the centre of mass, kg m^2, > 0.
+    /// Moment of inertia about the centre of mass, kg m^2, > 0.
     pub moment: f64,
     /// State at t = 0.
     pub start: BodyState,
 }
 
-/// A revolute joint without friction.
+/// Revolute joint without friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Revolute {
     /// Body 1; `None` is the ground, whose frame the point is then given in.
     pub parent: Option<BodyId>,
-    /// The joint in the parent's frame (from its centre of mass), m.
+    /// Position of the joint in the parent's frame (from its centre of mass), m.
     pub parent_point: [f64; 2],
     /// Body 2.
     pub child: BodyId,
-    /// The joint in the child's frame (from its centre of mass), m.
+    /// Position of the joint in the child's frame (from its centre of mass), m.
     pub child_point: [f64; 2],
 }
 
-/// f(t) = angle + rate (t - from) + acceleration (t - from)^2/2.
+/// Prescribed motion f(t) = angle + rate (t - from) + acceleration (t - from)^2/2.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Motion {
-    /// When it begins, s.
+    /// Start time, s.
     pub from_s: f64,
     /// f(from), rad.
     pub angle: f64,
@@ -51,7 +51,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// f, f' and f'' at `t`.
+    /// Returns f, f' and f'' at `t`.
     #[must_use]
     #[inline]
     pub fn at(&self, t: f64) -> (f64, f64, f64) {
@@ -64,41 +64,41 @@ impl Motion {
     }
 }
 
-/// A prescribed relative rotation (Eq. 4).
+/// Driver: prescribed relative rotation (Eq. 4).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Driver {
     /// Body from which the angle is measured; `None` is the ground.
     pub parent: Option<BodyId>,
-    /// The driven body.
+    /// Driven body.
     pub child: BodyId,
-    /// The prescribed angle.
+    /// Prescribed angle.
     pub motion: Motion,
 }
 
-/// Why a mechanism cannot be solved.
+/// Reason why a mechanism cannot be solved.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MechanismError {
-    /// A joint names a body that is not there, or joins a body to itself.
+    /// A joint refers to a body that does not exist, or joins a body to itself.
     #[error("{joint} refers to body {body}, which does not exist or is its own partner")]
     Body {
-        /// e.g. `revolute 3`.
+        /// Name of the joint, e.g. `revolute 3`.
         joint: String,
-        /// The index given.
+        /// Index in the joint.
         body: usize,
     },
     /// A mass, moment, point or motion that is not finite or not positive.
     #[error("{what} must be finite and, for masses and moments, positive")]
     Value {
-        /// Which value.
+        /// Name of the value.
         what: String,
     },
-    /// More or contradictory constraints than coordinates, or the same one twice.
+    /// Constraints exceed the coordinates, contradict each other, or repeat one.
     #[error("constraints are redundant: {constraint} adds nothing to the others")]
     Redundant {
         /// Number of the first constraint that depends on the others.
         constraint: String,
     },
-    /// The exact elimination does not apply.
+    /// The exact elimination does not apply, for the given reason.
     #[error("the reduced form needs centre-pinned bodies: {0}; use the Lagrange form")]
     NotReducible(String),
 }
@@ -115,20 +115,20 @@ pub struct Mechanism {
 }
 
 impl Mechanism {
-    /// Number of scalar constraints: two a revolute, one a driver.
+    /// Returns the number of scalar constraints: two a revolute, one a driver.
     #[must_use]
     pub fn constraints(&self) -> usize {
         2 * self.revolutes.len() + self.drivers.len()
     }
 
-    /// Child and parent of every revolute, then of every driver.
+    /// Returns child and parent of every revolute, then of every driver.
     pub(crate) fn ends(&self) -> Vec<(BodyId, Option<BodyId>)> {
         let joints = self.revolutes.iter().map(|j| (j.child, j.parent));
         let drivers = self.drivers.iter().map(|d| (d.child, d.parent));
         joints.chain(drivers).collect()
     }
 
-    /// Kinetic energy of the bodies in these states, J.
+    /// Returns the kinetic energy of the bodies in the given states, J.
     #[must_use]
     pub fn kinetic_j(&self, states: &[BodyState]) -> f64 {
         let of = |(body, v): (&Body, &BodyState)| {

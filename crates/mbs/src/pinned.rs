@@ -1,7 +1,7 @@
 //! Contacts in a mechanism of centre-pinned bodies.
 //!
-//! There a contact's sliding and closing speeds are linear in the free rates: each body turns, and a
-//! carried one also swings about its carrier's pin. What turns at a prescribed rate is an offset.
+//! In such a mechanism a contact's sliding and closing speeds are linear in the free rates: each body turns, and a carried one
+//! also swings about its carrier's pin. Bodies that turn at a prescribed rate contribute an offset.
 
 use crate::forces::Forces;
 use crate::sliding::{Contact, Row, SlidingStage};
@@ -10,24 +10,24 @@ use crate::state::{BodyId, BodyState};
 /// Origin of a body's angle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Angle {
-    /// Entry of y.
+    /// Free angle: entry of y.
     Free(usize),
-    /// Driver number.
+    /// Prescribed angle: driver number.
     Driven(usize),
     /// Uniform rotation.
     Idle,
 }
 
-/// The free rates of a mechanism, and the contacts of one stage.
+/// Free rates of a mechanism, and the contacts of one stage.
 #[derive(Debug, Clone)]
 pub struct PinnedContacts {
     /// For every body, the origin of its angle and the body that carries it.
     pub(crate) pins: Vec<(Angle, Option<BodyId>)>,
     /// Bodies whose rates are free, in order.
     pub(crate) free: Vec<BodyId>,
-    /// Bodies that no joint holds, in order; their velocities (x, y) come after all free rates.
+    /// Bodies without a joint, in order; their velocities (x, y) follow all free rates.
     pub(crate) floating: Vec<BodyId>,
-    /// The contacts, to be listed by the forces, and what their friction does to the free rates.
+    /// Contacts, to be listed by the forces, and the effect of their friction on the free rates.
     pub(crate) stage: SlidingStage,
 }
 
@@ -50,8 +50,8 @@ impl PinnedContacts {
     }
 }
 
-/// How fast `contact` slides and closes, in the free rates, and in the velocities of the `floating`, the first of which has
-/// that number.
+/// Returns the sliding and closing speeds of `contact` as functions of the free rates and of the velocities of the `floating`
+/// bodies, the first of which has the given number.
 #[inline]
 fn rows(
     pins: &[(Angle, Option<BodyId>)],
@@ -65,7 +65,7 @@ fn rows(
     let (mut known_t, mut known_n) = (0.0, 0.0);
     for (body, sign) in [(contact.bodies[0], 1.0), (contact.bodies[1], -1.0)] {
         let at = bodies[body];
-        // What a unit rate about (cx, cy) does at a point (px, py) away: (-py, px).
+        // Velocity by a unit rate about (cx, cy) at a point (px, py) away: (-py, px).
         let rates = |px: f64, py: f64| (sign * (px * nx + py * ny), sign * (px * ny - py * nx));
         if let Some(number) = floating.iter().position(|&floats| floats == body) {
             let dof = first + 2 * number;

@@ -1,8 +1,8 @@
 //! The reduced form: exact elimination of centre-pinned bodies.
 //!
-//! A body that is carried at its centre of mass has translations which are known functions of its
-//! carrier's angle, and its own rotation does not react on the carrier. Its mass is lumped into
-//! the carrier and one equation per free angle remains, without multipliers:
+//! A body carried at its centre of mass has translations that are known functions of its carrier's angle, and its own rotation
+//! does not react on the carrier. Its mass is lumped into the carrier. One equation per free angle remains, without
+//! multipliers:
 //!
 //! ```text
 //! carried body:  I a = moment
@@ -13,8 +13,8 @@
 //! Bodies that nothing turns (`idle`) keep their rate and are not integrated.
 //! The motion equals that of the Lagrange form to rounding.
 //!
-//! Friction may be treated implicitly ([`OdeSystem::split_stage`]): a contact's sliding speed is
-//! linear in the free rates, `u = offset + J v`, and `-J' F_t` is what its friction does to them.
+//! Friction may be treated implicitly ([`OdeSystem::split_stage`]): a contact's sliding speed is linear in the free rates, `u =
+//! offset + J v`, and its friction contributes `-J' F_t` to their equations.
 
 use crate::forces::{Coordinates, Evaluation, Forces};
 use crate::jacobian::{Jacobian, Structure};
@@ -24,7 +24,7 @@ use crate::pinned::{Angle, PinnedContacts};
 use crate::sliding::SlidingStage;
 use crate::state::{BodyId, BodyState, ContactEnergy, Wrench};
 
-/// A body carried by another.
+/// Body carried by another body at its centre of mass.
 #[derive(Debug, Clone, Copy)]
 struct Carried {
     body: BodyId,
@@ -32,7 +32,7 @@ struct Carried {
     arm: [f64; 2],
 }
 
-/// The reduced equations of a mechanism under applied `F`.
+/// Reduced equations of a mechanism under applied `F`.
 pub struct Reduced<F> {
     mechanism: Mechanism,
     forces: F,
@@ -41,15 +41,16 @@ pub struct Reduced<F> {
     /// Lumped moment of inertia of every body.
     inertia: Vec<f64>,
     free: Vec<BodyId>,
-    /// Bodies that no joint holds; y has their places after all free angles.
+    /// Bodies without a joint; their positions follow all free angles in y.
     floating: Vec<BodyId>,
-    /// Bodies that nothing turns but that do turn, and their start.
+    /// Bodies that rotate at a constant rate without a moment, with their initial states.
     idle: Vec<(BodyId, BodyState)>,
-    /// Kinetic energy of their turning, J.
+    /// Rotational kinetic energy of the `idle` bodies, J.
     idle_j: f64,
     /// For each free body, in order: true if the body never touches another leaf and carries nothing.
     is_leaf: Vec<bool>,
-    /// Inverses of those of the free bodies: a division for every body and evaluation would be a tenth of the time of a small gear.
+    /// Inverse inertias of the free bodies. A division for every body and evaluation would take a tenth of the time of a small
+    /// gear.
     free_inverse: Vec<f64>,
     bodies: Vec<BodyState>,
     loads: Vec<Wrench>,
@@ -65,19 +66,19 @@ pub struct Reduced<F> {
     /// Sum of the reactions that each body carries: scratch.
     borne: Vec<[f64; 2]>,
     evaluated: Evaluated,
-    /// Ends of steps from this time on, s, are evaluated as if they were observed.
+    /// Time, s, from which ends of steps are evaluated with everything that an observation needs.
     observes_from: f64,
-    /// What the forces can do.
+    /// Capabilities of the forces: moments from angles alone, and derivatives.
     from_angles: bool,
     has_derivatives: bool,
     coordinates: Coordinates,
 }
 
-/// The state whose loads and energy are at hand, if any.
+/// State of the last evaluation, whose loads and energy are stored, if any.
 #[derive(Debug, Default)]
 struct Evaluated {
     valid: bool,
-    /// Carried bodies are in place.
+    /// True if the poses of carried bodies are set.
     placed: bool,
     time: f64,
     y: Vec<f64>,
@@ -214,43 +215,43 @@ impl<F: Forces> Reduced<F> {
         self
     }
 
-    /// How contacts of this mechanism depend on its free rates.
+    /// Returns how contacts of this mechanism depend on its free rates.
     #[must_use]
     pub fn into_contacts(self) -> PinnedContacts {
         self.contacts
     }
 
-    /// Sets the errors that adaptive methods count as 1.
+    /// Sets the errors that adaptive methods weigh as 1.
     #[must_use]
     pub fn with_scales(mut self, scales: ErrorScales) -> Self {
         self.scales = Some(scales);
         self
     }
 
-    /// Bodies whose angles are integrated, in the order of y.
+    /// Returns the bodies whose angles are integrated, in the order of y.
     #[must_use]
     pub fn free_bodies(&self) -> &[BodyId] {
         &self.free
     }
 
-    /// From now on a driver prescribes another motion: whoever integrates starts anew.
+    /// Replaces the motion that a driver prescribes; the caller has to restart the integration.
     pub fn set_motion(&mut self, driver: usize, motion: Motion) {
         self.evaluated.valid = false;
         self.mechanism.drivers[driver].motion = motion;
     }
 
-    /// The applied forces, to be changed: whoever integrates starts anew.
+    /// Returns the applied forces for changes; the caller has to restart the integration.
     pub fn forces_mut(&mut self) -> &mut F {
         self.evaluated.valid = false;
         &mut self.forces
     }
 
-    /// Coordinates integrated.
+    /// Returns the number of integrated coordinates.
     fn coordinates(&self) -> usize {
         self.is_leaf.len()
     }
 
-    /// Angles and rates, and places and velocities of floating bodies.
+    /// Sets the angles and rates of all bodies, and the positions and velocities of floating bodies, from y.
     fn turn(&mut self, t: f64, y: &[f64]) {
         self.evaluated.valid = false;
         let n = self.coordinates();
@@ -273,13 +274,13 @@ impl<F: Forces> Reduced<F> {
         }
     }
 
-    /// Angles, then positions and velocities of carried bodies.
+    /// Sets the angles, then positions and velocities of carried bodies.
     fn place(&mut self, t: f64, y: &[f64]) {
         self.turn(t, y);
         self.carry();
     }
 
-    /// Positions and velocities of carried bodies.
+    /// Sets the positions and velocities of carried bodies from the angles of their carriers.
     fn carry(&mut self) {
         for &carrier in &self.carriers {
             let (s, c) = self.bodies[carrier].angle.sin_cos();
@@ -296,8 +297,8 @@ impl<F: Forces> Reduced<F> {
         }
     }
 
-    /// Evaluates the forces at (t, y): moments, and if the state is `observed` all loads, the energy and the drivers'
-    /// torques, unless they are at hand.
+    /// Evaluates the forces at (t, y), unless their values are stored. Moments are always evaluated; if the state is
+    /// `observed`, all loads, the energy and the drivers' torques too.
     fn evaluate(&mut self, t: f64, y: &[f64], observed: bool) {
         if self.evaluated.is_of(t, y) {
             return;
@@ -337,7 +338,7 @@ impl<F: Forces> Reduced<F> {
         self.evaluated.y.copy_from_slice(y);
     }
 
-    /// Puts all bodies in place, whose angles and rates are those at time `t`.
+    /// Sets the poses of all bodies, whose angles and rates are those at time `t`.
     fn put(&mut self, t: f64) {
         if self.evaluated.placed {
             return;
@@ -349,7 +350,7 @@ impl<F: Forces> Reduced<F> {
         self.evaluated.placed = true;
     }
 
-    /// Observation of the last evaluation, at time `t`.
+    /// Returns the observation of the last evaluation, at time `t`.
     fn observation(&self, t: f64) -> Observation<'_> {
         Observation {
             time: t,
@@ -363,7 +364,7 @@ impl<F: Forces> Reduced<F> {
         }
     }
 
-    /// Kinetic energy of the bodies with their present angles and rates, J.
+    /// Returns the kinetic energy of the bodies with their present angles and rates, J.
     fn kinetic_j(&self) -> f64 {
         let of = |body: BodyId| self.inertia[body] * self.bodies[body].rate.powi(2);
         let free: f64 = self.free.iter().map(|&body| of(body)).sum();
@@ -377,7 +378,7 @@ impl<F: Forces> Reduced<F> {
         0.5 * (free + driven + floating) + self.idle_j
     }
 
-    /// Accelerations from the moments, and the rates.
+    /// Writes the rates and the accelerations from the moments into `dydt`.
     fn write_derivative(&self, y: &[f64], dydt: &mut [f64]) {
         let n = self.coordinates();
         dydt[..n].copy_from_slice(&y[n..]);
@@ -391,7 +392,8 @@ impl<F: Forces> Reduced<F> {
         }
     }
 
-    /// Adds the accelerations of floating bodies under the loads of the moment to those of all coordinates, which hold 0 there.
+    /// Adds the accelerations of floating bodies under the present loads to `accelerations`, whose entries for them are 0
+    /// before.
     fn accelerate_floating(&self, accelerations: &mut [f64]) {
         let first = self.free.len();
         let (to, _) = accelerations[first..].as_chunks_mut::<2>();
@@ -404,8 +406,8 @@ impl<F: Forces> Reduced<F> {
         }
     }
 
-    /// Forces of the revolutes at time `t`, from the moments and loads of the last evaluation: the elimination has made them
-    /// unnecessary, not unknown.
+    /// Computes the forces of the revolutes at time `t` from the moments and loads of the last evaluation. The elimination
+    /// needs no reaction forces, but they follow from it:
     ///
     /// ```text
     /// carried body:  reaction = m a - F,   a = A (alpha (k x s) - omega^2 s)
@@ -441,7 +443,7 @@ impl<F: Forces> Reduced<F> {
         }
     }
 
-    /// Moments about the pins from the loads.
+    /// Sums the moments about the pins from the loads.
     fn sum_moments(&mut self) {
         for (moment, load) in self.moments.iter_mut().zip(&self.loads) {
             *moment = load.moment;
@@ -456,7 +458,7 @@ impl<F: Forces> Reduced<F> {
     }
 }
 
-/// Inertia of every velocity: lumped moments of the free bodies, then the masses of the floating ones.
+/// Returns the inertia of every velocity: lumped moments of the free bodies, then the masses of the floating ones.
 fn moving(
     mechanism: &Mechanism,
     inertia: &[f64],

@@ -4,18 +4,18 @@
 //! [ M  -D' ] [ a      ]   [ F     ]
 //! [ D   0  ] [ lambda ] = [ gamma ]
 //! ```
-//! With mu = -lambda it is symmetric indefinite: [M D'; D 0][a; mu] = [F; gamma]. Its graph has a
-//! node for each body (3 unknowns), revolute (2) and driver (1), and an edge wherever a constraint
-//! touches a body. Nodes are eliminated in an order of least degree first, which is determined once. A constraint's
-//! pivot is zero until a body of its own is eliminated, so it waits:
+//! With mu = -lambda the system is symmetric indefinite: [M D'; D 0][a; mu] = [F; gamma]. Its graph has a node for each body (3
+//! unknowns), revolute (2) and driver (1), and an edge wherever a constraint touches a body. Nodes are eliminated in an order
+//! of least degree first, which is determined once. A constraint's pivot is zero until a body of its own is eliminated, so the
+//! constraint has to wait:
 //! * a joint of the spanning forest (and a driver across it) for its outer body; the rows so chosen
 //!   are independent whatever the pose, because each has a body to itself;
 //! * a joint that closes a loop for all bodies of the loop; its pivot is regular if D has full rank.
 //!
-//! D can lose rank in single poses of a mechanism with loops (all rods of a parallelogram on one line).
-//! The pivot of a closing constraint then has a direction whose stretch is a rounding error of what was
-//! subtracted to get there. [`Dependent`] says what to do: refuse, so that the caller can evaluate beside
-//! the singular pose, or drop that direction, which gives the least solution of what is left.
+//! D can lose rank in single poses of a mechanism with loops (all rods of a parallelogram on one line). The pivot of a closing
+//! constraint then has an eigenvalue of the size of rounding errors. [`Dependent`] chooses the treatment: refuse, so that the
+//! caller can evaluate beside the singular pose, or drop that direction, which gives the least solution of the remaining
+//! equations.
 //!
 //! For a forest there is no fill: eliminating a leaf body and then its joint adds the leaf's inertia
 //! to its carrier, so the cost is linear in the number of bodies. Loops cost the fill they need.
@@ -36,33 +36,33 @@ use crate::tree::Arms;
 use pinned::Pinned;
 use symbolic::{Below, Builder, Pivot, Target, Update, elimination_order, prerequisites};
 
-/// A constraint's pivot is singular if its smallest stretch falls below this share of the largest amount
-/// that was added to or taken from it. Rounding leaves about 1e-16, and the stretch is the
-/// square of a small angle, so 1e-12 is an angle of 1e-6 rad.
+/// Singularity threshold of a constraint's pivot: smallest eigenvalue relative to the largest amount that was added to or taken
+/// from the pivot. Rounding errors are about 1e-16. The eigenvalue is the square of a small angle, so 1e-12 is an angle of 1e-6
+/// rad.
 const SINGULAR: f64 = 1e-12;
 
 /// Treatment of a constraint that depends on others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Dependent {
-    /// The factorisation fails and names it.
+    /// The factorisation fails and names the constraint.
     Refuse,
-    /// Its dependent directions are dropped: their multipliers are 0.
+    /// The constraint's dependent directions are dropped: their multipliers are 0.
     Drop,
 }
 
-/// Where a constraint's Jacobian part for one body goes.
+/// Position of a constraint's Jacobian block for one body.
 #[derive(Debug, Clone, Copy)]
 struct Slot {
     block: usize,
-    /// The body is eliminated after the constraint: the block holds D' instead of D.
+    /// True if the body is eliminated after the constraint: the block holds D' instead of D.
     transposed: bool,
 }
 
-/// The factored system: symbolic part made once, numbers replaced at every evaluation.
+/// Factored system: its symbolic part is made once, its numbers are replaced at every evaluation.
 #[derive(Debug, Clone)]
 pub struct SaddlePoint {
     pinned: Pinned,
-    /// The bodies and constraints that are left, by their numbers in the mechanism.
+    /// Bodies and constraints that the closed forms do not eliminate, by their numbers in the mechanism.
     left: [Vec<usize>; 2],
     /// Right-hand sides, then solutions, of all bodies and all constraints.
     values: [Vec<Vector3<f64>>; 2],
@@ -78,14 +78,14 @@ pub struct SaddlePoint {
     /// Blocks below the diagonal; after `factor` the unit factor.
     lower: Vec<Matrix3<f64>>,
     scratch: Vec<Matrix3<f64>>,
-    /// Largest change of each diagonal block so far: what a singular pivot is small against.
+    /// Largest change of each diagonal block so far, the reference for singular pivots.
     reference: Vec<f64>,
     /// Right-hand side, then solution, one vector a node.
     unknowns: Vec<Vector3<f64>>,
 }
 
 impl SaddlePoint {
-    /// Symbolic elimination for the joints of `mechanism`; constraints are its revolutes, then its drivers.
+    /// Creates the symbolic elimination for the joints of `mechanism`; constraints are its revolutes, then its drivers.
     #[must_use]
     pub fn new(mechanism: &Mechanism) -> Self {
         let values = [
@@ -141,20 +141,20 @@ impl SaddlePoint {
         }
     }
 
-    /// Number of 3 x 3 blocks below the diagonal, fill included, of what closed forms leave.
+    /// Returns the number of 3 x 3 blocks below the diagonal, fill included, without nodes eliminated in closed form.
     #[must_use]
     pub fn blocks(&self) -> usize {
         self.lower.len()
     }
 
-    /// Puts M and the rows of D in place and factors, with the revolutes' `arms`:
+    /// Assembles M and the rows of D with the revolutes' `arms`, and factors the system:
     ///
     /// ```text
     /// D_parent = [-1 0 s_y; 0 -1 -s_x],   D_child = [1 0 -s_y; 0 1 s_x];   of a driver [0 0 -1] and [0 0 1]
     /// ```
     ///
     /// # Errors
-    /// The index of the first constraint that depends on the others, if these are refused.
+    /// Fails with the index of the first constraint that depends on the others, if these are refused.
     pub(crate) fn factor(&mut self, dependent: Dependent, arms: &[Arms]) -> Result<(), usize> {
         self.pinned.place(arms);
         if self.left[0].is_empty() {
@@ -239,7 +239,7 @@ impl SaddlePoint {
         self.pinned.finish(bodies, constraints);
     }
 
-    /// Solves for the bodies and constraints that were not eliminated.
+    /// Solves for the bodies and constraints that are not eliminated in closed form.
     fn solve_rest(&mut self) {
         let left = || self.left.iter().zip(&self.values);
         let known = left().flat_map(|(left, values)| left.iter().map(|&k| values[k]));
@@ -267,12 +267,12 @@ impl SaddlePoint {
         }
     }
 
-    /// Right-hand sides of the bodies (their loads), after [`SaddlePoint::solve`] their accelerations.
+    /// Returns the right-hand sides of the bodies (their loads), after [`SaddlePoint::solve`] their accelerations.
     pub fn bodies(&mut self) -> &mut [Vector3<f64>] {
         &mut self.values[0]
     }
 
-    /// Puts the loads on the right-hand side.
+    /// Sets the loads as the right-hand side.
     #[inline]
     pub(crate) fn set_loads(&mut self, loads: &[Wrench]) {
         for (value, load) in self.values[0].iter_mut().zip(loads) {
@@ -280,13 +280,14 @@ impl SaddlePoint {
         }
     }
 
-    /// Right-hand sides gamma of the constraints (unused components must be 0), after the solution **minus** their multipliers.
+    /// Returns the right-hand sides gamma of the constraints (unused components must be 0), after the solution **minus** their
+    /// multipliers.
     pub fn constraints(&mut self) -> &mut [Vector3<f64>] {
         &mut self.values[1]
     }
 }
 
-/// Inverse of the symmetric positive definite 3 x 3 block of a body: its inertia and what it carries.
+/// Returns the inverse of the symmetric positive definite 3 x 3 block of a body: its inertia and that of the bodies it carries.
 #[inline]
 fn symmetric_inverse(m: &Matrix3<f64>) -> Matrix3<f64> {
     let (a, b, c) = (m[(0, 0)], m[(1, 0)], m[(2, 0)]);
@@ -302,9 +303,9 @@ fn symmetric_inverse(m: &Matrix3<f64>) -> Matrix3<f64> {
     Matrix3::new(ia, ib, ic, ib, id, ie, ic, ie, iff)
 }
 
-/// Inverse of the upper left `size` x `size` part of a constraint's block (negative definite when regular),
-/// and whether all its stretches exceed `least`. Directions that do not are dropped; outside the part
-/// stays the identity.
+/// Returns the inverse of the upper left `size` x `size` part of a constraint's block (negative definite when regular), and
+/// true if all its eigenvalues exceed `least` in size. Directions with smaller eigenvalues are dropped; outside the part the
+/// inverse is the identity.
 #[inline]
 pub fn constraint_inverse(m: &Matrix3<f64>, size: usize, least: f64) -> (Matrix3<f64>, bool) {
     let mut inverse = Matrix3::identity();
@@ -317,7 +318,7 @@ pub fn constraint_inverse(m: &Matrix3<f64>, size: usize, least: f64) -> (Matrix3
     let (a, b, d) = (m[(0, 0)], m[(1, 0)], m[(1, 1)]);
     let determinant = a * d - b * b;
     let trace = a + d;
-    // Stretches x and y: x + y = trace, x y = determinant; the smaller is determinant/larger.
+    // Eigenvalues x and y: x + y = trace, x y = determinant; the smaller is determinant/larger.
     let gap = (0.25 * (a - d) * (a - d) + b * b).sqrt();
     let larger = 0.5 * trace - gap; // the trace is negative
     if determinant.abs() > least * larger.abs() {
@@ -331,7 +332,7 @@ pub fn constraint_inverse(m: &Matrix3<f64>, size: usize, least: f64) -> (Matrix3
     inverse[(0, 0)] = 0.0;
     inverse[(1, 1)] = 0.0;
     if larger.abs() > least {
-        // (m - smaller I)/(larger - smaller) projects on the larger stretch's direction.
+        // (m - smaller I)/(larger - smaller) projects on the direction of the larger eigenvalue.
         let smaller = trace - larger;
         let scale = 1.0 / (larger * (larger - smaller));
         inverse[(0, 0)] = (a - smaller) * scale;

@@ -21,7 +21,7 @@ pub struct BodyState {
 }
 
 impl BodyState {
-    /// State from position and angle, and their rates.
+    /// Creates a state from position and angle, and their rates.
     #[must_use]
     #[inline]
     pub fn new([x, y, angle]: [f64; 3], [vx, vy, rate]: [f64; 3]) -> Self {
@@ -36,42 +36,42 @@ impl BodyState {
     }
 }
 
-/// Force at, and moment about, a body's centre of mass, in the ground frame.
+/// Force at the centre of mass of a body and moment about it, in the ground frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wrench {
-    /// N
+    /// Force, N.
     pub fx: f64,
-    /// N
+    /// Force, N.
     pub fy: f64,
-    /// N m, counter-clockwise.
+    /// Moment, N m, counter-clockwise.
     pub moment: f64,
 }
 
 /// Energy in the contacts and the powers that leave it; both powers are at least 0 for a law that only dissipates.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ContactEnergy {
-    /// Stored, J.
+    /// Stored energy, J.
     pub stored_j: f64,
-    /// Lost in the normal direction, W: the part of the normal force that is not there at rate 0, times the rate.
+    /// Power lost in the normal direction, W: the difference of the normal force from that at rate 0, times the rate.
     pub damping_w: f64,
-    /// Lost by sliding in contacts, W.
+    /// Power lost by sliding in contacts, W.
     pub contact_friction_w: f64,
-    /// Lost by the friction of bearings, W.
+    /// Power lost by the friction of bearings, W.
     pub bearing_friction_w: f64,
-    /// Lost by sleeves on their pins, W.
+    /// Power lost by sleeves on their pins, W.
     pub sleeve_friction_w: f64,
-    /// Lost by seals, W.
+    /// Power lost by seals, W.
     pub seal_friction_w: f64,
 }
 
 impl ContactEnergy {
-    /// Lost by friction of all causes, W.
+    /// Returns the power lost by friction of all causes, W.
     #[must_use]
     pub fn friction_w(&self) -> f64 {
         self.by_cause_w().iter().sum()
     }
 
-    /// By contacts, bearings, pins and seals, W.
+    /// Returns the powers lost by friction of contacts, bearings, pins and seals, W.
     #[inline]
     #[must_use]
     pub fn by_cause_w(&self) -> [f64; 4] {

@@ -1,4 +1,4 @@
-//! The spanning forest of the joints: bodies from the ground outwards.
+//! Spanning forest of the joints: bodies from the ground outwards.
 //!
 //! Along the forest every centre of mass follows from the angles by
 //! `r_child = r_parent + A_parent s_parent - A_child s_child`, exactly and without a solve.
@@ -17,21 +17,21 @@ pub(crate) struct Arms {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Branch {
     pub(crate) revolute: usize,
-    /// The body whose position follows.
+    /// Body whose position follows.
     pub(crate) body: BodyId,
-    /// The body (or ground) it follows from.
+    /// Body (or ground) from which it follows.
     pub(crate) from: Option<BodyId>,
-    /// `body` is the joint's child, `from` its parent; else the other way round.
+    /// True if `body` is the joint's child and `from` its parent; else the reverse.
     pub(crate) outwards: bool,
 }
 
-/// Forest and what does not belong to it.
+/// Forest, and the joints and bodies outside it.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Forest {
     pub(crate) branches: Vec<Branch>,
-    /// Bodies that no revolute of the forest leads to.
+    /// Bodies to which no revolute of the forest leads.
     pub(crate) roots: Vec<BodyId>,
-    /// Branches whose bodies' centres stay where they are, because the ground holds them there.
+    /// Branches whose bodies' centres are fixed, because the ground holds them there.
     resting: Vec<Branch>,
     moving: Vec<Branch>,
     /// Revolutes that close loops.
@@ -39,7 +39,7 @@ pub(crate) struct Forest {
 }
 
 impl Forest {
-    /// Breadth first from the ground; islands without ground start at their first body.
+    /// Builds the forest breadth first from the ground; islands without ground start at their first body.
     pub(crate) fn new(mechanism: &Mechanism) -> Self {
         let n = mechanism.bodies.len();
         let mut reached = vec![false; n];
@@ -97,8 +97,8 @@ impl Forest {
         }
     }
 
-    /// Moves the centres that ever move to where their angles and their predecessors put them; velocities likewise.
-    /// `arms`: of every revolute at these angles.
+    /// Computes the positions and velocities of all moving centres from their angles and predecessors. `arms`: of every
+    /// revolute at these angles.
     #[inline]
     pub(crate) fn place(&self, bodies: &mut [BodyState], arms: &[Arms]) {
         for branch in &self.moving {
@@ -106,7 +106,7 @@ impl Forest {
         }
     }
 
-    /// Moves the centres of the resting branches, which stay there until somebody else moves them.
+    /// Computes the centres of the resting branches, which stay there until other code moves them.
     pub(crate) fn place_resting(&self, bodies: &mut [BodyState], arms: &[Arms]) {
         for branch in &self.resting {
             branch.place(bodies, arms);
@@ -140,7 +140,7 @@ impl Branch {
     }
 }
 
-/// A local point in the ground's directions; free for the centre of mass itself.
+/// Returns a local point in the ground's directions, without computation for the centre of mass itself.
 #[inline]
 pub(crate) fn turned(point: [f64; 2], angle: f64) -> [f64; 2] {
     if point == [0.0, 0.0] {

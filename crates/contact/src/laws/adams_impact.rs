@@ -9,11 +9,11 @@ use crate::Real;
 /// IMPACT with exponent 1.5.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AdamsImpact {
-    /// k, N/m^1.5.
+    /// Stiffness k, N/m^1.5.
     pub stiffness: f64,
-    /// c_max, N s/m.
+    /// Largest damping c_max, N s/m.
     pub damping: f64,
-    /// d, m.
+    /// Depth d at which the damping reaches c_max, m.
     pub depth: f64,
 }
 

@@ -1,6 +1,6 @@
 //! One stiffness for every contact: `F_n = max(0, S(delta) (K delta^1.5 + C v_n))` with K given.
 //!
-//! Law that engineering software offers, and the simplest one with a potential.
+//! Common law of engineering software, and the simplest one with a potential.
 
 use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, Shape, paper};
 use crate::Real;
@@ -10,7 +10,7 @@ use crate::Real;
 pub struct ConstantStiffness {
     /// K, N/m^1.5.
     pub stiffness: f64,
-    /// The rest of the law.
+    /// Damping and ramp of the law.
     pub paper: PaperLaw,
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Hysteresis, LawInfo, LawParameters, hunt_crossley};
 
-/// chi for the restitution `c`.
+/// Returns chi for the restitution `c`.
 fn factor(c: f64) -> f64 {
     8.0 * (1.0 - c) / (5.0 * c)
 }

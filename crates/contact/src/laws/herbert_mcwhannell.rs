@@ -2,7 +2,7 @@
 
 use super::{Hysteresis, LawInfo, LawParameters, hunt_crossley};
 
-/// chi for the restitution `c`.
+/// Returns chi for the restitution `c`.
 fn factor(c: f64) -> f64 {
     6.0 * (1.0 - c) / ((2.0 * c - 1.0).powi(2) + 3.0)
 }

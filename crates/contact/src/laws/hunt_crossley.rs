@@ -2,7 +2,7 @@
 
 use super::{Hysteresis, LawInfo, LawParameters, Shape};
 
-/// chi for the restitution `c`.
+/// Returns chi for the restitution `c`.
 fn factor(c: f64) -> f64 {
     1.5 * (1.0 - c)
 }

@@ -2,7 +2,7 @@
 
 use super::{Hysteresis, LawInfo, LawParameters, hunt_crossley};
 
-/// chi for the restitution `c`.
+/// Returns chi for the restitution `c`.
 fn factor(c: f64) -> f64 {
     0.75 * (1.0 - c)
 }

@@ -6,7 +6,7 @@
 use super::{LawInfo, LawParameters, NormalLaw, Ramp, Shape};
 use crate::Real;
 
-/// A power of the depth that was fitted to rollers, with the paper's damping.
+/// Power of the depth that was fitted to rollers, with the paper's damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineContact {
     stiffness: f64,
@@ -16,7 +16,8 @@ pub struct LineContact {
 }
 
 impl LineContact {
-    /// delta = `approach` F^(1/`exponent`)/L^(`length`/`exponent`) with delta and L in mm and F in N.
+    /// Creates the law of the fit delta = `approach` F^(1/`exponent`)/L^(`length`/`exponent`) with delta and L in mm and F in
+    /// N.
     pub(super) fn fitted(
         approach: f64,
         exponent: f64,

@@ -1,8 +1,8 @@
 //! Line contact of two elastic bodies: a roller after Johnson on a disc after Weber and Banaschek, with the paper's damping.
 //!
-//! Each body is pressed in by delta_i = B_i F (g_i - ln a^2), B = (1 - nu^2)/(pi E L), with a^2 = 4 F R beta the square of
-//! half the contact's width (Hertz), beta = B_p + B_d and R = R_c R_p/(R_c + R_p). A plane half space has no approach of its
-//! own, so a size of the body enters: the roller's radius R_p, and the depth h of the disc behind the contact:
+//! Each body is indented by delta_i = B_i F (g_i - ln a^2), B = (1 - nu^2)/(pi E L), with a^2 = 4 F R beta the square of half
+//! the contact's width (Hertz), beta = B_p + B_d and R = R_c R_p/(R_c + R_p). A plane half space has no finite approach, so
+//! that a size of the body enters: the roller's radius R_p, and the depth h of the disc behind the contact:
 //!
 //! ```text
 //! g_p = 2 ln(4 R_p) - 1,   g_d = 2 ln(2 h) - nu_d/(1 - nu_d)
@@ -12,30 +12,30 @@
 //! along the profile: dU/dR dR/ds = beta F^2/(2 R) dR/ds
 //! F_n = max(0, F + S(delta) C v)
 //! ```
-//! The force at rest starts with slope 0, so that only the damping is ramped in. R comes in K of Hertz's point contact, which
-//! grows with its root, and R_p with it ([`HertzStiffness`](crate::HertzStiffness)). H makes both bodies stiffer.
+//! The force at rest starts with slope 0, so that only the damping has a ramp. R and R_p enter through K of Hertz's point
+//! contact, which grows with the root of R ([`HertzStiffness`](crate::HertzStiffness)). H makes both bodies stiffer.
 
 use pinwheel_faults::{Fault, factor};
 
 use super::{LawInfo, LawParameters, NormalLaw, Ramp, Shape};
 use crate::{HertzStiffness, Real};
 
-/// Smallest L: contacts that work have 4 and more. Deeper ones are a spring, so that a force remains.
+/// Smallest L: usual contacts have 4 and more. Deeper ones are a linear spring, so that their force stays finite.
 const LEAST_LEVEL: f64 = 2.5;
 
-/// See the module.
+/// Law of the module.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineHertz {
-    /// beta, m/N.
+    /// Compliance beta, m/N.
     compliance: f64,
-    /// L + ln(K^2 delta).
+    /// Constant L + ln(K^2 delta).
     level: f64,
     damping: f64,
     ramp: Ramp,
 }
 
 impl LineHertz {
-    /// w at a penetration. The first terms of its series, then all of Newton's series about them that count.
+    /// Returns w at a penetration: the first terms of its series, then the significant terms of Newton's series about them.
     #[inline(always)]
     fn w<R: Real>(&self, stiffness: R, penetration: R) -> R {
         let c = |x: f64| penetration.like(x);
@@ -119,7 +119,7 @@ impl NormalLaw for LineHertz {
 }
 
 impl LineHertz {
-    /// Bodies whose g are `of_pin` and `of_disc`.
+    /// Creates the law of bodies whose g are `of_pin` and `of_disc`.
     pub(super) fn sized(of_pin: f64, of_disc: f64, parameters: &LawParameters) -> Self {
         let LawParameters { pin, disc, .. } = parameters;
         let stiffer = parameters.stiffness_multiplier * factor(Fault::Stiffness, 1.01);
@@ -145,10 +145,10 @@ pub(super) fn new(parameters: &LawParameters) -> LineHertz {
     LineHertz::sized(of_pin, of_disc, parameters)
 }
 
-/// K with the share of the approach that depends on the roller's radius, B_p/beta.
+/// Returns K with the share of the approach that depends on the roller's radius, B_p/beta.
 fn with_pins(hertz: HertzStiffness, parameters: &LawParameters) -> HertzStiffness {
     let (pin, disc) = (parameters.pin.compliance(), parameters.disc.compliance());
-    // A factor in holes is one of balls.
+    // The factor in holes applies to balls only.
     let hertz = hertz.with_internal(1.0);
     hertz.with_sleeve(parameters.sleeve_radius, pin / (pin + disc))
 }

@@ -1,11 +1,11 @@
 //! Linear springs, one stiffness for each stage: `F_n = max(0, k delta + S(delta) C v_n)`.
 //!
-//! Law that stands for a contact law in rigid-body engines. Curvature does not enter: k stands in the place of K.
+//! Law that represents a contact law in rigid-body engines. Curvature does not enter: k replaces K.
 
 use super::{LawInfo, LawParameters, NormalLaw, Ramp, Shape};
 use crate::{HertzStiffness, Real};
 
-/// See the module.
+/// Law of the module.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearSprings {
     damping: f64,

@@ -3,8 +3,8 @@
 //! ```text
 //! delta = 2 beta F (1.8864 + ln(L/(2 a)))
 //! ```
-//! So both bodies have g = 2 (1.8864 + ln(L/2)): the size that enters is the length L of the line, and no radius but that of
-//! the contact's width.
+//! Both bodies therefore have g = 2 (1.8864 + ln(L/2)): the length L of the line enters, and no radius except that of the
+//! contact's width.
 
 use super::{LawInfo, LawParameters, LineHertz, line_hertz};
 use crate::HertzStiffness;
@@ -14,7 +14,7 @@ pub(super) fn new(parameters: &LawParameters) -> LineHertz {
     LineHertz::sized(size, size, parameters)
 }
 
-/// K of the curvature alone: a roller's own radius does not enter.
+/// Returns K of the curvature alone: a roller's own radius does not enter.
 fn plain(hertz: HertzStiffness, _: &LawParameters) -> HertzStiffness {
     hertz.with_internal(1.0)
 }

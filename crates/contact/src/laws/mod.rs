@@ -1,8 +1,8 @@
 //! Normal contact laws: force as a function of stiffness, penetration and its rate.
 //!
-//! One file a law; each opens with its equation and source, implements [`NormalLaw`], and has `INFO` (what it is, for
-//! users) and `new` (the law of a scene's parameters). One line below registers it, and everything follows from that
-//! line: [`LAWS`], [`Law`] with its forces, energy and force along the profile, and [`Law::named`].
+//! Each file holds one law: its equation and source, its [`NormalLaw`], its `INFO` (data for users) and `new` (the law from a
+//! scene's parameters). One line below registers it. From that line follow [`LAWS`], [`Law`] with its forces, energy and force
+//! along the profile, and [`Law::named`].
 
 mod adams_impact;
 mod constant;
@@ -74,7 +74,8 @@ registry! {
     }
 }
 
-/// Any law. One branch on its type, which always goes the same way, is cheap: loops over contacts are compiled once for all laws.
+/// Any of the laws. Its one branch on the type is cheap because it always goes the same way: loops over contacts are compiled
+/// once for all laws.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Law {
     /// Index in [`LAWS`].
@@ -83,7 +84,7 @@ pub struct Law {
 }
 
 impl Law {
-    /// Returns the law called `name`, with the parameters that it reads; `None` if there is none.
+    /// Returns the law called `name`, with the parameters that it reads; `None` if there is no law of that name.
     #[must_use]
     pub fn named(name: &str, parameters: &LawParameters) -> Option<Self> {
         let number = LAWS.iter().position(|info| info.name == name)?;
@@ -91,7 +92,7 @@ impl Law {
         Some(Self { number, form })
     }
 
-    /// Returns the facts of the law for users.
+    /// Returns the data of the law for users.
     #[must_use]
     pub fn info(&self) -> &'static LawInfo {
         &LAWS[self.number]
@@ -159,12 +160,12 @@ pub enum Shape {
     Sphere,
     /// Two rollers that touch on a line.
     Line,
-    /// One stiffness for all contacts, whatever it was fitted to.
+    /// One stiffness for all contacts, fitted to any shape.
     Fitted,
 }
 
 impl Shape {
-    /// `sphere`, `line` or `fitted`.
+    /// Returns `sphere`, `line` or `fitted`.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -174,7 +175,7 @@ impl Shape {
         }
     }
 
-    /// In words.
+    /// Returns the shape in words.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {
@@ -187,49 +188,49 @@ impl Shape {
     }
 }
 
-/// A law as listed for users.
+/// Data of a law for users.
 #[derive(Debug, Clone, Copy)]
 pub struct LawInfo {
     /// Name in scenes.
     pub name: &'static str,
-    /// One line.
+    /// Summary in one line.
     pub summary: &'static str,
-    /// The force.
+    /// Formula of the force.
     pub formula: &'static str,
-    /// Where it comes from.
+    /// Source of the law.
     pub source: &'static str,
-    /// Where it may be used.
+    /// Range of validity.
     pub domain: &'static str,
     /// Behaviour as the impact speed tends to 0.
     pub slow_impact: &'static str,
-    /// Scene keys it reads, besides those every law shares.
+    /// Scene keys that the law reads, besides those of every law.
     pub keys: &'static [&'static str],
-    /// The hysteresis factor chi as a function of the restitution c in (0, 1], of laws of that family.
+    /// Hysteresis factor chi as a function of the restitution c in (0, 1], for laws of the hysteresis family.
     pub restitution_factor: Option<fn(f64) -> f64>,
     /// True if the undamped force has a potential on a profile of varying stiffness.
     pub conservative: bool,
     /// Shape of contact that the law assumes.
     pub shape: Shape,
-    /// Materials that it holds for.
+    /// Materials for which the law is valid.
     pub materials: &'static str,
-    /// Stiffness of the law from Hertz's K, if it is another.
+    /// Function that gives the law's stiffness from Hertz's K, if it differs.
     pub stiffness: Option<fn(HertzStiffness, &LawParameters) -> HertzStiffness>,
 }
 
-/// The law called `name`.
+/// Returns the data of the law called `name`.
 #[must_use]
 pub fn law_info(name: &str) -> Option<&'static LawInfo> {
     LAWS.iter().find(|law| law.name == name)
 }
 
-/// The hysteresis factor chi of a law of that family for the restitution c in (0, 1]; `None` for other laws.
+/// Returns the hysteresis factor chi of a law for the restitution c in (0, 1]; `None` for laws outside the hysteresis family.
 #[must_use]
 pub fn hysteresis_factor(name: &str, restitution: f64) -> Option<f64> {
     let factor = law_info(name)?.restitution_factor?;
     Some(factor(restitution))
 }
 
-/// STEP of the Adams solver: h0 below x0, h1 above x1, a smooth cubic between.
+/// Evaluates STEP of the Adams solver: h0 below x0, h1 above x1, a smooth cubic between.
 #[must_use]
 #[inline(always)]
 pub fn step<R: Real>(x: R, x0: f64, h0: f64, x1: f64, h1: f64) -> R {

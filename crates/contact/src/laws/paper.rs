@@ -1,8 +1,7 @@
 //! The paper's law (Eq. 20): `F_n = max(0, S(delta) (K delta^1.5 + C v_n))`, K from the local curvature.
 //!
-//! The maximum is ours: as printed the law pulls when the bodies part quickly.
-//! Because K varies along the profile while the force is normal only, the law has no potential and
-//! creates about 1 % energy on the paper's gear.
+//! The maximum is an addition: as printed, the law pulls when the bodies part quickly. K varies along the profile while the
+//! force is normal only. The law therefore has no potential and creates about 1 % energy on the paper's gear.
 
 use super::{LawInfo, LawParameters, NormalLaw, Ramp, Shape};
 use crate::Real;
@@ -10,9 +9,9 @@ use crate::Real;
 /// Eq. 20.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PaperLaw {
-    /// C, N s/m.
+    /// Damping C, N s/m.
     pub damping: f64,
-    /// S.
+    /// Ramp S.
     pub ramp: Ramp,
 }
 

@@ -5,9 +5,9 @@
 //! normal:      max(0, dU/d(delta) + S C v)                                 as in the paper
 //! along:       -dU/da / (|C'| (1 - delta kappa_C))   on the pin, along the profile
 //! ```
-//! U depends only on where the pin's centre is in the disc's frame, so its whole gradient acts at
-//! that centre, with its reaction on the disc at the same point; the part along the profile is what
-//! the paper leaves out. It needs dK/da, so it exists for exact detection only.
+//! U depends only on the position of the pin's centre in the disc's frame. Its full gradient therefore acts at that centre,
+//! with its reaction on the disc at the same point; the paper omits the part along the profile. The law needs dK/da, so that it
+//! exists for exact detection only.
 
 use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, paper};
 use crate::Real;

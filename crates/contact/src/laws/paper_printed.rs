@@ -1,7 +1,7 @@
 //! The paper's law exactly as printed (Eq. 20): `F_n = S(delta) (K delta^1.5 + C v_n)`.
 //!
-//! Without the clamp at 0 a contact that parts faster than `K delta^1.5 / C` pulls. For studying what the
-//! published model does; use the law `paper` for results.
+//! Without the clamp at 0 a contact that parts faster than `K delta^1.5 / C` pulls. The law serves to study the published
+//! model; use the law `paper` for results.
 
 use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, paper};
 use crate::Real;

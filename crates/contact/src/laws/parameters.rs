@@ -2,21 +2,21 @@
 
 use crate::{HertzStiffness, Material};
 
-/// The parameters of all laws, SI; each reads what its [`keys`](super::LawInfo::keys) name. The default is the paper's
-/// gear, and for laws that are not the paper's what a scene has that says nothing.
+/// Parameters of all laws, SI; each law reads those of its [`keys`](super::LawInfo::keys). The default values are those of the
+/// paper's gear; for other laws they are those of a scene without the keys.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LawParameters {
-    /// C, N s/m; `contact.damping_n_s_m`.
+    /// Damping C, N s/m; `contact.damping_n_s_m`.
     pub damping: f64,
-    /// Penetration at which damping and force are ramped in, m; `contact.ramp_m`.
+    /// Penetration at which the ramp of damping and force ends, m; `contact.ramp_m`.
     pub ramp: f64,
     /// K of laws with one stiffness for all contacts, N/m^1.5; `contact.constant_stiffness_n_m15`.
     pub constant_stiffness: f64,
-    /// H, factor on the stiffness of laws that do not take Hertz's; `contact.stiffness_multiplier`.
+    /// Factor H on the stiffness of laws that do not take Hertz's; `contact.stiffness_multiplier`.
     pub stiffness_multiplier: f64,
-    /// H in holes; `contact.internal_stiffness_multiplier`.
+    /// Factor H in holes; `contact.internal_stiffness_multiplier`.
     pub internal_multiplier: f64,
-    /// Springs of external and internal contacts, N/m; `contact.external_spring_n_m`, `contact.internal_spring_n_m`.
+    /// Spring constants of external and internal contacts, N/m; `contact.external_spring_n_m`, `contact.internal_spring_n_m`.
     pub springs: [f64; 2],
     /// Length of the line of a line contact, m; `contact.line_length_m`.
     pub line_length: f64,
@@ -28,14 +28,14 @@ pub struct LawParameters {
     pub disc_depth: f64,
     /// Radius of the ring pins, m; `gear.external_sleeve_radius_m`.
     pub sleeve_radius: f64,
-    /// c of the hysteresis laws, 0 < c <= 1; `contact.restitution`.
+    /// Restitution c of the hysteresis laws, 0 < c <= 1; `contact.restitution`.
     pub restitution: f64,
-    /// v0 of the hysteresis laws, m/s; `contact.impact_speed_m_s`.
+    /// Reference speed v0 of the hysteresis laws, m/s; `contact.impact_speed_m_s`.
     pub impact_speed: f64,
 }
 
 impl LawParameters {
-    /// K of these materials, as the law called `name` wants it.
+    /// Returns K of the materials, in the form that the law called `name` uses.
     #[must_use]
     pub fn hertz(&self, name: &str) -> HertzStiffness {
         let hertz = HertzStiffness::new(self.pin, self.disc, self.stiffness_multiplier)

@@ -1,4 +1,4 @@
-//! A contact in series with the bending of the pin that its sleeve sits on.
+//! Contact in series with the bending of the pin that carries the sleeve.
 //!
 //! The pin has no mass and follows the force at rest: of the approach delta the contact takes x and the pin the rest,
 //!
@@ -6,13 +6,13 @@
 //! F_e(x) = k (delta - x),   s = x/delta
 //! F = F_e(x) + s (F_n(x, s v) - F_e(x)),   U = U_n(x) + F_e^2/(2 k)
 //! ```
-//! The contact closes at its share s of the rate, and what it loses at that rate is what the pair loses at the whole one: the
-//! energy account closes. To first order in the rate that is the spring's and damper's own motion where F_e is linear; of other
-//! laws the true share is that of the tangents, which jumps where a law has a kink, and forces would jump with it.
+//! The contact closes at its share s of the rate. Its loss at that rate equals the pair's loss at the full rate, so that the
+//! energy account closes. To first order in the rate this is the motion of spring and damper where F_e is linear. For other
+//! laws the true share is that of the tangents, which jumps at a kink of the law, and forces would jump with it.
 //!
-//! x is the root of a rising function in [0, delta], by the secant method: from delta/(1 + sqrt(F_e(delta)/(k delta))) ten
-//! steps reach rounding for pins up to 10^4 times as soft as the contact, through ramps too. Inverse functions of the laws would
-//! not know their ramps.
+//! x is the root of a rising function in [0, delta], by the secant method. From delta/(1 + sqrt(F_e(delta)/(k delta))) ten
+//! steps reach rounding for pins up to 10^4 times as soft as the contact, through ramps too. Inverse functions of the laws
+//! would ignore their ramps.
 
 use pulp::{Simd, WithSimd};
 
@@ -20,20 +20,20 @@ use super::{Law, NormalLaw};
 use crate::{Dual, Lanes, Real};
 
 const STEPS: usize = 10;
-/// Shorter steps, as a share of x, tell no slope.
+/// Least step, relative to x, from which a slope is computed.
 const TELLING: f64 = 1e-7;
 
-/// The normal law of a gear, and what the pins of its output pins add to it.
+/// Normal law of a gear, with the bending of its output pins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PinLaw {
     /// Law of every contact without the pin's bending.
     pub law: Law,
-    /// k of a pin, N/m; `None`: rigid.
+    /// Stiffness k of a pin, N/m; `None`: rigid.
     pub pin_n_m: Option<f64>,
 }
 
 impl PinLaw {
-    /// The law of pins that sit on nothing that bends, as external ones do.
+    /// Returns the law for sleeves on rigid pins, as the external ones are.
     #[must_use]
     #[inline(always)]
     pub fn on_rigid_pin(self) -> Self {
@@ -41,7 +41,8 @@ impl PinLaw {
         Self { pin_n_m, ..self }
     }
 
-    /// As [`NormalLaw::force`], of a sleeve on such a pin; `penetration` and `rate` are those of contact and pin together.
+    /// Returns the normal force as [`NormalLaw::force`], of a sleeve on a bending pin; `penetration` and `rate` are those of
+    /// contact and pin together.
     #[must_use]
     #[inline(always)]
     pub fn force<R: OnPin>(&self, stiffness: R, penetration: R, rate: R) -> R {
@@ -51,7 +52,7 @@ impl PinLaw {
         }
     }
 
-    /// As [`NormalLaw::observed`].
+    /// Returns forces and energy as [`NormalLaw::observed`].
     #[must_use]
     #[inline(always)]
     pub fn observed<R: OnPin>(&self, stiffness: R, penetration: R, rate: R) -> [R; 3] {
@@ -59,9 +60,10 @@ impl PinLaw {
     }
 }
 
-/// Numbers that know a contact on its pin. A function of its own: it is large and called from many places.
+/// Numbers for which a contact on a bending pin is evaluated. The function is not inlined: it is large and called from many
+/// places.
 pub trait OnPin: Real {
-    /// Force at a rate and at rest, N, and energy stored, J, at a stiffness, a penetration and a rate.
+    /// Returns the force at a rate and at rest, N, and the stored energy, J, at a stiffness, a penetration and a rate.
     fn observed(law: &PinLaw, contact: [Self; 3]) -> [Self; 3];
 }
 
@@ -108,7 +110,7 @@ fn observed<R: Real>(law: &PinLaw, [stiffness, penetration, rate]: [R; 3]) -> [R
     }
 }
 
-/// See the module.
+/// Solves contact and pin in series; see the module.
 #[inline(always)]
 fn series<R: Real>(law: &Law, pin: f64, [stiffness, whole, rate]: [R; 3]) -> [R; 3] {
     let c = |x: f64| whole.like(x);
@@ -123,7 +125,7 @@ fn series<R: Real>(law: &Law, pin: f64, [stiffness, whole, rate]: [R; 3]) -> [R;
         low = excess.below(zero, x, low);
         high = excess.below(zero, high, x);
         let step = x - last[0];
-        // It rises with k at least.
+        // The slope is at least k.
         let secant = ((excess - last[1]) / step).max(k);
         let length = step.max(-step);
         slope = length.below(x * c(TELLING), slope, secant);

@@ -1,8 +1,8 @@
-//! S of Eq. 22, by which forces set in over the first bit of a penetration.
+//! Ramp S of Eq. 22, over which forces set in at small penetrations.
 
 use crate::Real;
 
-/// S: 0 at 0, 1 above its width, linear between. With what the contact loops would divide and take roots for.
+/// Ramp S: 0 at 0, 1 above its width, linear between. It stores the quotients and roots that the contact loops need.
 ///
 /// ```
 /// use pinwheel_contact::laws::Ramp;
@@ -20,7 +20,7 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    /// Ramp of a width in m.
+    /// Creates a ramp of the given width, m.
     #[must_use]
     pub fn new(width: f64) -> Self {
         Self {
@@ -30,14 +30,14 @@ impl Ramp {
         }
     }
 
-    /// S at a penetration `x` > 0, m.
+    /// Returns S at a penetration `x` > 0, m.
     #[must_use]
     #[inline(always)]
     pub fn at<R: Real>(&self, x: R) -> R {
         (x * x.like(self.inverse)).min(x.like(1.0))
     }
 
-    /// Integral of S x^1.5 from 0 to `x` >= 0, m^2.5.
+    /// Returns the integral of S x^1.5 from 0 to `x` >= 0, m^2.5.
     #[must_use]
     #[inline(always)]
     pub(crate) fn integral<R: Real>(&self, x: R) -> R {

@@ -1,4 +1,4 @@
-//! Macro that makes the laws from the lines of the registry.
+//! Macro that builds the laws from the lines of the registry.
 
 macro_rules! registry {
     (laws { $($module:ident: $form:ident,)* } forms { $($variant:ident($type:ty),)* }) => {
@@ -9,7 +9,7 @@ macro_rules! registry {
         const CONSTRUCTORS: &[fn(&LawParameters) -> Form] =
             &[$(|parameters| Form::$form($module::new(parameters))),*];
 
-        /// Types of laws; several laws may share one and differ in its constants.
+        /// Types of laws; several laws may share a type and differ in its constants.
         #[derive(Debug, Clone, Copy, PartialEq)]
         enum Form {
             $($variant($type)),*

@@ -1,17 +1,17 @@
-//! The load of one elastic bearing.
+//! Load of one elastic bearing.
 
 use pinwheel_contact::Scalar;
 use pinwheel_mbs::ContactEnergy;
 use pinwheel_scene::bearings::BearingLaw;
 
-/// One bearing at a state.
+/// Load and offset of one bearing at a state.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct BearingLoad<S = f64> {
-    /// On the disc at its centre, N, ground frame.
+    /// Force on the disc at its centre, N, ground frame.
     pub on_wheel: [S; 2],
-    /// Disc's centre less the eccentric's, m, ground frame.
+    /// Offset: the disc's centre less the eccentric's, m, ground frame.
     pub offset_m: [S; 2],
-    /// Friction on the disc, N m.
+    /// Friction torque on the disc, N m.
     pub drag_n_m: S,
     /// Angular velocity of the disc relative to the eccentric, rad/s.
     pub(super) turning: S,
@@ -20,7 +20,7 @@ pub struct BearingLoad<S = f64> {
 }
 
 impl<S: Scalar> BearingLoad<S> {
-    /// At an offset that moves with a velocity, m/s.
+    /// Computes the load at an offset (m) and its velocity (m/s).
     #[inline]
     pub(super) fn of(law: &BearingLaw, offset_m: [S; 2], [ux, uy]: [S; 2], turning: S) -> Self {
         let [dx, dy] = offset_m;
@@ -42,7 +42,7 @@ impl<S: Scalar> BearingLoad<S> {
 }
 
 impl BearingLoad {
-    /// Adds what it stores and loses.
+    /// Adds the stored energy and the dissipated powers of the bearing.
     pub(super) fn add_energy(&self, law: &BearingLaw, sum: &mut ContactEnergy) {
         let [dx, dy] = self.offset_m;
         let offset = dx.hypot(dy);

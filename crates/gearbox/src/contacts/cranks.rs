@@ -1,4 +1,4 @@
-//! The bearings of discs on the cranks of an RV reducer.
+//! Bearings of discs on the cranks of an RV reducer.
 //!
 //! ```text
 //! H_ij = r_i + bore j of disc i          C_ij = S_j + s_j + e_i u(gamma_j + phi_i),  gamma_j = (1 + rho) psi - rho phi
@@ -7,10 +7,10 @@
 //! (both at rest)                                               sum_i (R90 e_i u(gamma_j + phi_i)).F_ij = k_m r^2 t_j
 //! crank   m_j = sum_i a_i x F_ij               input   -rho m_j       output   (1 + rho) m_j + S_j x sum_i F_ij
 //! ```
-//! S_j: the crank's place on the output, t_j its turn in the mesh of its planet of base radius r, a_i in C_ij and in m_j the place of
-//! an eccentric on its crank. Supports and mesh are springs without mass, so that s_j and t_j follow from the places of the other
-//! bodies; dampers bridge them. The planets' mesh turns the output by a force across S_j at the crank, so that what a crank
-//! carries, and hands to the output, is one force at its centre.
+//! S_j is the crank's place on the output, t_j its turn in the mesh of its planet of base radius r, and a_i the place of an
+//! eccentric on its crank in C_ij and m_j. Supports and mesh are springs without mass, so that s_j and t_j follow from the
+//! positions of the other bodies; dampers are parallel to them. The planets' mesh turns the output by a force across S_j at the
+//! crank. The load that a crank transmits to the output is therefore one force at its centre.
 
 mod derivatives;
 
@@ -26,30 +26,30 @@ use crate::geometry::Geometry;
 use crate::scene::{Cranks as CranksOfScene, Scene};
 use crate::{Layout, Sleeve};
 
-/// Discs at most: as many as a scene may have.
+/// Largest number of discs of a scene.
 const WHEELS: usize = 64;
-/// A crank's bearings, one a disc.
+/// Bearings of a crank, one per disc.
 pub(super) type OfCrank = ArrayVec<CrankBearing, WHEELS>;
-/// Steps of Newton's method for the place of a crank, halvings of one, and what may be left of the forces.
+/// Largest numbers of Newton steps for the place of a crank and of halvings of one step, and the tolerance of the forces.
 const STEPS: usize = 40;
 const HALVINGS: usize = 8;
 const LEFT: f64 = 1e-14;
 
-/// All cranks.
+/// All cranks of a gear, with their bearings, supports and mesh.
 #[derive(Debug, Clone)]
 pub struct CrankSet {
     pub(crate) law: BearingLaw,
     /// Distance of the cranks from the gear's axis, m.
     pub(crate) circle_radius_m: f64,
     layout: Layout,
-    /// rho
+    /// Ratio rho of the first stage.
     teeth_ratio: f64,
-    /// k, N/m.
+    /// Stiffness k of a support, N/m; `None`: rigid.
     support: Option<f64>,
-    /// k_m r^2 over the square of the largest eccentricity, N/m; and that eccentricity, m.
+    /// Mesh stiffness k_m r^2 over the square of the largest eccentricity, N/m (`None`: rigid), and that eccentricity, m.
     mesh: Option<f64>,
     throw_m: f64,
-    /// Angles by which cranks are out of phase, rad.
+    /// Phase errors of the cranks, rad.
     phases: Vec<f64>,
     /// Eccentrics of each disc on all cranks, m, for a crank's angle of 0.
     eccentrics: Vec<[f64; 2]>,
@@ -57,24 +57,24 @@ pub struct CrankSet {
     bores: Vec<Vec<([f64; 2], f64)>>,
 }
 
-/// A crank's bearing in one disc.
+/// Bearing of a crank in one disc.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct CrankBearing<S = f64> {
-    /// Its force at the bore's centre; the offset is that centre less the eccentric's.
+    /// Load of the bearing at the bore's centre; the offset is that centre less the eccentric's.
     pub(super) load: BearingLoad<S>,
-    /// The offset's velocity where the support is rigid, m/s.
+    /// Velocity of the offset where the support is rigid, m/s.
     velocity: Complex<S>,
-    /// Bore's centre from the disc's, and the eccentric's from the crank's, m, ground frame.
+    /// Bore's centre relative to the disc's, and the eccentric's relative to the crank's, m, ground frame.
     pub(super) arm: Complex<S>,
     eccentric: Complex<S>,
-    /// How far the eccentric moves as its crank turns in an elastic mesh, by the largest eccentricity.
+    /// Displacement of the eccentric as its crank turns in an elastic mesh, per displacement at the largest eccentricity.
     across: Complex<S>,
 }
 
-/// How far a crank gives way, m: in its support, and at the largest eccentricity by its turn in the mesh.
+/// Deflection of a crank, m: two components in its support, and its turn in the mesh at the largest eccentricity.
 type Deflection = [f64; 3];
 
-/// A symmetric matrix of springs, N/m: rows and columns of the support, then of the mesh.
+/// Symmetric matrix of springs, N/m: rows and columns of the support, then of the mesh.
 #[derive(Debug, Clone, Copy)]
 struct Springs {
     support: [f64; 3],
@@ -83,7 +83,7 @@ struct Springs {
 }
 
 impl Springs {
-    /// Adds a bearing's xx, xy and yy, where its eccentric moves `across`.
+    /// Adds a bearing's stiffness xx, xy and yy, with the displacement `across` of its eccentric.
     fn add(&mut self, [xx, xy, yy]: [f64; 3], Complex { re: x, im: y }: Complex) {
         for (sum, k) in self.support.iter_mut().zip([xx, xy, yy]) {
             *sum += k;
@@ -93,7 +93,7 @@ impl Springs {
         self.mesh += along * x + beside * y;
     }
 
-    /// How far they give way under a force.
+    /// Returns the deflection under a force.
     fn solve(&self, [x, y, turning]: Deflection) -> Deflection {
         let ([xx, xy, yy], [a, b], c) = (self.support, self.both, self.mesh);
         let (xx, xy, yy) = (xx - a * a / c, xy - a * b / c, yy - b * b / c);
@@ -109,7 +109,7 @@ impl Springs {
 }
 
 impl<S: Scalar> CrankBearing<S> {
-    /// This bearing where its crank has given way.
+    /// Returns the bearing with its load at a deflection of its crank.
     #[inline]
     fn loaded(&self, law: &BearingLaw, [x, y, turned]: [S; 3]) -> Self {
         let moved = self.across.scale(turned);
@@ -127,8 +127,8 @@ impl<S: Scalar> CrankBearing<S> {
         -Complex::new(x, y)
     }
 
-    /// Moments of its force about the disc's centre, and about the crank's axis, N m. The force points along the offset: at the
-    /// bore's centre its lever is the eccentric's.
+    /// Returns the moments of the bearing's force about the disc's centre and about the crank's axis, N m. The force points
+    /// along the offset, so that its lever at the bore's centre is the eccentric's.
     fn moments(&self) -> [S; 2] {
         let (force, drag) = (self.on_crank(), self.load.drag_n_m);
         [
@@ -138,7 +138,7 @@ impl<S: Scalar> CrankBearing<S> {
     }
 }
 
-/// Force at rest of a bearing at an offset, N.
+/// Returns the force at rest of a bearing at an offset, N.
 fn pressed<S: Scalar>(law: &BearingLaw, [x, y]: [S; 2]) -> Complex<S> {
     let along = Complex::new(x, y);
     let offset = along.norm();
@@ -200,8 +200,8 @@ impl CrankSet {
         less
     }
 
-    /// Load of a crank's bearing in a disc, whose offset is the bore's centre from the eccentric's, and the bore's centre, m,
-    /// ground frame.
+    /// Returns the load of a crank's bearing in a disc, and the bore's centre, m, ground frame. The offset is the bore's centre
+    /// less the eccentric's.
     pub(crate) fn bearing(
         &self,
         bodies: &[BodyState],
@@ -215,7 +215,7 @@ impl CrankSet {
         (load, [body.x + arm.re, body.y + arm.im])
     }
 
-    /// Load of the bearings of all cranks in a disc together, whose offset is their mean.
+    /// Returns the total load of the bearings of all cranks in a disc, with the mean of their offsets.
     pub(crate) fn of_wheel(&self, bodies: &[BodyState], wheel: usize) -> BearingLoad {
         let mut all = BearingLoad::default();
         let share = 1.0 / self.count() as f64;
@@ -230,7 +230,7 @@ impl CrankSet {
         all
     }
 
-    /// Load of a crank's bearing in a disc as a pair of disc and crank.
+    /// Returns the load of a crank's bearing in a disc as a pair of disc and crank.
     pub(crate) fn pair(&self, bodies: &[BodyState], wheel: usize, crank: usize) -> PairContact {
         let (load, point) = self.bearing(bodies, wheel, crank);
         let ([dx, dy], [fx, fy]) = (load.offset_m, load.on_wheel);
@@ -256,7 +256,7 @@ impl CrankSet {
         }
     }
 
-    /// Bearings that carry a force, as pairs.
+    /// Returns the bearings that carry a force, as pairs.
     pub(crate) fn pairs(&self, bodies: &[BodyState]) -> Vec<PairContact> {
         let of_crank = |crank| (0..self.layout.wheels).map(move |wheel| (wheel, crank));
         let all = (0..self.count()).flat_map(of_crank);
@@ -268,7 +268,7 @@ impl CrankSet {
         self.phases.len()
     }
 
-    /// The bearings of one crank, of every disc, and how far the crank gives way.
+    /// Writes the bearings of one crank in all discs to `out`, and returns the crank's deflection.
     fn crank(&self, bodies: &[BodyState], crank: usize, out: &mut OfCrank) -> Deflection {
         let layout = self.layout;
         let [input, output] = [Layout::INPUT, Layout::OUTPUT].map(|body| &bodies[body]);
@@ -297,7 +297,7 @@ impl CrankSet {
         given
     }
 
-    /// Turning of a crank at the angles and rates of output and input; it stands in the origin.
+    /// Returns the motion of a crank about the origin from the angles and rates of output and input.
     #[inline]
     fn shaft<S: Scalar>(&self, angles: [S; 2], rates: [S; 2], crank: usize) -> Motion<S> {
         let c = |x: f64| rates[0].like(x);
@@ -314,7 +314,7 @@ impl CrankSet {
         }
     }
 
-    /// The bearing of a disc on a crank that does not give way, whose load is not known yet.
+    /// Returns the bearing of a disc on a crank without deflection, whose load is not known yet.
     #[inline]
     fn unloaded<S: Scalar>(
         &self,
@@ -344,7 +344,7 @@ impl CrankSet {
         }
     }
 
-    /// The bearing's law in a bore with a clearance of its own.
+    /// Returns the bearing's law in a bore with a clearance of its own.
     pub(crate) fn law(&self, wheel: usize, crank: usize) -> BearingLaw {
         let (_, extra_m) = self.bores[wheel][crank];
         BearingLaw {
@@ -353,7 +353,7 @@ impl CrankSet {
         }
     }
 
-    /// A matrix of springs in which what is rigid stays where it is, and the force that it leaves.
+    /// Returns the springs and forces with the rigid directions constrained: their deflections are 0.
     fn constrained(
         &self,
         mut springs: Springs,
@@ -378,7 +378,7 @@ impl CrankSet {
         (springs, left)
     }
 
-    /// Its support and mesh alone.
+    /// Returns the springs of support and mesh alone.
     fn springs(&self) -> Springs {
         let support = self.support.unwrap_or_default();
         Springs {
@@ -388,11 +388,11 @@ impl CrankSet {
         }
     }
 
-    /// How far a crank gives way: the one balance of a convex potential, from rest by Newton's method.
+    /// Solves the deflection of a crank: the only balance of a convex potential, from rest by Newton's method.
     fn deflection(&self, crank: usize, bearings: &[CrankBearing]) -> Deflection {
         let own = self.springs();
         let ([support, ..], mesh) = (own.support, own.mesh);
-        // Force that is left, its derivatives, and the sum of the forces' sizes.
+        // Residual force, its derivatives, and the sum of the forces' sizes.
         let left = |[x, y, turned]: Deflection| {
             let (mut force, mut springs, mut size) = (
                 [-support * x, -support * y, -mesh * turned],
@@ -433,7 +433,7 @@ impl CrankSet {
                 }
                 share *= 0.5;
             }
-            // As near as rounding lets it come.
+            // No further progress because of rounding.
             let Some((there, balance)) = next else { break };
             given = there;
             (force, springs, size) = balance;
@@ -441,7 +441,7 @@ impl CrankSet {
         given
     }
 
-    /// Adds the loads of all of them.
+    /// Adds the loads of all cranks' bearings.
     pub(crate) fn add_loads(&self, bodies: &[BodyState], loads: &mut [Wrench]) {
         let layout = self.layout;
         let mut bearings = OfCrank::new();
@@ -463,7 +463,8 @@ impl CrankSet {
         }
     }
 
-    /// Force of a crank on the output, N: that of its bearings, and that of its planet's mesh under the crank's moment.
+    /// Returns the force of a crank on the output, N: that of its bearings, and that of its planet's mesh under the crank's
+    /// moment.
     fn with_mesh(
         &self,
         force: [f64; 2],
@@ -474,7 +475,7 @@ impl CrankSet {
         [force[0] - across * y, force[1] + across * x]
     }
 
-    /// Adds what they and the supports store, and what they lose.
+    /// Adds the energy that bearings and supports store, and the powers that they lose.
     pub(crate) fn add_energy(&self, bodies: &[BodyState], sum: &mut ContactEnergy) {
         let mut bearings = OfCrank::new();
         for crank in 0..self.count() {

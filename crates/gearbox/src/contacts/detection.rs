@@ -11,7 +11,7 @@ use crate::GearboxError;
 use crate::geometry::Geometry;
 use crate::scene::{self, Scene};
 
-/// A touching pair in the disc's frame.
+/// Contact point of a pair in the disc's frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Touch<S = f64> {
     /// W, m from the disc's centre.
@@ -27,7 +27,7 @@ pub struct Touch<S = f64> {
 }
 
 impl<S: Scalar> Touch<S> {
-    /// A pin of that radius, its centre in `p`, touches a point; K there.
+    /// Returns the touch of a pin of radius `radius` centred at `p` with a vertex `point`, where K is `stiffness`.
     pub fn at_point(p: Complex<S>, point: Complex, radius: f64, stiffness: f64) -> Self {
         let c = |x: f64| p.re.like(x);
         let arm = point.like(p.re) - p;
@@ -40,7 +40,7 @@ impl<S: Scalar> Touch<S> {
         }
     }
 
-    /// The touch of a disc that is turned by e^{i angle} = `by`.
+    /// Returns the touch on a disc that is turned by e^{i angle} = `by`.
     pub(super) fn turned(self, by: Complex) -> Self {
         let by = by.like(self.penetration);
         Self {
@@ -52,7 +52,7 @@ impl<S: Scalar> Touch<S> {
 }
 
 impl Touch {
-    /// True if a pin of that radius is pressed in, and not by more than that.
+    /// Returns true if a pin of radius `radius` penetrates by more than 0 and less than its radius.
     fn presses(&self, radius: f64) -> bool {
         self.penetration > 0.0 && self.penetration < radius
     }
@@ -64,27 +64,27 @@ pub(super) trait Detection: Send + 'static {
     fn exact(&self) -> Option<&Exact> {
         None
     }
-    /// Ring pin `j`: e^{i a0} and e^{i zk a0} start the search. With e^{ia} of the foot.
+    /// Returns the touch of ring pin `j` and e^{ia} of its foot; e^{i a0} and e^{i zk a0} start the search.
     fn profile(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<(Touch, Complex)>;
-    /// Output pin in hole `k` of `wheel`.
+    /// Returns the touch of the output pin in hole `k` of `wheel`.
     fn hole(&self, wheel: usize, k: usize, p: Complex) -> Option<Touch>;
-    /// Closest points of a ring pin that [`profile`](Self::profile) finds without contact.
+    /// Returns the closest points of a ring pin that [`profile`](Self::profile) reports without contact.
     fn profile_gap(&self, j: usize, p: Complex) -> Touch;
-    /// Closest points of an output pin that [`hole`](Self::hole) finds without contact.
+    /// Returns the closest points of an output pin that [`hole`](Self::hole) reports without contact.
     fn hole_gap(&self, wheel: usize, k: usize, p: Complex) -> Touch;
-    /// Radius of ring pin `j`, and its K where the curve bends by `kappa`.
+    /// Returns the radius of ring pin `j`, and its K where the curvature of the curve is `kappa`.
     fn sleeve(&self, j: usize, kappa: f64) -> (f64, f64);
 }
 
-/// A ring pin.
+/// Ring pin.
 #[derive(Debug, Clone, Copy)]
 struct External {
     radius: f64,
-    /// By how much it is larger than the generating one, m: it touches where its centre is less than that outside C.
+    /// Excess of its radius over the generating pin's, m: it touches where its centre is less than that outside C.
     larger: f64,
 }
 
-/// A hole and its pin.
+/// Hole and its pin.
 #[derive(Debug, Clone)]
 struct Internal {
     hole: Hole,
@@ -93,7 +93,7 @@ struct Internal {
 }
 
 impl Internal {
-    /// The pin at the hole's exact edge, pressed in along `normal`.
+    /// Returns the touch of the pin at the hole's exact edge, pressed in along `normal`.
     #[inline]
     fn touch<S: Scalar>(&self, penetration: S, normal: Complex<S>) -> Touch<S> {
         let c = |x: f64| penetration.like(x);
@@ -111,7 +111,7 @@ impl Internal {
 #[derive(Debug, Clone)]
 struct Shapes {
     curve: Epitrochoid,
-    /// q', by which the edge lies inside the curve, m.
+    /// Distance q' of the edge inside the curve, m.
     offset: f64,
     external: Vec<External>,
     internal: Vec<Vec<Internal>>,
@@ -151,7 +151,7 @@ impl Shapes {
         (radius, self.hertz.of_edge(radius, self.offset, kappa))
     }
 
-    /// The foot of ring pin `j` where it is pressed in.
+    /// Returns the foot of ring pin `j` if it is in contact.
     #[inline]
     fn foot(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<Foot> {
         self.curve.foot_within(p, start, self.external[j].larger)
@@ -175,13 +175,12 @@ impl Shapes {
     }
 }
 
-/// Closest point of the exact curve: delta is minus the signed distance of P from C, and what the pin is larger than the
-/// one that made the edge.
-/// The second field: whether the slope of K is wanted.
+/// Detection at the closest point of the exact curve. delta is minus the signed distance of P from C, plus the excess of the
+/// pin's radius over the one that made the edge. The second field is true if the slope of K is needed.
 pub(super) struct Exact(Shapes, bool);
 
 impl Exact {
-    /// Computes the slope of K only for laws with a force along the profile.
+    /// Creates the detection; the slope of K is only computed for laws with a force along the profile.
     pub(super) fn new(scene: &Scene, geometry: &Geometry, law: &Law) -> Self {
         Self(Shapes::new(scene, geometry), law.along(1.0, 1.0).is_some())
     }
@@ -204,14 +203,14 @@ impl Exact {
         }
     }
 
-    /// Ring pin `j` about the foot e^{ia} = `unit` of the value of `p`, with derivatives.
+    /// Returns the touch of ring pin `j` with derivatives, about the foot e^{ia} = `unit` of the value of `p`.
     pub(super) fn beside<const N: usize>(
         &self,
         j: usize,
         p: Complex<Dual<N>>,
         unit: Complex,
     ) -> Touch<Dual<N>> {
-        // The place alone counts: its two coordinates are fewer variables than all that move it.
+        // The touch depends on the pin's position alone, whose two coordinates are fewer variables than all that move it.
         let [x, y] = Dual::variables([p.re.value, p.im.value]);
         let touch = self.at(j, &self.0.curve.foot_beside(unit, Complex::new(x, y)));
         let own = [p.re, p.im];
@@ -225,7 +224,7 @@ impl Exact {
         }
     }
 
-    /// Output pin in hole `k` of `wheel`.
+    /// Returns the touch of the output pin in hole `k` of `wheel`.
     #[inline]
     pub(super) fn in_hole<S: Scalar>(
         &self,
@@ -239,7 +238,7 @@ impl Exact {
     }
 }
 
-/// Direction of an offset from a hole's centre; the disc's x axis in the centre itself.
+/// Returns the direction of an offset from a hole's centre; at the centre itself, the disc's x axis.
 fn outwards<S: Scalar>(offset: Complex<S>) -> Complex<S> {
     let distance = offset.norm();
     if distance.value() > 0.0 {
@@ -281,10 +280,10 @@ impl Detection for Exact {
     }
 }
 
-/// The paper's points: W is the vertex nearest to P, delta = pin radius - |W - P|.
+/// Detection at the paper's points: W is the vertex nearest to P, delta = pin radius - |W - P|.
 ///
-/// Vertices lie on the exact curves and are never closer to P than these, so the exact test
-/// decides first whether any can touch, and its foot tells which.
+/// Vertices lie on the exact curves and are never closer to P than these. The exact test therefore decides first if any vertex
+/// can touch, and its foot selects the candidates.
 pub(super) struct Points {
     shapes: Shapes,
     profile: ProfilePoints,
@@ -310,7 +309,7 @@ impl Points {
         })
     }
 
-    /// Ring pin `j` at the vertex of the edge that is nearest to `p`, whose foot is given.
+    /// Returns the touch of ring pin `j` at the vertex of the edge that is nearest to `p`, whose foot is given.
     #[inline]
     fn vertex(&self, j: usize, p: Complex, foot: &Foot) -> Touch {
         let (vertex, _) = self.profile.nearest(p, foot.parameter());
@@ -319,7 +318,8 @@ impl Points {
         Touch::at_point(p, vertex.position, radius, stiffness)
     }
 
-    /// An output pin at the point of its hole that is nearest to `p`; the points start along the disc's x axis.
+    /// Returns the touch of an output pin at the point of its hole that is nearest to `p`; the points start along the disc's x
+    /// axis.
     #[inline]
     fn rim(&self, internal: &Internal, p: Complex) -> Touch {
         let Hole { centre, radius } = internal.hole;

@@ -10,7 +10,7 @@ use crate::Layout;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 
-/// Motion of a disc whose direction does not count.
+/// Returns the motion of a disc without its direction, which is not needed.
 #[inline(always)]
 fn unturned(body: &BodyState) -> Motion {
     Motion {
@@ -21,7 +21,7 @@ fn unturned(body: &BodyState) -> Motion {
     }
 }
 
-/// The bearings of all eccentrics.
+/// Bearings of all eccentrics.
 #[derive(Debug, Clone)]
 pub struct EccentricBearings {
     pub(crate) law: BearingLaw,
@@ -42,7 +42,7 @@ impl EccentricBearings {
         }
     }
 
-    /// The bearing of a disc on its one eccentric.
+    /// Returns the load of the bearing of a disc on its one eccentric.
     pub(crate) fn load(&self, bodies: &[BodyState], wheel: usize) -> BearingLoad {
         let (input, hub) = (
             &bodies[Layout::INPUT],
@@ -52,8 +52,8 @@ impl EccentricBearings {
         self.load_at(input, turn, &unturned(hub), self.eccentric_centres[wheel])
     }
 
-    /// Load of the bearing of a disc on its one eccentric from the states of input and disc, sine and cosine of the input's
-    /// angle, and the eccentric's centre.
+    /// Returns the load of the bearing of a disc on its one eccentric from the states of input and disc, sine and cosine of the
+    /// input's angle, and the eccentric's centre.
     #[inline(always)]
     fn load_at<S: Scalar>(
         &self,
@@ -70,7 +70,7 @@ impl EccentricBearings {
         BearingLoad::of(&self.law, offset, velocity, wheel.rate - rate)
     }
 
-    /// Adds all of them, and their moments to `moments`: input and discs turn about their centres of mass.
+    /// Adds the loads of all bearings, and their moments to `moments`: input and discs turn about their centres of mass.
     #[inline]
     pub(crate) fn add_loads(
         &self,
@@ -105,7 +105,7 @@ impl EccentricBearings {
         }
     }
 
-    /// Adds their derivatives by all that is free, and by the time as the input turns.
+    /// Adds the bearings' derivatives with respect to all free coordinates, and to time as the input turns.
     pub(crate) fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Derivatives<'_>) {
         let input = &bodies[Layout::INPUT];
         for (body, &centre) in self.layout.wheel_bodies().zip(&self.eccentric_centres) {
@@ -133,7 +133,7 @@ impl EccentricBearings {
         }
     }
 
-    /// Adds energy stored and powers dissipated.
+    /// Adds the stored energy and the dissipated powers.
     pub(crate) fn add_energy(&self, bodies: &[BodyState], sum: &mut ContactEnergy) {
         for wheel in 0..self.layout.wheels {
             self.load(bodies, wheel).add_energy(&self.law, sum);

@@ -12,12 +12,12 @@ use crate::carrier::Carrier;
 /// Contacts of a gear with the bearings that its discs float on, and the seals of its shafts. `bodies` and loads are in
 /// [`Layout`](crate::Layout) order.
 ///
-/// It keeps no history: the same states give the same bits.
+/// The field keeps no history: equal states give equal bits.
 pub struct ContactField {
     /// Contacts between discs and pins.
     pub contacts: Box<dyn PairField>,
     pub(crate) law: PinLaw,
-    /// Pins that rub where they turn; the loops over the pairs add their forces.
+    /// Friction of sleeves on their pins; the loops over the pairs add its forces.
     pub(crate) pins: Option<PinFriction>,
     pub(crate) carrier: Carrier,
     pub(crate) seals: Option<Seals>,
@@ -36,10 +36,10 @@ impl ContactField {
         self.contacts.have_derivatives()
     }
 
-    /// Adds to the outputs of `request`: loads (force, and moment about the centre of mass), moments about the pins, derivatives,
-    /// and what the contacts store and dissipate. See [`Forces::evaluate`](pinwheel_mbs::Forces::evaluate).
+    /// Adds to the outputs of `request`: loads (force, and moment about the centre of mass), moments about the pins,
+    /// derivatives, and the energy that contacts store and dissipate. See [`Forces::evaluate`](pinwheel_mbs::Forces::evaluate).
     ///
-    /// Derivatives are those where the input turns at a constant rate. Discs without free places are carried by it.
+    /// Derivatives assume that the input turns at a constant rate. Discs without free places move with it.
     pub fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
         self.contacts.evaluate(bodies, request);
         self.carrier.add(bodies, request);
@@ -53,8 +53,8 @@ impl ContactField {
         self.contacts.touching(bodies, visit);
     }
 
-    /// Returns one pair, touching or not; without contact its forces are 0 and its penetration is minus the gap.
-    /// A crank's bearing stands in the place of a pin in its hole.
+    /// Returns one pair, touching or not; without contact its forces are 0 and its penetration is minus the gap. With cranks, a
+    /// crank's bearing replaces the pin in its hole.
     pub fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
         match (&self.carrier, sleeve) {
             (Carrier::Cranks(cranks), Sleeve::Internal(crank)) => cranks.pair(bodies, wheel, crank),

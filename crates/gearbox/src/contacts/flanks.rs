@@ -1,10 +1,9 @@
-//! A disc whose flanks are turned towards the middle of their lobes: what two discs, turned by +delta and -delta, have in
-//! common.
+//! Disc whose flanks are turned towards the middle of their lobes: the intersection of two discs, turned by +delta and -delta.
 //!
 //! From the middle of a lobe counter-clockwise to the middle of a pit its edge is that of the disc turned by -delta, from there
-//! to the next lobe that of the other one. They meet in corners, which stand out everywhere: a pin touches the nearer of the
-//! feet that lie on the disc's edge, and where none does the corner between them. A corner has no radius of its own; it is as
-//! stiff as the flanks that end there.
+//! to the next lobe that of the other one. The two edges meet in corners, all of which are convex. A pin touches the nearer of
+//! the feet that lie on the disc's edge, or, if none does, the corner between them. A corner has no radius of its own; its
+//! stiffness is that of the flanks that end there.
 
 use std::f64::consts::PI;
 
@@ -15,7 +14,7 @@ use crate::geometry::Geometry;
 
 /// Edge of a disc whose flanks are turned.
 pub struct Flanks {
-    /// e^{i delta}.
+    /// Rotation e^{i delta} of a flank.
     turn: Complex,
     lobes: f64,
     /// Corners at the lobes' middles, and in the pits.
@@ -24,20 +23,20 @@ pub struct Flanks {
 
 #[derive(Clone, Copy)]
 struct Corner {
-    /// From the disc's centre, m.
+    /// Distance from the disc's centre, m.
     radius: f64,
-    /// kappa of the curve that either flank belongs to, 1/m.
+    /// Curvature kappa of the curve of either flank, 1/m.
     curvature: f64,
 }
 
-/// Where on the profile a pin touches.
+/// Contact point of a pin on the profile.
 #[derive(Clone, Copy)]
 pub enum Seat {
-    /// Beside the curve's point e^{ia}, of a disc that is turned.
+    /// At the curve's point e^{ia} of a disc that is turned.
     Foot {
-        /// e^{ia}.
+        /// Point e^{ia} of the curve.
         unit: Complex,
-        /// By how much, e^{i angle}.
+        /// Rotation e^{i angle} of the disc.
         turn: Complex,
     },
     /// At a corner between flanks, or in a hole.
@@ -45,7 +44,7 @@ pub enum Seat {
 }
 
 impl Flanks {
-    /// `None`: flanks are not turned.
+    /// Returns the edge of a disc with turned flanks; `None`: flanks are not turned.
     pub fn of(geometry: &Geometry) -> Option<Self> {
         let turn = geometry.flanks?;
         let curve = &geometry.curve;
@@ -54,7 +53,8 @@ impl Flanks {
             let at = curve.at(a);
             at.position - at.normal.scale(geometry.edge_offset_m)
         };
-        // The point of the edge whose polar angle is delta beyond the middle: turned back by delta it stands in it.
+        // The corner is the point of the edge whose polar angle is delta beyond the middle: turned back by delta, it lies in
+        // the middle.
         let corner = |middle: f64| {
             let beyond = Complex::unit(middle) * turn;
             let (mut low, mut high) = (middle, middle + half);
@@ -78,13 +78,13 @@ impl Flanks {
         })
     }
 
-    /// By how much the discs are turned whose common part it is.
+    /// Returns the rotations of the two discs whose intersection the disc is.
     pub(super) fn turns(&self) -> [Complex; 2] {
         [self.turn, self.turn.conj()]
     }
 
-    /// Chooses from the feet on either disc, in the order of [`turns`](Self::turns), the touch of a pin centred at
-    /// `p`; `stiffness` is K where the curve bends by a kappa.
+    /// Returns the touch of a pin centred at `p`, chosen from the feet on either disc in the order of [`turns`](Self::turns);
+    /// `stiffness` is K for a curvature kappa.
     pub fn touch(
         &self,
         p: Complex,

@@ -33,7 +33,7 @@ use pairs::Pairs;
 use pin_friction::PinFriction;
 pub(crate) use seals::Seals;
 
-/// Which contact loop evaluates exact detection. All give the same forces to 1e-13 relative.
+/// Contact loop that evaluates exact detection. All loops give equal forces to 1e-13 relative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Kernel {
     /// Eight pairs at a time with the vector instructions that the processor has.
@@ -43,15 +43,15 @@ pub enum Kernel {
     Avx2,
     /// Pairs in lanes without any vector instructions of the processor.
     Portable,
-    /// One pair after the other: the readable form, kept as the oracle of the other.
+    /// One pair after the other: the readable form, kept as the reference of the lanes.
     Scalar,
 }
 
 impl Kernel {
-    /// All loops.
+    /// All contact loops.
     pub const ALL: [Self; 4] = [Self::Lanes, Self::Avx2, Self::Portable, Self::Scalar];
 
-    /// The vector instructions of its lanes: the processor's best, or fewer.
+    /// Returns the vector instructions of the loop's lanes: the processor's best, or fewer.
     fn arch(self) -> pulp::Arch {
         match self {
             Self::Lanes => pulp::Arch::new(),
@@ -60,7 +60,7 @@ impl Kernel {
         }
     }
 
-    /// Name of what its lanes run on here: `avx512`, `avx2`, `portable`, or `other`.
+    /// Returns the name of the vector instructions in use on this processor: `avx512`, `avx2`, `portable`, or `other`.
     #[must_use]
     pub fn vectors(self) -> &'static str {
         match self.arch() {
@@ -91,12 +91,12 @@ pub fn contacts(
     kernel: Kernel,
 ) -> Result<ContactField, GearboxError> {
     let law = pin_law(scene).ok_or_else(|| GearboxError::UnknownLaw(scene.contact.law.clone()))?;
-    // Cranks touch no hole.
+    // Cranks replace the pins in holes.
     let without;
     let (scene, geometry) = match scene.cranks {
         Some(_) => {
             let gear = scene.gear.without_internal_sleeves();
-            // What holes give to the law stays.
+            // Parameters that the law takes from holes are kept.
             let known = law_parameters(scene);
             let mut scene = Scene {
                 gear,
@@ -111,7 +111,7 @@ pub fn contacts(
         }
         None => (scene, geometry),
     };
-    // Lanes take all pins, and all holes, for alike.
+    // Lanes assume that all pins are equal, and all holes.
     let in_lanes = kernel != Kernel::Scalar
         && scene.contact.friction_law == FrictionLaw::Regularised
         && geometry.is_uniform(&scene.gear);

@@ -26,7 +26,7 @@ impl Motion {
 }
 
 impl<S: Scalar> Motion<S> {
-    /// Motion of a body that the output carries, which stands at `angle` and turns at `rate`.
+    /// Returns the motion of a body that the output carries; `angle` and `rate` are the output's.
     pub(super) fn carried(body: &BodyState, output: &BodyState, [angle, rate]: [S; 2]) -> Self {
         let turn = Complex::unit(angle - angle.like(output.angle));
         let place = Complex::new(body.x, body.y).like(angle) * turn;
@@ -39,12 +39,12 @@ impl<S: Scalar> Motion<S> {
     }
 }
 
-/// Angle, x, y and their rates, in this order, of a disc as variables.
+/// Returns angle, x, y and their rates, in this order, of a disc as variables.
 pub(super) fn values(disc: &BodyState) -> [f64; 6] {
     [disc.angle, disc.x, disc.y, disc.rate, disc.vx, disc.vy]
 }
 
-/// Motion of a disc whose [`values`] are these.
+/// Returns the motion of a disc from its [`values`].
 pub(super) fn of_values<const N: usize>(
     [angle, x, y, rate, vx, vy]: [Dual<N>; 6],
 ) -> Motion<Dual<N>> {
@@ -56,17 +56,17 @@ pub(super) fn of_values<const N: usize>(
     }
 }
 
-/// A coordinate of this number; `None`: it moves at that speed.
+/// Returns a coordinate by its number; `None`: a function of time with this speed.
 pub(super) fn position(number: Option<usize>, speed: f64) -> Variable {
     number.map_or(Variable::Time(speed), Variable::Position)
 }
 
-/// The rate of a coordinate of this number; `None`: it changes at that acceleration.
+/// Returns the rate of a coordinate by its number; `None`: a function of time with this acceleration.
 pub(super) fn rate(number: Option<usize>, acceleration: f64) -> Variable {
     number.map_or(Variable::Time(acceleration), Variable::Rate)
 }
 
-/// Variables of a disc's [`values`]; one without free places is carried round by the input.
+/// Returns the variables of a disc's [`values`]; a disc without free places moves round with the input.
 pub(super) fn variables(
     coordinates: &pinwheel_mbs::Coordinates,
     number: usize,

@@ -10,13 +10,14 @@ use crate::Sleeve;
 pub struct PairContact {
     /// Disc number (0, 1, ...), not a body index.
     pub wheel: usize,
-    /// The pin.
+    /// Pin of the pair.
     pub sleeve: Sleeve,
     /// W, the disc's point closest to the pin centre; both forces act here. Ground frame, m.
     pub point: [f64; 2],
     /// n, unit vector from the pin centre P to W. Ground frame.
     pub normal: [f64; 2],
-    /// delta, m: above 0 where they touch, below 0 a gap. Of a sleeve on a pin that bends, contact and bending together.
+    /// Penetration delta, m: above 0 in contact, below 0 a gap. For a sleeve on a pin that bends, it contains contact and
+    /// bending.
     pub penetration_m: f64,
     /// v_n = d(delta)/dt, m/s.
     pub normal_rate_m_s: f64,
@@ -36,7 +37,7 @@ pub struct PairContact {
 }
 
 impl PairContact {
-    /// Force on the pin in the ground frame, N. The disc takes the opposite; all of it acts at W but
+    /// Returns the force on the pin in the ground frame, N. The disc takes the opposite. The force acts at W, except for
     /// [`along_force_n`](Self::along_force_n), which acts at the pin's centre.
     #[must_use]
     pub fn force_on_sleeve(&self) -> [f64; 2] {
@@ -48,7 +49,7 @@ impl PairContact {
         [-fn_ * nx - ft * ny, -fn_ * ny + ft * nx]
     }
 
-    /// F_n of a pair that touches, N, if it closed at `rate` (m/s) at the same positions.
+    /// Returns F_n of a touching pair, N, for a closing rate `rate` (m/s) at equal positions.
     #[must_use]
     pub fn normal_force_at(&self, law: &PinLaw, rate: f64) -> f64 {
         self.observed(law, rate)[0]
@@ -63,7 +64,7 @@ impl PairContact {
         }
     }
 
-    /// Adds what the pair stores and dissipates.
+    /// Adds the pair's stored energy and dissipated power.
     pub(super) fn add_energy(&self, law: &PinLaw, sum: &mut ContactEnergy) {
         let [_, elastic, stored] = self.observed(law, 0.0);
         sum.stored_j += stored;

@@ -1,8 +1,8 @@
-//! All pairs of discs and pins: the scalar, readable contact loop.
+//! Scalar, readable contact loop over all pairs of discs and pins.
 //!
-//! Everything happens in the disc's frame, where curve and holes stand still: one rotation per
-//! disc brings the pins in, one brings the sum of forces back. Forces of a pair act at W on
-//! both bodies, so action and reaction balance in force and in moment.
+//! Contacts are computed in the disc's frame, where curve and holes are at rest. One rotation per disc transforms the pins into
+//! this frame, and one transforms the sum of forces back. Forces of a pair act at W on both bodies, so that action and reaction
+//! balance in force and in moment.
 
 use pinwheel_contact::{
     AdamsFriction, Complex, Dual, Friction, NormalLaw, OnPin, PinLaw, RegularisedCoulomb, Scalar,
@@ -19,7 +19,7 @@ use crate::geometry::Geometry;
 use crate::scene::{self, FrictionLaw, Scene};
 use crate::{Layout, Sleeve};
 
-/// The contact field of one detection.
+/// Contact field of one detection.
 pub(super) struct Pairs<D> {
     layout: Layout,
     law: PinLaw,
@@ -31,7 +31,7 @@ pub(super) struct Pairs<D> {
     flanks: Option<Flanks>,
 }
 
-/// A disc's frame and motion.
+/// Frame and motion of a disc.
 #[derive(Clone, Copy)]
 pub(super) struct WheelFrame<S = f64> {
     pub(super) centre: Complex<S>,
@@ -68,7 +68,7 @@ impl<S: Scalar> WheelFrame<S> {
 #[derive(Clone, Copy)]
 pub(super) struct Loaded<S = f64> {
     pub(super) touch: Touch<S>,
-    /// W - P.
+    /// Arm W - P, m.
     pub(super) arm: Complex<S>,
     pub(super) normal_rate: S,
     pub(super) tangential_rate: S,
@@ -93,7 +93,7 @@ impl<S: Scalar> Loaded<S> {
 }
 
 impl Loaded {
-    /// The pair in the ground frame.
+    /// Returns the pair in the ground frame.
     #[inline]
     pub(super) fn contact(
         &self,
@@ -120,7 +120,7 @@ impl Loaded {
     }
 }
 
-/// The friction of a scene.
+/// Returns the friction of a scene.
 fn friction(contact: &scene::Contact) -> Friction {
     match contact.friction_law {
         FrictionLaw::Regularised => Friction::Regularised(RegularisedCoulomb {
@@ -150,7 +150,7 @@ impl<D: Detection> Pairs<D> {
         }
     }
 
-    /// Ring pin `j` against the disc.
+    /// Returns the touch of ring pin `j` with the disc.
     #[inline]
     fn profile(&self, j: usize, p: Complex, start: [Complex; 2]) -> Option<(Touch, Seat)> {
         let Some(flanks) = &self.flanks else {
@@ -191,7 +191,7 @@ impl<D: Detection> Pairs<D> {
         flanks.touch(p, radius, feet, |kappa| self.detection.sleeve(j, kappa).1)
     }
 
-    /// v_rel = (pin's material velocity at W, spin included) - (disc's at W), then Eq. 20 and 21.
+    /// Computes v_rel = (pin's material velocity at W, spin included) - (disc's at W), then Eq. 20 and 21.
     #[inline]
     fn load<S: Scalar + OnPin>(
         &self,
@@ -224,7 +224,7 @@ impl<D: Detection> Pairs<D> {
         }
     }
 
-    /// Visits every touching pair of one disc: pin, its body, the pair, and where it touches.
+    /// Visits every touching pair of one disc, with its pin, the pin's body and the contact point.
     #[inline]
     fn wheel_pairs(
         &self,
@@ -233,7 +233,7 @@ impl<D: Detection> Pairs<D> {
         frame: &WheelFrame,
         mut visit: impl FnMut(Sleeve, usize, &Loaded, Seat),
     ) {
-        // The ideal mesh has the foot of pin j at a0 = beta_j - theta, and zk beta_j is a whole turn.
+        // At the ideal mesh the foot of pin j is at a0 = beta_j - theta, and zk beta_j is a multiple of 2 pi.
         let back = frame.turn.conj();
         let multiple = back.powu(self.external_sleeves);
         let first = self.layout.external_bodies().start;
@@ -257,7 +257,7 @@ impl<D: Detection> Pairs<D> {
     }
 }
 
-/// Velocity and rate of a pin.
+/// Returns the velocity and the rate of a pin.
 #[inline]
 fn moves(sleeve: &BodyState) -> (Complex, f64) {
     (Complex::new(sleeve.vx, sleeve.vy), sleeve.rate)
@@ -281,7 +281,7 @@ impl Reaction {
 }
 
 impl<D: Detection> Pairs<D> {
-    /// Adds what a pair does to its pin, and what that leaves on the disc.
+    /// Adds the load of a pair to its pin, and its reaction to the disc.
     #[inline]
     fn add_load(&self, pair: &Loaded, frame: &WheelFrame, load: &mut Wrench, left: &mut Reaction) {
         let on_sleeve = pair.on_sleeve();
@@ -299,7 +299,7 @@ impl<D: Detection> Pairs<D> {
         load.moment += pair.arm.cross(on_sleeve);
     }
 
-    /// Adds the derivatives of what one pair does; `at`: its disc, pin, the pin's body and where it touches.
+    /// Adds the derivatives of one pair's loads; `at`: its disc, pin, the pin's body and the contact point.
     #[inline(never)]
     fn add_derivatives(
         &self,

@@ -1,10 +1,11 @@
-//! Sleeves that roll on the discs and rub on their pins, where no friction of contacts turns them.
+//! Friction of sleeves that roll on the discs and slide on their pins, in gears without contact friction.
 //!
 //! ```text
 //! T = mu F_n min(d/(2 r), 1) clamp(v_t/(r slow), -1, 1)      against the sliding of a sleeve that does not turn on its pin, at the contact
 //! ```
-//! A sleeve that rolls at v_t/r on a pin of diameter d loses mu F_n d/2 times that, and T takes as much from the disc. The couple T r on
-//! the pin is its carrier's. A roller thinner than d turns in a groove, on its own diameter. slow = 1 rad/s. Derivatives leave T out: it is some thousandths of F_n.
+//! A sleeve that rolls at v_t/r on a pin of diameter d loses the power mu F_n d/2 times that rate, and T takes as much from the
+//! disc. The couple T r on the pin acts on the pin's carrier. A roller thinner than d turns in a groove, on its own diameter.
+//! slow = 1 rad/s. Derivatives omit T, which is some thousandths of F_n.
 
 use pinwheel_contact::Real;
 use pinwheel_mbs::{BodyState, Wrench};
@@ -18,21 +19,21 @@ use crate::{Layout, Sleeve};
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PinFriction {
     friction_coefficient: f64,
-    /// mu d/2, m.
+    /// Lever mu d/2 of the friction, m.
     lever_m: f64,
     layout: Layout,
 }
 
-/// T on a pin.
+/// Force T of one pair, with its couple and power.
 pub(super) struct Drag {
     pub(super) force: [f64; 2],
-    /// Couple on its pin, N m.
+    /// Couple on the pin, N m.
     couple: f64,
     pub(super) lost_w: f64,
 }
 
 impl PinFriction {
-    /// `None` where it is not given, or friction of contacts turns pins as it will.
+    /// Returns the friction of a scene; `None` where it is not given, or friction of contacts turns the pins.
     pub(super) fn of(scene: &Scene) -> Option<Self> {
         let bearings = &scene.bearings;
         let friction_coefficient = bearings.sleeve_friction_coefficient?;
@@ -45,8 +46,8 @@ impl PinFriction {
         })
     }
 
-    /// T along t on a pin that `force` presses, whose centre is `radius` from the contact, where the disc passes a sleeve that does not
-    /// turn on its pin.
+    /// Returns T along t on a pin under the normal force `force`. `radius` is the distance from its centre to the contact, and
+    /// `passing` the speed of the disc past a sleeve that does not turn on its pin.
     #[inline(always)]
     pub(super) fn along<R: Real>(&self, force: R, radius: R, passing: R) -> R {
         let one = force.like(1.0);
@@ -55,7 +56,7 @@ impl PinFriction {
         -(force * share) * rolling.max(-one).min(one)
     }
 
-    /// T of a pair.
+    /// Returns T of a pair.
     pub(super) fn drag(&self, bodies: &[BodyState], pair: &PairContact) -> Drag {
         let arm = [
             pair.point[0] - pair.centre[0],
@@ -78,7 +79,7 @@ impl PinFriction {
         }
     }
 
-    /// Adds it to the bodies' loads.
+    /// Adds the friction of a pair to the bodies' loads.
     pub(super) fn add(
         &self,
         bodies: &[BodyState],

@@ -3,7 +3,7 @@
 //! ```text
 //! M = -T clamp(rate/slow, -1, 1)
 //! ```
-//! with slow = 1 rad/s at the input, and as much less at the output as that turns slower.
+//! slow is 1 rad/s at the input, and smaller at the output by the ratio of the speeds.
 
 use pinwheel_mbs::{BodyState, Derivatives, Evaluation};
 
@@ -11,7 +11,7 @@ use super::motion;
 use crate::Layout;
 use crate::scene::Scene;
 
-/// Torque that holds back a body, and the rate below which it fades.
+/// Torque against the rotation of a body, and the rate below which it fades.
 #[derive(Debug, Clone, Copy)]
 struct Seal {
     body: usize,
@@ -19,7 +19,7 @@ struct Seal {
     slow_rad_s: f64,
 }
 
-/// The seals of input and output.
+/// Seals of input and output.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Seals([Seal; 2]);
 
@@ -31,7 +31,7 @@ impl Seal {
 }
 
 impl Seals {
-    /// `None` where no torque is given.
+    /// Returns the seals of a scene; `None` without a seal torque.
     pub(crate) fn of(scene: &Scene) -> Option<Self> {
         let bearings = &scene.bearings;
         let torques = [bearings.input_seal_n_m, bearings.output_seal_n_m];
@@ -46,7 +46,7 @@ impl Seals {
         })
     }
 
-    /// Adds loads, moments, derivatives and energy as far as they are requested.
+    /// Adds the loads, moments, derivatives and energy that are requested.
     pub(super) fn add(&self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
         if let Some(loads) = request.loads.as_deref_mut() {
             self.add_moments(bodies, loads, |load| &mut load.moment);
@@ -62,7 +62,7 @@ impl Seals {
         }
     }
 
-    /// Adds their moments to a value of each body.
+    /// Adds the seals' moments to a value of each body.
     pub(crate) fn add_moments<T>(
         &self,
         bodies: &[BodyState],
@@ -74,7 +74,8 @@ impl Seals {
         }
     }
 
-    /// Adds how the output's fades where it turns slowly; the input's rate is constant.
+    /// Adds the derivative of the output's seal torque, which fades where the output turns slowly; the input's rate is
+    /// constant.
     fn add_jacobian(&self, bodies: &[BodyState], derivatives: &mut Derivatives<'_>) {
         let [_, output] = self.0;
         if bodies[output.body].rate.abs() < output.slow_rad_s {

@@ -1,12 +1,13 @@
-//! Possible error of an energy account between its entries: as of sampled means, from the sixth difference of seven of
-//! them ([`pinwheel_timeseries::sampling`]).
+//! Possible error of an energy account between its entries, as that of sampled means, from the sixth difference of seven
+//! entries ([`pinwheel_timeseries::sampling`]).
 
 use pinwheel_timeseries::sampling::{POINTS, sixth_difference};
 
-/// Powers whose integrals are the remainder, but for the growth of kinetic and stored energy, and the losses, W.
+/// Two powers, W: that whose integral is the remainder, apart from the growth of kinetic and stored energy, and that of the
+/// losses.
 pub(super) type Two = [f64; 2];
 
-/// Squares of what the integrals of both may be off by, J^2, up to the last entry but three.
+/// Squares of the possible errors of both integrals, J^2, up to the last entry but three.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Scatter {
     /// Sums of squares of segments that ended and of the present one.
@@ -40,7 +41,7 @@ impl Scatter {
             let parts = self.powers.iter().zip(weights).map(|(p, w)| w * p[k]);
             (h * parts.sum::<f64>()).powi(2)
         });
-        // The first of a segment stands for the intervals before it too.
+        // The first value of a segment also represents the intervals before it.
         let intervals = if self.is_known { 1.0 } else { 4.0 };
         self.is_known = true;
         self.count(self.last, intervals);
@@ -52,7 +53,7 @@ impl Scatter {
         }
     }
 
-    /// The squares so far. Fewer than seven entries tell no more than their range.
+    /// Returns the squares so far. With fewer than seven entries only their range is known.
     pub(super) fn squares(&self) -> Two {
         let mut all = self.squares;
         if self.is_known || self.len == 0 {
@@ -68,7 +69,7 @@ impl Scatter {
         all
     }
 
-    /// The next entry is the first of another segment.
+    /// Starts a new segment with the next entry.
     pub(super) fn restart(&mut self) {
         if self.is_known {
             self.count(self.last, 3.0);

@@ -14,9 +14,9 @@ pub struct Level {
     pub setting: String,
     /// Evaluations of the forces.
     pub evaluations: u64,
-    /// How far the forces moved from the level before, if that finished.
+    /// Distance of the forces from those of the previous level, if that finished.
     pub moved: Option<Distance>,
-    /// How it failed.
+    /// Description of the level's failure.
     pub failure: Option<String>,
 }
 
@@ -24,18 +24,18 @@ pub struct Level {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Verdict {
-    /// It was.
+    /// The target was reached.
     Resolved,
-    /// It was not; what was reached is the [`Uncertainty::error`].
+    /// The target was not reached; the reached accuracy is [`Uncertainty::error`].
     NotResolved {
-        /// Why the refinement ended.
+        /// Reason why the refinement ended.
         reason: String,
         /// Action that would help.
         remedy: String,
     },
 }
 
-/// Numerical uncertainty of a run, and the runs that it was estimated from.
+/// Numerical uncertainty of a run, and the runs from which it was estimated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Uncertainty {
     /// Requested target: relative L2 of the forces and of the driver's torque.
@@ -48,25 +48,25 @@ pub struct Uncertainty {
     pub chosen: usize,
     /// All runs, in order.
     pub levels: Vec<Level>,
-    /// Coarser runs by the method of the chosen one, with their time series; `None` where they show nothing.
+    /// Coarser runs by the method of the chosen one, with their time series; `None` where they are no evidence of its error.
     #[serde(skip)]
     pub ladder: Option<Ladder>,
 }
 
 impl Uncertainty {
-    /// True if the target was reached.
+    /// Returns true if the target was reached.
     #[must_use]
     pub fn is_resolved(&self) -> bool {
         self.verdict == Verdict::Resolved
     }
 
-    /// The run whose time series are given.
+    /// Returns the run whose time series are given.
     #[must_use]
     pub fn chosen(&self) -> Option<&Level> {
         self.levels.get(self.chosen)
     }
 
-    /// Evaluations of all runs as a multiple of those of the chosen one: what the verification costs.
+    /// Returns the evaluations of all runs as a multiple of those of the chosen one, the cost of the verification.
     #[must_use]
     pub fn cost(&self) -> f64 {
         let all: u64 = self.levels.iter().map(|level| level.evaluations).sum();
@@ -74,7 +74,7 @@ impl Uncertainty {
         all as f64 / one.max(1) as f64
     }
 
-    /// Remarks for the reader: the result, and what it took.
+    /// Returns remarks for the reader: the result and its cost.
     #[must_use]
     pub fn notes(&self) -> Vec<String> {
         let mut notes = vec![self.sentence()];
@@ -92,7 +92,7 @@ impl Uncertainty {
         notes
     }
 
-    /// One sentence: what is known, from what, at what cost.
+    /// Returns one sentence with the estimated error, its evidence and its cost.
     #[must_use]
     pub fn sentence(&self) -> String {
         let (method, setting) = self.chosen().map_or(("", ""), |level| {
@@ -122,7 +122,7 @@ impl Uncertainty {
     }
 }
 
-/// Remedy for a run that was not resolved.
+/// Returns the remedy for a run that was not resolved.
 pub fn remedy(target: f64, error: Option<Distance>, budget: u64) -> String {
     let reached = error.map(|e| e.worst()).filter(|e| e.is_finite());
     match reached {

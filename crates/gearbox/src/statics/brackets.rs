@@ -1,8 +1,8 @@
 //! Balances on rigid bearings by nested brackets, where contacts have no derivatives.
 //!
-//! Contacts restore, so M_i falls with theta_i, and with the discs in
-//! balance M_out falls with psi: two nested roots of falling functions, each bracketed. That needs no good start and copes with
-//! backlash, where everything is 0 over the free play.
+//! Contacts restore, so M_i falls with theta_i, and with the discs in balance M_out falls with psi. The balance is two nested
+//! roots of falling functions, each bracketed. Brackets need no good start and cope with backlash, where all moments are 0 over
+//! the free play.
 
 use nalgebra::DVector;
 
@@ -12,19 +12,19 @@ use crate::GearboxError;
 
 /// Tolerance of angles, rad: 1e-14 rad on a radius of 64 mm is 1e-11 of a penetration.
 const ANGLE: f64 = 2e-15;
-/// Steps at most of a root.
+/// Largest number of steps of one root.
 const STEPS: usize = 200;
-/// Difference steps, rad: of the discs, and of the output about them.
+/// Difference steps, rad: of the discs' angles, and of the output's angle with the discs in balance.
 const OF_DISCS: f64 = 1e-9;
 const OF_OUTPUT: f64 = 1e-8;
 
-/// A root of a falling function in its bracket.
+/// Root of a falling function with its bracket.
 #[derive(Clone, Copy)]
 struct Root {
     low: f64,
     high: f64,
     at: f64,
-    /// The last step.
+    /// Length of the last step.
     last: f64,
 }
 
@@ -39,8 +39,8 @@ impl Root {
         }
     }
 
-    /// Moves on where the function is `here`, not 0, with that slope: by Newton's step where it stays inside and is less than half of
-    /// the last one, else to the middle.
+    /// Moves to the next estimate from the value `here` of the function, which is not 0, and its slope. Newton's step is taken
+    /// where it stays inside the bracket and is less than half of the last one, else the middle.
     fn step(&mut self, here: f64, slope: f64) {
         *(if here > 0.0 {
             &mut self.low
@@ -58,7 +58,7 @@ impl Root {
 }
 
 impl Statics<'_> {
-    /// Balances the discs for the output at `u[0]`, whose moment is left.
+    /// Balances the discs for the output at `u[0]`, and returns the residual, in which the output's moment remains.
     fn balance_discs(&mut self, problem: &Problem, u: &mut [f64]) -> DVector<f64> {
         let half = self.brackets().0;
         let ideal = self.ideal(problem);
@@ -88,7 +88,7 @@ impl Statics<'_> {
         self.residual(problem, u)
     }
 
-    /// The equilibrium by brackets alone, with hundreds of times the evaluations. It is the reference for Newton's
+    /// Solves the equilibrium by brackets alone, with hundreds of times the evaluations. It is the reference for Newton's
     /// method.
     ///
     /// # Errors

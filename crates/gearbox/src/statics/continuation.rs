@@ -1,14 +1,14 @@
 //! Balances of a gear whose discs float on elastic bearings, by continuation.
 //!
-//! With clearance there are states that nothing holds, so no bracket and no cold start can be relied upon. A continuation can: it
-//! begins at the balance of rigid bearings, displaces each disc by a small share s of the deflection of its bearing under the
-//! force at that balance, and takes the bearing's offsets from s to all of themselves:
+//! Discs in clearance have poses at which no force restores them, so neither brackets nor a start without a known balance are
+//! reliable. The continuation begins at the balance of rigid bearings. It displaces each disc by a small share s of the
+//! deflection of its bearing under the force at that balance, and raises s to 1:
 //!
 //! ```text
 //! offset of the bearing under F:   s (g + (F/K)^(1/p)),   s -> 1
 //! ```
-//! Newton's method balances every step. A light load is approached from the scene's largest, by parts of it:
-//! near no load nothing but the last balance tells where a disc floats. Without a load discs rest at the middle of their
+//! Newton's method solves the balance at every s. A light load is approached from the scene's largest in steps of the load:
+//! near no load only the previous balance determines where a disc floats. Without a load discs rest at the middle of their
 //! clearance.
 
 use std::sync::Arc;
@@ -17,29 +17,29 @@ use super::problem::{Balanced, LEFT, OF_A_DISC, Problem};
 use super::{Equilibrium, Statics};
 use crate::{GearboxError, scene::Detection};
 
-/// The first share s, in the depths of contacts under the load.
+/// First share s, relative to the depths of contacts under the load.
 const FIRST: f64 = 0.2;
-/// Growth of s from step to step, shrunk by its root where a step fails, and its least.
+/// Growth factor of s from step to step, replaced by its square root where a step fails, and the least factor.
 const GROWTH: f64 = 4.0;
 const LEAST_GROWTH: f64 = 1.001;
-/// Ratio of successive loads on the way to a light one, replaced by its root where a step fails. A load above this
-/// share of the largest is not light.
+/// Ratio of successive loads on the way to a light one, replaced by its square root where a step fails. A load above this share
+/// of the largest is not light.
 const LIGHTER: f64 = 0.25;
-/// Balances that are remembered.
+/// Number of balances kept as starting points.
 const REMEMBERED: usize = 8;
-/// Least step of the clearance, as a share of it.
+/// Least step of the clearance, relative to the full clearance.
 const LEAST_LOOSER: f64 = 1e-4;
-/// Why points may leave a disc without a balance.
+/// Explanation for a missing balance with contacts at discrete points.
 const POINTS: &str = "contact.detection = \"points\": forces jump from point to point, and between two of them a disc on an \
                       elastic bearing has no balance; use detection = \"exact\"";
 
-/// Where bearings sit from a disc's centre, m.
+/// Positions of a disc's bearings relative to its centre, m.
 type Seats = Vec<[f64; 2]>;
 /// Forces on the bearings of every disc, N.
 type Forces = Vec<Vec<[f64; 2]>>;
 
 impl Statics<'_> {
-    /// The balance of floating discs at the input angle `phi`.
+    /// Solves the balance of floating discs at the input angle `phi`.
     pub(super) fn solve_floating(
         &mut self,
         phi: f64,
@@ -48,7 +48,7 @@ impl Statics<'_> {
         if load == 0.0 {
             return self.continue_from_rigid(phi, load);
         }
-        // The nearest of the last loads in the same direction: mostly the same one, at the pose before.
+        // Nearest of the last loads in the same direction: mostly the same load, at the previous pose.
         let apart = |from: f64| (load / from).ln().abs();
         let near = (0..self.floated.len())
             .filter(|&k| self.floated[k].1 * load > 0.0)
@@ -72,7 +72,7 @@ impl Statics<'_> {
         Ok(found)
     }
 
-    /// The error with its cause, where that is not the load.
+    /// Returns the error with its cause, where that is not the load.
     fn explained(&self, error: GearboxError) -> GearboxError {
         match (self.gearbox.scene.contact.detection, error) {
             (Detection::Points, GearboxError::NoEquilibrium { .. }) => {
@@ -82,7 +82,7 @@ impl Statics<'_> {
         }
     }
 
-    /// The equilibrium of floating discs without a known one near by.
+    /// Solves the equilibrium of floating discs without a known nearby balance.
     fn solve_cold(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         let heavy = self.largest_n_m.copysign(load);
         if load.abs() >= LIGHTER * heavy.abs() {
@@ -92,7 +92,7 @@ impl Statics<'_> {
         self.continue_towards(here, heavy, (phi, load))
     }
 
-    /// From a balance under the load `at`, in the same direction, to another input angle and load.
+    /// Continues from a balance under the load `at`, in the same direction, to another input angle and load.
     fn continue_towards(
         &mut self,
         mut here: Equilibrium,
@@ -116,12 +116,12 @@ impl Statics<'_> {
         Ok(here)
     }
 
-    /// The equilibrium of floating discs by continuation from that of rigid bearings.
+    /// Solves the equilibrium of floating discs by continuation from that of rigid bearings.
     fn continue_from_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         let rigid = self.solve_rigid(phi, load)?;
         let whole = self.problem(phi, load, &self.carrier);
         let mut u = whole.unknowns(&rigid.bodies, self.gearbox.layout);
-        // Forces of the contacts alone: what the bearings will have to carry.
+        // Forces of the contacts alone, which the bearings will carry.
         let contacts = self.residual(&whole, &u);
         let (seats, forces) = self.carried(&rigid, contacts.as_slice());
         let most = forces.iter().flatten().map(|[x, y]| x.hypot(*y));
@@ -143,7 +143,7 @@ impl Statics<'_> {
         let none = || GearboxError::NoEquilibrium { load_n_m: load };
         // The bearings of one disc do not all deflect along these forces: their clearance comes last.
         let tight = if carrier.cranks().is_some() { 0.0 } else { 1.0 };
-        // A first step that fails is tried from nearer to the rigid gear.
+        // After a failed first step, a smaller one nearer to the rigid gear is tried.
         let mut before: Option<(f64, Vec<f64>)> = None;
         let mut growth = GROWTH;
         loop {
@@ -178,8 +178,8 @@ impl Statics<'_> {
         }
     }
 
-    /// From the balance on bearings without clearance to that with all of it: each step moves discs on by what their bearings
-    /// give way more, along the offsets that they have.
+    /// Continues from the balance on bearings without clearance to that with full clearance. Each step moves discs by the
+    /// additional clearance of their bearings, along their present offsets.
     fn loosened(&mut self, whole: &Problem, mut u: Vec<f64>) -> Option<(Vec<f64>, Balanced)> {
         let (mut share, mut step, mut left) = (0.0, 1.0, None);
         let carrier = self.carrier.clone();
@@ -208,8 +208,8 @@ impl Statics<'_> {
         (share >= 1.0).then_some((u, left?))
     }
 
-    /// Where bearings sit from a disc's centre, and what each will have to carry of `contacts`: of cranks the least that
-    /// holds force and moment, evenly.
+    /// Returns the positions of bearings relative to a disc's centre, and the share of `contacts` that each will carry. On
+    /// cranks these are the least forces that balance force and moment, evenly spread.
     fn carried(&self, rigid: &Equilibrium, contacts: &[f64]) -> (Seats, Forces) {
         let seats: Seats = match self.carrier.cranks() {
             Some(_) => {
@@ -230,8 +230,8 @@ impl Statics<'_> {
         (seats, forces)
     }
 
-    /// Unknowns with the discs' offsets from their eccentrics times `factor`, and of cranks their turns against the
-    /// output.
+    /// Returns the unknowns with the discs' offsets from their eccentrics multiplied by `factor`; with cranks, also the discs'
+    /// turns against the output.
     fn stretched(&self, phi: f64, u: &[f64], factor: f64) -> Vec<f64> {
         let geometry = &self.gearbox.geometry;
         let eccentric = geometry.eccentric_angle(phi, u[0]);
@@ -250,7 +250,7 @@ impl Statics<'_> {
     }
 }
 
-/// Moves a disc by `by` times a direction, and turns it by that motion of a seat beside its centre.
+/// Moves a disc by `by` times a direction, and turns it by the motion of a seat beside its centre.
 fn displace(disc: &mut [f64], [sx, sy]: [f64; 2], [x, y]: [f64; 2], by: f64) {
     disc[0] += by * x;
     disc[1] += by * y;

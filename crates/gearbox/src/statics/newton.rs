@@ -1,52 +1,55 @@
-//! The way to a balance: a quasi-Newton method, and down the work of forces where it leads nowhere.
+//! Newton's method of a balance: quasi-Newton steps, and a descent along the work of forces where these fail.
 //!
-//! Each step updates the inverse of the Jacobian by what the residual did (C. G. Broyden, Math. Comp. 19, 1965, 577-593), so that
-//! derivatives are evaluated anew only where steps gain too little. A balance hands its inverse on to the next pose.
+//! Each step updates the inverse of the Jacobian from the change of the residual (C. G. Broyden, Math. Comp. 19, 1965,
+//! 577-593). Derivatives are evaluated anew only where steps gain too little. The inverse at a balance serves the next pose.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::Statics;
 use super::problem::{Balanced, Free, LEFT, Problem};
 
-/// Newton steps at most, halvings of one, and the residual that a step must leave at most for the inverse to serve the next.
+/// Largest numbers of Newton steps and of halvings of one step, and the largest ratio of residuals after and before a step at
+/// which the inverse is kept.
 const STEPS: usize = 60;
 const HALVINGS: usize = 12;
 const SERVES: f64 = 0.3;
 const SERVES_ANGLES: f64 = 0.1;
-/// Steps of discs on eccentrics and output, in the twists of contacts, from which on nothing holds them: they begin afresh.
+/// Length of steps of discs on eccentrics and output, relative to the twists of contacts, at which no contact restores them:
+/// Newton's method is abandoned.
 const LOST: f64 = 1e5;
 /// Largest ratio of residuals after and before a step with fresh derivatives at which that step counts as progress.
 const SLOW: f64 = 0.9;
-/// Steps at most of a search for where forces do no work along a step, and what may be left of it.
+/// Largest number of steps of the search for the point where forces do no work along a step, and the work that may remain
+/// there.
 const WORKS: usize = 40;
 const WORK: f64 = 0.1;
-/// Most of the way over which the mesh holds that such a step may take.
+/// Largest length of such a step, relative to the range in which the mesh restores.
 const FARTHEST: f64 = 0.1;
-/// Where rounding of stiff contacts leaves more, up to this, a balance is one that a Newton step moves by no more than such a share
-/// of the contacts' depths and twists.
+/// Residual up to which rounding of stiff contacts is accepted, if a Newton step moves the balance by no more than `STILL`,
+/// relative to the contacts' depths and twists.
 const ROUNDED: f64 = 1e-7;
 const STILL: f64 = 1e-8;
-/// Newton goes on down to the first, and below the second as long as it gains.
+/// Residuals at which Newton's method ends: at once below `GOAL`, and below `BALANCED` as soon as a step gains nothing.
 const GOAL: f64 = 1e-12;
 const BALANCED: f64 = 1e-10;
-/// A weak spring to the last iterate, as a share of a contact's stiffness: for directions that nothing holds.
+/// Weak spring to the last iterate, relative to a contact's stiffness, for directions without stiffness.
 const WEAK: f64 = 1e-9;
-/// Springs to the last iterate where a gear snaps through, as shares of a contact's stiffness. The weakest that works
-/// is taken.
+/// Springs to the last iterate where a gear snaps through, relative to a contact's stiffness. The weakest that succeeds is
+/// taken.
 const HOLDS: [f64; 6] = [WEAK, 1e-2, 0.1, 1.0, 10.0, 100.0];
-/// Share of a step in the one before by which a disc on its eccentric gives itself away that will carry nothing: a force like delta^n
-/// falls to it by 1 - 1/n a step, for as long as one likes. Of the laws n is from 10/9 to 5/2.
+/// Range of the ratio of successive steps by which a disc on its eccentric is taken as idle, one that will carry nothing. Under
+/// a force like delta^n, steps shrink by the ratio 1 - 1/n without end. Exponents n of the laws are 10/9 to 5/2.
 const IDLE: std::ops::Range<f64> = 0.05..0.75;
-/// The output then moves less than this of what the disc does.
+/// Largest step of the output, relative to the disc's, at which a disc may be idle.
 const ALONE: f64 = 1e-3;
-/// Such a disc is turned to where its steps lead together, and by this more, so that it touches nothing.
+/// Overshoot factor of an idle disc: it is turned to the limit of its steps and slightly beyond, so that it touches nothing.
 const BEYOND: f64 = 1.001;
 
 fn beyond(u: &[f64], share: f64, step: &DVector<f64>) -> Vec<f64> {
     u.iter().zip(step).map(|(u, s)| u + share * s).collect()
 }
 
-/// Broyden's update of an inverse by a step and the change of the residual that it made.
+/// Updates the inverse by Broyden's formula from a step and the change of the residual that it made.
 fn update(inverse: &mut DMatrix<f64>, step: &DVector<f64>, change: &DVector<f64>) {
     let expected = &*inverse * change;
     let row = inverse.tr_mul(step);
@@ -56,7 +59,7 @@ fn update(inverse: &mut DMatrix<f64>, step: &DVector<f64>, change: &DVector<f64>
     }
 }
 
-/// Lengthens the steps of discs that will carry nothing.
+/// Lengthens the steps of idle discs, which will carry nothing.
 fn release_idle(step: &mut DVector<f64>, last: &mut DVector<f64>) {
     let output = step[0].abs();
     for (turn, last) in step.iter_mut().zip(last).skip(1) {
@@ -69,8 +72,8 @@ fn release_idle(step: &mut DVector<f64>, last: &mut DVector<f64>) {
 }
 
 impl Statics<'_> {
-    /// Newton's method from `u`, with halved steps, beginning with an `inverse` of a near balance if there is one. `None` where it got
-    /// stuck, or where teeth have jumped.
+    /// Solves by Newton's method from `u`, with halved steps, starting with the `inverse` of a near balance if there is one.
+    /// `None`: no progress, or teeth have jumped.
     pub(super) fn newton(
         &mut self,
         problem: &Problem,
@@ -102,7 +105,7 @@ impl Statics<'_> {
             }
             let mut share = self.farthest(problem, &step);
             let before = most;
-            // What is left at a balance is rounding, which no shorter step betters.
+            // Near a balance only rounding remains, and shorter steps do not reduce it.
             let tries = if is_fresh && most > LEFT { HALVINGS } else { 1 };
             for _ in 0..tries {
                 let there = beyond(u, share, &step);
@@ -139,7 +142,8 @@ impl Statics<'_> {
         (most < LEFT && holds).then_some((here, inverse))
     }
 
-    /// The share of a step that leads nowhere near another tooth: where nothing holds, steps have no bounds of their own.
+    /// Returns the largest share of a step that stays away from another tooth: without stiffness, steps have no bounds of their
+    /// own.
     fn farthest(&self, problem: &Problem, step: &DVector<f64>) -> f64 {
         let angle = FARTHEST * self.brackets().1;
         let lever = self.gearbox.scene.gear.lever_m();
@@ -153,9 +157,9 @@ impl Statics<'_> {
         shares.fold(1.0, f64::min)
     }
 
-    /// From `u` to where forces do next to no more work along a Newton step: contacts that open and close on the way leave more than
-    /// before, by which Newton's method alone would never get past them. Where the gear snaps through, and a step would be against
-    /// the forces, springs to `u` hold it.
+    /// Moves from `u` to the point where forces do almost no more work along a Newton step. Contacts that open and close on the
+    /// way may increase the residual, which Newton's method alone would never accept. Where the gear snaps through, and a step
+    /// would be against the forces, springs to `u` restrain it.
     fn downhill(
         &mut self,
         problem: &Problem,
@@ -166,7 +170,7 @@ impl Statics<'_> {
             let step = -problem.held(jacobian.clone(), hold).lu().solve(here)?;
             (here.dot(&step) > 0.0).then_some(step)
         })?;
-        // Through free play as far as something holds, and not beyond it, nor over a tooth.
+        // The search passes through free play up to the next contact, but not over a tooth.
         let farthest = self.farthest(problem, &step);
         let (mut low, mut high) = (0.0, farthest);
         let mut share = f64::min(farthest, 1.0 / problem.moved(&step));

@@ -1,4 +1,4 @@
-//! One balance that is looked for: its input angle and load, what carries the discs, and what is free.
+//! Equations of one balance: its input angle and load, the carrier of the discs, and the free coordinates.
 
 use std::sync::Arc;
 
@@ -9,16 +9,16 @@ use pinwheel_mbs::BodyState;
 use crate::Layout;
 use crate::carrier::Carrier;
 
-/// Unknowns of a disc that floats.
+/// Number of unknowns of a disc that floats.
 pub(super) const OF_A_DISC: usize = 3;
 
-/// Permitted residual, as a share of the load's.
+/// Permitted residual, relative to the load's size.
 pub(super) const LEFT: f64 = 1e-9;
 
 /// Residual of a balance, and the inverse of the Jacobian that led there.
 pub(super) type Balanced = (DVector<f64>, Option<DMatrix<f64>>);
 
-/// Unknowns beside the output's angle, which is the first.
+/// Unknowns besides the output's angle, which is the first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Free {
     /// None: rigid cranks turn the discs with the output.
@@ -29,7 +29,7 @@ pub(super) enum Free {
     Places,
 }
 
-/// Scales of forces and places.
+/// Scales of lengths, angles, forces and moments.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Size {
     pub(super) length: f64,
@@ -38,7 +38,7 @@ pub(super) struct Size {
     pub(super) moment: f64,
 }
 
-/// One balance that is looked for.
+/// One balance to be solved.
 #[derive(Debug, Clone)]
 pub(super) struct Problem {
     /// The input's angle, rad.
@@ -49,13 +49,13 @@ pub(super) struct Problem {
     pub(super) carrier: Arc<Carrier>,
     pub(super) free: Free,
     pub(super) size: Size,
-    /// Angle of the output at the ideal mesh, rad, and its largest distance from there before teeth jump.
+    /// Angle of the output at the ideal mesh, rad, and its largest distance from there before teeth jump, rad.
     pub(super) ideal: f64,
     pub(super) reach: f64,
 }
 
 impl Problem {
-    /// Unknowns of bodies in place.
+    /// Returns the unknowns of bodies at their poses.
     pub(super) fn unknowns(&self, bodies: &[BodyState], layout: Layout) -> Vec<f64> {
         let discs = bodies[layout.wheel_bodies()].iter();
         let output = std::iter::once(bodies[Layout::OUTPUT].angle);
@@ -68,12 +68,12 @@ impl Problem {
         }
     }
 
-    /// True if an unknown is a place of a disc, and no angle.
+    /// Returns true if an unknown is a coordinate of a disc's centre, not an angle.
     pub(super) fn is_length(&self, unknown: usize) -> bool {
         self.free == Free::Places && unknown > 0 && !unknown.is_multiple_of(OF_A_DISC)
     }
 
-    /// Size of an unknown.
+    /// Returns the size of an unknown, m or rad.
     pub(super) fn of_place(&self, unknown: usize) -> f64 {
         match self.is_length(unknown) {
             true => self.size.length,
@@ -81,7 +81,7 @@ impl Problem {
         }
     }
 
-    /// Size of the residual at an unknown.
+    /// Returns the size of the residual at an unknown, N or N m.
     fn of_load(&self, unknown: usize) -> f64 {
         match self.is_length(unknown) {
             true => self.size.force,
@@ -89,7 +89,7 @@ impl Problem {
         }
     }
 
-    /// Largest residual, as a share of its size.
+    /// Returns the largest residual, relative to its size.
     pub(super) fn unbalanced(&self, residual: &DVector<f64>) -> f64 {
         let shares = residual.iter().enumerate();
         shares.fold(0.0, |most, (k, x)| {
@@ -97,7 +97,7 @@ impl Problem {
         })
     }
 
-    /// Largest step, as a share of its size.
+    /// Returns the largest step, relative to its size.
     pub(super) fn moved(&self, step: &DVector<f64>) -> f64 {
         let shares = step.iter().enumerate();
         shares.fold(0.0, |most, (k, x)| {
@@ -105,7 +105,7 @@ impl Problem {
         })
     }
 
-    /// The Jacobian with springs to the last iterate, as a share of a contact's stiffness.
+    /// Returns the Jacobian with springs to the last iterate, whose stiffness is `share` of a contact's.
     pub(super) fn held(&self, mut jacobian: DMatrix<f64>, share: f64) -> DMatrix<f64> {
         for k in 0..jacobian.nrows() {
             jacobian[(k, k)] -= share * (self.of_load(k) / self.of_place(k));

@@ -1,4 +1,4 @@
-//! Time and step size of a run, and what all one-step methods do alike: steps, interpolation, saving.
+//! Time and step size of a run, and the operations shared by all one-step methods: steps, interpolation, saving.
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -6,22 +6,22 @@ use serde::{Deserialize, Serialize};
 use super::{StepCounts, StepError, Stepper, restored, saved, short_step};
 use crate::OdeSystem;
 
-/// Where a run is.
+/// Time and step of a run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Clock {
     /// End of the last accepted step, s.
     pub(super) time: f64,
     /// Next step to try, s.
     pub(super) h: f64,
-    /// The last one taken, s.
+    /// Last step taken, s.
     pub(super) taken: f64,
     pub(super) counts: StepCounts,
-    /// Where a run with a fixed step began, s; `None`: steps follow from a tolerance.
+    /// Start time of a run with a fixed step, s; `None`: steps follow from a tolerance.
     pub(super) start: Option<f64>,
 }
 
 impl Clock {
-    /// At `time` with a first step `h`; the next ones follow from a tolerance.
+    /// Creates a clock at `time` with a first step `h`; the next ones follow from a tolerance.
     pub(super) fn new(h: f64, time: f64) -> Self {
         Self {
             time,
@@ -32,7 +32,7 @@ impl Clock {
         }
     }
 
-    /// At `time` with steps `h`. Times are n h, not sums of h.
+    /// Creates a clock at `time` with steps `h`. Times are n h, not sums of h.
     pub(super) fn fixed(h: f64, time: f64) -> Self {
         Self {
             start: Some(time),
@@ -40,7 +40,7 @@ impl Clock {
         }
     }
 
-    /// Where the next step ends, s.
+    /// Returns the end of the next step, s.
     pub(super) fn end(&self) -> f64 {
         match self.start {
             Some(start) => start + (self.counts.steps + 1) as f64 * self.h,
@@ -48,7 +48,7 @@ impl Clock {
         }
     }
 
-    /// Where the last step began, s.
+    /// Returns the start of the last step, s.
     pub(super) fn begin(&self) -> f64 {
         match self.start {
             Some(start) => start + (self.counts.steps - 1) as f64 * self.h,
@@ -56,7 +56,7 @@ impl Clock {
         }
     }
 
-    /// Refuses a step that rounding would swallow.
+    /// Returns an error if rounding would make the step ineffective.
     pub(super) fn room(&self) -> Result<(), StepError> {
         if self.h > 4.0 * f64::EPSILON * self.time.abs().max(f64::MIN_POSITIVE) {
             Ok(())
@@ -65,41 +65,41 @@ impl Clock {
         }
     }
 
-    /// The step tried is taken; the next is as long.
+    /// Accepts the step; the next has equal length.
     pub(super) fn advance(&mut self) {
         self.time = self.end();
         self.taken = self.h;
         self.counts.steps += 1;
     }
 
-    /// The step tried is taken; the next is `factor` times as long.
+    /// Accepts the step; the next is `factor` times as long.
     pub(super) fn accept(&mut self, factor: f64) {
         self.advance();
         self.h = short_step(self.h * factor);
     }
 
-    /// The step tried is not taken; the next attempt is `factor` times as long.
+    /// Rejects the step; the next attempt is `factor` times as long.
     pub(super) fn reject(&mut self, factor: f64) {
         self.counts.rejected += 1;
         self.h = short_step(self.h * factor);
     }
 }
 
-/// A method that hands out the state inside its last step.
+/// Method that provides the state inside its last step.
 pub(super) trait Method: Serialize + DeserializeOwned + Send {
     fn clock(&self) -> &Clock;
     fn clock_mut(&mut self) -> &mut Clock;
-    /// State at the end of the last accepted step.
+    /// Returns the state at the end of the last accepted step.
     fn state(&self) -> &[f64];
-    /// One accepted step, see [`Stepper::step`].
+    /// Makes one accepted step, see [`Stepper::step`].
     fn advance(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError>;
     /// Writes the state at `t`, which lies inside the last accepted step and is not its end.
     fn inside(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]);
-    /// As [`Stepper::evaluated_state`].
+    /// Returns the last evaluated state; see [`Stepper::evaluated_state`].
     fn evaluated_state(&self) -> Option<&[f64]> {
         None
     }
-    /// Takes over what was saved of a run of the same method and settings.
+    /// Restores the saved data of a run of the same method and settings.
     fn resume(&mut self, saved: Self) {
         *self = saved;
     }
@@ -156,7 +156,7 @@ impl<M: Method> Stepper for M {
     }
 }
 
-/// The fields that [`Method`] asks for.
+/// Implements the accessors of [`Method`] for fields.
 macro_rules! fields {
     ($clock:ident, $($state:ident).+) => {
         fn clock(&self) -> &Clock {

@@ -6,9 +6,8 @@
 //! err = h |e5|^2 / sqrt(|e5|^2 + 0.01 |e3|^2),      |e| the RMS over the components of sum e_i k_i/(tolerance scale)
 //! h+  = h clamp(0.9 err^(-1/8), 1/3, 6)
 //! ```
-//! [Hairer, Norsett, Wanner 1993, II.5 and II.10]. The continuous extension takes three evaluations more, and is
-//! made only for steps in which somebody looks. What a rejected step computed is thrown away; the step after a
-//! rejection does not grow.
+//! [Hairer, Norsett, Wanner 1993, II.5 and II.10]. The continuous extension takes three more evaluations, and is only computed
+//! for steps with samples inside. Results of a rejected step are discarded; the step after a rejection does not grow.
 
 use serde::{Deserialize, Serialize};
 
@@ -29,12 +28,12 @@ pub(super) const INFO: MethodInfo = MethodInfo {
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 1.0 / 3.0;
 const GROW: f64 = 6.0;
-/// The step's exponent.
+/// Exponent of the step control.
 const EXPONENT: f64 = 1.0 / 8.0;
-/// Coefficients of the continuous extension beside the state at the start.
+/// Number of coefficients of the continuous extension besides the state at the start.
 const DENSE: usize = 7;
 
-/// A run with steps from a tolerance.
+/// Run with steps from a tolerance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Dop853 {
     tolerance: f64,
@@ -49,13 +48,13 @@ pub struct Dop853 {
     trial: Vec<Vec<f64>>,
     next: Vec<f64>,
     scale: Vec<f64>,
-    /// The continuous extension of the last step, if `extended`.
+    /// Continuous extension of the last step, if `extended`.
     dense: [Vec<f64>; DENSE],
     extended: bool,
 }
 
 impl Dop853 {
-    /// Starts at (t, y) with a first step `h` (s) and a relative `tolerance` a step.
+    /// Starts at (t, y) with a first step `h` (s) and a relative `tolerance` per step.
     #[must_use]
     pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
         let zeros = vec![0.0; y.len()];
@@ -74,7 +73,7 @@ impl Dop853 {
         }
     }
 
-    /// f at the current state.
+    /// Evaluates f at the current state.
     fn refresh(&mut self, system: &mut dyn OdeSystem) {
         if !self.fresh {
             system.derivative(self.clock.time, &self.y, &mut self.k[STAGES]);
@@ -83,7 +82,7 @@ impl Dop853 {
         }
     }
 
-    /// All stages from `trial[0]`; the result is in `next`.
+    /// Computes all stages from `trial[0]`; the result is in `next`.
     fn stages(&mut self, system: &mut dyn OdeSystem) {
         for i in 1..=STAGES {
             set_sum(&mut self.next, &self.y, self.clock.h, A[i], &self.trial);
@@ -98,7 +97,7 @@ impl Dop853 {
         }
     }
 
-    /// The error above; infinite if anything is not finite.
+    /// Returns the error of the module; infinite if a number is not finite.
     fn error(&mut self, system: &dyn OdeSystem) -> f64 {
         system.scale(&self.next, &mut self.scale);
         let (mut fifth, mut third) = (0.0, 0.0);
@@ -120,7 +119,7 @@ impl Dop853 {
         }
     }
 
-    /// Makes the continuous extension of the last step.
+    /// Computes the continuous extension of the last step.
     fn extend(&mut self, system: &mut dyn OdeSystem) {
         self.refresh(system);
         let (h, start) = (self.clock.taken, self.clock.time - self.clock.taken);

@@ -4,11 +4,10 @@
 //! k_i = f(t + c_i h, y + h sum_{j<i} a_ij k_j)      i = 1..7, the last stage is the next step's first
 //! y+  = y + h sum b_i k_i,    error = h sum e_i k_i
 //! ```
-//! Coefficients and continuous extension: [Dormand & Prince 1980], [Hairer, Norsett, Wanner 1993, II.5-6].
-//! Step control (proportional-integral, [Gustafsson 1991]):
-//! `h+ = h clamp(0.9 err^-0.17 err_before^0.04, 0.2, 5)`, err being the RMS over all components of error
-//! divided by tolerance times the system's scale. What a rejected step computed is thrown away:
-//! only its error shortens the next attempt, and the step after a rejection does not grow.
+//! Coefficients and continuous extension: [Dormand & Prince 1980], [Hairer, Norsett, Wanner 1993, II.5-6]. Step control
+//! (proportional-integral, [Gustafsson 1991]): `h+ = h clamp(0.9 err^-0.17 err_before^0.04, 0.2, 5)`, err being the RMS over
+//! all components of error divided by tolerance times the system's scale. Results of a rejected step are discarded: only its
+//! error shortens the next attempt, and the step after a rejection does not grow.
 
 use serde::{Deserialize, Serialize};
 
@@ -81,7 +80,7 @@ const GROW: f64 = 5.0;
 const PROPORTIONAL: f64 = 0.2 - 0.75 * INTEGRAL;
 const INTEGRAL: f64 = 0.04;
 
-/// A run with steps from a tolerance.
+/// Run with steps from a tolerance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Dopri5 {
     tolerance: f64,
@@ -90,19 +89,19 @@ pub struct Dopri5 {
     y: Vec<f64>,
     next: Vec<f64>,
     k: Vec<Vec<f64>>,
-    /// `k[0]` holds f at the current state.
+    /// True if `k[0]` holds f at the current state.
     fresh: bool,
     scale: Vec<f64>,
     dense: Dense,
 }
 
-/// The continuous extension of a step.
+/// Continuous extension of a step.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Dense {
-    /// The step's end and its length, s.
+    /// End of the step and its length, s.
     pub(super) end: f64,
     pub(super) taken: f64,
-    /// y0, then the coefficients.
+    /// State y0, then the coefficients.
     coefficients: [Vec<f64>; 5],
 }
 
@@ -120,7 +119,7 @@ impl Dense {
         self.coefficients.clone_from(&other.coefficients);
     }
 
-    /// The state at `t`, which lies inside the step.
+    /// Writes the state at `t`, which lies inside the step.
     pub(super) fn interpolate(&self, t: f64, y: &mut [f64]) {
         let s = 1.0 - (self.end - t) / self.taken;
         let u = 1.0 - s;
@@ -132,7 +131,7 @@ impl Dense {
 }
 
 impl Dopri5 {
-    /// Starts at (t, y) with a first step `h` (s) and a relative `tolerance` a step.
+    /// Starts at (t, y) with a first step `h` (s) and a relative `tolerance` per step.
     #[must_use]
     pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
         let zeros = vec![0.0; y.len()];
@@ -159,12 +158,12 @@ impl Dopri5 {
         self.y.copy_from_slice(y);
     }
 
-    /// The last step's continuous extension.
+    /// Returns the last step's continuous extension.
     pub(super) fn dense(&self) -> &Dense {
         &self.dense
     }
 
-    /// All stages from `k[0]`; the result is in `next`.
+    /// Computes all stages from `k[0]`; the result is in `next`.
     fn stages(&mut self, system: &mut dyn OdeSystem) {
         let h = self.clock.h;
         for i in 1..STAGES {
@@ -180,7 +179,7 @@ impl Dopri5 {
         }
     }
 
-    /// RMS of the scaled error; not finite if anything is not.
+    /// Returns the RMS of the scaled error; not finite if a number is not.
     fn error(&mut self, system: &dyn OdeSystem) -> f64 {
         system.scale(&self.next, &mut self.scale);
         let (mut sum, h, tolerance, scale) = (0.0, self.clock.h, self.tolerance, &self.scale[..]);

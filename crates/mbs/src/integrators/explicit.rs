@@ -24,10 +24,10 @@ pub struct Tableau {
     pub c: &'static [f64],
 }
 
-/// A fixed-step run of one tableau.
+/// Fixed-step run of one tableau.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct FixedStep {
-    /// Tableau that the run was started with; not saved.
+    /// Tableau of the run; not saved.
     #[serde(skip, default = "none")]
     tableau: &'static Tableau,
     clock: Clock,
@@ -36,12 +36,12 @@ pub struct FixedStep {
     y_before: Vec<f64>,
     f_before: Vec<f64>,
     stages: Vec<Vec<f64>>,
-    /// `stages[0]` holds f at the current state.
+    /// True if `stages[0]` holds f at the current state.
     fresh: bool,
     scratch: Vec<f64>,
 }
 
-/// Stands for a tableau until it is put back.
+/// Returns a placeholder for the tableau until it is restored.
 fn none() -> &'static Tableau {
     &super::heun::TABLEAU
 }
@@ -116,7 +116,7 @@ impl Method for FixedStep {
     }
 }
 
-/// out = y + h (sum of weights times stages), two stages at a time, as every number is read and written anew.
+/// Computes out = y + h (sum of weights times stages), two stages at a time, as every pass reads and writes each number.
 fn set_sum(out: &mut [f64], y: &[f64], h: f64, weights: &[f64], stages: &[Vec<f64>]) {
     let mut terms = weights.iter().zip(stages).filter(|(w, _)| **w != 0.0);
     let Some((w, k)) = terms.next() else {

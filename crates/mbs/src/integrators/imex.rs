@@ -1,5 +1,5 @@
-//! IMEX Runge-Kutta ARS(2,2,2), order 2 [Ascher, Ruuth, Spiteri 1997, sec. 2.6]: the stiff part of
-//! f = e + i implicitly, the rest explicitly, both at the same two stages.
+//! IMEX Runge-Kutta ARS(2,2,2), order 2 [Ascher, Ruuth, Spiteri 1997, sec. 2.6]: treats the stiff part of f = e + i implicitly
+//! and the other explicitly, both at the same two stages.
 //!
 //! ```text
 //! g = 1 - 1/sqrt 2,  d = 1 - 1/(2 g)
@@ -7,12 +7,12 @@
 //! Y2 = y + h (d e(y) + (1-d) e(Y1))       + h ((1-g) i(Y1) + g i(Y2))       at t + h
 //! y+ = Y2
 //! ```
-//! The implicit part is L-stable and stiffly accurate: what relaxes within a step is at its rest at the
-//! end of the step. Y2 is the next step's y, so a step costs two evaluations, like Heun's. A system
-//! without an implicit part gets a second-order explicit method.
+//! The implicit part is L-stable and stiffly accurate: components that relax within a step are at their rest at its end. Y2 is
+//! the next step's y, so that a step costs two evaluations, like Heun's. A system without an implicit part gets a second-order
+//! explicit method.
 //!
-//! The state inside a step is a step of that length from the same start: friction in the samples is then
-//! as settled as at the ends of steps, which no polynomial through them can promise.
+//! The state inside a step is a shorter step from the same start: friction in the samples is then as settled as at the ends of
+//! steps, which no interpolating polynomial ensures.
 
 use serde::{Deserialize, Serialize};
 
@@ -28,9 +28,9 @@ pub(super) const INFO: MethodInfo = MethodInfo {
     ..FIXED
 };
 
-/// g.
+/// Coefficient g.
 pub(super) const GAMMA: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
-/// d.
+/// Coefficient d.
 const DELTA: f64 = 1.0 - 0.5 / GAMMA;
 
 /// State with both parts of its derivative.
@@ -51,13 +51,13 @@ impl Point {
         }
     }
 
-    /// Evaluates both parts at a state that already is what it is.
+    /// Evaluates both parts at a state without an implicit step.
     pub(super) fn evaluate(&mut self, system: &mut dyn OdeSystem, t: f64) {
         system.split_stage(t, 0.0, &mut self.y, &mut self.e, &mut self.i);
     }
 }
 
-/// One step of length `h` from `from` at `t` into `to`; `stage` is room for Y1.
+/// Makes one step of length `h` from `from` at `t` into `to`; `stage` is memory for Y1.
 pub(super) fn advance(
     system: &mut dyn OdeSystem,
     t: f64,
@@ -69,7 +69,7 @@ pub(super) fn advance(
     for (k, y) in stage.y.iter_mut().enumerate() {
         *y = from.y[k] + h * GAMMA * from.e[k];
     }
-    // Friction changes little from stage to stage: that of the one before is where the next begins.
+    // Friction changes little between stages: the previous stage's friction is the first estimate of the next.
     stage.i.copy_from_slice(&from.i);
     let a = h * GAMMA;
     system.split_stage(t + a, a, &mut stage.y, &mut stage.e, &mut stage.i);
@@ -81,7 +81,7 @@ pub(super) fn advance(
     system.split_stage(t + h, a, &mut to.y, &mut to.e, &mut to.i);
 }
 
-/// A fixed-step run.
+/// Fixed-step run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ImexFixed {
     clock: Clock,
@@ -89,7 +89,7 @@ pub struct ImexFixed {
     now: Point,
     stage: Point,
     next: Point,
-    /// The derivatives at `now` are known.
+    /// True if the derivatives at `now` are known.
     fresh: bool,
 }
 

@@ -1,7 +1,7 @@
 //! ARS(2,2,2) with steps that follow a tolerance.
 //!
-//! Both derivatives at the end of a step are there already (its last stage is the next step's first), so
-//! the trapezoidal rule, also of order 2, costs nothing, and its distance is the error estimate:
+//! Both derivatives at the end of a step are known (its last stage is the next step's first). The trapezoidal rule, also of
+//! order 2, therefore costs nothing, and its distance is the error estimate:
 //!
 //! ```text
 //! est = y + h/2 (f(y) + f(y+)) - y+,   err = max_k |est_k| / scale_k
@@ -29,13 +29,13 @@ pub(super) const INFO: MethodInfo = MethodInfo {
     ..ADAPTIVE
 };
 
-/// Share of the step that the estimate allows.
+/// Safety factor on the step that the estimate allows.
 const SAFETY: f64 = 0.9;
-/// Shortest and longest next step, as shares of this one.
+/// Shortest and longest next step, relative to the present one.
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 2.0;
 
-/// An adaptive run.
+/// Adaptive run.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ImexAdaptive {
     target: f64,
@@ -50,7 +50,7 @@ pub struct ImexAdaptive {
 }
 
 impl ImexAdaptive {
-    /// Starts at (t, y) with a first step `h` (s); `tolerance` is relative, of the whole run.
+    /// Starts at (t, y) with a first step `h` (s); `tolerance` is relative, of the entire run.
     #[must_use]
     pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
         let point = Point::new(y);
@@ -75,7 +75,7 @@ impl ImexAdaptive {
         std::mem::swap(&mut self.now, &mut self.next);
     }
 
-    /// The estimate above; NaN or infinite when anything is.
+    /// Returns the error estimate of the module; NaN or infinite if a number is.
     fn error(&mut self, system: &dyn OdeSystem, h: f64) -> f64 {
         system.scale(&self.next.y, &mut self.scale);
         let (from, to) = (&self.now, &self.next);
@@ -111,7 +111,7 @@ impl Method for ImexAdaptive {
             advance(system, t, h, &self.now, stage, next);
             self.clock.counts.evaluations += 2;
             let share = self.error(system, h) / self.target;
-            // A step that cannot be evaluated is far too long.
+            // A step that cannot be evaluated is much too long.
             let factor = if share.is_finite() {
                 (SAFETY * share.powf(-1.0 / 3.0)).clamp(SHRINK, GROW)
             } else {

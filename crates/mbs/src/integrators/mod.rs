@@ -1,9 +1,9 @@
-//! Integrators of y' = f(t, y). Each method is one file and one row of the table below, which [`METHODS`] and [`start`]
-//! are made of.
+//! Integrators of y' = f(t, y). Each method is one file and one row of the table below, from which [`METHODS`] and [`start`]
+//! are made.
 //!
-//! All methods hand out the state at any time inside the last step, so that samples never cut
-//! steps: a run takes the same steps whatever is recorded. Multistep methods, whose steps cost no more than a sample, end
-//! steps at samples instead ([`Stepper::set_stop_time`]).
+//! All methods provide the state at any time inside the last step, so that samples never cut steps: the steps of a run do not
+//! depend on what is recorded. Multistep methods, whose steps cost no more than a sample, end steps at samples instead
+//! ([`Stepper::set_stop_time`]).
 //!
 //! Any y' = f(t, y) can be integrated. Here y' = -y, to 1e-8 a step:
 //!
@@ -69,7 +69,7 @@ use crate::OdeSystem;
 pub struct StepSettings {
     /// Step of fixed-step methods; first step of adaptive ones, s.
     pub step: f64,
-    /// Relative error a step of adaptive methods.
+    /// Relative error per step of adaptive methods.
     pub tolerance: f64,
 }
 
@@ -99,26 +99,26 @@ impl std::ops::Add for StepCounts {
     }
 }
 
-/// Why no further step can be made.
+/// Reason why no further step can be made.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum StepError {
     /// The state or its derivative is not finite.
     #[error("the state is no longer finite at t = {time} s")]
     NotFinite {
-        /// Where, s.
+        /// Time, s.
         time: f64,
     },
     /// An adaptive method cannot meet its tolerance.
     #[error("the step fell below rounding at t = {time} s: the tolerance cannot be met")]
     StepTooSmall {
-        /// Where, s.
+        /// Time, s.
         time: f64,
     },
 }
 
-/// Refuses numbers that are not finite, at `time`, s.
+/// Returns an error if a number is not finite, at `time`, s.
 fn check_finite(parts: &[&[f64]], time: f64) -> Result<(), StepError> {
-    // All of them: without a way out early the check takes several at a time.
+    // All numbers are checked: without an early exit the check takes several at a time.
     let finite = |part: &&[f64]| part.iter().fold(true, |all, x| all & x.is_finite());
     if parts.iter().all(finite) {
         Ok(())
@@ -127,41 +127,41 @@ fn check_finite(parts: &[&[f64]], time: f64) -> Result<(), StepError> {
     }
 }
 
-/// A method in the course of a run.
+/// State of a method during a run.
 pub trait Stepper: Send {
-    /// One accepted step.
+    /// Makes one accepted step.
     ///
     /// # Errors
     /// See [`StepError`]; the state stays the last accepted one.
     fn step(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError>;
-    /// End of the last accepted step, s.
+    /// Returns the end of the last accepted step, s.
     fn time(&self) -> f64;
-    /// State there.
+    /// Returns the state at the end of the last accepted step.
     fn state(&self) -> &[f64];
-    /// Length of the next step to try, s.
+    /// Returns the length of the next step to try, s.
     fn next_step(&self) -> f64;
-    /// Lets the next step be no longer than `longest`, s, where the method chooses it; else nothing happens.
+    /// Bounds the next step by `longest`, s, where the method chooses its steps; no effect on others.
     fn shorten(&mut self, _longest: f64) {}
-    /// The state at `time` (s) will be asked for next. Methods whose step takes a single evaluation end one there: the sample
-    /// needs an evaluation anyway, and both share it. All others go on as they would.
+    /// Announces the time (s) of the next requested state. Methods whose step takes a single evaluation end a step there: the
+    /// sample needs an evaluation anyway, and both share it. Other methods ignore it.
     fn set_stop_time(&mut self, _time: f64) {}
     /// Writes the state at `t`, which lies inside the last accepted step.
     fn interpolate(&mut self, system: &mut dyn OdeSystem, t: f64, y: &mut [f64]);
-    /// The state at the end of the last accepted step, if f was evaluated of it last
+    /// Returns the state at the end of the last accepted step, if it is the last at which f was evaluated
     /// ([`OdeSystem::derivative_at_end`]).
     fn evaluated_state(&self) -> Option<&[f64]> {
         None
     }
-    /// Counts so far.
+    /// Returns the counts so far.
     fn counts(&self) -> StepCounts;
-    /// Everything that the next steps depend on, to the bit. Made for the same program; no format to keep.
+    /// Returns all data that the next steps depend on, to the bit. The bytes are for the same program; their format may change.
     fn save(&self) -> Vec<u8>;
-    /// Goes back to what was [saved](Self::save) of a run of the same method, settings and system. False: these bytes are of
-    /// something else, and nothing has changed.
+    /// Restores [saved](Self::save) data of a run of the same method, settings and system. False: the bytes do not belong to
+    /// it, and nothing has changed.
     fn restore(&mut self, bytes: &[u8]) -> bool;
 }
 
-/// All fields of a method; nothing that could not be read back.
+/// Returns all fields of a method as bytes that can be read back.
 fn saved(method: &impl Serialize) -> Vec<u8> {
     postcard::to_allocvec(method).unwrap_or_default()
 }
@@ -173,22 +173,22 @@ fn restored<T: DeserializeOwned>(bytes: &[u8]) -> Option<T> {
 /// Way in which a method uses f.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Family {
-    /// Evaluates it.
+    /// Evaluates f.
     Explicit,
-    /// Treats what [`OdeSystem::split_stage`] knows, friction, implicitly.
+    /// Treats the stiff part of [`OdeSystem::split_stage`], friction, implicitly.
     SplitImplicit,
-    /// Solves with its Jacobian.
+    /// Solves with the Jacobian of f.
     Rosenbrock,
-    /// Is exact for its linear part, by the Jacobian.
+    /// Is exact for the linear part of f, by the Jacobian.
     Exponential,
 }
 
-/// A method as listed for users, with all that others need to know of it.
+/// Data of a method, for users and for step control.
 #[derive(Debug, Clone, Copy)]
 pub struct MethodInfo {
     /// Name in scenes.
     pub name: &'static str,
-    /// One line.
+    /// Summary in one line.
     pub summary: &'static str,
     /// Classical order.
     pub order: u32,
@@ -196,12 +196,12 @@ pub struct MethodInfo {
     pub family: Family,
     /// True if the step follows from a tolerance.
     pub adaptive: bool,
-    /// Error that runs at different tolerances may share, so that their differences do not show it: a share of the finest
-    /// tolerance, relative to the quantity. 0 for a fixed step.
+    /// Error that runs at different tolerances may share, so that their differences do not show it: relative to the finest
+    /// tolerance, of the relative error of a quantity. 0 for a fixed step.
     pub shared_error: f64,
-    /// Steps from a tolerance grow with this power of it.
+    /// Exponent with which steps grow with the tolerance.
     pub step_power: f64,
-    /// A tolerance that any scene can be tried with.
+    /// Tolerance suitable as a first choice for any scene.
     pub usual_tolerance: f64,
 }
 
@@ -219,8 +219,8 @@ const FIXED: MethodInfo = MethodInfo {
 
 /// Common facts of methods whose steps follow from the tolerance of a step.
 ///
-/// Near rest the step is bounded by stability, whatever the tolerance, and all runs err alike: by 5e-10 at 5e-7 where their
-/// differences said 1.5e-10.
+/// Near rest the step is bounded by stability, whatever the tolerance, and all runs have equal errors: 5e-10 at 5e-7 where
+/// their differences showed 1.5e-10.
 const ADAPTIVE: MethodInfo = MethodInfo {
     adaptive: true,
     shared_error: UNSEEN,
@@ -231,7 +231,7 @@ const ADAPTIVE: MethodInfo = MethodInfo {
 /// [`MethodInfo::shared_error`] of error control.
 pub const UNSEEN: f64 = 2e-3;
 
-/// The method of this name.
+/// Returns the method called `name`.
 #[must_use]
 pub fn method(name: &str) -> Option<&'static MethodInfo> {
     METHODS.iter().find(|method| method.name == name)
@@ -270,12 +270,12 @@ methods! { |settings, t, y|
     rodas5p => Rodas5p::new(settings.step, settings.tolerance, t, y),
 }
 
-/// A step cut to its first seven binary digits, by less than 1.6 %.
+/// Returns a step cut to its first seven binary digits, by less than 1.6 %.
 ///
-/// An error estimate is a difference of nearly equal numbers: its roundings are not 1e-16 but 1e-8 of it. Steps
-/// computed from it to the last digit differ from one processor to the next, each contact that opens or closes
-/// within a step amplifies the difference, and after some hundred steps two runs differ by a good part of their
-/// error. Short steps absorb these roundings, so that all processors take the same ones.
+/// An error estimate is a difference of nearly equal numbers: its rounding errors are not 1e-16 but 1e-8 of it. Steps computed
+/// from it to the last digit differ from one processor to the next. Each contact that opens or closes within a step amplifies
+/// the difference, and after some hundred steps two runs differ by a good part of their error. Shortened steps absorb these
+/// rounding errors, so that all processors take equal steps.
 pub(crate) fn short_step(h: f64) -> f64 {
     f64::from_bits(h.to_bits() & !((1 << 46) - 1))
 }

@@ -1,4 +1,4 @@
-//! The classical Runge-Kutta method, order 4 [Kutta 1901].
+//! Classical Runge-Kutta method, order 4 [Kutta 1901].
 //!
 //! ```text
 //! k1 = f(t, y)                    k3 = f(t + h/2, y + h/2 k2)

@@ -4,14 +4,14 @@
 //! (1/(h gamma) I - J) u_i = f(t + c_i h, y + sum_{j<i} a_ij u_j) + sum_{j<i} (C_ij/h) u_j + h d_i df/dt,    i = 1..8
 //! y+ = (argument of the last stage) + u_8,      error = u_8,      J = df/dy at (t, y)
 //! ```
-//! [Steinebach 2023, BIT 63, 27], [Hairer & Wanner 1996, IV.7]. L-stable and stiffly accurate: what relaxes within a step is at
-//! its rest at the end of the step. No iteration; a step costs 8 evaluations, one Jacobian and the factors of one matrix.
-//! J is the system's own where it has one ([`OdeSystem::jacobian`]), else central differences; it must be exact, or the order is
+//! [Steinebach 2023, BIT 63, 27], [Hairer & Wanner 1996, IV.7]. L-stable and stiffly accurate: components that relax within a
+//! step are at their rest at its end. No iteration; a step costs 8 evaluations, one Jacobian and the factors of one matrix. J
+//! is the system's own where it has one ([`OdeSystem::jacobian`]), else central differences; it must be exact, or the order is
 //! lost. A rejected step keeps f and J. Step control: `h+ = h clamp(0.9 err^(-1/5), 0.2, 5)`, err being the RMS over all
 //! components of error divided by tolerance times the system's scale; the step after a rejection does not grow.
 //!
-//! A narrow ramp of f (regularised friction) is only treated implicitly by steps that land on it: tolerance times the scale of
-//! the rates must be smaller than the ramp, or the method jumps to and fro over it.
+//! A narrow ramp of f (regularised friction) is treated implicitly only by steps that end on it. Tolerance times the scale of
+//! the rates must be smaller than the ramp, or the method jumps back and forth over it.
 
 use serde::{Deserialize, Serialize};
 
@@ -33,10 +33,10 @@ pub(super) const INFO: MethodInfo = MethodInfo {
 const SAFETY: f64 = 0.9;
 const SHRINK: f64 = 0.2;
 const GROW: f64 = 5.0;
-/// The step's exponent.
+/// Exponent of the step control.
 const EXPONENT: f64 = 0.2;
 
-/// A run with steps from a tolerance.
+/// Run with steps from a tolerance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Rodas5p {
     tolerance: f64,
@@ -44,13 +44,13 @@ pub struct Rodas5p {
     y: Vec<f64>,
     /// State at the start of the last step.
     before: Vec<f64>,
-    /// f at the current state.
+    /// Derivative f at the current state.
     f: Vec<f64>,
-    /// `None` until the first step shows how the system's f depends on y.
+    /// Jacobian; `None` until the first step has read the system's structure.
     jacobian: Option<Jacobian>,
-    /// `None` until the system has refused to tell its own.
+    /// Differences; `None` unless the system has no derivatives of its own.
     differences: Option<Differences>,
-    /// u of the last step, and the argument of a stage.
+    /// Stages u of the last step, and the argument of a stage.
     u: Vec<Vec<f64>>,
     argument: Vec<f64>,
     scale: Vec<f64>,
@@ -80,7 +80,7 @@ impl Rodas5p {
         }
     }
 
-    /// f, J and df/dt at the current state.
+    /// Evaluates f, J and df/dt at the current state.
     fn linearise(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
         system.derivative(self.clock.time, &self.y, &mut self.f);
         self.clock.counts.evaluations += 1;
@@ -99,7 +99,7 @@ impl Rodas5p {
         Ok(())
     }
 
-    /// All stages of a step; `argument` becomes y+. False if a stage has no solution.
+    /// Computes all stages of a step; `argument` becomes y+. Returns false if a stage has no solution.
     fn stages(&mut self, system: &mut dyn OdeSystem) -> bool {
         let h = self.clock.h;
         let Some(jacobian) = &mut self.jacobian else {
@@ -134,7 +134,7 @@ impl Rodas5p {
         true
     }
 
-    /// RMS of the scaled error; infinite if anything is not finite.
+    /// Returns the RMS of the scaled error; infinite if a number is not finite.
     fn error(&mut self, system: &dyn OdeSystem) -> f64 {
         system.scale(&self.argument, &mut self.scale);
         let mut sum = 0.0;
@@ -159,7 +159,7 @@ impl Rodas5p {
     }
 }
 
-/// sum += factor sum_j row_j u_j.
+/// Adds weighted stages: sum += factor sum_j row_j u_j.
 fn add(row: &[f64], factor: f64, u: &[Vec<f64>], sum: &mut [f64]) {
     for (&weight, u) in row.iter().zip(u) {
         let weight = weight * factor;

@@ -2,9 +2,9 @@
 //!
 //! Tests recover alpha and Gamma from them and check every condition of order 5, so a wrong digit fails them.
 
-/// Stages.
+/// Number of stages.
 pub const STAGES: usize = 8;
-/// The diagonal of Gamma.
+/// Diagonal of Gamma.
 pub const GAMMA: f64 = 0.211_937_563_194_290_14;
 
 /// Arguments of the stages in the stages before, row by row; the last two add one stage each to the row above.

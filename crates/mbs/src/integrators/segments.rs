@@ -1,9 +1,9 @@
-//! A run in segments, between times at which f jumps or bends.
+//! Runs in segments between times at which f has a jump or a kink.
 //!
-//! A method of order p has its order where f has p derivatives. A step over a jump of f is of order 1 whatever the
-//! method; an adaptive one notices and creeps up to it, a fixed one does not. So no step passes such a time: the
-//! last step of a segment is shortened to end there, and the method starts anew, with its first step, its own derivative
-//! at the start and no memory of the segment before. Within a segment f is that segment's own at both ends
+//! A method of order p has its order only where f has p derivatives. A step over a jump of f is of order 1 with any method; an
+//! adaptive method shortens its steps before the jump, a fixed one does not. Therefore no step passes such a time. The last
+//! step of a segment is shortened to end there, and the method starts anew, with its first step, its own derivative at the
+//! start and no memory of the previous segment. Within a segment f is that segment's own at both ends
 //! ([`OdeSystem::restart_at`]).
 
 use pinwheel_faults::{Fault, armed};
@@ -11,10 +11,10 @@ use pinwheel_faults::{Fault, armed};
 use super::{StepCounts, StepError, StepSettings, Stepper, restored, saved, start};
 use crate::OdeSystem;
 
-/// Distance from a segment's end that counts as being there, in steps of the settings.
+/// Distance from a segment's end that counts as 0, in steps of the settings.
 const THERE: f64 = 1e-9;
 
-/// A method in the course of a run that is divided into segments.
+/// Method during a run that is divided into segments.
 pub struct Segments {
     method: String,
     settings: StepSettings,
@@ -23,14 +23,14 @@ pub struct Segments {
     ends: Vec<f64>,
     /// Work of the earlier steppers.
     past: StepCounts,
-    /// No step of a method that chooses its steps is longer, s.
+    /// Longest step of a method that chooses its steps, s.
     longest: f64,
-    /// The next time asked for, s.
+    /// Next requested time, s.
     stop_time: f64,
 }
 
 impl Segments {
-    /// Starts the method `name` at (t, y); `breaks` (s) increase, those up to `t` do not count. `None`: no such method.
+    /// Starts the method `name` at (t, y); `breaks` (s) increase, those up to `t` are ignored. `None`: no such method.
     #[must_use]
     pub fn start(
         name: &str,
@@ -51,21 +51,21 @@ impl Segments {
         })
     }
 
-    /// Bounds the steps of a method that chooses them: where f is smooth for a while, its estimates see nothing of
-    /// what begins and ends within a long step.
+    /// Bounds the steps of a method that chooses them: after a smooth interval, its estimates do not detect changes within a
+    /// long step.
     #[must_use]
     pub fn with_longest(mut self, step: f64) -> Self {
         self.longest = step;
         self
     }
 
-    /// End of this segment, s; infinite for the last.
+    /// Returns the end of the present segment, s; infinite for the last.
     #[must_use]
     pub fn end(&self) -> f64 {
         self.ends.last().copied().unwrap_or(f64::INFINITY)
     }
 
-    /// Enters the next segment, at whose start the state is what it was. Before the end of a segment nothing happens.
+    /// Enters the next segment with the present state. Before the end of a segment it has no effect.
     pub fn enter(&mut self, system: &mut dyn OdeSystem) {
         if self.end() - self.stepper.time() > THERE * self.settings.step {
             return;
@@ -92,14 +92,14 @@ impl Segments {
 }
 
 impl Stepper for Segments {
-    /// As of the method; a step that begins at the end of a segment enters the next.
+    /// Makes a step of the method; a step that begins at the end of a segment enters the next.
     fn step(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
         if armed(Fault::PassedBreak) {
             return self.stepper.step(system);
         }
         self.enter(system);
         self.stepper.shorten(self.longest);
-        // The end of a segment is asked for, too.
+        // The end of a segment is a requested time too.
         let stop_time = self.stop_time.min(self.end());
         self.stepper.set_stop_time(stop_time);
         let end = self.end();

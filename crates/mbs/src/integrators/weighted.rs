@@ -1,4 +1,4 @@
-//! Weighted sums of stages, over registers: a loop that looks for its stages at every component is bound by that.
+//! Weighted sums of stages in registers: a loop that looks up its stages at every component would be limited by that.
 
 use std::array::from_fn;
 use std::iter::zip;
@@ -6,7 +6,7 @@ use std::iter::zip;
 /// Nonzero entries in a row of a tableau: (stage, weight).
 pub(super) type Row = &'static [(usize, f64)];
 
-/// Gives `take` the sum of weights times stages of each of `n` components; `N` is the row's length.
+/// Passes to `take` the sum of weights times stages of each of `n` components; `N` is the row's length.
 #[inline(always)]
 pub(super) fn each_sum<const N: usize>(
     row: Row,
@@ -23,7 +23,7 @@ pub(super) fn each_sum<const N: usize>(
     }
 }
 
-/// `out = y + h sum` for a row of one to twelve terms.
+/// Computes `out = y + h sum` for a row of one to twelve terms.
 pub(super) fn set_sum(out: &mut [f64], y: &[f64], h: f64, row: Row, stages: &[Vec<f64>]) {
     type Set = fn(&mut [f64], &[f64], f64, Row, &[Vec<f64>]);
     const BY_LENGTH: [Set; 12] = [
@@ -33,7 +33,7 @@ pub(super) fn set_sum(out: &mut [f64], y: &[f64], h: f64, row: Row, stages: &[Ve
     BY_LENGTH[row.len() - 1](out, y, h, row, stages);
 }
 
-/// `out = h sum`. Not inlined: only as an argument `out` is known to be none of the stages.
+/// Computes `out = h sum`. Not inlined: only for an argument the compiler knows that `out` is none of the stages.
 #[inline(never)]
 pub(super) fn set_scaled<const N: usize>(out: &mut [f64], h: f64, row: Row, stages: &[Vec<f64>]) {
     each_sum::<N>(row, stages, out.len(), |c, sum| out[c] = h * sum);

@@ -1,4 +1,4 @@
-//! Arms of revolutes, which turn with their bodies, and the state that was last put onto the constraints.
+//! Arms of revolutes, which turn with their bodies, and the last state projected onto the constraints.
 
 use nalgebra::Vector3;
 
@@ -6,24 +6,24 @@ use crate::mechanism::{Mechanism, Revolute};
 use crate::state::BodyId;
 use crate::tree::Arms;
 
-/// A revolute's arm on a body.
+/// Arm of a revolute on a body.
 #[derive(Debug, Clone, Copy)]
 struct Arm {
     revolute: usize,
-    /// The body is the revolute's child, else its parent.
+    /// True if the body is the revolute's child, else its parent.
     child: bool,
-    /// On the body, m.
+    /// Point on the body, m.
     point: [f64; 2],
 }
 
-/// A body and its arms. Arms on the ground never turn, and a joint at a centre of mass has none.
+/// Body with its arms. Arms on the ground never turn, and a joint at a centre of mass has none.
 #[derive(Debug, Clone)]
 pub(super) struct Turning {
     pub(super) body: BodyId,
     arms: Vec<Arm>,
 }
 
-/// The arms of a revolute as far as they never turn.
+/// Returns the arms of a revolute that never turn; others are 0.
 pub(super) fn at_rest(joint: &Revolute) -> Arms {
     let parent = match joint.parent {
         None => joint.parent_point,
@@ -36,7 +36,7 @@ pub(super) fn at_rest(joint: &Revolute) -> Arms {
 }
 
 impl Turning {
-    /// All that turn.
+    /// Returns all bodies with arms that turn.
     pub(super) fn of(mechanism: &Mechanism) -> Vec<Self> {
         let arms_of = |body: BodyId| {
             let mut arms = Vec::new();
@@ -61,7 +61,7 @@ impl Turning {
         all.filter(|turning| !turning.arms.is_empty()).collect()
     }
 
-    /// Puts the arms where they stand at the body's `angle`.
+    /// Sets the arms for the body's `angle`.
     #[inline]
     pub(super) fn rotate(&self, angle: f64, arms: &mut [Arms]) {
         let (s, c) = angle.sin_cos();
@@ -76,7 +76,7 @@ impl Turning {
         }
     }
 
-    /// Adds what the arms add to gamma, `squared` being the square of the body's rate.
+    /// Adds the arms' terms to gamma; `squared` is the square of the body's rate.
     #[inline]
     pub(super) fn add_gamma(&self, squared: f64, arms: &[Arms], gammas: &mut [Vector3<f64>]) {
         for arm in &self.arms {
@@ -92,7 +92,7 @@ impl Turning {
     }
 }
 
-/// The state that was put onto the constraints last, if bodies and arms still stand there.
+/// State that was last projected onto the constraints, if bodies and arms still have it.
 #[derive(Debug, Clone)]
 pub(super) struct Projected {
     pub(super) valid: bool,
@@ -115,7 +115,7 @@ impl Projected {
     }
 
     pub(super) fn is(&self, time: f64, y: &[f64]) -> bool {
-        // All of them: without a way out early the comparison takes several at a time.
+        // All components are compared: without an early exit the comparison takes several at a time.
         let same = |all: bool, (a, b): (&f64, &f64)| all & (a == b);
         self.valid && self.time == time && self.y.iter().zip(y).fold(true, same)
     }

@@ -1,22 +1,22 @@
-//! Bodies that leave the system in closed form, before anything is factored.
+//! Elimination of bodies in closed form, before the factorisation.
 //!
-//! **Leaves** are bodies that nothing but one revolute holds, at their centre of mass (pins, discs). With m and I
-//! theirs, D_p the revolute's rows for its parent, and the parent's rows of the system:
+//! **Leaves** are bodies that only one revolute holds, at their centre of mass (pins, discs). With m and I of the leaf and D_p
+//! the revolute's rows for its parent, the leaf and the parent's rows of the system are:
 //!
 //! ```text
 //! a = gamma - D_p a_p,   mu = F - m a,   rotation: moment/I
 //! (M_p + m D_p' D_p) a_p + ... = F_p - D_p' (F - m gamma)
 //! ```
 //!
-//! **Hubs** are bodies that hang on the ground by one revolute and carry nothing but leaves (shafts, pendulums); a driver from the
-//! ground may turn them. With s the arm of the revolute and M the inertia, that of the leaves included, the revolute leaves
-//! one acceleration:
+//! **Hubs** are bodies that one revolute joins to the ground and that carry only leaves (shafts, pendulums); a driver from the
+//! ground may turn them. Let s be the arm of the revolute and M the inertia, that of the leaves included. Under the revolute
+//! one acceleration is free:
 //!
 //! ```text
 //! a = (gamma, 0) + w alpha,   w = (s_y, -s_x, 1)
 //! alpha = w.(F - M (gamma, 0))/w.M w, or the driver's;   mu = (F - M a)_xy,   w.(F - M a) of the driver
 //! ```
-//! A gear is hubs and leaves alone.
+//! A gear consists of hubs and leaves alone.
 
 use std::iter::once;
 
@@ -29,20 +29,20 @@ use crate::tree::Arms;
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Inertia {
     mass: f64,
-    /// kg m, in the ground's directions.
+    /// First moment, kg m, in the ground's directions.
     first: [f64; 2],
-    /// kg m^2.
+    /// Second moment, kg m^2.
     second: f64,
 }
 
 impl Inertia {
-    /// M.
+    /// Returns M.
     pub(super) fn matrix(&self) -> Matrix3<f64> {
         let (m, [x, y]) = (self.mass, self.first);
         Matrix3::new(m, 0.0, -y, 0.0, m, x, -y, x, self.second)
     }
 
-    /// M a.
+    /// Returns M a.
     #[inline]
     fn times(&self, a: &Vector3<f64>) -> Vector3<f64> {
         let (m, [x, y]) = (self.mass, self.first);
@@ -53,14 +53,14 @@ impl Inertia {
         )
     }
 
-    /// Takes a leaf of this mass at an arm of this square.
+    /// Adds a leaf of mass `mass` at an arm whose square is `squared`.
     fn carry(&mut self, mass: f64, squared: f64) {
         self.mass += mass;
         self.second += mass * squared;
     }
 }
 
-/// A body joints_of by one revolute, at its centre of mass.
+/// Body held by one revolute, at its centre of mass.
 #[derive(Debug, Clone)]
 struct Leaf {
     body: usize,
@@ -73,14 +73,14 @@ struct Leaf {
 }
 
 impl Leaf {
-    /// D_p' v.
+    /// Returns D_p' v.
     #[inline]
     fn on_parent(&self, v: [f64; 2]) -> Vector3<f64> {
         let [x, y] = self.arm;
         Vector3::new(-v[0], -v[1], y * v[0] - x * v[1])
     }
 
-    /// D_p a.
+    /// Returns D_p a.
     #[inline]
     fn of_parent(&self, a: &Vector3<f64>) -> [f64; 2] {
         let [x, y] = self.arm;
@@ -88,25 +88,25 @@ impl Leaf {
     }
 }
 
-/// A body and the leaves on it, by their range.
+/// Body with the range of its leaves.
 type Carrier = (usize, std::ops::Range<usize>);
 
-/// A body that hangs on the ground and carries leaves alone.
+/// Body that is joined to the ground and carries only leaves.
 #[derive(Debug, Clone)]
 struct Hub {
     body: usize,
     constraint: usize,
     driver: Option<usize>,
-    /// 1/w.M w, which turns with the body and stays.
+    /// Inverse 1/w.M w, which is constant because w and M turn with the body.
     over_inertia: f64,
-    /// w.
+    /// Free direction w.
     free: Vector3<f64>,
 }
 
 /// Leaves and hubs of a mechanism.
 #[derive(Debug, Clone)]
 pub(super) struct Pinned {
-    /// On the ground, then carrier by carrier.
+    /// Leaves on the ground, then carrier by carrier.
     leaves: Vec<Leaf>,
     on_ground: usize,
     carriers: Vec<Carrier>,
@@ -115,7 +115,7 @@ pub(super) struct Pinned {
     pub(super) inertia: Vec<Inertia>,
 }
 
-/// Remainder of a mechanism after elimination, and its places in the whole one.
+/// Remainder of a mechanism after elimination, and the places of its parts in the full mechanism.
 pub(super) struct Rest {
     pub(super) mechanism: Mechanism,
     pub(super) bodies: Vec<usize>,
@@ -200,7 +200,7 @@ impl Pinned {
             parent: j.parent_point,
             child: j.child_point,
         };
-        // As if all angles were 0: bodies turn with all they carry.
+        // Inertias are computed at angles of 0: bodies turn with all they carry.
         pinned.place(&mechanism.revolutes.iter().map(points).collect::<Vec<_>>());
         for hub in &mut pinned.hubs {
             let times = pinned.inertia[hub.body].times(&hub.free);
@@ -210,7 +210,7 @@ impl Pinned {
         (pinned, Rest::new(mechanism, &left, &ends))
     }
 
-    /// Puts all at the arms of the revolutes.
+    /// Sets all leaves and hubs for the arms of the revolutes.
     #[inline]
     pub(super) fn place(&mut self, arms: &[Arms]) {
         for (body, own) in &self.carriers {
@@ -255,7 +255,7 @@ impl Pinned {
         }
     }
 
-    /// The leaves' solutions, where those of their parents are known.
+    /// Computes the leaves' solutions from those of their parents.
     #[inline]
     pub(super) fn finish(&self, bodies: &mut [Vector3<f64>], constraints: &mut [Vector3<f64>]) {
         let mut finish_leaf = |leaf: &Leaf, bodies: &mut [Vector3<f64>], carried: [f64; 2]| {
@@ -277,7 +277,7 @@ impl Pinned {
 }
 
 impl Rest {
-    /// The bodies that are `left`, and the constraints, by their `ends`, that hold them.
+    /// Creates the remainder of the bodies that are `left`, and of the constraints, by their `ends`, that hold them.
     fn new(mechanism: &Mechanism, left: &[bool], ends: &[(usize, Option<usize>)]) -> Self {
         let bodies: Vec<usize> = (0..left.len()).filter(|&k| left[k]).collect();
         let place = |body: usize| bodies.partition_point(|&k| k < body);

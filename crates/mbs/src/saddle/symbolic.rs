@@ -1,16 +1,16 @@
 //! Order of elimination and its fill, determined once for a mechanism.
 //!
-//! Nodes are bodies, then revolutes, then drivers. A body may go at any time; a constraint waits for the
-//! bodies [`prerequisites`] names, so that its pivot is regular whenever D has full rank:
+//! Nodes are bodies, then revolutes, then drivers. A body may be eliminated at any time. A constraint waits for the bodies that
+//! [`prerequisites`] lists, so that its pivot is regular whenever D has full rank:
 //! * a joint of the spanning forest waits for its outer body: these rows stay independent in any pose,
 //!   because each has a body to itself;
-//! * a joint that closes a loop waits for all bodies of that loop. The constraints gone by then
-//!   either lie wholly within the loops closed or hang on bodies of their own, so they are rows of D.
+//! * a joint that closes a loop waits for all bodies of that loop. The constraints eliminated before it either lie within the
+//!   closed loops or have bodies of their own, so that they are independent rows of D.
 
 use crate::mechanism::Mechanism;
 use crate::tree::Forest;
 
-/// One later neighbour of a pivot.
+/// Later neighbour of a pivot.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Below {
     pub(super) node: usize,
@@ -39,7 +39,7 @@ pub(super) struct Pivot {
     pub(super) updates: (usize, usize),
 }
 
-/// Which bodies must be gone before each constraint may be eliminated.
+/// Returns the bodies that must be eliminated before each constraint.
 pub(super) fn prerequisites(mechanism: &Mechanism) -> Vec<Vec<usize>> {
     let forest = Forest::new(mechanism);
     let mut from = vec![None; mechanism.bodies.len()];
@@ -53,7 +53,7 @@ pub(super) fn prerequisites(mechanism: &Mechanism) -> Vec<Vec<usize>> {
         chain.reverse();
         chain
     };
-    // The loop a closure makes: both ways down to the last body they share, that body included.
+    // The loop of a closure: both paths inwards to the last body they share, that body included.
     let path = |child: usize, parent: Option<usize>| -> Vec<usize> {
         let (a, b) = (outwards(Some(child)), outwards(parent));
         let shared = a.iter().zip(&b).take_while(|(x, y)| x == y).count();
@@ -79,7 +79,7 @@ pub(super) fn prerequisites(mechanism: &Mechanism) -> Vec<Vec<usize>> {
     waits
 }
 
-/// Least degree first among those that need not wait.
+/// Returns the order of elimination: least degree first among the nodes that need not wait.
 pub(super) fn elimination_order(
     bodies: usize,
     ends: &[(usize, Option<usize>)],
@@ -99,7 +99,7 @@ pub(super) fn elimination_order(
     while !left.is_empty() {
         let eligible =
             |&k: &usize| k < bodies || waits[k - bodies].iter().all(|body| !left.contains(body));
-        // Constraints first among equals: it keeps carriers waiting until all they carry is in.
+        // Constraints come first among equal degrees: carriers then wait until all bodies they carry are included.
         let next = left
             .iter()
             .copied()
@@ -137,7 +137,7 @@ impl Builder {
         }
     }
 
-    /// The block coupling two nodes, made if it is not there: rows of the later, columns of the earlier.
+    /// Returns the block that couples two nodes, and creates it if needed: rows of the later, columns of the earlier.
     pub(super) fn block(&mut self, a: usize, b: usize) -> usize {
         let (late, early) = if self.position[a] > self.position[b] {
             (a, b)

@@ -1,4 +1,4 @@
-//! The Newton matrix of sliding contacts and its solution.
+//! Newton matrix of sliding contacts and its solution.
 //!
 //! Velocities are *hubs* or *leaves*; no contact joins two leaves. With the hubs last,
 //!
@@ -13,10 +13,10 @@ use super::contact::Row;
 use crate::jacobian::Place;
 use crate::lu::dot;
 
-/// Which velocities are hubs, and room for one factorisation.
+/// Arrowhead matrix with the places of its velocities and memory for one factorisation.
 #[derive(Debug, Clone)]
 pub struct Arrowhead {
-    /// Place among hubs or leaves.
+    /// Place of each velocity among hubs or leaves.
     place: Vec<Place>,
     hubs: usize,
     /// D.
@@ -29,7 +29,7 @@ pub struct Arrowhead {
 }
 
 impl Arrowhead {
-    /// For as many velocities as `is_leaf` has entries.
+    /// Creates a matrix for as many velocities as `is_leaf` has entries.
     #[must_use]
     pub fn new(is_leaf: &[bool]) -> Self {
         let (place, hubs, leaves) = Place::all(is_leaf);
@@ -43,13 +43,13 @@ impl Arrowhead {
         }
     }
 
-    /// Number of velocities.
+    /// Returns the number of velocities.
     #[must_use]
     pub fn dimension(&self) -> usize {
         self.place.len()
     }
 
-    /// H = diag(`inertia`).
+    /// Sets H = diag(`inertia`).
     pub fn reset(&mut self, inertia: &[f64]) {
         self.border.fill(0.0);
         self.hub.fill(0.0);
@@ -61,7 +61,7 @@ impl Arrowhead {
         }
     }
 
-    /// H += weight row row'. False if the row joins two leaves: H is no arrowhead then.
+    /// Adds a term: H += weight row row'. Returns false if the row joins two leaves, as H is then no arrowhead.
     #[inline]
     pub fn add(&mut self, weight: f64, row: &Row) -> bool {
         let mut leaf = None;
@@ -126,7 +126,7 @@ impl Arrowhead {
         }
     }
 
-    /// Cholesky of the lower triangle, forward and back substitution.
+    /// Factors the lower triangle by Cholesky, then substitutes forwards and backwards.
     fn solve_hubs(&mut self) {
         let (m, l) = (self.hubs, &mut self.hub);
         for i in 0..m {

@@ -1,25 +1,25 @@
-//! A touching pair as data, and what it is in generalised velocities.
+//! Data of a touching pair, and its rates in generalised velocities.
 
 use crate::BodyId;
 
-/// Two touching bodies as an implicit treatment of their friction needs them.
+/// Contact of two bodies, with the data for an implicit treatment of its friction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     /// The two bodies; the normal points from the first into the second.
     pub bodies: [BodyId; 2],
-    /// Where both forces act, ground frame, m.
+    /// Point at which both forces act, ground frame, m.
     pub point: [f64; 2],
     /// Unit vector n from the first body into the second, ground frame. The tangent is R90 n.
     pub normal: [f64; 2],
     /// F_n >= 0, N: pushes the first body along -n.
     pub normal_force: f64,
-    /// mu
+    /// Coefficient of friction mu.
     pub coefficient: f64,
     /// Sliding speed at which friction reaches mu F_n, m/s.
     pub ramp: f64,
 }
 
-/// A rate that is linear in the generalised velocities: `offset + sum coefficients v`.
+/// Rate that is linear in the generalised velocities: `offset + sum coefficients v`.
 ///
 /// A contact of two bodies, one free in the plane and one carried by another, depends on five velocities at most.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -27,7 +27,7 @@ pub struct Row {
     dofs: [u32; 5],
     coefficients: [f64; 5],
     count: u8,
-    /// Part that driven bodies contribute.
+    /// Contribution of driven bodies.
     pub offset: f64,
 }
 
@@ -51,27 +51,27 @@ impl Row {
         self.count += 1;
     }
 
-    /// (velocity, coefficient) pairs.
+    /// Returns the (velocity, coefficient) pairs.
     #[inline]
     pub fn entries(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         (0..usize::from(self.count)).map(|k| (self.dofs[k] as usize, self.coefficients[k]))
     }
 
-    /// The part that depends on the velocities.
+    /// Returns the part that depends on the velocities.
     #[must_use]
     #[inline]
     pub fn dot(&self, v: &[f64]) -> f64 {
         self.entries().map(|(dof, c)| c * v[dof]).sum()
     }
 
-    /// The rate at `v`.
+    /// Returns the rate at `v`.
     #[must_use]
     #[inline]
     pub fn value(&self, v: &[f64]) -> f64 {
         self.offset + self.dot(v)
     }
 
-    /// `v += scale row`.
+    /// Adds a multiple of the row: `v += scale row`.
     #[inline]
     pub fn add_to(&self, scale: f64, v: &mut [f64]) {
         for (dof, c) in self.entries() {

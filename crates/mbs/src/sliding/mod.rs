@@ -1,9 +1,8 @@
 //! Implicit friction of contacts as a convex minimisation.
 //!
-//! Given normal forces and positions, implicit Euler for regularised Coulomb friction is the
-//! optimality condition of a strictly convex function of the velocities. That has one solution,
-//! found by Newton's method from anywhere; the stiffness of the friction (1e6 1/s and more on a
-//! light pin) does not enter the step.
+//! For given normal forces and positions, implicit Euler for regularised Coulomb friction is the optimality condition of a
+//! strictly convex function of the velocities. Its only solution is reached by Newton's method from any start. The stiffness of
+//! the friction (1e6 1/s and more on a light pin) does not limit the step.
 
 mod arrowhead;
 mod contact;

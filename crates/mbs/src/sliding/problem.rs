@@ -4,10 +4,9 @@
 //! minimise over v:  1/2 (v - v*)' M (v - v*) + a sum_c L_c v_s H(u_c / v_s),   u_c = offset_c + J_c v
 //! H(x) = x^2/2 for |x| <= 1, |x| - 1/2 beyond (Huber)
 //! ```
-//! Stationarity is the implicit step itself: `M (v - v*) = -a sum J' L clamp(u/v_s, -1, 1)`.
-//! The function is strictly convex and piecewise quadratic, so a Newton step that keeps every
-//! contact sticking or sliding as it was lands on the minimum exactly; a line search makes the
-//! steps before that descend ([Qi, Sun 1993], [Hintermueller, Ito, Kunisch 2002] for the
+//! Stationarity is the implicit step itself: `M (v - v*) = -a sum J' L clamp(u/v_s, -1, 1)`. The function is strictly convex
+//! and piecewise quadratic. A Newton step after which every contact still sticks or slides as before therefore reaches the
+//! minimum exactly. A line search makes the earlier steps descend ([Qi, Sun 1993], [Hintermueller, Ito, Kunisch 2002] for the
 //! semi-smooth Newton method).
 
 use super::arrowhead::Arrowhead;
@@ -25,14 +24,14 @@ pub struct Slip {
 }
 
 impl Slip {
-    /// Friction against the sliding at `u`, N: L clamp(u/v_s, -1, 1).
+    /// Returns the friction against the sliding at `u`, N: L clamp(u/v_s, -1, 1).
     #[must_use]
     #[inline]
     pub fn force(&self, u: f64) -> f64 {
         self.limit * (u / self.ramp).clamp(-1.0, 1.0)
     }
 
-    /// -1, 0, 1: sliding backwards, sticking, sliding forwards.
+    /// Returns -1, 0, 1: sliding backwards, sticking, sliding forwards.
     #[inline]
     fn state(&self, u: f64) -> i8 {
         if u > self.ramp {
@@ -45,17 +44,16 @@ impl Slip {
     }
 }
 
-/// Newton steps at most. A gear takes 1 to 4; random problems with inertias 1 : 1e6 up to 100.
+/// Largest number of Newton steps. A gear takes 1 to 4; random problems with inertias 1 : 1e6 up to 100.
 const MOST_STEPS: usize = 1000;
-/// Line searches end when the slope along the step fell to this share.
+/// Ratio of the slope to that at the start of a step at which a line search ends.
 const SLOPE_SHARE: f64 = 0.1;
-/// Newton ends when no sliding speed moves by more than this share of its ramp, and when rounding of the
-/// last step is no more than that.
+/// Largest change of a sliding speed at convergence, relative to its ramp; rounding of the last step must not exceed it either.
 const RATE_SHARE: f64 = 1e-10;
-/// And when no velocity moves by more than its rounding: a narrow ramp asks for more digits than there are.
+/// Change of a velocity at convergence by rounding alone: a narrow ramp may ask for more digits than a double has.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// The minimisation, with the memory it needs.
+/// Minimisation, with the memory it needs.
 #[derive(Debug, Clone)]
 pub struct SlidingProblem {
     matrix: Arrowhead,
@@ -66,7 +64,7 @@ pub struct SlidingProblem {
 }
 
 impl SlidingProblem {
-    /// `inertia`: diagonal of M, all positive. `is_leaf`: velocities of which no contact joins two.
+    /// Creates a problem. `inertia`: diagonal of M, all positive. `is_leaf`: velocities of which no contact joins two.
     #[must_use]
     pub fn new(inertia: Vec<f64>, is_leaf: &[bool]) -> Self {
         Self {
@@ -77,7 +75,7 @@ impl SlidingProblem {
         }
     }
 
-    /// Diagonal of M.
+    /// Returns the diagonal of M.
     #[must_use]
     pub fn inertia(&self) -> &[f64] {
         &self.inertia
@@ -149,7 +147,7 @@ impl SlidingProblem {
         sizes.all(|((v, target), d)| d.abs() <= ROUNDING * (v.abs() + target.abs()))
     }
 
-    /// Derivative of the function along the step, at share `s` of it.
+    /// Returns the derivative of the function along the step, at share `s` of it.
     fn slope(&self, a: f64, slips: &[Slip], target: &[f64], v: &[f64], s: f64) -> f64 {
         let kinetic: f64 = (0..v.len())
             .map(|k| self.inertia[k] * (v[k] + s * self.step[k] - target[k]) * self.step[k])
@@ -159,7 +157,7 @@ impl SlidingProblem {
         kinetic + a * powers.sum::<f64>()
     }
 
-    /// Share of the step to take: 1 where the function still falls there, else near the minimum along it.
+    /// Returns the share of the step to take: 1 where the function still falls there, else near the minimum along it.
     fn line_search(&self, a: f64, slips: &[Slip], target: &[f64], v: &[f64]) -> Option<f64> {
         let slope = |s| self.slope(a, slips, target, v, s);
         let (start, end) = (slope(0.0), slope(1.0));

@@ -1,4 +1,4 @@
-//! One implicit stage: from listed contacts to velocities that agree with their friction.
+//! One implicit stage: computes velocities that are consistent with the friction of listed contacts.
 
 use pinwheel_faults::{Fault, factor};
 
@@ -9,7 +9,7 @@ use super::problem::{SlidingProblem, Slip};
 #[derive(Debug, Clone)]
 pub struct SlidingStage {
     problem: SlidingProblem,
-    /// The stage's contacts, to be listed by the forces.
+    /// Contacts of the stage, to be listed by the forces.
     pub contacts: Vec<Contact>,
     slips: Vec<Slip>,
     normals: Vec<Row>,
@@ -20,7 +20,7 @@ pub struct SlidingStage {
 }
 
 impl SlidingStage {
-    /// See [`SlidingProblem::new`].
+    /// Creates a stage; see [`SlidingProblem::new`].
     #[must_use]
     pub fn new(inertia: Vec<f64>, is_leaf: &[bool]) -> Self {
         Self {
@@ -35,7 +35,7 @@ impl SlidingStage {
         }
     }
 
-    /// Takes the listed contacts as rows: sliding speed u and closing speed of the normal.
+    /// Sets the rows of the listed contacts: sliding speed u and closing speed of the normal.
     pub fn set_rows(&mut self, rows: impl Fn(&Contact) -> [Row; 2]) {
         self.slips.clear();
         self.normals.clear();
@@ -54,11 +54,12 @@ impl SlidingStage {
 
     /// Solves `v = v* + a i(v)` for the friction's accelerations i, in place (`v` holds v*).
     ///
-    /// `guess` of i: Newton begins at v* + a guess, and damping makes the normal forces depend on the velocities
-    /// a little, so they are those at that place. A guess from the stage before is off by what the friction changed since,
+    /// `guess` of i: Newton's method begins at v* + a guess. Damping makes the normal forces depend slightly on the velocities,
+    /// and they are evaluated at this estimate. A guess from the previous stage differs by the change of the friction since,
     /// and moves them by less than 1e-3.
-    /// `normal_force(k, listed, rate)` is the law of contact k at other velocities. False if there is no
-    /// solution. Afterwards [`contact_forces`](Self::contact_forces) and [`accelerate`](Self::accelerate) know it.
+    ///
+    /// `normal_force(k, listed, rate)` is the law of contact k at other velocities. Returns false if there is no solution.
+    /// Afterwards [`contact_forces`](Self::contact_forces) and [`accelerate`](Self::accelerate) use the solution.
     pub fn solve(
         &mut self,
         a: f64,
@@ -89,13 +90,13 @@ impl SlidingStage {
         true
     }
 
-    /// Newton steps of all stages so far.
+    /// Returns the Newton steps of all stages so far.
     #[must_use]
     pub fn newton_steps(&self) -> u64 {
         self.newton_steps
     }
 
-    /// Adds what friction does to the accelerations `i`, and what the change of the normal forces does to `e`.
+    /// Adds the accelerations by friction to `i`, and those by the change of the normal forces to `e`.
     pub fn accelerate(&self, e: &mut [f64], i: &mut [f64]) {
         let inertia = self.problem.inertia();
         for (k, slip) in self.slips.iter().enumerate() {
@@ -109,7 +110,7 @@ impl SlidingStage {
         }
     }
 
-    /// Every contact with the change of its normal force and its friction against the sliding (t), N.
+    /// Returns every contact with the change of its normal force and its friction against the sliding (t), N.
     pub fn contact_forces(&self) -> impl Iterator<Item = (&Contact, f64, f64)> {
         let forces = self.normal_forces.iter().zip(&self.friction);
         let all = self.contacts.iter().zip(forces);

@@ -1,6 +1,6 @@
-//! Derivatives of what the cranks of an RV reducer do by all that is free, and by the time as the input turns.
+//! Derivatives of the loads of an RV reducer's cranks with respect to all free coordinates, and to time as the input turns.
 //!
-//! With s the deflection of a crank's support and mesh, and r what is out of balance there at rest:
+//! With s the deflection of a crank's support and mesh, and r the unbalanced force there at rest:
 //!
 //! ```text
 //! dF/dq = F_q + F_s ds/dq,    r(q, s) = 0,    ds/dq = -r_s^-1 r_q
@@ -17,21 +17,21 @@ use crate::contacts::motion::{self, Motion, of_values};
 
 /// Variables of a bearing: six of the disc, two of the output, the input's angle, and the crank's deflection.
 const VARIABLES: usize = 12;
-/// Deflections begin here.
+/// Index of the first deflection among the variables.
 const GIVEN: usize = 9;
 
-/// A bearing with its derivatives.
+/// Bearing with its derivatives.
 struct Joint {
     variables: [Variable; GIVEN],
-    /// Forces and moment on the disc, moment on the output, with their rows.
+    /// Forces and moment on the disc and moment on the output, with their rows.
     rows: [(Option<usize>, Dual<VARIABLES>); 4],
-    /// What it adds to the balance of the crank at rest.
+    /// Contribution of the bearing to the balance of the crank at rest.
     balance: [Dual<VARIABLES>; 3],
     across: Complex,
 }
 
 impl Joint {
-    /// Derivatives of the balance by a variable.
+    /// Returns the derivatives of the balance with respect to a variable.
     fn balance_by(&self, k: usize) -> Deflection {
         [0, 1, 2].map(|row| self.balance[row].by[k])
     }
@@ -43,7 +43,7 @@ impl CrankSet {
         let mut bearings = OfCrank::new();
         for crank in 0..self.count() {
             let given = self.crank(bodies, crank, &mut bearings);
-            // Filled where it stands: it has room for the most discs.
+            // Filled in place: its capacity is for the largest number of discs.
             let mut joints = ArrayVec::<Joint, WHEELS>::new();
             for wheel in 0..bearings.len() {
                 let (law, at) = (self.law(wheel, crank), [wheel, crank]);
@@ -60,7 +60,7 @@ impl CrankSet {
         }
     }
 
-    /// Adds what follows from the deflection of the crank of these bearings.
+    /// Adds the derivatives by the deflection of the crank of these bearings.
     fn add_deflection(&self, joints: &[Joint], derivatives: &mut Derivatives<'_>) {
         let mut springs = self.springs();
         for joint in joints {
@@ -86,7 +86,7 @@ impl CrankSet {
         }
     }
 
-    /// The bearing of a disc on a crank, whose law this is.
+    /// Returns the bearing of a disc on a crank with its law, with derivatives.
     fn joint(
         &self,
         law: &BearingLaw,

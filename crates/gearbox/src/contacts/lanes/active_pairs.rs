@@ -9,7 +9,7 @@ use crate::contacts::detection::Touch;
 use crate::contacts::pair::PairContact;
 use crate::contacts::pairs::{Loaded, WheelFrame};
 
-/// Gives every touching pair, with rates and forces, to `visit`.
+/// Passes every touching pair, with rates and forces, to `visit`.
 pub(super) struct ActivePairs<'a, 'v> {
     pub(super) law: PinLaw,
     pub(super) friction: RegularisedCoulomb,

@@ -7,7 +7,7 @@ use pulp::Simd;
 /// Columns are padded to a multiple of the widest group (two AVX-512 registers).
 pub(super) const PADDING: usize = 16;
 
-/// A column of planar vectors.
+/// Column of planar vectors.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Column {
     pub(super) x: Vec<f64>,
@@ -70,7 +70,7 @@ impl Sleeves {
     #[inline(always)]
     pub(super) fn gather(&mut self, bodies: &[BodyState]) {
         let n = self.count;
-        // Of one length that is known: no bound is looked at for each.
+        // Slices of one known length: no bounds are checked for each element.
         let bodies = &bodies[self.first..][..n];
         let (x, y) = (&mut self.position.x[..n], &mut self.position.y[..n]);
         let (vx, vy) = (&mut self.velocity.x[..n], &mut self.velocity.y[..n]);
@@ -99,7 +99,7 @@ impl Sleeves {
         }
     }
 
-    /// Starts of the groups, with the mask of lanes that are pins.
+    /// Returns the starts of the groups, with the mask of lanes that are pins.
     #[inline(always)]
     pub(super) fn groups<S: Simd>(
         &self,

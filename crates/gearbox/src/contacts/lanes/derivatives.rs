@@ -1,4 +1,5 @@
-//! How the contacts' moments change with angles, rates and time: the exact derivative of [`loads`](super::loads).
+//! Derivatives of the contacts' moments with respect to angles, rates and time: the exact derivative of
+//! [`loads`](super::loads).
 //!
 //! In the disc's frame, with z the pin's centre P, c the disc's centre about the origin, n and t = R90 n at the contact,
 //! rho = q - delta (W - P = rho n), theta, psi, sigma and phi the angles of disc, output, pin and input:
@@ -27,7 +28,7 @@ use pulp::Simd;
 use super::pair_loop::{Group, Sink, Wheel};
 use crate::Layout;
 
-/// Shares of stiffness and penetration, and the closing speed (m/s), by which the law's differences go to either side.
+/// Difference steps of the law to either side: relative to stiffness and to penetration, and of the closing speed (m/s).
 const STIFFNESS_SHARE: f64 = 1e-4;
 const PENETRATION_SHARE: f64 = 1e-5;
 const CLOSING: f64 = 1e-6;
@@ -40,7 +41,7 @@ pub(super) struct Derivatives<'a, 'b> {
     input_rate: f64,
     output_rate: f64,
     layout: Layout,
-    /// True if the discs' places are free.
+    /// True if the positions of the discs are free.
     floats: bool,
 }
 
@@ -72,32 +73,32 @@ impl<'a, 'b> Derivatives<'a, 'b> {
     }
 }
 
-/// A contact's forces and their derivatives; 0 where nothing touches.
+/// Forces of a contact and their derivatives; 0 without contact.
 struct Pressure<S: Simd> {
     force: Lanes<S>,
     by_depth: Lanes<S>,
     by_closing: Lanes<S>,
-    /// By the way along the profile.
+    /// Derivative by the motion along the profile.
     by_path: Lanes<S>,
     centre: Option<Centre<S>>,
 }
 
-/// The force that some laws have on the pins' centres along t, and its derivatives by the way along t and by the depth.
+/// Force of some laws on the pins' centres along t, and its derivatives by the motion along t and by the depth.
 struct Centre<S: Simd> {
     force: Lanes<S>,
     by_path: Lanes<S>,
     by_depth: Lanes<S>,
 }
 
-/// The law at a stiffness, a depth and a rate. A function of its own: it is large, and one inlined for each difference would
-/// be most of the code of all kernels.
+/// Evaluates the law at a stiffness, a depth and a rate. The function is not inlined: it is large, and inlined for each
+/// difference it would be most of the code of all kernels.
 struct At<'a, S: Simd> {
     law: &'a PinLaw,
     contact: [Lanes<S>; 3],
 }
 
 impl<S: Simd> pulp::WithSimd for At<'_, S> {
-    /// The force, and what stands along the profile.
+    /// Normal force, and the force along the profile.
     type Output = (Lanes<S>, Option<Lanes<S>>);
 
     #[inline(always)]
@@ -134,7 +135,7 @@ impl<S: Simd> Pressure<S> {
             by_path: c(0.0),
             centre: None,
         };
-        // All holes of a disc are as stiff.
+        // All holes of a disc have equal stiffness.
         let Some(foot) = touching.foot.as_ref() else {
             return all;
         };
@@ -173,24 +174,24 @@ impl Derivatives<'_, '_> {
         self.friction.coefficient > 0.0
     }
 
-    /// Number of a disc's angle.
+    /// Returns the number of a disc's angle.
     fn hub(&self, wheel: usize) -> Option<usize> {
         let body = self.layout.wheel_bodies().start + wheel;
         self.derivatives.coordinates.angle(body)
     }
 
-    /// Number of x, or with `axis` 1 of y, of a disc.
+    /// Returns the number of x, or with `axis` 1 of y, of a disc.
     fn place(&self, wheel: usize, axis: usize) -> Option<usize> {
         let body = self.layout.wheel_bodies().start + wheel;
         self.derivatives.coordinates.place(body).map(|x| x + axis)
     }
 
-    /// Number of the output's angle.
+    /// Returns the number of the output's angle.
     fn output(&self) -> Option<usize> {
         self.derivatives.coordinates.angle(Layout::OUTPUT)
     }
 
-    /// Number of the angle of lane `k`'s pin.
+    /// Returns the number of the angle of lane `k`'s pin.
     #[inline(always)]
     fn sleeve<S: Simd>(&self, group: &Group<'_, S>, k: usize) -> Option<usize> {
         let bodies = match group.external {
@@ -225,7 +226,7 @@ impl Derivatives<'_, '_> {
         }
     }
 
-    /// Adds those of the force on a disc that floats.
+    /// Adds a column of derivatives of the force on a disc that floats.
     #[inline(always)]
     fn add_force<S: Simd>(
         &mut self,
@@ -328,7 +329,7 @@ impl Sink for Derivatives<'_, '_> {
                 faster = over_wheel * depth + centre_across * turn * one.like(over_input);
             }
             if floats && k == WHEEL {
-                // Seen from the disc all velocities turn.
+                // In the disc's frame all velocities turn.
                 slower = passing + tilt * passing;
                 faster = -closing;
             }

@@ -1,4 +1,4 @@
-//! Contacts of a gear whose bodies stand where their joints hold them: angles and rates are all there is to know, and the places
+//! Contacts of a gear whose bodies have the poses that their joints prescribe: they follow from angles, rates and the positions
 //! of discs that float.
 //!
 //! With phi, psi, theta the angles of input, output and disc, f the phase of the disc's eccentric, b how far pins
@@ -27,8 +27,8 @@
 //! ```text
 //! X + Re((Y + i Z) E) > 0,   X = b + m Re k - H (b^2 + |k|^2),   Y + i Z = k + m b - 2 H b k
 //! ```
-//! so the pins that are not outside for certain are neighbours. They are taken a register at a time, and two registers,
-//! of whatever discs, side by side.
+//! so that the pins that are not outside for certain are neighbours. They are processed a register at a time, and two
+//! registers, of any discs, in parallel.
 
 mod internal;
 
@@ -48,12 +48,12 @@ use crate::scene::Scene;
 /// Bound of rounding in the test of points outside, in units of R.
 const ROUNDING: f64 = 1e-14;
 
-/// Pins at the ends of a window: the one before it, its first, its last, the one after.
+/// Number of pins at the ends of a window: the one before it, its first, its last, the one after.
 const ENDS: usize = 4;
 /// 1 where these are outside for certain, -1 where they are not, for all lanes of a register.
 const SIGNS: [f64; PADDING / 2] = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0];
 
-/// Constants of the field, and room for its variables.
+/// Constants of the field, and memory for its variables.
 #[derive(Debug, Clone)]
 pub(super) struct JointSpace {
     layout: Layout,
@@ -64,7 +64,7 @@ pub(super) struct JointSpace {
     radius: f64,
     lobes: f64,
     shortening: f64,
-    /// H.
+    /// Bound H.
     repulsion: f64,
     pins: Option<PinFriction>,
     /// Radii of ring and output pins, m.
@@ -82,18 +82,18 @@ pub(super) struct JointSpace {
     /// Directions of the pins at the [`ENDS`] of the windows, a register a disc, and whether every disc has ends.
     ends: Column,
     is_bounded: bool,
-    /// On the pins, N, ground frame; external ones as their directions. 0 between two evaluations.
+    /// Forces on the pins, N, ground frame; of external ones in the frame of their directions. 0 between two evaluations.
     forces: [Column; 2],
 }
 
-/// A disc at the angles of the moment.
+/// Disc at the present angles.
 #[derive(Debug, Clone, Copy, Default)]
 struct Wheel {
-    /// c, m.
+    /// Centre c, m.
     centre: Complex,
     /// e^{i theta}.
     turn: Complex,
-    /// k, in units of R.
+    /// Offset factor k, in units of R.
     mesh: Complex,
     /// e^{-i zs theta}.
     phase: Complex,
@@ -105,12 +105,12 @@ struct Wheel {
     moment: f64,
 }
 
-/// At most a register of neighbouring pins at a disc.
+/// Neighbouring pins at a disc, at most a register.
 #[derive(Debug, Clone, Copy)]
 struct Segment {
     wheel: usize,
     from: usize,
-    /// As a mask takes it.
+    /// Number of pins, in the type of a mask.
     count: f64,
 }
 
@@ -125,7 +125,7 @@ struct Evaluation<S: Simd> {
     on_output: Lanes<S>,
     /// Couple of the output pins on their pins.
     on_pins: Lanes<S>,
-    /// Where energy is asked for.
+    /// Stored energy, where it is requested.
     stored: Lanes<S>,
     dissipated: Lanes<S>,
     rubbed: Lanes<S>,
@@ -196,7 +196,7 @@ fn fold(values: &mut [f64], count: usize) {
     }
 }
 
-/// Takes the sums of what acts on two segments of pins from their discs.
+/// Adds the reactions of two segments of pins to their discs.
 #[inline(always)]
 fn react<S: Simd>(wheels: &mut [Wheel], pair: [Segment; 2], push: ComplexLanes<S>) {
     let (x, y) = (push.re.sums(), push.im.sums());
@@ -325,7 +325,7 @@ impl JointSpace {
         }
     }
 
-    /// Reads the angles; returns e^{i psi}.
+    /// Sets the discs from the angles of the bodies; returns e^{i psi}.
     #[inline(always)]
     fn place<S: Simd, const FLOATS: bool>(&mut self, simd: S, bodies: &[BodyState]) -> Complex {
         let n = self.wheels.len();
@@ -414,7 +414,7 @@ impl JointSpace {
         self.segments[0] = segments;
     }
 
-    /// Which of the ring pins from `from` on are outside of a disc for certain.
+    /// Returns the mask of the ring pins from `from` on that are outside of a disc for certain.
     #[inline(always)]
     fn outside<S: Simd>(&self, simd: S, wheel: &Wheel, from: usize) -> Mask<S> {
         let directions = self.directions.load(simd, from);
@@ -423,8 +423,8 @@ impl JointSpace {
         Lanes::splat(simd, 0.0).less(gap)
     }
 
-    /// True if the same pins are near as when they were listed: those that were the first and the last still are, and
-    /// those beside them are not. As the near ones are neighbours, these four tell of all.
+    /// Returns true if the listed pins are still the near ones: the first and the last are near, and the pins beside them are
+    /// not. As the near ones are neighbours, these four decide for all.
     #[inline(always)]
     fn stays<S: Simd>(&self, simd: S) -> bool {
         if !self.is_bounded {
@@ -450,7 +450,7 @@ impl JointSpace {
         true
     }
 
-    /// Velocities of the centres of a pair's discs, m/s.
+    /// Returns the velocities of the centres of a pair's discs, m/s.
     #[inline(always)]
     fn velocities<S: Simd>(
         &self,
@@ -570,7 +570,7 @@ impl JointSpace {
         }
     }
 
-    /// Forces of the pins to the bodies; here they are 0 again.
+    /// Adds the forces of the pins to the bodies and resets them to 0.
     #[inline(always)]
     fn scatter(&mut self, loads: &mut [Wrench]) {
         let layout = &self.layout;
@@ -606,7 +606,7 @@ impl JointSpace {
 }
 
 impl<S: Simd> Evaluation<S> {
-    /// Adds what the contacts inside store and dissipate, `observed` by their law; returns the force.
+    /// Adds the energy that the contacts inside store and dissipate, `observed` by their law; returns the force.
     #[inline(always)]
     fn add_energy(
         &mut self,

@@ -41,7 +41,7 @@ impl Sink for Loads<'_> {
         if let Some(pins) = self.pins {
             let radius = arm.dot(n);
             if !group.external {
-                // As a sleeve would that does not turn on its pin.
+                // Sliding speed of a sleeve that does not turn on its pin.
                 sliding = radius.mul_add(depth.like(self.output_rate), sliding);
             }
             drag = pins.along(pressure, radius, sliding);

@@ -1,9 +1,8 @@
-//! All pairs of discs and pins, several at a time: the fast form of [`pairs`](super::pairs).
+//! Contact loop over pairs of discs and pins, several at a time: the fast form of [`pairs`](super::pairs).
 //!
-//! Exact detection only. Pin states stand in structure-of-arrays columns, padded to whole groups
-//! of lanes whose surplus is masked. Formulas, signs and frames are those of the scalar loop, which
-//! stays as the oracle (tests: equal to 1e-13 relative). The vector instructions are chosen when the
-//! program runs, by what the processor has.
+//! Exact detection only. Pin states are in structure-of-arrays columns, padded to full groups of lanes whose surplus is masked.
+//! Formulas, signs and frames are those of the scalar loop, which is kept as the reference (tests: equal to 1e-13 relative).
+//! The vector instructions are chosen at run time from those of the processor.
 
 mod active_pairs;
 mod columns;
@@ -33,22 +32,23 @@ use loads::Loads;
 use pair_loop::{LanePairs, Sink, pair_loop};
 use shapes::Shapes;
 
-/// The contact field with exact detection, in lanes.
+/// Contact field with exact detection, in lanes.
 pub(super) struct LaneField {
     arch: pulp::Arch,
     law: PinLaw,
     friction: RegularisedCoulomb,
     pins: Option<PinFriction>,
     pairs: LanePairs,
-    /// Without friction.
+    /// Contacts from joint angles, without friction.
     joint_space: Option<JointSpace>,
-    /// True if no joint holds the discs.
+    /// True if discs have no joint.
     floats: bool,
-    /// For single pairs, where lanes gain nothing.
+    /// Scalar loop for single pairs, for which lanes gain nothing.
     scalar: Pairs<Exact>,
 }
 
-/// One walk, as the dispatcher wants it: what is inlined here is compiled once per instruction set.
+/// One loop over all pairs, in the form that the dispatcher needs: functions inlined here are compiled once per instruction
+/// set.
 struct PairLoop<'a, K> {
     pairs: &'a mut LanePairs,
     bodies: &'a [BodyState],
@@ -64,7 +64,7 @@ impl<K: Sink> pulp::WithSimd for PairLoop<'_, K> {
     }
 }
 
-/// Angles and rates to moments, and with `LOADS` to loads.
+/// Computes moments, and with `LOADS` loads, from angles and rates.
 struct JointSpaceLoop<'a, 'b, const LOADS: bool, const FLOATS: bool> {
     joint_space: &'a mut JointSpace,
     shapes: &'a Shapes,
@@ -141,7 +141,8 @@ impl LaneField {
         self.pair_loop(bodies, sink);
     }
 
-    /// Moments, and loads if they are asked for, of bodies whose joints hold them. Nothing rubs.
+    /// Computes moments, and loads if they are requested, of bodies with the poses that their joints prescribe, without
+    /// friction.
     fn sum_in_joint_space<const LOADS: bool, const FLOATS: bool>(
         &mut self,
         bodies: &[BodyState],

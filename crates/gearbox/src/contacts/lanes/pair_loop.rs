@@ -1,4 +1,4 @@
-//! The walk over all pairs of discs and pins, a group of lanes at a time.
+//! Loop over all pairs of discs and pins, a group of lanes at a time.
 
 use pinwheel_contact::{Complex, ComplexLanes, Lanes, NormalLaw, PinLaw};
 use pinwheel_mbs::BodyState;
@@ -16,13 +16,13 @@ pub(super) struct LanePairs {
     pub(super) internal: Sleeves,
 }
 
-/// A disc's frame, and what its contacts add up to (in that frame).
+/// Frame of a disc, and the sums of its contacts' loads (in that frame).
 pub(super) struct Wheel<S: Simd> {
     pub(super) number: usize,
     pub(super) centre: ComplexLanes<S>,
     /// e^{i theta}, disc frame to ground.
     pub(super) turn: ComplexLanes<S>,
-    /// Its inverse.
+    /// Inverse of `turn`.
     pub(super) back: ComplexLanes<S>,
     pub(super) velocity: ComplexLanes<S>,
     pub(super) rate: Lanes<S>,
@@ -73,7 +73,7 @@ impl<S: Simd> Wheel<S> {
 
 /// Lanes of one group, some of which touch.
 pub(super) struct Group<'a, S: Simd> {
-    /// Ring pins (else internal).
+    /// True for ring pins, else internal ones.
     pub(super) external: bool,
     /// Number of the group's first pin.
     pub(super) from: usize,
@@ -85,13 +85,13 @@ pub(super) struct Group<'a, S: Simd> {
 }
 
 impl<S: Simd> Group<'_, S> {
-    /// W - P.
+    /// Returns the arm W - P, m.
     #[inline(always)]
     pub(super) fn arm(&self) -> ComplexLanes<S> {
         self.touching.point - self.p
     }
 
-    /// The law of the group's contacts.
+    /// Returns the law of the group's contacts.
     #[inline(always)]
     pub(super) fn law(&self, law: &PinLaw) -> PinLaw {
         if self.external {
@@ -101,7 +101,8 @@ impl<S: Simd> Group<'_, S> {
         }
     }
 
-    /// Force on the pins at their centres along t, N, in lanes that touch, and 0 in others; `None` where there is none.
+    /// Returns the force on the pins at their centres along t, N, in lanes that touch, and 0 in others; `None` where the law
+    /// has no such force.
     #[inline(always)]
     pub(super) fn along(&self, law: &PinLaw) -> Option<Lanes<S>> {
         let touching = &self.touching;
@@ -111,8 +112,8 @@ impl<S: Simd> Group<'_, S> {
         Some(-(derivatives.along * along).only(touching.mask))
     }
 
-    /// Velocity of the pins relative to the disc at W, in the disc's frame; see `Pairs::load`.
-    /// A pin's spin moves W across the normal only: without friction it may be left out.
+    /// Returns the velocity of the pins relative to the disc at W, in the disc's frame; see `Pairs::load`. A pin's spin moves W
+    /// across the normal only: without friction it may be omitted.
     #[inline(always)]
     pub(super) fn relative_velocity(
         &self,

@@ -1,4 +1,4 @@
-//! Where pins touch, several at a time, in the disc's frame.
+//! Contact points of several pins at a time, in the disc's frame.
 
 use pinwheel_contact::{ComplexLanes, Epitrochoid, Lanes, LocalFeet, Mask, Real};
 use pinwheel_scene::scales::hertz;
@@ -15,17 +15,17 @@ pub(super) struct Touching<S: Simd> {
     pub(super) normal: ComplexLanes<S>,
     pub(super) penetration: Lanes<S>,
     pub(super) stiffness: Lanes<S>,
-    /// By how much n turns towards t = R90 n as the pin's centre moves along t, 1/m.
+    /// Rate at which n turns towards t = R90 n as the pin's centre moves along t, 1/m.
     pub(super) turning: Lanes<S>,
     /// Feet of ring pins.
     pub(super) foot: Option<LocalFeet<S>>,
 }
 
-/// How K changes where pins touch the profile.
+/// Derivatives of K where pins touch the profile.
 pub(super) struct StiffnessSlopes<S: Simd> {
-    /// dK by the way of the pin's centre along t = R90 n, N/m^2.5.
+    /// Derivative of K by the motion of the pin's centre along t = R90 n, N/m^2.5.
     pub(super) along: Lanes<S>,
-    /// And how that changes along t, N/m^3.5.
+    /// Derivative of `along` along t, N/m^3.5.
     pub(super) bend: Lanes<S>,
 }
 
@@ -33,16 +33,16 @@ pub(super) struct StiffnessSlopes<S: Simd> {
 #[derive(Debug, Clone)]
 pub(super) struct Shapes {
     pub(super) curve: Epitrochoid,
-    /// m.
+    /// Shortening m.
     shortening: f64,
     pub(super) zk: u32,
-    /// q', by which the edge lies inside of C, m.
+    /// Distance q' of the edge inside of C, m.
     edge: f64,
-    /// q - q', by which pins are larger than what cut the edge, m: never above 0.
+    /// Excess q - q' of the pins' radius over the tool's, m: never above 0.
     larger: f64,
     /// q, q' and q - q', or 0 where K does not change with the curvature.
     bending: [f64; 3],
-    /// K where C is straight: K = this * sqrt((1 - q' kappa)/(1 + (q - q') kappa)).
+    /// K where C is straight, N/m^1.5: K = `profile_stiffness` * sqrt((1 - q' kappa)/(1 + (q - q') kappa)).
     profile_stiffness: f64,
     pub(super) hole_stiffness: f64,
     hole_radius: f64,
@@ -78,7 +78,7 @@ impl Shapes {
         }
     }
 
-    /// Ring pins centred at `p` (disc frame) against the profile.
+    /// Returns the touches of ring pins centred at `p` (disc frame) with the profile.
     #[inline(always)]
     pub(super) fn profile<S: Simd>(
         &self,
@@ -104,7 +104,7 @@ impl Shapes {
         }
     }
 
-    /// Which ring pins are pressed in, and how deep.
+    /// Returns the mask of ring pins in contact, and their penetrations, m.
     #[inline(always)]
     pub(super) fn pressed<S: Simd>(&self, foot: &LocalFeet<S>) -> (Mask<S>, Lanes<S>) {
         if self.larger == 0.0 {
@@ -115,8 +115,8 @@ impl Shapes {
         (foot.inside.and(pressed), penetration)
     }
 
-    /// How K changes, where ring pins touch: with c and s the cosine and sine of zs a at the foot,
-    /// g = 1 + m^2 + 2 m c, and ' by the way along C,
+    /// Returns the derivatives of K where ring pins touch: with c and s the cosine and sine of zs a at the foot, g = 1 + m^2 +
+    /// 2 m c, and ' the derivative along C,
     ///
     /// ```text
     /// kappa'  = -zs N m s/(R^2 g^3),    N = (1 + zk) g - 3 (1 + m^2 zk + m (1 + zk) c)
@@ -167,7 +167,7 @@ impl Shapes {
         }
     }
 
-    /// K where the curvature of C is this, N/m^1.5.
+    /// Returns K for a curvature of C, N/m^1.5.
     #[inline(always)]
     pub(super) fn profile_stiffness<S: Simd>(&self, curvature: Lanes<S>) -> Lanes<S> {
         let [_, edge, larger] = self.bending;
@@ -179,7 +179,7 @@ impl Shapes {
         curvature.like(self.profile_stiffness) * radicand.sqrt()
     }
 
-    /// Output pins centred at `p` (disc frame) in their holes.
+    /// Returns the touches of output pins centred at `p` (disc frame) with their holes.
     #[inline(always)]
     pub(super) fn hole<S: Simd>(
         &self,

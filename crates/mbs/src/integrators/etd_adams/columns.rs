@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Rows summed side by side. Each row's sum takes its columns in order, so that all processors round alike.
+/// Number of rows summed in parallel. Each row's sum takes its columns in order, so that all processors round alike.
 pub const ROWS: usize = 8;
 
-/// Length of a vector that is padded with 0 to whole blocks.
+/// Returns the length of a vector padded with 0 to full blocks.
 pub fn padded(length: usize) -> usize {
     length.next_multiple_of(ROWS)
 }
@@ -19,7 +19,7 @@ pub(super) fn copy(from: &[f64], to: &mut [f64]) {
     }
 }
 
-/// Sum of the squares of padded products.
+/// Returns the sum of the squares of padded products.
 #[inline(always)]
 fn squares(a: &[f64], b: &[f64]) -> f64 {
     let (a, b) = (a.as_chunks::<ROWS>().0, b.as_chunks::<ROWS>().0);
@@ -35,16 +35,16 @@ fn squares(a: &[f64], b: &[f64]) -> f64 {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
-/// A matrix; rows are padded to blocks of [`ROWS`].
+/// Matrix by columns; rows are padded to blocks of [`ROWS`].
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Columns {
     columns: usize,
-    /// Block by block, the columns of each one after the other.
+    /// Entries block by block, the columns of each block one after the other.
     entries: Vec<[f64; ROWS]>,
 }
 
 impl Columns {
-    /// Zeros.
+    /// Creates a matrix of zeros.
     pub fn zero(rows: usize, columns: usize) -> Self {
         Self {
             columns,
@@ -58,19 +58,19 @@ impl Columns {
         }
     }
 
-    /// Entry of a row and a column.
+    /// Returns the entry of a row and a column.
     #[inline(always)]
     pub fn entry(&self, row: usize, column: usize) -> f64 {
         self.entries[row / ROWS * self.columns + column][row % ROWS]
     }
 
-    /// Entry of a row and a column, to be changed.
+    /// Returns the entry of a row and a column, to be changed.
     #[inline(always)]
     pub fn entry_mut(&mut self, row: usize, column: usize) -> &mut f64 {
         &mut self.entries[row / ROWS * self.columns + column][row % ROWS]
     }
 
-    /// Every entry with those of two others of this size, and its column.
+    /// Returns every entry with those of two other matrices of equal size, and its column.
     pub(super) fn beside<'a>(
         &'a self,
         [a, b]: [&'a Self; 2],
@@ -83,7 +83,7 @@ impl Columns {
         })
     }
 
-    /// out, padded = the columns from `first` on, as many as x has entries, times x.
+    /// Computes `out`, padded: the columns from `first` on, as many as x has entries, times x.
     #[inline(always)]
     pub fn multiply(&self, first: usize, x: &[f64], out: &mut [f64]) {
         let out = out.as_chunks_mut::<ROWS>().0;
@@ -151,7 +151,7 @@ impl Columns {
         }
     }
 
-    /// Adds to the first `count` entries whose row is their column.
+    /// Adds `value` to the first `count` diagonal entries.
     #[inline(always)]
     pub(super) fn add_to_diagonal(&mut self, count: usize, value: f64) {
         for i in 0..count {
@@ -177,7 +177,7 @@ impl Columns {
         }
     }
 
-    /// Column `to` = sum of weights[k] times the columns from `from` on at a distance of `step`.
+    /// Sets column `to` to the sum of weights[k] times the columns from `from` on at a distance of `step`.
     #[inline(always)]
     pub(super) fn combine(&mut self, to: usize, weights: &[f64], from: usize, step: usize) {
         for b in 0..self.entries.len() / self.columns {
@@ -191,7 +191,7 @@ impl Columns {
     }
 }
 
-/// sums += x column.
+/// Adds a multiple of a column: sums += x column.
 #[inline(always)]
 fn add(sums: &mut [f64; ROWS], x: f64, column: &[f64; ROWS]) {
     for i in 0..ROWS {
@@ -199,8 +199,8 @@ fn add(sums: &mut [f64; ROWS], x: f64, column: &[f64; ROWS]) {
     }
 }
 
-/// x = matrix known, then product = rows x, in the registers that the processor has. Here and in [`Judge`] no product is fused
-/// with a sum, so that all processors round alike.
+/// Computes x = matrix known, then product = rows x, with the vector instructions of the processor. Here and in [`Judge`] no
+/// product is fused with a sum, so that all processors round alike.
 pub(super) struct Predict<'a> {
     pub(super) matrix: &'a Columns,
     pub(super) known: &'a [f64],
@@ -220,10 +220,10 @@ impl pulp::WithSimd for Predict<'_> {
     }
 }
 
-/// A matrix, the first of its columns that count, and what they are multiplied by.
+/// Matrix, the first of its columns to use, and the vector to multiply them by.
 pub(super) type Factors<'a> = (&'a Columns, usize, &'a [f64]);
 
-/// Sums of the squares of weighted products, infinite where there is none; `out` is the last product.
+/// Computes the sums of the squares of weighted products, infinite where there is none; `out` is the last product.
 pub(super) struct Judge<'a> {
     pub(super) factors: [Option<Factors<'a>>; 3],
     pub(super) weights: &'a [f64],

@@ -1,4 +1,4 @@
-//! History of a multistep method: equally spaced states, f there, and the remainder beside the linear part.
+//! History of a multistep method: equally spaced states, f at these states, and the remainder of f without the linear part.
 
 use std::collections::VecDeque;
 
@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 use super::columns::padded;
 use super::propagator::{DIFFERENCES, Linear, POWERS};
 
-/// The straight line that states are measured from: `x = y - origin - rate (t - time)`.
+/// Straight line from which states are measured: `x = y - origin - rate (t - time)`.
 ///
-/// Angles grow without bound while what is elastic of them stays small; the line keeps the digits. Padded, as x.
+/// Angles grow without bound while their elastic part stays small; subtracting the line keeps the digits. Padded, as x.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Line {
     time: f64,
@@ -26,7 +26,7 @@ impl Line {
         }
     }
 
-    /// Through `y` at `time`; positions move with their rates.
+    /// Sets the line through `y` at `time`; positions move with their rates.
     pub(super) fn set(&mut self, linear: &Linear, time: f64, y: &[f64]) {
         self.time = time;
         self.origin[..y.len()].copy_from_slice(y);
@@ -34,7 +34,7 @@ impl Line {
         self.rate[..count].copy_from_slice(&y[first..first + count]);
     }
 
-    /// The line at `time`.
+    /// Returns the line at `time`.
     #[inline]
     fn at(&self, time: f64) -> impl Iterator<Item = f64> {
         let since = time - self.time;
@@ -42,14 +42,14 @@ impl Line {
         both.map(move |(origin, rate)| origin + rate * since)
     }
 
-    /// x of y.
+    /// Computes x from y.
     pub(super) fn measure(&self, time: f64, y: &[f64], x: &mut [f64]) {
         for ((x, y), at) in x.iter_mut().zip(y).zip(self.at(time)) {
             *x = y - at;
         }
     }
 
-    /// y of x, in place.
+    /// Computes y from x, in place.
     pub(super) fn restore(&self, time: f64, x: &mut [f64]) {
         for (x, at) in x.iter_mut().zip(self.at(time)) {
             *x += at;
@@ -57,20 +57,20 @@ impl Line {
     }
 }
 
-/// One remembered time; padded.
+/// Stored point at one time; padded.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Point {
     /// State at which f was evaluated.
     pub(super) y: Vec<f64>,
-    /// f there, rows with a remainder.
+    /// Derivative f at `y`, rows with a remainder.
     pub(super) f: Vec<f64>,
-    /// The remainder there.
+    /// Remainder at `y`.
     pub(super) g: Vec<f64>,
 }
 
 impl Point {
-    /// f and the remainder beside L x: number by number, as f was written, since a processor waits for what it is to read
-    /// several at a time of.
+    /// Sets f and its remainder f - L x. Numbers are read singly, as f was written, because a processor waits for data that it
+    /// is to read several at a time.
     #[inline]
     pub(super) fn set(&mut self, f: &[f64], product: &[f64]) {
         let count = f.len();
@@ -85,7 +85,7 @@ impl Point {
         }
     }
 
-    /// The remainder beside L x.
+    /// Sets the remainder f - L x.
     pub(super) fn set_remainder(&mut self, product: &[f64]) {
         for (g, (f, product)) in self.g.iter_mut().zip(self.f.iter().zip(product)) {
             *g = f - product;
@@ -97,7 +97,7 @@ impl Point {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct History {
     pub(super) points: VecDeque<Point>,
-    /// How many of them hold something.
+    /// Number of points in use.
     pub(super) count: usize,
     /// Length of x.
     dimension: usize,
@@ -106,9 +106,9 @@ pub(super) struct History {
     /// x, written where it is needed, then backward differences of the remainder at the newest point, of rising order, one
     /// after the other.
     differences: Vec<f64>,
-    /// How many of them are those of the points.
+    /// Number of differences that are valid for the present points.
     differed: usize,
-    /// How many are those of the points without the newest.
+    /// Number of differences that are valid for the points without the newest.
     before: usize,
 }
 
@@ -131,12 +131,12 @@ impl History {
         }
     }
 
-    /// The points are others than they were.
+    /// Marks the points as changed.
     pub(super) fn change(&mut self) {
         (self.differed, self.before) = (0, 0);
     }
 
-    /// Room for a new point before the others; the oldest is forgotten.
+    /// Returns a new point before the others; the oldest is dropped.
     pub(super) fn push(&mut self) -> &mut Point {
         (self.differed, self.before) = (0, self.differed);
         self.count = (self.count + 1).min(self.points.len());
@@ -144,14 +144,14 @@ impl History {
         &mut self.points[0]
     }
 
-    /// Forgets the newest point.
+    /// Drops the newest point.
     pub(super) fn pop(&mut self) {
         self.change();
         self.points.rotate_left(1);
         self.count -= 1;
     }
 
-    /// Every other point: the step doubles.
+    /// Keeps every other point: the step doubles.
     pub(super) fn thin(&mut self) {
         self.change();
         self.count = self.count.div_ceil(2);
@@ -160,7 +160,7 @@ impl History {
         }
     }
 
-    /// Differences of orders below `count`, which so many points give.
+    /// Computes the differences of orders below `count`, for which as many points are needed.
     pub(super) fn differ(&mut self, count: usize) {
         if self.differed >= count {
             return;
@@ -187,26 +187,26 @@ impl History {
         (self.differed, self.before) = (count, 0);
     }
 
-    /// The difference of an order that is there.
+    /// Returns the difference of an order that is computed.
     #[inline]
     pub(super) fn difference(&self, order: usize) -> &[f64] {
         &self.differences[self.dimension + order * self.width..][..self.width]
     }
 
-    /// Room for x.
+    /// Returns the place of x, to be written.
     #[inline]
     pub(super) fn x_mut(&mut self) -> &mut [f64] {
         &mut self.differences[..self.dimension]
     }
 
-    /// x as it was written, and the first `count` differences.
+    /// Returns x as it was written, and the first `count` differences.
     #[inline]
     pub(super) fn known(&self, count: usize) -> &[f64] {
         &self.differences[..self.dimension + count * self.width]
     }
 
-    /// Coefficients b_k of the polynomial through the first `count` points, whose differences are there: one after the
-    /// other in `out`.
+    /// Writes to `out`, one after the other, the coefficients b_k of the polynomial through the first `count` points, whose
+    /// differences are computed.
     pub(super) fn coefficients(&self, count: usize, out: &mut [f64]) {
         let width = self.width;
         for (k, out) in out.chunks_exact_mut(width).take(count).enumerate() {
@@ -235,8 +235,8 @@ fn advance<const N: usize>(differences: &mut [f64], width: usize, column: usize,
     }
 }
 
-/// Coefficients b_k of a polynomial become its backward differences at a distance of `share` units: one after the other, of `width`
-/// each.
+/// Converts coefficients b_k of a polynomial to its backward differences at a distance of `share` units: one after the other,
+/// of `width` each.
 pub fn to_differences(coefficients: &mut [f64], width: usize, share: f64) {
     let count = coefficients.len() / width;
     let mut factor = 1.0;
@@ -255,7 +255,7 @@ pub fn to_differences(coefficients: &mut [f64], width: usize, share: f64) {
     }
 }
 
-/// Backward differences of a polynomial, all that are not 0, become those one point before.
+/// Converts backward differences of a polynomial, all that are not 0, to those one point before.
 pub fn step_back(differences: &mut [f64], width: usize) {
     for k in 0..differences.len() - width {
         differences[k] -= differences[k + width];

@@ -7,17 +7,17 @@
 //! correct:  y+ = y* + h Gamma_K D^K g_n+1,      error = h (Gamma_K+1 - Gamma_K) D^(K+1) g_n+1
 //! Gamma_j = int_0^1 exp((1 - s) h L) s (s + 1) ... (s + j - 1)/j! ds
 //! ```
-//! [Norsett 1969; Calvo & Palencia, Numer. Math. 102 (2006) 367; Hochbruck & Ostermann, Acta Numerica 19 (2010) 209, 2.6].
-//! L is the system's own Jacobian, taken now and then. Oscillations that L describes are exact whatever their phase in a step,
-//! so steps are as long as what is left of f allows: mostly the contacts that come and go. A step costs one evaluation, where
-//! an explicit Runge-Kutta method of order five takes six for a step a little longer.
+//! [Norsett 1969; Calvo & Palencia, Numer. Math. 102 (2006) 367; Hochbruck & Ostermann, Acta Numerica 19 (2010) 209, 2.6]. L is
+//! the system's own Jacobian, updated from time to time. Oscillations that L describes are exact at any phase within a step.
+//! The remainder of f alone limits the step, mostly by contacts that open and close. A step costs one evaluation, where an
+//! explicit Runge-Kutta method of order five takes six for a slightly longer step.
 //!
-//! Every segment begins with Dormand-Prince, whose dense output gives the history; it takes over again where steps would become
-//! shorter than a sixth of its own, and where the system has no Jacobian it does all.
+//! Every segment begins with Dormand-Prince, whose dense output gives the history. It takes over again where steps would become
+//! shorter than a sixth of its own; without a Jacobian of the system it makes all steps.
 //!
-//! Steps end at the times the caller asks for next ([`Stepper::set_stop_time`]): the step to a sample takes the evaluation that the
-//! sample takes anyway, so that both cost one. The sample is then the predicted state, unless it is too far off. Steps change
-//! by factors of two (and to whatever an uneven distance to the next sample asks for), so that all processors take the same.
+//! Steps end at the times that the caller requests next ([`Stepper::set_stop_time`]): the step to a sample and the sample share
+//! one evaluation. The sample is then the predicted state, unless its error is too large. Steps change by factors of two (and
+//! to fractions of an uneven distance to the next sample), so that all processors take equal steps.
 
 pub(crate) mod columns;
 pub(crate) mod history;
@@ -42,8 +42,8 @@ pub(super) const INFO: MethodInfo = MethodInfo {
                   friction",
     order: 4,
     family: Family::Exponential,
-    // Steps end at samples, so that all runs of a refinement take the same ones where little happens: errors to 3.3 tolerances
-    // where these agreed (28 random gears; a gear of three discs was 1.4 off foreign engines).
+    // Steps end at samples, so that all runs of a refinement take equal steps in smooth intervals. Errors reached 3.3
+    // tolerances where these runs agreed (28 random gears; a gear of three discs differed by 1.4 from foreign engines).
     shared_error: 4.0,
     // Twice the step for ten times the tolerance.
     step_power: std::f64::consts::LOG10_2,
@@ -55,7 +55,7 @@ pub(super) const INFO: MethodInfo = MethodInfo {
 const REJECT: f64 = 3.0;
 const HALVE: f64 = 1.0;
 const GROW: f64 = 0.5;
-/// Predicted states as near to the corrected ones as this, in tolerances, stand for samples.
+/// Largest distance of predicted from corrected states, in tolerances, at which they serve as samples.
 const SHOWN: f64 = 10.0;
 /// Steps from one look at the Jacobian to the next, and the share by which it must have moved to be taken: a linear part
 /// that is renewed at every step makes the method unstable at the higher order.
@@ -80,18 +80,19 @@ const COARSE: f64 = 1e-6;
 /// Shortest step, of those that Dormand-Prince took: a contact that begins takes few of them, which are cheaper than to begin
 /// anew.
 const LEAST: f64 = 0.02;
-/// Steps of Dormand-Prince before the method is tried; after a failure twice as many, up to the second.
+/// Number of steps of Dormand-Prince before the method is tried; after a failure twice as many, up to the second.
 const WAIT: u64 = 4;
 const LONGEST_WAIT: u64 = 64;
-/// Steps of Dormand-Prince to the next time asked for beyond which the method does not wait for it to begin.
+/// Distance to the next requested time, in steps of Dormand-Prince, beyond which the method does not wait for that time to
+/// begin.
 const FAR: f64 = 8.0;
-/// Steps that make a trial no failure.
+/// Number of steps after which a trial is no failure.
 const SUCCESS: u64 = 16;
 
-/// Steps of Dormand-Prince that are remembered.
+/// Number of stored steps of Dormand-Prince.
 const PIECES: usize = 8;
 
-/// A run with steps from a tolerance.
+/// Run with steps from a tolerance.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct EtdAdams {
     #[serde(skip, default = "pulp::Arch::new")]
@@ -99,24 +100,24 @@ pub struct EtdAdams {
     tolerance: f64,
     time: f64,
     y: Vec<f64>,
-    /// The next time asked for, s; infinite: none.
+    /// Next requested time, s; infinite: none.
     stop_time: f64,
-    /// No step is longer, s.
+    /// Longest step, s.
     longest: f64,
     counts: StepCounts,
     /// Dormand-Prince, and its last steps, the newest first.
     start: Dopri5,
     pieces: Vec<Dense>,
     known_pieces: usize,
-    /// Its steps since it began, and how many there must be.
+    /// Steps of Dormand-Prince since it began, and the number after which the method is tried.
     begun: u64,
     wait: u64,
     /// True while the multistep method has its history.
     runs: bool,
-    /// The system has no Jacobian.
+    /// True if the system has no Jacobian.
     refused: bool,
     multistep: Option<Box<Multistep>>,
-    /// Distance of the points, and the step wanted next, s.
+    /// Distance of the points, and the desired next step, s.
     h: f64,
     wanted: f64,
     /// Typical step of Dormand-Prince, s.
@@ -127,9 +128,9 @@ pub struct EtdAdams {
     taken: u64,
     since_look: u64,
     look_after: u64,
-    /// Index of the order of the next step, among the orders.
+    /// Index into [`ORDERS`] of the order of the next step.
     which: usize,
-    /// Predicted state, at which f was evaluated, padded, and whether it stands for the sample.
+    /// Predicted state, at which f was evaluated, padded, and true if it serves as the sample.
     predicted: Vec<f64>,
     shown: bool,
     /// f of all rows, and errors; padded.
@@ -140,7 +141,7 @@ pub struct EtdAdams {
 }
 
 impl EtdAdams {
-    /// Starts at (t, y) with a first step `h` (s) and a relative `tolerance` a step.
+    /// Starts at (t, y) with a first step `h` (s) and a relative `tolerance` per step.
     #[must_use]
     pub fn new(h: f64, tolerance: f64, t: f64, y: &[f64]) -> Self {
         let zeros = vec![0.0; padded(y.len())];
@@ -176,7 +177,7 @@ impl EtdAdams {
         }
     }
 
-    /// Longest step, as |h| |L|.
+    /// Returns the longest step, as |h| |L|.
     fn most_turns(&self, system: &dyn OdeSystem) -> f64 {
         match system.has_turning_springs() {
             _ if self.tolerance >= COARSE => COARSE_TURNS,
@@ -185,7 +186,7 @@ impl EtdAdams {
         }
     }
 
-    /// Steps from here to the next time asked for, none longer than `most`; 0 if none is asked for.
+    /// Returns the number of steps to the next requested time, none longer than `most`; 0 if none is requested.
     fn count_to_stop(&self, most: f64) -> f64 {
         let distance = self.stop_time - self.time;
         if distance.is_finite() && distance > SAME * most {
@@ -197,7 +198,7 @@ impl EtdAdams {
 
     /// Takes over from Dormand-Prince if its last steps reach back far enough and the system has a Jacobian.
     fn take_over(&mut self, system: &mut dyn OdeSystem) -> bool {
-        // At a time asked for, or where the next one is far.
+        // The method begins at a requested time, or where the next one is far.
         let begins = self.at_stop || self.stop_time - self.time > FAR * self.pieces[0].taken;
         let due = !self.refused && self.begun >= self.wait;
         if !due || self.known_pieces < 2 || !begins {
@@ -225,7 +226,7 @@ impl EtdAdams {
         self.runs
     }
 
-    /// Makes the history from the last steps of Dormand-Prince, at whose end the newest Jacobian was taken.
+    /// Computes the history from the last steps of Dormand-Prince, at whose end the newest Jacobian was evaluated.
     fn begin(&mut self, multistep: &mut Multistep, system: &mut dyn OdeSystem) -> bool {
         let order = ORDERS[0];
         let oldest = &self.pieces[self.known_pieces - 1];
@@ -276,7 +277,7 @@ impl EtdAdams {
         true
     }
 
-    /// The step to take, s: the wanted one, or what divides the way to the next time asked for.
+    /// Returns the step to take, s: the desired one, or one that divides the distance to the next requested time.
     fn fitting(&self, multistep: &Multistep) -> f64 {
         let distance = self.stop_time - self.time;
         let is_next = (distance - self.h).abs() <= SAME * self.h;
@@ -309,7 +310,7 @@ impl EtdAdams {
         if alike(h, self.h) { self.h } else { h }
     }
 
-    /// Looks at the Jacobian from time to time, and takes it if the stiffness has moved.
+    /// Evaluates the Jacobian from time to time, and adopts it if the stiffness has changed.
     fn look(&mut self, system: &mut dyn OdeSystem) {
         self.since_look += 1;
         let Some(multistep) = &mut self.multistep else {
@@ -346,14 +347,14 @@ impl EtdAdams {
             .zip(&mut self.scales)
             .zip(&mut self.weights)
         {
-            // Most stay what they are; a quotient takes as long as all else here.
+            // Most scales are unchanged; a quotient takes as long as all else here.
             if *scale != *known {
                 (*known, *weight) = (*scale, (self.tolerance * *scale).recip());
             }
         }
     }
 
-    /// One step of the multistep method. False: Dormand-Prince must go on from here.
+    /// Makes one step of the multistep method. False: Dormand-Prince must continue.
     fn multistep_step(&mut self, system: &mut dyn OdeSystem) -> bool {
         self.look(system);
         let Some(mut multistep) = self.multistep.take() else {
@@ -379,7 +380,7 @@ impl EtdAdams {
         done
     }
 
-    /// Brings the points to the distance `h`; false: it cannot.
+    /// Changes the distance of the points to `h`; false if that is not possible.
     fn space(&mut self, multistep: &mut Multistep, h: f64) -> bool {
         if h > self.h {
             multistep.history.thin();
@@ -396,8 +397,8 @@ impl EtdAdams {
         true
     }
 
-    /// Tries a step of the points' distance: true if it was taken, false if the method should give up, `None` if a shorter one
-    /// should be tried.
+    /// Tries a step of the points' distance. True: accepted; false: the method should give up; `None`: a shorter step should be
+    /// tried.
     fn attempt(&mut self, multistep: &mut Multistep, system: &mut dyn OdeSystem) -> Option<bool> {
         let (which, h) = (self.which, self.h);
         let order = ORDERS[which];
@@ -444,7 +445,7 @@ impl EtdAdams {
             weights: &self.weights,
             out: &mut self.f,
         });
-        // Mean squares of errors, in tolerances, and of what is corrected.
+        // Mean squares of errors, in tolerances, and of corrections.
         let squares = squares.map(|square| square / self.y.len() as f64);
         let error = squares[which];
         if !(error <= REJECT * REJECT) {
@@ -475,7 +476,7 @@ impl EtdAdams {
         Some(true)
     }
 
-    /// One step of Dormand-Prince.
+    /// Makes one step of Dormand-Prince.
     fn explicit_step(&mut self, system: &mut dyn OdeSystem) -> Result<(), StepError> {
         let stepper: &mut dyn Stepper = &mut self.start;
         stepper.shorten(self.longest);
@@ -483,7 +484,7 @@ impl EtdAdams {
         let same = SAME * stepper.next_step();
         let waits = !self.refused && self.begun + 1 >= self.wait;
         if (waits || self.begun == 0) && distance > same {
-            // The multistep method begins at a time asked for, and its failed step, which went no farther, is replaced.
+            // The multistep method begins at a requested time, and its failed step, which went no farther, is replaced.
             stepper.shorten(distance);
         }
         stepper.step(system)?;
@@ -508,7 +509,7 @@ impl Stepper for EtdAdams {
                 return Ok(());
             }
             self.runs = false;
-            // What was short-lived is tried again later.
+            // A short-lived trial is repeated later.
             self.wait = if self.taken < SUCCESS {
                 (2 * self.wait).min(LONGEST_WAIT)
             } else {

@@ -1,4 +1,4 @@
-//! The points behind a step, the linear part beside which they are taken, and the matrices of steps.
+//! Points of a multistep method, the linear part to which their remainders refer, and the matrices of steps.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,22 +9,23 @@ use crate::OdeSystem;
 use crate::jacobian::Jacobian;
 use crate::lu::Lu;
 
-/// Orders K: the lower where contacts come and go, the higher on what is smooth; each step takes the one with the smaller error.
+/// Orders K: the lower for intervals in which contacts open and close, the higher for smooth ones; each step takes the one with
+/// the smaller error.
 pub(super) const ORDERS: [usize; 2] = [3, 5];
 const HIGHEST: usize = ORDERS[1];
-/// Coefficients of polynomials through the points of the highest order and one more.
+/// Number of coefficients of polynomials through the points of the highest order and one more.
 pub(super) const TERMS: usize = HIGHEST + 2;
-/// Share of a step within which two lengths, or two times, are the same.
+/// Relative difference up to which two lengths, or two times in a step, count as equal.
 pub(super) const SAME: f64 = 1e-9;
-/// Step matrices kept: steps go to and fro between few lengths.
+/// Number of stored step matrices: steps alternate between few lengths.
 const KEPT: usize = 4;
 
-/// A step's matrices.
+/// Matrices of a step.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Step {
     /// Propagator of x and of the differences.
     pub(super) propagator: Propagator,
-    /// By order: h (Gamma_K+1 - Gamma_K), states by remainders.
+    /// Error matrices by order: h (Gamma_K+1 - Gamma_K), states by remainders.
     pub(super) errors: [Columns; 2],
 }
 
@@ -33,7 +34,7 @@ pub(super) struct Step {
 pub(super) struct Multistep {
     pub(super) jacobian: Jacobian,
     pub(super) linear: Linear,
-    /// A newer one, to compare with.
+    /// Newer linear part, for comparison.
     pub(super) newer: Linear,
     pub(super) line: Line,
     pub(super) history: History,
@@ -41,15 +42,15 @@ pub(super) struct Multistep {
     /// Indices of the step that was built last, and of the step that was used last.
     pub(super) last_built: usize,
     pub(super) last: usize,
-    /// For times inside steps.
+    /// Propagator to times inside steps.
     pub(super) between: Propagator,
-    /// Factors of what a step makes of a state.
+    /// Factors of the propagator's matrix of a state.
     back: Lu,
-    /// x, then coefficients of the remainder.
+    /// State x, then coefficients of the remainder.
     pub(super) known: Vec<f64>,
-    /// Padded.
+    /// State x, padded.
     pub(super) x: Vec<f64>,
-    /// L x, padded.
+    /// Product L x, padded.
     pub(super) product: Vec<f64>,
 }
 
@@ -82,7 +83,7 @@ impl Multistep {
         }
     }
 
-    /// The remainders of all points, the newest of which is at `time`, beside the present linear part.
+    /// Computes the remainders of all points with the present linear part; the newest point is at `time`.
     pub(super) fn set_remainders(&mut self, time: f64, h: f64) {
         self.history.change();
         for k in 0..self.history.count {
@@ -104,7 +105,7 @@ impl Multistep {
         }
     }
 
-    /// The matrices of a step `h`, made if they are not kept.
+    /// Returns the index of the matrices of a step `h`, built if they are not stored.
     pub(super) fn matrices(&mut self, h: f64) -> usize {
         let is_of = |step: &Step| (step.propagator.tau - h).abs() <= SAME * h;
         if is_of(&self.steps[self.last]) {
@@ -125,7 +126,7 @@ impl Multistep {
         self.last_built
     }
 
-    /// The state a time `tau` from `time`, where it is `y`, by the remainder of the points that are known.
+    /// Writes the state a time `tau` after `time`, where it is `y`, with the remainder of the known points.
     pub(super) fn state_at(&mut self, time: f64, y: &[f64], h: f64, tau: f64, out: &mut [f64]) {
         let count = self.history.count.min(TERMS);
         self.history.differ(count);
@@ -136,8 +137,8 @@ impl Multistep {
         self.line.restore(time + tau, out);
     }
 
-    /// Moves the points from the distance `h` to the shorter `to`, without evaluations: the remainder is interpolated, and
-    /// the states are those from which steps lead to `y` at `time`. False: there are none.
+    /// Moves the points from the distance `h` to the shorter `to`, without evaluations: the remainder is interpolated, and the
+    /// states are those from which steps lead to `y` at `time`. Returns false if there are none.
     pub(super) fn respace(&mut self, time: f64, y: &[f64], h: f64, to: f64) -> bool {
         let (n, width) = (self.linear.dimension, self.linear.remainders());
         let count = self.history.count.min(TERMS);

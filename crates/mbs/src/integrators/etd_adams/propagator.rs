@@ -1,4 +1,4 @@
-//! The linear part of a system over a step: exact exponentials and the integrals of polynomials under them.
+//! Linear part of a system over a step: exact exponentials and the integrals of polynomials under them.
 //!
 //! ```text
 //! x' = L x + g(t),    g(t + s h) = sum_k b_k s^k/k!
@@ -16,9 +16,9 @@ use super::columns::{Columns, Factors, Predict, ROWS};
 use crate::jacobian::{Jacobian, Structure};
 use crate::lu::Lu;
 
-/// Taylor sums end where the next term is below this share of the first.
+/// Size of the next term, relative to the first, at which Taylor sums end.
 const ROUNDING: f64 = 1e-17;
-/// And after so many terms at the latest.
+/// Largest number of terms of Taylor sums.
 const MOST_TERMS: usize = 60;
 
 /// Backward differences become coefficients of powers: `s (s + 1) ... (s + j - 1)/j! = sum_k powers[j][k] s^k/k!`.
@@ -60,7 +60,7 @@ const fn differences() -> [[f64; MOST]; MOST] {
     out
 }
 
-/// Differences at most.
+/// Largest number of differences.
 pub(super) const MOST: usize = 9;
 pub(super) const DIFFERENCES: [[f64; MOST]; MOST] = differences();
 pub(super) const POWERS: [[f64; MOST]; MOST] = powers();
@@ -68,7 +68,7 @@ pub(super) const POWERS: [[f64; MOST]; MOST] = powers();
 /// L, of systems of second order with the unit matrix in the first rows, which have no remainder g.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Linear {
-    /// Dimension of x.
+    /// Length of x.
     pub(super) dimension: usize,
     /// First row with a remainder.
     pub first: usize,
@@ -81,7 +81,7 @@ pub struct Linear {
 }
 
 impl Linear {
-    /// `scale`: errors of the components that weigh alike.
+    /// Creates a linear part of zeros. `scale`: errors of the components that weigh alike.
     pub fn new(structure: &Structure, scale: &[f64]) -> Self {
         let dimension = scale.len();
         let first = match structure {
@@ -106,7 +106,7 @@ impl Linear {
         }
     }
 
-    /// Length of a remainder.
+    /// Returns the length of a remainder.
     pub(super) fn remainders(&self) -> usize {
         self.dimension - self.first
     }
@@ -131,7 +131,7 @@ impl Linear {
         self.size = stiffest.sqrt() + quickest;
     }
 
-    /// Largest difference of two, as a share of the larger one's entries, positions and rates apart.
+    /// Returns the largest difference of two linear parts, relative to the larger entries, with positions and rates separate.
     pub(super) fn distance(&self, other: &Self) -> f64 {
         let (mut moved, mut largest) = ([0.0_f64; 2], [0.0_f64; 2]);
         for (column, [alike, a, b]) in self.alike.beside([&self.rows, &other.rows]) {
@@ -139,18 +139,18 @@ impl Linear {
             moved[kind] = moved[kind].max((a - b).abs() * alike);
             largest[kind] = largest[kind].max(a.abs().max(b.abs()) * alike);
         }
-        // Rates count by what they do within an oscillation.
+        // Rates count by their effect within an oscillation.
         let rates = moved[1] / self.size.max(largest[1]).max(f64::MIN_POSITIVE);
         rates.max(moved[0] / largest[0].max(f64::MIN_POSITIVE))
     }
 
-    /// L x, rows with a remainder; padded.
+    /// Writes L x, rows with a remainder; padded.
     #[inline(always)]
     pub(super) fn product(&self, x: &[f64], out: &mut [f64]) {
         self.rows.multiply(0, &x[..self.dimension], out);
     }
 
-    /// Its columns by a factor, rows with a remainder, one after the other and padded.
+    /// Writes the columns multiplied by a factor, rows with a remainder, one after the other and padded.
     fn write_scaled(&self, factor: f64, out: &mut [[f64; ROWS]]) {
         let blocks = self.remainders().div_ceil(ROWS);
         for (j, column) in out.chunks_exact_mut(blocks).enumerate() {
@@ -161,7 +161,7 @@ impl Linear {
         }
     }
 
-    /// Rows of a function of L from which the others follow.
+    /// Returns the number of rows of a function of L from which the others follow.
     fn upper(&self) -> usize {
         match self.first {
             0 => self.dimension,
@@ -173,21 +173,21 @@ impl Linear {
 /// Effect of a time `tau` on a state and on a polynomial remainder.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Propagator {
-    /// s; NaN: none.
+    /// Time tau, s; NaN: none.
     pub(super) tau: f64,
-    /// Differences of the remainder.
+    /// Number of differences of the remainder.
     terms: usize,
     /// Factors of x, then those of the differences of the remainder, from the 0th on.
     pub matrix: Columns,
     /// Upper rows of phi_k+1 and of phi_k, with columns for whole blocks of rates: scratch.
     above: Columns,
     here: Columns,
-    /// tau L: scratch.
+    /// Scaled matrix tau L: scratch.
     scaled: Vec<[f64; ROWS]>,
 }
 
 impl Propagator {
-    /// Propagator of no time yet, with room for so many differences.
+    /// Creates an empty propagator with capacity for `terms` differences.
     pub fn new(linear: &Linear, terms: usize) -> Self {
         let n = linear.dimension;
         let blocks = linear.remainders().div_ceil(ROWS);
@@ -213,7 +213,7 @@ impl Propagator {
         });
     }
 
-    /// `here` = `above` tau L.
+    /// Computes `here` = `above` tau L.
     #[inline(always)]
     fn multiply(&mut self, first: usize) {
         self.above
@@ -233,12 +233,12 @@ impl Propagator {
         }
     }
 
-    /// The state `tau` later: `known` holds x and then as many differences as there are.
+    /// Computes the state `tau` later: `known` holds x and then the differences.
     pub fn advance(&self, known: &[f64], x: &mut [f64]) {
         self.matrix.multiply(0, known, x);
     }
 
-    /// Factors of what it makes of a state; false: it cannot be undone.
+    /// Factors the propagator's matrix of a state; false: it is singular.
     pub fn factor(&self, linear: &Linear, back: &mut Lu) -> bool {
         let n = linear.dimension;
         for (i, row) in back.entries_mut().chunks_exact_mut(n).enumerate() {
@@ -249,7 +249,7 @@ impl Propagator {
         back.factor()
     }
 
-    /// The state `tau` earlier, where the remainder had these differences.
+    /// Computes the state `tau` earlier, for a remainder with the given differences.
     pub fn retreat(&self, back: &Lu, differences: &[f64], x: &mut [f64], out: &mut [f64]) {
         self.matrix.multiply(x.len(), differences, out);
         for (x, gained) in x.iter_mut().zip(out) {
@@ -258,12 +258,12 @@ impl Propagator {
         back.solve(x);
     }
 
-    /// Factors that give the effect of the k-th difference `d` alone.
+    /// Returns the factors for the effect of the k-th difference `d` alone.
     pub(super) fn term<'a>(&'a self, linear: &Linear, k: usize, d: &'a [f64]) -> Factors<'a> {
         (&self.matrix, linear.dimension + k * d.len(), d)
     }
 
-    /// [`advance`](Self::advance), and then L of the state without its line.
+    /// Prepares [`advance`](Self::advance) followed by L x, for a state without its line.
     pub(super) fn predict<'a>(
         &'a self,
         linear: &'a Linear,
@@ -280,7 +280,7 @@ impl Propagator {
         }
     }
 
-    /// out = what the term after the k-th does, less what the k-th does.
+    /// Computes `out`: the factors of term k + 1 less those of term k.
     pub(super) fn difference_of_terms(&self, linear: &Linear, k: usize, out: &mut Columns) {
         let (n, count) = (linear.dimension, linear.remainders());
         for c in 0..count {
@@ -290,7 +290,7 @@ impl Propagator {
     }
 }
 
-/// [`Propagator::build`], in the registers that the processor has.
+/// Arguments of [`Propagator::build`], for the vector instructions of the processor.
 struct Build<'a> {
     to: &'a mut Propagator,
     linear: &'a Linear,
@@ -315,7 +315,7 @@ impl pulp::WithSimd for Build<'_> {
             linear.remainders(),
             to.terms,
         );
-        // 1/(i + terms)!, until |tau L|^i of them is nothing beside the first.
+        // Coefficients 1/(i + terms)!, until |tau L|^i of them is negligible beside the first.
         let mut inverse = [0.0; MOST_TERMS];
         inverse[0] = (1..=terms).fold(1.0, |f, k| f / k as f64);
         let (mut size, mut used) = (1.0, 1);
@@ -347,7 +347,7 @@ impl pulp::WithSimd for Build<'_> {
         }
         to.multiply(first);
         to.write(linear, 0..n, 0, 1.0);
-        // What multiplies the coefficients b_k becomes what multiplies differences.
+        // Factors of the coefficients b_k become factors of differences.
         for j in (1..terms).rev() {
             for c in 0..count {
                 let column = n + j * count + c;

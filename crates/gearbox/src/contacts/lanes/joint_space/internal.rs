@@ -1,4 +1,4 @@
-//! The pins of the output in the holes.
+//! Contacts of the output's pins with the holes.
 
 use pinwheel_contact::{Complex, ComplexLanes, Lanes, PinLaw, Real};
 use pinwheel_mbs::BodyState;
