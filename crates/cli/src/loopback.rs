@@ -25,7 +25,7 @@ const LOOK: Duration = Duration::from_millis(50);
 #[derive(Debug, Default)]
 pub(crate) struct Question {
     pub(crate) method: String,
-    /// With what follows a question mark.
+    /// Path of the request, with the part after a question mark.
     pub(crate) path: String,
     headers: Vec<(String, Vec<u8>)>,
     pub(crate) body: Vec<u8>,
@@ -155,7 +155,7 @@ pub(crate) fn serve(
     std::thread::spawn(move || {
         for (number, stream) in (0..).zip(listener.incoming()) {
             let Ok((stream, other)) = stream.and_then(|one| Ok((one.try_clone()?, one))) else {
-                // No more files can be opened, for now.
+                // The limit of open files is reached, for now.
                 std::thread::sleep(LINGER);
                 continue;
             };

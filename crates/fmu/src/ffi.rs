@@ -344,13 +344,13 @@ pub extern "C" fn fmi2ExitInitializationMode(component: Component) -> c_int {
     })
 }
 
-/// No more steps.
+/// Ends the simulation: no more steps.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2Terminate(component: Component) -> c_int {
     on(component, |unit| done(unit.terminate()))
 }
 
-/// As new.
+/// Returns the unit to its state after instantiation.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2Reset(component: Component) -> c_int {
     on(component, |unit| {

@@ -31,7 +31,7 @@ fn within(call: &str, name: &str, input: Input, value: f64) -> Result<(), Refusa
     }
 }
 
-/// Where in its life a unit is.
+/// Phase in the life of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
     Instantiated,
@@ -58,7 +58,7 @@ impl Phase {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Prescribed {
     phase: Phase,
-    /// By value reference.
+    /// Values of the variables, by value reference.
     values: Vec<f64>,
     /// Slopes of inputs, a second; for the next step alone.
     slopes: Vec<f64>,
@@ -222,7 +222,7 @@ impl Instance {
         Ok(place)
     }
 
-    /// `fmi2SetReal` of one variable.
+    /// Sets one variable, as `fmi2SetReal`.
     ///
     /// # Errors
     /// No such variable, one that cannot be set now, or a value that is no number.
@@ -293,7 +293,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2GetReal` of one variable.
+    /// Returns the value of one variable, as `fmi2GetReal`.
     ///
     /// # Errors
     /// No such variable, or one that is not known yet.
@@ -326,7 +326,7 @@ impl Instance {
         Ok(value)
     }
 
-    /// `fmi2GetBoolean` of one variable.
+    /// Returns the value of one Boolean variable, as `fmi2GetBoolean`.
     ///
     /// # Errors
     /// No such variable.
@@ -412,7 +412,7 @@ impl Instance {
         self.gear.as_ref().map_or_else(String::new, words)
     }
 
-    /// That a tolerance was given and has no effect, in words.
+    /// Returns a note that the given tolerance has no effect, if one was given.
     #[must_use]
     pub fn unheeded(&self) -> Option<String> {
         let tolerance = self.prescribed.tolerance?;
@@ -454,7 +454,7 @@ impl Instance {
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), Refusal> {
         let saved = self.read(bytes)?;
         let prescribed = saved.prescribed;
-        // By bits: outputs hold no number.
+        // Values are compared by their bits, because outputs hold no number.
         let begun = self.prescribed.begun.iter().zip(&prescribed.begun);
         let same = self.prescribed.tolerance == prescribed.tolerance
             && begun.fold(true, |same, (a, b)| same && a.to_bits() == b.to_bits());
@@ -475,7 +475,7 @@ impl Instance {
         Ok(())
     }
 
-    /// A state that is whole and of this model.
+    /// Reads a saved state, which must be complete and of this model.
     fn read(&self, bytes: &[u8]) -> Result<Saved, Refusal> {
         let whole = bytes
             .split_last_chunk::<8>()

@@ -22,7 +22,7 @@ pub enum What {
     Key,
     /// The relative error a step: a fixed parameter.
     Tolerance,
-    /// How the gear is held: a fixed Boolean parameter.
+    /// Support of the gear: a fixed Boolean parameter.
     Flag(Flag),
     /// Input variable.
     Input(Input),

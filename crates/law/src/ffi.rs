@@ -289,7 +289,7 @@ pub unsafe extern "C" fn pinwheel_law_loads(
             )
         };
         let loads = loads.ok_or_else(|| argument("`loads` is null"))?;
-        // What a panic leaves behind.
+        // Values after a panic.
         loads.fill(f64::NAN);
         let states = states.ok_or_else(|| argument("`states` is null"))?;
         law.loads(states, loads)?;
@@ -312,7 +312,7 @@ pub extern "C" fn pinwheel_law_load_torque(law: *const PinwheelLaw, time_s: f64)
     )
 }
 
-/// How often forces were asked for; 0 for a handle that is none.
+/// Returns the number of calls for forces; 0 for an invalid handle.
 #[unsafe(no_mangle)]
 pub extern "C" fn pinwheel_law_calls(law: *const PinwheelLaw) -> u64 {
     on(law, |_| 0, |law| Ok(law.calls()))

@@ -26,23 +26,23 @@ pub enum LawError {
     /// An array of another length.
     #[error("{what} must hold {wanted} numbers, not {given}")]
     Length {
-        /// Which.
+        /// Name of the array.
         what: &'static str,
-        /// How many it must hold.
+        /// Required number of values.
         wanted: usize,
-        /// How many it holds.
+        /// Given number of values.
         given: usize,
     },
     /// A state that is no number.
     #[error("the state of body {body} is not finite, so there are no forces")]
     NotFinite {
-        /// Its index.
+        /// Index of the body.
         body: usize,
     },
     /// Forces that are no numbers.
     #[error("the load on body {body} is not finite: the state is far from any a gearbox can be in")]
     Overflow {
-        /// Its index.
+        /// Index of the body.
         body: usize,
     },
 }
@@ -50,16 +50,16 @@ pub enum LawError {
 /// Support that carries a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Carrier {
-    /// It turns on another body.
+    /// Another body, by its index: the body turns on it.
     Body(usize),
-    /// It turns on the housing.
+    /// The housing: the body turns on it.
     Housing,
     /// Nothing: it moves freely in the plane, held by the law's forces alone.
     Free,
 }
 
 impl Carrier {
-    /// As the C interface and job files have it.
+    /// Returns the number of the support in the C interface and in job files.
     #[must_use]
     pub fn number(self) -> i32 {
         match self {
@@ -77,7 +77,7 @@ pub struct Body {
     pub name: String,
     /// Support on which the body turns.
     pub carrier: Carrier,
-    /// Its centre in the carrier's frame, whose origin is the carrier's centre, m. Constant; 0 of a free body.
+    /// Centre of the body in the carrier's frame, whose origin is the carrier's centre, m. Constant; 0 of a free body.
     pub seat_m: [f64; 2],
     /// kg
     pub mass_kg: f64,
@@ -176,7 +176,7 @@ impl Law {
         Ok(())
     }
 
-    /// How often [`loads`](Self::loads) was called.
+    /// Returns the number of calls of [`loads`](Self::loads).
     #[must_use]
     pub fn calls(&self) -> u64 {
         self.calls

@@ -77,7 +77,7 @@ pub(crate) struct Designed {
 
 #[pymethods]
 impl Designed {
-    /// Everything found, JSON.
+    /// Every result, JSON.
     fn json(&self) -> Raises<String> {
         Ok(serde_json::to_string(&self.found)?)
     }

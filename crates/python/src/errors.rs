@@ -28,7 +28,7 @@ impl From<PyErr> for Raised {
     }
 }
 
-/// The name of a scene that stands in no file; files come with their whole path.
+/// Name of a scene without a file; a scene from a file is named by its full path.
 const NO_FILE: &str = "scene";
 
 /// An exception of the package with attributes.

@@ -68,7 +68,7 @@ impl Core {
         (self.name.clone(), self.text.clone(), self.sets.clone())
     }
 
-    /// Every key written out, TOML.
+    /// Writes every key, TOML.
     fn to_toml(&self) -> String {
         self.checked.to_toml()
     }

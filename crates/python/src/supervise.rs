@@ -15,12 +15,12 @@ use pyo3::types::{PyCFunction, PyDict};
 
 use crate::errors::{Raised, Raises, plain};
 
-/// How often signals are looked for and progress is told.
+/// Interval between two checks for signals and two reports of progress.
 const EVERY: Duration = Duration::from_millis(50);
-/// As deep as a main thread's.
+/// Stack size of the thread, bytes: that of a main thread.
 const STACK_BYTES: usize = 8 << 20;
 
-/// Where a study is, last told.
+/// Progress of a study at its last report.
 #[derive(Clone, Default)]
 struct Seen {
     done: usize,
@@ -45,7 +45,7 @@ struct Call {
     answer: SyncSender<PyResult<Py<PyAny>>>,
 }
 
-/// Where threads bring solvers that the caller's thread is to run.
+/// Channel by which threads hand solvers to the caller's thread, which runs them.
 pub(crate) struct Desk {
     bring: Sender<Item>,
     brought: Mutex<Receiver<Item>>,

@@ -103,7 +103,7 @@ impl Sweep {
         &self.plan.sweep.name
     }
 
-    /// Where the results go.
+    /// Path of the results' folder.
     fn out(&self) -> String {
         self.out.display().to_string()
     }
@@ -151,7 +151,7 @@ impl Sweep {
         ))
     }
 
-    /// Where workers write time series, and how; `None` where none are kept.
+    /// Folder and format of the time series that workers write; `None` where no series are kept.
     fn time_series(&self) -> Option<(String, &'static str)> {
         let how = match self.plan.sweep.time_series {
             KeepTimeSeries::None => return None,

@@ -129,7 +129,7 @@ fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
 #[must_use]
 pub fn table(table: &Table) -> String {
     let aligned = |column: &Column, text: String, style| Cell {
-        // What a page sets as code stands by itself here.
+        // Backticks mark code on a page; a terminal shows the code without them.
         text: text.replace('\u{202f}', " ").replace('`', ""),
         style,
         right: column.values.is_numeric(),

@@ -29,13 +29,14 @@ use crate::folder::Folder;
 use crate::loopback::{self, Answer, Question, locked};
 use crate::{interrupt, screen};
 
-/// Where the page is, if nothing else is there.
+/// Port of the page, unless another program uses it.
 const PORT: u16 = 7347;
 /// Header with the key that a page has from the answer to its token.
 const KEY: &str = "X-Pinwheel-Key";
-/// How often an interrupt is looked for.
+/// Interval between two checks for an interrupt.
 const TICK: Duration = Duration::from_millis(200);
-/// How long a run waits for its balances. Where they were late some runs go without: a hand feels what they cost.
+/// Longest time that a run waits for its balances. After late balances some runs go without, because the delay can be felt at
+/// the sliders.
 const PATIENCE: Duration = Duration::from_millis(32);
 /// Runs that go without balances: so many from now on, and so many after these are late once more.
 #[derive(Clone, Copy)]
@@ -67,7 +68,7 @@ impl Without {
 /// Balances that were not waited for.
 const LATE: Value = Value::Null;
 
-/// How a comparison stands: told while it runs, then its page.
+/// State of a comparison: its progress while it runs, then its page.
 #[derive(Default)]
 struct Compared {
     running: bool,
@@ -156,14 +157,14 @@ struct Explorer {
     spec: String,
     /// Overrides of the user, for scenes that are saved and compared.
     sets: Vec<Override>,
-    /// With a start in balance, for what is looked at.
+    /// Overrides of the user and a start in balance, for the scene that the page shows.
     settled: Vec<Override>,
     /// Span of the motion as the scene's page has it, s.
     span_s: Mutex<f64>,
     /// `127.0.0.1:PORT`.
     host: String,
     entry: Entry,
-    /// Which page's balances are computed, and what stops them once it asks for newer ones.
+    /// Page whose balances are computed, and the flag that stops them once the page asks for newer ones.
     balancing: Mutex<(String, Arc<AtomicBool>)>,
     /// Takes the balances that go with a run.
     beside: mpsc::Sender<Beside>,
@@ -322,7 +323,7 @@ impl Explorer {
             return Err(refused("another host was asked for"));
         }
         let path = self.entry.admit(question)?;
-        // What asks for balances says which page it is.
+        // A request for balances names its page.
         let (path, tab) = path.split_once('?').unwrap_or((path, ""));
         match question.method.as_str() {
             "GET" => match path {
@@ -416,7 +417,7 @@ impl Explorer {
         Ok(told(&balanced(found)))
     }
 
-    /// Gives up the balances of a page that are under way; `stop` stops those that it asks for now.
+    /// Cancels the running balances of a page; `stop` cancels the balances that the page asks for now.
     fn newest(&self, tab: &str, stop: &Arc<AtomicBool>) {
         let own = (tab.to_owned(), Arc::clone(stop));
         let (before, running) = std::mem::replace(&mut *locked(&self.balancing), own);
