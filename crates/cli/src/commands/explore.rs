@@ -65,7 +65,7 @@ impl Without {
     }
 }
 
-/// Balances that were not waited for.
+/// Answer for balances that were not waited for.
 const LATE: Value = Value::Null;
 
 /// State of a comparison: its progress while it runs, then its page.
@@ -78,15 +78,15 @@ struct Compared {
     work: Option<JoinHandle<()>>,
 }
 
-/// Who is answered.
+/// Client that gets answers.
 enum Entry {
-    /// The one browser that used the token, by its cookie.
+    /// Browser that used the token, by its cookie.
     Browser {
         token: Mutex<Option<String>>,
         cookie: String,
         key: String,
     },
-    /// Who has this beginning of every path.
+    /// Any client that has this beginning of every path.
     Frame(String),
 }
 
@@ -133,7 +133,7 @@ impl Entry {
     }
 }
 
-/// A gear whose balances are asked for, what stops them, and who waits.
+/// Gear whose balances are wanted, the flag that stops the computation, and the receiver of the result.
 type Beside = (
     Arc<Gearbox>,
     Arc<AtomicBool>,
@@ -146,7 +146,7 @@ fn balances_beside() -> mpsc::Sender<Beside> {
     let (asks, asked) = mpsc::channel::<Beside>();
     std::thread::spawn(move || {
         for (gearbox, stop, tells) in asked {
-            // Who asked may be gone.
+            // The receiver may be gone.
             let _ = tells.send(live::balances(&gearbox, false, &stop));
         }
     });
@@ -166,7 +166,7 @@ struct Explorer {
     entry: Entry,
     /// Page whose balances are computed, and the flag that stops them once the page asks for newer ones.
     balancing: Mutex<(String, Arc<AtomicBool>)>,
-    /// Takes the balances that go with a run.
+    /// Channel to the thread that computes the balances beside a run.
     beside: mpsc::Sender<Beside>,
     without: Mutex<Without>,
     compared: Mutex<Compared>,
@@ -239,7 +239,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// On the port that is asked for; otherwise on the usual one, so that the browser's store is the same again, or on any.
+/// Listens on the given port; otherwise on the usual one, so that the browser's store is the same again, or on any.
 fn listen(port: Option<u16>) -> Result<TcpListener, Failure> {
     let listener = match port {
         Some(port) => loopback::bind(port),
@@ -266,7 +266,7 @@ fn entrance(address: &str) -> std::io::Result<tempfile::NamedTempFile> {
     Ok(file)
 }
 
-/// 128 bits that nobody can guess.
+/// Returns 128 random bits that nobody can guess.
 fn secret() -> Result<String, Failure> {
     let mut bytes = [0; 16];
     getrandom::fill(&mut bytes).map_err(|error| {
@@ -275,7 +275,7 @@ fn secret() -> Result<String, Failure> {
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// Cookies know no ports: two of these programs share none.
+/// Returns the cookie's name, with the port in it: cookies know no ports, and two of these programs must share none.
 fn cookie_name(host: &str) -> String {
     format!("pinwheel-{}", host.rsplit(':').next().unwrap_or_default())
 }
@@ -373,7 +373,7 @@ impl Explorer {
         let without = *locked(&self.without);
         let hears = (without.left == 0).then(|| {
             let (tells, hears) = mpsc::channel();
-            // Where the thread has ended they are late.
+            // If the thread has ended, the balances count as late.
             let _ = self
                 .beside
                 .send((Arc::clone(&gearbox), Arc::clone(&stop), tells));
@@ -445,7 +445,7 @@ impl Explorer {
             }
         };
         file.write_all(text.as_bytes()).map_err(|error| {
-            // What is there of it is ours.
+            // The incomplete file is our own.
             let _ = std::fs::remove_file(&name);
             plain(500, format!("{name}: {error}"))
         })?;
@@ -477,7 +477,7 @@ impl Explorer {
         Ok(told(&json!({})))
     }
 
-    /// When the scene's file was written, and how a comparison stands.
+    /// Returns the time of the scene's file and the state of the comparison.
     fn status(&self) -> Value {
         let written = std::fs::metadata(&self.spec).and_then(|file| file.modified());
         let since = written.map(|time| {
@@ -500,11 +500,11 @@ impl Explorer {
         }
     }
 
-    /// The page of a comparison, and its folder.
+    /// Computes a comparison; returns its page and its folder.
     fn compared(&self, scene: &CheckedScene) -> Result<(String, String), Failure> {
         let gearbox = Gearbox::new(scene).map_err(Failure::input)?;
         let engines = choice::engines(&[] as &[&str], scene)?;
-        // Never in the place of what `compare` wrote for the file itself.
+        // The name differs from that of `compare`, whose results for the file must stay.
         let name = format!("{}-explored-compare", args::label(&self.spec));
         let out = Path::new("out").join(name);
         let folder = Folder::prepare(&out, false)?;

@@ -57,7 +57,7 @@ pub struct Study {
     pub command: String,
     /// Blocks below the command and the versions.
     pub appendix: Vec<Block>,
-    /// When it was made, for the foot of the page; `None` keeps the page the same byte for byte.
+    /// Time at which the page was made, for its foot; `None` keeps the page the same byte for byte.
     pub made: Option<String>,
     /// Versions of the program and its parts, e.g. (`pinwheel`, `0.1.0`).
     pub versions: Vec<(String, String)>,
@@ -200,7 +200,7 @@ pub enum Block {
         /// Blocks behind the line.
         blocks: Vec<Block>,
     },
-    /// Folded entry of a list.
+    /// Entry of a list that folds.
     Item(Item),
     /// Table that the page's script makes once its line is opened, because few readers open every table.
     Later {
@@ -247,7 +247,7 @@ impl Fact {
     }
 }
 
-/// Folded entry of a list: its name, its verdict, and the details behind it.
+/// Entry of a list that folds: its name, its verdict, and the details behind it.
 #[derive(Debug, Clone, Default)]
 pub struct Item {
     /// Anchor.
