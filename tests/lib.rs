@@ -1,4 +1,4 @@
-//! What the whole-program tests share: the program, and runs of engines.
+//! Helpers of the whole-program tests: paths, the program, and its runs.
 
 pub mod runs;
 pub mod served;
@@ -13,12 +13,12 @@ pub fn repository(path: &str) -> PathBuf {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/..")).join(path)
 }
 
-/// The program `pinwheel` with the tests' own profile and features.
+/// Returns a command that runs the program `pinwheel` with the tests' own profile and features.
 ///
 /// Cargo builds it before it runs a test of its package and puts it one folder above that test.
 ///
 /// # Panics
-/// When it is not there: the calling test belongs to another package.
+/// Panics if the program is absent: the calling test belongs to another package.
 #[must_use]
 pub fn pinwheel() -> Command {
     let name = format!("pinwheel{}", std::env::consts::EXE_SUFFIX);
@@ -34,20 +34,20 @@ pub fn pinwheel() -> Command {
     }
 }
 
-/// The words of a command, as they are typed.
+/// Splits a command into its words.
 #[must_use]
 pub fn words(typed: &str) -> Vec<&str> {
     typed.split_whitespace().collect()
 }
 
-/// How a finished program left.
+/// Result of a finished program.
 #[derive(Debug)]
 pub struct Outcome {
     /// Exit status; `None` when a signal ended it.
     pub code: Option<i32>,
-    /// Results.
+    /// Standard output: results.
     pub stdout: String,
-    /// Errors and progress.
+    /// Standard error: errors and progress.
     pub stderr: String,
 }
 
@@ -63,7 +63,7 @@ impl From<Output> for Outcome {
 
 /// Runs `pinwheel` in the folder `dir` to its end.
 ///
-/// # Panics
+/// Panics if the program cannot be built or started.
 /// When it cannot be built or started.
 pub fn run_in<S: AsRef<OsStr>>(dir: &Path, args: impl IntoIterator<Item = S>) -> Outcome {
     match pinwheel()
@@ -77,7 +77,7 @@ pub fn run_in<S: AsRef<OsStr>>(dir: &Path, args: impl IntoIterator<Item = S>) ->
     }
 }
 
-/// Names in a folder, sorted, hidden ones included but the marker of outputs; a test folder that cannot be read has none.
+/// Returns the names in a folder, sorted, with hidden ones but without the marker of outputs; empty if the folder cannot be read.
 #[must_use]
 pub fn names_in(dir: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(dir)

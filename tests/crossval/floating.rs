@@ -73,7 +73,7 @@ const GEARS: &[(&str, &[(&str, &str)])] = &[
         ],
     ),
 ];
-/// Number of them that every run of the tests takes, of about 5 s each. The weekly workflow takes the others, of 4 to 30 s each.
+/// Number of gears in every run of the tests, about 5 s each. The weekly workflow takes the other gears, 4 to 30 s each.
 const OFTEN: usize = 3;
 
 /// Every engine that shares the law, with the largest difference from the first, relative, that its forces and torques may have,

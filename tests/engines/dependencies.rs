@@ -1,4 +1,4 @@
-//! Every crate that is built in: where it comes from, its licence, and no version beside another but those that
+//! Checks of every crate that is built in: its origin, its licence, and no version beside another but those that
 //! `deny.toml` names. `cargo deny check` reads the same file and looks for advisories too; this needs no tool. And our own
 //! version, which stands the same everywhere.
 
@@ -12,12 +12,12 @@ use toml::Table;
 struct Package {
     name: String,
     version: String,
-    /// Where it comes from, unless from the public index or this repository.
+    /// True if the crate is from neither the public index nor this repository.
     elsewhere: bool,
     licence: String,
 }
 
-/// What `cargo tree` says of a build, a line a crate in that format; its complaint where it fails.
+/// Returns the lines of `cargo tree` on a build, a crate a line in the given format; its complaint if it fails.
 fn tree(of: &[&str], format: &str) -> Result<BTreeSet<String>, String> {
     let cargo = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let mut command = Command::new(&cargo);
@@ -35,7 +35,7 @@ fn tree(of: &[&str], format: &str) -> Result<BTreeSet<String>, String> {
     Ok(lines.map(str::to_owned).collect())
 }
 
-/// What builds of this machine's kind are made of, with all features where their crates are at hand.
+/// Returns the packages of a build on this kind of machine, with all features where their crates are at hand.
 fn packages() -> Vec<Package> {
     let of = |features| tree(&["--workspace", features], "{p}|{l}");
     let lines = of("--all-features").or_else(|_| of("--offline"));
@@ -72,7 +72,7 @@ fn package(line: &str) -> Option<Package> {
     })
 }
 
-/// Whether an SPDX expression (or the older `A/B`) can be satisfied by licences that are allowed.
+/// Returns true if the allowed licences satisfy an SPDX expression (or the older `A/B`).
 fn satisfied(expression: &str, allowed: &dyn Fn(&str) -> bool) -> bool {
     let spaced = expression
         .replace('(', " ( ")
@@ -264,7 +264,7 @@ fn the_version_moves_everywhere_at_once() {
     assert_eq!(version(&["9.8.7", "2031-02-03"]).as_deref(), Some("9.8.7"));
     assert!(text("CITATION.cff").contains("version: 9.8.7\ndate-released: 2031-02-03\n"));
     assert!(text("CHANGELOG.md").contains("## Unreleased\n\n## 9.8.7 (2031-02-03)\n"));
-    // One that stays behind is found.
+    // The check reports a version that stays behind.
     let project = text("python/pyproject.toml").replace("\"9.8.7\"", "\"9.8.6\"");
     std::fs::write(folder.path().join("python/pyproject.toml"), project).unwrap();
     assert_eq!(version(&[]), None);

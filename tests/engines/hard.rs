@@ -171,7 +171,7 @@ fn hard_explicit_friction_on_feathers_fails_loudly() {
     let _ = run("native-reduced", &scene("hard-feather-sleeves", &settings));
 }
 
-/// How a hard scene is served.
+/// Method and error bound for a hard scene.
 struct Served {
     scene: &'static str,
     /// Method at 1e-5 s, or at the scene's tolerance if it takes one.

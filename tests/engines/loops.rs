@@ -1,4 +1,4 @@
-//! No file of a crate imports one that imports it, directly or through others: each can be read after those that it imports.
+//! Modules of a crate import each other without loops: each file can be read after the files that it imports.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ fn expand(before: &str, tree: &str, paths: &mut Vec<String>) {
     }
 }
 
-/// Paths that a file names: `true` for those of a `pub use`.
+/// Returns the paths in a file; `true` marks the paths of a `pub use`.
 fn named(code: &str) -> Vec<(bool, String)> {
     let (mut named, mut rest, mut body) = (Vec::new(), code, String::new());
     while let Some(at) = rest.find("use ") {
@@ -193,7 +193,7 @@ fn loops(folder: &Path) -> BTreeSet<String> {
         files.collect::<Vec<_>>().join(" -> ")
     };
     let chains = imports.keys().filter_map(|module| chain(module, &imports));
-    // A loop is found from each of its files: it is told once, from the first of them.
+    // A loop appears at each of its files; it is reported once, at the first of them.
     let first = |chain: &Vec<Module>| chain.iter().min() == chain.first();
     chains.filter(first).map(told).collect()
 }

@@ -28,15 +28,15 @@ const BUDGET: u64 = 600_000;
 /// An error beyond this many targets is a silent failure.
 const SILENT: f64 = 3.0;
 
-/// What became of one gear.
+/// Judgement on one gear.
 enum Outcome {
-    /// With the uncertainty and the true error.
+    /// Resolved, with the stated uncertainty and the true error.
     Judged(Uncertainty, Distance),
-    /// It said that it is not resolved, and why.
+    /// Not resolved according to `auto` itself, with its reason.
     Told(String),
-    /// Two references disagree by more than the target.
+    /// No reference: two reference runs disagree by more than the target.
     NoTruth(f64),
-    /// Every method failed.
+    /// Failure of every method.
     Failed(String),
 }
 
@@ -51,7 +51,7 @@ fn judge(scene: &Scene) -> Outcome {
     };
     match &run.ending {
         Ending::Finished => {}
-        // Not even one run within the test's own budget.
+        // The test's own budget did not suffice for one run.
         Ending::Diverged { quantity, .. } if quantity.contains("evaluations") => {
             return Outcome::Told(quantity.clone());
         }

@@ -75,7 +75,7 @@ impl Folder {
         Ok(Self(folder))
     }
 
-    /// Returns the folder to write into for now.
+    /// Returns the folder to write into until it is published.
     pub(crate) fn path(&self) -> &Path {
         self.0.path()
     }
@@ -141,7 +141,7 @@ pub(crate) fn all_or(scenes: &[String]) -> String {
     }
 }
 
-/// Files that the command line names, whatever they are for.
+/// Returns the files on the command line, whatever they are for.
 fn named_files() -> Vec<PathBuf> {
     folder::named_files(words::typed().flat_map(|word| {
         // `--against=FILE`
@@ -153,7 +153,7 @@ fn named_files() -> Vec<PathBuf> {
 
 /// Names the drafts that killed commands left beside `path`, each once, and the command that removes them.
 pub(crate) fn name_leftovers(path: &Path) {
-    // Others are named once these are gone.
+    // Further drafts are named once these are gone.
     const MOST: usize = 100;
     static NAMED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let absolute = std::path::absolute(path).unwrap_or_default();

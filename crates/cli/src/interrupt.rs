@@ -13,7 +13,7 @@ use crate::failure::{Failure, STOPPED};
 static CANCEL: AtomicBool = AtomicBool::new(false);
 /// True if something runs that looks at the flag.
 static WATCHED: AtomicBool = AtomicBool::new(false);
-/// How long reading may take to see the flag by itself. A pipe that nobody writes to never does.
+/// Longest time in which reading may notice the flag by itself. A pipe that nobody writes to never does.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// The draft being written, for the second signal: this process made it, and nobody else enters it.
 static UNFINISHED: Mutex<Option<PathBuf>> = Mutex::new(None);
@@ -23,7 +23,7 @@ pub(crate) fn flag() -> &'static AtomicBool {
     &CANCEL
 }
 
-/// From now on the flag is looked at.
+/// Records that running work checks the flag from now on.
 pub(crate) fn watched() {
     WATCHED.store(true, Ordering::Relaxed);
 }

@@ -1,4 +1,4 @@
-//! A server for a page on this machine alone: HTTP/1.1, one question a connection, and a bound on all that is sent.
+//! HTTP/1.1 server for a page on this machine alone: one request a connection, and a bound on every size that is sent.
 
 use std::collections::BTreeMap;
 use std::io::{self, Read as _, Write as _};
@@ -9,27 +9,27 @@ use std::time::{Duration, Instant};
 
 /// Bytes of a question's head at most: cookies of every other server on this machine come along, and are none of ours.
 const LONGEST_HEAD: usize = 262_144;
-/// Bytes of its body at most.
+/// Bytes of a request's body at most.
 const LONGEST: usize = 16_384;
 const HEADERS: usize = 64;
-/// Connections at a time; a browser opens six.
+/// Largest number of connections at a time; a browser opens six.
 const MOST: usize = 32;
-/// Time to send a question.
+/// Time in which a request must be sent.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Time for who was refused to read why, before what it still sends is cut off.
+/// Time for a refused client to read the reason, before the rest of its request is cut off.
 const LINGER: Duration = Duration::from_millis(200);
-/// Interval between two looks at a connection whose question is being answered.
+/// Interval between two checks of a connection whose request is being answered.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// A question, as it was sent.
+/// Request of a client, as it was sent.
 #[derive(Debug, Default)]
 pub(crate) struct Question {
     pub(crate) method: String,
-    /// With what follows a question mark.
+    /// Path of the request, with the part after a question mark.
     pub(crate) path: String,
     headers: Vec<(String, Vec<u8>)>,
     pub(crate) body: Vec<u8>,
-    /// Set once who asked has closed the connection.
+    /// Set once the client has closed the connection.
     pub(crate) gone: Arc<AtomicBool>,
 }
 
@@ -57,7 +57,7 @@ impl Question {
     /// in chunks, and a head that gives its length twice or in two ways, are refused.
     ///
     /// # Errors
-    /// The status of an answer that says why it is none.
+    /// The status of an answer that states why the bytes are no request.
     pub(crate) fn read(bytes: &[u8]) -> Result<Option<Self>, u16> {
         let mut headers = [httparse::EMPTY_HEADER; HEADERS];
         let mut request = httparse::Request::new(&mut headers);
@@ -105,7 +105,7 @@ pub(crate) struct Answer {
 }
 
 impl Answer {
-    /// `kind`: of the text, for a browser.
+    /// Makes an answer. `kind` is the content type of the text.
     pub(crate) fn new(status: u16, kind: &str, text: impl Into<String>) -> Self {
         Self {
             status,
@@ -119,7 +119,7 @@ impl Answer {
         self
     }
 
-    /// In one piece: a second one would wait for the first to be acknowledged.
+    /// Returns the answer in one piece: a second piece would wait for the first to be acknowledged.
     fn bytes(&self) -> Vec<u8> {
         let mut head = format!(
             "HTTP/1.1 {} -\r\nContent-Length: {}\r\nConnection: close\r\nCache-Control: no-store\r\nReferrer-Policy: no-referrer\r\n\
@@ -134,16 +134,16 @@ impl Answer {
     }
 }
 
-/// A place on loopback; port 0 is any.
+/// Opens a listener on loopback; port 0 is any port.
 pub(crate) fn bind(port: u16) -> io::Result<TcpListener> {
     TcpListener::bind((Ipv4Addr::LOCALHOST, port))
 }
 
-/// Connections by number, of which nothing is known but that they were opened.
+/// Connections by number that have sent no request yet.
 type Idle = Arc<Mutex<BTreeMap<u64, TcpStream>>>;
 
-/// Answers from now on, each question by a thread of its own: one that is slow, or never sends all, holds up no other. Where there
-/// are too many connections the oldest goes that has asked nothing yet.
+/// Serves requests from now on, each by a thread of its own: a slow or incomplete request delays no other one. With too many
+/// connections the oldest one without a request is closed.
 pub(crate) fn serve(
     listener: TcpListener,
     reply: impl Fn(&Question) -> Answer + Send + Sync + 'static,
@@ -155,7 +155,7 @@ pub(crate) fn serve(
     std::thread::spawn(move || {
         for (number, stream) in (0..).zip(listener.incoming()) {
             let Ok((stream, other)) = stream.and_then(|one| Ok((one.try_clone()?, one))) else {
-                // No more files can be opened, for now.
+                // The limit of open files is reached, for now.
                 std::thread::sleep(LINGER);
                 continue;
             };
@@ -169,7 +169,7 @@ pub(crate) fn serve(
             let (place, reply, waiting) = (here.clone(), Arc::clone(&reply), Arc::clone(&idle));
             let begun = std::thread::Builder::new().spawn(move || {
                 let _place = place;
-                // Who asked may be gone.
+                // The client may be gone.
                 let _ = answer(stream, reply.as_ref(), &|| {
                     drop(locked(&waiting).remove(&number))
                 });
@@ -203,7 +203,7 @@ fn answer(
             let (stream, gone) = (stream.try_clone()?, Arc::clone(&question.gone));
             std::thread::spawn(move || watch(&stream, &gone));
             let answer = reply(question);
-            // Ends the watch.
+            // A set flag ends the watch.
             question.gone.store(true, Ordering::Relaxed);
             answer
         }
@@ -221,7 +221,7 @@ fn answer(
     Ok(())
 }
 
-/// Sets `gone` once who asked has closed the connection; ends with that, or with the next byte, which is no part of the question.
+/// Sets `gone` once the client has closed the connection. The watch ends then, or at a further byte beyond the request.
 fn watch(mut stream: &TcpStream, gone: &AtomicBool) {
     while !gone.load(Ordering::Relaxed) && stream.set_read_timeout(Some(LOOK)).is_ok() {
         match stream.read(&mut [0]) {
@@ -236,7 +236,7 @@ fn watch(mut stream: &TcpStream, gone: &AtomicBool) {
     }
 }
 
-/// Reads the question of a connection; an inner error is the status of the refusal.
+/// Reads the request of a connection; an inner error is the status of the refusal.
 fn question(stream: &mut TcpStream) -> io::Result<Result<Question, u16>> {
     let begun = Instant::now();
     let mut bytes = Vec::new();
@@ -249,7 +249,7 @@ fn question(stream: &mut TcpStream) -> io::Result<Result<Question, u16>> {
     }
 }
 
-/// The next bytes of a question that began at `begun` and may take `most`.
+/// Reads the next bytes of a request that began at `begun` and may take the time `most`.
 fn more(
     stream: &mut TcpStream,
     bytes: &mut Vec<u8>,

@@ -1,4 +1,4 @@
-//! The one progress bar: on a terminal only, with the piece, the clock, and rate and time left of long runs.
+//! Progress bar: on a terminal only, with the piece, the clock, and rate and time left of long runs.
 
 use std::io::IsTerminal as _;
 use std::sync::OnceLock;
@@ -50,7 +50,7 @@ impl Bar {
         let elapsed = self.started.elapsed();
         let now_ms = u64::try_from(elapsed.as_millis()).unwrap_or(u64::MAX);
         let due = now_ms.saturating_sub(self.drawn_ms.load(Ordering::Relaxed)) >= REDRAW_MS;
-        // The beginning of a piece is always told: the next report can be long in coming.
+        // The beginning of a piece is always drawn: the next report can be long in coming.
         if progress.simulated_s.is_some() && (elapsed < PATIENCE || !due) {
             return;
         }

@@ -32,7 +32,7 @@ pub(crate) const SUMMARY: &str = "summary.json";
 pub(crate) fn show(text: &str) -> Result<(), Failure> {
     let mut stdout = anstream::stdout().lock();
     match writeln!(stdout, "{}", sanitize(text.trim_end(), true)).and_then(|()| stdout.flush()) {
-        // The reader (head, less) has seen enough.
+        // The reader (head, less) has closed the pipe.
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
         Err(error) => Err(Failure::input(format!(
             "the results cannot be written to stdout: {}; send them elsewhere",
@@ -109,7 +109,7 @@ pub(crate) fn show_or_json(
     }
 }
 
-/// Writes to stderr; if that fails there is nobody left to tell.
+/// Writes to stderr; a failure is ignored, because there is no other place to report it.
 pub(crate) fn show_on_stderr(text: &str) {
     let _ = writeln!(
         anstream::stderr().lock(),

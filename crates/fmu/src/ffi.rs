@@ -40,7 +40,7 @@ type Log =
 /// `fmi2CallbackFunctions`.
 #[repr(C)]
 pub struct Callbacks {
-    /// Takes messages.
+    /// Function that takes messages.
     pub logger: Option<Log>,
     /// Not used: `canNotUseMemoryManagementFunctions`.
     pub allocate_memory: Option<unsafe extern "C" fn(usize, usize) -> *mut c_void>,
@@ -48,16 +48,16 @@ pub struct Callbacks {
     pub free_memory: Option<unsafe extern "C" fn(*mut c_void)>,
     /// Not used: steps are done when the call returns.
     pub step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
-    /// Given back to the logger.
+    /// Value that is passed back to the logger.
     pub environment: *mut c_void,
 }
 
 /// Handle that the importer holds: only ever a number in the shape of an address.
 pub type Component = *mut c_void;
-/// Likewise.
+/// Handle of a saved state that the importer holds: only ever a number in the shape of an address.
 pub type State = *mut c_void;
 
-/// Who hears of refusals.
+/// Logger of the importer, which receives refusals.
 struct Logger {
     log: Option<Log>,
     environment: *mut c_void,
@@ -91,7 +91,7 @@ impl Logger {
 struct Unit {
     logger: Logger,
     talks: AtomicBool,
-    /// [`IDLE`], [`STEPPING`] or [`CANCELLED`].
+    /// Phase of a step: [`IDLE`], [`STEPPING`] or [`CANCELLED`].
     step: AtomicU8,
     instance: Mutex<Instance>,
 }
@@ -101,7 +101,7 @@ const STEPPING: u8 = 1;
 const CANCELLED: u8 = 2;
 
 impl Unit {
-    /// Ends the step that another thread does, if one does.
+    /// Cancels the step that another thread computes; returns true if there was one.
     fn cancel(&self) -> bool {
         let order = Ordering::Relaxed;
         let cancelled = self
@@ -111,7 +111,7 @@ impl Unit {
     }
 }
 
-/// A state and the unit it is of.
+/// Saved state and its unit.
 struct Kept {
     of: usize,
     bytes: Mutex<Vec<u8>>,
@@ -147,10 +147,10 @@ fn null(what: &str) -> Refusal {
     Refusal(format!("{what} is null"))
 }
 
-/// An array from C.
+/// Returns an array of the caller as a slice.
 ///
 /// # Safety
-/// Null, or as the module says with `length` values.
+/// `start` is null or the start of `length` values, as the module describes.
 unsafe fn array<'a, T>(what: &str, start: *const T, length: usize) -> Result<&'a [T], Refusal> {
     if length == 0 {
         return Ok(&[]);
@@ -162,10 +162,10 @@ unsafe fn array<'a, T>(what: &str, start: *const T, length: usize) -> Result<&'a
     Ok(unsafe { slice::from_raw_parts(start, length) })
 }
 
-/// An array from C to write to.
+/// Returns an array of the caller as a mutable slice.
 ///
 /// # Safety
-/// Null, or as the module says with `length` values.
+/// `start` is null or the start of `length` values, as the module describes.
 unsafe fn array_mut<'a, T>(
     what: &str,
     start: *mut T,
@@ -181,7 +181,7 @@ unsafe fn array_mut<'a, T>(
     Ok(unsafe { slice::from_raw_parts_mut(start, length) })
 }
 
-/// A text from C.
+/// Returns a text of the caller; `None` if it is null or not UTF-8.
 ///
 /// # Safety
 /// Null, or text that ends in a zero byte.
@@ -206,19 +206,19 @@ fn folder(address: &str) -> PathBuf {
     PathBuf::from(if drive { &path[1..] } else { &*path })
 }
 
-/// `"default"`.
+/// Returns the platform of the types, `"default"`.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2GetTypesPlatform() -> *const c_char {
     c"default".as_ptr()
 }
 
-/// `"2.0"`.
+/// Returns the version of the standard, `"2.0"`.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2GetVersion() -> *const c_char {
     c"2.0".as_ptr()
 }
 
-/// Sets whether the logger hears of more than refusals.
+/// Switches messages beyond refusals on or off.
 ///
 /// # Safety
 /// `categories`: null or `count` texts; they are not read: there is one category.
@@ -236,7 +236,7 @@ pub unsafe extern "C" fn fmi2SetDebugLogging(
     OK
 }
 
-/// A new unit, or null.
+/// Creates a unit; returns null if that fails.
 ///
 /// # Safety
 /// Texts: null or with their end. `callbacks`: null or the standard's structure.
@@ -293,10 +293,10 @@ pub unsafe extern "C" fn fmi2Instantiate(
     }
 }
 
-/// Ends a unit, its states and a step that another thread does; null, and one that was ended, are no fault.
+/// Frees a unit with its states and ends a step that another thread computes. Null and a freed unit are permitted.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2FreeInstance(component: Component) {
-    // A fault while it is dropped stays here.
+    // A panic while the unit is dropped does not reach the caller.
     let _ = catch_unwind(|| {
         if let Some(unit) = UNITS.close(component) {
             unit.cancel();
@@ -305,7 +305,7 @@ pub extern "C" fn fmi2FreeInstance(component: Component) {
     });
 }
 
-/// Times and tolerance of the simulation.
+/// Sets times and tolerance of the simulation.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2SetupExperiment(
     component: Component,
@@ -321,13 +321,13 @@ pub extern "C" fn fmi2SetupExperiment(
     })
 }
 
-/// The gear is put together.
+/// Enters the initialisation: builds the gear.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2EnterInitializationMode(component: Component) -> c_int {
     on(component, |unit| done(unit.enter_initialization()))
 }
 
-/// Steps may follow.
+/// Leaves the initialisation: steps may follow.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2ExitInitializationMode(component: Component) -> c_int {
     on(component, |unit| {
@@ -344,13 +344,13 @@ pub extern "C" fn fmi2ExitInitializationMode(component: Component) -> c_int {
     })
 }
 
-/// No more steps.
+/// Ends the simulation: no more steps.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2Terminate(component: Component) -> c_int {
     on(component, |unit| done(unit.terminate()))
 }
 
-/// As new.
+/// Returns the unit to its state after instantiation.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2Reset(component: Component) -> c_int {
     on(component, |unit| {
@@ -359,7 +359,7 @@ pub extern "C" fn fmi2Reset(component: Component) -> c_int {
     })
 }
 
-/// There are none of this type.
+/// Refuses references to variables of a type that no variable has.
 fn none(component: Component, call: &str, count: usize) -> c_int {
     on(component, |_| {
         if count == 0 {
@@ -371,7 +371,7 @@ fn none(component: Component, call: &str, count: usize) -> c_int {
     })
 }
 
-/// On to the next communication point.
+/// Advances the unit to the next communication point.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2DoStep(
     component: Component,
@@ -380,7 +380,7 @@ pub extern "C" fn fmi2DoStep(
     _no_way_back: c_int,
 ) -> c_int {
     on(component, |instance| {
-        // Not there only where it is freed at this moment.
+        // The unit is absent only while another thread frees it.
         let Some(unit) = UNITS.find(component) else {
             return Ok(ERROR);
         };

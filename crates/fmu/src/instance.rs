@@ -1,4 +1,4 @@
-//! A unit in the course of a simulation: which call may follow which, and what each does [FMI 2.0, 4.2].
+//! State machine of a unit during a simulation: permitted order of calls, and the effect of each call [FMI 2.0, 4.2].
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::{Input, Model, Shaft, Variable, What};
 
-/// Why a call was refused, in words.
+/// Reason for which a call was refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Refusal(pub String);
 
@@ -31,14 +31,14 @@ fn within(call: &str, name: &str, input: Input, value: f64) -> Result<(), Refusa
     }
 }
 
-/// Where in its life a unit is.
+/// Phase in the life of a unit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 enum Phase {
     Instantiated,
     Initialising,
     Stepping,
     Terminated,
-    /// A step failed: an earlier state or a reset goes on.
+    /// A step failed: the unit continues from an earlier state or a reset.
     Failed,
 }
 
@@ -58,18 +58,18 @@ impl Phase {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 struct Prescribed {
     phase: Phase,
-    /// By value reference.
+    /// Values of the variables, by value reference.
     values: Vec<f64>,
-    /// Slopes of inputs, a second; for the next step alone.
+    /// Slopes of the inputs, change a second; valid for the next step alone.
     slopes: Vec<f64>,
     start_s: f64,
     stop_s: Option<f64>,
     tolerance: Option<f64>,
-    /// The values that the gear began with.
+    /// Values at the start of the gear.
     begun: Vec<f64>,
 }
 
-/// All of it.
+/// Complete saved state of a unit.
 #[derive(Serialize, Deserialize)]
 struct Saved {
     guid: String,
@@ -77,7 +77,7 @@ struct Saved {
     gear: Option<Vec<u8>>,
 }
 
-/// A unit.
+/// Unit of FMI with its gear and state.
 pub struct Instance {
     model: Arc<Model>,
     prescribed: Prescribed,
@@ -87,7 +87,7 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// A new one.
+    /// Returns a new unit.
     #[must_use]
     pub fn new(model: Arc<Model>) -> Self {
         let values: Vec<f64> = model.variables().iter().map(|v| v.start).collect();
@@ -119,10 +119,10 @@ impl Instance {
         ))
     }
 
-    /// `fmi2SetupExperiment`.
+    /// Sets times and tolerance, as `fmi2SetupExperiment`.
     ///
     /// # Errors
-    /// A wrong moment, or times that are none.
+    /// A call at the wrong moment, or invalid times.
     pub fn setup(
         &mut self,
         tolerance: Option<f64>,
@@ -152,10 +152,10 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2EnterInitializationMode`.
+    /// Builds the gear, as `fmi2EnterInitializationMode`.
     ///
     /// # Errors
-    /// A wrong moment, or values that make no gear.
+    /// A call at the wrong moment, or values that make no gear.
     pub fn enter_initialization(&mut self) -> Result<(), Refusal> {
         self.in_phase("fmi2EnterInitializationMode", &[Phase::Instantiated])?;
         self.prescribed.phase = Phase::Initialising;
@@ -163,7 +163,7 @@ impl Instance {
             .inspect_err(|_| self.prescribed.phase = Phase::Instantiated)
     }
 
-    /// `fmi2ExitInitializationMode`.
+    /// Begins the stepping phase, as `fmi2ExitInitializationMode`.
     ///
     /// # Errors
     /// As [`enter_initialization`](Self::enter_initialization).
@@ -174,22 +174,22 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2Terminate`.
+    /// Ends the simulation, as `fmi2Terminate`.
     ///
     /// # Errors
-    /// A wrong moment.
+    /// A call at the wrong moment.
     pub fn terminate(&mut self) -> Result<(), Refusal> {
         self.in_phase("fmi2Terminate", &[Phase::Stepping, Phase::Failed])?;
         self.prescribed.phase = Phase::Terminated;
         Ok(())
     }
 
-    /// `fmi2Reset`: as new.
+    /// Returns the unit to its state after instantiation, as `fmi2Reset`.
     pub fn reset(&mut self) {
         *self = Self::new(Arc::clone(&self.model));
     }
 
-    /// The gear at its start, unless it is there.
+    /// Builds the gear at its start, unless it exists already.
     fn begin(&mut self) -> Result<(), Refusal> {
         if self.gear.is_none() {
             let values = &self.prescribed.values;
@@ -222,7 +222,7 @@ impl Instance {
         Ok(place)
     }
 
-    /// `fmi2SetReal` of one variable.
+    /// Sets one variable, as `fmi2SetReal`.
     ///
     /// # Errors
     /// No such variable, one that cannot be set now, or a value that is no number.
@@ -231,7 +231,7 @@ impl Instance {
         self.set("fmi2SetReal", place, value)
     }
 
-    /// `fmi2SetBoolean` of one variable.
+    /// Sets one Boolean variable, as `fmi2SetBoolean`.
     ///
     /// # Errors
     /// As [`set_real`](Self::set_real).
@@ -267,7 +267,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2SetRealInputDerivatives` of one input: its change a second over the next step.
+    /// Sets the slope of one input over the next step, as `fmi2SetRealInputDerivatives`; change a second.
     ///
     /// # Errors
     /// No input, another order than the first, a wrong moment, or a value that is no number.
@@ -293,7 +293,7 @@ impl Instance {
         Ok(())
     }
 
-    /// `fmi2GetReal` of one variable.
+    /// Returns the value of one variable, as `fmi2GetReal`.
     ///
     /// # Errors
     /// No such variable, or one that is not known yet.
@@ -326,7 +326,7 @@ impl Instance {
         Ok(value)
     }
 
-    /// `fmi2GetBoolean` of one variable.
+    /// Returns the value of one Boolean variable, as `fmi2GetBoolean`.
     ///
     /// # Errors
     /// No such variable.
@@ -335,15 +335,15 @@ impl Instance {
         Ok(self.prescribed.values[place] != 0.0)
     }
 
-    /// `fmi2DoStep`.
+    /// Advances the gear by one step, as `fmi2DoStep`.
     ///
     /// # Errors
-    /// A wrong moment or time, or a motion that cannot go on.
+    /// A call at the wrong moment, a wrong time, or a motion that cannot go on.
     pub fn step(&mut self, from_s: f64, step_s: f64) -> Result<(), Refusal> {
         self.step_unless(from_s, step_s, &|| false)
     }
 
-    /// `fmi2DoStep`, which ends early once `cancelled` is true. It is asked on the way.
+    /// Advances the gear by one step, as `fmi2DoStep`; ends early once `cancelled`, which is called on the way, returns true.
     ///
     /// # Errors
     /// As [`step`](Self::step), or cancelled.
@@ -399,7 +399,7 @@ impl Instance {
         })
     }
 
-    /// The method and what sets its steps, in words.
+    /// Describes the method and the setting that determines its steps.
     #[must_use]
     pub fn method(&self) -> String {
         let words = |gear: &CoSimulation| {
@@ -412,7 +412,7 @@ impl Instance {
         self.gear.as_ref().map_or_else(String::new, words)
     }
 
-    /// That a tolerance was given and has no effect, in words.
+    /// Returns a note that the given tolerance has no effect, if one was given.
     #[must_use]
     pub fn unheeded(&self) -> Option<String> {
         let tolerance = self.prescribed.tolerance?;
@@ -425,13 +425,13 @@ impl Instance {
         })
     }
 
-    /// The time reached, s.
+    /// Returns the time reached, s.
     #[must_use]
     pub fn time_s(&self) -> f64 {
         self.prescribed.start_s + self.gear.as_ref().map_or(0.0, CoSimulation::time_s)
     }
 
-    /// `fmi2GetFMUstate`: everything, to the bit.
+    /// Saves the complete state as bytes, exact to the bit, as `fmi2GetFMUstate`.
     ///
     /// # Errors
     /// Returns a refusal that should not happen: a state that cannot be written.
@@ -447,14 +447,14 @@ impl Instance {
         Ok(bytes)
     }
 
-    /// `fmi2SetFMUstate`: back to a state of this unit or of another of the same model.
+    /// Restores a state of this unit or of another unit of the same model, as `fmi2SetFMUstate`.
     ///
     /// # Errors
-    /// Bytes of something else; nothing has changed then.
+    /// Bytes that are no state of this model; the unit is unchanged then.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), Refusal> {
         let saved = self.read(bytes)?;
         let prescribed = saved.prescribed;
-        // By bits: outputs hold no number.
+        // Values are compared by their bits, because outputs hold no number.
         let begun = self.prescribed.begun.iter().zip(&prescribed.begun);
         let same = self.prescribed.tolerance == prescribed.tolerance
             && begun.fold(true, |same, (a, b)| same && a.to_bits() == b.to_bits());
@@ -475,7 +475,7 @@ impl Instance {
         Ok(())
     }
 
-    /// A state that is whole and of this model.
+    /// Reads a saved state, which must be complete and of this model.
     fn read(&self, bytes: &[u8]) -> Result<Saved, Refusal> {
         let whole = bytes
             .split_last_chunk::<8>()
@@ -497,10 +497,10 @@ impl Instance {
         }
     }
 
-    /// `fmi2DeSerializeFMUstate`: whether these bytes are a state of this model.
+    /// Checks that bytes are a state of this model, as `fmi2DeSerializeFMUstate`.
     ///
     /// # Errors
-    /// They are not.
+    /// Bytes that are no state of this model.
     pub fn check(&self, bytes: &[u8]) -> Result<(), Refusal> {
         self.read(bytes).map(|_| ())
     }

@@ -20,15 +20,15 @@ const TUNED: [&str; 3] = ["gear.", "contact.", "mass."];
 pub enum What {
     /// A number of the scene, by its key: a fixed parameter.
     Key,
-    /// The relative error a step: a fixed parameter.
+    /// Tolerance, the relative error a step: a fixed parameter.
     Tolerance,
-    /// How the gear is held: a fixed Boolean parameter.
+    /// Support of the gear: a fixed Boolean parameter.
     Flag(Flag),
     /// Input variable.
     Input(Input),
     /// Output variable of the shafts.
     Shaft(Shaft),
-    /// A column of a run, by its number: an output.
+    /// Column of a run, by its number: an output.
     Column(usize),
 }
 
@@ -48,9 +48,9 @@ pub enum Flag {
 pub enum Input {
     /// Speed of the input shaft, rad/s.
     DriveSpeed,
-    /// On the input shaft, N m.
+    /// Torque on the input shaft, N m.
     DriveTorque,
-    /// On the output shaft, N m.
+    /// Torque on the output shaft, N m.
     LoadTorque,
     /// Speed of the output shaft, rad/s.
     LoadSpeed,
@@ -75,9 +75,9 @@ pub enum Shaft {
     InputSpeed,
     /// Speed of the output, rad/s.
     OutputSpeed,
-    /// From outside on the output, N m.
+    /// Torque from outside on the output, N m.
     Load,
-    /// On a pin, N.
+    /// Largest force on a pin, N.
     LargestForce,
 }
 
@@ -119,7 +119,7 @@ const COLUMNS: &[(&str, (), &str)] = rows! {
 /// A variable; its value reference is its place in the list.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variable {
-    /// Ends in its unit; keys of the scene as they are there.
+    /// Name with its unit at the end; keys of the scene keep their names.
     pub name: String,
     /// Meaning of the variable, with sign.
     pub about: String,
@@ -136,7 +136,7 @@ impl Variable {
         matches!(self.what, What::Flag(_))
     }
 
-    /// Least and largest value; infinite where there is none.
+    /// Returns least and largest value; infinite where there is no bound.
     #[must_use]
     pub fn limits(&self) -> [f64; 2] {
         let key = match self.what {
@@ -244,7 +244,7 @@ impl Model {
         &self.text
     }
 
-    /// All variables, by value reference.
+    /// Returns every variable, by value reference.
     #[must_use]
     pub fn variables(&self) -> &[Variable] {
         &self.variables
@@ -356,7 +356,7 @@ fn variables(gearbox: &Gearbox) -> Result<Vec<Variable>, String> {
         .map_err(|error| error.to_string())?;
     let about =
         "relative error a step of adaptive methods; one that the importer gives goes before it";
-    // A fixed step heeds none.
+    // A fixed step uses no tolerance.
     if begun.adaptive() {
         add("solver.tolerance", about, What::Tolerance, begun.method().1);
     }

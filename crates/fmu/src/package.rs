@@ -15,7 +15,7 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 use crate::instance::{Instance, Refusal};
 use crate::model::{Model, SCENE_FILE, Variable, What};
 
-/// Channels that every unit has beside those that the scene asks for.
+/// Channels of every unit besides the channels that the scene asks for.
 const CHANNELS: [&str; 6] = [
     "efficiency",
     "input_power_w",
@@ -43,7 +43,7 @@ pub enum PackageError {
 pub struct Imprint {
     /// Author of the model.
     pub author: String,
-    /// When it was made.
+    /// Date of the unit.
     pub made: SystemTime,
 }
 
@@ -78,14 +78,14 @@ impl Imprint {
 
 /// A unit of FMI, as `UnitDefinitions` has it.
 pub struct Unit {
-    /// How names end that have it.
+    /// Ending of the variable names that have this unit.
     ending: &'static str,
-    /// Its name in descriptions.
+    /// Name of the unit in descriptions.
     pub name: &'static str,
-    /// Exponents of kg, m, s, rad; 0 where they are not whole.
+    /// Exponents of kg, m, s, rad; 0 where they are not integers.
     base: [i32; 4],
     factor: f64,
-    /// The unit that people read it in, and how many of those one is.
+    /// Display unit, and the number of display units in one of this unit.
     shown: Option<(&'static str, f64)>,
 }
 
@@ -132,7 +132,7 @@ const UNITS: [Unit; 18] = [
 ];
 
 impl Unit {
-    /// That of a variable; `None`: a number without.
+    /// Returns the unit of a variable, by its name; `None` for a number without unit.
     pub fn of(name: &str) -> Option<&'static Self> {
         let name = name.split_once('[').map_or(name, |(array, _)| array);
         let numbered = name.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -141,7 +141,7 @@ impl Unit {
         UNITS.iter().find(|unit| bare.ends_with(unit.ending))
     }
 
-    /// As the description defines it.
+    /// Returns the unit's definition in the model description.
     pub fn definition(&self) -> String {
         if self.base == [0; 4] {
             return format!("    <Unit name=\"{}\"/>\n", self.name);
@@ -198,7 +198,7 @@ impl<'a> Row<'a> {
         }
     }
 
-    /// As the description has it.
+    /// Returns the variable's element in the model description.
     fn variable(&self) -> String {
         let kind = match self.of.is_boolean() {
             true => "Boolean",
@@ -231,7 +231,7 @@ impl<'a> Row<'a> {
         )
     }
 
-    /// As a reader has it.
+    /// Returns the variable's entry in the documentation.
     fn documentation(&self) -> String {
         let [name, about] = [&*self.of.name, &*self.of.about].map(escape);
         format!(
@@ -321,7 +321,7 @@ impl Package {
         &self.method
     }
 
-    /// How many variables it has.
+    /// Returns the number of variables.
     #[must_use]
     pub fn variables(&self) -> usize {
         self.model.variables().len()

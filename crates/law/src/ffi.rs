@@ -28,13 +28,13 @@ use pinwheel_gearbox::handles::Handles;
 use crate::law::{Law, LawError};
 use crate::{ABI, LOAD, STATE};
 
-/// A null address, a handle that is none, an index out of range.
+/// Status of a null address, an invalid handle, or an index out of range.
 pub const ARGUMENT: i32 = -1;
-/// The scene.
+/// Status of a faulty scene.
 pub const SCENE: i32 = -2;
-/// States or loads that are no numbers.
+/// Status of states or loads that are not finite.
 pub const NOT_FINITE: i32 = -3;
-/// A fault of this library.
+/// Status of a fault of this library.
 pub const FAULT: i32 = -4;
 
 /// Law as C sees it: only ever a number in the shape of an address.
@@ -49,7 +49,7 @@ thread_local! {
     static ERROR: RefCell<CString> = RefCell::default();
 }
 
-/// Why a call failed: its status and words.
+/// Reason for a failed call: its status and message.
 #[doc(hidden)]
 pub struct Failure(i32, String);
 
@@ -68,7 +68,7 @@ fn argument(what: impl Into<String>) -> Failure {
     Failure(ARGUMENT, what.into())
 }
 
-/// Runs a call; a failure becomes what `failed` makes of its status.
+/// Runs a call; a failure gives the result of `failed` for its status.
 fn guarded<T>(failed: impl FnOnce(i32) -> T, call: impl FnOnce() -> Result<T, Failure>) -> T {
     let outcome = catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|_| {
         let what = "a fault in libpinwheel_law, not in your call; please report it with the scene";
@@ -76,7 +76,7 @@ fn guarded<T>(failed: impl FnOnce(i32) -> T, call: impl FnOnce() -> Result<T, Fa
     });
     outcome.unwrap_or_else(|Failure(status, what)| {
         let text = CString::new(what.replace('\0', " ")).unwrap_or_default();
-        // A thread that is ending has no place for it any more.
+        // A thread that is ending cannot store the message.
         let _ = ERROR.try_with(|error| *error.borrow_mut() = text);
         failed(status)
     })
@@ -93,7 +93,7 @@ pub fn on<T>(
         let law = LAWS.find(handle);
         let law = law
             .ok_or_else(|| argument("the handle is none that is open: null, closed, or made up"))?;
-        // Valid after a panic, too: it keeps nothing from call to call.
+        // The law stays valid after a panic, because it keeps nothing from call to call.
         let mut law = law.lock().unwrap_or_else(PoisonError::into_inner);
         call(&mut law)
     })
@@ -107,19 +107,19 @@ fn status_of(
     on(handle, identity, |law| call(law).map(|()| 0))
 }
 
-/// An array from C.
+/// Returns an array of the caller as a slice.
 ///
 /// # Safety
-/// Null, or as the module says with `length` numbers.
+/// `start` is null or the start of `length` numbers, as the module describes.
 unsafe fn array<'a>(start: *const f64, length: usize) -> Option<&'a [f64]> {
     // SAFETY: not null, and the caller promises its length.
     (!start.is_null()).then(|| unsafe { slice::from_raw_parts(start, length) })
 }
 
-/// An array from C to write to.
+/// Returns an array of the caller as a mutable slice.
 ///
 /// # Safety
-/// Null, or as the module says with `length` numbers.
+/// `start` is null or the start of `length` numbers, as the module describes.
 unsafe fn array_mut<'a>(start: *mut f64, length: usize) -> Option<&'a mut [f64]> {
     // SAFETY: not null, and the caller promises its length.
     (!start.is_null()).then(|| unsafe { slice::from_raw_parts_mut(start, length) })
@@ -167,7 +167,7 @@ pub extern "C" fn pinwheel_law_bodies(law: *const PinwheelLaw) -> i32 {
     })
 }
 
-/// Carrier, seat, mass and moment of a body; each may be null where it is not wanted.
+/// Writes carrier, seat, mass and moment of a body. Each address may be null where its value is not wanted.
 ///
 /// # Safety
 /// `carrier`, `mass_kg`, `moment_kg_m2`: null or the place of one number; `seat_m`: null or of two.
@@ -230,7 +230,7 @@ pub extern "C" fn pinwheel_law_step(law: *const PinwheelLaw) -> f64 {
     on(law, |_| f64::NAN, |law| Ok(law.gearbox.scene.solver.step_s))
 }
 
-/// How many samples the time series hold; as many of their times as there is room for are written.
+/// Returns the number of samples of the time series, and writes as many of their times as there is room for.
 ///
 /// # Safety
 /// `times_s`: null where `room` is 0, else the place of `room` numbers.
@@ -254,7 +254,7 @@ pub unsafe extern "C" fn pinwheel_law_samples(
     })
 }
 
-/// The bodies' states at t = 0.
+/// Writes the bodies' states at t = 0.
 ///
 /// # Safety
 /// `states`: null or the place of six numbers a body.
@@ -289,7 +289,7 @@ pub unsafe extern "C" fn pinwheel_law_loads(
             )
         };
         let loads = loads.ok_or_else(|| argument("`loads` is null"))?;
-        // What a panic leaves behind.
+        // NaN stays in the loads if the evaluation panics.
         loads.fill(f64::NAN);
         let states = states.ok_or_else(|| argument("`states` is null"))?;
         law.loads(states, loads)?;
@@ -312,13 +312,13 @@ pub extern "C" fn pinwheel_law_load_torque(law: *const PinwheelLaw, time_s: f64)
     )
 }
 
-/// How often forces were asked for; 0 for a handle that is none.
+/// Returns the number of calls for forces; 0 for an invalid handle.
 #[unsafe(no_mangle)]
 pub extern "C" fn pinwheel_law_calls(law: *const PinwheelLaw) -> u64 {
     on(law, |_| 0, |law| Ok(law.calls()))
 }
 
-/// Why this thread's last failed call failed; empty if none did. Valid until its next call.
+/// Returns the message of this thread's last failed call; empty if no call failed. Valid until its next call.
 #[unsafe(no_mangle)]
 pub extern "C" fn pinwheel_law_error() -> *const c_char {
     ERROR
@@ -326,7 +326,7 @@ pub extern "C" fn pinwheel_law_error() -> *const c_char {
         .unwrap_or(c"".as_ptr())
 }
 
-/// Closes a handle; null, and one that is closed, are no fault.
+/// Closes a handle. Null and a closed handle are permitted.
 #[unsafe(no_mangle)]
 pub extern "C" fn pinwheel_law_close(law: *mut PinwheelLaw) {
     guarded(

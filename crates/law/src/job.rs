@@ -42,7 +42,7 @@ pub fn required(gearbox: &Gearbox) -> Vec<String> {
 pub fn job(gearbox: &Gearbox, law_library: Option<&Path>) -> Result<Value, LawError> {
     let law = Law::of(gearbox)?;
     let mut scene = serde_json::to_value(&*gearbox.scene).unwrap_or_default();
-    // Every key that has a value for "nothing" is written, too.
+    // Keys with a value for "nothing" are written, too.
     for key in KEYS {
         let nothing = match key.kind {
             Kind::Texts | Kind::Choices(..) | Kind::Numbers(_) | Kind::Tables(_) => json!([]),

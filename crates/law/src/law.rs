@@ -14,35 +14,35 @@ pub const JOB_FILE: &str = "scene.json";
 /// The file of a job folder to which every closed law adds a line: how often it was called.
 pub const CALLS_FILE: &str = "law_calls.txt";
 
-/// Why there is no law, or no forces.
+/// Reason for which there is no law, or no forces.
 #[derive(Debug, thiserror::Error)]
 pub enum LawError {
-    /// The scene.
+    /// Fault of the scene.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A scene that cannot be modelled.
+    /// Scene that cannot be modelled.
     #[error("{0}")]
     Gearbox(#[from] GearboxError),
-    /// An array of another length.
+    /// Array of a wrong length.
     #[error("{what} must hold {wanted} numbers, not {given}")]
     Length {
-        /// Which.
+        /// Name of the array.
         what: &'static str,
-        /// How many it must hold.
+        /// Required number of values.
         wanted: usize,
-        /// How many it holds.
+        /// Given number of values.
         given: usize,
     },
-    /// A state that is no number.
+    /// State that is not finite.
     #[error("the state of body {body} is not finite, so there are no forces")]
     NotFinite {
-        /// Its index.
+        /// Index of the body.
         body: usize,
     },
-    /// Forces that are no numbers.
+    /// Forces that are not finite.
     #[error("the load on body {body} is not finite: the state is far from any a gearbox can be in")]
     Overflow {
-        /// Its index.
+        /// Index of the body.
         body: usize,
     },
 }
@@ -50,16 +50,16 @@ pub enum LawError {
 /// Support that carries a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Carrier {
-    /// It turns on another body.
+    /// Another body, by its index: the body turns on it.
     Body(usize),
-    /// It turns on the housing.
+    /// The housing: the body turns on it.
     Housing,
-    /// Nothing: it moves freely in the plane, held by the law's forces alone.
+    /// No support: the body moves freely in the plane, on the law's forces alone.
     Free,
 }
 
 impl Carrier {
-    /// As the C interface and job files have it.
+    /// Returns the number of the support in the C interface and in job files.
     #[must_use]
     pub fn number(self) -> i32 {
         match self {
@@ -73,15 +73,15 @@ impl Carrier {
 /// One body and where it is pinned.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// For messages: `wheel 0`.
+    /// Name in messages, such as `wheel 0`.
     pub name: String,
     /// Support on which the body turns.
     pub carrier: Carrier,
-    /// Its centre in the carrier's frame, whose origin is the carrier's centre, m. Constant; 0 of a free body.
+    /// Centre of the body in the carrier's frame, whose origin is the carrier's centre, m. Constant; 0 of a free body.
     pub seat_m: [f64; 2],
-    /// kg
+    /// Mass, kg.
     pub mass_kg: f64,
-    /// About its centre, kg m^2.
+    /// Moment of inertia about the body's centre, kg m^2.
     pub moment_kg_m2: f64,
 }
 
@@ -115,7 +115,7 @@ impl Law {
         Ok(law)
     }
 
-    /// The law of a compiled scene.
+    /// Builds the law of a compiled scene.
     ///
     /// # Errors
     /// A scene without contacts that can be built.
@@ -132,22 +132,22 @@ impl Law {
         })
     }
 
-    /// Input, output, discs, ring pins, output pins.
+    /// Returns the bodies: input, output, discs, ring pins, output pins.
     #[must_use]
     pub fn bodies(&self) -> &[Body] {
         &self.bodies
     }
 
-    /// [`STATE`] numbers a body at t = 0.
+    /// Returns the states at t = 0, [`STATE`] numbers a body.
     #[must_use]
     pub fn start(&self) -> &[f64] {
         &self.start
     }
 
-    /// Contact forces at these states, [`LOAD`] numbers a body; a function of the states alone.
+    /// Evaluates the contact forces at the given states, [`LOAD`] numbers a body; a function of the states alone.
     ///
     /// # Errors
-    /// Wrong lengths, or states that are no numbers; the loads are NaN then.
+    /// Wrong lengths, or states that are not finite; the loads are NaN then.
     pub fn loads(&mut self, states: &[f64], loads: &mut [f64]) -> Result<(), LawError> {
         let count = self.bodies.len();
         for (what, given, wanted) in [
@@ -176,14 +176,14 @@ impl Law {
         Ok(())
     }
 
-    /// How often [`loads`](Self::loads) was called.
+    /// Returns the number of calls of [`loads`](Self::loads).
     #[must_use]
     pub fn calls(&self) -> u64 {
         self.calls
     }
 }
 
-/// Who asked for a solver to be run may know how often it asked for forces, from whatever language.
+/// Adds the number of calls to the job folder, so that whoever started the solver can read it in any language.
 impl Drop for Law {
     fn drop(&mut self) {
         let Some(job) = &self.job else { return };
@@ -191,12 +191,12 @@ impl Drop for Law {
             .create(true)
             .append(true)
             .open(job.join(CALLS_FILE));
-        // A folder that cannot be written to is no reason to fail.
+        // A folder that is not writable is no reason to fail.
         let _ = file.and_then(|mut file| writeln!(file, "{}", self.calls));
     }
 }
 
-/// True if this can only be the text of a scene.
+/// Returns true if the argument can only be the text of a scene.
 fn is_text(spec: &str) -> bool {
     spec.contains(['\n', '=', '{'])
 }

@@ -1,4 +1,4 @@
-//! From a catalogue to a scene, from a scene to a designer's figures, and to a co-simulation unit.
+//! Designs: a scene from a catalogue's data, a designer's figures of a scene, and a co-simulation unit of a scene.
 
 use std::path::Path;
 
@@ -77,12 +77,12 @@ pub(crate) struct Designed {
 
 #[pymethods]
 impl Designed {
-    /// Everything found, JSON.
+    /// Figures, JSON.
     fn json(&self) -> Raises<String> {
         Ok(serde_json::to_string(&self.found)?)
     }
 
-    /// Every figure in words: its value, and what bounds that.
+    /// Figures in words: each value, and its bounds.
     fn words(&self) -> Vec<(String, String)> {
         self.found.figures.iter().map(shown).collect()
     }
@@ -97,7 +97,7 @@ impl Designed {
         pages::design::text(&self.found, true)
     }
 
-    /// Every disc as a drawing in DXF.
+    /// Drawing of every disc, DXF.
     fn dxf(&self) -> Vec<String> {
         self.found.discs.iter().map(Drawing::dxf).collect()
     }

@@ -28,10 +28,10 @@ impl From<PyErr> for Raised {
     }
 }
 
-/// The name of a scene that stands in no file; files come with their whole path.
+/// Name of a scene without a file; a scene from a file is named by its full path.
 const NO_FILE: &str = "scene";
 
-/// An exception of the package with attributes.
+/// Returns an exception of the package with attributes.
 fn raise(
     class: &str,
     message: &str,
@@ -78,7 +78,7 @@ impl From<SceneError> for Raised {
     }
 }
 
-/// A fault that is worded elsewhere, of `key`.
+/// Returns the exception for a fault of `key` that is worded elsewhere.
 pub(crate) fn of_key(message: &str, key: Option<&str>, remedy: &str) -> Raised {
     raise("SceneError", message, |raised| {
         raised.setattr("key", key)?;
@@ -110,12 +110,12 @@ pub(crate) fn ended(engine: &str, ending: &Ending, partial: Option<Py<PyAny>>) -
     })
 }
 
-/// Bad input that is no scene's.
+/// Returns the exception for bad input outside a scene.
 pub(crate) fn input(message: impl AsRef<str>) -> Raised {
     raise("InputError", message.as_ref(), |_| Ok(()))
 }
 
-/// An error that only its words tell.
+/// Returns the exception for an error that has only a message.
 pub(crate) fn plain(error: impl ToString) -> Raised {
     PyRuntimeError::new_err(error.to_string()).into()
 }

@@ -1,4 +1,4 @@
-//! Scenes: what `pinwheel.Scene` holds.
+//! Scenes: the compiled part of `pinwheel.Scene`.
 
 use pinwheel::scene::{
     CheckedScene, KEYS, Location, Override, PRESETS, Scene, SceneError, did_you_mean, preset,
@@ -35,13 +35,13 @@ impl Core {
         })
     }
 
-    /// A preset or a file.
+    /// Loads a preset or a file.
     #[staticmethod]
     fn load(spec: String, sets: Vec<(String, String)>) -> Raises<Self> {
         if let Some(text) = preset(&spec) {
             return Self::new(spec, text.to_owned(), sets);
         }
-        // Small plain files are read here; what cannot be read is told as the program does.
+        // Small plain files are read here. An unreadable file gives the program's own error.
         let small = std::fs::metadata(&spec)
             .is_ok_and(|file| file.is_file() && file.len() <= pinwheel::scene::MOST_BYTES as u64);
         match small.then(|| std::fs::read_to_string(&spec)) {
@@ -68,7 +68,7 @@ impl Core {
         (self.name.clone(), self.text.clone(), self.sets.clone())
     }
 
-    /// Every key written out, TOML.
+    /// Writes every key, TOML.
     fn to_toml(&self) -> String {
         self.checked.to_toml()
     }

@@ -14,7 +14,7 @@ use crate::scene::Core;
 use crate::supervise::{Desk, supervised};
 use crate::time_series::Columns;
 
-/// How pages name what made them.
+/// Returns the origin that pages name, with the command of the Python package.
 pub(crate) fn made() -> Provenance {
     Provenance::here("python: import pinwheel")
 }

@@ -15,12 +15,12 @@ use pyo3::types::{PyCFunction, PyDict};
 
 use crate::errors::{Raised, Raises, plain};
 
-/// How often signals are looked for and progress is told.
+/// Interval between two checks for signals and two reports of progress.
 const EVERY: Duration = Duration::from_millis(50);
-/// As deep as a main thread's.
+/// Stack size of the thread, bytes: that of a main thread.
 const STACK_BYTES: usize = 8 << 20;
 
-/// Where a study is, last told.
+/// Progress of a study at its last report.
 #[derive(Clone, Default)]
 struct Seen {
     done: usize,
@@ -37,7 +37,7 @@ enum Item {
     End,
 }
 
-/// A solver with its scene and options, and where its result goes.
+/// Solver with its scene and options, and the channel for its result.
 struct Call {
     drive: Py<PyAny>,
     scene: String,
@@ -45,7 +45,7 @@ struct Call {
     answer: SyncSender<PyResult<Py<PyAny>>>,
 }
 
-/// Where threads bring solvers that the caller's thread is to run.
+/// Channel by which threads hand solvers to the caller's thread, which runs them.
 pub(crate) struct Desk {
     bring: Sender<Item>,
     brought: Mutex<Receiver<Item>>,
@@ -60,7 +60,7 @@ impl Desk {
         }
     }
 
-    /// The callable `drive`, run by the thread that [`supervised`] was called on.
+    /// Wraps the callable `drive` so that the thread that called [`supervised`] runs it.
     pub(crate) fn at_caller(&self, py: Python<'_>, drive: Py<PyAny>) -> PyResult<Py<PyAny>> {
         let bring = self.bring.clone();
         Ok(Py::new(py, AtCaller { drive, bring })?.into_any())
@@ -91,12 +91,12 @@ impl AtCaller {
     }
 }
 
-/// Says at its end that the work is over, however that comes.
+/// Sends the end of the work when it is dropped, also after a panic.
 struct Ending(Sender<Item>);
 
 impl Drop for Ending {
     fn drop(&mut self) {
-        // Without a receiver nobody waits.
+        // Without a receiver no thread waits.
         let _unheard = self.0.send(Item::End);
     }
 }
@@ -180,7 +180,7 @@ pub(crate) fn supervised<T: Send, E: Into<Raised> + Send>(
     done.map_err(E::into)
 }
 
-/// The package's word for a run that was stopped.
+/// Returns the package's exception for a run that was stopped.
 fn stopped(py: Python<'_>) -> PyErr {
     let made = py
         .import("pinwheel_engines.errors")
@@ -189,13 +189,13 @@ fn stopped(py: Python<'_>) -> PyErr {
 }
 
 impl Call {
-    /// Answers that the run is stopped.
+    /// Answers the call with the exception of a stopped run.
     fn refuse(self, py: Python<'_>) {
-        // Whoever asked may be gone.
+        // The thread that made the call may be gone.
         let _unheard = self.answer.send(Err(stopped(py)));
     }
 
-    /// Runs the solver; `progress` is told at its samples.
+    /// Runs the solver; calls `progress` at its samples.
     ///
     /// # Errors
     /// Returns the error that ends all of the work and not only this run: Ctrl-C, or one that `progress` raised.

@@ -1,4 +1,4 @@
-//! Sweeps: planned and kept here, run by threads here or, batch by batch, by workers elsewhere.
+//! Sweeps: planned and stored here, run by threads of this process or, batch by batch, by workers elsewhere.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -34,7 +34,7 @@ pub(crate) struct Sweep {
     records: Mutex<Vec<Option<RunRecord>>>,
 }
 
-/// Error of a call that came too late.
+/// Returns the error of a call after the results were written.
 fn over() -> Raised {
     plain("the results of this sweep are written")
 }
@@ -103,7 +103,7 @@ impl Sweep {
         &self.plan.sweep.name
     }
 
-    /// Where the results go.
+    /// Path of the results' folder.
     fn out(&self) -> String {
         self.out.display().to_string()
     }
@@ -124,7 +124,7 @@ impl Sweep {
         Ok(())
     }
 
-    /// Places of the runs that the journal lacks.
+    /// Numbers of the runs that the journal lacks.
     fn pending(&self) -> Raises<Vec<usize>> {
         let journal = lock(&self.journal);
         let journal = journal.as_ref().ok_or_else(over)?;
@@ -151,7 +151,7 @@ impl Sweep {
         ))
     }
 
-    /// Where workers write time series, and how; `None` where none are kept.
+    /// Folder and format of the time series that workers write; `None` where no series are kept.
     fn time_series(&self) -> Option<(String, &'static str)> {
         let how = match self.plan.sweep.time_series {
             KeepTimeSeries::None => return None,
@@ -163,7 +163,7 @@ impl Sweep {
         Some((place.display().to_string(), how))
     }
 
-    /// Takes the record of run `k` from a worker, and keeps it.
+    /// Stores the record of run `k` from a worker.
     fn accept(&self, k: usize, record: &str) -> Raises<()> {
         let mut record: RunRecord = serde_json::from_str(record)?;
         let planned = self.plan.runs.get(k).ok_or_else(over)?;
@@ -197,7 +197,7 @@ impl Sweep {
             .map_or(Ok(()), |journal| Ok(journal.remove()?))
     }
 
-    /// Lets go of the journal, whose runs stay; an empty one goes.
+    /// Closes the journal and keeps its runs; removes an empty journal. Returns the number of its runs.
     fn close(&self) -> Raises<usize> {
         let Some(journal) = lock(&self.journal).take() else {
             return Ok(0);
@@ -209,7 +209,7 @@ impl Sweep {
         Ok(kept)
     }
 
-    /// The results as columns: (name, values), numbers or texts, `None` where there is none.
+    /// Results as columns: (name, values), numbers or texts, `None` where there is no value.
     fn columns<'py>(&self, py: Python<'py>) -> Raises<Vec<(String, Bound<'py, PyAny>)>> {
         let table = sweeps::results(&self.plan, &self.records()?);
         let each = table.columns.into_iter().map(|column| {

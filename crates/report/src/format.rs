@@ -126,7 +126,7 @@ pub fn bounded(value: f64, uncertainty: Option<f64>) -> (String, String) {
     let text = if digits >= 5 {
         figure(value)
     } else if (-3..6).contains(&first) {
-        // By decimals: rounding may add a digit in front.
+        // Decimals of the uncertainty, not significant digits: rounding may add a digit in front.
         minus(&format!("{value:.*}", (-last).max(0) as usize))
     } else {
         significant(value, digits.max(1) as usize)

@@ -1,4 +1,4 @@
-//! The report: what studies found, as one self-contained HTML page and as text for terminals.
+//! Reports on the results of studies: a self-contained HTML page, and text for terminals.
 //!
 //! ```text
 //!  outcome of a study ─> pages (a file or folder a study) ─> study (tiles, facts, tables, charts) ─> one HTML file

@@ -7,7 +7,7 @@ use pinwheel_files::output::escape;
 use crate::COLOURS;
 use crate::format::significant;
 
-/// Markup of the bar. A part is as long as its share, and the list below names all of them, however short they are.
+/// Returns the markup of the bar. The length of a part is its share. The list below names every part, however short.
 #[must_use]
 pub fn stack(caption: &str, parts: &[(&str, f64)]) -> String {
     let (mut bar, mut names) = (String::new(), String::new());

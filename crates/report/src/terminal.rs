@@ -6,11 +6,11 @@ use pinwheel_timeseries::table::{Column, Mark, Table};
 use crate::study::Fact;
 use crate::table;
 
-/// Titles.
+/// Style of titles.
 pub const TITLE: Style = Style::new().bold();
-/// Verdicts that hold.
+/// Style of verdicts that hold.
 pub const GOOD: Style = AnsiColor::Green.on_default();
-/// Verdicts that do not.
+/// Style of verdicts that do not hold.
 pub const BAD: Style = AnsiColor::Red.on_default().bold();
 /// Style of a verdict that nothing confirms.
 pub const OPEN: Style = AnsiColor::Yellow.on_default().bold();
@@ -129,7 +129,7 @@ fn lines_within(rows: &[Vec<Cell>], room: usize) -> String {
 #[must_use]
 pub fn table(table: &Table) -> String {
     let aligned = |column: &Column, text: String, style| Cell {
-        // What a page sets as code stands by itself here.
+        // Backticks mark code on a page; a terminal shows the code without them.
         text: text.replace('\u{202f}', " ").replace('`', ""),
         style,
         right: column.values.is_numeric(),

@@ -30,9 +30,9 @@ pub(crate) struct Limit {
     pub(crate) metric: Metric,
     /// The limit itself.
     pub(crate) limit: f64,
-    /// What was measured when it was set; `None` until then.
+    /// Measured value when the limit was set; `None` before that.
     pub(crate) measured: Option<f64>,
-    /// Why it is what it is.
+    /// Reason for the limit.
     pub(crate) reason: &'static str,
 }
 
@@ -58,10 +58,10 @@ macro_rules! rows {
     };
 }
 
-/// The columns that every engine of a gearbox records.
+/// Columns that every engine of a gearbox records.
 const CONTRACT: &str = "*_sleeve_force_n|input_torque_n_m|output_torque_n_m|output_angle_rad";
 
-/// These, and the channels that follow the forces as closely (measured: nowhere twice as far apart).
+/// Columns of [`CONTRACT`], and the channels that follow the forces as closely (measured: nowhere twice as far apart).
 /// Not among them are what divides by a power that passes through zero (efficiency), small differences
 /// of large numbers (relative velocities, losses, the shafts' bearings between discs in phase), counts,
 /// and friction on single pairs.
@@ -69,7 +69,7 @@ const FOLLOWING: &str = "*_sleeve_force_n|input_torque_n_m|output_torque_n_m|out
      eccentric_bearing_*|*_pin_force_*|input_power_w|wheel_*_penetration_m|wheel_*_stiffness_n_m15|\
      wheel_*_contact_x_m|wheel_*_contact_y_m|wheel_*_normal_force_n";
 
-/// The table. Columns: track, engine, its largest step, against, its largest step, friction,
+/// Table of limits. Columns: track, engine, its largest step, against, its largest step, friction,
 /// window, quantity, metric, limit, measured; then the reason.
 pub(crate) const TABLE: &[Limit] = rows! {
     // Native formulations against each other.

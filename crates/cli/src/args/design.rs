@@ -102,7 +102,7 @@ fn ratio(typed: &str) -> Result<f64, String> {
     ratio.ok_or_else(|| "write a number from 2 to 999: 39 is 39:1".to_owned())
 }
 
-/// By their names, which the help lists.
+/// Parser of a material by its name; the help lists the names.
 fn materials() -> impl TypedValueParser<Value = Material> {
     let names = MATERIALS.iter().map(|material| material.name);
     PossibleValuesParser::new(names).try_map(|name| {

@@ -29,13 +29,14 @@ use crate::folder::Folder;
 use crate::loopback::{self, Answer, Question, locked};
 use crate::{interrupt, screen};
 
-/// Where the page is, if nothing else is there.
+/// Port of the page, unless another program uses it.
 const PORT: u16 = 7347;
 /// Header with the key that a page has from the answer to its token.
 const KEY: &str = "X-Pinwheel-Key";
-/// How often an interrupt is looked for.
+/// Interval between two checks for an interrupt.
 const TICK: Duration = Duration::from_millis(200);
-/// How long a run waits for its balances. Where they were late some runs go without: a hand feels what they cost.
+/// Longest time that a run waits for its balances. After late balances some runs go without, because the delay can be felt at
+/// the sliders.
 const PATIENCE: Duration = Duration::from_millis(32);
 /// Runs that go without balances: so many from now on, and so many after these are late once more.
 #[derive(Clone, Copy)]
@@ -64,10 +65,10 @@ impl Without {
     }
 }
 
-/// Balances that were not waited for.
+/// Answer for balances that were not waited for.
 const LATE: Value = Value::Null;
 
-/// How a comparison stands: told while it runs, then its page.
+/// State of a comparison: its progress while it runs, then its page.
 #[derive(Default)]
 struct Compared {
     running: bool,
@@ -77,15 +78,15 @@ struct Compared {
     work: Option<JoinHandle<()>>,
 }
 
-/// Who is answered.
+/// Client that gets answers.
 enum Entry {
-    /// The one browser that used the token, by its cookie.
+    /// Browser that used the token, by its cookie.
     Browser {
         token: Mutex<Option<String>>,
         cookie: String,
         key: String,
     },
-    /// Who has this beginning of every path.
+    /// Any client that has this beginning of every path.
     Frame(String),
 }
 
@@ -132,7 +133,7 @@ impl Entry {
     }
 }
 
-/// A gear whose balances are asked for, what stops them, and who waits.
+/// Gear whose balances are wanted, the flag that stops the computation, and the receiver of the result.
 type Beside = (
     Arc<Gearbox>,
     Arc<AtomicBool>,
@@ -145,7 +146,7 @@ fn balances_beside() -> mpsc::Sender<Beside> {
     let (asks, asked) = mpsc::channel::<Beside>();
     std::thread::spawn(move || {
         for (gearbox, stop, tells) in asked {
-            // Who asked may be gone.
+            // The receiver may be gone.
             let _ = tells.send(live::balances(&gearbox, false, &stop));
         }
     });
@@ -156,16 +157,16 @@ struct Explorer {
     spec: String,
     /// Overrides of the user, for scenes that are saved and compared.
     sets: Vec<Override>,
-    /// With a start in balance, for what is looked at.
+    /// Overrides of the user and a start in balance, for the scene that the page shows.
     settled: Vec<Override>,
     /// Span of the motion as the scene's page has it, s.
     span_s: Mutex<f64>,
     /// `127.0.0.1:PORT`.
     host: String,
     entry: Entry,
-    /// Which page's balances are computed, and what stops them once it asks for newer ones.
+    /// Page whose balances are computed, and the flag that stops them once the page asks for newer ones.
     balancing: Mutex<(String, Arc<AtomicBool>)>,
-    /// Takes the balances that go with a run.
+    /// Channel to the thread that computes the balances beside a run.
     beside: mpsc::Sender<Beside>,
     without: Mutex<Without>,
     compared: Mutex<Compared>,
@@ -238,7 +239,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// On the port that is asked for; otherwise on the usual one, so that the browser's store is the same again, or on any.
+/// Listens on the given port; otherwise on the usual one, so that the browser's store is the same again, or on any.
 fn listen(port: Option<u16>) -> Result<TcpListener, Failure> {
     let listener = match port {
         Some(port) => loopback::bind(port),
@@ -265,7 +266,7 @@ fn entrance(address: &str) -> std::io::Result<tempfile::NamedTempFile> {
     Ok(file)
 }
 
-/// 128 bits that nobody can guess.
+/// Returns 128 random bits that nobody can guess.
 fn secret() -> Result<String, Failure> {
     let mut bytes = [0; 16];
     getrandom::fill(&mut bytes).map_err(|error| {
@@ -274,7 +275,7 @@ fn secret() -> Result<String, Failure> {
     Ok(bytes.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
-/// Cookies know no ports: two of these programs share none.
+/// Returns the cookie's name, with the port in it: cookies know no ports, and two of these programs must share none.
 fn cookie_name(host: &str) -> String {
     format!("pinwheel-{}", host.rsplit(':').next().unwrap_or_default())
 }
@@ -322,7 +323,7 @@ impl Explorer {
             return Err(refused("another host was asked for"));
         }
         let path = self.entry.admit(question)?;
-        // What asks for balances says which page it is.
+        // A request for balances names its page.
         let (path, tab) = path.split_once('?').unwrap_or((path, ""));
         match question.method.as_str() {
             "GET" => match path {
@@ -372,7 +373,7 @@ impl Explorer {
         let without = *locked(&self.without);
         let hears = (without.left == 0).then(|| {
             let (tells, hears) = mpsc::channel();
-            // Where the thread has ended they are late.
+            // If the thread has ended, the balances count as late.
             let _ = self
                 .beside
                 .send((Arc::clone(&gearbox), Arc::clone(&stop), tells));
@@ -416,7 +417,7 @@ impl Explorer {
         Ok(told(&balanced(found)))
     }
 
-    /// Gives up the balances of a page that are under way; `stop` stops those that it asks for now.
+    /// Cancels the running balances of a page; `stop` cancels the balances that the page asks for now.
     fn newest(&self, tab: &str, stop: &Arc<AtomicBool>) {
         let own = (tab.to_owned(), Arc::clone(stop));
         let (before, running) = std::mem::replace(&mut *locked(&self.balancing), own);
@@ -444,7 +445,7 @@ impl Explorer {
             }
         };
         file.write_all(text.as_bytes()).map_err(|error| {
-            // What is there of it is ours.
+            // The incomplete file is our own.
             let _ = std::fs::remove_file(&name);
             plain(500, format!("{name}: {error}"))
         })?;
@@ -476,7 +477,7 @@ impl Explorer {
         Ok(told(&json!({})))
     }
 
-    /// When the scene's file was written, and how a comparison stands.
+    /// Returns the time of the scene's file and the state of the comparison.
     fn status(&self) -> Value {
         let written = std::fs::metadata(&self.spec).and_then(|file| file.modified());
         let since = written.map(|time| {
@@ -499,11 +500,11 @@ impl Explorer {
         }
     }
 
-    /// The page of a comparison, and its folder.
+    /// Computes a comparison; returns its page and its folder.
     fn compared(&self, scene: &CheckedScene) -> Result<(String, String), Failure> {
         let gearbox = Gearbox::new(scene).map_err(Failure::input)?;
         let engines = choice::engines(&[] as &[&str], scene)?;
-        // Never in the place of what `compare` wrote for the file itself.
+        // The name differs from that of `compare`, whose results for the file must stay.
         let name = format!("{}-explored-compare", args::label(&self.spec));
         let out = Path::new("out").join(name);
         let folder = Folder::prepare(&out, false)?;

@@ -1,4 +1,4 @@
-//! Whole states of a unit: kept, gone back to, written as bytes.
+//! Complete states of a unit: saving, restoring, and their form as bytes.
 
 use std::ptr;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -12,14 +12,14 @@ impl Kept {
     }
 }
 
-/// A state of this unit.
+/// Returns a saved state of this unit.
 fn kept(component: Component, state: State) -> Result<Arc<Kept>, Refusal> {
     let found = STATES.find(state);
     let own = found.filter(|kept| kept.of == component.addr());
     own.ok_or_else(|| Refusal("the state is none of this unit: null, freed, or made up".into()))
 }
 
-/// Puts bytes into a state that is there, or into a new one.
+/// Stores bytes in an existing state, or in a new one.
 fn keep(component: Component, bytes: Vec<u8>, place: &mut State) -> Result<(), Refusal> {
     if place.is_null() {
         *place = STATES.open(Kept {
@@ -45,7 +45,7 @@ pub unsafe extern "C" fn fmi2GetFMUstate(component: Component, state: *mut State
     })
 }
 
-/// Goes back to a state.
+/// Restores a saved state.
 #[unsafe(no_mangle)]
 pub extern "C" fn fmi2SetFMUstate(component: Component, state: State) -> c_int {
     on(component, |unit| {
@@ -53,7 +53,7 @@ pub extern "C" fn fmi2SetFMUstate(component: Component, state: State) -> c_int {
     })
 }
 
-/// Frees a state; null is no fault.
+/// Frees a state; null is permitted.
 ///
 /// # Safety
 /// As [`fmi2GetFMUstate`].
@@ -72,7 +72,7 @@ pub unsafe extern "C" fn fmi2FreeFMUstate(component: Component, state: *mut Stat
     })
 }
 
-/// Bytes that a state takes.
+/// Writes the size of a state, bytes.
 ///
 /// # Safety
 /// `size`: null or a place.

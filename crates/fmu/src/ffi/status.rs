@@ -1,17 +1,17 @@
-//! Status of a step: all are done when their call returns.
+//! Status of a step. Steps are complete when their call returns.
 
 use std::ffi::{c_char, c_int};
 
 use super::{Component, Instance, null, on};
 
-/// `fmi2Discard` of `fmi2Status`: nothing to tell.
+/// `fmi2Discard` of `fmi2Status`: the status asked for does not exist.
 const DISCARD: c_int = 2;
 /// `fmi2LastSuccessfulTime` of `fmi2StatusKind`.
 const LAST_SUCCESSFUL_TIME: c_int = 2;
 /// `fmi2Terminated` of `fmi2StatusKind`.
 const TERMINATED: c_int = 3;
 
-/// Functions of steps that are under way, of which there are none.
+/// Functions on the status of pending steps; there are no pending steps.
 macro_rules! of_no_step {
     ($($function:ident($value:ty);)*) => {$(
         /// There is none.
@@ -28,7 +28,7 @@ of_no_step! {
     fmi2GetStringStatus(*mut *const c_char);
 }
 
-/// Writes what is known of a unit, if it is what is asked for.
+/// Writes a value of the unit, if its kind is the kind asked for.
 ///
 /// # Safety
 /// `value`: null or a place.
@@ -49,7 +49,7 @@ unsafe fn tell<T>(
     })
 }
 
-/// The time of the last step that went well.
+/// Writes the time of the last successful step, s.
 ///
 /// # Safety
 /// `value`: null or a place.
@@ -64,7 +64,7 @@ pub unsafe extern "C" fn fmi2GetRealStatus(
     unsafe { tell(component, known, value, |unit| unit.time_s()) }
 }
 
-/// The unit never wants to end a simulation.
+/// Writes false: the unit never asks for the end of a simulation.
 ///
 /// # Safety
 /// `value`: null or a place.

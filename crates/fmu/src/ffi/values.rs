@@ -59,7 +59,7 @@ unsafe fn set<T: Copy>(
     })
 }
 
-/// Values of Reals.
+/// Returns values of Real variables.
 ///
 /// # Safety
 /// `references` and `values`: null or of `count`.
@@ -74,7 +74,7 @@ pub unsafe extern "C" fn fmi2GetReal(
     unsafe { get(component, references, count, values, Instance::real) }
 }
 
-/// Values of Booleans.
+/// Returns values of Boolean variables.
 ///
 /// # Safety
 /// As [`fmi2GetReal`].
@@ -93,7 +93,7 @@ pub unsafe extern "C" fn fmi2GetBoolean(
     }
 }
 
-/// Sets Reals.
+/// Sets values of Real variables.
 ///
 /// # Safety
 /// As [`fmi2GetReal`].
@@ -108,7 +108,7 @@ pub unsafe extern "C" fn fmi2SetReal(
     unsafe { set(component, references, count, values, Instance::set_real) }
 }
 
-/// Sets Booleans.
+/// Sets values of Boolean variables.
 ///
 /// # Safety
 /// As [`fmi2GetReal`].
@@ -161,7 +161,7 @@ pub extern "C" fn fmi2GetDirectionalDerivative(
     none(component, "fmi2GetDirectionalDerivative", 1)
 }
 
-/// First derivatives of inputs over the next step.
+/// Sets the first derivatives of inputs over the next step.
 ///
 /// # Safety
 /// Arrays: null or of `count`.

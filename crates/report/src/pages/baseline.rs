@@ -19,7 +19,7 @@ type Moved<'a> = (&'a CaseCheck, &'a QuantityCheck);
 #[must_use]
 pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -> String {
     let moved = moved(check);
-    // What is worse is read, what passed is folded.
+    // Entries that got worse stand open; entries that passed are folded.
     let bad = |verdict: Verdict| verdict == Verdict::Worse;
     let passed = check.cases.iter().filter(|case| !bad(case.verdict)).count();
     let all = cases_table("Every scene by every solver", check.cases.iter());

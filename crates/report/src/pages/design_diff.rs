@@ -181,7 +181,7 @@ fn change(row: &Diff) -> String {
     }
 }
 
-/// Unit and factor of both values: those that people use for the larger.
+/// Returns unit and factor for both values of a row: the readable unit of the larger value.
 fn scaled(row: &Diff) -> (String, f64) {
     let sizes = row.values.iter().flatten().map(|v| v.abs());
     format::readable_unit(&row.def.unit, sizes.fold(0.0, f64::max))
@@ -331,7 +331,7 @@ fn curves(found: &DesignDiff) -> Section {
     Section::new("curves", "Side by side").with(charts)
 }
 
-/// Both in motion, over the time that both run.
+/// Section with both designs in motion, over the time that both run.
 fn motion(found: &DesignDiff) -> Option<Section> {
     let motion = animation::beside(&found.motion)?;
     Some(Section::new("motion", "Motion").with(motion))

@@ -47,7 +47,7 @@ fn shown(line: &Line) -> String {
 fn figures(explanation: &Explanation<'_>, forces: bool) -> Vec<[String; 3]> {
     let lines = explanation.derived.lines(explanation.scene);
     let of = |line: &&Line| line.unit.starts_with('N') == forces;
-    // Without backlash there is no play to speak of.
+    // Without backlash the play is 0, and its line is left out.
     let there = |line: &&Line| line.unit != "rad" || line.value != 0.0;
     let row = |line: &Line| [line.what.to_owned(), shown(line), line.how.to_owned()];
     lines.iter().filter(of).filter(there).map(row).collect()

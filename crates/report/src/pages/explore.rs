@@ -25,7 +25,7 @@ use crate::pages::design::is_headline;
 struct Slider {
     key: &'static str,
     label: &'static str,
-    /// Its unit, and how many of it are one of the key's own.
+    /// Unit of the slider, and the number of this unit in one unit of the key.
     unit: (&'static str, f64),
     /// Ends as shares of the scene's value.
     shares: [f64; 2],
@@ -58,7 +58,7 @@ sliders! {
     CLEARANCE, "Eccentric bearing's clearance", UM, [0.0, 4.0], [0.0, 20.0];
 }
 const CLEARANCE: &str = "bearings.eccentric.clearance_m";
-/// Its slider counts decades and ends at a rigid bearing, which is no key at all.
+/// Key of the eccentric bearing's stiffness. Its slider counts decades and ends at a rigid bearing, for which the key is absent.
 const STIFFNESS: &str = "bearings.eccentric.stiffness_n_m";
 /// Table of that bearing, and its keys that a stated stiffness takes the place of.
 const BEARING: &str = "bearings.eccentric";
@@ -79,7 +79,7 @@ const SEEN: f64 = 0.1;
 const STRIDE: f64 = 2.0;
 /// Samples of a state's turn.
 const SAMPLES: f64 = 120.0;
-/// The word of the load's balance at the start: a state is looked at without its start-up.
+/// Override that starts in the load's balance: the explorer shows a state without its start-up.
 const START: &str = "drive.start=equilibrium";
 
 /// Values of a state: keys with what a slider gives them, as `--set` takes it.
@@ -111,7 +111,7 @@ pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedSc
         Some(value) => {
             let exponent = BearingLaw::of(&scene).map(|law| law.exponent);
             let bearing = bearing.get_or_insert_default();
-            // It takes the place of rollers, and their exponent stays.
+            // A stated stiffness replaces the rollers; their exponent stays.
             (bearing.rollers, bearing.roller_length_m) = (None, None);
             bearing.exponent = exponent.filter(|p| *p != 1.0);
             bearing.stiffness_n_m = Some(value.parse().unwrap_or(f64::NAN));
@@ -350,7 +350,7 @@ pub fn settled(spec: &str, sets: &[Override]) -> Vec<Override> {
 
 fn sliders(scene: &Scene) -> Vec<Value> {
     let keys = serde_json::to_value(scene).unwrap_or_default();
-    // Those of cranks are an RV gear's alone.
+    // Sliders of the cranks exist only for an RV gear.
     let there = |one: &&Slider| !one.key.starts_with("cranks.") || scene.cranks.is_some();
     let found = SLIDERS.iter().filter(there).map(|one| {
         let path = format!("/{}", one.key.replace('.', "/"));

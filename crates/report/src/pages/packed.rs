@@ -1,8 +1,8 @@
-//! Time series in few bytes: rounded to what can be read, predicted, deflated, base64.
+//! Compact time series: rounded to the digits that can be read, predicted, deflated, in base64.
 //!
 //! A column is cut into blocks of [`BLOCK`] values. A block's values are integer multiples of a quantum, a power of two: of
 //! curves one for the whole column, of differences one for each block, so that a difference that decays by ten decades
-//! keeps its digits in all of them. What is sent is the distance of each value from its prediction, the continuation of a
+//! keeps its digits in every block. The page carries the distance of each value from its prediction, the continuation of a
 //! constant, a line or a parabola through the values before, as integers of variable length. Reader and writer
 //! compute the prediction from the same rounded values, so errors do not add up: no value is off by more than half a
 //! quantum of its block.
@@ -19,9 +19,9 @@ const TINY: f64 = 1e-280;
 /// Rounding of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Rounding {
-    /// To this many binary digits of the column's largest value.
+    /// Rounds to this many binary digits of the column's largest value.
     OfPeak(i32),
-    /// To this many binary digits of each block's root mean square.
+    /// Rounds to this many binary digits of each block's root mean square.
     OfBlock(i32),
 }
 
@@ -105,7 +105,7 @@ fn log2(value: f64) -> i32 {
 /// Each block's quantum as a power of two.
 fn exponents(values: &[f64], rounding: Rounding) -> Vec<i32> {
     let peak = values.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
-    // What is next to nothing has no quantum.
+    // A column that is practically zero has no quantum.
     if peak < TINY {
         return vec![0; values.len().div_ceil(BLOCK)];
     }
@@ -243,7 +243,7 @@ pub(crate) mod tests {
         for (a, b) in read.iter().zip(&wave) {
             assert!((a - b).abs() <= 0.5 * 64.0 / 65536.0, "{a} {b}");
         }
-        // As 32-bit floats it would be 32 000.
+        // Stored as 32-bit floats the column would take 32 000.
         assert!(size < 9000, "{size}");
     }
 

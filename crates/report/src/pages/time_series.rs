@@ -22,7 +22,7 @@ use crate::pages::packed::{Rounding, Writer};
 const BUDGET: usize = 1_180_000;
 /// Channels of one group that are always worth drawing before the budget is broken.
 const FEW_CHANNELS: usize = 4;
-/// Samples of a channel that are always worth keeping before channels are left out: two a pixel.
+/// Samples of a channel that are kept before channels are left out: two a pixel.
 const FEW_SAMPLES: usize = 2400;
 /// Binary digits of values, of the channel's largest.
 const VALUE_DIGITS: i32 = 16;
@@ -177,7 +177,7 @@ fn drawn<'a>(
     let Some(&(_, base)) = list.first() else {
         return Vec::new();
     };
-    // In the legend engines keep the order they were given in; only the first stays first.
+    // Engines keep their given order in the legend; only the first entry stays first.
     list[1..].sort_by_key(|(place, _)| *place);
     let mut drawn = Vec::new();
     for (place, participant) in list {
@@ -282,7 +282,7 @@ impl Plan {
         }
     }
 
-    /// Numbers of those of `count` channels that are drawn: evenly spaced, the first among them.
+    /// Returns the numbers of the drawn channels out of `count`: evenly spaced, the first among them.
     fn chosen(self, count: usize) -> Vec<usize> {
         let kept = count.min(self.channels);
         (0..kept).map(|k| k * count / kept).collect()
@@ -350,7 +350,7 @@ fn bands(comparison: &Comparison, drawn: &[Drawn<'_>], quantity: &str) -> Vec<(u
 }
 
 fn quantity(quantity: &Quantity, drawn: &[Drawn<'_>], plan: Plan) -> ChartQuantity {
-    // What was measured is always there.
+    // A measured channel is always drawn.
     let measured = |name: &String| {
         let rig = |d: &&Drawn<'_>| d.participant.track == SharedModel::Measured;
         let has = |d: &Drawn<'_>| d.participant.time_series.channel(name).is_some();

@@ -49,7 +49,7 @@ impl Chart {
 pub struct Axis {
     /// Name and unit, e.g. `Time (s)`.
     pub label: String,
-    /// Logarithmic: values that are not positive are left out.
+    /// True for a logarithmic axis: values that are not positive are left out.
     pub log: bool,
 }
 
@@ -77,7 +77,7 @@ impl Axis {
 pub struct Series {
     /// Name in the legend.
     pub label: String,
-    /// Its style.
+    /// Style of the curve.
     pub style: Style,
     /// Horizontal values.
     pub x: Vec<f64>,
@@ -85,8 +85,8 @@ pub struct Series {
     pub y: Vec<f64>,
     /// Labels of the points for a reader who points at one (e.g. its step); empty, or as many as values.
     pub tags: Vec<String>,
-    /// Colour and dash, if not those of the place in the list: curves of one thing in several
-    /// charts share it.
+    /// Number of colour and dash, if not those of the curve's place in the list: curves of one thing in several
+    /// charts share a colour.
     pub colour: Option<usize>,
 }
 
@@ -150,7 +150,7 @@ pub(super) fn json(chart: &Chart) -> Value {
     json!({ "title": chart.title, "x": chart.x, "y": chart.y, "grids": grids, "series": series })
 }
 
-/// Values with rising `x`, because the plotting library asks for it; those without a finite `x`
+/// Returns the points of a curve with rising `x`, as the plotting library requires. Points without a finite `x`
 /// are left out.
 fn ordered(series: &Series) -> (Vec<f64>, Vec<f64>, Vec<&str>) {
     let count = series.x.len().min(series.y.len());

@@ -57,7 +57,7 @@ pub struct Study {
     pub command: String,
     /// Blocks below the command and the versions.
     pub appendix: Vec<Block>,
-    /// When it was made, for the foot of the page; `None` keeps the page the same byte for byte.
+    /// Time at which the page was made, for its foot; `None` keeps the page the same byte for byte.
     pub made: Option<String>,
     /// Versions of the program and its parts, e.g. (`pinwheel`, `0.1.0`).
     pub versions: Vec<(String, String)>,
@@ -81,11 +81,11 @@ pub struct Verdict {
 pub enum Tone {
     /// All that is asked for holds.
     Good,
-    /// Something does not.
+    /// Something that is asked for does not hold.
     Bad,
-    /// Nothing was to hold: a finding.
+    /// A finding: there was no condition to meet.
     Neutral,
-    /// Nothing was shown.
+    /// No conclusion: the study showed nothing either way.
     Open,
 }
 
@@ -104,9 +104,9 @@ pub struct Tile {
     pub label: String,
     /// The figure, formatted (see [`crate::format`]).
     pub value: String,
-    /// Its unit, or empty.
+    /// Unit of the figure, or empty.
     pub unit: String,
-    /// Its bounds, or what it compares with.
+    /// Bounds of the figure, or the value that it is compared with.
     pub detail: String,
 }
 
@@ -200,9 +200,9 @@ pub enum Block {
         /// Blocks behind the line.
         blocks: Vec<Block>,
     },
-    /// One of a list, folded.
+    /// Entry of a list that folds.
     Item(Item),
-    /// A table that the page's script makes when its line is opened: nobody reads all of them.
+    /// Table that the page's script makes once its line is opened, because few readers open every table.
     Later {
         /// The line.
         summary: String,
@@ -232,7 +232,7 @@ pub struct Fact {
     pub label: String,
     /// The answer.
     pub text: String,
-    /// Its mark.
+    /// Mark of the answer.
     pub mark: Mark,
 }
 
@@ -247,14 +247,14 @@ impl Fact {
     }
 }
 
-/// One of a list: its name, what it amounts to, and behind that all the rest.
+/// Entry of a list that folds: its name, its verdict, and the details behind it.
 #[derive(Debug, Clone, Default)]
 pub struct Item {
     /// Anchor.
     pub id: String,
     /// Name.
     pub name: String,
-    /// Its mark.
+    /// Mark of the verdict.
     pub mark: Mark,
     /// Verdict in words.
     pub said: String,

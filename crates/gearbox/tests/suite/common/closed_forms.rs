@@ -16,16 +16,16 @@ use pinwheel_scene::Gear;
 /// One disc at zero clearance on linear springs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LinearMesh {
-    /// e, m.
+    /// Eccentricity e, m.
     pub eccentricity: f64,
-    /// zk.
+    /// Number zk of ring pins.
     pub sleeves: usize,
-    /// m.
+    /// Shortening m of the profile, dimensionless.
     pub shortening: f64,
 }
 
 impl LinearMesh {
-    /// The mesh of a gear.
+    /// Returns the mesh of a gear.
     pub(crate) fn of(gear: &Gear) -> Self {
         Self {
             eccentricity: gear.eccentricity_m,
@@ -63,7 +63,7 @@ impl LinearMesh {
         sum
     }
 
-    /// Largest force of any pin at each of `positions` poses over one pitch: (least, largest) of these, N.
+    /// Largest force of any pin at each of `positions` poses over one pitch: returns its least and largest value, N.
     pub(crate) fn peak(&self, torque: f64, positions: usize) -> (f64, f64) {
         let pitch = TAU / self.sleeves as f64;
         (0..positions)
@@ -84,14 +84,14 @@ impl LinearMesh {
 /// ring pins and on the same side: a disc is pressed inward by these and towards the gear's centre by those.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LinearOutput {
-    /// rw, m.
+    /// Radius rw of the circle of output pins, m.
     pub circle_radius: f64,
-    /// zi.
+    /// Number zi of output pins.
     pub sleeves: usize,
 }
 
 impl LinearOutput {
-    /// The output stage of a gear.
+    /// Returns the output stage of a gear.
     pub(crate) fn of(gear: &Gear) -> Self {
         Self {
             circle_radius: gear.internal_circle_radius_m,
@@ -110,7 +110,7 @@ impl LinearOutput {
     }
 }
 
-/// The torque shared by the levers that are positive.
+/// Shares the torque among the pins whose lever is positive.
 fn shared(levers: impl Iterator<Item = f64>, torque: f64) -> Vec<f64> {
     let levers: Vec<f64> = levers.map(|l| l.max(0.0)).collect();
     let sum: f64 = levers.iter().map(|l| l * l).sum();

@@ -54,7 +54,7 @@ pub(crate) struct Animation {
 fn gear_json(scene: &Scene) -> Value {
     let gear = &scene.gear;
     let mm = |metres: f64| 1e3 * metres;
-    // To a tenth of a nanometre.
+    // Coordinates rounded to a tenth of a nanometre.
     let place = |[x, y]: [f64; 2], radius: f64| [x, y, radius].map(|v| (1e10 * v).round() * 1e-7);
     let outer = |j| {
         place(
@@ -334,7 +334,7 @@ mod tests {
             assert_eq!(magnified(largest, 1.04), times, "{largest}");
         }
         assert_eq!(magnified(0.0, 1.0), 1.0);
-        // Of the packed channels the last are the offsets, and a scene without bearings has none.
+        // The offsets are the last of the packed channels. A scene without bearings has no offsets.
         let mut scene = scene();
         let mut series = time_series();
         for axis in ["x", "y"] {

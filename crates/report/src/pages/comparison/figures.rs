@@ -59,7 +59,7 @@ pub(super) fn figures(found: &Outcome) -> Vec<Figure> {
     let loads = loads.filter(|q| q.is_load() && q.name != quantities::OUTPUT_TORQUE);
     let loads = loads.filter_map(|quantity| load(found, best, window, quantity));
     let mut figures: Vec<Figure> = loads.collect();
-    // What bears the load first.
+    // Figures of force come first: they name the parts that bear the load.
     figures.sort_by_key(|figure| figure.def.unit != "N");
     figures.extend(efficiency(best, window));
     figures

@@ -1,4 +1,4 @@
-//! Which stage of an engine differs, in words and in depth.
+//! Stages in which an engine differs: a sentence on each, and its details.
 
 use crate::study::{Axis, Block, Chart, Fact, Section, Series, Style};
 use pinwheel_studies::comparison::Outcome;

@@ -19,8 +19,8 @@ use super::figures::{figures, window};
 use super::words;
 use crate::pages::band;
 
-/// The answer on one screen at most, without the place of the page. Notes on measured data, then reasons why engines were left out,
-/// are shortened until it fits; [`details`] has all of them.
+/// Returns the answer on one screen at most, without the place of the page. Notes on measured data are shortened until it fits,
+/// then the reasons why engines were left out. [`details`] has every note and reason.
 #[must_use]
 pub fn text(scene: &Scene, found: &Outcome) -> String {
     let answer = Answer::new(found, share);
@@ -40,7 +40,7 @@ pub fn text(scene: &Scene, found: &Outcome) -> String {
         .unwrap_or(shortest)
 }
 
-/// The answer with so many notes on measured data, and so many reasons why engines were left out.
+/// Returns the answer with the given numbers of notes on measured data and of reasons why engines were left out.
 fn with_notes(
     scene: &Scene,
     answer: &Answer<'_>,
@@ -93,7 +93,7 @@ fn with_notes(
 /// Lines of a screen.
 const SCREEN: usize = 30;
 
-/// Every figure and every verdict.
+/// Returns the text with every figure and every verdict.
 #[must_use]
 pub fn details(found: &Outcome) -> String {
     let comparison = &found.comparison;
@@ -209,7 +209,7 @@ fn measured(comparison: &Comparison) -> Table {
         .done()
 }
 
-/// Pairs that are listed one by one, those that differ before those with something to act on.
+/// Number of pairs that are listed one by one. Pairs that differ come before pairs with something to act on.
 const LISTED: usize = 5;
 
 /// Table of pairs: what they share, how often each verdict occurs, and the gravest one; then pairs with something to

@@ -113,7 +113,7 @@ fn map(atlas: &Atlas, caption: &str, shown: fn(&Cell) -> Place) -> Table {
     let rows: Vec<_> = atlas.done().collect();
     let mut table = Table::of(caption, &rows).text("", "Scene", |row| &row.scene);
     for (k, method) in atlas.options.methods.iter().enumerate() {
-        // Of a scene that was refused the first place says why.
+        // The first place of a refused scene shows the reason.
         let place = |row: &&&SceneRow| match (row.cells.get(k), &row.refused) {
             (Some(cell), _) => shown(cell),
             (None, Some(reason)) if k == 0 => Place::marked(reason, Mark::Bad),
