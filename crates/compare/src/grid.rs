@@ -43,7 +43,7 @@ pub(crate) fn common<'a>(
     }
 }
 
-/// Rows of `whole` at the times of `part`; `None` if one is missing.
+/// Returns the rows of `whole` at the times of `part`; `None` if a time is missing in `whole`.
 fn rows_of(part: &TimeSeries, whole: &TimeSeries) -> Option<Vec<usize>> {
     rows_at(part.time_s(), whole.time_s()).collect()
 }

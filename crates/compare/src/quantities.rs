@@ -61,13 +61,13 @@ impl Quantity {
         self.is_force() || self.is_torque()
     }
 
-    /// In newtons.
+    /// Returns true for a quantity in newtons.
     #[must_use]
     pub fn is_force(&self) -> bool {
         self.unit == "N"
     }
 
-    /// In newton metres.
+    /// Returns true for a quantity in newton metres.
     #[must_use]
     pub fn is_torque(&self) -> bool {
         self.unit == "N m"

@@ -182,7 +182,7 @@ pub struct Evidence {
 /// Why no setting of the user's makes a participant's numbers sharper.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Final {
-    /// Plural name of such participants, e.g. `recordings`.
+    /// Plural name of participants of this kind, e.g. `recordings`.
     pub group: &'static str,
     /// The reason of this one.
     pub reason: String,

@@ -17,11 +17,11 @@ use crate::validation::Budget;
 pub enum Verdict {
     /// The difference is no larger than its bound.
     Agree,
-    /// It is larger.
+    /// Difference larger than the bound.
     Differ,
     /// The numerical uncertainty is too large, or not known: neither was shown.
     Inconclusive,
-    /// There is nothing to hold the difference against.
+    /// No bound exists with which the difference could be compared.
     NotCompared,
 }
 
@@ -38,7 +38,7 @@ impl Verdict {
     }
 }
 
-/// Kind of bound that a difference is held against.
+/// Kind of bound with which a difference is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Against {
@@ -70,7 +70,7 @@ impl Against {
 pub struct Assessment {
     /// The verdict.
     pub verdict: Verdict,
-    /// Kind of bound that the difference was held against.
+    /// Kind of bound with which the difference was compared.
     pub against: Against,
     /// Metric of the difference; `None` where nothing was measured.
     pub metric: Option<Metric>,
@@ -92,7 +92,7 @@ pub struct Assessment {
     /// The parts of a validation uncertainty, of measured data.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub budget: Option<Budget>,
-    /// Whose uncertainty is too large or not known.
+    /// Participant whose uncertainty is too large or not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub participant: Option<String>,
     /// Why: of what is inconclusive or not compared, of a limit and of a tolerance.
@@ -106,7 +106,7 @@ pub struct Assessment {
     /// Plural name of participants that can bring nothing sharper, e.g. `recordings`; empty for all others.
     #[serde(skip)]
     pub group: &'static str,
-    /// True if the verdict decides about its quantity; others are shown beside those that do.
+    /// True if the verdict decides about its quantity; other verdicts are shown for information.
     pub decides: bool,
 }
 
@@ -237,7 +237,7 @@ impl Assessment {
         }
     }
 
-    /// By [rank](Self::rank), and among equals by the share of the bound that is used.
+    /// Compares by [rank](Self::rank), and among equals by the share of the bound that is used.
     #[must_use]
     pub fn graver(&self, other: &Self) -> Ordering {
         let by_rank = self.rank().cmp(&other.rank());
@@ -330,7 +330,7 @@ impl<'a> Side<'a> {
     }
 }
 
-/// A difference in a metric of two sides, not held against anything yet.
+/// Makes the assessment of a difference in a metric of two sides, not yet compared with a bound.
 fn between(
     metric: Metric,
     difference: f64,

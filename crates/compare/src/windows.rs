@@ -14,7 +14,7 @@ pub const TRANSIENT_S: f64 = 0.05;
 /// Samples a window must hold: with fewer a mean square says nothing.
 pub const FEWEST_SAMPLES: usize = 10;
 
-/// Which part of the run.
+/// Kind of window: the part of the run that it covers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WindowKind {
@@ -23,7 +23,7 @@ pub enum WindowKind {
     Steady,
     /// The first fifth of the time in which the gear settles ([`TRANSIENT_S`] of [`SETTLING_S`]).
     Transient,
-    /// All of the run; only where it has no steady window.
+    /// Entire run; used only where the run has no steady window.
     Whole,
 }
 
@@ -42,7 +42,7 @@ impl WindowKind {
 /// A window that can be compared.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Window {
-    /// Which part.
+    /// Kind of window.
     pub kind: WindowKind,
     /// Start, s, included.
     pub from_s: f64,
@@ -75,9 +75,9 @@ impl Window {
 /// A window that cannot be compared.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AbsentWindow {
-    /// Which part.
+    /// Kind of window.
     pub kind: WindowKind,
-    /// Why it is not there.
+    /// Reason why the window is missing.
     pub reason: String,
 }
 

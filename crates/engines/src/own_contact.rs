@@ -22,9 +22,9 @@ pub enum OwnContact {
 
 /// Laws of balls that beds of springs follow as they are.
 const BALLS: [&str; 2] = ["paper", "paper-conservative"];
-/// By how much the ramp of the force, which springs do not have, is shortened.
+/// Factor by which the ramp of the force is shortened, because springs have no ramp.
 const RAMP: f64 = 1e-3;
-/// The shortest that a scene may have, m.
+/// Shortest ramp that a scene may have, m.
 const LEAST_RAMP_M: f64 = 1e-15;
 
 impl OwnContact {

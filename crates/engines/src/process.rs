@@ -23,14 +23,14 @@ const PATIENCE: Duration = Duration::from_millis(10);
 const GRACE: Duration = Duration::from_millis(300);
 /// Pieces of what a program says that wait to be heard at most: whoever says more waits, and takes no memory.
 const PIECES: usize = 16;
-/// How often those are looked for who left a group.
+/// Number of searches for processes that left the process group.
 #[cfg(target_os = "linux")]
 const ROUNDS: usize = 20;
 
 /// Cause of the end of a program.
 #[derive(Debug)]
 pub enum End {
-    /// By itself.
+    /// Program that ended by itself, with its exit status.
     Status(ExitStatus),
     /// The user stopped it.
     Cancelled,

@@ -133,7 +133,7 @@ pub enum Node<'t> {
     Table(Entries<'t>),
     /// A list; lines and texts are those of its values.
     List(Vec<Item<'t>>),
-    /// Neither.
+    /// Value that is neither a table nor a list.
     Plain(Value),
 }
 

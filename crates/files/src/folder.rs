@@ -54,7 +54,7 @@ pub enum FolderError {
         /// Why it is kept.
         reason: String,
     },
-    /// It cannot be written.
+    /// Output that cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
 }
@@ -177,7 +177,7 @@ impl Folder {
                 return Err(failed(error).into());
             }
             exchange(content, target).map_err(failed)?;
-            // Here nobody else can add to the earlier output, so it is looked at before it goes with the draft.
+            // Here nobody else can add to the earlier output, so it is inspected before it goes with the draft.
             if let Err(refused) = inspect(content, &self.shown, &self.request) {
                 if let Err(error) = exchange(content, target) {
                     let kept = self.draft.keep();

@@ -11,9 +11,9 @@ use serde::Serialize;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}: cannot be written: {reason}", path.display())]
 pub struct OutputError {
-    /// Which.
+    /// Path of the output that cannot be written.
     pub path: PathBuf,
-    /// Why.
+    /// Reason of the failure.
     pub reason: String,
 }
 

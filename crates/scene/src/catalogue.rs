@@ -187,7 +187,7 @@ pub fn first_stage(ratio: f64) -> Option<FirstStage> {
 }
 
 impl Catalogue {
-    /// Makes the scene.
+    /// Drafts a scene from the catalogue data; dimensions that are left open are suggested.
     ///
     /// # Errors
     /// Dimensions that cannot be built, or leave no room for those to be suggested; the message names the dimension.

@@ -49,7 +49,7 @@ pub enum Source {
     Base(String),
     /// A usual value, and why.
     Constant(&'static str),
-    /// By this formula.
+    /// Formula from which the value follows.
     Formula(&'static str),
 }
 

@@ -17,7 +17,7 @@ use crate::number::short;
 const PRESSURE_ANGLE_DEG: f64 = 20.0;
 
 impl Cranks {
-    /// rho, teeth of the sun over those of a planet.
+    /// Ratio rho: teeth of the sun over teeth of a planet.
     #[must_use]
     pub fn teeth_ratio(&self) -> f64 {
         self.sun_teeth as f64 / self.planet_teeth as f64

@@ -107,7 +107,7 @@ impl Errors {
         lengths + largest(phases) * gear.eccentricity_m
     }
 
-    /// By how much a gap between disc and ring pin is larger than nominal at most, m.
+    /// Largest amount by which a gap between disc and ring pin exceeds its nominal value, m.
     #[must_use]
     pub fn largest_of_mesh_m(&self, gear: &Gear) -> f64 {
         self.largest_m(gear, &["external", "eccentricity"])
@@ -215,7 +215,7 @@ impl Gear {
         TAU * wheel as f64 / self.wheels as f64 + entry(&self.errors.phase_rad, wheel)
     }
 
-    /// By how much crank `k` of an RV gear is out of phase, rad.
+    /// Phase error of crank `k` of an RV gear, rad.
     #[must_use]
     pub fn crank_phase_of_rad(&self, k: usize) -> f64 {
         entry(&self.errors.crank_phase_rad, k)

@@ -48,7 +48,7 @@ pub enum SceneError {
     NotFound {
         /// Text as typed.
         spec: String,
-        /// Nearest preset, or all of them.
+        /// Nearest preset, or the list of all presets.
         remedy: String,
     },
     /// The file cannot be read, or is neither TOML nor JSON.

@@ -11,7 +11,7 @@ use crate::model::Gear;
 use crate::number::short;
 use crate::profile::Profile;
 
-/// Points on the edge that are looked at between two corners when a chord is accepted.
+/// Points on the edge that are checked between two corners before a chord is accepted.
 const LOOKS: usize = 7;
 /// Halvings of half a lobe at most: a million chords.
 const HALVINGS: u32 = 20;

@@ -42,7 +42,7 @@ pub(crate) fn hole_to_profile_m(gear: &Gear) -> f64 {
     least
 }
 
-/// By how much the discs are turned whose common part a disc is, rad.
+/// Rotations of the turned discs whose common part is the modified disc, rad.
 fn flanks(gear: &Gear) -> impl Iterator<Item = f64> {
     let turn = gear.modification.rotational_rad;
     [turn, -turn]

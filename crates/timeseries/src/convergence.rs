@@ -215,7 +215,7 @@ pub struct Estimate {
     pub observed_order: Option<f64>,
     /// Order used.
     pub order: Option<f64>,
-    /// Factor of safety of the finest difference; those of coarser levels may have another.
+    /// Factor of safety of the finest difference; differences of coarser levels may have another factor.
     pub safety: Option<f64>,
 }
 
@@ -242,7 +242,7 @@ impl Estimate {
         }
     }
 
-    /// By how much the step (or tolerance) must fall for u to fall to `target`: at least 1; `None` where no
+    /// Factor by which the step (or tolerance) must fall for u to fall to `target`: at least 1; `None` where no
     /// refinement would do (rounding), or the order is not known.
     #[must_use]
     pub fn refinement_for(&self, target: f64) -> Option<f64> {

@@ -46,7 +46,7 @@ impl<'a> View<'a> {
         channels.map(Self::new)
     }
 
-    /// All forces of pins over the samples `window`.
+    /// Selects the forces of all pins over the samples `window`.
     #[must_use]
     pub fn forces(time_series: &'a TimeSeries, window: Range<usize>) -> Self {
         let groups = FORCES.iter().flat_map(|prefix| time_series.group(prefix));
@@ -65,7 +65,7 @@ impl<'a> View<'a> {
         &self.channels
     }
 
-    /// All values, channel by channel.
+    /// Iterates over all values, channel by channel.
     pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
         self.channels.iter().copied().flatten().copied()
     }
@@ -144,7 +144,7 @@ fn share(difference: Option<f64>, size: Option<f64>, least: f64) -> f64 {
     }
 }
 
-/// Rows of the increasing times `whole` at each of `times`; `None` where it has no such sample.
+/// Returns the row in the increasing times `whole` of each of `times`; `None` where `whole` has no sample at that time.
 pub fn rows_at<'a>(times: &'a [f64], whole: &'a [f64]) -> impl Iterator<Item = Option<usize>> + 'a {
     times.iter().map(|&time| {
         let after = whole.partition_point(|&t| t < time);

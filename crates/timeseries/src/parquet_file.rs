@@ -1,4 +1,4 @@
-//! Parquet in and out: typed columns, every digit, a tenth of the time of CSV to read back.
+//! Reading and writing of Parquet: typed columns, every digit, a tenth of the time of CSV to read back.
 //!
 //! One row group, no compression (codecs are the heavy part of the library), dictionary pages where
 //! values repeat. Numbers are doubles, whole numbers 64 bits, texts UTF-8; cells may be empty.
@@ -22,10 +22,10 @@ use crate::{TimeSeries, TimeSeriesError};
 /// Faults of Parquet files.
 #[derive(Debug, thiserror::Error)]
 pub enum ParquetFault {
-    /// It cannot be written, or is none.
+    /// Parquet file that cannot be written, or a file that is not Parquet.
     #[error("Parquet: {0}")]
     Parquet(#[from] parquet::errors::ParquetError),
-    /// It holds more than its reader asked for.
+    /// Parquet file with more rows than its reader allows.
     #[error("Parquet: {rows} rows, but there may be {most}")]
     Long {
         /// Rows that it says it has.
@@ -33,13 +33,13 @@ pub enum ParquetFault {
         /// Rows at most.
         most: usize,
     },
-    /// It was one, and the library does not get through what it became.
+    /// Damaged Parquet file, on which the library fails.
     #[error("Parquet: the file is damaged; write it anew")]
     Damaged,
-    /// It is one, but not of time series.
+    /// Parquet file that does not hold time series.
     #[error(transparent)]
     TimeSeries(#[from] TimeSeriesError),
-    /// It cannot be opened or made.
+    /// File that cannot be opened or created.
     #[error(transparent)]
     Io(#[from] std::io::Error),
 }
@@ -69,7 +69,7 @@ impl Table {
         let schema = Type::group_type_builder("table")
             .with_fields(fields.collect::<Result<_, _>>()?)
             .build()?;
-        // The same columns give the same bytes: no version of a library in the file.
+        // Equal columns give equal bytes: no library version is written into the file.
         let properties = WriterProperties::builder().set_created_by("pinwheel".to_owned());
         let mut writer =
             SerializedFileWriter::new(sink, Arc::new(schema), Arc::new(properties.build()))?;

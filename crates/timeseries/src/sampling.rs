@@ -84,7 +84,7 @@ const EMPTY: Interval = Interval {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Between {
     names: Vec<&'static str>,
-    /// By quantity and interval.
+    /// Interval data, indexed by quantity and interval.
     intervals: Vec<Vec<Interval>>,
     /// Points that are not settled yet and those before them that they need: times, which of them are samples, values by quantity.
     times: Vec<f64>,
@@ -165,7 +165,7 @@ impl Between {
             stencil.set(&self.times, i);
             let starts = self.samples[i];
             for (points, intervals) in self.points.iter().zip(&mut self.intervals) {
-                // What precedes the first sample has no interval.
+                // Points before the first sample have no interval.
                 if starts {
                     intervals.push(EMPTY);
                 }
@@ -388,7 +388,7 @@ fn vertex(at: &[f64; 5], values: [f64; 5], k: usize) -> (f64, f64, f64) {
     (place, least, (parabola - quartic).abs())
 }
 
-/// Figures of a quantity over a window, and what sampling leaves each of them off by.
+/// Figures of a quantity over a window, and the sampling error of each figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
     /// The figures.

@@ -213,7 +213,7 @@ impl Table {
         self
     }
 
-    /// The columns `names`, in that order; those that are not there are left out.
+    /// Returns a table of the columns `names`, in that order; names without a column are skipped.
     #[must_use]
     pub fn only(&self, names: &[&str]) -> Self {
         let columns = names.iter().filter_map(|name| self.column(name).cloned());
@@ -375,7 +375,7 @@ impl<R> TableOf<R> {
         column.shown(Shown::Digits(DIGITS))
     }
 
-    /// A column of whole numbers.
+    /// Adds a column of integers.
     #[must_use]
     pub fn whole<V: TryInto<i64>>(
         self,

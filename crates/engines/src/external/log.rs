@@ -24,7 +24,7 @@ const NOTES: usize = 20;
 pub const WORDS: usize = 300;
 /// Interval between checks of sizes.
 const LOOK: Duration = Duration::from_millis(100);
-/// Files looked at in a folder, and levels.
+/// Most files that are checked in a folder, and most levels of subfolders.
 const FILES: usize = 10_000;
 const LEVELS: usize = 8;
 

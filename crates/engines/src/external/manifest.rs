@@ -48,7 +48,7 @@ pub struct Manifest {
     /// Setting that makes the solver more accurate.
     #[serde(default)]
     pub refine: Option<Refinement>,
-    /// By how much its model is known to differ from the native one, per quantity.
+    /// Known difference between the solver's model and the native one, per quantity.
     #[serde(default)]
     pub model: BTreeMap<String, Stated>,
 }

@@ -31,7 +31,7 @@ const MOST_POINTS: usize = 16_000;
 /// Fewest and most points of a hole's edge: with the former chords are 0.3 micrometres deep in a hole of 8.8 mm.
 pub const HOLE_POINTS: usize = 400;
 const MOST_HOLE_POINTS: usize = 4000;
-/// By how much an outline should miss its curve, and by how much it may, as shares of the depth of contacts.
+/// Target and largest distance between an outline and its curve, as shares of the depth of contacts.
 const SAG: f64 = 0.01;
 const MOST_SAG: f64 = 0.05;
 
@@ -188,7 +188,7 @@ struct Solid {
     meetings: Vec<Meeting>,
 }
 
-/// Which colliders may meet: edges ring pins, and each hole its own pin.
+/// Collision groups: edges meet ring pins, and each hole meets its own pin.
 const EDGES: Group = Group::GROUP_1;
 const EXTERNALS: Group = Group::GROUP_2;
 const HOLES: Group = Group::GROUP_3;

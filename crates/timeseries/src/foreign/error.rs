@@ -6,7 +6,7 @@
 pub struct ForeignError(pub(super) String);
 
 impl ForeignError {
-    /// It cannot be read.
+    /// Makes the error of a file that cannot be read.
     pub fn unreadable(error: impl std::fmt::Display) -> Self {
         Self(format!(
             "cannot be read: {error}; give a text file of separated values"

@@ -1,4 +1,4 @@
-//! Onto the sample times of a run.
+//! Resampling of foreign time series to the sample times of a run.
 //!
 //! A sample of the file at a time of the run is taken unchanged. Elsewhere values come from
 //! the cubic through the four nearest samples (or the straight line). What that may cost is measured
@@ -17,7 +17,7 @@ use crate::norms::relative_l2;
 
 /// A time counts as the file's own within this share of its spacing: a rounding.
 const SAME: f64 = 1e-6;
-/// Spacings on each side that a gap is held against.
+/// Spacings on each side with which a gap is compared.
 const AROUND: usize = 4;
 /// A signal runs straight on across a gap if the slopes at both ends carry it past the other end by less than this share of
 /// its standard deviation.
@@ -28,7 +28,7 @@ const FEWEST: usize = 10;
 /// Foreign time series on the times of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resampled {
-    /// All times of the run; NaN where the file says nothing.
+    /// Time series at all sample times of the run; NaN where the file has no data.
     pub time_series: TimeSeries,
     /// Start and end of the part of the run that the file covers, s.
     pub covers_s: [f64; 2],
@@ -129,7 +129,7 @@ pub fn resample(
 /// Place of a time among samples.
 enum Place {
     At(usize),
-    /// In the interval that begins with this sample, at this time.
+    /// Inside the interval that begins with this sample, at this time.
     Between(usize, f64),
 }
 
