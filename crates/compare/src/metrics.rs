@@ -252,8 +252,8 @@ impl PairMetrics {
         }
     }
 
-    /// The difference of the means as [`Metric::Mean`], positive where the mean of `a` has the larger magnitude.
-    /// `None` if one of them is zero or they have opposite signs.
+    /// Returns the difference of the means as [`Metric::Mean`], positive where the mean of `a` has the larger magnitude.
+    /// `None` if one mean is zero or the means have opposite signs.
     #[must_use]
     pub fn signed_mean_difference(&self) -> Option<f64> {
         let ratio = self.mean_ratio.filter(|ratio| *ratio > 0.0)?;

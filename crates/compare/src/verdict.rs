@@ -380,13 +380,13 @@ pub fn pair(metric: Metric, distance: f64, sides: [&Side<'_>; 2], resolution: f6
     let confirmed = sides
         .iter()
         .all(|s| s.uncertainty.as_ref().is_ok_and(|e| e.basis.is_confirmed()));
-    // What is not a number is not sharp.
+    // A sum that is NaN is not sharp.
     let (sharp, shown) = (sum <= resolution, confirmed && distance > sum);
     if !(sharp || shown) {
         return too_blunt(found, sum, sides, resolution);
     }
-    // Of a size that no order confirms only twice as much is a bound: such estimates miss one error in a hundred by as
-    // much, and a comparison makes hundreds of them.
+    // An uncertainty that no observed order confirms becomes a bound only when doubled: estimates of this kind miss one
+    // error in a hundred by as much, and a comparison makes hundreds of estimates.
     let bound = if confirmed || distance <= sum {
         sum
     } else {
@@ -450,7 +450,8 @@ pub fn model(
         Ok(sum) => sum,
         Err((who, missing)) => return found.inconclusive(who, missing.reason, missing.remedy),
     };
-    // As blunt as its tolerance a statement may be, but no blunter: it would pass by being blunt.
+    // The uncertainty may be as large as the resolution or the tolerance, but no larger: else a statement would pass by
+    // being blunt.
     let resolution = resolution.max(allowed.tolerance);
     if !(sum <= resolution) {
         return too_blunt(found, sum, sides, resolution);

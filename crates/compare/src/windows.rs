@@ -81,7 +81,7 @@ pub struct AbsentWindow {
     pub reason: String,
 }
 
-/// The windows of a run with the sample times of `time_series`, and those it is too short for.
+/// Returns the windows of a run with the sample times of `time_series`, and the windows for which the run is too short.
 /// `settling_s`: time in which the start-up transient has decayed. `load_changes_s`: times at which the load
 /// changes or comes to the end of a change, increasing; after the last one within the run a transient decays in
 /// `settling_s` (of a start in equilibrium, where that is 0, [`SETTLING_S`]), and a steady window has at least a fifth of that

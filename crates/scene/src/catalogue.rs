@@ -438,7 +438,7 @@ impl Catalogue {
                     Some(pin) => 0.5 * pin,
                     None => 0.5 * rounded_down(2.0 * (most - e)),
                 };
-                // Of what is given in full the checks of the scene say what is wrong.
+                // Output pins that are given in full are judged by the checks of the scene.
                 let given = self.output_pin_diameter_m.is_some()
                     && self.output_circle_diameter_m.is_some()
                     && self.output_pins.is_some();

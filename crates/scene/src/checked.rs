@@ -151,8 +151,8 @@ impl CheckedScene {
         Ok(Self { scene, origins })
     }
 
-    /// The values that the scene's file does not write, in the order of [`crate::KEYS`], with what stands behind
-    /// each; without those that a change has replaced since.
+    /// Returns the values that the scene's file does not write, each with its origin, in the order of [`crate::KEYS`].
+    /// Values that a later change has replaced are not listed.
     #[must_use]
     pub fn origins(&self) -> Vec<&Origin> {
         let now = Table::try_from(&self.scene).unwrap_or_default();

@@ -173,7 +173,7 @@ pub(crate) fn sample(given: &Given<'_>) -> Option<f64> {
     let fast = std::f64::consts::TAU / scales.modes_rad_s[1];
     let duration = given.number("solver.duration_s")?;
     let wanted = (mesh / 40.0).min(fast / 4.0).max(duration / 20_000.0);
-    // A whole number of samples, so that the last is like the others.
+    // An integer number of samples, so that the last interval is as long as the others.
     Some(duration / (duration / wanted).ceil())
 }
 

@@ -127,8 +127,9 @@ impl Method {
         }
     }
 
-    /// As a scene whose forces jump is read where three runs show the method's own order all along, so that no jump is in sight; and
-    /// the share of the finest difference in which one may hide all the same, by what the order is left open.
+    /// Returns the method without its jumps where three runs show the method's own order, so that no jump is visible:
+    /// the scene then counts as one with kinks. Returns with it the share of the finest difference in which a jump may hide
+    /// all the same, because the order is known within a margin only. Elsewhere returns `self` and 0.
     fn as_seen(self, observed: Option<f64>, steps: &[Step], alignment: Option<f64>) -> (Self, f64) {
         let (Self::Step { order, .. }, Some(Rough::Jumps)) = (self, self.rough()) else {
             return (self, 0.0);
@@ -283,10 +284,10 @@ pub struct Step {
     pub difference: f64,
 }
 
-/// The order p that the two finest differences show; `None` if one of them is zero or not finite.
+/// Returns the order p that the two finest differences show; `None` if a difference is zero or not finite.
 ///
 /// Solves `e32/e21 = r21^p (r32^p - 1) / (r21^p - 1)`, which for equal ratios is `ln(e32/e21) / ln r`.
-/// Between -20 and 20.
+/// The result lies between -20 and 20.
 #[must_use]
 pub fn observed_order(fine: Step, coarse: Step) -> Option<f64> {
     let sound = |s: Step| s.ratio > 1.0 && s.difference > 0.0 && s.difference.is_finite();
@@ -440,7 +441,7 @@ pub fn estimate(
     };
     let aligned = alignment.is_none_or(|cosine| cosine >= LEAST_ALIGNMENT);
     if aligned && method.confirmed_by(observed) {
-        // What the order lacks tells how well it is known: as much again is taken off.
+        // The deficit of the order shows how well the order is known: it is subtracted once more.
         let order = (lower - (allowed - lower)).max(LEAST_ORDER);
         return known(Basis::Observed, Some(observed), order, SAFETY);
     }

@@ -185,7 +185,7 @@ pub struct Distance {
 }
 
 impl Distance {
-    /// Distance of `a` from the reference `b`, over the samples that both have. Where `a` is sampled less often, its
+    /// Returns the distance of `a` from the reference `b`, over the samples that both have. Where `a` is sampled less often, its
     /// times must be among those of `b`. See [`relative_l2`].
     #[must_use]
     pub fn between(a: &TimeSeries, b: &TimeSeries, least: LoadFloor) -> Self {
@@ -297,7 +297,7 @@ pub fn range(values: &[f64]) -> f64 {
 fn extremes(channels: &[&[f64]]) -> Option<[f64; 2]> {
     const LANES: usize = 4;
     let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
-    // What is not finite leaves NaN here.
+    // A value that is not finite leaves NaN here.
     let mut spoiled = [0.0; LANES];
     let mut take = |lane: usize, value: f64| {
         low[lane] = if value < low[lane] { value } else { low[lane] };

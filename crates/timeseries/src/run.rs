@@ -78,8 +78,9 @@ pub struct RunStats {
     pub joint_drift_m: Option<f64>,
     /// Energy account of the run and of its second half, where the engine keeps one.
     pub energy: Vec<EnergyAudit>,
-    /// Set for time series that were recorded earlier and not computed now: when, with what, and why they stand
-    /// here. Costs are then those of the recording, on its machine; its samples may be a part of the others'.
+    /// Description of a recording, set for time series that were recorded earlier and not computed now: date, program
+    /// and reason of use. Costs are then the costs of the recording, on its machine; its samples may be a subset of
+    /// the other runs' samples.
     pub recorded: Option<String>,
     /// Uncertainty of recorded time series.
     #[serde(skip)]
@@ -162,7 +163,7 @@ impl EnergyAudit {
 }
 
 impl EnergyAudit {
-    /// Time that it shares with the time from `from_s` to `to_s`, as a share of what either of them takes.
+    /// Returns the overlap of the account's interval with `from_s` to `to_s`, as a share of the span of both together.
     #[must_use]
     pub fn overlap(&self, from_s: f64, to_s: f64) -> f64 {
         let both = self.to_s.min(to_s) - self.from_s.max(from_s);

@@ -86,13 +86,14 @@ pub struct Between {
     names: Vec<&'static str>,
     /// Interval data, indexed by quantity and interval.
     intervals: Vec<Vec<Interval>>,
-    /// Points that are not settled yet and those before them that they need: times, which of them are samples, values by quantity.
+    /// Times of the points that are not settled yet and of the earlier points that they need, s. `samples` marks the
+    /// points that are samples; `points` has the values by quantity.
     times: Vec<f64>,
     samples: Vec<bool>,
     points: Vec<Vec<Point>>,
-    /// Intervals between points that are settled, of those.
+    /// Number of settled intervals between the stored points.
     settled: usize,
-    /// Points that were no samples.
+    /// Number of points that were no samples.
     others: usize,
 }
 
@@ -175,7 +176,7 @@ impl Between {
                 stencil.integrate(points, &mut intervals[last]);
                 if i > 0 {
                     stencil.extremes(&self.times, points, |at, is_max, value, beyond| {
-                        // Of a sample the extreme may lie before it.
+                        // The extreme at a sample may lie in the interval before it.
                         let place = last.saturating_sub(usize::from(starts && at < 0.0));
                         let interval = &mut intervals[place];
                         if is_max {
@@ -482,7 +483,7 @@ impl Between {
     }
 }
 
-/// The quantities of a gearbox that [`Between`] is kept of: those every engine has, but for the output's angle.
+/// Quantities of a gearbox that [`Between`] records: every quantity that all engines have, except the output's angle.
 pub const QUANTITIES: [&str; 4] = [
     columns::INPUT_TORQUE,
     columns::OUTPUT_TORQUE,

@@ -189,7 +189,7 @@ impl Solver {
         });
         let ended = ended.map_err(|error| failed(self.does_not_start(program, &error)))?;
         let message = log.last();
-        // It may have ended before anybody looked.
+        // The solver may have ended before its log was read.
         if let Some(time) = log.reached_s {
             let _ = control.reached(time);
         }

@@ -132,8 +132,8 @@ pub struct Corners {
 }
 
 impl Corners {
-    /// So many that outlines miss their curves by a hundredth of the depth of springs of this stiffness (external, internal, N/m)
-    /// under the static load.
+    /// Chooses the numbers of corners so that outlines miss their curves by a hundredth of the contact depth. The depth is
+    /// that of springs of `stiffness_n_m` (external, internal, N/m) under the static load.
     pub fn of(scene: &Scene, stiffness_n_m: [f64; 2]) -> Result<Self, String> {
         let gear = &scene.gear;
         let torque = Scales::of(scene).wheel_torque_n_m;
@@ -242,7 +242,7 @@ impl Solid {
             for (k, &ball) in internals.iter().enumerate() {
                 let sleeve = Sleeve::Internal(k);
                 let centre = if gear.errors.is_none() {
-                    // It stands to its disc's centre as its pin to the output's, at the origin, at t = 0.
+                    // At t = 0 a hole has the place about its disc's centre that its pin has about the output's centre, the origin.
                     let wheel = BodyState {
                         angle: starts[body].angle,
                         ..BodyState::default()

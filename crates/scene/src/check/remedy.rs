@@ -55,7 +55,7 @@ pub(super) fn tried(gear: &Gear, gives_circle: bool, fault: Fault) -> Fault {
     }
     let whole: Builds = |gear| geometry::whole(gear).is_ok();
     let outside: Builds = |gear| geometry::outside(gear).is_ok();
-    // What is named comes first.
+    // Keys that the fault names come first.
     let place = |key: &str| fault.keys.iter().position(|known| known == key);
     let single = |builds| single(gear, gives_circle, builds);
     let mut ways = single(whole);

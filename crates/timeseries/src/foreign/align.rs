@@ -200,14 +200,14 @@ pub fn shift(run: &TimeSeries, record: &TimeSeries) -> Result<Shift, String> {
     })
 }
 
-/// Values less their mean, with running sums of them and of their squares.
+/// Values less their mean, with running sums of the values and of their squares.
 struct Evaluation {
     values: Vec<f64>,
     running: Vec<[f64; 2]>,
 }
 
 impl Evaluation {
-    /// `None` if the values do not vary.
+    /// Subtracts the mean and sums; `None` if the values do not vary.
     fn of(mut values: Vec<f64>) -> Option<Self> {
         let size: f64 = values.iter().map(|value| value * value).sum();
         let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -226,7 +226,7 @@ impl Evaluation {
         self.running.last().map_or(0.0, |[_, squares]| *squares)
     }
 
-    /// Sum and variation of so many values from `from` on; no variation where they are flat.
+    /// Returns sum and variation of `count` values from `from` on; the variation is 0 where the values are flat.
     fn part(&self, from: isize, count: isize) -> (f64, f64) {
         let [start, end] = [from, from + count].map(|k| self.running[k as usize]);
         let sum = end[0] - start[0];
@@ -236,7 +236,8 @@ impl Evaluation {
     }
 }
 
-/// Pearson's correlation where both are, of which the sum of products is known; 0 where one of them does not change.
+/// Returns Pearson's correlation over the overlap of `a` and `b`, where `b` begins at `place` in `a`. `product` is the sum of
+/// products over the overlap. The result is 0 where `a` or `b` does not change there.
 fn correlation(a: &Evaluation, b: &Evaluation, place: isize, product: f64) -> f64 {
     let from = place.max(0);
     let to = (a.values.len() as isize).min(place + b.values.len() as isize);
@@ -262,7 +263,7 @@ fn products(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
         let mut input = forward.make_input_vec();
         input[..values.len()].copy_from_slice(values);
         let mut bins = forward.make_output_vec();
-        // It fails only for buffers of other lengths than its own.
+        // The transform fails only for buffers of a wrong length.
         forward.process(&mut input, &mut bins).ok()?;
         Some(bins)
     };
