@@ -30,7 +30,7 @@ pub(crate) struct Balance {
     pub(crate) rounding: f64,
 }
 
-/// Roundings of an angle that a step leaves at most; those of the steps between two samples add up as a random walk.
+/// Most roundings of an angle in a step; the roundings of the steps between two samples add up as a random walk.
 const ROUNDINGS: f64 = 8.0;
 
 /// Balance of a run with so many `steps` between samples; `None` with too few equally spaced samples, or without a

@@ -3,7 +3,7 @@
 //! For a pair (a, b) no engine is the truth, so every denominator is **the larger of the two**:
 //! relative L2 = RMS(a - b) / max(RMS a, RMS b), and so on. Swapping the engines changes nothing,
 //! scaling both changes nothing, and only two all-zero time series would divide 0 by 0: they agree, 0.
-//! Against the usual denominator, the RMS of one of them, the figure differs by no more than its
+//! Against the usual denominator, the RMS of one time series, the figure differs by no more than its
 //! own size: 1e-4 stays 1e-4 within 1e-8.
 
 use serde::{Serialize, Serializer};

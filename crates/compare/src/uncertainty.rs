@@ -245,8 +245,8 @@ impl Evidence {
     }
 }
 
-/// How many rounding errors of a step add up to at most this many of their random walk's root mean square: measured
-/// 2e-12 over 60 000 steps is 37 of them.
+/// Bound of the summed rounding errors of the steps, in root mean squares of their random walk: the measured 2e-12 over
+/// 60 000 steps is 37 root mean squares.
 const WALK: f64 = 64.0;
 
 /// Rounding error of a run of `steps` steps, as a share of a quantity's RMS: errors of 2^-52 a step that add up as a

@@ -1,6 +1,6 @@
-//! Four verdicts, what they rest on, and what a comparison amounts to.
+//! Four verdicts, the evidence behind them, and the result of a comparison.
 //!
-//! No engine counts as the truth. A difference D is held against a bound: the numerical error U = uA + uB of both, a model's
+//! No engine counts as the truth. A difference D is compared with a bound: the numerical error U = uA + uB of both, a model's
 //! tolerance, the uncertainty of a measurement, or a limit that a user states.
 
 use std::cmp::Ordering;

@@ -1,7 +1,7 @@
 //! Settings of a native run that stand in for a scene's contact law in engines that resolve contacts themselves.
 //!
 //! The native solver with the springs of such an engine is called its twin. A difference between the engine and its twin is
-//! a fault of one of them; a difference between the twin and the scene's law is one of contact models.
+//! a fault of the engine or of the twin; a difference between the twin and the scene's law is one of contact models.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::scales::{self, Spring};

@@ -106,7 +106,7 @@ pub(crate) const PITCH: &str = "gear.pin_circle_radius_m";
 /// Shortening coefficient, from which the circle of the ring pins follows.
 pub(crate) const SHORTENING: &str = "gear.shortening";
 
-/// The scene so far: what there is, laid over placeholders.
+/// Rebuilds the scene so far: the known values, laid over placeholders.
 fn refresh(scene: &mut Scene, table: &Table) {
     fn lay(onto: &mut Table, from: &Table) {
         for (name, value) in from {

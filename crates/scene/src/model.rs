@@ -227,7 +227,7 @@ pub struct Contact {
     pub hole_points: usize,
 }
 
-/// Compliance and friction beside those of the contacts.
+/// Compliance and friction other than in the contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bearings {

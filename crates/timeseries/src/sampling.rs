@@ -352,7 +352,7 @@ pub fn cubic(at: &[f64; 4], zero: usize) -> [f64; 4] {
         1 => (0, 3),
         _ => (0, 1),
     };
-    // Of t (t - 1) (t - other), and over its value there.
+    // Integral of t (t - 1) (t - other) from 0 to 1, over the value of this cubic at `own`.
     let weight =
         |own: f64, other: f64| (2.0 * other - 1.0) / (12.0 * own * (own - 1.0) * (own - other));
     let mut weights = [0.0; 4];

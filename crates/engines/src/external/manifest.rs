@@ -14,7 +14,7 @@ use crate::known::{info, known};
 
 /// Longest run that a manifest may ask for, s.
 const LONGEST_S: f64 = 86_400.0;
-/// Placeholders in a command for values that are known only when it runs.
+/// Placeholders in a command for values that are known only when the command runs.
 pub(super) const PLACES: [&str; 4] = ["here", "job", "law", "python"];
 
 /// Content of a manifest.

@@ -405,7 +405,7 @@ fn killer(status: std::process::ExitStatus) -> String {
     format!("the system ({status})")
 }
 
-/// Solvers that the user named: engines of this process as those of the build are, for as long as it lives.
+/// Solvers that the user named. They are engines of this process like the built-in engines, until the process ends.
 static ADMITTED: RwLock<Vec<&'static Solver>> = RwLock::new(Vec::new());
 
 /// Reads a manifest and lets its solver join the [`registry`](fn@crate::registry). Returns its name.

@@ -1,5 +1,5 @@
-//! Forces of the revolutes, from what the bodies did: the mass of a body times its acceleration is
-//! the contact forces on it, plus the force of its own revolute, less those of the bodies it carries.
+//! Forces of the revolutes, from the motion of the bodies: the mass of a body times its acceleration equals
+//! the contact forces on it, plus the force of its own revolute, less the forces of the revolutes of the bodies it carries.
 //!
 //! rapier's own impulses also contain the position corrections of its solver. The force here is the one that the
 //! computed motion needs.

@@ -14,7 +14,7 @@ use super::Offset;
 use super::resample::{usual_spacing, value_at};
 use crate::TimeSeries;
 
-/// Points of the even grid to a sample: between those of an oscillation of 8 samples the correlation falls by a fifteenth.
+/// Points of the even grid per sample: between the points of an oscillation of 8 samples the correlation falls by a fifteenth.
 const FINE: f64 = 4.0;
 /// Points of the even grid at most, run and record together.
 const MOST: f64 = 1_048_576.0;

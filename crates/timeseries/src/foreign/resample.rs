@@ -6,7 +6,7 @@
 //! more than the interpolation that is used.
 //!
 //! Over a gap nothing is interpolated. Solvers of variable step write bursts of short steps and long ones where little happens, so
-//! a spacing is held against those around it, and is none where the signals run straight on across it.
+//! a spacing is compared with the spacings around it, and is no gap where the signals run straight on across it.
 
 use std::ops::Range;
 
