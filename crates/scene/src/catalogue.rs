@@ -590,7 +590,7 @@ impl Catalogue {
     }
 }
 
-/// The text with a last remark: masses that follow, and walls.
+/// Returns the text with a last remark: the masses that follow from the shapes, and the walls.
 fn with_what_follows(mut text: String, scene: &CheckedScene) -> String {
     let mass = &scene.mass;
     let _ = writeln!(

@@ -1,4 +1,4 @@
-//! The only door to building and running: a scene whose values were checked.
+//! Scene whose values were checked: the only form from which a gearbox is built and run.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use crate::error::Fault;
 use crate::model::{Scene, Solver};
 use crate::table::{insert, lookup};
 
-/// A scene that passed [`Scene::check`]. It reads like the [`Scene`] inside and cannot be changed but through
+/// A scene that passed [`Scene::check`]. It reads like the [`Scene`] inside and can be changed only through
 /// [`changed`](Self::changed), which checks again.
 ///
 /// ```

@@ -8,10 +8,10 @@ use crate::model::{Gear, Scene};
 use crate::scales::{Scales, hertz};
 use crate::table::number;
 
-/// The values there are so far: given, or filled in by rows above.
+/// Values so far: given, or filled in by earlier rows of the key table.
 pub struct Given<'a> {
     pub(crate) table: &'a Table,
-    /// The scene so far, of placeholders where rows are still missing.
+    /// Scene so far, with placeholders where rows are still missing.
     pub(crate) scene: &'a Scene,
     /// True if all rows of `gear` and `drive` are there and fit together.
     pub(crate) gear_is_sound: bool,
