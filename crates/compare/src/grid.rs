@@ -18,7 +18,7 @@ const SLACK: f64 = 1e-6;
 /// Two time series on the same samples.
 pub(crate) type Common<'a> = (Cow<'a, TimeSeries>, Cow<'a, TimeSeries>);
 
-/// The time series of two runs on the samples that both have.
+/// Returns the time series of two runs at the samples that both have.
 ///
 /// # Errors
 /// The sample times differ, and neither run is a recording whose samples the other one has.

@@ -93,7 +93,7 @@ pub(crate) struct Case<'a> {
 }
 
 impl<'a> Case<'a> {
-    /// The metrics that say something here.
+    /// Returns the metrics that are meaningful here.
     fn metrics(&self) -> impl Iterator<Item = Metric> {
         let pointwise = self.pointwise;
         Metric::of_pairs().filter(move |metric| pointwise || !metric.is_pointwise())

@@ -10,7 +10,7 @@ pub use pinwheel_timeseries::RecordedUncertainty;
 pub use pinwheel_timeseries::convergence::{self as order, Basis, Estimate, Method, Unresolved};
 pub use pinwheel_timeseries::ladder::{Estimates, Ladder, Level};
 
-/// The uncertainty of one figure, or why there is none.
+/// Uncertainty of one figure, or the reason why it is not known.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "kebab-case")]
 pub enum Uncertainty {
@@ -184,7 +184,7 @@ pub struct Evidence {
 pub struct Final {
     /// Plural name of participants of this kind, e.g. `recordings`.
     pub group: &'static str,
-    /// The reason of this one.
+    /// Reason for this participant.
     pub reason: String,
 }
 
@@ -216,7 +216,7 @@ impl Evidence {
         }
     }
 
-    /// No evidence, and why.
+    /// Makes the missing evidence of a participant, with the reason.
     pub fn unknown(
         engine: impl Into<String>,
         reason: impl Into<String>,

@@ -77,7 +77,7 @@ pub struct Assessment {
     /// D; signed where a sign is predicted. `None` where there is none, or it is not finite.
     #[serde(rename = "value")]
     pub difference: Option<f64>,
-    /// The difference that is predicted and taken off.
+    /// Predicted difference, which is subtracted.
     #[serde(skip_serializing_if = "is_zero")]
     pub predicted: f64,
     /// Up to here the two agree; `None` where that is not known.
@@ -139,7 +139,7 @@ impl Assessment {
         }
     }
 
-    /// A figure against a limit; what is not finite is beyond every limit.
+    /// Compares a figure with a limit; a figure that is not finite exceeds every limit.
     #[must_use]
     pub fn limit(metric: Metric, value: Option<f64>, limit: f64, reason: &str) -> Self {
         let holds = value.is_some_and(|value| value <= limit);
@@ -467,7 +467,7 @@ pub fn model(
     .decided((distance - allowed.predicted).abs() <= bound)
 }
 
-/// A simulation against measured data at the error E = S - D. That a model is off is a result, and nothing to act on.
+/// Compares a simulation with measured data at the error E = S - D. A model error is a result, and nothing to act on.
 #[must_use]
 pub fn measured(metric: Metric, error: f64, sides: [&Side<'_>; 2], budget: Budget) -> Assessment {
     let bound = budget.bound();

@@ -34,7 +34,7 @@ impl<'a> View<'a> {
         Self { channels }
     }
 
-    /// The channels `names` of `time_series` over the samples `window`; `None` if one is missing or too short.
+    /// Selects the channels `names` of `time_series` over the samples `window`; `None` if a channel is missing or too short.
     #[must_use]
     pub fn of(
         time_series: &'a TimeSeries,
@@ -53,7 +53,7 @@ impl<'a> View<'a> {
         Self::new(groups.filter_map(|c| c.get(window.clone())).collect())
     }
 
-    /// The driver's torque over the samples `window`; nothing where it is not there.
+    /// Selects the driver's torque over the samples `window`; empty if the time series lacks it.
     #[must_use]
     pub fn driver_torque(time_series: &'a TimeSeries, window: Range<usize>) -> Self {
         Self::of(time_series, &[columns::INPUT_TORQUE], window).unwrap_or(Self::new(Vec::new()))
@@ -234,7 +234,7 @@ impl Distance {
         }
     }
 
-    /// The larger of both L2; NaN if either is.
+    /// Returns the larger of both L2 distances; NaN if either is NaN.
     #[must_use]
     pub fn worst(&self) -> f64 {
         if self.forces.is_nan() || self.driver_torque.is_nan() {

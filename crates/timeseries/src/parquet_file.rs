@@ -62,7 +62,7 @@ impl Table {
     /// Writes a Parquet file of the columns that have a name.
     ///
     /// # Errors
-    /// The library's: columns of different lengths, or the writer's own.
+    /// Error of the library (columns of different lengths) or of the writer.
     pub fn write_parquet(&self, sink: impl Write + Send) -> Result<(), ParquetFault> {
         let fields = self.named();
         let fields = fields.map(|column| column.values.schema(&column.name));
@@ -109,7 +109,7 @@ fn write_column<T: DataType, V>(
 /// Writes time series as a Parquet file: `time_s` and all channels.
 ///
 /// # Errors
-/// The file cannot be made or written.
+/// The file cannot be created or written.
 pub fn save_time_series(time_series: &TimeSeries, path: &Path) -> Result<(), ParquetFault> {
     Table::from(time_series).write_parquet(std::fs::File::create(path)?)
 }

@@ -238,7 +238,7 @@ pub fn mean_powers(
 pub enum Ending {
     /// Complete time series; the only state that is judged.
     Finished,
-    /// The numbers ran away; the time series until then are kept and shown, not judged.
+    /// The solution diverged; the time series until then are kept and shown, not judged.
     Diverged {
         /// Time of the divergence, s.
         time_s: f64,
@@ -366,7 +366,7 @@ impl Ending {
     /// Returns `Ok` if the run finished.
     ///
     /// # Errors
-    /// The ending itself, unless it is finished.
+    /// Returns the ending, unless the run is finished.
     pub fn whole(&self) -> Result<(), Self> {
         if self.is_finished() {
             Ok(())

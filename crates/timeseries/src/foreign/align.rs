@@ -22,13 +22,13 @@ const MOST: f64 = 1_048_576.0;
 const FEWEST: usize = 40;
 /// Shifts that fit this much worse, as a share of what is missing to a perfect fit, fit as well.
 const AS_WELL: f64 = 0.05;
-/// A gain of correlation below this is none.
+/// Smallest gain of correlation that counts.
 const GAIN: f64 = 1e-3;
 /// Share of a grid step by which the parabola may miss the peak of an oscillation of 5 samples or more. Measured: 0.03.
 const PARABOLA: f64 = 0.05;
-/// A column that varies less in an overlap, as a share of its variation, says nothing there.
+/// Smallest variation of a column in an overlap, as a share of its entire variation; a flatter column is ignored there.
 const FLAT: f64 = 1e-9;
-/// A column that varies less than this share of its size does so by rounding.
+/// Largest variation of a column, as a share of its size, that counts as rounding.
 const ROUNDING: f64 = 1e-12;
 /// Below this correlation, which is a quarter of the variation, a record is nothing like the run.
 const UNLIKE: f64 = 0.5;
@@ -96,7 +96,7 @@ impl Shift {
     }
 }
 
-/// The shift at which `record` fits `run` best.
+/// Returns the shift at which `record` fits `run` best.
 ///
 /// # Errors
 /// Why there is none: no column that both have changes, too little is in common, or nothing is alike.

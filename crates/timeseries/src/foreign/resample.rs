@@ -196,12 +196,12 @@ fn restoring(time: &[f64], values: &[f64], method: Method) -> Option<f64> {
     Some(error).filter(|value| value.is_finite())
 }
 
-/// The value at any time within the samples, by the cubic.
+/// Evaluates the cubic at a time within the samples.
 pub(super) fn value_at(time: &[f64], values: &[f64], t: f64) -> f64 {
     Place::of(time, t, 0.0).value(time, values, Method::Cubic)
 }
 
-/// The upper one of the values in the middle; 0 without any.
+/// Returns the upper median of the values; 0 if there are none.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
@@ -216,7 +216,8 @@ pub(super) fn usual_spacing(time: &[f64]) -> f64 {
     median(spacings(time))
 }
 
-/// The longest stretch without a gap, which is a spacing of more than `longest` times those around it, and all gaps.
+/// Returns the longest stretch without a gap, and all gaps. A gap is a spacing of more than `longest` times the spacings
+/// around it.
 fn longest_stretch(foreign: &TimeSeries, longest: f64) -> (Range<usize>, Vec<[f64; 2]>) {
     let time = foreign.time_s();
     let spacings = spacings(time);
