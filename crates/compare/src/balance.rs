@@ -30,7 +30,7 @@ pub(crate) struct Balance {
     pub(crate) rounding: f64,
 }
 
-/// Roundings of an angle that a step leaves at most; those of the steps between two samples add up as a random walk.
+/// Most roundings of an angle in a step; the roundings of the steps between two samples add up as a random walk.
 const ROUNDINGS: f64 = 8.0;
 
 /// Balance of a run with so many `steps` between samples; `None` with too few equally spaced samples, or without a
@@ -52,7 +52,7 @@ pub(crate) fn of(
         .windows(2)
         .take_while(|t| (t[1] - t[0] - spacing).abs() <= EQUAL * spacing);
     let len = equal.count() + 1;
-    // Of one triangle; the same of the window, from sample `first` on, `stride` apart.
+    // Integral over one triangle, then over the window, from sample `first` on, `stride` apart.
     let one = |k: usize| {
         let mean = (torque[k] + 10.0 * torque[k + 1] + torque[k + 2]) / 12.0;
         let gained = (angle[k + 2] - angle[k + 1]) - (angle[k + 1] - angle[k]);

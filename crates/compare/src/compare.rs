@@ -37,7 +37,7 @@ pub fn compare(
     if let Some(twice) = participants.iter().find(|p| !names.insert(&p.name)) {
         return Err(CompareError::Duplicate(twice.name.clone()));
     }
-    // Who has evidence is taken out: nobody has it twice.
+    // Evidence for an unknown engine, or a second one for the same engine, is an error.
     if let Some(strange) = rules.evidence.iter().find(|e| !names.remove(&e.engine)) {
         return Err(CompareError::Evidence(strange.engine.clone()));
     }
@@ -107,7 +107,7 @@ pub fn compare(
     Ok(comparison)
 }
 
-/// Every stated limit has something that it is held against.
+/// Checks that every stated limit of a finished engine matches at least one comparison.
 fn matched(
     stated: &[StatedLimit],
     finished: &[&Participant],

@@ -217,15 +217,15 @@ pub struct PairEntry {
     pub window: WindowKind,
     /// Every metric; `None` where the channels cannot be compared (see the verdict's reason).
     pub metrics: Option<PairMetrics>,
-    /// The difference in every metric against what it is held against; empty where nothing is.
+    /// Assessment of the difference in every metric against its bound; empty where no bound applies.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub assessments: Vec<Assessment>,
-    /// The gravest of those that decide.
+    /// Gravest assessment among those that decide.
     #[serde(flatten)]
     pub result: Assessment,
 }
 
-/// All engines of a track against each other in one window.
+/// Pairwise comparison of all engines of a track in one window.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Matrix {
     /// SharedModel; native engines stand in every matrix.

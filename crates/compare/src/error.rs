@@ -42,7 +42,7 @@ pub enum CompareError {
     /// Evidence for someone who does not take part, or two for one.
     #[error("evidence is given for `{0}`, which does not take part or has evidence already")]
     Evidence(String),
-    /// A stated limit that nothing can be held against.
+    /// Stated limit that matches no comparison.
     #[error(
         "the limit on `{quantity}` in the {window} window of `{engine}` matches nothing; there are {available}"
     )]

@@ -18,7 +18,7 @@ const SLACK: f64 = 1e-6;
 /// Two time series on the same samples.
 pub(crate) type Common<'a> = (Cow<'a, TimeSeries>, Cow<'a, TimeSeries>);
 
-/// The time series of two runs on the samples that both have.
+/// Returns the time series of two runs at the samples that both have.
 ///
 /// # Errors
 /// The sample times differ, and neither run is a recording whose samples the other one has.
@@ -43,7 +43,7 @@ pub(crate) fn common<'a>(
     }
 }
 
-/// Rows of `whole` at the times of `part`; `None` if one is missing.
+/// Returns the rows of `whole` at the times of `part`; `None` if a time is missing in `whole`.
 fn rows_of(part: &TimeSeries, whole: &TimeSeries) -> Option<Vec<usize>> {
     rows_at(part.time_s(), whole.time_s()).collect()
 }

@@ -93,13 +93,13 @@ pub(crate) struct Case<'a> {
 }
 
 impl<'a> Case<'a> {
-    /// The metrics that say something here.
+    /// Returns the metrics that are meaningful here.
     fn metrics(&self) -> impl Iterator<Item = Metric> {
         let pointwise = self.pointwise;
         Metric::of_pairs().filter(move |metric| pointwise || !metric.is_pointwise())
     }
 
-    /// Both sides with their uncertainty in a metric.
+    /// Returns both sides of the pair with their uncertainty in a metric.
     fn sides(&self, metric: Metric) -> [Side<'a>; 2] {
         let [of_a, of_b] = self.uncertainties;
         [(self.sides.a, of_a), (self.sides.b, of_b)].map(|(participant, of)| Side {
@@ -240,7 +240,7 @@ impl Judge<'_> {
             let predicted = energy
                 .then(|| model::predicted(a, b, case.window))
                 .flatten();
-            // A prediction has a sign, and so has the difference that is held against it.
+            // A prediction has a sign, so the difference compared with it needs one too.
             let distance = match predicted {
                 Some(_) => case.metrics.signed_mean_difference(),
                 None => metric.of(case.metrics),

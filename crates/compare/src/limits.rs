@@ -7,11 +7,11 @@ use serde::Serialize;
 use crate::metrics::Metric;
 use crate::windows::WindowKind;
 
-/// Which scenes a tolerance applies to.
+/// Scenes to which a tolerance applies, by their friction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Friction {
-    /// All.
+    /// Scenes with and without friction.
     Any,
     /// mu = 0.
     Without,

@@ -13,7 +13,7 @@ use crate::quantities::Quantity;
 use crate::verdict::Assessment;
 use crate::windows::Window;
 
-/// The track two engines are compared on; `None` if they must not be.
+/// Returns the track on which two engines are compared; `None` if they must not be compared.
 pub(crate) fn track_of(a: &Participant, b: &Participant) -> Option<SharedModel> {
     match (a.track, b.track) {
         (a, b) if a == b => Some(a),

@@ -3,7 +3,7 @@
 //! For a pair (a, b) no engine is the truth, so every denominator is **the larger of the two**:
 //! relative L2 = RMS(a - b) / max(RMS a, RMS b), and so on. Swapping the engines changes nothing,
 //! scaling both changes nothing, and only two all-zero time series would divide 0 by 0: they agree, 0.
-//! Against the usual denominator, the RMS of one of them, the figure differs by no more than its
+//! Against the usual denominator, the RMS of one time series, the figure differs by no more than its
 //! own size: 1e-4 stays 1e-4 within 1e-8.
 
 use serde::{Serialize, Serializer};
@@ -12,18 +12,18 @@ use crate::sprague_geers::{self, SpragueGeers};
 use crate::uncertainty::Norm;
 use pinwheel_timeseries::norms::{self, View};
 
-/// Figure that is held against a limit or an uncertainty. All are relative, free of direction and never negative.
+/// Figure that is compared with a limit or an uncertainty. Metrics are relative, free of direction and never negative.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Metric {
     /// RMS of the difference over the larger of the two RMS, all channels jointly.
     RelativeL2,
     /// Largest difference over the larger of the two peaks.
     RelativeLinf,
-    /// Difference of the means over the larger of them.
+    /// Difference of the means over the larger mean.
     Mean,
-    /// Difference of the peaks over the larger of them.
+    /// Difference of the peaks over the larger peak.
     Peak,
-    /// Difference of the RMS values over the larger of them.
+    /// Difference of the RMS values over the larger RMS value.
     Rms,
     /// Sprague-Geers comprehensive error C, magnitude taken larger over smaller.
     SpragueGeers,
@@ -33,7 +33,7 @@ pub enum Metric {
 
 /// Everything there is to say of a metric.
 pub struct Row {
-    /// Which.
+    /// Metric that the row describes.
     pub metric: Metric,
     /// The word in files, maps and the terminal.
     pub key: &'static str,
@@ -95,7 +95,7 @@ impl Metric {
     /// Returns the row of the metric in [`METRICS`].
     #[must_use]
     pub fn row(self) -> &'static Row {
-        // In the order of the variants, which a test asserts.
+        // The table has the order of the variants; a test asserts it.
         &METRICS[self as usize]
     }
 
@@ -179,7 +179,7 @@ pub struct PairMetrics {
     pub peak_ratio: Option<f64>,
     /// RMS a / RMS b.
     pub rms_ratio: Option<f64>,
-    /// Sprague-Geers of `a` measured on `b`; `None` where one of them is zero throughout.
+    /// Sprague-Geers error of `a` measured on `b`; `None` where `a` or `b` is zero throughout.
     pub sprague_geers: Option<SpragueGeers>,
     /// Free of direction: sqrt(M^2 + P^2) with M = larger RMS / smaller RMS - 1.
     pub sprague_geers_c: Option<f64>,
@@ -195,7 +195,7 @@ pub struct WorstSample {
 }
 
 impl PairMetrics {
-    /// All metrics of two views of one shape; `time_s` are the window's sample times.
+    /// Evaluates all metrics of two views of one shape; `time_s` are the window's sample times, s.
     ///
     /// ```
     /// use pinwheel_compare::metrics::PairMetrics;
@@ -252,8 +252,8 @@ impl PairMetrics {
         }
     }
 
-    /// The difference of the means as [`Metric::Mean`], positive where the mean of `a` has the larger magnitude.
-    /// `None` if one of them is zero or they have opposite signs.
+    /// Returns the difference of the means as [`Metric::Mean`], positive where the mean of `a` has the larger magnitude.
+    /// `None` if one mean is zero or the means have opposite signs.
     #[must_use]
     pub fn signed_mean_difference(&self) -> Option<f64> {
         let ratio = self.mean_ratio.filter(|ratio| *ratio > 0.0)?;

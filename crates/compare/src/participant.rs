@@ -13,7 +13,7 @@ use crate::windows::Window;
 pub struct Participant {
     /// Engine name, unique within a comparison.
     pub name: String,
-    /// Which comparison it belongs to.
+    /// Track: the comparison to which the participant belongs.
     pub track: SharedModel,
     /// Version of the engine.
     pub version: String,

@@ -7,7 +7,7 @@ use serde::Serialize;
 pub use pinwheel_timeseries::columns::INPUT_TORQUE;
 /// Angle of the output shaft, where time series have it.
 pub use pinwheel_timeseries::columns::OUTPUT_ANGLE;
-/// All that turns the output shaft but its load, where time series have it.
+/// Torque on the output shaft without its load, where time series have it.
 pub use pinwheel_timeseries::columns::OUTPUT_TORQUE;
 
 /// One thing that is compared, e.g. `external_sleeve_force_n` with its 16 channels.
@@ -61,13 +61,13 @@ impl Quantity {
         self.is_force() || self.is_torque()
     }
 
-    /// In newtons.
+    /// Returns true for a quantity in newtons.
     #[must_use]
     pub fn is_force(&self) -> bool {
         self.unit == "N"
     }
 
-    /// In newton metres.
+    /// Returns true for a quantity in newton metres.
     #[must_use]
     pub fn is_torque(&self) -> bool {
         self.unit == "N m"

@@ -14,7 +14,7 @@ pub enum Kind {
     Record,
     /// A limit of a record's map.
     Limit,
-    /// All engines together, where the user brought nothing.
+    /// All engines together, where the user brought no data or engine.
     Engines,
 }
 
@@ -22,9 +22,9 @@ pub enum Kind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shown {
-    /// It agrees with another participant in the quantities listed.
+    /// Agreement with another participant in the quantities listed.
     Agrees,
-    /// It differs in the quantity listed.
+    /// Difference in the quantity listed.
     Differs,
     /// No deciding quantity was shown to agree or to differ.
     Nothing,
@@ -41,7 +41,7 @@ pub struct Finding {
     pub shown: Shown,
     /// Names of the quantities that agree, or of the one that differs most.
     pub quantities: Vec<String>,
-    /// Relative bound that all of them respect; `None` where nothing agrees.
+    /// Relative bound that all agreeing quantities respect; `None` where nothing agrees.
     pub agrees_to: Option<f64>,
     /// Share of the program's exit status: 0, 1 or 4.
     pub status: u8,

@@ -22,7 +22,7 @@ pub struct SpragueGeers {
     pub comprehensive: f64,
 }
 
-/// The errors of `course` measured on `base`, two views of one shape.
+/// Evaluates the errors of `course` measured on `base`, two views of one shape.
 ///
 /// Two all-zero time series agree: all errors are 0. `None` if only one is zero (M or P has no
 /// value then), if the shapes differ, or if a value is not finite.

@@ -10,7 +10,7 @@ pub use pinwheel_timeseries::RecordedUncertainty;
 pub use pinwheel_timeseries::convergence::{self as order, Basis, Estimate, Method, Unresolved};
 pub use pinwheel_timeseries::ladder::{Estimates, Ladder, Level};
 
-/// The uncertainty of one figure, or why there is none.
+/// Uncertainty of one figure, or the reason why it is not known.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "kebab-case")]
 pub enum Uncertainty {
@@ -182,9 +182,9 @@ pub struct Evidence {
 /// Why no setting of the user's makes a participant's numbers sharper.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Final {
-    /// Plural name of such participants, e.g. `recordings`.
+    /// Plural name of participants of this kind, e.g. `recordings`.
     pub group: &'static str,
-    /// The reason of this one.
+    /// Reason for this participant.
     pub reason: String,
 }
 
@@ -216,7 +216,7 @@ impl Evidence {
         }
     }
 
-    /// No evidence, and why.
+    /// Makes the missing evidence of a participant, with the reason.
     pub fn unknown(
         engine: impl Into<String>,
         reason: impl Into<String>,
@@ -245,8 +245,8 @@ impl Evidence {
     }
 }
 
-/// How many rounding errors of a step add up to at most this many of their random walk's root mean square: measured
-/// 2e-12 over 60 000 steps is 37 of them.
+/// Bound of the summed rounding errors of the steps, in root mean squares of their random walk: the measured 2e-12 over
+/// 60 000 steps is 37 root mean squares.
 const WALK: f64 = 64.0;
 
 /// Rounding error of a run of `steps` steps, as a share of a quantity's RMS: errors of 2^-52 a step that add up as a

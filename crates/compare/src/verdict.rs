@@ -1,6 +1,6 @@
-//! Four verdicts, what they rest on, and what a comparison amounts to.
+//! Four verdicts, the evidence behind them, and the result of a comparison.
 //!
-//! No engine counts as the truth. A difference D is held against a bound: the numerical error U = uA + uB of both, a model's
+//! No engine counts as the truth. A difference D is compared with a bound: the numerical error U = uA + uB of both, a model's
 //! tolerance, the uncertainty of a measurement, or a limit that a user states.
 
 use std::cmp::Ordering;
@@ -17,11 +17,11 @@ use crate::validation::Budget;
 pub enum Verdict {
     /// The difference is no larger than its bound.
     Agree,
-    /// It is larger.
+    /// Difference larger than the bound.
     Differ,
     /// The numerical uncertainty is too large, or not known: neither was shown.
     Inconclusive,
-    /// There is nothing to hold the difference against.
+    /// No bound exists with which the difference could be compared.
     NotCompared,
 }
 
@@ -38,7 +38,7 @@ impl Verdict {
     }
 }
 
-/// Kind of bound that a difference is held against.
+/// Kind of bound with which a difference is compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Against {
@@ -70,14 +70,14 @@ impl Against {
 pub struct Assessment {
     /// The verdict.
     pub verdict: Verdict,
-    /// Kind of bound that the difference was held against.
+    /// Kind of bound with which the difference was compared.
     pub against: Against,
     /// Metric of the difference; `None` where nothing was measured.
     pub metric: Option<Metric>,
     /// D; signed where a sign is predicted. `None` where there is none, or it is not finite.
     #[serde(rename = "value")]
     pub difference: Option<f64>,
-    /// The difference that is predicted and taken off.
+    /// Predicted difference, which is subtracted.
     #[serde(skip_serializing_if = "is_zero")]
     pub predicted: f64,
     /// Up to here the two agree; `None` where that is not known.
@@ -92,7 +92,7 @@ pub struct Assessment {
     /// The parts of a validation uncertainty, of measured data.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub budget: Option<Budget>,
-    /// Whose uncertainty is too large or not known.
+    /// Participant whose uncertainty is too large or not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub participant: Option<String>,
     /// Why: of what is inconclusive or not compared, of a limit and of a tolerance.
@@ -106,7 +106,7 @@ pub struct Assessment {
     /// Plural name of participants that can bring nothing sharper, e.g. `recordings`; empty for all others.
     #[serde(skip)]
     pub group: &'static str,
-    /// True if the verdict decides about its quantity; others are shown beside those that do.
+    /// True if the verdict decides about its quantity; other verdicts are shown for information.
     pub decides: bool,
 }
 
@@ -139,7 +139,7 @@ impl Assessment {
         }
     }
 
-    /// A figure against a limit; what is not finite is beyond every limit.
+    /// Compares a figure with a limit; a figure that is not finite exceeds every limit.
     #[must_use]
     pub fn limit(metric: Metric, value: Option<f64>, limit: f64, reason: &str) -> Self {
         let holds = value.is_some_and(|value| value <= limit);
@@ -237,7 +237,7 @@ impl Assessment {
         }
     }
 
-    /// By [rank](Self::rank), and among equals by the share of the bound that is used.
+    /// Compares by [rank](Self::rank), and among equals by the share of the bound that is used.
     #[must_use]
     pub fn graver(&self, other: &Self) -> Ordering {
         let by_rank = self.rank().cmp(&other.rank());
@@ -330,7 +330,7 @@ impl<'a> Side<'a> {
     }
 }
 
-/// A difference in a metric of two sides, not held against anything yet.
+/// Makes the assessment of a difference in a metric of two sides, not yet compared with a bound.
 fn between(
     metric: Metric,
     difference: f64,
@@ -380,13 +380,13 @@ pub fn pair(metric: Metric, distance: f64, sides: [&Side<'_>; 2], resolution: f6
     let confirmed = sides
         .iter()
         .all(|s| s.uncertainty.as_ref().is_ok_and(|e| e.basis.is_confirmed()));
-    // What is not a number is not sharp.
+    // A sum that is NaN is not sharp.
     let (sharp, shown) = (sum <= resolution, confirmed && distance > sum);
     if !(sharp || shown) {
         return too_blunt(found, sum, sides, resolution);
     }
-    // Of a size that no order confirms only twice as much is a bound: such estimates miss one error in a hundred by as
-    // much, and a comparison makes hundreds of them.
+    // An uncertainty that no observed order confirms becomes a bound only when doubled: estimates of this kind miss one
+    // error in a hundred by as much, and a comparison makes hundreds of estimates.
     let bound = if confirmed || distance <= sum {
         sum
     } else {
@@ -450,7 +450,8 @@ pub fn model(
         Ok(sum) => sum,
         Err((who, missing)) => return found.inconclusive(who, missing.reason, missing.remedy),
     };
-    // As blunt as its tolerance a statement may be, but no blunter: it would pass by being blunt.
+    // The uncertainty may be as large as the resolution or the tolerance, but no larger: else a statement would pass by
+    // being blunt.
     let resolution = resolution.max(allowed.tolerance);
     if !(sum <= resolution) {
         return too_blunt(found, sum, sides, resolution);
@@ -466,7 +467,7 @@ pub fn model(
     .decided((distance - allowed.predicted).abs() <= bound)
 }
 
-/// A simulation against measured data at the error E = S - D. That a model is off is a result, and nothing to act on.
+/// Compares a simulation with measured data at the error E = S - D. A model error is a result, and nothing to act on.
 #[must_use]
 pub fn measured(metric: Metric, error: f64, sides: [&Side<'_>; 2], budget: Budget) -> Assessment {
     let bound = budget.bound();

@@ -14,7 +14,7 @@ pub const TRANSIENT_S: f64 = 0.05;
 /// Samples a window must hold: with fewer a mean square says nothing.
 pub const FEWEST_SAMPLES: usize = 10;
 
-/// Which part of the run.
+/// Kind of window: the part of the run that it covers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum WindowKind {
@@ -23,7 +23,7 @@ pub enum WindowKind {
     Steady,
     /// The first fifth of the time in which the gear settles ([`TRANSIENT_S`] of [`SETTLING_S`]).
     Transient,
-    /// All of the run; only where it has no steady window.
+    /// Entire run; used only where the run has no steady window.
     Whole,
 }
 
@@ -42,7 +42,7 @@ impl WindowKind {
 /// A window that can be compared.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Window {
-    /// Which part.
+    /// Kind of window.
     pub kind: WindowKind,
     /// Start, s, included.
     pub from_s: f64,
@@ -75,13 +75,13 @@ impl Window {
 /// A window that cannot be compared.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AbsentWindow {
-    /// Which part.
+    /// Kind of window.
     pub kind: WindowKind,
-    /// Why it is not there.
+    /// Reason why the window is missing.
     pub reason: String,
 }
 
-/// The windows of a run with the sample times of `time_series`, and those it is too short for.
+/// Returns the windows of a run with the sample times of `time_series`, and the windows for which the run is too short.
 /// `settling_s`: time in which the start-up transient has decayed. `load_changes_s`: times at which the load
 /// changes or comes to the end of a change, increasing; after the last one within the run a transient decays in
 /// `settling_s` (of a start in equilibrium, where that is 0, [`SETTLING_S`]), and a steady window has at least a fifth of that

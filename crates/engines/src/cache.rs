@@ -147,7 +147,7 @@ fn remove_leftovers(cache: &Path, name: &str) {
     }
 }
 
-/// An exclusive lock, held as long as the file lives; the system frees it when a process dies.
+/// Takes an exclusive lock that lasts as long as the returned file; the system frees it when a process dies.
 pub fn lock(path: &Path, cancel: &AtomicBool) -> Result<File, Halt> {
     let file = File::options()
         .create(true)

@@ -75,7 +75,7 @@ fn span(time_s: f64) -> String {
 /// Cancellation and progress. Cheap enough to be asked at every sample.
 #[derive(Clone, Copy)]
 pub struct Control<'a> {
-    /// Set from outside (Ctrl-C) to stop; looked at in every sample of every run.
+    /// Flag set from outside (Ctrl-C) to stop; checked in every sample of every run.
     pub cancel: &'a AtomicBool,
     /// Called at the beginning of every piece of a study, and in every sample of a run.
     pub progress: &'a (dyn Fn(Progress<'_>) + Sync),

@@ -15,7 +15,7 @@ use crate::info::EngineInfo;
 /// A run, however it ended.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// The contract's columns on the scene's sample times; of a run that ended before, those until then.
+    /// Columns of the contract at the scene's sample times; a run that ended early has only the samples until its end.
     pub time_series: TimeSeries,
     /// Ending of the run.
     pub ending: Ending,
@@ -83,7 +83,7 @@ impl Run {
     }
 }
 
-/// Why an engine goes no further: for the `?` of those who write one. Whoever runs an engine sees an [`Ending`].
+/// Reason why an engine stops, for `?` in the code of an engine. The caller of an engine gets an [`Ending`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Halt {
     /// The user asked to stop.

@@ -59,7 +59,7 @@ pub struct Refinement {
 }
 
 impl Refinement {
-    /// By `solver.step_s`.
+    /// Refinement by `solver.step_s`.
     #[must_use]
     pub const fn step(order: f64) -> Self {
         Self {
@@ -68,7 +68,7 @@ impl Refinement {
         }
     }
 
-    /// By `solver.tolerance`.
+    /// Refinement by `solver.tolerance`.
     #[must_use]
     pub const fn tolerance(order: f64) -> Self {
         Self {

@@ -162,7 +162,7 @@ fn settings(scene: &Scene, uncertainty: Option<&Uncertainty>) -> String {
     if adaptive {
         format!("{form}, {named}, tolerance {:e}", solver.tolerance)
     } else {
-        // As it was meant: a part of a step is not always a short number.
+        // Ten digits: a fraction of a step is not always a short number.
         let step: f64 = format!("{:.9e}", solver.step_s)
             .parse()
             .unwrap_or(solver.step_s);

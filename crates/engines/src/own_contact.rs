@@ -1,7 +1,7 @@
 //! Settings of a native run that stand in for a scene's contact law in engines that resolve contacts themselves.
 //!
 //! The native solver with the springs of such an engine is called its twin. A difference between the engine and its twin is
-//! a fault of one of them; a difference between the twin and the scene's law is one of contact models.
+//! a fault of the engine or of the twin; a difference between the twin and the scene's law is one of contact models.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::scales::{self, Spring};
@@ -22,9 +22,9 @@ pub enum OwnContact {
 
 /// Laws of balls that beds of springs follow as they are.
 const BALLS: [&str; 2] = ["paper", "paper-conservative"];
-/// By how much the ramp of the force, which springs do not have, is shortened.
+/// Factor by which the ramp of the force is shortened, because springs have no ramp.
 const RAMP: f64 = 1e-3;
-/// The shortest that a scene may have, m.
+/// Shortest ramp that a scene may have, m.
 const LEAST_RAMP_M: f64 = 1e-15;
 
 impl OwnContact {

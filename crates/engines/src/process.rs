@@ -23,14 +23,14 @@ const PATIENCE: Duration = Duration::from_millis(10);
 const GRACE: Duration = Duration::from_millis(300);
 /// Pieces of what a program says that wait to be heard at most: whoever says more waits, and takes no memory.
 const PIECES: usize = 16;
-/// How often those are looked for who left a group.
+/// Number of searches for processes that left the process group.
 #[cfg(target_os = "linux")]
 const ROUNDS: usize = 20;
 
 /// Cause of the end of a program.
 #[derive(Debug)]
 pub enum End {
-    /// By itself.
+    /// Program that ended by itself, with its exit status.
     Status(ExitStatus),
     /// The user stopped it.
     Cancelled,
@@ -193,7 +193,8 @@ fn end(child: &mut Child, news: &Receiver<Piece>, listener: Listener<'_>) {
     }
 }
 
-/// A name that no other program of ours has; a solver that starts Pinwheel keeps it beside those of that one's solvers.
+/// Makes the name of an environment variable that no other program started by Pinwheel has. If a solver starts Pinwheel
+/// itself, its mark stays in the environment beside the marks of the inner solvers.
 #[expect(clippy::disallowed_methods, reason = "a name, no duration")]
 fn mark() -> String {
     static COUNT: AtomicU64 = AtomicU64::new(0);
@@ -214,7 +215,7 @@ fn end_marked(mark: &str) {
     for _ in 0..ROUNDS {
         let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
         let pids = entries.filter_map(|entry| entry.file_name().to_str()?.parse::<i32>().ok());
-        // What is none of ours to read is none of ours. One that is dead and not waited for has none.
+        // A process whose environment cannot be read is not ours. A zombie has no environment.
         let marked = pids.filter(|pid| {
             std::fs::read(format!("/proc/{pid}/environ")).is_ok_and(|all| is_marked(&all))
         });

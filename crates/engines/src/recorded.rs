@@ -155,7 +155,7 @@ impl Recording {
         text
     }
 
-    /// True if a run of `scene` would be this recording, or its beginning: all keys agree but those that name the
+    /// True if a run of `scene` would be this recording, or its beginning: all keys agree, except keys that name the
     /// scene, belong to the native solver, or choose samples.
     pub fn is_of(&self, scene: &Scene) -> bool {
         let refinement = info(&self.engine).and_then(|info| info.refinement);
@@ -198,7 +198,7 @@ pub fn thinned(time_series: &TimeSeries, scene: &Scene) -> TimeSeries {
     time_series.select(&rows)
 }
 
-/// A number without superfluous zeros, or signs of them.
+/// Formats a number without superfluous zeros and without a sign of zero.
 fn trimmed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let text = if text.contains('.') {

@@ -58,7 +58,7 @@ pub fn contact_spring(
     let start = states.clone();
     let limit = 0.25 * std::f64::consts::TAU / gearbox.geometry.lobes();
 
-    // The load turns the output, that the discs, and those lean on the ring pins.
+    // The load turns the output, the output turns the discs, and the discs lean on the ring pins.
     let wheels_at = |twist: f64, states: &mut [BodyState]| {
         for wheel in layout.wheel_bodies() {
             states[wheel].angle = start[wheel].angle + twist;
@@ -124,7 +124,7 @@ pub fn contact_spring(
     let [external, internal] = stages.map(|stage| stage.stiffness / stage.weight);
     let light = (LIGHT * most).recip().min(sleeves[1]);
     let own = internal * (of_wheel[1] + 1.0 / light);
-    // What the ring pin has to bring so that its stage is right at that frequency.
+    // Inverse mass that the ring pin must add so that its stage has that frequency.
     let brought = own / external - of_wheel[0];
     let moves_nothing = gearbox.scene.contact.friction_coefficient == 0.0;
     let (square, masses_kg) = if moves_nothing && brought.is_finite() && brought > 0.0 {

@@ -1,10 +1,10 @@
-//! Known faults that tests switch on, to see that the checks find them; and a count of what is dear.
+//! Known faults that tests switch on to check that the checks detect them; and a count of expensive operations.
 //!
-//! The solver's crates call [`armed`] and [`factor`] where such a fault would be made. Without the feature
-//! `inject` both are constants and nothing of them is left in the program. With it (tests only) a fault acts
-//! in the thread that holds an `Armed`, for as long as it is held.
+//! The solver's crates call [`armed`] and [`factor`] at the place of each possible fault. Without the feature
+//! `inject` both are constants, and the compiled program contains no trace of the faults. With the feature (tests only)
+//! a fault acts in the thread that owns an `Armed`, as long as the `Armed` lives.
 
-/// A fault somebody could make.
+/// Programming fault that a check must detect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fault {
     /// Friction drives the sliding instead of opposing it.
@@ -30,7 +30,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// The native solver's, which its results show.
+    /// Faults of the native solver that show in its results.
     pub const ALL: [Self; 7] = [
         Self::FrictionSign,
         Self::DroppedGamma,

@@ -131,9 +131,9 @@ pub struct Item<'t> {
 pub enum Node<'t> {
     /// A table.
     Table(Entries<'t>),
-    /// A list; lines and texts are those of its values.
+    /// List; each value has its own line and text.
     List(Vec<Item<'t>>),
-    /// Neither.
+    /// Value that is neither a table nor a list.
     Plain(Value),
 }
 

@@ -9,7 +9,7 @@ use tempfile::{NamedTempFile, PersistError};
 use crate::draft::{self, open_plain};
 use crate::output::OutputError;
 
-/// Most bytes of a file that is looked at; a larger one is not ours. A unit with a library of a debug build has 20 MB.
+/// Most bytes of a file that is checked; a larger file is not ours. A unit with a library of a debug build has 20 MB.
 const MOST_BYTES: u64 = 1 << 28;
 
 /// Says of a file's content that it is ours to replace.

@@ -54,7 +54,7 @@ pub enum FolderError {
         /// Why it is kept.
         reason: String,
     },
-    /// It cannot be written.
+    /// Output that cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
 }
@@ -72,7 +72,7 @@ pub struct Request {
     pub force: bool,
     /// The place must be free, and what is written gets no manifest.
     pub fresh: bool,
-    /// Files that are read: a folder that is or holds one of them is refused.
+    /// Files that are read: an output folder that is or contains an input is refused.
     pub inputs: Vec<PathBuf>,
 }
 
@@ -86,7 +86,7 @@ pub struct Folder {
     request: Request,
     /// Holds the new output, after an exchange the earlier one; nobody else may enter it.
     draft: TempDir,
-    /// In the draft, with the mode that the output gets.
+    /// Folder of the new output inside the draft, with the mode that the output gets.
     content: PathBuf,
 }
 
@@ -177,7 +177,7 @@ impl Folder {
                 return Err(failed(error).into());
             }
             exchange(content, target).map_err(failed)?;
-            // Here nobody else can add to the earlier output, so it is looked at before it goes with the draft.
+            // Here nobody else can add to the earlier output, so it is inspected before it goes with the draft.
             if let Err(refused) = inspect(content, &self.shown, &self.request) {
                 if let Err(error) = exchange(content, target) {
                     let kept = self.draft.keep();

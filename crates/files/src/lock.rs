@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::draft::open_plain;
 use crate::output::OutputError;
 
-/// File that is locked, and by which such a folder is known.
+/// Name of the file that is locked; it marks a locked folder.
 const LOCK: &str = ".lock";
 /// Most bytes of its text that are shown.
 const MOST_BYTES: u64 = 400;

@@ -34,7 +34,7 @@ pub struct Manifest {
     pub of: String,
     /// False if the command was stopped: there is only a part.
     pub complete: bool,
-    /// By path below the folder, with `/` between parts; a folder with nothing in it ends in `/`.
+    /// Files by path below the folder, with `/` between parts; the path of an empty folder ends in `/`.
     files: BTreeMap<String, Written>,
 }
 
@@ -48,9 +48,9 @@ struct Written {
 /// Something in a folder that pinwheel did not leave there.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Stranger {
-    /// It is not in the manifest, or not of a kind that a manifest lists.
+    /// Entry that is not in the manifest, or not of a kind that a manifest lists.
     Foreign(String),
-    /// It is in the manifest with another size or hash.
+    /// Entry that is in the manifest with another size or hash.
     Changed(String),
 }
 

@@ -11,9 +11,9 @@ use serde::Serialize;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}: cannot be written: {reason}", path.display())]
 pub struct OutputError {
-    /// Which.
+    /// Path of the output that cannot be written.
     pub path: PathBuf,
-    /// Why.
+    /// Reason of the failure.
     pub reason: String,
 }
 
@@ -118,10 +118,10 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), OutputError> {
     fs::write(path, text).map_err(|error| OutputError::new(path, &error))
 }
 
-/// Makes the folder `name` in `dir`, and those above it.
+/// Makes the folder `name` in `dir`, and missing parent folders.
 ///
 /// # Errors
-/// It cannot be made.
+/// The folder cannot be made.
 pub fn folder(dir: &Path, name: &str) -> Result<PathBuf, OutputError> {
     let place = dir.join(name);
     fs::create_dir_all(&place).map_err(|error| OutputError::new(&place, &error))?;

@@ -33,7 +33,7 @@ pub fn nearest<'a>(typed: &str, known: impl IntoIterator<Item = &'a str>) -> Opt
     best.map(|(_, name)| name)
 }
 
-/// `did you mean X?`, or the list of what there is.
+/// Returns `did you mean X?`, or the list of known names.
 #[must_use]
 pub fn did_you_mean(typed: &str, known: &[&str]) -> String {
     match nearest(typed, known.iter().copied()) {

@@ -187,7 +187,7 @@ pub fn first_stage(ratio: f64) -> Option<FirstStage> {
 }
 
 impl Catalogue {
-    /// Makes the scene.
+    /// Drafts a scene from the catalogue data; dimensions that are left open are suggested.
     ///
     /// # Errors
     /// Dimensions that cannot be built, or leave no room for those to be suggested; the message names the dimension.
@@ -438,7 +438,7 @@ impl Catalogue {
                     Some(pin) => 0.5 * pin,
                     None => 0.5 * rounded_down(2.0 * (most - e)),
                 };
-                // Of what is given in full the checks of the scene say what is wrong.
+                // Output pins that are given in full are judged by the checks of the scene.
                 let given = self.output_pin_diameter_m.is_some()
                     && self.output_circle_diameter_m.is_some()
                     && self.output_pins.is_some();
@@ -590,7 +590,7 @@ impl Catalogue {
     }
 }
 
-/// The text with a last remark: masses that follow, and walls.
+/// Returns the text with a last remark: the masses that follow from the shapes, and the walls.
 fn with_what_follows(mut text: String, scene: &CheckedScene) -> String {
     let mass = &scene.mass;
     let _ = writeln!(

@@ -1,4 +1,4 @@
-//! The only door to building and running: a scene whose values were checked.
+//! Scene whose values were checked: the only form from which a gearbox is built and run.
 
 use std::ops::Deref;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use crate::error::Fault;
 use crate::model::{Scene, Solver};
 use crate::table::{insert, lookup};
 
-/// A scene that passed [`Scene::check`]. It reads like the [`Scene`] inside and cannot be changed but through
+/// A scene that passed [`Scene::check`]. It reads like the [`Scene`] inside and can be changed only through
 /// [`changed`](Self::changed), which checks again.
 ///
 /// ```
@@ -49,7 +49,7 @@ pub enum Source {
     Base(String),
     /// A usual value, and why.
     Constant(&'static str),
-    /// By this formula.
+    /// Formula from which the value follows.
     Formula(&'static str),
 }
 
@@ -151,8 +151,8 @@ impl CheckedScene {
         Ok(Self { scene, origins })
     }
 
-    /// The values that the scene's file does not write, in the order of [`crate::KEYS`], with what stands behind
-    /// each; without those that a change has replaced since.
+    /// Returns the values that the scene's file does not write, each with its origin, in the order of [`crate::KEYS`].
+    /// Values that a later change has replaced are not listed.
     #[must_use]
     pub fn origins(&self) -> Vec<&Origin> {
         let now = Table::try_from(&self.scene).unwrap_or_default();

@@ -17,7 +17,7 @@ use crate::number::short;
 const PRESSURE_ANGLE_DEG: f64 = 20.0;
 
 impl Cranks {
-    /// rho, teeth of the sun over those of a planet.
+    /// Ratio rho: teeth of the sun over teeth of a planet.
     #[must_use]
     pub fn teeth_ratio(&self) -> f64 {
         self.sun_teeth as f64 / self.planet_teeth as f64
@@ -64,8 +64,9 @@ impl Scene {
         self.eccentric_per_input() * self.drive.input_speed_rad_s
     }
 
-    /// The input shaft with the inertia that the cranks' turning adds to it beside what [`output_shaft`](Self::output_shaft) has: at the
-    /// ideal mesh both together are all of it. What a torque on the sun speeds up.
+    /// Returns the input shaft with its share of the inertia of the turning cranks: the inertia that a torque on the sun
+    /// accelerates. [`output_shaft`](Self::output_shaft) has the other share; at the ideal mesh both shares together are the
+    /// entire inertia of the turning cranks.
     #[must_use]
     pub fn input_shaft(&self) -> BodyMass {
         let mut shaft = self.mass.input_shaft;
@@ -78,7 +79,7 @@ impl Scene {
         shaft
     }
 
-    /// The output shaft with the inertia that the cranks' turning adds to it.
+    /// Returns the output shaft with its share of the inertia of the turning cranks.
     #[must_use]
     pub fn output_shaft(&self) -> BodyMass {
         let mut shaft = self.mass.output_shaft;

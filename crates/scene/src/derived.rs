@@ -86,7 +86,7 @@ impl Walls {
 pub struct Line {
     /// Name of the quantity.
     pub what: &'static str,
-    /// In SI units.
+    /// Value in SI units.
     pub value: f64,
     /// `m`, `rad`, `N m`, `N`; empty for the ratio.
     pub unit: &'static str,

@@ -30,7 +30,8 @@ pub struct ErrorList<'a> {
     pub values: &'a [f64],
 }
 
-/// A part's place, in polar form where it is not moved: angle and radius of the nominal part, outwards and across.
+/// Returns the place of a part, m: `angle` (rad) and `radius` (m) are the nominal ones; `radial` and `tangential` (m) are the
+/// displacements outwards and across.
 #[must_use]
 pub(crate) fn placed(angle: f64, radius: f64, radial: f64, tangential: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
@@ -38,7 +39,7 @@ pub(crate) fn placed(angle: f64, radius: f64, radial: f64, tangential: f64) -> [
     [out * cos - tangential * sin, out * sin + tangential * cos]
 }
 
-/// An entry of a list that may be empty.
+/// Returns an entry of a list that may be empty; 0 where the list has no such entry.
 #[must_use]
 pub fn entry(list: &[f64], number: usize) -> f64 {
     list.get(number).copied().unwrap_or(0.0)
@@ -92,8 +93,8 @@ impl Errors {
         }
     }
 
-    /// The largest entry of every list whose key begins so, summed: what several errors of one part do at most, m. An
-    /// error of an eccentric's angle counts by its arc.
+    /// Sums the largest magnitude of every list whose key begins with one of `prefixes`, m: the largest combined effect of
+    /// several errors of one part. The largest error of an eccentric's angle is added as its arc.
     fn largest_m(&self, gear: &Gear, prefixes: &[&str]) -> f64 {
         let largest = |list: &ErrorList<'_>| {
             let sizes = list.values.iter().map(|x| x.abs());
@@ -107,7 +108,7 @@ impl Errors {
         lengths + largest(phases) * gear.eccentricity_m
     }
 
-    /// By how much a gap between disc and ring pin is larger than nominal at most, m.
+    /// Largest amount by which a gap between disc and ring pin exceeds its nominal value, m.
     #[must_use]
     pub fn largest_of_mesh_m(&self, gear: &Gear) -> f64 {
         self.largest_m(gear, &["external", "eccentricity"])
@@ -190,8 +191,8 @@ impl Gear {
         )
     }
 
-    /// The centre of hole `k` of a disc about the disc's, m, in directions in which the disc is turned by `turned` rad
-    /// from where hole 0 stands on the x axis.
+    /// Returns the centre of hole `k` of a disc relative to the disc's centre, m. The disc is turned by `turned` rad from
+    /// the position with the nominal hole 0 on the x axis.
     #[must_use]
     pub fn hole_m(&self, wheel: usize, k: usize, turned: f64) -> [f64; 2] {
         let number = wheel * self.internal_sleeves + k;
@@ -215,7 +216,7 @@ impl Gear {
         TAU * wheel as f64 / self.wheels as f64 + entry(&self.errors.phase_rad, wheel)
     }
 
-    /// By how much crank `k` of an RV gear is out of phase, rad.
+    /// Phase error of crank `k` of an RV gear, rad.
     #[must_use]
     pub fn crank_phase_of_rad(&self, k: usize) -> f64 {
         entry(&self.errors.crank_phase_rad, k)

@@ -15,7 +15,7 @@ pub enum Location {
         /// Line number.
         line: usize,
     },
-    /// A scene file whose lines say nothing to its reader (JSON).
+    /// Scene file without useful line numbers (JSON).
     File {
         /// File as the user named it.
         source: String,
@@ -48,7 +48,7 @@ pub enum SceneError {
     NotFound {
         /// Text as typed.
         spec: String,
-        /// Nearest preset, or all of them.
+        /// Nearest preset, or the list of all presets.
         remedy: String,
     },
     /// The file cannot be read, or is neither TOML nor JSON.
@@ -101,7 +101,7 @@ impl SceneError {
     }
 }
 
-/// A value the checks refuse; its place is added by whoever knows it.
+/// Value that the checks refuse; the caller that knows its place in the file adds the place.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("`{}` {}; {}", .keys.first().map_or("scene", AsRef::as_ref), one_line(.what), one_line(.remedy))]
 pub struct Fault {

@@ -12,15 +12,15 @@ use crate::model::Scene;
 use crate::scales;
 use crate::table::{insert, lookup, usual};
 
-/// Why a scene cannot be completed.
+/// Reason why a scene cannot be completed.
 pub(crate) enum Gap {
-    /// Keys without a value that nothing can stand in for.
+    /// Keys without a value that cannot be filled in.
     Missing(Vec<&'static str>),
-    /// The gear cannot be, so that nothing follows from it.
+    /// Fault of a gear that cannot exist, so no value follows from it.
     Fault(Fault),
 }
 
-/// Fills in what is left out, row by row, and says what it was.
+/// Fills in the missing values, row by row, and returns the origin of each.
 pub(crate) fn fill(table: &mut Table) -> Result<Vec<Origin>, Gap> {
     let mut origins = Vec::new();
     let mut missing = Vec::new();
@@ -106,7 +106,7 @@ pub(crate) const PITCH: &str = "gear.pin_circle_radius_m";
 /// Shortening coefficient, from which the circle of the ring pins follows.
 pub(crate) const SHORTENING: &str = "gear.shortening";
 
-/// The scene so far: what there is, laid over placeholders.
+/// Rebuilds the scene so far: the known values, laid over placeholders.
 fn refresh(scene: &mut Scene, table: &Table) {
     fn lay(onto: &mut Table, from: &Table) {
         for (name, value) in from {

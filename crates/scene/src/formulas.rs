@@ -8,10 +8,10 @@ use crate::model::{Gear, Scene};
 use crate::scales::{Scales, hertz};
 use crate::table::number;
 
-/// The values there are so far: given, or filled in by rows above.
+/// Values so far: given, or filled in by earlier rows of the key table.
 pub struct Given<'a> {
     pub(crate) table: &'a Table,
-    /// The scene so far, of placeholders where rows are still missing.
+    /// Scene so far, with placeholders where rows are still missing.
     pub(crate) scene: &'a Scene,
     /// True if all rows of `gear` and `drive` are there and fit together.
     pub(crate) gear_is_sound: bool,
@@ -173,7 +173,7 @@ pub(crate) fn sample(given: &Given<'_>) -> Option<f64> {
     let fast = std::f64::consts::TAU / scales.modes_rad_s[1];
     let duration = given.number("solver.duration_s")?;
     let wanted = (mesh / 40.0).min(fast / 4.0).max(duration / 20_000.0);
-    // A whole number of samples, so that the last is like the others.
+    // An integer number of samples, so that the last interval is as long as the others.
     Some(duration / (duration / wanted).ceil())
 }
 

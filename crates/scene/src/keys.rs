@@ -15,9 +15,9 @@ use crate::table::lookup;
 pub enum Kind {
     /// A number within a range.
     Number(Range),
-    /// A whole number, both ends included.
+    /// Integer between two limits, both included.
     Count(usize, usize),
-    /// One of these names.
+    /// Name from a fixed list.
     Choice(&'static str, fn() -> Vec<&'static str>),
     /// Text.
     Text,

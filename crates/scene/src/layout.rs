@@ -1,4 +1,4 @@
-//! Which body stands where in the list of bodies.
+//! Layout of the list of bodies: the index of each body.
 
 use std::ops::Range;
 
@@ -31,20 +31,20 @@ impl Layout {
         }
     }
 
-    /// All discs.
+    /// Indices of the discs.
     #[must_use]
     pub fn wheel_bodies(&self) -> Range<usize> {
         2..2 + self.wheels
     }
 
-    /// All ring pins.
+    /// Indices of the ring pins.
     #[must_use]
     pub fn external_bodies(&self) -> Range<usize> {
         let from = 2 + self.wheels;
         from..from + self.external_sleeves
     }
 
-    /// All output pins.
+    /// Indices of the output pins.
     #[must_use]
     pub fn internal_bodies(&self) -> Range<usize> {
         let from = 2 + self.wheels + self.external_sleeves;

@@ -124,7 +124,7 @@ pub fn largest(drive: &Drive) -> f64 {
     pieces(drive).map(|p| p.after_n_m.abs()).fold(0.0, f64::max)
 }
 
-/// When the load of a run has come to its last value, s; `None` if it never changes before the run's end.
+/// Time at which the load of a run reaches its last value, s; `None` if it never changes before the run's end.
 #[must_use]
 pub fn last_change_s(scene: &Scene) -> Option<f64> {
     let end = scene.solver.duration_s;

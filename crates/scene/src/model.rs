@@ -135,11 +135,11 @@ pub struct Drive {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LoadChange {
-    /// When it begins, s.
+    /// Time at which the change begins, s.
     pub time_s: f64,
-    /// The load from then on, N m; sign as [`Drive::output_torque_n_m`].
+    /// Load from that time on, N m; sign as [`Drive::output_torque_n_m`].
     pub output_torque_n_m: f64,
-    /// It is reached linearly over this time, s; 0: at once.
+    /// Duration of the linear ramp to the new load, s; 0 for a jump.
     #[serde(default)]
     pub ramp_s: f64,
 }
@@ -227,7 +227,7 @@ pub struct Contact {
     pub hole_points: usize,
 }
 
-/// Compliance and friction beside those of the contacts.
+/// Compliance and friction other than in the contacts.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Bearings {
@@ -311,7 +311,7 @@ pub struct Cranks {
     pub mesh_stiffness_n_m: Option<f64>,
 }
 
-/// Which equations are integrated.
+/// Form of the equations of motion that is integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Formulation {
@@ -338,7 +338,7 @@ pub enum Stabilisation {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Solver {
-    /// Which equations are integrated.
+    /// Form of the equations of motion that is integrated.
     pub formulation: Formulation,
     /// Name of the integrator (`rk2`, `rk4`, `etd-adams`, ...).
     pub integrator: String,
@@ -433,7 +433,7 @@ impl Solver {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PlusMinus {
-    /// In the unit of the key.
+    /// Half-width of the interval, in the unit of the key.
     pub plus_minus: f64,
 }
 
@@ -451,7 +451,7 @@ impl PlusMinus {
 pub struct Modification {
     /// Excess of the generating pin's radius over the ring pin's, m: above 0 the edge lies further in by that much.
     pub equidistant_m: f64,
-    /// By how much the generating circle is larger than R, m: below 0 the disc is smaller.
+    /// Excess of the generating circle's radius over R, m; a negative value makes the disc smaller.
     pub radial_m: f64,
     /// delta, rad: the angle by which both flanks of a lobe are turned towards its middle.
     pub rotational_rad: f64,

@@ -37,7 +37,7 @@ fn rounded(value: f64, digits: i32, lean: f64) -> String {
     }
 }
 
-/// The number of so many significant digits next to it. Parsing back drops trailing zeros.
+/// Rounds a value to `digits` significant digits. Parsing back drops trailing zeros.
 pub(crate) fn nearest(value: f64, digits: i32) -> f64 {
     let text = format!("{value:.*e}", (digits - 1) as usize);
     text.parse().unwrap_or(value)

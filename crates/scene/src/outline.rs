@@ -11,7 +11,7 @@ use crate::model::Gear;
 use crate::number::short;
 use crate::profile::Profile;
 
-/// Points on the edge that are looked at between two corners when a chord is accepted.
+/// Points on the edge that are checked between two corners before a chord is accepted.
 const LOOKS: usize = 7;
 /// Halvings of half a lobe at most: a million chords.
 const HALVINGS: u32 = 20;
@@ -148,7 +148,7 @@ impl Edge {
         self.halve([middle, to], chord_m, left - 1, corners);
     }
 
-    /// The largest distance of so many points of the edge from the chord between two parameters, m.
+    /// Returns the largest distance of `looks` points of the edge from the chord between two parameters, m.
     fn bulge(&self, [from, to]: [f64; 2], looks: usize) -> f64 {
         let ([x0, y0], [x1, y1]) = (self.point(from), self.point(to));
         let (dx, dy) = (x1 - x0, y1 - y0);
@@ -161,7 +161,7 @@ impl Edge {
         each.fold(0.0, f64::max)
     }
 
-    /// The error of all chords, by many more points.
+    /// Returns the largest chord error of the polygon, m, evaluated at many more points.
     fn error(&self, corners: &[f64]) -> f64 {
         let each = corners.windows(2);
         each.map(|pair| self.bulge([pair[0], pair[1]], 16 * (LOOKS + 1) - 1))

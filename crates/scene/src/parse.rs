@@ -62,7 +62,7 @@ impl Draft {
         })
     }
 
-    /// The scene with more overrides: the same as [`Scene::load`] with all of them.
+    /// Returns the scene with more overrides, as [`Scene::load`] would with the old and the new overrides together.
     ///
     /// # Errors
     /// As [`Scene::load`].

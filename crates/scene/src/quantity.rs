@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use crate::keys::KEYS;
 use crate::number::nearest;
 
-/// A unit as it is typed, small and with `_` for blanks; that of keys, as it ends their names; and what it is of that.
+/// Units: the unit as typed, in lower case with `_` for blanks; the base unit, as it ends the names of keys; and the size
+/// of the typed unit in base units.
 const UNITS: [(&str, &str, f64); 29] = [
     ("m", "m", 1.0),
     ("mm", "m", 1e-3),
@@ -38,8 +39,8 @@ const UNITS: [(&str, &str, f64); 29] = [
     ("n_s_m", "n_s_m", 1.0),
 ];
 
-/// A number with a unit as a value of another one, both as in `UNITS`; without a unit the number. `None`: it is none, or not of
-/// that kind.
+/// Converts a typed number with a unit to the unit `wanted`, both as in `UNITS`; a number without a unit is returned as it is.
+/// `None` if the text is no number, or its unit is unknown or of another dimension.
 #[must_use]
 pub fn read(typed: &str, wanted: &str) -> Option<f64> {
     let typed = typed.trim();
@@ -70,7 +71,8 @@ pub(crate) fn ending(unit: &str) -> String {
         .replace('^', "")
 }
 
-/// The key that was meant by one of another unit, `drive.input_speed_rpm`, and what a number there is of its own.
+/// Returns the key that was meant by a key with another unit, e.g. `drive.input_speed_rpm`, and the factor from the typed
+/// unit to the unit of that key.
 pub(crate) fn of_another_unit(key: &str) -> Option<(&'static str, f64)> {
     UNITS.iter().find_map(|(unit, base, factor)| {
         let stem = key.strip_suffix(unit)?.strip_suffix('_')?;

@@ -46,7 +46,7 @@ pub fn free_play(gear: &Gear) -> f64 {
     if gear.modification.is_none() {
         return gear.backlash_m * (1.0 - m * m).sqrt() / gear.lever_m();
     }
-    // Where all that makes play is positive, the pin with the longest lever (cos phi = m) closes it.
+    // Where every contribution to the play is positive, the pin with the longest lever (cos phi = m) closes it.
     let share = |cos: f64| {
         let (gap, lever) = gear.initial_gap_m(cos.acos());
         gap / lever
@@ -73,8 +73,8 @@ pub fn largest_hole_play(gear: &Gear) -> f64 {
 const ROUNDING: f64 = 1e-11;
 
 impl Scales {
-    /// Force above which a contact presses, N: less is the rounding of pins that only just touch, as all of them do in
-    /// the ideal mesh of a gear without backlash.
+    /// Returns the force above which a contact counts as pressing, N. Smaller forces are the rounding of pins that only
+    /// just touch, as all pins do in the ideal mesh of a gear without backlash.
     #[must_use]
     pub fn pressing_n(&self) -> f64 {
         ROUNDING * self.external_force_n

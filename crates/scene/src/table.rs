@@ -15,7 +15,7 @@ pub(crate) fn lookup<'t>(table: &'t Table, name: &str) -> Option<&'t Value> {
     table.get(last)
 }
 
-/// The number at a dotted name, whole or not.
+/// Returns the number at a dotted name, integer or float.
 pub(crate) fn number(table: &Table, name: &str) -> Option<f64> {
     match lookup(table, name)? {
         Value::Float(number) => Some(*number),

@@ -5,7 +5,7 @@
 //! gear.backlash_m = { plus_minus = 5e-6 }
 //! contact.young_pa = { plus_minus = 1e10 }
 //! ```
-//! The value lies within plus or minus that of what the scene says, anywhere alike: its standard uncertainty is the half-width
+//! The value is distributed uniformly within `plus_minus` of the scene's value. Its standard uncertainty is the half-width
 //! over the root of three (type B of the Guide to the Expression of Uncertainty in Measurement, JCGM 100:2008, 4.3.7).
 
 use toml::{Table, Value};

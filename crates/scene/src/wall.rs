@@ -23,10 +23,10 @@ pub(crate) fn hole_to_profile_m(gear: &Gear) -> f64 {
         for k in 0..gear.internal_sleeves {
             let nominal = TAU * k as f64 / gear.internal_sleeves as f64;
             let angle = nominal - turned;
-            // All lobes are alike: only the place between two of them counts.
+            // All lobes are alike: only the place between two lobes counts.
             let angle = angle.rem_euclid(pitch);
             let needed = gear.hole_radius_of_m(wheel, k) + gear.edge_offset_m();
-            // What two turned discs have in common is as far away as the nearer of both edges.
+            // The common part of two turned discs is as far away as the nearer of both edges.
             for flank in flanks(gear) {
                 let centre = gear.hole_m(wheel, k, angle + flank - nominal);
                 // The nearest part of C lies within a lobe's pitch on either side, or half a turn for very few lobes.
@@ -42,7 +42,7 @@ pub(crate) fn hole_to_profile_m(gear: &Gear) -> f64 {
     least
 }
 
-/// By how much the discs are turned whose common part a disc is, rad.
+/// Rotations of the turned discs whose common part is the modified disc, rad.
 fn flanks(gear: &Gear) -> impl Iterator<Item = f64> {
     let turn = gear.modification.rotational_rad;
     [turn, -turn]

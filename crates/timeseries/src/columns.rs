@@ -13,7 +13,7 @@
 pub const TIME: &str = "time_s";
 /// Torque the driver exerts on the input shaft, N m, counter-clockwise positive.
 pub const INPUT_TORQUE: &str = "input_torque_n_m";
-/// All that turns the output shaft but its load, N m, counter-clockwise positive: forces of the output pins, and where given
+/// Torque on the output shaft without its load, N m, counter-clockwise positive: forces of the output pins, and where given
 /// couples of sleeves on their pins and a seal.
 pub const OUTPUT_TORQUE: &str = "output_torque_n_m";
 /// Angle of the output shaft, rad, 0 at the start, counter-clockwise positive.

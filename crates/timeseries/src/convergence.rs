@@ -57,24 +57,25 @@ impl Rough {
     }
 }
 
-/// The order that runs which see the ramp of a [jump](Rough::Jumps) fall with.
+/// Order with which the errors fall of runs that resolve the ramp of a [jump](Rough::Jumps).
 const RAMPS: f64 = 2.0;
 /// Least uncertainty of the finest run with a step that does not follow its friction, as a share of its distance to the
-/// next run: steps that
-/// chatter part as far as they err, however much finer one is, and the order that such differences show is none. Measured by
-/// `rk4` and rapier on `one-wheel` with friction, steps 1e-5 to 8e-8 s, ratios 2 to 8: of 528 errors 516 covered without it, 527 with.
+/// next run. Runs whose steps chatter differ by as much as they err, however much finer one run is, and their differences
+/// show no order. Measured with `rk4` and rapier on `one-wheel` with friction, steps 1e-5 to 8e-8 s, ratios 2 to 8: of 528
+/// errors 516 are covered without this value and 527 with it.
 pub const CHATTER: f64 = 1.5;
-/// The order in a tolerance that contacts allow.
+/// Order in a tolerance that contacts allow.
 pub const KINKS: f64 = 0.5;
 /// Order in a tolerance for explicit Runge-Kutta methods, whose few long steps scatter more than others. Measured with
 /// Dormand-Prince on 90 random gears without friction, where [`KINKS`] covers 93.8 % of 432 errors and this value 96 %.
 pub const KINKS_EXPLICIT: f64 = 0.43;
-/// The order with which the next difference of runs at several tolerances counts. On average errors fall with the tolerance itself. But a
-/// step over a kink or a jump is off by where in it that falls, which the method's own estimate does not see (of Dormand-Prince's
-/// step over a jump it is a hundredth of the error), so that two runs may be wrong alike by accident. Counted with the order 1,
-/// the next difference hid that: of 1 163 errors of 73 gears without friction, 40 of them like `three39` of the tests, by two methods
-/// at several tolerances 93.5 % were covered and 17 above 2 u. With these orders 97.7 % are, and 2; the median of u over the error
-/// rises from 5.4 to 8.5. [`LOOSE_EXPLICIT`] is that of explicit Runge-Kutta methods.
+/// Order with which the next difference of runs at several tolerances counts. On average errors fall with the tolerance
+/// itself. But the error of a step over a kink or a jump depends on the place of the kink or jump within the step. The
+/// method's own estimate misses this error (for a step of Dormand-Prince over a jump it is a hundredth of the error), so two
+/// runs may be wrong alike by accident. Counted with the order 1, the next difference hid that. Measured on 1 163 errors of
+/// 73 gears without friction, 40 of the gears like `three39` of the tests, by two methods at several tolerances: with the
+/// order 1, 93.5 % were covered and 17 above 2 u; with these orders 97.7 % are covered and 2 above 2 u. The median of u over
+/// the error rises from 5.4 to 8.5. [`LOOSE_EXPLICIT`] is the order for explicit Runge-Kutta methods.
 const LOOSE: f64 = 2.0 / 3.0;
 const LOOSE_EXPLICIT: f64 = 0.5;
 /// The order in a tolerance where forces jump from point to point, which no method follows: each run has an error of its own.
@@ -127,8 +128,9 @@ impl Method {
         }
     }
 
-    /// As a scene whose forces jump is read where three runs show the method's own order all along, so that no jump is in sight; and
-    /// the share of the finest difference in which one may hide all the same, by what the order is left open.
+    /// Returns the method without its jumps where three runs show the method's own order, so that no jump is visible:
+    /// the scene then counts as one with kinks. Returns with it the share of the finest difference in which a jump may hide
+    /// all the same, because the order is known within a margin only. Elsewhere returns `self` and 0.
     fn as_seen(self, observed: Option<f64>, steps: &[Step], alignment: Option<f64>) -> (Self, f64) {
         let (Self::Step { order, .. }, Some(Rough::Jumps)) = (self, self.rough()) else {
             return (self, 0.0);
@@ -215,7 +217,7 @@ pub struct Estimate {
     pub observed_order: Option<f64>,
     /// Order used.
     pub order: Option<f64>,
-    /// Factor of safety of the finest difference; those of coarser levels may have another.
+    /// Factor of safety of the finest difference; differences of coarser levels may have another factor.
     pub safety: Option<f64>,
 }
 
@@ -232,7 +234,7 @@ impl Estimate {
         }
     }
 
-    /// Returns the estimate for runs that are this far `apart` when the evidence favours none of them.
+    /// Returns the estimate for runs that are this far `apart` when the evidence favours no run.
     #[must_use]
     pub fn spread(apart: f64, floor: f64) -> Self {
         Self {
@@ -242,7 +244,7 @@ impl Estimate {
         }
     }
 
-    /// By how much the step (or tolerance) must fall for u to fall to `target`: at least 1; `None` where no
+    /// Factor by which the step (or tolerance) must fall for u to fall to `target`: at least 1; `None` where no
     /// refinement would do (rounding), or the order is not known.
     #[must_use]
     pub fn refinement_for(&self, target: f64) -> Option<f64> {
@@ -283,10 +285,10 @@ pub struct Step {
     pub difference: f64,
 }
 
-/// The order p that the two finest differences show; `None` if one of them is zero or not finite.
+/// Returns the order p that the two finest differences show; `None` if a difference is zero or not finite.
 ///
 /// Solves `e32/e21 = r21^p (r32^p - 1) / (r21^p - 1)`, which for equal ratios is `ln(e32/e21) / ln r`.
-/// Between -20 and 20.
+/// The result lies between -20 and 20.
 #[must_use]
 pub fn observed_order(fine: Step, coarse: Step) -> Option<f64> {
     let sound = |s: Step| s.ratio > 1.0 && s.difference > 0.0 && s.difference.is_finite();
@@ -440,7 +442,7 @@ pub fn estimate(
     };
     let aligned = alignment.is_none_or(|cosine| cosine >= LEAST_ALIGNMENT);
     if aligned && method.confirmed_by(observed) {
-        // What the order lacks tells how well it is known: as much again is taken off.
+        // The deficit of the order shows how well the order is known: it is subtracted once more.
         let order = (lower - (allowed - lower)).max(LEAST_ORDER);
         return known(Basis::Observed, Some(observed), order, SAFETY);
     }

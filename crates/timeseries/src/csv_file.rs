@@ -10,7 +10,7 @@ impl TimeSeries {
     /// Writes `time_s` and all channels; numbers are printed so that they read back bit for bit.
     ///
     /// # Errors
-    /// The writer's.
+    /// Error of the writer.
     pub fn write_csv(&self, sink: impl Write) -> Result<(), TimeSeriesError> {
         Table::from(self).write_csv(sink)
     }

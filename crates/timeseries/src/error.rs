@@ -38,7 +38,7 @@ pub enum TimeSeriesError {
         /// Content of the cell.
         text: String,
     },
-    /// There is no `time_s` column.
+    /// File without a `time_s` column.
     #[error("no column `time_s`: the first row must name the columns")]
     NoTime,
     /// The CSV itself is malformed.

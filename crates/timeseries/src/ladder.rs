@@ -1,4 +1,4 @@
-//! A ladder of refinements: runs of one engine at several settings, and what they say of the finest one.
+//! Ladder of refinements: runs of one engine at several settings, and the uncertainty of the finest run that follows.
 //!
 //! [`convergence`] holds the formulas on plain numbers. A [`Ladder`] applies them to time series: to all channels of a quantity
 //! jointly, in the norms of a comparison ([`Ladder::estimate`]), or to the distances of whole runs ([`error`]).
@@ -10,7 +10,7 @@ use crate::TimeSeries;
 use crate::convergence::{self, Basis, Estimate, Method, Step, Unresolved};
 use crate::norms::{Distance, Statistics, View, peak, rms, rows_at};
 
-/// An engine's finest run and the coarser ones that it is judged by.
+/// Finest run of an engine, and the coarser runs by which it is judged.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ladder {
     /// Kind of setting that is refined, and how errors fall with it.

@@ -34,7 +34,7 @@ impl<'a> View<'a> {
         Self { channels }
     }
 
-    /// The channels `names` of `time_series` over the samples `window`; `None` if one is missing or too short.
+    /// Selects the channels `names` of `time_series` over the samples `window`; `None` if a channel is missing or too short.
     #[must_use]
     pub fn of(
         time_series: &'a TimeSeries,
@@ -46,14 +46,14 @@ impl<'a> View<'a> {
         channels.map(Self::new)
     }
 
-    /// All forces of pins over the samples `window`.
+    /// Selects the forces of all pins over the samples `window`.
     #[must_use]
     pub fn forces(time_series: &'a TimeSeries, window: Range<usize>) -> Self {
         let groups = FORCES.iter().flat_map(|prefix| time_series.group(prefix));
         Self::new(groups.filter_map(|c| c.get(window.clone())).collect())
     }
 
-    /// The driver's torque over the samples `window`; nothing where it is not there.
+    /// Selects the driver's torque over the samples `window`; empty if the time series lacks it.
     #[must_use]
     pub fn driver_torque(time_series: &'a TimeSeries, window: Range<usize>) -> Self {
         Self::of(time_series, &[columns::INPUT_TORQUE], window).unwrap_or(Self::new(Vec::new()))
@@ -65,7 +65,7 @@ impl<'a> View<'a> {
         &self.channels
     }
 
-    /// All values, channel by channel.
+    /// Iterates over all values, channel by channel.
     pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
         self.channels.iter().copied().flatten().copied()
     }
@@ -144,7 +144,7 @@ fn share(difference: Option<f64>, size: Option<f64>, least: f64) -> f64 {
     }
 }
 
-/// Rows of the increasing times `whole` at each of `times`; `None` where it has no such sample.
+/// Returns the row in the increasing times `whole` of each of `times`; `None` where `whole` has no sample at that time.
 pub fn rows_at<'a>(times: &'a [f64], whole: &'a [f64]) -> impl Iterator<Item = Option<usize>> + 'a {
     times.iter().map(|&time| {
         let after = whole.partition_point(|&t| t < time);
@@ -185,7 +185,7 @@ pub struct Distance {
 }
 
 impl Distance {
-    /// Distance of `a` from the reference `b`, over the samples that both have. Where `a` is sampled less often, its
+    /// Returns the distance of `a` from the reference `b`, over the samples that both have. Where `a` is sampled less often, its
     /// times must be among those of `b`. See [`relative_l2`].
     #[must_use]
     pub fn between(a: &TimeSeries, b: &TimeSeries, least: LoadFloor) -> Self {
@@ -234,7 +234,7 @@ impl Distance {
         }
     }
 
-    /// The larger of both L2; NaN if either is.
+    /// Returns the larger of both L2 distances; NaN if either is NaN.
     #[must_use]
     pub fn worst(&self) -> f64 {
         if self.forces.is_nan() || self.driver_torque.is_nan() {
@@ -297,7 +297,7 @@ pub fn range(values: &[f64]) -> f64 {
 fn extremes(channels: &[&[f64]]) -> Option<[f64; 2]> {
     const LANES: usize = 4;
     let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
-    // What is not finite leaves NaN here.
+    // A value that is not finite leaves NaN here.
     let mut spoiled = [0.0; LANES];
     let mut take = |lane: usize, value: f64| {
         low[lane] = if value < low[lane] { value } else { low[lane] };

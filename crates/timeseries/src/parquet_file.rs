@@ -1,4 +1,4 @@
-//! Parquet in and out: typed columns, every digit, a tenth of the time of CSV to read back.
+//! Reading and writing of Parquet: typed columns, every digit, a tenth of the time of CSV to read back.
 //!
 //! One row group, no compression (codecs are the heavy part of the library), dictionary pages where
 //! values repeat. Numbers are doubles, whole numbers 64 bits, texts UTF-8; cells may be empty.
@@ -22,10 +22,10 @@ use crate::{TimeSeries, TimeSeriesError};
 /// Faults of Parquet files.
 #[derive(Debug, thiserror::Error)]
 pub enum ParquetFault {
-    /// It cannot be written, or is none.
+    /// Parquet file that cannot be written, or a file that is not Parquet.
     #[error("Parquet: {0}")]
     Parquet(#[from] parquet::errors::ParquetError),
-    /// It holds more than its reader asked for.
+    /// Parquet file with more rows than its reader allows.
     #[error("Parquet: {rows} rows, but there may be {most}")]
     Long {
         /// Rows that it says it has.
@@ -33,13 +33,13 @@ pub enum ParquetFault {
         /// Rows at most.
         most: usize,
     },
-    /// It was one, and the library does not get through what it became.
+    /// Damaged Parquet file, on which the library fails.
     #[error("Parquet: the file is damaged; write it anew")]
     Damaged,
-    /// It is one, but not of time series.
+    /// Parquet file that does not hold time series.
     #[error(transparent)]
     TimeSeries(#[from] TimeSeriesError),
-    /// It cannot be opened or made.
+    /// File that cannot be opened or created.
     #[error(transparent)]
     Io(#[from] std::io::Error),
 }
@@ -62,14 +62,14 @@ impl Table {
     /// Writes a Parquet file of the columns that have a name.
     ///
     /// # Errors
-    /// The library's: columns of different lengths, or the writer's own.
+    /// Error of the library (columns of different lengths) or of the writer.
     pub fn write_parquet(&self, sink: impl Write + Send) -> Result<(), ParquetFault> {
         let fields = self.named();
         let fields = fields.map(|column| column.values.schema(&column.name));
         let schema = Type::group_type_builder("table")
             .with_fields(fields.collect::<Result<_, _>>()?)
             .build()?;
-        // The same columns give the same bytes: no version of a library in the file.
+        // Equal columns give equal bytes: no library version is written into the file.
         let properties = WriterProperties::builder().set_created_by("pinwheel".to_owned());
         let mut writer =
             SerializedFileWriter::new(sink, Arc::new(schema), Arc::new(properties.build()))?;
@@ -109,7 +109,7 @@ fn write_column<T: DataType, V>(
 /// Writes time series as a Parquet file: `time_s` and all channels.
 ///
 /// # Errors
-/// The file cannot be made or written.
+/// The file cannot be created or written.
 pub fn save_time_series(time_series: &TimeSeries, path: &Path) -> Result<(), ParquetFault> {
     Table::from(time_series).write_parquet(std::fs::File::create(path)?)
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::norms::View;
 use crate::{TimeSeries, columns};
 
-/// Which comparison an engine belongs to. Tracks are never mixed in one table.
+/// Track: the comparison to which an engine belongs. Tracks are never mixed in one table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SharedModel {
@@ -78,8 +78,9 @@ pub struct RunStats {
     pub joint_drift_m: Option<f64>,
     /// Energy account of the run and of its second half, where the engine keeps one.
     pub energy: Vec<EnergyAudit>,
-    /// Set for time series that were recorded earlier and not computed now: when, with what, and why they stand
-    /// here. Costs are then those of the recording, on its machine; its samples may be a part of the others'.
+    /// Description of a recording, set for time series that were recorded earlier and not computed now: date, program
+    /// and reason of use. Costs are then the costs of the recording, on its machine; its samples may be a subset of
+    /// the other runs' samples.
     pub recorded: Option<String>,
     /// Uncertainty of recorded time series.
     #[serde(skip)]
@@ -130,18 +131,18 @@ pub struct EnergyAudit {
     /// Friction losses in contacts, J; this and the next three are `None` where nothing rubs so.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact_friction_j: Option<f64>,
-    /// In the bearings of eccentrics or cranks, J.
+    /// Energy lost to friction in the bearings of eccentrics or cranks, J.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bearing_friction_j: Option<f64>,
-    /// By sleeves on their pins, J.
+    /// Energy lost to friction of sleeves on their pins, J.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sleeve_friction_j: Option<f64>,
-    /// By seals, J.
+    /// Energy lost to friction of seals, J.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seal_friction_j: Option<f64>,
     /// Remainder of the balance, J: positive when energy appeared that nothing accounts for.
     pub remainder_j: f64,
-    /// The remainder as a share of the larger of the two works; `None` where those are only the account's rounding.
+    /// Remainder as a share of the larger of the two works; `None` where both works are only the account's rounding.
     pub remainder_share: Option<f64>,
     /// Error of the remainder by the signal between the account's entries, J.
     #[serde(default)]
@@ -162,7 +163,7 @@ impl EnergyAudit {
 }
 
 impl EnergyAudit {
-    /// Time that it shares with the time from `from_s` to `to_s`, as a share of what either of them takes.
+    /// Returns the overlap of the account's interval with `from_s` to `to_s`, as a share of the span of both together.
     #[must_use]
     pub fn overlap(&self, from_s: f64, to_s: f64) -> f64 {
         let both = self.to_s.min(to_s) - self.from_s.max(from_s);
@@ -187,7 +188,7 @@ const ROUNDING: f64 = 1e-11;
 /// what goes through.
 const MOST_EFFICIENT: f64 = 2.0;
 
-/// Share of the power from which a contact law that creates or destroys it leaves no efficiency to speak of.
+/// Share of the power created or destroyed by a contact law from which on no efficiency is defined.
 pub const CREATED: f64 = 1e-3;
 /// Why a scene without friction has no efficiency.
 pub const NO_LOSS: &str = "no loss modelled: nothing rubs in this scene";
@@ -237,16 +238,16 @@ pub fn mean_powers(
 pub enum Ending {
     /// Complete time series; the only state that is judged.
     Finished,
-    /// The numbers ran away; the time series until then are kept and shown, not judged.
+    /// The solution diverged; the time series until then are kept and shown, not judged.
     Diverged {
-        /// When, s.
+        /// Time of the divergence, s.
         time_s: f64,
-        /// Which quantity, and its value.
+        /// Quantity that diverged, and its value.
         quantity: String,
     },
     /// The engine cannot honour the scene; it never approximates in silence.
     Unsupported {
-        /// Which part of the scene, and why.
+        /// Part of the scene that the engine does not support, and the reason.
         reason: String,
     },
     /// A package, a compiler or a library that the engine needs is not on this machine. A recording may stand in.
@@ -259,7 +260,7 @@ pub enum Ending {
         /// Message of the engine.
         reason: String,
     },
-    /// It was given up because it took too long.
+    /// Run stopped because it took too long.
     TimedOut {
         /// Simulated time reached, s.
         time_s: f64,
@@ -365,7 +366,7 @@ impl Ending {
     /// Returns `Ok` if the run finished.
     ///
     /// # Errors
-    /// The ending itself, unless it is finished.
+    /// Returns the ending, unless the run is finished.
     pub fn whole(&self) -> Result<(), Self> {
         if self.is_finished() {
             Ok(())

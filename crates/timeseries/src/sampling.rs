@@ -84,15 +84,16 @@ const EMPTY: Interval = Interval {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Between {
     names: Vec<&'static str>,
-    /// By quantity and interval.
+    /// Interval data, indexed by quantity and interval.
     intervals: Vec<Vec<Interval>>,
-    /// Points that are not settled yet and those before them that they need: times, which of them are samples, values by quantity.
+    /// Times of the points that are not settled yet and of the earlier points that they need, s. `samples` marks the
+    /// points that are samples; `points` has the values by quantity.
     times: Vec<f64>,
     samples: Vec<bool>,
     points: Vec<Vec<Point>>,
-    /// Intervals between points that are settled, of those.
+    /// Number of settled intervals between the stored points.
     settled: usize,
-    /// Points that were no samples.
+    /// Number of points that were no samples.
     others: usize,
 }
 
@@ -165,7 +166,7 @@ impl Between {
             stencil.set(&self.times, i);
             let starts = self.samples[i];
             for (points, intervals) in self.points.iter().zip(&mut self.intervals) {
-                // What precedes the first sample has no interval.
+                // Points before the first sample have no interval.
                 if starts {
                     intervals.push(EMPTY);
                 }
@@ -175,7 +176,7 @@ impl Between {
                 stencil.integrate(points, &mut intervals[last]);
                 if i > 0 {
                     stencil.extremes(&self.times, points, |at, is_max, value, beyond| {
-                        // Of a sample the extreme may lie before it.
+                        // The extreme at a sample may lie in the interval before it.
                         let place = last.saturating_sub(usize::from(starts && at < 0.0));
                         let interval = &mut intervals[place];
                         if is_max {
@@ -351,7 +352,7 @@ pub fn cubic(at: &[f64; 4], zero: usize) -> [f64; 4] {
         1 => (0, 3),
         _ => (0, 1),
     };
-    // Of t (t - 1) (t - other), and over its value there.
+    // Integral of t (t - 1) (t - other) from 0 to 1, over the value of this cubic at `own`.
     let weight =
         |own: f64, other: f64| (2.0 * other - 1.0) / (12.0 * own * (own - 1.0) * (own - other));
     let mut weights = [0.0; 4];
@@ -388,7 +389,7 @@ fn vertex(at: &[f64; 5], values: [f64; 5], k: usize) -> (f64, f64, f64) {
     (place, least, (parabola - quartic).abs())
 }
 
-/// Figures of a quantity over a window, and what sampling leaves each of them off by.
+/// Figures of a quantity over a window, and the sampling error of each figure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Figures {
     /// The figures.
@@ -482,7 +483,7 @@ impl Between {
     }
 }
 
-/// The quantities of a gearbox that [`Between`] is kept of: those every engine has, but for the output's angle.
+/// Quantities of a gearbox that [`Between`] records: every quantity that all engines have, except the output's angle.
 pub const QUANTITIES: [&str; 4] = [
     columns::INPUT_TORQUE,
     columns::OUTPUT_TORQUE,

@@ -148,7 +148,7 @@ impl TimeSeries {
         self.between.as_deref()
     }
 
-    /// All channels in the order they were added.
+    /// Returns all channels in the order in which they were added.
     #[must_use]
     pub fn channels(&self) -> &[Channel] {
         &self.channels

@@ -190,7 +190,7 @@ impl Table {
         self.column(name)?.values.number(row)
     }
 
-    /// The rows that `keep` wants, by their number.
+    /// Returns the table of the rows that `keep` selects by their number.
     #[must_use]
     pub fn rows(mut self, keep: impl Fn(usize) -> bool) -> Self {
         fn pick<T: Clone>(list: &mut Vec<T>, keep: &impl Fn(usize) -> bool) {
@@ -213,7 +213,7 @@ impl Table {
         self
     }
 
-    /// The columns `names`, in that order; those that are not there are left out.
+    /// Returns a table of the columns `names`, in that order; names without a column are skipped.
     #[must_use]
     pub fn only(&self, names: &[&str]) -> Self {
         let columns = names.iter().filter_map(|name| self.column(name).cloned());
@@ -223,7 +223,7 @@ impl Table {
         }
     }
 
-    /// The table without columns in which nothing stands.
+    /// Returns the table without its empty columns.
     #[must_use]
     pub fn without_empty(mut self) -> Self {
         self.columns.retain(|column| {
@@ -242,7 +242,7 @@ impl Table {
     /// value.
     ///
     /// # Errors
-    /// The writer's.
+    /// Error of the writer.
     pub fn write_csv(&self, sink: impl Write) -> Result<(), TimeSeriesError> {
         let mut writer = csv::Writer::from_writer(sink);
         writer.write_record(self.named().map(|column| &column.name))?;
@@ -375,7 +375,7 @@ impl<R> TableOf<R> {
         column.shown(Shown::Digits(DIGITS))
     }
 
-    /// A column of whole numbers.
+    /// Adds a column of integers.
     #[must_use]
     pub fn whole<V: TryInto<i64>>(
         self,

@@ -24,12 +24,13 @@ const NOTES: usize = 20;
 pub const WORDS: usize = 300;
 /// Interval between checks of sizes.
 const LOOK: Duration = Duration::from_millis(100);
-/// Files looked at in a folder, and levels.
+/// Most files that are checked in a folder, and most levels of subfolders.
 const FILES: usize = 10_000;
 const LEVELS: usize = 8;
 
 impl Limits {
-    /// Which of them a solver passed that began at `begun`; its folder was `looked` at last.
+    /// Returns the limit that a solver exceeded, `None` if it keeps all limits. The solver began at `begun`; `looked` is the
+    /// time of the last check of its folder.
     pub fn passed(
         &self,
         log: &SolverLog,
@@ -101,7 +102,7 @@ impl SolverLog {
     pub fn take(&mut self, piece: &Piece) {
         self.bytes += piece.bytes.len() as u64;
         let mut bytes = piece.bytes.as_slice();
-        // Of stdout only the last line may count: whoever floods it is not to be listened to for long.
+        // Only the last line of stdout may count, so a flood of output is cut to one line.
         if !piece.stderr && bytes.len() > LINE {
             bytes = &bytes[bytes.len() - LINE..];
             self.lines[0].clear();

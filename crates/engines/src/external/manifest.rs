@@ -14,7 +14,7 @@ use crate::known::{info, known};
 
 /// Longest run that a manifest may ask for, s.
 const LONGEST_S: f64 = 86_400.0;
-/// Placeholders in a command for values that are known only when it runs.
+/// Placeholders in a command for values that are known only when the command runs.
 pub(super) const PLACES: [&str; 4] = ["here", "job", "law", "python"];
 
 /// Content of a manifest.
@@ -48,7 +48,7 @@ pub struct Manifest {
     /// Setting that makes the solver more accurate.
     #[serde(default)]
     pub refine: Option<Refinement>,
-    /// By how much its model is known to differ from the native one, per quantity.
+    /// Known difference between the solver's model and the native one, per quantity.
     #[serde(default)]
     pub model: BTreeMap<String, Stated>,
 }

@@ -189,7 +189,7 @@ impl Solver {
         });
         let ended = ended.map_err(|error| failed(self.does_not_start(program, &error)))?;
         let message = log.last();
-        // It may have ended before anybody looked.
+        // The solver may have ended before its log was read.
         if let Some(time) = log.reached_s {
             let _ = control.reached(time);
         }
@@ -405,7 +405,7 @@ fn killer(status: std::process::ExitStatus) -> String {
     format!("the system ({status})")
 }
 
-/// Solvers that the user named: engines of this process as those of the build are, for as long as it lives.
+/// Solvers that the user named. They are engines of this process like the built-in engines, until the process ends.
 static ADMITTED: RwLock<Vec<&'static Solver>> = RwLock::new(Vec::new());
 
 /// Reads a manifest and lets its solver join the [`registry`](fn@crate::registry). Returns its name.

@@ -330,7 +330,7 @@ fn checked(
     })
 }
 
-/// Mean output torque against mean load, in the second half of what there is, where both are clear.
+/// Checks the sign of the mean output torque against the mean load, over the second half of the samples, where both are clear.
 fn signs(gearbox: &Gearbox, time_series: &TimeSeries) -> Result<(), String> {
     let times = time_series.time_s();
     let half = times.len() / 2;

@@ -54,7 +54,7 @@ fn load(environment: &Environment) -> Result<(), Halt> {
     Python::attach(|py| {
         let start = || -> PyResult<Result<(), String>> {
             let path = py.import("sys")?.getattr("path")?;
-            // As text: the search path ignores path objects.
+            // Paths are passed as text: the search path ignores path objects.
             path.call_method1("insert", (0, environment.packages.as_os_str()))?;
             path.call_method1("insert", (0, sources.as_os_str()))?;
             for (package, version) in pins(LIST) {

@@ -111,9 +111,9 @@ pub fn named(
     Ok(environment)
 }
 
-/// Asks an environment's interpreter where its packages are, its version, and what is installed (`name==version`) with every file
-/// that belongs to it as it was: as long, and where it was touched after the [`MARKER`] with the hash that pip recorded. Hashing
-/// all of them would read 130 MB at every start.
+/// Asks an environment's interpreter for the folder of its packages, its version, and the packages (`name==version`) whose
+/// files are all unchanged. A file is unchanged if its length is; a file touched after the [`MARKER`] must also have the hash
+/// that pip recorded. Hashing every file would read 130 MB at every start.
 fn probe(folder: &Path, cancel: &AtomicBool) -> Result<(Environment, String, Vec<String>), String> {
     let python = python_of(folder);
     if !python.exists() {

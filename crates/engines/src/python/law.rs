@@ -1,8 +1,8 @@
 //! Our contact law as engines see it: a number that stands for it for the time of a run.
 //!
-//! Engines keep a context, and may keep it too long. So the context is no address but a number that
-//! is never used twice: behind one whose law is gone there is nothing, and a call with it answers
-//! NaN, which every engine's guard sees.
+//! Engines keep a context, and may keep it too long. So the context is not an address but a number that
+//! is never used twice. A call with the number of a law that is gone returns NaN, which every engine's
+//! guard detects.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,18 +19,18 @@ use crate::engine::Ending;
 pub struct Law {
     /// Bodies of the scene; known also after the law is gone.
     pub bodies: usize,
-    /// MuJoCo is given new loads at every so many calls only, as a frozen force would: 1 but for that fault.
+    /// Number of calls over which MuJoCo gets the same loads: 1, except under the fault of frozen loads.
     pub every: u64,
     evaluator: Mutex<Option<Evaluator>>,
     calls: AtomicU64,
-    /// Faulty loads are so many times too large.
+    /// Factor by which faulty loads are too large.
     fault: Option<f64>,
 }
 
 /// Calls before loads are faulty.
 const SOUND_CALLS: u64 = 300;
 
-/// All laws so far. Those that are gone stay: they are what tells stale from alive.
+/// All laws so far. Laws that are gone stay in the list, so that a stale number is recognised.
 static LAWS: Handles<Law> = Handles::new();
 
 /// Locks data that are valid after a panic, too.

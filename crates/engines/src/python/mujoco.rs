@@ -23,7 +23,7 @@ pub struct Place {
 /// Addresses of one run's numbers in MuJoCo, valid until it detaches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Addresses {
-    /// The mjData itself.
+    /// Address of the mjData.
     pub data: usize,
     /// Joint angles, `coordinates` doubles.
     pub qpos: usize,
@@ -31,7 +31,7 @@ pub struct Addresses {
     pub qvel: usize,
     /// Joint torques, to be added to.
     pub qfrc_passive: usize,
-    /// Two 64-bit counters: evaluations, and those at another state than the one before.
+    /// Two 64-bit counters: evaluations, and evaluations at another state than the previous one.
     pub counters: usize,
     /// Length of the arrays.
     pub coordinates: usize,
@@ -69,7 +69,7 @@ pub struct Attached {
     pub loads: Vec<f64>,
 }
 
-/// All runs that MuJoCo may call back for. Its callback is process-wide: the data that it is given say which run it belongs to.
+/// Runs for which MuJoCo may call back. The callback is process-wide: the data passed to it identify the run.
 pub static ATTACHED: Mutex<Vec<Attached>> = Mutex::new(Vec::new());
 
 /// Lets MuJoCo call back for a run, in the place of an earlier one of the same law or the same data: freed memory is

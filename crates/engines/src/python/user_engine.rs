@@ -28,7 +28,7 @@ use crate::info::{EngineInfo, Refinement};
 pub struct UserEngine {
     /// Name as typed by users.
     pub name: String,
-    /// Which comparison it belongs to.
+    /// Track: the comparison to which the engine belongs.
     pub track: SharedModel,
     /// Version; what it computes must not change under one version.
     pub version: String,

@@ -26,23 +26,23 @@ use crate::spring::{contact_spring, spring_load};
 /// 0.8 % with 103 points a lobe, against 267.
 pub const EDGE_POINTS: usize = 4000;
 const LOBE_POINTS: usize = 100;
-/// And most: beyond that an outline costs more than it shows.
+/// Most points of an edge: a finer outline costs more than it shows.
 const MOST_POINTS: usize = 16_000;
 /// Fewest and most points of a hole's edge: with the former chords are 0.3 micrometres deep in a hole of 8.8 mm.
 pub const HOLE_POINTS: usize = 400;
 const MOST_HOLE_POINTS: usize = 4000;
-/// By how much an outline should miss its curve, and by how much it may, as shares of the depth of contacts.
+/// Target and largest distance between an outline and its curve, as shares of the depth of contacts.
 const SAG: f64 = 0.01;
 const MOST_SAG: f64 = 0.05;
 
 /// Gauss-Seidel sweeps a step, as in the contact hook.
 const SWEEPS: usize = 20;
 
-/// Longest step, s, and fewest steps in a turn of the input. The spring is implicit, and means are
-/// all that is compared: five times finer steps move them by less than 0.05 %.
+/// Longest step, s, and fewest steps in a turn of the input. The spring is implicit, and only means are
+/// compared: five times finer steps change the means by less than 0.05 %.
 const LONGEST_STEP_S: f64 = 1e-4;
 const STEPS_PER_TURN: f64 = 1200.0;
-/// Periods of the contact spring in a step at most: beyond one, the implicit spring gives way before it pushes back (a gear
+/// Most periods of the contact spring in a step: beyond one, the implicit spring yields before it pushes back (a gear
 /// of 3 mm in plastics slips through its teeth at 1.9; the paper's has 0.1, steel 0.5).
 const PERIODS: f64 = 0.5;
 
@@ -132,8 +132,8 @@ pub struct Corners {
 }
 
 impl Corners {
-    /// So many that outlines miss their curves by a hundredth of the depth of springs of this stiffness (external, internal, N/m)
-    /// under the static load.
+    /// Chooses the numbers of corners so that outlines miss their curves by a hundredth of the contact depth. The depth is
+    /// that of springs of `stiffness_n_m` (external, internal, N/m) under the static load.
     pub fn of(scene: &Scene, stiffness_n_m: [f64; 2]) -> Result<Self, String> {
         let gear = &scene.gear;
         let torque = Scales::of(scene).wheel_torque_n_m;
@@ -188,7 +188,7 @@ struct Solid {
     meetings: Vec<Meeting>,
 }
 
-/// Which colliders may meet: edges ring pins, and each hole its own pin.
+/// Collision groups: edges meet ring pins, and each hole meets its own pin.
 const EDGES: Group = Group::GROUP_1;
 const EXTERNALS: Group = Group::GROUP_2;
 const HOLES: Group = Group::GROUP_3;
@@ -242,7 +242,8 @@ impl Solid {
             for (k, &ball) in internals.iter().enumerate() {
                 let sleeve = Sleeve::Internal(k);
                 let centre = if gear.errors.is_none() {
-                    // It stands to its disc's centre as its pin to the output's, at the origin, at t = 0.
+                    // At t = 0 a hole has the place about its disc's centre that its pin has about
+                    // the output's centre, the origin.
                     let wheel = BodyState {
                         angle: starts[body].angle,
                         ..BodyState::default()
@@ -328,8 +329,8 @@ impl Meeting {
     }
 }
 
-/// Contacts of rapier's own, which only show which pairs press. Its penetrations are those of polylines and its
-/// stiffness is no law's, so neither is given.
+/// Contacts resolved by rapier itself, which only show which pairs press. rapier measures penetrations against polylines,
+/// and its stiffness belongs to no contact law, so neither is given.
 struct Own<'a> {
     meetings: &'a [Meeting],
     world: &'a World,
@@ -357,8 +358,8 @@ impl PairSource for Own<'_> {
     }
 }
 
-/// Keeps only the nearest of the segments that touch a pin: the others are the same contact. Pairs that do not touch
-/// are not looked at: their boxes overlap with hundreds of segments each.
+/// Contact filter that keeps only the nearest of the segments that touch a pin: the other segments are the same contact.
+/// Pairs that do not touch are skipped: their boxes overlap with hundreds of segments each.
 struct Nearest;
 
 /// The edge of a pair, its polyline, and the pin.

@@ -151,7 +151,7 @@ pub fn march(
                 recorder.record_channels(&mut Seen {
                     bodies: &now,
                     driver_torque_n_m,
-                    // Of floating discs, which no joint carries, they are another list.
+                    // Floating discs are carried by no joint, so their list of reactions is another.
                     reactions: (!gearbox.floats()).then_some(&joints[..]),
                     contacts: contacts.pair_source(&world, share).as_mut(),
                 });

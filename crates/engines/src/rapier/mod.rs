@@ -19,7 +19,7 @@ use crate::engine::{Engine, Halt, Prepared};
 use crate::info::EngineInfo;
 use crate::known::rapier as facts;
 
-/// One of the three: what is known of it, and how it is made ready.
+/// Engine on rapier: its description, and the function that prepares it.
 struct Rapier(
     &'static EngineInfo<'static>,
     fn(&Gearbox) -> Result<Prepared<'static>, Halt>,

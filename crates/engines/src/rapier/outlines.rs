@@ -63,7 +63,7 @@ pub fn corners_for_sag(gear: &Gear, sag_m: f64) -> f64 {
     whole(gear) / (8.0 * sag_m).sqrt()
 }
 
-/// By how much the chords between so many corners miss a disc's edge, m: `c^2 |kappa|/8` of a chord c.
+/// Returns the sag of the chords between `count` corners of a disc's edge, m: `c^2 |kappa|/8` of a chord c.
 pub fn sag_of_corners(gear: &Gear, count: usize) -> f64 {
     (whole(gear) / count as f64).powi(2) / 8.0
 }

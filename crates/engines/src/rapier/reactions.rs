@@ -1,8 +1,8 @@
-//! Forces of the revolutes, from what the bodies did: the mass of a body times its acceleration is
-//! the contact forces on it, plus the force of its own revolute, less those of the bodies it carries.
+//! Forces of the revolutes, from the motion of the bodies: the mass of a body times its acceleration equals
+//! the contact forces on it, plus the force of its own revolute, less the forces of the revolutes of the bodies it carries.
 //!
-//! rapier's own impulses hold the position corrections of its solver too; this is the force that the
-//! motion it computed needs.
+//! rapier's own impulses also contain the position corrections of its solver. The force here is the one that the
+//! computed motion needs.
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Layout;

@@ -132,8 +132,8 @@ impl World {
         );
     }
 
-    /// Given the states at the node before the last step, replaces their velocities by the mean of
-    /// those half a step around it. At the start it leaves them: they are known.
+    /// Replaces the velocities of `before`, the states at the node before the last step, by the mean of the velocities
+    /// half a step before and after that node. At the start they stay unchanged, because they are known.
     pub fn centre(&self, before: &mut [BodyState]) {
         if self.taken <= 1 {
             return;

@@ -27,7 +27,7 @@ pub enum PairQuantity {
     NormalForce,
     /// Friction on the pin along R90 n, N.
     FrictionForce,
-    /// All of the force on the disc, x, N.
+    /// Total force on the disc, x, N.
     ForceX,
     /// Force y, N.
     ForceY,
@@ -37,7 +37,7 @@ pub enum PairQuantity {
     PressureSliding,
 }
 
-/// Which revolutes.
+/// Group of revolute joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Joint {
     /// Input shaft on the housing.
@@ -52,7 +52,7 @@ pub enum Joint {
     InternalPin,
 }
 
-/// Which part of a joint's force on the body it carries.
+/// Component of a joint's force on the body that the joint carries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// Length.
@@ -138,7 +138,7 @@ enum Over {
 /// Channels that differ in their numbers only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Family {
-    /// Name with `*` for every number: at once the pattern that asks for all of them.
+    /// Name with `*` for every number; also the pattern that asks for every channel of the family.
     pub pattern: &'static str,
     /// Meaning of the column, in words, with sign and frame.
     pub about: &'static str,

@@ -1,12 +1,12 @@
 //! Channels beyond the contract's columns, recorded when a scene asks for them.
 //!
-//! They are evaluated at sample times only, from states that the run has anyway: what is not asked
-//! for is not computed, and what is asked for changes neither a step nor a right-hand side.
+//! Channels are evaluated at sample times only, from states that the run has anyway. A channel that is not asked
+//! for is not computed; a channel that is asked for changes neither a step nor a right-hand side.
 //!
 //! Signs and frames (docs/physics.md): n points from the pin's centre to the disc's closest point W,
 //! velocities are the pin's less the disc's at W, `t = R90 n`. A pair is described at its
-//! closest points whether or not it touches: a negative penetration is the gap. Forces of joints are
-//! those on the body that the joint carries, in the ground frame.
+//! closest points whether or not it touches: a negative penetration is the gap. Forces of joints act
+//! on the body that the joint carries; they are given in the ground frame.
 
 mod catalogue;
 mod select;

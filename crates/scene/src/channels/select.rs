@@ -12,15 +12,15 @@ pub const MOST_PATTERNS: usize = 200;
 /// Characters of one entry at most; the longest name has about 50.
 const LONGEST: usize = 80;
 
-/// A list of which a pattern asks for nothing: what is wrong with it and what was meant.
+/// Makes the fault of `output.channels` with a pattern that selects no channel.
 fn fault(what: String, remedy: impl Into<String>) -> Fault {
     Fault::new(&["output.channels"], what, remedy)
 }
 
-/// The columns asked for, each once, in the order of the catalogue.
+/// Returns the columns that the patterns select, each once, in the order of the catalogue.
 ///
 /// # Errors
-/// The first pattern that nothing fits.
+/// The first pattern that matches no column.
 pub fn select(patterns: &[String], layout: Layout) -> Result<Vec<Chosen>, Fault> {
     if patterns.is_empty() {
         return Ok(Vec::new());

@@ -262,7 +262,7 @@ fn internal_sleeves(gear: &Gear) -> Result<(), Fault> {
 
 /// Every hole must lie inside the profile: its centre farther from C than hole radius + q.
 ///
-/// A hole that stays inside the circle through the pits is inside whatever its angle.
+/// A hole that stays inside the circle through the pits is inside the disc at every angle.
 pub fn holes_inside_the_wheel(gear: &Gear) -> Result<(), Fault> {
     let pit = Profile::of(gear).pit_radius();
     let (circle, hole) = (gear.internal_circle_radius_m, gear.hole_radius_m);

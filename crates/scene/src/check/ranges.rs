@@ -9,10 +9,10 @@ use crate::error::Fault;
 use crate::keys::{self, Key, Kind, Range};
 use crate::number::short;
 
-/// Smaller numbers are no quantities of a gear; powers and quotients of them are zero or infinite.
+/// Smallest magnitude of a quantity of a gear. Powers and quotients of smaller numbers are zero or infinite.
 const SMALLEST: f64 = 1e-30;
 
-/// Checks the values there are; what is missing is none of its business.
+/// Checks the range of each given value; missing values are not checked.
 pub(crate) fn check(table: &Table) -> Result<(), Fault> {
     for (row, value) in keys::values(table) {
         if let Some(value) = value {

@@ -55,7 +55,7 @@ pub(super) fn tried(gear: &Gear, gives_circle: bool, fault: Fault) -> Fault {
     }
     let whole: Builds = |gear| geometry::whole(gear).is_ok();
     let outside: Builds = |gear| geometry::outside(gear).is_ok();
-    // What is named comes first.
+    // Keys that the fault names come first.
     let place = |key: &str| fault.keys.iter().position(|known| known == key);
     let single = |builds| single(gear, gives_circle, builds);
     let mut ways = single(whole);
@@ -134,7 +134,7 @@ fn single(gear: &Gear, gives_circle: bool, builds: Builds) -> Vec<Way> {
     ways
 }
 
-/// The nearest of few digits to where `good` comes from that still fits.
+/// Returns the value of few digits that still fits next to the limit between `bad` and `good`; the limit is located by halving.
 fn edge(bad: f64, mut good: f64, fits: &dyn Fn(f64) -> bool) -> Option<f64> {
     let mut bad = bad;
     for _ in 0..HALVINGS {
@@ -149,7 +149,7 @@ fn edge(bad: f64, mut good: f64, fits: &dyn Fn(f64) -> bool) -> Option<f64> {
     (2..=6).find_map(rounded)
 }
 
-/// The gear as a scene may mean it: with m or R as it was, and holes as they were or as they follow.
+/// Returns the gears that a scene may mean: with m or R unchanged, and with holes unchanged or recomputed.
 fn variants(before: &Gear, moved: &Gear) -> Vec<Gear> {
     let mut all = Vec::new();
     // Only from R follows an m that is none.
@@ -189,7 +189,7 @@ fn in_words(gear: &Gear, gives_circle: bool, key: &str, value: f64) -> String {
     format!("gear.pin_circle_radius_m = {}", nearest(radius, 6))
 }
 
-/// The profile anew: no modification, an m that is usual, and pins and a play that fit.
+/// Designs the profile anew: no modification, a usual m, and pins and a play that fit.
 fn external_stage(gear: &Gear, gives_circle: bool) -> Option<Way> {
     const USUAL: f64 = 0.7;
     let mut fitting = gear.clone();

@@ -36,7 +36,7 @@ pub(super) struct Layers {
     source: String,
     table: Table,
     places: HashMap<String, Location>,
-    /// Which base each key came from, for those that the file itself does not write.
+    /// Base from which each key was inherited, for keys that the file itself does not write.
     inherited: HashMap<String, String>,
 }
 
@@ -60,7 +60,7 @@ impl Layers {
         Ok(layers)
     }
 
-    /// Lays a file over what there is, its base below it.
+    /// Lays a file over the values so far, after the base that the file names.
     fn file(
         &mut self,
         text: &str,
@@ -126,7 +126,7 @@ impl Layers {
             (load::read(&path)?, path)
         };
         self.file(&text, &name, &[], depth + 1)?;
-        // What a scene is called and why it exists is its own.
+        // Name and description are not inherited from a base.
         for own in ["name", "description"] {
             self.table.remove(own);
             self.places.remove(own);
@@ -150,7 +150,7 @@ impl Layers {
         }
     }
 
-    /// Lays `from` over what there is: only keys that have a row, only values of their kind.
+    /// Lays `from` over the values so far. Accepts only keys of the key table, with values of the key's kind.
     fn overlay(&mut self, from: &Entries<'_>, place_at: Places<'_>) -> Result<(), SceneError> {
         self.within("", "", from, place_at)
     }
@@ -292,7 +292,7 @@ impl Layers {
         Ok(Value::Array(list))
     }
 
-    /// Checks what there is, fills in what is left out, and checks all of it together.
+    /// Checks the given values, fills in the missing ones, and checks the complete scene.
     pub(super) fn finish(mut self) -> Result<CheckedScene, SceneError> {
         let located =
             |fault: Fault, places: &HashMap<String, Location>| located(fault, places, &self.source);

@@ -1,4 +1,4 @@
-//! Values of a file, as those of the kind that their key has.
+//! Conversion of a file's values to the kind that their key has.
 
 use pinwheel_files::Node;
 use toml::Value;

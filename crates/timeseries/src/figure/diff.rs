@@ -10,13 +10,13 @@ use super::{Figure, FigureDef};
 pub enum Judged {
     /// Equal to the last digit.
     Same,
-    /// They differ by no more than both uncertainties together: no difference was shown.
+    /// Values differ by no more than both uncertainties together: no difference was shown.
     BelowUncertainty,
-    /// They differ by more.
+    /// Values differ by more than both uncertainties together.
     Differ,
-    /// They differ, and it is not known how far they may be off.
+    /// Values differ, and their uncertainty is not known.
     NotKnown,
-    /// One of them does not exist.
+    /// One of the two values does not exist.
     Missing,
 }
 
@@ -28,7 +28,7 @@ pub struct Diff {
     pub def: FigureDef,
     /// Both values.
     pub values: [Option<f64>; 2],
-    /// How far each may be off; `None` where that is not known.
+    /// Numerical uncertainty of each value; `None` where it is not known.
     pub uncertainty: [Option<f64>; 2],
     /// Judgement of the change.
     pub judged: Judged,

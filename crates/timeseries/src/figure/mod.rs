@@ -48,7 +48,7 @@ pub struct Figure {
     /// Reason why there is no value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub withheld: Option<String>,
-    /// How far the value may be off numerically; `None` where that is not known.
+    /// Numerical uncertainty of the value; `None` where it is not known.
     #[serde(rename = "numerical_uncertainty")]
     pub uncertainty: Option<f64>,
     /// Part of the uncertainty that sampling alone causes; `None` of what is no figure of samples.

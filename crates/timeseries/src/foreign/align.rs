@@ -14,7 +14,7 @@ use super::Offset;
 use super::resample::{usual_spacing, value_at};
 use crate::TimeSeries;
 
-/// Points of the even grid to a sample: between those of an oscillation of 8 samples the correlation falls by a fifteenth.
+/// Points of the even grid per sample: between the points of an oscillation of 8 samples the correlation falls by a fifteenth.
 const FINE: f64 = 4.0;
 /// Points of the even grid at most, run and record together.
 const MOST: f64 = 1_048_576.0;
@@ -22,13 +22,13 @@ const MOST: f64 = 1_048_576.0;
 const FEWEST: usize = 40;
 /// Shifts that fit this much worse, as a share of what is missing to a perfect fit, fit as well.
 const AS_WELL: f64 = 0.05;
-/// A gain of correlation below this is none.
+/// Smallest gain of correlation that counts.
 const GAIN: f64 = 1e-3;
 /// Share of a grid step by which the parabola may miss the peak of an oscillation of 5 samples or more. Measured: 0.03.
 const PARABOLA: f64 = 0.05;
-/// A column that varies less in an overlap, as a share of its variation, says nothing there.
+/// Smallest variation of a column in an overlap, as a share of its entire variation; a flatter column is ignored there.
 const FLAT: f64 = 1e-9;
-/// A column that varies less than this share of its size does so by rounding.
+/// Largest variation of a column, as a share of its size, that counts as rounding.
 const ROUNDING: f64 = 1e-12;
 /// Below this correlation, which is a quarter of the variation, a record is nothing like the run.
 const UNLIKE: f64 = 0.5;
@@ -96,7 +96,7 @@ impl Shift {
     }
 }
 
-/// The shift at which `record` fits `run` best.
+/// Returns the shift at which `record` fits `run` best.
 ///
 /// # Errors
 /// Why there is none: no column that both have changes, too little is in common, or nothing is alike.
@@ -200,14 +200,14 @@ pub fn shift(run: &TimeSeries, record: &TimeSeries) -> Result<Shift, String> {
     })
 }
 
-/// Values less their mean, with running sums of them and of their squares.
+/// Values less their mean, with running sums of the values and of their squares.
 struct Evaluation {
     values: Vec<f64>,
     running: Vec<[f64; 2]>,
 }
 
 impl Evaluation {
-    /// `None` if the values do not vary.
+    /// Subtracts the mean and sums; `None` if the values do not vary.
     fn of(mut values: Vec<f64>) -> Option<Self> {
         let size: f64 = values.iter().map(|value| value * value).sum();
         let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -226,7 +226,7 @@ impl Evaluation {
         self.running.last().map_or(0.0, |[_, squares]| *squares)
     }
 
-    /// Sum and variation of so many values from `from` on; no variation where they are flat.
+    /// Returns sum and variation of `count` values from `from` on; the variation is 0 where the values are flat.
     fn part(&self, from: isize, count: isize) -> (f64, f64) {
         let [start, end] = [from, from + count].map(|k| self.running[k as usize]);
         let sum = end[0] - start[0];
@@ -236,7 +236,8 @@ impl Evaluation {
     }
 }
 
-/// Pearson's correlation where both are, of which the sum of products is known; 0 where one of them does not change.
+/// Returns Pearson's correlation over the overlap of `a` and `b`, where `b` begins at `place` in `a`. `product` is the sum of
+/// products over the overlap. The result is 0 where `a` or `b` does not change there.
 fn correlation(a: &Evaluation, b: &Evaluation, place: isize, product: f64) -> f64 {
     let from = place.max(0);
     let to = (a.values.len() as isize).min(place + b.values.len() as isize);
@@ -262,7 +263,7 @@ fn products(a: &[f64], b: &[f64]) -> Option<Vec<f64>> {
         let mut input = forward.make_input_vec();
         input[..values.len()].copy_from_slice(values);
         let mut bins = forward.make_output_vec();
-        // It fails only for buffers of other lengths than its own.
+        // The transform fails only for buffers of a wrong length.
         forward.process(&mut input, &mut bins).ok()?;
         Some(bins)
     };

@@ -6,7 +6,7 @@
 pub struct ForeignError(pub(super) String);
 
 impl ForeignError {
-    /// It cannot be read.
+    /// Makes the error of a file that cannot be read.
     pub fn unreadable(error: impl std::fmt::Display) -> Self {
         Self(format!(
             "cannot be read: {error}; give a text file of separated values"
@@ -14,7 +14,7 @@ impl ForeignError {
     }
 }
 
-/// The first of a list, and how many more there are.
+/// Lists the first entries, and the number of the others.
 #[must_use]
 pub fn first_of(list: &[String], most: usize, between: &str) -> String {
     let mut first = list[..most.min(list.len())].to_vec();

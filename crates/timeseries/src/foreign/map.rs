@@ -120,7 +120,7 @@ impl std::fmt::Display for ColumnRef {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TimeColumn {
-    /// Which column.
+    /// Column that holds the time.
     pub column: ColumnRef,
     /// Unit of the time.
     pub unit: String,
@@ -244,7 +244,7 @@ pub enum Unwrap {
 #[derive(Debug, Clone, Copy, PartialEq, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ColumnUncertainty {
-    /// In our unit.
+    /// Absolute uncertainty, in the unit of Pinwheel's column.
     pub absolute: f64,
     /// Share of the value.
     pub of_reading: f64,
@@ -280,7 +280,7 @@ pub struct Rows {
     pub twice: Twice,
 }
 
-/// Which row counts where an instant is written more than once, as before and after an event.
+/// Choice of the row that counts where an instant is written more than once, as before and after an event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Twice {
@@ -297,10 +297,10 @@ pub enum Twice {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum BadRows {
-    /// An error that names them.
+    /// Refuses the file, with an error that names the rows.
     #[default]
     Refuse,
-    /// They are left out and named in the report.
+    /// Skips the rows and names them in the report.
     Skip,
 }
 

@@ -35,11 +35,11 @@ pub struct Foreign {
     pub bad: Vec<String>,
     /// Rows of data in the file.
     pub rows: usize,
-    /// Instants that are written more than once, and the first of them, s.
+    /// Number of instants that are written more than once, and the first such instant, s.
     pub twice: Option<(usize, f64)>,
 }
 
-/// One of our columns and where its value comes from.
+/// Column of Pinwheel and the source of its values in the file.
 struct Wanted {
     name: String,
     /// The file's columns; several give a magnitude or a sum.
@@ -150,7 +150,7 @@ pub fn read<'a>(source: impl Read + 'a, map: &Map) -> Result<Foreign, ForeignErr
                     return Err(named(time_column, what));
                 }
                 Some(seconds) => {
-                    // It fell by most of a day: midnight has passed.
+                    // The clock fell by most of a day: midnight has passed.
                     midnights += f64::from(u8::from(seconds < last_clock - 43_200.0));
                     last_clock = seconds;
                     86_400.0 * midnights + seconds
@@ -252,7 +252,7 @@ pub fn read<'a>(source: impl Read + 'a, map: &Map) -> Result<Foreign, ForeignErr
     })
 }
 
-/// Keeps one row of each instant: how many were written more than once, and the first of them.
+/// Keeps one row of each instant. Returns the number of instants written more than once, and the first such instant, s.
 fn once(times: &mut Vec<f64>, values: &mut [Vec<f64>], twice: Twice) -> Option<(usize, f64)> {
     let (first, last) = (*times.first()?, *times.last()?);
     let near = ONE_INSTANT * (last - first) / (times.len() - 1).max(1) as f64;

@@ -1,4 +1,4 @@
-//! Onto the sample times of a run.
+//! Resampling of foreign time series to the sample times of a run.
 //!
 //! A sample of the file at a time of the run is taken unchanged. Elsewhere values come from
 //! the cubic through the four nearest samples (or the straight line). What that may cost is measured
@@ -6,7 +6,7 @@
 //! more than the interpolation that is used.
 //!
 //! Over a gap nothing is interpolated. Solvers of variable step write bursts of short steps and long ones where little happens, so
-//! a spacing is held against those around it, and is none where the signals run straight on across it.
+//! a spacing is compared with the spacings around it, and is no gap where the signals run straight on across it.
 
 use std::ops::Range;
 
@@ -17,7 +17,7 @@ use crate::norms::relative_l2;
 
 /// A time counts as the file's own within this share of its spacing: a rounding.
 const SAME: f64 = 1e-6;
-/// Spacings on each side that a gap is held against.
+/// Spacings on each side with which a gap is compared.
 const AROUND: usize = 4;
 /// A signal runs straight on across a gap if the slopes at both ends carry it past the other end by less than this share of
 /// its standard deviation.
@@ -28,7 +28,7 @@ const FEWEST: usize = 10;
 /// Foreign time series on the times of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resampled {
-    /// All times of the run; NaN where the file says nothing.
+    /// Time series at all sample times of the run; NaN where the file has no data.
     pub time_series: TimeSeries,
     /// Start and end of the part of the run that the file covers, s.
     pub covers_s: [f64; 2],
@@ -129,7 +129,7 @@ pub fn resample(
 /// Place of a time among samples.
 enum Place {
     At(usize),
-    /// In the interval that begins with this sample, at this time.
+    /// Inside the interval that begins with this sample, at this time.
     Between(usize, f64),
 }
 
@@ -196,12 +196,12 @@ fn restoring(time: &[f64], values: &[f64], method: Method) -> Option<f64> {
     Some(error).filter(|value| value.is_finite())
 }
 
-/// The value at any time within the samples, by the cubic.
+/// Evaluates the cubic at a time within the samples.
 pub(super) fn value_at(time: &[f64], values: &[f64], t: f64) -> f64 {
     Place::of(time, t, 0.0).value(time, values, Method::Cubic)
 }
 
-/// The upper one of the values in the middle; 0 without any.
+/// Returns the upper median of the values; 0 if there are none.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
@@ -216,7 +216,8 @@ pub(super) fn usual_spacing(time: &[f64]) -> f64 {
     median(spacings(time))
 }
 
-/// The longest stretch without a gap, which is a spacing of more than `longest` times those around it, and all gaps.
+/// Returns the longest stretch without a gap, and all gaps. A gap is a spacing of more than `longest` times the spacings
+/// around it.
 fn longest_stretch(foreign: &TimeSeries, longest: f64) -> (Range<usize>, Vec<[f64; 2]>) {
     let time = foreign.time_s();
     let spacings = spacings(time);
