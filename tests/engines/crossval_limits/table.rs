@@ -10,7 +10,7 @@ use pinwheel_timeseries::columns;
 /// One row of the table.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limit {
-    /// SharedModel of the pair (`SharedModel`), a pattern.
+    /// Pattern of the model that the pair shares (`SharedModel`).
     pub(crate) track: &'static str,
     /// One engine, a pattern.
     pub(crate) engine: &'static str,
