@@ -7,9 +7,9 @@ use pinwheel_tests::repository;
 use crate::loops::sources;
 
 /// Lines of the crates without blanks, comments and tests.
-const CODE: usize = 62_533;
+const CODE: usize = 64_475;
 /// Lines of all tests without blanks and comments.
-const TESTS: usize = 37_306;
+const TESTS: usize = 38_220;
 /// Packages of the workspace.
 const PACKAGES: usize = 19;
 /// Programs that `cargo test` links: those of tests, and a library once more for each crate with tests inside.
@@ -17,7 +17,7 @@ const PROGRAMS: usize = 22;
 /// Doc comments that begin with a word that stands for another sentence. All are help texts, which clap takes from comments.
 const NAMELESS: usize = 4;
 /// Doc comments that begin with a word that may name no subject.
-const ADVERBIAL: usize = 276;
+const ADVERBIAL: usize = 110;
 
 /// Names of the folders of crates that fulfil a condition.
 fn crates(holds: impl Fn(&Path) -> bool) -> Vec<PathBuf> {

@@ -14,7 +14,7 @@ use super::model::Change;
 /// Meaning of the size p of a change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Size {
-    /// What it concerns is 1 + p times the native one.
+    /// Factor: the changed quantity is 1 + p times the native one.
     Factor,
     /// An angle, rad.
     Angle,
@@ -27,7 +27,7 @@ pub(super) struct Suspect {
     pub(super) stage: Stage,
     /// The cause in one word.
     pub(super) cause: &'static str,
-    /// What is changed.
+    /// Change of the model, in words.
     pub(super) what: String,
     pub(super) size: Size,
     pub(super) change: Change,
