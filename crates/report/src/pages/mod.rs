@@ -10,7 +10,7 @@
 //! ([`crate::terminal`]).
 //!
 //! ```
-//! use crate::terminal::plain;
+//! use pinwheel_report::terminal::plain;
 //!
 //! let text = plain(&pinwheel_report::pages::laws::text());
 //! assert!(text.contains("hunt-crossley"), "what a scene's contact.law may be");
