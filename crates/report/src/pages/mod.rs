@@ -6,7 +6,7 @@
 //! ```
 //!
 //! One file or folder a study, each a function of the study's outcome: nothing is read, written or printed here, and
-//! only the motion that pages show is computed. Text holds escape sequences for styles
+//! nothing is computed but what [`explore`] answers. Text holds escape sequences for styles
 //! ([`crate::terminal`]).
 //!
 //! ```
