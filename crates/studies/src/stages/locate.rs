@@ -147,7 +147,10 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         judged(stage, (residual, note), ROUNDING + falls.abs())
     };
     located.stages = vec![
-        judged(Stage::Start, start(&native, &samples), ROUNDING),
+        start(&native, &samples).map_or_else(
+            || Judged::untold(Stage::Start, "a sample at t = 0 would tell"),
+            |start| judged(Stage::Start, start, ROUNDING),
+        ),
         judged(Stage::ContactSearch, columns.search(), 0.0),
         column(Stage::Law, columns.forces()),
         column(Stage::Assembly, forces::OUTPUT..forces::OUTPUT + 1),
@@ -223,10 +226,9 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
 }
 
 /// Largest difference of the first state from the scene's start, as a share of the state or of 1, and its place in words.
-fn start(native: &Model<'_>, samples: &[Sample]) -> (f64, String) {
-    let Some(first) = samples.first().filter(|first| first.time_s == 0.0) else {
-        return (0.0, "the run does not begin at 0".to_owned());
-    };
+/// `None` for a run that does not begin at 0.
+fn start(native: &Model<'_>, samples: &[Sample]) -> Option<(f64, String)> {
+    let first = samples.first().filter(|first| first.time_s == 0.0)?;
     let known = native.start();
     let off = first
         .y
@@ -235,7 +237,7 @@ fn start(native: &Model<'_>, samples: &[Sample]) -> (f64, String) {
         .map(|(a, b)| (a - b).abs() / b.abs().max(1.0));
     let angles = native.free().len();
     let most = off.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
-    most.map_or((0.0, String::new()), |(k, off)| {
+    most.map(|(k, off)| {
         let kind = if k % (known.len() / 2) < angles {
             "an angle or rate"
         } else {
@@ -254,13 +256,12 @@ fn distance(
     run: &TimeSeries,
 ) -> Option<[f64; 2]> {
     let times = run.time_s();
-    let steps = times.len().min(SHOWN);
     let none = Change::None;
     let mut both = [(&none, 0.0), (change, size)].map(|(change, size)| {
         let mut model = Model::new(gearbox, change, size)?;
         let mut y = states.at(run, 0);
         let mut samples = Vec::new();
-        for number in 0..steps {
+        for number in 0..times.len().min(SHOWN) {
             if let Some(before) = number.checked_sub(1) {
                 y = model.flow(times[before], &y, times[number])?;
             }

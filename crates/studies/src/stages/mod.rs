@@ -4,7 +4,7 @@
 //! law, assembly, driver   F_A(t_n) - F(s_A(t_n))                columns against the native ones at the run's own state
 //! equations, integration  d_n = s_A(t_n+1) - Phi(s_A(t_n))      Phi: converged native flow over one interval
 //! ```
-//! Of d_n what falls with the run's step is integration (a second run at a smaller one shows it), what stays are equations.
+//! The part of d_n that falls with the run's step is integration, as a second run at a smaller step shows; the rest is equations.
 //! A cause is a suspected change p of the model that explains the residual r: least squares of r on dF/dp or dPhi/dp, by
 //! Gauss-Newton, and a native run with it.
 //!
