@@ -20,6 +20,7 @@ mod frequencies;
 mod gearbox;
 mod guard;
 mod kernels;
+mod measured_reducer;
 mod native_forms;
 mod newton;
 mod pressure;
