@@ -35,6 +35,7 @@ pub const PRESETS: &[Preset] = presets![
     "forty-pins",
     "modified",
     "toleranced",
+    "pins-removed",
     "paper-bearings",
     "printed-drive",
     "needle-bearings",

@@ -1,9 +1,9 @@
-//! A measured RV reducer beside the preset `rv-160n-like`: twist over torque, and orders of the transmission error.
+//! Measured gears beside presets: an RV reducer's twist and orders, and the signs of a damage.
 
 use std::f64::consts::{PI, TAU};
 
-use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::Statics;
+use pinwheel_gearbox::{Gearbox, native};
 use pinwheel_scene::Scene;
 
 /// Arc minutes of a radian.
@@ -14,8 +14,12 @@ const LINE: f64 = 300.0;
 const RATIO: f64 = 81.0;
 
 fn gearbox(sets: &[&str]) -> Gearbox {
+    load("rv-160n-like", sets)
+}
+
+fn load(preset: &str, sets: &[&str]) -> Gearbox {
     let sets: Vec<_> = sets.iter().map(|set| set.parse().unwrap()).collect();
-    Gearbox::new(&Scene::load("rv-160n-like", &sets).unwrap()).unwrap()
+    Gearbox::new(&Scene::load(preset, &sets).unwrap()).unwrap()
 }
 
 fn measured() -> toml::Table {
@@ -165,4 +169,32 @@ fn published_measured_orders_by_errors_of_parts() {
         assert_eq!(is_measured, order == 40 && clearance == tight);
         assert!(loaded[0] < 1e-2 * loaded[1]);
     }
+}
+
+/// Range and kurtosis of the driver's torque from 0.3 s on, N m and 1.
+fn driver_torque(preset: &str) -> [f64; 2] {
+    let gearbox = load(preset, &["solver.integrator=\"auto\""]);
+    let run = native::run(&gearbox, &mut |_| false).unwrap();
+    let series = run.whole().unwrap().time_series;
+    let torque = series.channel("input_torque_n_m").unwrap();
+    let steady = &torque[torque.len() / 2..];
+    let n = steady.len() as f64;
+    let mean = steady.iter().sum::<f64>() / n;
+    let moment = |p: i32| steady.iter().map(|x| (x - mean).powi(p)).sum::<f64>() / n;
+    let ends = steady
+        .iter()
+        .fold([mean; 2], |[l, h], x| [l.min(*x), h.max(*x)]);
+    [ends[1] - ends[0], moment(4) / moment(2).powi(2)]
+}
+
+/// Two ring pins without sleeves: the torque's envelope and the kurtosis grow, as Komorska et al. (Sensors 23 (2023) 1645) measured
+/// of torque and vibration on a gear of the paper's kind. Sizes are not comparable: their gear's dimensions are other ones.
+#[test]
+fn published_signs_of_removed_pins() {
+    let [[range, kurtosis], [more_range, more_kurtosis]] =
+        ["paper", "pins-removed"].map(driver_torque);
+    println!(
+        "range {range:.4} to {more_range:.4} N m, kurtosis {kurtosis:.2} to {more_kurtosis:.2}"
+    );
+    assert!(more_range > 1.05 * range && more_kurtosis > 1.2 * kurtosis);
 }
