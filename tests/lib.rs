@@ -27,7 +27,11 @@ pub fn pinwheel() -> Command {
         .and_then(|test| Some(test.parent()?.parent()?.join(name)))
         .filter(|program| program.is_file());
     match program {
-        Some(program) => Command::new(program),
+        Some(program) => {
+            let mut command = Command::new(program);
+            command.env_remove("GITHUB_ACTIONS"); // no annotations on stderr
+            command
+        }
         None => panic!(
             "no program beside this test: list the test in the manifest of the package pinwheel"
         ),

@@ -51,6 +51,25 @@ fn assert_parts(line: &str, parts: &[&str]) {
     }
 }
 
+/// On GitHub Actions the line of a fault is an annotation too.
+#[test]
+fn bad_input_is_an_annotation_on_github() {
+    let dir = tempfile::tempdir().unwrap();
+    std::fs::write(
+        dir.path().join("mine.toml"),
+        "base = \"paper\"\n[gear]\nwheels = 0\n",
+    )
+    .unwrap();
+    let mut command = pinwheel();
+    command.args(["run", "mine.toml"]).current_dir(dir.path());
+    let output = command.env("GITHUB_ACTIONS", "true").output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        said.contains("\n::error file=mine.toml,line=3::mine.toml, line 3: "),
+        "{said}"
+    );
+}
+
 #[test]
 fn bad_input_two_designs() {
     let dir = tempfile::tempdir().unwrap();

@@ -31,10 +31,12 @@ pub fn main(words: Vec<OsString>) -> u8 {
         None => Ok(0),
         Some(command) => interrupt::install().and_then(|()| dispatch(&command)),
     });
-    outcome.unwrap_or_else(|failure: Failure| {
-        screen::complain(&failure.message);
-        failure.code
-    })
+    outcome
+        .inspect(|status| screen::annotate_answer(*status))
+        .unwrap_or_else(|failure: Failure| {
+            screen::complain(&failure.message);
+            failure.code
+        })
 }
 
 /// glibc gives a large block back to the system when it is freed, unless a larger one was freed before: without this a sweep

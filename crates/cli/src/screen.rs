@@ -10,9 +10,11 @@ use pinwheel::report::terminal::{BAD, paragraph, styled};
 use pinwheel::studies::output::reason;
 
 use crate::args::manner::Manner;
-use crate::failure::Failure;
+use crate::failure::{DIFFER, Failure};
 
 static MANNER: OnceLock<Manner> = OnceLock::new();
+/// First paragraph of the text of a study.
+static ANSWER: OnceLock<String> = OnceLock::new();
 
 /// From now on the program speaks like this.
 pub(crate) fn speak(manner: Manner) {
@@ -77,6 +79,8 @@ pub(crate) fn show_found(text: &str, folder: &Path, file: &str) -> Result<(), Fa
 /// Writes a study's text or JSON, then the path of its page.
 pub(crate) fn show_with_page(text: &str, page: &Path) -> Result<(), Failure> {
     let folder = page.parent().unwrap_or(page);
+    let answer = text.trim_start().split("\n\n").next().unwrap_or_default();
+    let _ = ANSWER.set(anstream::adapter::strip_str(answer).to_string());
     show_found(text, folder, SUMMARY)?;
     if manner().json {
         return Ok(());
@@ -122,4 +126,66 @@ pub(crate) fn show_on_stderr(text: &str) {
 pub(crate) fn complain(message: &str) {
     let message = sanitize(&shortened(message), false);
     show_on_stderr(&format!("{}: {message}", styled(BAD, "error")));
+    annotate("error", &message);
+}
+
+/// Annotates a run of GitHub Actions with an answer that is no success: an error where something differs or is worse, a warning
+/// where nothing was shown. The message is the first paragraph of the text that was shown.
+pub(crate) fn annotate_answer(status: u8) {
+    let level = match status {
+        0 => return,
+        DIFFER => "error",
+        _ => "warning",
+    };
+    if let Some(answer) = ANSWER.get() {
+        annotate(level, answer);
+    }
+}
+
+/// Writes a workflow command of GitHub Actions to stderr, if the program runs there. A message `FILE, line N: ...` stands at
+/// that line.
+fn annotate(level: &str, message: &str) {
+    if std::env::var("GITHUB_ACTIONS").is_ok_and(|is_there| is_there == "true") {
+        let _ = writeln!(std::io::stderr().lock(), "{}", annotation(level, message));
+    }
+}
+
+fn annotation(level: &str, message: &str) -> String {
+    let escaped = |text: &str, more: &[(char, &str)]| {
+        let all = [('%', "%25"), ('\r', "%0D"), ('\n', "%0A")];
+        let all = all.iter().chain(more);
+        all.fold(text.to_owned(), |text, (from, to)| text.replace(*from, to))
+    };
+    let place = message.split_once(": ").and_then(|(place, _)| {
+        let (file, line) = place.rsplit_once(", line ")?;
+        Some((file, line.parse::<usize>().ok()?))
+    });
+    let place = place.map(|(file, line)| {
+        let file = escaped(file, &[(':', "%3A"), (',', "%2C")]);
+        format!(" file={file},line={line}")
+    });
+    format!(
+        "::{level}{}::{}",
+        place.unwrap_or_default(),
+        escaped(message, &[])
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::annotation;
+
+    #[test]
+    fn annotations_stand_at_the_line_of_the_fault() {
+        let said = annotation(
+            "error",
+            "a,b.toml, line 7: `gear.wheels` is 0; at least 1, not 100 %",
+        );
+        let there = "::error file=a%2Cb.toml,line=7::a,b.toml, line 7: `gear.wheels` is 0; at least 1, not 100 %25";
+        assert_eq!(said, there);
+        assert_eq!(
+            annotation("warning", "nothing\nshown: 1"),
+            "::warning::nothing%0Ashown: 1"
+        );
+    }
 }
