@@ -1,14 +1,14 @@
-//! Which engines a name means.
+//! Engines by their names.
 
 use pinwheel_engines::{
     Engine, SharedModel, by_name, family, full_name, known, recorded, registry, remedy,
 };
 use pinwheel_scene::{Scene, did_you_mean};
 
-/// Why there is no such engine.
+/// Reason why a name gives no engine.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum ChoiceError {
-    /// No engine is called so.
+    /// No engine has this name.
     #[error("there is no engine `{name}`; {remedy}")]
     Unknown {
         /// As it was asked for.
@@ -16,7 +16,7 @@ pub enum ChoiceError {
         /// Names that could be meant.
         remedy: String,
     },
-    /// It exists, but this build was made without it.
+    /// The engine exists, but this build was made without it.
     #[error(
         "engine `{name}` is missing: this build has none of its kind; {remedy}, or see `pinwheel engines`"
     )]
@@ -26,12 +26,12 @@ pub enum ChoiceError {
         /// Command or option that adds it.
         remedy: String,
     },
-    /// An engine by two names, or twice by one.
+    /// An engine that is named twice.
     #[error("--engines names {0} twice; name each engine once")]
     Twice(String),
 }
 
-/// The engine of that name, or of that short name. `native` is the native engine in the formulation that the scene asks for.
+/// Returns the engine with the name or short name `name`. `native` is the native engine in the formulation that the scene asks for.
 ///
 /// # Errors
 /// An unknown name, or an engine that was not built in.
@@ -51,20 +51,20 @@ pub fn find(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
     })
 }
 
-/// The engine of that name, or its recording of this very scene where this build lacks the engine.
+/// Returns the engine `name`, or its recording of `scene` where this build lacks the engine.
 ///
 /// # Errors
-/// As [`find`], where there is no recording either.
+/// Errors of [`find`], if there is no recording either.
 pub fn find_or_recorded(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
     find(name, scene).or_else(|missing| {
         recorded::instead(full_name(name), scene, recorded::NOT_BUILT).ok_or(missing)
     })
 }
 
-/// The engines named; without names all of this build, and the recordings of those it lacks.
+/// Returns the engines in `names`; without names all engines of this build, and recordings of those that it lacks.
 ///
 /// # Errors
-/// As [`find_or_recorded`], or an engine that is named twice.
+/// Errors of [`find_or_recorded`], or an engine that is named twice.
 pub fn engines(
     names: &[impl AsRef<str>],
     scene: &Scene,
@@ -85,22 +85,22 @@ pub fn engines(
     Ok(engines)
 }
 
-/// One engine of this build, for lists.
+/// Entry of an engine of this build in a list.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct Listed {
-    /// As users type it.
+    /// Name as users type it.
     pub name: String,
-    /// Which comparison it belongs to.
+    /// Parts of the model that the engine shares with the native solver.
     pub track: SharedModel,
     /// Version of the engine behind it.
     pub version: String,
-    /// One line.
+    /// Description in one line.
     pub summary: String,
     /// Differences from the native solver.
     pub differences: String,
 }
 
-/// The engines of this build.
+/// Returns the engines of this build.
 #[must_use]
 pub fn listed() -> Vec<Listed> {
     let one = |engine: &dyn Engine| {

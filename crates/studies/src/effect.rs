@@ -1,4 +1,4 @@
-//! Settings that do nothing: a result made again without each of them.
+//! Settings without effect: a result is computed again without each of them.
 
 use std::time::Duration;
 
@@ -11,14 +11,14 @@ use crate::control::{Control, Progress, TimeLimit};
 use crate::design::DesignResult;
 use crate::explained::explain;
 
-/// Longest run that is made again, of wall time.
+/// Longest wall time of a run that is computed again.
 const LONGEST_RUN: Duration = Duration::from_secs(2);
-/// Longest design that is made again, of wall time.
+/// Longest wall time of a design that is computed again.
 const LONGEST_DESIGN: Duration = Duration::from_secs(6);
-/// Samples of a run by which most settings show that they do something, and the rest of it need not be made.
+/// Number of first samples that are compared before the rest of a run; most settings have an effect there.
 const FIRST: f64 = 10.0;
 
-/// Settings of a command line, with the scene that they gave.
+/// Settings of a command line, with the resulting scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Settings<'a> {
     /// Scene file or preset.
@@ -30,15 +30,15 @@ pub struct Settings<'a> {
 }
 
 impl Settings<'_> {
-    /// Returns the places in `sets` of those without which the scene is equal, or has results that are `equal` to its own. A label
-    /// is none of them, nor is a setting that no valid scene goes without.
+    /// Returns the indices in `sets` of settings without which the scene is equal, or its results are `equal`. Labels are left
+    /// out, as are settings without which the scene is not valid.
     fn without_effect(
         self,
         mut equal: impl FnMut(&Gearbox) -> Result<bool, StudyError>,
     ) -> Result<Vec<usize>, StudyError> {
         let mut idle = Vec::new();
         for (place, set) in self.sets.iter().enumerate() {
-            // Labels are there for people.
+            // Labels are for readers and have no effect on purpose.
             if ["name", "description"].contains(&set.key()) {
                 continue;
             }
@@ -53,8 +53,8 @@ impl Settings<'_> {
         Ok(idle)
     }
 
-    /// Returns the places of those without which `run`, of the scene on `engine`, is equal to the bit, in all samples, steps and
-    /// evaluations. No run of minutes or of another's solver is made again for this.
+    /// Returns the indices of settings without which `run`, of the scene on `engine`, is equal to the bit in all samples, steps
+    /// and evaluations. Long runs and runs of a user's solver are not repeated for this.
     ///
     /// # Errors
     /// Cancelled.
@@ -86,8 +86,8 @@ impl Settings<'_> {
         })
     }
 
-    /// Returns the places of those without which a run of the scene on the native `engine` is equal to the bit; none where it does
-    /// not finish in two seconds.
+    /// Returns the indices of settings without which a run of the scene on the native `engine` is equal to the bit; none where the
+    /// run takes more than two seconds.
     ///
     /// # Errors
     /// Cancelled.
@@ -106,8 +106,8 @@ impl Settings<'_> {
         self.idle_in_run(engine, &run, control)
     }
 
-    /// Returns the places of those of [`idle`](Self::idle) without which the scene is explained alike, too: its model and what
-    /// follows from its dimensions.
+    /// Returns the indices of [`idle`](Self::idle) without which the explanation of the scene, its model and its derived
+    /// dimensions, is equal too.
     ///
     /// # Errors
     /// Cancelled.
@@ -126,8 +126,8 @@ impl Settings<'_> {
         Ok(idle)
     }
 
-    /// Returns the places of those without which the design `found` is equal to the bit, and other results of it are `equal`;
-    /// none where `found` took more than some seconds.
+    /// Returns the indices of settings without which the design `found` is equal to the bit, and its other results are `equal`; none
+    /// where `found` took more than some seconds.
     ///
     /// # Errors
     /// Cancelled.

@@ -1,9 +1,7 @@
-//! Check that the step of a scene resolves it: a second run at twice the step (or ten times the tolerance), and how far
-//! the forces move.
+//! Check of a scene's step by a second run at twice the step (or ten times the tolerance) and the change of the forces.
 //!
-//! [`ladder::error`] says what follows for the run's own error. An error that this does not show would have to be the
-//! same at both steps. Where the coarser run fails it shows nothing, and the
-//! run is repeated at half its step (a tenth of its tolerance) instead, whose distance is the error itself.
+//! [`ladder::error`] gives the run's own error from that change. An error that is equal at both steps stays hidden. Where the
+//! coarser run fails, the run is repeated at half its step (a tenth of its tolerance) instead; that distance is the error itself.
 //!
 //! A run by `auto` or by `native-resolved` brings its own verification ([`pinwheel_gearbox::resolve`]); this is for named methods.
 
@@ -17,44 +15,44 @@ use serde::{Deserialize, Serialize};
 use crate::StudyError;
 use crate::control::{of_scene, run_compiled};
 
-/// Relative L2 distance to the coarser run beyond which a run is not resolved: its own error is then about 0.1 or more.
+/// Largest relative L2 distance to the coarser run of a resolved run; beyond it the run's own error is about 0.1 or more.
 /// Measured over the presets, 0.05 s at 1e-5 s: those within 0.1 of their converged run move by 0.25 at most
 /// (`hard-damping-0` with Heun, 0.05 off); `hard-all-open` with Heun moves by 0.56 (0.36 off), `steel` with
 /// RK4 by 0.79 (0.79 off).
 pub const MOST: f64 = 0.3;
 
-/// Relative L2 distance to the finer run beyond which a run is not resolved. That distance is the error.
+/// Largest relative L2 distance to the finer run of a resolved run. That distance is the error.
 pub const MOST_TO_FINER: f64 = 0.1;
 
-/// Factor between tolerances.
+/// Factor between the tolerances of the two runs.
 const DECADE: f64 = 10.0;
 
-/// Evidence of another run of the same scene.
+/// Evidence by a second run of the same scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Resolution {
-    /// The other setting in words, e.g. `a step of 2e-5 s`.
+    /// Setting of the second run in words, e.g. `a step of 2e-5 s`.
     pub other: String,
-    /// How far the run moves; `None` if the other run failed too.
+    /// Distance of the two runs; `None` if the second run failed too.
     pub moved: Option<Distance>,
     /// Estimated error of the run from the requested time on, by [`ladder::error`]. `None` where both runs have
     /// too few samples in common there, or explicit steps do not follow the friction ([`unfollowed`]).
     pub error: Option<Distance>,
-    /// The most that it may.
+    /// Largest distance of a resolved run.
     pub most: f64,
-    /// How the coarser run failed, after which the other one was finer.
+    /// Failure of the coarser run, after which a finer one was made.
     pub failure: Option<String>,
-    /// Evaluations of the forces that this took, as a share of those of the run itself.
+    /// Evaluations of the forces by the second run, as a share of those of the run itself.
     pub cost: f64,
 }
 
 impl Resolution {
-    /// True when forces and driver's torque move by no more than they may. What was not shown does not hold.
+    /// Returns true when the forces and the driver's torque move by no more than `most`; false without a second run.
     #[must_use]
     pub fn holds(&self) -> bool {
         self.moved.is_some_and(|d| d.worst() <= self.most)
     }
 
-    /// One sentence for the reader.
+    /// Returns the evidence as one sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
         let shown = match self.moved {
@@ -74,9 +72,9 @@ impl Resolution {
     }
 }
 
-/// Repeats the native run of `gearbox` that gave `time_series` in `evaluations` of the forces, seeing every other sample; `watch`
-/// receives the simulated time and returns true to stop; the error is told of the time from `from_s` on. For named methods: a run
-/// by `auto` brings its own verification.
+/// Repeats the native run of `gearbox` that gave `time_series` in `evaluations` of the forces, with every other sample. `watch`
+/// receives the simulated time and returns true to stop. The error is that from the time `from_s` on. Only named methods need
+/// this: a run by `auto` brings its own verification.
 ///
 /// # Errors
 /// Cancelled, or a scene that cannot be modelled.
@@ -117,7 +115,7 @@ pub fn check(
     })
 }
 
-/// Error of the second of two runs, which is a refinement finer than the first.
+/// Returns the error of the second of two runs, which is one refinement finer than the first.
 fn error(gearbox: &Gearbox, pair: [&TimeSeries; 2], from_s: f64) -> Option<Distance> {
     let (scene, info) = (&gearbox.scene, method(&gearbox.scene.solver.integrator)?);
     let is_stepped = info.family == Family::Explicit && !info.adaptive;
@@ -128,7 +126,7 @@ fn error(gearbox: &Gearbox, pair: [&TimeSeries; 2], from_s: f64) -> Option<Dista
         let rows: Vec<usize> = time_series.window(from_s, f64::INFINITY).collect();
         time_series.select(&rows)
     });
-    // Of two samples and less nothing is learnt.
+    // Two samples or fewer give no estimate.
     let enough = coarser.len().min(finer.len()) > 2;
     let apart = enough.then(|| gearbox.distance(&coarser, &finer))?;
     let ratio = if info.adaptive { DECADE } else { 2.0 };
@@ -137,8 +135,8 @@ fn error(gearbox: &Gearbox, pair: [&TimeSeries; 2], from_s: f64) -> Option<Dista
     (!found.worst().is_nan()).then(|| found.torque_as_forces())
 }
 
-/// The gearbox at a step `factor` times finer, or at a tolerance ten times finer (coarser where `factor` is below 1), and then half
-/// of its samples. Its start is not computed again.
+/// Returns the gearbox at a step `factor` times finer, or at a tolerance ten times finer (coarser where `factor` is below 1), with
+/// half of its samples, and the setting in words. The initial state is not computed again.
 fn refined(gearbox: &Gearbox, factor: f64) -> Result<(Gearbox, String), StudyError> {
     let name = &gearbox.scene.solver.integrator;
     let adaptive = method(name).is_some_and(|m| m.adaptive);

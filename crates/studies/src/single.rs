@@ -1,4 +1,4 @@
-//! One scene on one engine: `run.json` and the time series; what was run, how it ended, what it cost, on which machine.
+//! Run of one scene on one engine, with its files: time series and `run.json` with scene, ending, cost and machine.
 
 use std::path::Path;
 use std::time::Duration;
@@ -19,7 +19,7 @@ use crate::provenance::{Machine, Provenance};
 use crate::resolution::{self, Resolution};
 use crate::results::{self, Results};
 
-/// Everything about one run but its time series.
+/// Record of one run without its time series, the content of `run.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(crate) struct RunRecord<'a> {
     pub(crate) engine: &'a str,
@@ -58,11 +58,11 @@ pub(crate) struct RunRecord<'a> {
     machine: &'a Machine,
 }
 
-/// Time that a remedy may take to be tried.
+/// Longest wall time of the trial of a remedy.
 const TRIED_WITHIN: Duration = Duration::from_secs(1);
 
-/// Remedy for a run that diverged or whose step does not resolve its scene: `auto`, tried first where that costs under
-/// a second, as one says it after a semicolon.
+/// Returns the remedy for a run that diverged or whose step does not resolve its scene: `auto`, tried first where that takes
+/// under a second. The text continues an error message after a semicolon.
 #[must_use]
 pub fn remedy(gearbox: &Gearbox, track: SharedModel) -> String {
     if track != SharedModel::Native {
@@ -90,7 +90,7 @@ pub(crate) fn save(time_series: &TimeSeries, path: &Path) -> Result<(), OutputEr
     written.map_err(|error| OutputError::new(path, &error))
 }
 
-/// File of the time series of a run that ended so.
+/// Returns the name of the time series' file for a run with this ending.
 #[must_use]
 pub fn file(ending: &Ending) -> &'static str {
     if ending.is_finished() {
@@ -112,22 +112,22 @@ pub fn prepare(engine: &dyn Engine, gearbox: &Gearbox) -> Result<(), StudyError>
     }
 }
 
-/// One scene on one engine.
+/// Run of one scene on one engine.
 #[derive(Debug, Clone)]
 pub struct Outcome {
     /// Name of the engine.
     pub engine: String,
-    /// Its version.
+    /// Version of the engine.
     pub version: String,
-    /// Which comparison it belongs to.
+    /// Parts of the model that the engine shares with the native solver.
     pub track: SharedModel,
-    /// The scene as run.
+    /// Scene that was run.
     pub scene: CheckedScene,
-    /// Time series, cost and ending; of a run that diverged, until then.
+    /// Time series, cost and ending; a run that diverged ends early.
     pub run: Run,
     /// Evidence of the run at twice the step, if it was made.
     pub resolution: Option<Resolution>,
-    /// Figures with other contact laws and fits; `None`: there is nothing to compare, or nobody asked.
+    /// Figures with other contact laws and fits; `None` if they were not requested or there are no other laws.
     pub bands: Option<Bands>,
 }
 
@@ -148,7 +148,7 @@ pub fn run(
     if !matches!(run.ending, Ending::Finished | Ending::Diverged { .. }) {
         return Err(StudyError::ended(engine, run.ending));
     }
-    // What verified itself needs no second look.
+    // A run with its own uncertainty needs no second run.
     let resolution = if run.ending.is_finished() && checked && run.uncertainty.is_none() {
         check(engine, gearbox, &run, control)?
     } else {
@@ -192,7 +192,7 @@ fn check(
 }
 
 impl Outcome {
-    /// With what other contact laws and fits would give.
+    /// Adds the figures with other contact laws and fits.
     ///
     /// # Errors
     /// Cancelled.
@@ -201,20 +201,20 @@ impl Outcome {
         Ok(Self { bands, ..self })
     }
 
-    /// That the run diverged: when, and by what.
+    /// Returns time and quantity of a divergence in words; `None` for other endings.
     #[must_use]
     pub fn diverged(&self) -> Option<String> {
         let ending = &self.run.ending;
         (!ending.is_finished()).then(|| format!("{} {ending}", self.engine))
     }
 
-    /// Results of the run.
+    /// Returns the results of the run.
     #[must_use]
     pub fn results(&self) -> Results {
         self.results_from(results::from_s(&self.run, &self.scene))
     }
 
-    /// Results over the window from `from_s` on, a sample, without those of the window of the energy account.
+    /// Returns the results over the window from the sample `from_s` on, without those of the energy account's window.
     #[must_use]
     pub fn results_from(&self, from_s: f64) -> Results {
         let verified = self.run.uncertainty.as_ref().and_then(|u| u.error);
@@ -228,7 +228,7 @@ impl Outcome {
         Results::of(&self.run, &self.scene, from_s, known, self.bands.as_ref())
     }
 
-    /// That its step or tolerance does not resolve the scene, with a remedy.
+    /// Returns a message with a remedy if the step or tolerance does not resolve the scene.
     #[must_use]
     pub fn unresolved(&self, gearbox: &Gearbox) -> Option<String> {
         let resolution = self.resolution.as_ref();
@@ -263,7 +263,7 @@ impl Outcome {
 }
 
 impl<'a> RunRecord<'a> {
-    /// The record of a run of `engine` (name, version, track).
+    /// Returns the record of a run of `engine` (name, version, shared model).
     pub(crate) fn new(
         (engine, version, track): (&'a str, &'a str, SharedModel),
         scene: &'a CheckedScene,
@@ -296,7 +296,7 @@ impl<'a> RunRecord<'a> {
         }
     }
 
-    /// Writes it beside the time series into the folder `dir`.
+    /// Writes the record beside the time series into the folder `dir`.
     pub(crate) fn write(mut self, dir: &Path, time_series: &TimeSeries) -> Result<(), OutputError> {
         self.samples = time_series.len();
         save(time_series, &dir.join(self.time_series))?;

@@ -23,21 +23,21 @@ pub const FILE: &str = "baseline.toml";
 /// An accepted state of the solver.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Baseline {
-    /// `FORMAT`.
+    /// Version of the layout: [`FORMAT`].
     pub format: u32,
-    /// Solvers that joined and made it; empty: our own.
+    /// Manifests of the solvers that made the baseline; empty: the native solver.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solvers: Vec<String>,
     /// Program and machine that made the current state.
     pub made: Made,
     /// Every acceptance, oldest first.
     pub accepted: Vec<Acceptance>,
-    /// One a scene.
+    /// Accepted results, one entry a scene.
     #[serde(rename = "scene", default)]
     pub scenes: Vec<SceneSnapshot>,
 }
 
-/// Where and by what a baseline was made.
+/// Date, program and machine that made a baseline.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Made {
     /// Year-month-day.
@@ -61,20 +61,20 @@ pub struct Acceptance {
     pub reason: String,
 }
 
-/// One scene.
+/// Accepted results of one scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneSnapshot {
-    /// Its name in the set.
+    /// Name of the scene in the set.
     pub name: String,
     /// Reason why the scene is in the set.
     pub why: String,
-    /// Preset it is made of.
+    /// Preset that the scene begins with.
     pub preset: String,
-    /// Keys changed.
+    /// Overrides of the preset's keys, `key=value`.
     pub set: Vec<String>,
-    /// The converged run.
+    /// Quantities of the converged run, the reference of all cases.
     pub converged: BTreeMap<Quantity, Converged>,
-    /// The accepted runs.
+    /// Accepted runs, one a solver.
     #[serde(rename = "case")]
     pub cases: Vec<CaseSnapshot>,
 }
@@ -82,10 +82,10 @@ pub struct SceneSnapshot {
 /// One quantity of a converged run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Converged {
-    /// Size of which differences are shares: the root mean square of all samples (for energies the larger work, for
+    /// Denominator of relative differences: the root mean square of all samples (for energies the larger work, for
     /// joint errors the penetration under static load), in the quantity's unit.
     pub scale: f64,
-    /// Distance of a coarser run, a share of `scale`.
+    /// Distance of a coarser run from the converged one, as a share of `scale`.
     pub own_error: f64,
     /// Its figures.
     #[serde(flatten)]
@@ -95,24 +95,24 @@ pub struct Converged {
 /// One scene by one solver.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CaseSnapshot {
-    /// Formulation and integrator, or the solver that joined.
+    /// Formulation and integrator, or the name of a user's solver.
     pub choice: String,
-    /// Keys changed.
+    /// Overrides of the scene's keys, `key=value`.
     pub set: Vec<String>,
-    /// Cost of the run.
+    /// Evaluations and steps of the run.
     pub costs: Costs,
-    /// Largest change of the right-hand sides that roundings made, as a share.
+    /// Largest relative change of the number of evaluations under perturbed rounding.
     pub count_spread: f64,
-    /// Its results.
+    /// Accepted results by quantity.
     pub quantity: BTreeMap<Quantity, QuantitySnapshot>,
 }
 
 /// One quantity of an accepted run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct QuantitySnapshot {
-    /// Distance from the converged run, a share of its scale.
+    /// Distance from the converged run, as a share of its scale.
     pub error: f64,
-    /// Largest distance that roundings made when it was recorded, a share of the scale.
+    /// Largest distance under perturbed rounding, measured at recording, as a share of the scale.
     pub rounding: f64,
     /// Its figures.
     #[serde(flatten)]
@@ -122,7 +122,7 @@ pub struct QuantitySnapshot {
 /// One baseline of a list.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Listed {
-    /// Its name.
+    /// Name of the baseline.
     pub name: String,
     /// Number of its scenes.
     pub scenes: usize,
@@ -133,10 +133,10 @@ pub struct Listed {
 }
 
 impl Baseline {
-    /// The folder of the baseline `name`, below `dir`, the folder of all.
+    /// Returns the folder of the baseline `name` within `dir`, the folder of all baselines.
     ///
     /// # Errors
-    /// A name that cannot be a folder's everywhere.
+    /// A name that some file system refuses as a folder.
     pub fn folder(dir: &Path, name: &str) -> Result<PathBuf, StudyError> {
         let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
         if name.is_empty() || name.starts_with('.') || !name.chars().all(plain) {
@@ -147,7 +147,7 @@ impl Baseline {
         Ok(dir.join(name))
     }
 
-    /// Reads the baseline `name` in `dir`, the folder of all.
+    /// Reads the baseline `name` in `dir`, the folder of all baselines.
     ///
     /// ```
     /// use pinwheel_studies::baseline::Baseline;
@@ -159,7 +159,7 @@ impl Baseline {
     /// ```
     ///
     /// # Errors
-    /// As of [`earlier`](Self::earlier); where there is none, the error names those that there are.
+    /// Errors of [`earlier`](Self::earlier); no such baseline, with the names of those in `dir`.
     pub fn open(dir: &Path, name: &str) -> Result<Self, StudyError> {
         if let Some(found) = Self::earlier(&Self::folder(dir, name)?)? {
             return Ok(found);
@@ -174,10 +174,10 @@ impl Baseline {
         )))
     }
 
-    /// The baseline in the folder, if there is one.
+    /// Reads the baseline in `folder`; `None` where the folder has no baseline.
     ///
     /// # Errors
-    /// A file that cannot be read, or that is not what [`write`](Self::write) left.
+    /// A file that cannot be read, or that [`write`](Self::write) would not write.
     pub fn earlier(folder: &Path) -> Result<Option<Self>, StudyError> {
         let path = folder.join(FILE);
         match fs::read_to_string(&path) {
@@ -190,10 +190,10 @@ impl Baseline {
         }
     }
 
-    /// All baselines in `dir`, by their names.
+    /// Lists all baselines in `dir`, sorted by name.
     ///
     /// # Errors
-    /// As of [`open`](Self::open).
+    /// Errors of [`open`](Self::open).
     pub fn list(dir: &Path) -> Result<Vec<Listed>, StudyError> {
         let read = |name: String| {
             let found = Self::open(dir, &name)?;
@@ -207,7 +207,7 @@ impl Baseline {
         Self::names(dir).into_iter().map(read).collect()
     }
 
-    /// Names of the baselines in a folder of baselines, sorted.
+    /// Returns the names of the baselines in `folder`, sorted.
     fn names(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).into_iter().flatten().flatten();
         let entries = entries.filter(|entry| entry.path().join(FILE).is_file());
@@ -249,10 +249,10 @@ impl Baseline {
         Ok(found)
     }
 
-    /// Checks that these solvers made it: a baseline is for no others.
+    /// Checks that `solvers` made this baseline, since it holds for no other solver.
     ///
     /// # Errors
-    /// Others made it; with the remedy.
+    /// Other solvers made the baseline.
     pub(super) fn made_by(&self, solvers: &[String]) -> Result<(), StudyError> {
         if self.solvers == solvers {
             return Ok(());
@@ -272,7 +272,7 @@ impl Baseline {
         std::str::from_utf8(content).is_ok_and(|text| Self::parse(Path::new(FILE), text).is_ok())
     }
 
-    /// Checks that the figures are such as [`record`](super::record) writes, and go with each other.
+    /// Checks that the figures are consistent and such as [`record`](super::record) writes.
     fn sound(&self) -> Result<(), String> {
         let twice = |names: Vec<&str>| {
             let mut all = names.iter().enumerate();
@@ -304,18 +304,18 @@ impl Baseline {
         Ok(())
     }
 
-    /// Checks that [`write`](Self::write) may write into the folder `dir`, before anything long is run.
+    /// Checks that [`write`](Self::write) may write into the folder `dir`; called before long runs.
     ///
     /// # Errors
-    /// Its file cannot be written, or is not an earlier baseline.
+    /// The file cannot be written, or exists and is not a baseline.
     pub fn check_place(dir: &Path) -> Result<(), OutputError> {
         file::check(&dir.join(FILE), &Self::is_ours)
     }
 
-    /// Writes its file into the folder `dir`; what else is there stays.
+    /// Writes [`FILE`] into the folder `dir` and leaves other files there alone.
     ///
     /// # Errors
-    /// As of [`check_place`](Self::check_place).
+    /// Errors of [`check_place`](Self::check_place).
     pub fn write(&self, dir: &Path) -> Result<(), OutputError> {
         let path = dir.join(FILE);
         let text = toml::to_string(self).map_err(|error| OutputError::new(&path, &error))?;
@@ -324,7 +324,7 @@ impl Baseline {
 }
 
 impl CaseSnapshot {
-    /// Checks that its figures can be, show a change, and go with the converged run.
+    /// Checks that the figures of the case are possible, can show a change, and agree with the converged run.
     pub(super) fn sound(&self, converged: &BTreeMap<Quantity, Converged>) -> Result<(), String> {
         share("count_spread", self.count_spread, 1.0)?;
         if self.quantity.is_empty() {
@@ -337,7 +337,7 @@ impl CaseSnapshot {
             let error = converged.get(quantity).and_then(|converged| {
                 Some(found.statistics.distance(&converged.statistics)? / converged.scale)
             });
-            // Only the digits of a text file lie between them.
+            // The stored error and the figures differ by the digits of a text file only.
             let same = |error: f64| (error - found.error).abs() <= 1e-9 * (error + 1e-6);
             if !error.is_some_and(same) {
                 let error = found.error;
@@ -350,7 +350,7 @@ impl CaseSnapshot {
     }
 }
 
-/// A figure that is a share, from 0 to `most`.
+/// Checks that a share lies between 0 and `most`.
 fn share(what: &str, value: f64, most: f64) -> Result<(), String> {
     match (0.0..=most).contains(&value) {
         true => Ok(()),
@@ -360,7 +360,7 @@ fn share(what: &str, value: f64, most: f64) -> Result<(), String> {
     }
 }
 
-/// True if every number in `value` is finite: TOML knows `inf` and `nan`, and neither can be compared with.
+/// Returns true if every number in `value` is finite. TOML has `inf` and `nan`, with which nothing can be compared.
 fn is_finite(value: &toml::Value) -> bool {
     match value {
         toml::Value::Float(number) => number.is_finite(),

@@ -1,4 +1,4 @@
-//! One engine and method at every setting, coarse to fine.
+//! Runs of one engine and method at every setting, coarse to fine.
 
 use std::time::Duration;
 
@@ -16,21 +16,21 @@ use super::settings::{Stopped, settings};
 use crate::StudyError;
 use crate::control::{Control, TimeLimit, compile};
 
-/// A run this cheap (s) is made whatever it brings.
+/// CPU time below which the next finer run is always made, s.
 const CHEAP_S: f64 = 0.25;
-/// An error that falls by less than this factor over two settings does not fall.
+/// Least factor by which the error of two successive settings must fall for the series to go on.
 const STAGNANT: f64 = 1.3;
-/// A run is given up after this many times the time it may take.
+/// Multiple of the time limit after which a run is stopped.
 const PATIENCE: f64 = 3.0;
 
-/// Cost of a setting.
+/// Cost of the runs at one setting.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Cost {
     /// Least CPU time of the runs, s.
     pub cpu_min_s: f64,
-    /// Their median, s.
+    /// Median CPU time of the runs, s.
     pub cpu_median_s: f64,
-    /// How many there were.
+    /// Number of runs.
     pub runs: usize,
     /// Evaluations of the contact forces in one run; `None` where the engine does not count them.
     pub rhs_calls: Option<u64>,
@@ -40,42 +40,42 @@ pub struct Cost {
     pub rejected_steps: u64,
 }
 
-/// One setting.
+/// Errors and cost at one setting.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Point {
-    /// Step (s) or tolerance.
+    /// Step, s, or tolerance.
     pub setting: f64,
-    /// How it ended.
+    /// Ending of the run.
     #[serde(rename = "outcome")]
     pub ending: Ending,
     /// Errors by window; empty unless it finished.
     pub errors: Vec<Errors>,
-    /// Cost of the point; `None` if it did not run.
+    /// Cost of the runs; `None` if none was made.
     pub cost: Option<Cost>,
 }
 
-/// One engine and method.
+/// Series of settings of one engine and method.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Series {
-    /// Engine.
+    /// Name of the engine.
     pub engine: String,
-    /// Its version.
+    /// Version of the engine.
     pub version: String,
-    /// Its track.
+    /// Parts of the model that the engine shares with the native solver.
     pub track: SharedModel,
-    /// Integrator of ours, or `own`.
+    /// Native integrator, or `own`.
     pub method: String,
-    /// Classical order, where it is one of ours.
+    /// Classical order of a native integrator.
     pub order: Option<u32>,
     /// Setting that is varied.
     pub knob: AccuracySetting,
     /// Settings tried, coarse to fine.
     pub points: Vec<Point>,
-    /// Why there is no finer one.
+    /// Reason why the series has no finer setting.
     pub stopped: Stopped,
 }
 
-/// Which cost.
+/// Measure of cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
     /// Least CPU time, s.
@@ -85,7 +85,7 @@ pub enum Measure {
 }
 
 impl Series {
-    /// For legends: `native-reduced rk4`, `rapier-shared-law`.
+    /// Returns the name of the series in legends: `native-reduced rk4`, `rapier-shared-law`.
     #[must_use]
     pub fn label(&self) -> String {
         if self.order.is_some() {
@@ -95,7 +95,7 @@ impl Series {
         }
     }
 
-    /// (cost, relative L2 force error) of the finished points in a window.
+    /// Returns (cost, relative L2 error of the forces) of the finished points in a window.
     #[must_use]
     pub fn points(&self, window: usize, measure: Measure) -> Vec<(f64, f64)> {
         let known = |point: &Point| {
@@ -109,7 +109,7 @@ impl Series {
         self.points.iter().filter_map(known).collect()
     }
 
-    /// Returns the reason to stop before a run at a finer `setting`; `None`: go on.
+    /// Returns the reason to stop before a run at a finer `setting`; `None` if the series goes on.
     #[doc(hidden)]
     pub fn stop(&self, setting: f64, reference_error: f64, options: &Options) -> Option<Stopped> {
         let ratio = self.points.last()?.setting / setting;
@@ -118,7 +118,7 @@ impl Series {
             let errors = point.and_then(|point| point.errors.first());
             errors.map_or(f64::INFINITY, |errors| errors.force_l2)
         };
-        // A run that diverged early says nothing of what a whole one costs.
+        // A run that diverged early does not tell the cost of a complete one.
         let finished = self.points.iter().rev();
         let mut finished = finished.filter(|point| point.ending.is_finished());
         let mut cpu_s = || Some(finished.next()?.cost?.cpu_min_s);

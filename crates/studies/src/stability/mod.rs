@@ -1,10 +1,9 @@
-//! The atlas: which formulation and integrator survives which hard scene, and how the others fail.
+//! The atlas of stability: formulations and integrators that survive each hard scene, and how the others fail.
 //!
-//! For each scene and method: the largest step that still gives the right picture (bisected), the error at the paper's
-//! step against a converged run, what fails first above the largest step, and the energy balance.
+//! An entry for each scene and method holds the largest step with a correct run (by bisection), the error at the paper's step
+//! against a converged run, the first failure above the largest step, and the energy balance.
 //!
-//! Scenes do not depend on each other, so they are studied side by side, and an atlas that was stopped goes on from
-//! the scenes it has.
+//! Scenes are independent: they are studied in parallel, and an interrupted atlas resumes with the scenes that are missing.
 
 mod search;
 mod verdict;
@@ -26,22 +25,22 @@ use crate::control::{Control, Progress, run_on};
 use crate::pool;
 use crate::reference::{self, Reference};
 
-/// A formulation with an integrator, or a solver from outside.
+/// A formulation with an integrator, or a user's solver.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Method {
-    /// Name of a solver that joined; the rest is then what the scene has.
+    /// Name of a user's solver; the other fields are then those of the scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub solver: Option<String>,
-    /// Equations.
+    /// Formulation of the equations of motion.
     pub formulation: Formulation,
-    /// Name in scenes.
+    /// Name of the integrator in scenes.
     pub integrator: String,
     /// Tolerance of methods that choose their steps: of a step for `dopri5`, of a run for `imex2-adaptive`.
     pub tolerance: Option<f64>,
 }
 
 impl Method {
-    /// A solver that joined, by its name.
+    /// Method of the user's solver `name` on `scene`.
     #[must_use]
     pub fn of_solver(name: &str, scene: &Scene) -> Self {
         let knob = by_name(name, scene).and_then(|engine| Some(engine.info().refinement?.knob));
@@ -53,7 +52,7 @@ impl Method {
         }
     }
 
-    /// `reduced`, `lagrange`, or the name of a solver that joined.
+    /// Returns `reduced`, `lagrange`, or the name of the user's solver.
     #[must_use]
     pub fn form(&self) -> &str {
         match (&self.solver, self.formulation) {
@@ -63,7 +62,7 @@ impl Method {
         }
     }
 
-    /// `reduced rk2`, with the tolerance of methods that have one.
+    /// Returns the formulation and integrator, `reduced rk2`, with the tolerance of adaptive methods.
     #[must_use]
     pub fn name(&self) -> String {
         let (form, integrator) = (self.form(), &self.integrator);
@@ -80,13 +79,13 @@ impl Method {
 pub struct Options {
     /// Presets or scene files.
     pub scenes: Vec<String>,
-    /// Methods.
+    /// Methods to study.
     pub methods: Vec<Method>,
     /// Step at which errors are measured, s.
     pub step_s: f64,
-    /// Runs are cut to this length, s.
+    /// Longest duration of a run, s; longer scenes are cut.
     pub longest_s: f64,
-    /// Steps between which the largest stable one is looked for, s.
+    /// Least and largest step of the search for the largest stable one, s.
     pub steps_s: [f64; 2],
 }
 
@@ -127,7 +126,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// As the default, with runs of 0.02 s: the first impacts, and a fifth of the time.
+    /// Returns the default options with runs of 0.02 s, which hold the first impacts and take a fifth of the time.
     #[must_use]
     pub fn quick() -> Self {
         Self {
@@ -136,7 +135,7 @@ impl Options {
         }
     }
 
-    /// These scenes instead; without names the options as they are.
+    /// Returns the options with other scenes; an empty list changes nothing.
     ///
     /// # Errors
     /// A scene that is named twice, that cannot be read, or that cannot be modelled.
@@ -166,36 +165,35 @@ impl Options {
 pub struct Cell {
     /// The method.
     pub method: Method,
-    /// At the study's step or the method's tolerance; `None` if that run stopped, or if the converged forces
-    /// are nothing but rounding (no load).
+    /// Error at the study's step or the method's tolerance. `None` if that run stopped, or if the converged forces are rounding
+    /// alone (no load).
     pub error: Option<Distance>,
     /// How that run failed, if it did.
     pub failure: Option<Failure>,
-    /// Sizes of its time series.
+    /// Largest and mean loads of the run's time series.
     pub level: Option<LoadMagnitude>,
-    /// Energy that nothing accounts for, as a share of the larger work. Friction, damping and stored energy
-    /// are accounted for; the paper's law itself creates about 0.01 in the steady state.
+    /// Remainder of the energy balance as a share of the larger work, after friction, damping and stored energy; the paper's law itself creates about 0.01 in the steady state.
     pub energy_remainder_share: Option<f64>,
     /// Largest joint error, m (Lagrange form).
     pub joint_drift_m: f64,
     /// Evaluations of the contact forces.
     pub evaluations: u64,
-    /// Largest step with the right picture, s; `None` for adaptive methods or where there is none.
+    /// Largest step with a correct run, s; `None` for adaptive methods, or if no step gives one.
     pub largest_step_s: Option<f64>,
-    /// True if not even the longest step tried failed.
+    /// True if the longest step tried gave a correct run.
     pub never_failed: bool,
-    /// Failure that comes first above the largest step.
+    /// First failure above the largest step.
     pub fails_first: Option<Failure>,
 }
 
 impl Cell {
-    /// True if the method gives the right picture at the study's step or at a shorter one.
+    /// Returns true if the method gives a correct run at the study's step or at a shorter one.
     #[must_use]
     pub fn is_right(&self) -> bool {
         self.largest_step_s.is_some() || self.failure.is_none()
     }
 
-    /// Error of the forces where the method gives the right picture (0 where nothing carries force).
+    /// Returns the error of the forces where the run is correct (0 where no pin carries force).
     #[must_use]
     pub fn right_to(&self) -> Option<f64> {
         let right = self.failure.is_none();
@@ -206,22 +204,22 @@ impl Cell {
 /// Results of every method on one scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneRow {
-    /// Its name.
+    /// Name of the scene.
     pub scene: String,
     /// Why it is hard.
     pub why: String,
     /// Method that `integrator = "auto"` takes for the scene.
     pub auto: String,
-    /// The run everything is compared with.
+    /// Converged run, the reference of all errors.
     pub reference: Option<Reference>,
-    /// Why there is none: a scene that is refused is a result too.
+    /// Reason why the scene has no converged run, which is a result too.
     pub refused: Option<String>,
-    /// One a method.
+    /// Results, one a method.
     pub cells: Vec<Cell>,
 }
 
 impl SceneRow {
-    /// The method with the smallest error of those with the right picture.
+    /// Returns the method with the smallest error among correct runs.
     #[must_use]
     pub fn best(&self) -> Option<(&Cell, f64)> {
         let cells = self.cells.iter();
@@ -230,20 +228,20 @@ impl SceneRow {
     }
 }
 
-/// Forces within this share of the converged run: the scene is served.
+/// Largest relative error of the forces with which a method counts as serving a scene.
 pub const SERVED: f64 = 0.01;
 
-/// The result.
+/// Result of the study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Atlas {
     /// Choices of the study.
     pub options: Options,
-    /// One a scene; `None` for those that are not done.
+    /// Results, one a scene; `None` for scenes that are not done.
     pub rows: Vec<Option<SceneRow>>,
 }
 
 impl Atlas {
-    /// Nothing done yet.
+    /// Returns an atlas without results.
     #[must_use]
     pub fn new(options: Options) -> Self {
         Self {
@@ -252,15 +250,15 @@ impl Atlas {
         }
     }
 
-    /// Scenes that are done.
+    /// Returns the results of the scenes that are done.
     pub fn done(&self) -> impl Iterator<Item = &SceneRow> {
         self.rows.iter().flatten()
     }
 
-    /// Studies every scene that is not done, on `jobs` threads. Scenes that cannot be modelled are rows with the reason.
+    /// Studies every scene that is not done, on `jobs` threads. A scene that cannot be modelled becomes a row with the reason.
     ///
     /// # Errors
-    /// Cancelled, or a scene that cannot be loaded, after the others have ended. Scenes that were done stay.
+    /// Cancelled, or a scene that cannot be loaded, reported after the others have ended. Finished rows stay.
     pub fn go_on(&mut self, jobs: usize, control: &Control<'_>) -> Result<(), StudyError> {
         let (options, total) = (&self.options, self.rows.len());
         let open = (0..total).filter(|&k| self.rows[k].is_none());
@@ -280,7 +278,7 @@ impl Atlas {
         fault.map_or(Ok(()), Err)
     }
 
-    /// Returns a line for each solver of the user's, and true if it gives some scene rightly.
+    /// Returns a line for each user's solver, and true if the solver serves a scene.
     pub fn findings(&self) -> impl Iterator<Item = (String, bool)> {
         let methods = self.options.methods.iter().enumerate();
         methods.filter_map(|(place, method)| {
@@ -301,7 +299,7 @@ impl Atlas {
         })
     }
 
-    /// Names of the scenes that no method gives within [`SERVED`].
+    /// Returns the names of the scenes that no method serves, [`SERVED`].
     #[must_use]
     pub fn unserved(&self) -> Vec<String> {
         let served = |row: &&SceneRow| row.best().is_some_and(|(_, error)| error <= SERVED);

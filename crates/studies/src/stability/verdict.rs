@@ -1,4 +1,4 @@
-//! Verdict on a run: true to the converged one, or its kind of failure.
+//! Judgement of a run against the converged one: correct, or the kind of failure.
 
 use pinwheel_engines::Run;
 use pinwheel_scene::Scales;
@@ -7,13 +7,13 @@ use serde::{Deserialize, Serialize};
 
 use pinwheel_timeseries::norms::{Distance, LoadFloor, LoadMagnitude};
 
-/// How a run fails. A blow-up is loud by itself; what ends with wrong numbers looks like data.
+/// Kind of failure of a run. All but a blow-up end with wrong numbers that look like results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Failure {
     /// The run stopped with an error.
     BlowUp {
-        /// When, s.
+        /// Time of the failure, s.
         time_s: f64,
         /// Quantity that failed.
         quantity: String,
@@ -33,28 +33,28 @@ pub enum Failure {
         /// Largest joint error, m.
         joint_m: f64,
     },
-    /// Right sizes, wrong course: phases are lost.
+    /// Forces of the right size at the wrong time: phases are lost.
     WrongCourse {
         /// Relative L2 error of the forces.
         error: f64,
     },
 }
 
-/// Peaks may be this much above the converged ones.
+/// Largest permitted ratio of peak forces to the converged ones.
 const PEAK_RATIO: f64 = 1.5;
-/// The mean torque may be off by this share.
+/// Largest permitted relative error of the mean driver torque.
 const MEAN_SHARE: f64 = 0.1;
-/// Joints may be apart by this share of the penetration under the load: 1e-7 m for the paper's gear, a hundredth of its ramp.
+/// Largest permitted joint error as a share of the penetration under the load: 1e-7 m for the paper's gear, a hundredth of its ramp.
 const JOINT_SHARE: f64 = 0.0015;
-/// Forces may be off by this much: beyond half, a course has nothing to do with the right one.
+/// Largest permitted relative L2 error of the forces; beyond it the two time series have nothing in common.
 const COURSE_ERROR: f64 = 0.5;
-/// Shares of the largest static force of a pin and of a disc's load below which nothing is judged: an idle gear has none
-/// to speak of. 1 N and 0.01 N m for the paper's gear.
+/// Least force and torque that are judged, as shares of the largest static pin force and of a disc's load: 1 N and 0.01 N m for
+/// the paper's gear. An idle gear has less.
 const FORCE_SHARE: f64 = 0.015;
 const TORQUE_SHARE: f64 = 1e-3;
 
 impl Failure {
-    /// One or two words.
+    /// Returns the failure in one or two words.
     #[must_use]
     pub fn word(&self) -> &'static str {
         match self {
@@ -66,7 +66,7 @@ impl Failure {
         }
     }
 
-    /// The word with its figure, for a cell of a table.
+    /// Returns the word with its figure, for a cell of a table.
     #[must_use]
     pub fn short(&self) -> String {
         match self {
@@ -78,7 +78,7 @@ impl Failure {
         }
     }
 
-    /// Observed failure, with its figure.
+    /// Returns the failure with its figure as a sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
         match self {
@@ -101,7 +101,7 @@ impl Failure {
 pub(super) struct Judge<'a> {
     reference: &'a TimeSeries,
     level: LoadMagnitude,
-    /// Sizes of the scene.
+    /// Static loads and deflections of the scene.
     scales: Scales,
 }
 
@@ -115,14 +115,14 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// Against the reference; `None` where that has no forces to speak of.
+    /// Returns the error against the reference; `None` where its forces are below the least that is judged.
     pub(super) fn error(&self, time_series: &TimeSeries) -> Option<Distance> {
         let floor = FORCE_SHARE * self.scales.external_force_n;
         (self.level.peak_force_n > floor)
             .then(|| Distance::between(time_series, self.reference, LoadFloor::default()))
     }
 
-    /// `None`: the right picture.
+    /// Returns the failure of a run; `None` if the run is correct.
     pub(super) fn failure(&self, run: &Run) -> Option<Failure> {
         let (time_s, quantity) = match &run.ending {
             Ending::Finished => return self.wrong(run),
@@ -132,7 +132,7 @@ impl<'a> Judge<'a> {
         Some(Failure::BlowUp { time_s, quantity })
     }
 
-    /// Failure of a run that finished.
+    /// Returns the failure of a run that finished.
     fn wrong(&self, run: &Run) -> Option<Failure> {
         let joint_m = run.stats.joint_drift_m.unwrap_or(0.0);
         if !(joint_m <= JOINT_SHARE * self.scales.penetration_m) {

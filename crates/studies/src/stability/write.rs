@@ -1,4 +1,4 @@
-//! An atlas as files, and back: one that was stopped goes on from them.
+//! Files of an atlas; an interrupted atlas is read back from them.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ use crate::provenance::{Provenance, Summary};
 /// Payload of `summary.json`.
 #[derive(Serialize)]
 struct Studied<'a> {
-    /// False after a stop: scenes that are not done are null.
+    /// False after an interruption; missing scenes are null.
     finished: bool,
     atlas: &'a Atlas,
 }
@@ -38,10 +38,10 @@ impl Atlas {
         Summary::new(made, studied).write(dir)
     }
 
-    /// The atlas of `options` that was stopped and left its files in `dir`.
+    /// Reads the interrupted atlas of `options` from its files in `dir`.
     ///
     /// # Errors
-    /// There is none, or it was made with other options.
+    /// No atlas in `dir`, or one with other options.
     pub fn resume(dir: &Path, options: &Options) -> Result<Self, StudyError> {
         let place = dir.join("summary.json");
         let refuse = |what: String| {
@@ -53,7 +53,7 @@ impl Atlas {
             .map_err(|error| refuse(format!("cannot be read: {error}")))?;
         let Earlier { atlas } = serde_json::from_str(&text)
             .map_err(|error| refuse(format!("holds no study to go on with: {error}")))?;
-        // What was read back from a file may be anything.
+        // The file may have been edited.
         if atlas.options != *options || atlas.rows.len() != options.scenes.len() {
             return Err(refuse(
                 "was made with other scenes, another length or another version".to_owned(),
@@ -62,7 +62,7 @@ impl Atlas {
         Ok(atlas)
     }
 
-    /// One row a scene and method; one of a scene that was refused.
+    /// Returns a table with a row for each scene and method, and one for each scene without a converged run.
     #[must_use]
     pub fn table(&self) -> Table {
         let rows = self.done().flat_map(|row| {
@@ -109,7 +109,7 @@ impl Atlas {
     }
 }
 
-/// Text about a failure; empty without one.
+/// Returns a text about a failure; empty without one.
 fn said<W: Into<String>>(failure: Option<&Failure>, of: fn(&Failure) -> W) -> String {
     failure.map_or_else(String::new, |failure| of(failure).into())
 }
