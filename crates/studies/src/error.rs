@@ -6,7 +6,7 @@ use pinwheel_scene::Scene;
 use crate::choice::ChoiceError;
 use crate::output::OutputError;
 
-/// Why a study gave no result.
+/// Reason why a study gave no result.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// The observer asked to stop.
@@ -23,7 +23,7 @@ pub enum StudyError {
     Ended {
         /// Name of the engine.
         engine: String,
-        /// How it ended.
+        /// Ending of the run.
         ending: Ending,
     },
     /// A run without which there would be no result.
@@ -44,17 +44,17 @@ pub enum StudyError {
     /// A scene that cannot be modelled.
     #[error("{scene}: {source}")]
     Scene {
-        /// Its name.
+        /// Name of the scene.
         scene: String,
-        /// Why.
+        /// Fault of the model.
         source: pinwheel_gearbox::GearboxError,
     },
-    /// The run everything is compared with failed.
+    /// The reference run failed.
     #[error("{scene}: the reference run {reason}; use a scene that can be resolved")]
     Reference {
-        /// Its name.
+        /// Name of the scene.
         scene: String,
-        /// Why.
+        /// Failure of the run.
         reason: String,
     },
     /// Recording failed.

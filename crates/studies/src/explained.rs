@@ -4,7 +4,7 @@ use pinwheel_gearbox::{Explanation as Model, Gearbox};
 use pinwheel_scene::{Assumption, Derived, Scene, assumptions, derived};
 use serde::Serialize;
 
-/// Everything said of a scene.
+/// Explanation of a scene.
 #[derive(Debug, Clone, Serialize)]
 pub struct Explanation<'a> {
     /// The scene.
@@ -14,7 +14,7 @@ pub struct Explanation<'a> {
     pub model: Model,
     /// Quantities that follow from the dimensions.
     pub derived: Derived,
-    /// Values that are assumptions, and what they rest on.
+    /// Assumed values with their reasons.
     pub assumptions: Vec<Assumption>,
 }
 

@@ -1,12 +1,12 @@
-//! The one pool of threads: they take the next piece of work until there is none.
+//! Pool of threads that take numbered pieces of work in order.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Results of `work(state, k)` for k = 0 .. `count`, on `threads` threads, this one among them, each with a `state` of
-/// its own; and the first error.
+/// Returns the results of `work(state, k)` for k = 0 .. `count` on `threads` threads, this one included, each with a `state` of
+/// its own; or the first error.
 ///
-/// Pieces begin in their order. After an error no other begins; those that run come to their end.
+/// Pieces begin in order. After an error no new piece begins, and running pieces finish.
 pub fn map<S, T: Send, E: Send>(
     threads: usize,
     count: usize,
@@ -40,7 +40,7 @@ pub fn map<S, T: Send, E: Send>(
     found.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// The lock, also after another thread panicked: what it holds is whole after every piece.
+/// Locks a mutex, also after another thread panicked: its content is consistent after every piece.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

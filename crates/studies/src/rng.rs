@@ -1,11 +1,11 @@
-//! Random numbers that are the same on every machine.
+//! Random numbers from a seed, equal on every machine.
 
-/// Numbers from a seed, the same on every machine: SplitMix64 [Steele, Lea, Flood 2014].
+/// Generator SplitMix64, equal on every machine [Steele, Lea, Flood 2014].
 #[derive(Debug, Clone)]
 pub struct Rng(u64);
 
 impl Rng {
-    /// Starts at a seed.
+    /// Returns a generator with a seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(seed)
@@ -19,32 +19,32 @@ impl Rng {
         z ^ (z >> 31)
     }
 
-    /// Uniform in [0, 1).
+    /// Returns a number, uniform in [0, 1).
     pub fn share(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Uniform in [low, high).
+    /// Returns a number, uniform in [low, high).
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.share()
     }
 
-    /// Uniform in the logarithm.
+    /// Returns a number from `low` to `high` with a uniform logarithm.
     pub fn spread(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.share())
     }
 
-    /// A whole number from `low` to `high`, both included.
+    /// Returns a whole number from `low` to `high`, both included.
     pub fn whole(&mut self, low: usize, high: usize) -> usize {
         low + (self.next() % (high - low + 1) as u64) as usize
     }
 
-    /// True in this share of cases.
+    /// Returns true with the probability `share`.
     pub fn chance(&mut self, share: f64) -> bool {
         self.share() < share
     }
 
-    /// 1 or -1.
+    /// Returns 1 or -1, equally likely.
     pub fn sign(&mut self) -> f64 {
         if self.chance(0.5) { 1.0 } else { -1.0 }
     }

@@ -1,4 +1,4 @@
-//! From an accepted and a new run to a verdict.
+//! Verdict on a new run against the accepted one.
 
 use serde::Serialize;
 
@@ -11,14 +11,14 @@ use super::snapshot::{Quantity, Statistics};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {
-    /// Same to rounding.
+    /// Equal to rounding.
     #[default]
     Same,
-    /// Moved, and is as good as before.
+    /// Moved, with an error as large as before.
     Changed,
     /// Closer to the converged result, or cheaper.
     Better,
-    /// Closer to the converged result, and dearer by no more than that is worth.
+    /// Closer to the converged result and dearer, by no larger a factor.
     Traded,
     /// Not in the baseline: nothing was compared.
     New,
@@ -27,7 +27,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// In words.
+    /// Returns the verdict in words.
     #[must_use]
     pub fn label(self) -> &'static str {
         match self {
@@ -41,16 +41,16 @@ impl Verdict {
     }
 }
 
-/// One quantity of one case.
+/// Check of one quantity of one case.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct QuantityCheck {
-    /// Which.
+    /// Quantity that is checked.
     pub quantity: Quantity,
-    /// In words.
+    /// Name of the quantity in words.
     pub label: &'static str,
     /// Root mean square change of the statistics against the accepted run, a share of the quantity's size.
     pub change: f64,
-    /// Up to here a change is a rounding.
+    /// Largest change that counts as rounding.
     pub rounding_limit: f64,
     /// Error of the accepted run against the converged one, a share of the size.
     pub error_before: f64,
@@ -66,14 +66,14 @@ pub struct QuantityCheck {
     pub verdict: Verdict,
 }
 
-/// One cost of one case.
+/// Check of one cost of one case.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CostCheck {
-    /// Which.
+    /// Name of the cost.
     pub label: &'static str,
-    /// Accepted.
+    /// Cost of the accepted run.
     pub before: f64,
-    /// New.
+    /// Cost of the new run.
     pub after: f64,
     /// Permitted change of the cost.
     pub limit: f64,
@@ -81,7 +81,7 @@ pub struct CostCheck {
     pub verdict: Verdict,
 }
 
-/// `after`: new. `None` if its shape is not that of the record.
+/// Checks one quantity; `after` are the new statistics. `None` if their shape differs from the accepted ones.
 pub fn quantity(
     quantity: Quantity,
     after: &Statistics,
@@ -118,7 +118,7 @@ pub fn quantity(
     })
 }
 
-/// All costs of a case. `adaptive`: a step control chose the steps.
+/// Checks all costs of a case. `adaptive` is true where a step control chose the steps.
 pub(super) fn costs(accepted: &CaseSnapshot, after: &Costs, adaptive: bool) -> Vec<CostCheck> {
     let before = accepted.costs;
     let share = if adaptive {
@@ -127,7 +127,7 @@ pub(super) fn costs(accepted: &CaseSnapshot, after: &Costs, adaptive: bool) -> V
         0.0
     };
     let mut found = Vec::new();
-    // Less is better; it may move by `share` of itself and `room`.
+    // A cost may move by `share` of itself and by `room`; less is better.
     let mut add = |label, of: fn(&Costs) -> u64, share: f64, room: f64| {
         let [before, after] = [&before, after].map(|costs| of(costs) as f64);
         let limit = share * before + room;
@@ -152,7 +152,7 @@ pub(super) fn costs(accepted: &CaseSnapshot, after: &Costs, adaptive: bool) -> V
     found
 }
 
-/// The verdict on a case from those on its figures, the most urgent. Dearer and more accurate is a trade where the error of the
+/// Returns the verdict on a case, the most urgent of those on its figures. Dearer and more accurate is a trade where the error of the
 /// quantity that erred most fell by at least as large a factor as the counts rose.
 pub fn case(quantities: &[QuantityCheck], costs: &[CostCheck]) -> Verdict {
     let verdicts = quantities.iter().map(|q| q.verdict);
@@ -170,7 +170,7 @@ pub fn case(quantities: &[QuantityCheck], costs: &[CostCheck]) -> Verdict {
     worst.unwrap_or_default().max(accuracy)
 }
 
-/// Verdict on the change of a figure of which less is better.
+/// Returns the verdict on the change of a figure of which less is better.
 pub fn cost(before: f64, after: f64, limit: f64) -> Verdict {
     if after - before > limit {
         Verdict::Worse

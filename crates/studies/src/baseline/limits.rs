@@ -1,15 +1,14 @@
-//! Every threshold of a check, in one place, with the measurement it comes from (`docs/baselines.md` repeats them).
+//! Thresholds of a baseline check, each with the measurement that it comes from (`docs/baselines.md` repeats them).
 
 use pinwheel_timeseries::table::Table;
 
-/// Results count as the same up to this many times the largest difference that roundings made when the baseline
-/// was recorded: other vector instructions, the scalar loop, and an inertia and a radius one digit up and down. Those
+/// Multiple of the largest difference under perturbed rounding, measured at recording, up to which results count as equal: other vector instructions, the scalar loop, and an inertia and a radius one digit up and down. Those
 /// seven include every instruction set that contact loops know; what else differs between machines (the system's sine,
 /// the compiler) is of the kind of the inertias, and of the radius where a run starts in equilibrium.
 pub const ROUNDING_MARGIN: f64 = 30.0;
 
-/// Where a rounding turned an accepted step into a rejected one, differences are those of two runs of one tolerance,
-/// a large share of the error already; a result then counts as the same up to this many times it.
+/// Multiple for runs in which a rounding turned an accepted step into a rejected one. Their differences are those of two runs of one
+/// tolerance, a large share of the error already.
 pub const FLIP_MARGIN: f64 = 3.0;
 
 /// Bound of accumulated rounding, as a share of the quantity's size. A larger difference is due to a rejected step as
@@ -17,39 +16,39 @@ pub const FLIP_MARGIN: f64 = 3.0;
 /// and more).
 pub const LARGEST_ROUNDING: f64 = 1e-8;
 
-/// No difference below this share counts: 1e4 steps of roundings of 1e-16 each, all one way.
+/// Least relative difference that counts: 1e4 steps of roundings of 1e-16 each, all one way.
 pub const ROUNDING_FLOOR: f64 = 1e-12;
 
 /// Largest rounding and error of a converged run that a baseline may hold, shares of the quantity's size: beyond, a change says
 /// nothing. The accepted baseline has 3e-7 and 2e-3.
 pub const LARGEST_RECORDED: f64 = 0.1;
 
-/// A case whose quantity is farther than this off the converged run is named when it is recorded: the resolution of a comparison.
+/// Error against the converged run, as a share, above which `record` names the case: the resolution of a comparison.
 pub const FAR_OFF: f64 = 0.01;
 
-/// Up to where a change is a rounding, if roundings made `recorded` (shares of the quantity's size).
+/// Returns the largest change that counts as rounding, if perturbed rounding gave `recorded` (shares of the quantity's size).
 #[must_use]
 pub fn same_up_to(recorded: f64) -> f64 {
     let flip = (FLIP_MARGIN * recorded).max(LARGEST_ROUNDING);
     (ROUNDING_MARGIN * recorded).min(flip).max(ROUNDING_FLOOR)
 }
 
-/// A change of the error by less than this share of the error is none. Methods of one order differ by factors in
+/// Least relative change of the error that counts. Methods of one order differ by factors in
 /// their errors (rk2 and rk4 on the paper's gear by 700, dopri5 between two step controls of one tolerance by 1.3),
 /// while an error read from a few statistics is no better known than to some per cent.
 pub const ERROR_SHARE: f64 = 0.1;
 
-/// Counts of methods with a step control may move by this share, or three times what roundings moved them when the
-/// baseline was recorded: a rounding that turns one accepted step into a rejected one moves the rest.
+/// Least permitted relative change of the counts of adaptive methods; three times their change under perturbed rounding counts where
+/// that is more. A rounding that turns one accepted step into a rejected one moves the rest.
 pub const ADAPTIVE_COUNT_SHARE: f64 = 0.03;
 
-/// Rejections are few, so their count may move by this many besides [`ADAPTIVE_COUNT_SHARE`] of the steps.
+/// Permitted change of the number of rejections, besides [`ADAPTIVE_COUNT_SHARE`] of the steps, since rejections are few.
 pub const REJECTIONS: f64 = 5.0;
 
-/// Newton steps may move by this share: contacts near a switch need one more or one less.
+/// Permitted relative change of the number of Newton steps: contacts near a switch need one more or one less.
 pub const NEWTON_SHARE: f64 = 0.02;
 
-/// Table of the limits for readers.
+/// Returns the table of the limits.
 #[must_use]
 pub fn table() -> Table {
     let percent = |share: f64| format!("{:.0} %", 100.0 * share);

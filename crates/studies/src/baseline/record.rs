@@ -1,4 +1,4 @@
-//! Making a baseline: converged runs, accepted runs, and what roundings do to them.
+//! Recording of a baseline: converged runs, accepted runs, and their change under perturbed rounding.
 
 use std::collections::BTreeMap;
 
@@ -23,7 +23,7 @@ pub struct LeftOut {
     pub scene: String,
     /// Name of the solver or its choice.
     pub choice: String,
-    /// Why.
+    /// Reason why the case was left out.
     pub reason: String,
 }
 
@@ -40,7 +40,7 @@ impl LeftOut {
 /// Result of recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
-    /// The new state, with the scenes of the earlier one that were not asked for.
+    /// New baseline, with the earlier entries of scenes that were not requested.
     pub baseline: Baseline,
     /// Names of the scenes that were run.
     pub scenes: Vec<String>,
@@ -48,7 +48,7 @@ pub struct Record {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Runs what is asked for and puts it in place of what the `earlier` baseline holds of it, for the `reason` given.
+/// Runs the requested scenes and replaces their entries of the `earlier` baseline, for the stated `reason`.
 ///
 /// # Errors
 /// Stopped, a baseline of other solvers, or a run of the set that does not come to its end.
@@ -117,14 +117,14 @@ pub fn record(
 }
 
 impl Record {
-    /// Every case that was run with the quantity that is farthest off the converged run, the farthest first.
+    /// Returns every case that was run with its quantity of the largest error against the converged run, largest first.
     #[must_use]
     pub fn errors(&self) -> Vec<(&SceneSnapshot, &CaseSnapshot, Quantity, f64)> {
         let scenes = self.baseline.scenes.iter();
         let scenes = scenes.filter(|scene| self.scenes.contains(&scene.name));
         let cases = scenes.flat_map(|scene| scene.cases.iter().map(move |case| (scene, case)));
         let farthest = cases.filter_map(|(scene, case)| {
-            // What is no signal of an engine's, but an account of it.
+            // Energy and joint errors are accounts of a run, not signals of the engine.
             let signals = case.quantity.iter().filter(|(quantity, _)| {
                 !matches!(quantity, Quantity::Energy | Quantity::JointDrift)
             });
@@ -137,7 +137,7 @@ impl Record {
     }
 }
 
-/// The converged run and the one that tells its error.
+/// Returns the jobs of the converged run and of the coarser one that gives its error.
 fn converged_jobs(scene: &Scene) -> [Job; 2] {
     let [second, first] = reference::settings(scene, "dopri5");
     [first, second].map(|setting| Job {
@@ -148,10 +148,9 @@ fn converged_jobs(scene: &Scene) -> [Job; 2] {
     })
 }
 
-/// Jobs that repeat the run with other vector instructions and the scalar loop, with the discs' inertia one digit up
-/// and down, and with the ring pins' radius one digit up and down. The inertia leaves statics alone; the radius
-/// moves where a start in equilibrium is found, which without load is known to little more than a rounding of the
-/// dimensions.
+/// Returns jobs that repeat the run under perturbed rounding: with other vector instructions and the scalar loop, and with the
+/// discs' inertia and the ring pins' radius one digit up and down. The inertia does not change statics; the radius changes the
+/// initial equilibrium, which without load is known to little more than a rounding of the dimensions.
 fn roundings(plain: &Job) -> Vec<Job> {
     let by = |kernel| Job {
         kernel,
@@ -160,7 +159,7 @@ fn roundings(plain: &Job) -> Vec<Job> {
     let mut jobs: Vec<Job> = [Kernel::Avx2, Kernel::Portable, Kernel::Scalar]
         .map(by)
         .into();
-    // A solver from outside has no loop of ours that could be chosen.
+    // A user's solver does not run the native contact loop.
     jobs.retain(|job| job.solver.is_none());
     for digit in [f64::next_up, f64::next_down] {
         let (mut heavier, mut wider) = (plain.clone(), plain.clone());

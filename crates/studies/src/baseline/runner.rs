@@ -1,4 +1,4 @@
-//! Runs of the set: results and counts, on one thread or several.
+//! Runs of the set of scenes on one thread or several, with results and counts.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -26,7 +26,7 @@ pub struct Costs {
     pub newton_steps: u64,
 }
 
-/// A run that came to its end.
+/// Results of a run that finished.
 #[derive(Debug, Clone)]
 pub(super) struct Finished {
     pub(super) statistics: BTreeMap<Quantity, Statistics>,
@@ -35,17 +35,17 @@ pub(super) struct Finished {
     pub(super) bits: u64,
 }
 
-/// Results, or how the run ended without.
+/// Results of a run, or the ending of one without.
 pub(super) type RunResult = Result<Finished, Ending>;
 
-/// One run to make.
+/// Description of one run.
 #[derive(Debug, Clone)]
 pub(super) struct Job {
-    /// For progress.
+    /// Name in the progress display.
     pub(super) label: String,
     pub(super) scene: Scene,
     pub(super) kernel: Kernel,
-    /// A solver that joined instead of our own.
+    /// Name of a user's solver in place of the native one.
     pub(super) solver: Option<String>,
 }
 
@@ -66,7 +66,7 @@ fn run(job: &Job, cancel: &AtomicBool) -> Result<RunResult, StudyError> {
             let (account, joint_m) = (run.energy.total(), Some(run.joint_drift_m));
             (run.ending, run.time_series, costs, account, joint_m)
         }
-        // It keeps no account of energy, and not all have joints.
+        // A user's solver keeps no account of energy, and may have no joints.
         Some(solver) => {
             let run = control::run_on(solver, &job.scene, &Control::silent(cancel))?;
             let costs = Costs {
@@ -89,8 +89,8 @@ fn run(job: &Job, cancel: &AtomicBool) -> Result<RunResult, StudyError> {
     }))
 }
 
-/// Makes all runs; results in the order of the jobs, the same to the bit for any number of `threads`
-/// (with one, this thread makes them).
+/// Makes all runs on a number of `threads`, with one on this thread. Results stand in the order of the jobs and are equal to the
+/// bit for any number of threads.
 pub(super) fn run_all(
     jobs: &[Job],
     threads: usize,

@@ -1,16 +1,16 @@
 //! Cost of an error: interpolation on the front of a series in the log-log plane.
 //!
-//! The front is what no other point of the series beats in both cost and error. Between two of its points
+//! A point belongs to the front if no other point of the series has both lower cost and lower error. Between two of its points
 //! the cost of an error is taken from the straight line through both in (log error, log cost). Beyond
 //! its ends there is only a bound, and it is given as one.
 
 use serde::Serialize;
 
-/// Cost of an error, as far as it is known.
+/// Cost of an error, or a bound on it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(tag = "kind", content = "value", rename_all = "kebab-case")]
 pub enum CostAt {
-    /// Between two runs.
+    /// Interpolated between two runs.
     Interpolated(f64),
     /// The cheapest run is already better.
     AtMost(f64),
@@ -19,7 +19,7 @@ pub enum CostAt {
 }
 
 impl CostAt {
-    /// The figure, whatever it means.
+    /// Returns the number, exact or a bound.
     #[must_use]
     pub fn value(self) -> f64 {
         match self {
@@ -27,15 +27,15 @@ impl CostAt {
         }
     }
 
-    /// True if the error is reached at all.
+    /// Returns true if a run reaches the error.
     #[must_use]
     pub fn reached(self) -> bool {
         !matches!(self, Self::MoreThan(_))
     }
 }
 
-/// The points that no other beats in both, by rising cost and falling error. Points are (cost, error);
-/// those that are not finite and positive are left out.
+/// Returns the points of the front by rising cost and falling error. Points are (cost, error); values that are not finite and
+/// positive are left out.
 #[must_use]
 pub fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let sound = |x: f64| x.is_finite() && x > 0.0;
@@ -51,7 +51,7 @@ pub fn front(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     front
 }
 
-/// Cost of `error` on the front of the points (cost, error). `None` without points.
+/// Returns the cost of `error` on the front of the points (cost, error); `None` without points.
 #[must_use]
 pub fn cost_at(points: &[(f64, f64)], error: f64) -> Option<CostAt> {
     let front = front(points);

@@ -1,4 +1,4 @@
-//! How far a run lies from the reference, window by window: relative L2 and Linf of [`pinwheel_timeseries::norms`].
+//! Errors of a run against the reference by window: relative L2 and Linf of [`pinwheel_timeseries::norms`].
 
 use pinwheel_compare::windows::{SETTLING_S, windows};
 use pinwheel_scene::load_profile;
@@ -7,7 +7,7 @@ use pinwheel_timeseries::TimeSeries;
 use pinwheel_timeseries::norms::{LoadFloor, View, relative_l2, relative_linf};
 use serde::Serialize;
 
-/// A part of the run.
+/// Window of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Span {
     /// `whole`, `transient` or `steady`.
@@ -31,7 +31,7 @@ pub struct Errors {
     pub torque_max: f64,
 }
 
-/// The whole run first, then its transient and its steady part, where it is long enough to have them.
+/// Returns the windows of a run: all of it, then its transient and its steady part where it is long enough.
 pub(super) fn spans(scene: &Scene, time_series: &TimeSeries) -> Vec<Span> {
     let settling = match scene.drive.start {
         Start::Equilibrium => 0.0,
@@ -50,7 +50,7 @@ pub(super) fn spans(scene: &Scene, time_series: &TimeSeries) -> Vec<Span> {
     [span("whole", 0.0, end)].into_iter().chain(parts).collect()
 }
 
-/// Errors of `a` against `b` in a window. Both hold the same samples.
+/// Returns the errors of `a` against `b` in a window. Both have equal sample times.
 pub fn errors(a: &TimeSeries, b: &TimeSeries, span: &Span, least: LoadFloor) -> Errors {
     let range = b.window(span.from_s, span.to_s);
     let forces = [a, b].map(|run| View::forces(run, range.clone()));

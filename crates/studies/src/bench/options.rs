@@ -12,13 +12,13 @@ use crate::StudyError;
 pub struct Options {
     /// Relative L2 force error over the whole run at which engines are ranked.
     pub target: f64,
-    /// Runs of one setting at most; the cost is their minimum and median.
+    /// Largest number of runs of one setting; the cost is their minimum and median.
     pub repeats: usize,
-    /// CPU time at which a setting is no longer repeated for its own sake, s.
+    /// CPU time above which a setting is not repeated, s.
     pub repeat_s: f64,
-    /// A foreign engine's single run takes no longer than this, s CPU.
+    /// CPU time limit of a single run of a foreign engine, s.
     pub longest_s: f64,
-    /// Limit of the native solver's single run, s CPU. It has many more series than a foreign engine.
+    /// CPU time limit of a single native run, s; the native solver has many more series.
     pub longest_native_s: f64,
     /// Integrators of the native solver; empty: all.
     pub methods: Vec<String>,
@@ -42,7 +42,7 @@ impl Options {
     /// run, of which the native solver gets a tenth, and integrators.
     ///
     /// # Errors
-    /// A number that measures nothing, or an integrator that is not there.
+    /// A number out of its range, or an unknown integrator.
     pub fn asked(
         target: f64,
         repeats: usize,

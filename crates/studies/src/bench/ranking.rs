@@ -25,15 +25,15 @@ pub struct Entry {
 pub struct Advantage {
     /// The fastest native series.
     pub native: String,
-    /// Its CPU time, s.
+    /// CPU time of the native series, s.
     pub native_cpu_s: CostAt,
     /// The fastest peer, or the one whose bound is lowest.
     pub peer: String,
-    /// Its CPU time, s.
+    /// CPU time of the peer, s.
     pub peer_cpu_s: CostAt,
-    /// Quotient of both.
+    /// CPU time of the peer over that of the native series.
     pub ratio: f64,
-    /// The quotient is a lower bound: the native cost is an upper one, or the peer's a lower one.
+    /// True if the quotient is a lower bound: the native cost is an upper bound, or the peer's a lower one.
     pub at_least: bool,
 }
 
@@ -44,7 +44,7 @@ pub struct Ranking {
     pub window: String,
     /// Relative L2 force error.
     pub error: f64,
-    /// In the order of the series.
+    /// Costs in the order of the series.
     pub entries: Vec<Entry>,
     /// `None` where the native solver does not reach the error, or there is no peer.
     pub advantage: Option<Advantage>,

@@ -1,17 +1,17 @@
-//! The settings a method is tried with, coarse to fine, and reasons to stop.
+//! Settings of a method, coarse to fine, and reasons to stop.
 
 use pinwheel_engines::AccuracySetting;
 use pinwheel_scene::Scene;
 use serde::Serialize;
 
-/// Steps as multiples of the scene's: the coarsest, and how often it is halved.
+/// Coarsest step, as a multiple of the scene's, and number of its halvings.
 const COARSEST: f64 = 8.0;
 const HALVINGS: i32 = 10;
-/// Tolerances: the loosest, and half decades below it.
+/// Loosest tolerance, and number of half decades below it.
 const LOOSEST: f64 = 1e-2;
 const HALF_DECADES: i32 = 16;
 
-/// Settings of a knob for a scene, coarse to fine. Steps divide the sampling step evenly, because some
+/// Returns the settings of a method's step or tolerance for a scene, coarse to fine. Steps divide the sampling step evenly, because some
 /// engines sample at ends of steps only.
 #[must_use]
 pub fn settings(knob: AccuracySetting, scene: &Scene) -> Vec<f64> {
@@ -37,7 +37,7 @@ pub fn settings(knob: AccuracySetting, scene: &Scene) -> Vec<f64> {
     }
 }
 
-/// Why a series has no finer point.
+/// Reason why a series has no finer point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Stopped {
@@ -45,7 +45,7 @@ pub enum Stopped {
     Finished,
     /// Far better than the target, and finer runs are not cheap.
     GoodEnough,
-    /// As near to the reference as the reference can tell.
+    /// Distance from the reference below the error of the reference itself.
     AtTheReference,
     /// The next run would take too long.
     TooLong,
@@ -58,7 +58,7 @@ pub enum Stopped {
 }
 
 impl Stopped {
-    /// For the reader.
+    /// Returns the reason in words.
     #[must_use]
     pub fn words(self) -> &'static str {
         match self {

@@ -1,4 +1,4 @@
-//! Data from elsewhere (another program's export, a test rig) as one more participant.
+//! Foreign data (another program's export, a test rig) as one more participant of a comparison.
 
 use std::collections::BTreeSet;
 use std::fmt::Display;
@@ -20,7 +20,7 @@ use pinwheel_timeseries::{TimeSeries, TimeSeriesError, columns, group_of};
 use super::context::context;
 use crate::StudyError;
 
-/// Bad rows a note names.
+/// Largest number of bad rows that a note names.
 const MOST_NAMED: usize = 20;
 
 /// A foreign file that has been read.
@@ -35,7 +35,7 @@ pub struct Data {
 }
 
 impl Data {
-    /// Its name among the participants of a comparison.
+    /// Returns the name among the participants of a comparison.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
@@ -66,7 +66,7 @@ pub fn open<'a>(
 /// Reads foreign files with one map for each file, or one for all.
 ///
 /// # Errors
-/// As [`open`]; several maps, but not as many as files.
+/// Errors of [`open`]; several maps, but not as many as files.
 pub fn open_all(files: &[PathBuf], maps: &[PathBuf]) -> Result<Vec<Data>, StudyError> {
     if files.len() != maps.len() && maps.len() > 1 {
         return Err(StudyError::Input(format!(
@@ -79,7 +79,7 @@ pub fn open_all(files: &[PathBuf], maps: &[PathBuf]) -> Result<Vec<Data>, StudyE
     open(files.zip(maps.iter().cycle().map(PathBuf::as_path)))
 }
 
-/// Error about a file.
+/// Returns an error about a file.
 fn fault(path: &Path, what: impl Display) -> StudyError {
     StudyError::Input(format!("{}: {what}", path.display()))
 }
@@ -118,7 +118,7 @@ fn read(path: &Path, map_path: &Path) -> Result<Data, StudyError> {
     })
 }
 
-/// The limits of a map, each on one of the `quantities` that it maps at least.
+/// Returns the limits of a map, each on at least one of the mapped `quantities`.
 fn limits(name: &str, map: &Map, quantities: &BTreeSet<&str>) -> Result<Vec<StatedLimit>, String> {
     fn find<T: Copy>(
         known: impl IntoIterator<Item = T>,
@@ -158,7 +158,7 @@ fn limits(name: &str, map: &Map, quantities: &BTreeSet<&str>) -> Result<Vec<Stat
     map.limits.iter().map(one).collect()
 }
 
-/// The gearbox with a scene that asks for the channels that foreign columns are compared with.
+/// Returns the gearbox with the channels that foreign columns are compared with.
 ///
 /// # Errors
 /// A mapped column that no engine records: its name is mistyped.
@@ -194,12 +194,12 @@ pub fn with_channels(list: &[Data], gearbox: Gearbox) -> Result<Gearbox, StudyEr
     if channels.len() == own.len() {
         return Ok(gearbox);
     }
-    // Hundreds of single names make one pattern a family: the scene's own limit is on patterns.
+    // Hundreds of names become a pattern a family, since a scene may have only so many patterns.
     let recording = gearbox.with_channels(patterns(&channels));
     recording.map_err(|error| StudyError::Input(error.to_string()))
 }
 
-/// The names without those that a few patterns cover: where more than 50 are asked for, whole families.
+/// Returns the names; above 50 of them a pattern for each family.
 fn patterns(names: &[String]) -> Vec<String> {
     if names.len() <= 50 {
         return names.to_vec();
@@ -221,14 +221,14 @@ fn or(text: &str, otherwise: &str) -> String {
     said.to_owned()
 }
 
-/// A time without the digits that factor and offset have rounded.
+/// Formats a time without the digits that the rounding of factor and offset left.
 fn short(time: f64) -> String {
     let text = format!("{time:.9}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 impl Data {
-    /// The data on the scene's sample times, and the limits stated for them.
+    /// Returns the data at the scene's sample times, with the limits stated for them.
     pub(super) fn take_part(
         &self,
         scene: &Scene,
@@ -245,7 +245,7 @@ impl Data {
         let found = found.map_err(|error| fault(&self.path, error))?;
         self.judgeable(scene, &found)
             .map_err(|error| fault(&self.map_path, error))?;
-        // What was changed of them comes first.
+        // Changes of the data come first.
         let mut notes: Vec<String> = told.into_iter().collect();
         notes.extend(self.notes(scene, &own, &found));
         let cost = Cost {
@@ -267,7 +267,7 @@ impl Data {
         Ok((participant, self.limits.clone()))
     }
 
-    /// Each limit has its window in the run, and the data some of it.
+    /// Checks that the window of each limit lies in the run and holds data.
     fn judgeable(&self, scene: &Scene, found: &Resampled) -> Result<(), String> {
         let context = context(scene);
         let settling = context.settling_s.unwrap_or(SETTLING_S);
@@ -299,7 +299,7 @@ impl Data {
         Ok(())
     }
 
-    /// The data at the times that the map says, and what is to be said of a shift that fits better.
+    /// Returns the data at the times of the map, and a note on a time shift that fits better.
     fn placed(&self, others: &[Participant]) -> Result<(TimeSeries, Option<String>), StudyError> {
         let own = &self.foreign.time_series;
         let offset = self.map.time.offset_s;
@@ -336,7 +336,7 @@ impl Data {
         }
     }
 
-    /// Notes for the reader on changes that were made to the data.
+    /// Returns notes on the changes of the data.
     fn notes(&self, scene: &Scene, own: &TimeSeries, found: &Resampled) -> Vec<String> {
         let mut notes = Vec::new();
         let (bad, rows) = (&self.foreign.bad, self.foreign.rows);
@@ -415,8 +415,8 @@ impl Data {
         notes
     }
 
-    /// The uncertainties of the map, relative to what was measured: of a group of columns the root mean square.
-    /// `inputs`: what the scene's uncertain values make of each quantity, as a share of its RMS.
+    /// Returns the uncertainties of the map, relative to the measured values: of a group of columns their root mean square. `inputs`
+    /// is the effect of the scene's uncertain values on each quantity, as a share of its RMS.
     pub(super) fn uncertainties(
         &self,
         measured: &TimeSeries,

@@ -1,8 +1,8 @@
-//! u_input of ASME V&V 20: how far the uncertain values of a scene move its own time series.
+//! u_input of ASME V&V 20: the effect of a scene's uncertain values on its time series.
 //!
-//! Few keys are moved one at a time to both ends of their intervals: half of the distance, over the root of three, is what the
-//! key contributes, and the keys' contributions add as squares. Where there are many, all are moved at once by a Latin
-//! hypercube (McKay, Beckman, Conover 1979), and what counts is the standard deviation of the series at every sample.
+//! A few keys are moved one at a time to both ends of their intervals. The contribution of a key is half of the distance over the
+//! root of three, and contributions add as squares. Many keys are moved together by a Latin hypercube (McKay, Beckman, Conover
+//! 1979), and the standard deviation of the series at every sample counts.
 
 use pinwheel_compare::quantities::derive;
 use pinwheel_scene::CheckedScene;
@@ -14,13 +14,13 @@ use crate::control::{Control, Progress, complete};
 use crate::rng::Rng;
 use crate::sampling::hypercube;
 
-/// Keys that are moved one at a time.
+/// Largest number of keys that are moved one at a time.
 const FEW: usize = 8;
 /// Runs of a hypercube: the standard deviation of so many is known to an eighth.
 const SAMPLES: usize = 32;
 
-/// Standard uncertainty of every quantity over the whole run, as a share of its RMS; nothing for a scene without
-/// uncertain values.
+/// Returns the standard uncertainty of every quantity over the run, as a share of its RMS; empty for a scene without uncertain
+/// values.
 pub(super) fn uncertainty(
     scene: &CheckedScene,
     control: &Control<'_>,
@@ -75,13 +75,13 @@ fn square(values: &[f64]) -> f64 {
     values.iter().map(|v| v * v).sum()
 }
 
-/// Square of the distance of both ends of an interval: the whole width of a uniform distribution has twelve times its variance.
+/// Returns the squared distance between both ends of an interval, summed over samples: 12 times the variance if it is uniform.
 fn between(pair: &[Vec<f64>]) -> f64 {
     let [low, high] = pair else { return f64::NAN };
     low.iter().zip(high).map(|(a, b)| (a - b) * (a - b)).sum()
 }
 
-/// Sum of the variances at every sample.
+/// Returns the sum of the variances at every sample.
 fn scatter(series: &[Vec<f64>]) -> f64 {
     let count = series.len() as f64;
     let samples = series.first().map_or(0, Vec::len);
@@ -99,7 +99,7 @@ fn value(scene: &CheckedScene, key: &str) -> f64 {
     scene.number(key).unwrap_or(f64::NAN)
 }
 
-/// Every key at the lower and at the upper end of its interval, the others in the middle.
+/// Returns runs with one key at the lower or upper end of its interval and the others in the middle.
 fn ends(scene: &CheckedScene) -> Vec<Moves<'_>> {
     let mut runs = Vec::new();
     for (key, half) in &scene.uncertain {
@@ -109,7 +109,7 @@ fn ends(scene: &CheckedScene) -> Vec<Moves<'_>> {
     runs
 }
 
-/// Every key once in each of [`SAMPLES`] equal parts of its interval, in an order of its own, the same on every machine.
+/// Returns the runs of a Latin hypercube: each key once in each of [`SAMPLES`] equal parts of its interval, equal on every machine.
 fn all_at_once(scene: &CheckedScene) -> Vec<Moves<'_>> {
     let mut rng = Rng::new(1);
     let mut runs: Vec<Moves<'_>> = vec![Vec::new(); SAMPLES];

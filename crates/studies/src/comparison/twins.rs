@@ -1,4 +1,4 @@
-//! Engines with contacts of their own, like with like: each against a native run with the contacts that it really has.
+//! Engines with contacts of their own, each against a native run with equal contacts, its twin.
 
 use pinwheel_compare::{Comparison, Participant, SharedModel, Verdict, WindowKind};
 use pinwheel_engines::{Engine, Native, OwnContact, known};
@@ -17,22 +17,22 @@ pub struct TwinFigure {
     /// Definition.
     #[serde(flatten)]
     pub def: FigureDef,
-    /// By the engine.
+    /// Value of the engine.
     pub engine: f64,
-    /// By the native solver with the engine's contacts, at the engine's samples.
+    /// Value of the native solver with the engine's contacts, at the engine's samples.
     pub twin: f64,
-    /// By the native solver with the scene's law.
+    /// Value of the native solver with the scene's law.
     pub scene: f64,
 }
 
 impl TwinFigure {
-    /// Difference of the engines, as a share.
+    /// Returns the relative difference of engine and twin.
     #[must_use]
     pub fn difference(&self) -> f64 {
         self.engine / self.twin - 1.0
     }
 
-    /// Difference of the laws, as a share.
+    /// Returns the relative difference of the engine's contacts and the scene's law.
     #[must_use]
     pub fn of_law(&self) -> f64 {
         self.twin / self.scene - 1.0
@@ -44,18 +44,18 @@ impl TwinFigure {
 pub struct MatchedContactRun {
     /// The engine.
     pub engine: String,
-    /// The contacts it really has, in words.
+    /// Contacts of the engine in words.
     pub contacts: String,
     /// Peaks of the forces and the mean driver torque.
     pub figures: Vec<TwinFigure>,
-    /// How far the figures may be apart, as a share.
+    /// Largest permitted relative difference of engine and twin.
     pub tolerance: f64,
-    /// *Agree* within that; *inconclusive* where the twin did not finish.
+    /// *Agree* within the tolerance; *inconclusive* where the twin did not finish.
     pub verdict: Verdict,
 }
 
 impl MatchedContactRun {
-    /// The figure in which engine and twin differ most.
+    /// Returns the figure with the largest difference of engine and twin.
     #[must_use]
     pub fn worst(&self) -> Option<&TwinFigure> {
         let size = |figure: &TwinFigure| figure.difference().abs();
@@ -69,7 +69,7 @@ impl MatchedContactRun {
 /// vibrations, which every integrator damps in its own way.
 const LARGEST: &str = "largest";
 
-/// Figures that are compared, each with its kind.
+/// Compared figures, each with its kind.
 const FIGURES: [(&str, &str, &str); 3] = [
     (
         columns::EXTERNAL_FORCE,
@@ -84,7 +84,7 @@ const FIGURES: [(&str, &str, &str); 3] = [
     (columns::INPUT_TORQUE, "mean", "driver torque"),
 ];
 
-/// Twins of all own-contact engines that finished.
+/// Returns the twins of all own-contact engines that finished.
 ///
 /// # Errors
 /// Cancelled.
@@ -94,7 +94,7 @@ pub(super) fn of(
     participants: &[Participant],
     control: &Control<'_>,
 ) -> Result<Vec<MatchedContactRun>, StudyError> {
-    // In a start-up each moves by its own damping.
+    // A start-up transient depends on each engine's own damping, so the steady window is compared.
     let mut windows = comparison.windows.iter();
     let Some(window) = windows.find(|w| w.kind != WindowKind::Transient) else {
         return Ok(Vec::new());

@@ -1,4 +1,4 @@
-//! Figures and claims of the paper as data: what it says, our curves, our numbers, the verdict.
+//! Figures and claims of the paper as data: the paper's statement, our curves and numbers, the verdict.
 
 use pinwheel_timeseries::figure::{Figure, FigureDef};
 use serde::{Deserialize, Serialize};
@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ClaimVerdict {
-    /// Our figures say the same.
+    /// Our figures confirm the statement.
     Holds,
     /// True under a condition the paper does not make; the remark names it.
     Conditional,
-    /// Our figures say otherwise.
+    /// Our figures contradict the statement.
     DoesNotHold,
     /// The claim has no meaning that could be computed.
     Meaningless,
@@ -30,7 +30,7 @@ impl ClaimVerdict {
     }
 }
 
-/// One claim as listed.
+/// Claim of the paper.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Claim {
     /// Key.
@@ -41,7 +41,7 @@ pub struct Claim {
     pub place: String,
     /// Computation that judges it.
     pub judged_by: String,
-    /// Why the verdict is what it is.
+    /// Reason for the verdict.
     pub remark: String,
 }
 
@@ -58,10 +58,10 @@ pub struct JudgedClaim {
     pub verdict: ClaimVerdict,
 }
 
-/// One figure.
+/// Figure of the paper computed again.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PaperFigure {
-    /// `fig-07`; of what the paper has no figure for, a word.
+    /// Key, such as `fig-07`; a word where the paper has no such figure.
     pub id: String,
     /// `Fig. 7`, or a word.
     pub name: String,
@@ -71,7 +71,7 @@ pub struct PaperFigure {
     pub says: String,
     /// Statement of our runs, with the numbers.
     pub found: String,
-    /// Why: what makes the difference, or under which condition.
+    /// Cause of the difference, or the condition of the verdict.
     pub why: String,
     /// The numbers of `found`, for programs.
     pub numbers: Vec<Figure>,
@@ -136,14 +136,14 @@ impl Curve {
     }
 }
 
-/// Results of runs for a figure: everything but the statements about it.
+/// Numbers and curves of a figure, without the statements about it.
 #[derive(Debug, Default)]
 pub struct Measured {
-    /// The figure's.
+    /// Key of the figure.
     pub(super) id: &'static str,
     /// Numbers by their names.
     pub numbers: Vec<Figure>,
-    /// Parts of the sentences that are no numbers.
+    /// Words of the sentences that are no numbers.
     pub words: Vec<(&'static str, String)>,
     pub(super) plots: Vec<Drawn>,
 }
@@ -152,7 +152,7 @@ pub struct Measured {
 pub(super) type Drawn = (String, Vec<f64>, Vec<Curve>);
 
 impl Measured {
-    /// Numbers and curves of a figure.
+    /// Returns the numbers and curves of a figure.
     pub(super) fn new(id: &'static str, numbers: Vec<Figure>, plots: Vec<Drawn>) -> Self {
         Self {
             id,
@@ -162,14 +162,14 @@ impl Measured {
         }
     }
 
-    /// A number by its name; not a number if there is none.
+    /// Returns a number by its name; NaN without one.
     pub(super) fn number(&self, name: &str) -> f64 {
         let found = self.numbers.iter().find(|number| number.def.key == name);
         found.and_then(|number| number.value).unwrap_or(f64::NAN)
     }
 }
 
-/// A number by its name in `snake_case`; the unit is empty for ratios.
+/// Returns a number with its name in `snake_case`; the unit is empty for ratios.
 pub fn number(name: impl Into<String>, value: f64, unit: &'static str) -> Figure {
     let name = name.into();
     let label = name.replace('_', " ");

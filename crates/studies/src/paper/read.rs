@@ -1,4 +1,4 @@
-//! Figures read off time series.
+//! Figures of time series.
 
 pub(super) use pinwheel_timeseries::norms::{mean, range};
 use pinwheel_timeseries::{TimeSeries, columns, norms};
@@ -9,14 +9,14 @@ pub(super) const OUTPUT: &str = columns::OUTPUT_TORQUE;
 pub(super) const EXTERNAL: &str = columns::EXTERNAL_FORCE;
 pub(super) const INTERNAL: &str = columns::INTERNAL_FORCE;
 
-/// Where the start-up transient is gone, s.
+/// Window after the start-up transient, s.
 pub(super) const STEADY: (f64, f64) = (0.3, 0.6);
 /// One input turn, which the single figures draw, s. The paper speaks of 0.24 to 0.28 s.
 pub(super) const DRAWN: (f64, f64) = (0.24, 0.36);
-/// The start-up transient after its first swings, s.
+/// Window of the start-up transient after its first swings, s.
 pub(super) const DYING: (f64, f64) = (0.06, 0.15);
 
-/// The values of one channel, or of the first of a group, within a window; none if there is no such channel.
+/// Returns the values of one channel, or of the first of a group, within a window; none without such a channel.
 pub(super) fn part<'a>(time_series: &'a TimeSeries, name: &str, window: (f64, f64)) -> &'a [f64] {
     let range = time_series.window(window.0, window.1);
     let values = time_series.channel(name);
@@ -24,12 +24,12 @@ pub(super) fn part<'a>(time_series: &'a TimeSeries, name: &str, window: (f64, f6
     values.and_then(|values| values.get(range)).unwrap_or(&[])
 }
 
-/// The sample times within a window.
+/// Returns the sample times within a window.
 pub(super) fn times(time_series: &TimeSeries, window: (f64, f64)) -> Vec<f64> {
     time_series.time_s()[time_series.window(window.0, window.1)].to_vec()
 }
 
-/// All values of a group of channels within a window.
+/// Returns all values of a group of channels within a window.
 pub(super) fn all(time_series: &TimeSeries, group: &str, window: (f64, f64)) -> Vec<f64> {
     let range = time_series.window(window.0, window.1);
     let channels = time_series.group(group);
@@ -38,22 +38,22 @@ pub(super) fn all(time_series: &TimeSeries, group: &str, window: (f64, f64)) -> 
     parts.flatten().copied().collect()
 }
 
-/// The largest value; 0 without any.
+/// Returns the largest value; 0 without values.
 pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(0.0, f64::max)
 }
 
-/// The largest force of a group within a window; 0 without any.
+/// Returns the largest force of a group within a window; 0 without values.
 pub(super) fn peak(time_series: &TimeSeries, group: &str, window: (f64, f64)) -> f64 {
     largest(&all(time_series, group, window))
 }
 
-/// RMS of `a - b` over the RMS of `b`.
+/// Returns the RMS of `a - b` over the RMS of `b`.
 pub fn off(a: &[f64], b: &[f64]) -> f64 {
     norms::relative_l2(&a.into(), &b.into(), 0.0)
 }
 
-/// RMS of a course less its own mean over `half` samples to both sides: how much it oscillates faster than that.
+/// Returns the RMS of a time series less its running mean over `half` samples to both sides, its oscillation above that frequency.
 pub fn roughness(values: &[f64], half: usize) -> f64 {
     let mut sum = 0.0;
     for (k, value) in values.iter().enumerate() {

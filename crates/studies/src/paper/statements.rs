@@ -8,12 +8,12 @@ use serde::Deserialize;
 
 use super::figure::{Claim, ClaimVerdict, JudgedClaim, Measured, PaperFigure, Plot};
 
-/// The file, as it is written.
+/// Content of the file.
 #[derive(Debug, Deserialize)]
 pub struct Statements {
     /// Statements of figures.
     pub figure: Vec<Statement>,
-    /// In words.
+    /// Statements in words.
     pub claim: Vec<Statement>,
 }
 
@@ -21,7 +21,7 @@ pub struct Statements {
 #[derive(Debug, Clone, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Statement {
-    /// Key; of a figure that of its numbers.
+    /// Key of the statement; a figure has that of its numbers.
     pub id: String,
     /// Figure or page of the paper.
     place: String,
@@ -33,9 +33,9 @@ pub struct Statement {
     says: String,
     /// Statement of our runs: a sentence with the names of numbers in braces.
     found: String,
-    /// Why, likewise.
+    /// Reason, with the names of numbers in braces too.
     pub why: String,
-    /// How a claim is judged, in words.
+    /// Rule by which a claim is judged, in words.
     pub judged_by: String,
     /// Axes and words of the figure's plots.
     plots: Vec<Plot>,
@@ -57,7 +57,7 @@ struct Condition {
 }
 
 impl Condition {
-    /// False where a number is missing.
+    /// Returns true if the condition holds; false where a number is missing.
     fn holds(&self, of: &Measured) -> bool {
         let over = self.over.as_ref().map_or(1.0, |name| of.number(name));
         let value = of.number(&self.number) / over;
@@ -70,7 +70,7 @@ impl Statements {
     /// The embedded file.
     ///
     /// # Errors
-    /// It cannot be read; a test makes sure that it can.
+    /// The file cannot be read, which a test rules out.
     pub fn read() -> Result<Self, toml::de::Error> {
         toml::from_str(include_str!(concat!(
             env!("PINWHEEL_SHIPPED"),
@@ -92,7 +92,7 @@ impl Statement {
         }
     }
 
-    /// The figure of these numbers and curves.
+    /// Returns the figure of these numbers and curves.
     pub(super) fn figure(&self, of: Measured) -> PaperFigure {
         let plots = of.plots.iter().map(|(key, x, curves)| {
             let words = self.plots.iter().find(|plot| plot.key == *key);
@@ -118,7 +118,7 @@ impl Statement {
         }
     }
 
-    /// The claim, judged by these numbers.
+    /// Returns the claim, judged by these numbers.
     pub fn claim(&self, of: &Measured) -> JudgedClaim {
         let (figure, numbers) = filled(&self.found, of);
         JudgedClaim {
@@ -136,7 +136,7 @@ impl Statement {
     }
 }
 
-/// A sentence with its numbers and words filled in; and the numbers, in their order.
+/// Returns a sentence with its numbers and words filled in, and the numbers in their order.
 fn filled(text: &str, of: &Measured) -> (String, Vec<f64>) {
     let (mut sentence, mut numbers) = (String::new(), Vec::new());
     let mut rest = text;
@@ -155,7 +155,7 @@ fn filled(text: &str, of: &Measured) -> (String, Vec<f64>) {
     (sentence, numbers)
 }
 
-/// A number as Rust's `format!` writes it by `.2`, `+.2` or `.2e`; with `%` at the end times 100.
+/// Formats a number by `.2`, `+.2` or `.2e` as Rust's `format!`; with `%` at the end as a percentage.
 fn formatted(value: f64, format: &str) -> String {
     let digits = format.trim_matches(|c: char| !c.is_ascii_digit());
     let digits: usize = digits.parse().unwrap_or_default();

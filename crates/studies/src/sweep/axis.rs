@@ -1,4 +1,4 @@
-//! Axes: the keys a sweep varies and their values.
+//! Axes of a sweep: the varied keys and their values.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use pinwheel_files::{Document, FileError, Item, Node};
 use serde::{Deserialize, Serialize};
 use toml::Value as Toml;
 
-/// Values of one axis at most.
+/// Largest number of values of one axis.
 const MOST_VALUES: usize = 100_000;
 
 /// A value of a key as a scene file would write it.
@@ -33,7 +33,7 @@ impl Value {
         }
     }
 
-    /// As TOML.
+    /// Returns the value as TOML.
     #[must_use]
     pub fn to_toml(&self) -> String {
         match self {
@@ -44,7 +44,7 @@ impl Value {
         }
     }
 
-    /// As a number, where it is one.
+    /// Returns the value as a number; `None` for other types.
     #[must_use]
     pub fn number(&self) -> Option<f64> {
         match self {
@@ -54,7 +54,7 @@ impl Value {
         }
     }
 
-    /// Its numbers: one, or those of a list; none of what holds none.
+    /// Returns the numbers of the value: one, those of a list, or none.
     #[must_use]
     pub fn numbers(&self) -> Vec<f64> {
         let of = |value: &Toml| {
@@ -75,9 +75,9 @@ impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Number(x) => {
-                // As it was meant: a range's arithmetic makes 1.0000000000000002e-6 of 1e-6.
+                // Twelve digits: the arithmetic of a range makes 1.0000000000000002e-6 of 1e-6.
                 let meant: f64 = format!("{x:.12e}").parse().unwrap_or(*x);
-                // Not with all the zeros of 1e-12.
+                // An exponent instead of many zeros.
                 if meant != 0.0 && !(1e-3..1e6).contains(&meant.abs()) {
                     write!(f, "{meant:e}")
                 } else {
@@ -90,7 +90,7 @@ impl fmt::Display for Value {
     }
 }
 
-/// Keys that are varied together: at each point every key has the value of the same place.
+/// Keys that are varied together: point k gives each key its k-th value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// Scene keys with their values; all lists have the same length, at least 1.
@@ -98,19 +98,19 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// Points along the axis.
+    /// Returns the number of points along the axis.
     #[must_use]
     pub fn len(&self) -> usize {
         self.keys.first().map_or(0, |(_, values)| values.len())
     }
 
-    /// True without any point.
+    /// Returns true for an axis without points.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Returns the first point whose values all stand earlier, among the first 2000 points.
+    /// Returns the first point that repeats an earlier one, among the first 2000 points.
     pub(super) fn repeated(&self) -> Option<usize> {
         let same = |a: usize, b: usize| self.keys.iter().all(|(_, values)| values[a] == values[b]);
         (0..self.len()).find(|&k| (0..k.min(2000)).any(|earlier| same(earlier, k)))
@@ -140,10 +140,10 @@ enum Spacing {
     Log,
 }
 
-/// The values of a list `[1, 2]`, or of a range `{ from, to, points | step, spacing }`, at a key of the scene.
+/// Returns the values of a list `[1, 2]`, or of a range `{ from, to, points | step, spacing }`, at a key of the scene.
 ///
 /// # Errors
-/// Returns the fault and the remedy.
+/// A list or range that gives no values of the key, with the remedy.
 pub fn values(
     document: &Document<'_>,
     key: &str,
@@ -222,7 +222,7 @@ impl Range {
     }
 }
 
-/// Whole numbers where the file gives whole ends (`whole`) and nothing between is broken; otherwise numbers of
+/// Returns whole numbers where the file gives whole ends (`whole`) and all values between are whole; otherwise numbers of
 /// twelve digits, so that 0.1 + 0.2 is 0.3.
 fn tidy(list: &[f64], whole: bool) -> Vec<Value> {
     let is_whole = |x: &f64| (x - x.round()).abs() < 1e-9 * x.abs().max(1.0);

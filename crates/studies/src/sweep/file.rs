@@ -4,7 +4,7 @@
 //! name = "backlash"
 //! scene = "paper"                 # preset, or a file beside this one
 //! engines = ["native"]
-//! window_s = [0.3, 0.6]           # what figures are taken of; the second half if left out
+//! window_s = [0.3, 0.6]           # window of the figures; the second half if left out
 //! measure = ["*_torque_n_m"]      # quantities whose figures are kept; all if left out
 //! courses = "none"                    # keep every run's time series: "none" | "csv" | "parquet"
 //! [set]                           # keys of every run
@@ -34,7 +34,7 @@ use crate::sweep::leaves::leaves;
 use crate::sweep::sample::{self, Sample};
 use crate::sweep::specification::{self, Limit};
 
-/// Form in which every run's time series are kept, if at all.
+/// File format of every run's time series, or none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum KeepTimeSeries {
@@ -47,36 +47,36 @@ pub enum KeepTimeSeries {
     Parquet,
 }
 
-/// A sweep as its file says it.
+/// Content of a sweep file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sweep {
     /// Name shown in the results.
     pub name: String,
-    /// Why, one sentence.
+    /// Purpose of the sweep in one sentence.
     pub description: String,
     /// Preset or path of the base scene, as [`pinwheel_scene::Scene::load`] takes it.
     pub scene: String,
     /// Engines by name.
     pub engines: Vec<String>,
-    /// Keys of every run.
+    /// Overrides of keys for every run.
     pub set: Vec<Override>,
     /// Varied keys; the last axis changes fastest.
     pub axes: Vec<Axis>,
-    /// Keys at random; the last axis of the plan.
+    /// Keys that are sampled at random; the last axis of the plan.
     pub sample: Option<Sample>,
     /// Limits on columns of the results.
     pub specification: Vec<Limit>,
-    /// Start and end of the window that figures are taken of, s; `None`: the second half of each run.
+    /// Start and end of the window of the figures, s; `None` for the second half of each run.
     pub window_s: Option<[f64; 2]>,
     /// Patterns of quantities whose figures are kept (`*` for any characters).
     pub measure: Vec<String>,
     /// Form in which time series are kept.
     pub time_series: KeepTimeSeries,
-    /// The file's text.
+    /// Text of the file.
     pub text: String,
 }
 
-/// Keys that a sweep sets and varies at most, and names in a list.
+/// Largest number of keys that a sweep sets and varies, and of names in a list.
 const MOST_KEYS: usize = 1000;
 const REMEDY: &str = "see docs/sweeps.md for an example";
 
@@ -95,7 +95,7 @@ struct Top {
     window_s: Option<Window>,
     #[serde(default, rename = "courses")]
     time_series: KeepTimeSeries,
-    /// Tables whose keys are those of scenes and results: read one by one.
+    /// Tables whose keys are those of scenes and results; each key is read by itself.
     #[serde(rename = "set")]
     _set: Option<IgnoredAny>,
     #[serde(rename = "vary")]
@@ -116,7 +116,7 @@ fn everything() -> Names {
     Names(vec!["*".to_owned()])
 }
 
-/// Names, each once.
+/// List of distinct names.
 #[derive(Deserialize)]
 #[serde(try_from = "OneOrMany")]
 struct Names(Vec<String>);
@@ -147,7 +147,7 @@ impl TryFrom<OneOrMany> for Names {
     }
 }
 
-/// Start and end, s.
+/// Window: start and end, s.
 #[derive(Deserialize)]
 #[serde(try_from = "[f64; 2]")]
 struct Window([f64; 2]);
@@ -164,16 +164,16 @@ impl TryFrom<[f64; 2]> for Window {
 }
 
 impl Sweep {
-    /// Reads the sweep file `path`; a scene file is looked for beside it.
+    /// Reads the sweep file `path`. A scene file is searched in its folder.
     ///
     /// # Errors
-    /// A file that cannot be read, or as [`from_toml`](Self::from_toml).
+    /// A file that cannot be read, or errors of [`from_toml`](Self::from_toml).
     pub fn read(path: &Path) -> Result<Self, SweepError> {
         let remedy = "give a sweep file (TOML), see docs/sweeps.md";
         Self::from_toml(&read_text(path, remedy)?, path)
     }
 
-    /// Reads a sweep from the text of the file `path`; a scene file is looked for beside it.
+    /// Reads a sweep from the text of the file `path`. A scene file is searched in its folder.
     ///
     /// # Errors
     /// The first fault with its line and remedy.
@@ -226,14 +226,14 @@ impl Sweep {
             window_s: top.window_s.map(|window| window.0),
             measure: top.measure.0,
             time_series: top.time_series,
-            // Last: a mistyped key is named before a missing one.
+            // The last check, so that a mistyped key is named before a missing one.
             scene: scene_beside(path, &top.scene.ok_or_else(|| no_scene(&document))?),
             text: text.to_owned(),
         })
     }
 }
 
-/// Which gear is varied is never guessed.
+/// Error about a sweep without a scene.
 fn no_scene(document: &Document<'_>) -> FileError {
     let soft = PRESETS.iter().filter(|p| !p.name.starts_with("hard-"));
     let names: Vec<&str> = soft.map(|preset| preset.name).collect();
@@ -244,7 +244,7 @@ fn no_scene(document: &Document<'_>) -> FileError {
     document.fault(1, "no key `scene` says what is varied", remedy)
 }
 
-/// Keys of the scene that were met.
+/// Scene keys that the file has set so far.
 #[derive(Default)]
 struct Known(Vec<String>);
 
@@ -263,7 +263,7 @@ impl Known {
     }
 }
 
-/// The table at a key of the top, empty if it is not there.
+/// Returns the table at a key of the top level; an empty one without the key.
 fn table<'d, 't>(
     document: &'d Document<'t>,
     key: &str,
@@ -278,7 +278,7 @@ fn table<'d, 't>(
     })
 }
 
-/// The tables `[[together]]`, or one `[together]`.
+/// Returns the tables `[[together]]`, or the single table `[together]`.
 fn together<'d, 't>(document: &'d Document<'t>) -> Result<Vec<&'d Entries<'t>>, FileError> {
     let Some(item) = document.get("together") else {
         return Ok(Vec::new());
@@ -290,7 +290,7 @@ fn together<'d, 't>(document: &'d Document<'t>) -> Result<Vec<&'d Entries<'t>>, 
     })
 }
 
-/// The axis of keys that change in step, if there are any.
+/// Returns the axis of keys that change in step; `None` without keys.
 fn in_step(
     document: &Document<'_>,
     entries: &Entries<'_>,
@@ -316,7 +316,7 @@ fn in_step(
     axis.map(|axis| distinct(document, last, axis)).transpose()
 }
 
-/// Returns the axis if no point stands on it twice.
+/// Returns the axis if its points are distinct.
 fn distinct(document: &Document<'_>, line: usize, axis: Axis) -> Result<Axis, FileError> {
     let Some(point) = axis.repeated() else {
         return Ok(axis);
@@ -328,7 +328,7 @@ fn distinct(document: &Document<'_>, line: usize, axis: Axis) -> Result<Axis, Fi
     Err(document.fault(line, what, "give each point once"))
 }
 
-/// A scene file beside the sweep file, otherwise the words as they are.
+/// Returns the path of a scene file beside the sweep file; other names, such as presets, unchanged.
 fn scene_beside(path: &Path, scene: &str) -> String {
     let beside = path.parent().map(|folder| folder.join(scene));
     match beside {

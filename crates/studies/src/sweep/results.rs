@@ -15,7 +15,7 @@ const WITHIN: &str = "within_specification";
 
 type FigureOfRun = fn(&RunRecord) -> Option<f64>;
 
-/// Figures of a run as a whole.
+/// Figures of a run that belong to no single channel.
 const FIGURES_OF_RUNS: [(&str, FigureOfRun); 6] = [
     ("diverged_at_s", diverged_at_s),
     ("window_from_s", |r| Some(r.window_s[0])),
@@ -32,7 +32,7 @@ fn diverged_at_s(record: &RunRecord) -> Option<f64> {
     }
 }
 
-/// The results of all runs, in the plan's order: the same whatever the number of threads.
+/// Returns the results of all runs in the plan's order, which does not depend on the number of threads.
 #[must_use]
 pub fn results(plan: &Plan, records: &[RunRecord]) -> Table {
     // People read the columns by their names, those that files hold; not least and largest values, which the peak sums up.
@@ -87,7 +87,7 @@ pub fn results(plan: &Plan, records: &[RunRecord]) -> Table {
         .done()
 }
 
-/// Cost of each run: not part of the results, as no two runs cost the same.
+/// Returns the cost of each run. It is no part of the results, which repeat to the bit.
 #[must_use]
 pub fn costs(plan: &Plan, records: &[RunRecord]) -> Table {
     Table::of("What each run cost", plan.runs.iter().zip(records))
@@ -98,13 +98,13 @@ pub fn costs(plan: &Plan, records: &[RunRecord]) -> Table {
         .done()
 }
 
-/// True if a run keeps a whole specification.
+/// Returns true if a run keeps all limits.
 pub(super) fn keeps(table: &Table, limits: &[Limit], row: usize) -> bool {
     let holds = |limit: &Limit| limit.holds(table.number(&limit.figure, row));
     limits.iter().all(holds)
 }
 
-/// Quantities of the records that the sweep measures, in the order they first appear.
+/// Returns the quantities of the records that the sweep measures, in order of their first appearance.
 fn quantities<'a>(plan: &Plan, records: &'a [RunRecord]) -> Vec<&'a str> {
     let mut list: Vec<&str> = Vec::new();
     for name in records.iter().flat_map(|record| &record.quantities) {
@@ -116,7 +116,7 @@ fn quantities<'a>(plan: &Plan, records: &'a [RunRecord]) -> Vec<&'a str> {
     list
 }
 
-/// The column of a varied key: numbers if all of its values are.
+/// Returns the column of a varied key, of numbers if all its values are numbers.
 fn varied(plan: &Plan, place: usize) -> Values {
     let values: Vec<&Value> = plan.runs.iter().map(|run| &run.values[place].1).collect();
     let whole = |value: &&Value| match value {

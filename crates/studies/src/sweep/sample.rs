@@ -1,7 +1,7 @@
-//! `[sample]`: keys at random, all of them together.
+//! `[sample]`: keys drawn at random from their distributions.
 //!
-//! A sample is one more axis of a sweep: every point of it is a run with a value of each key. So it is planned, kept, resumed
-//! and shared among machines as any other sweep, and the same seed gives the same runs everywhere.
+//! A sample is one more axis of a sweep; every point is a run with a value of each key. It is planned, resumed and distributed
+//! like any other axis, and a seed gives equal runs on every machine.
 
 use pinwheel_files::{Document, FileError, Item, Node, nearest};
 use pinwheel_scene::CheckedScene;
@@ -14,41 +14,41 @@ use super::leaves::leaves;
 use crate::rng::Rng;
 use crate::sampling::hypercube;
 
-/// Points of a sample at most, and keys of a Sobol sequence: what the library's direction numbers reach.
+/// Largest number of points of a sample and of keys of a Sobol sequence, as far as the library's direction numbers reach.
 const MOST_POINTS: usize = 1 << 16;
 const MOST_SOBOL: usize = 256;
-/// Values of one key at most, and of a whole sample.
+/// Largest number of values of one key, and of a sample.
 const MOST_EACH: usize = 1000;
 const MOST_VALUES: usize = 5_000_000;
-/// Least share of a normal distribution within its bounds: below that its quantiles lose their digits.
+/// Least share of a normal distribution within its bounds; with less its quantiles lose their digits.
 const LEAST_SHARE: f64 = 1e-6;
 
-/// How points are spread.
+/// Method of sampling.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// Every key once in each of as many equal parts of its distribution as there are points.
+    /// Latin hypercube: each key takes one value in each of as many equal parts of its distribution as there are points.
     #[default]
     LatinHypercube,
-    /// A Sobol sequence, scrambled after Owen: also even over several keys at once, best for powers of two.
+    /// Sobol sequence, scrambled after Owen: even over several keys at once, best for powers of two.
     Sobol,
-    /// Independent of each other.
+    /// Independent points.
     Random,
 }
 
-/// How the values of a key are distributed.
+/// Distribution of the values of a key.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Distribution {
-    /// Middle; the value of the scene if left out. Of no use to a uniform distribution with two ends.
+    /// Mean; the value of the scene if left out. A uniform distribution with two ends does not take one.
     mean: Option<f64>,
-    /// Standard deviation of a normal distribution; without it every value between the ends is as likely.
+    /// Standard deviation of a normal distribution; without it the distribution is uniform.
     deviation: Option<f64>,
-    /// Ends: none, from the key itself, or that far on both sides of the middle.
+    /// Ends of the distribution: none, stated, or equally far on both sides of the mean.
     from: Option<f64>,
     to: Option<f64>,
     plus_minus: Option<f64>,
-    /// The key is a list of so many values, each drawn alone.
+    /// Number of values of a key that is a list; each is drawn independently.
     each: Option<usize>,
 }
 
@@ -56,12 +56,12 @@ pub struct Distribution {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sample {
-    /// How points are spread.
+    /// Method of sampling.
     #[serde(default)]
     pub method: Method,
-    /// How many there are.
+    /// Number of points.
     pub points: usize,
-    /// Another one gives other points.
+    /// Seed of the random numbers.
     #[serde(default = "one")]
     pub seed: u32,
     /// Keys of the scene and the distributions of their values.
@@ -73,7 +73,7 @@ fn one() -> u32 {
     1
 }
 
-/// Keys of `[sample]` that are none of the scene.
+/// Keys of `[sample]` that are no scene keys.
 const SETTINGS: [&str; 3] = ["points", "seed", "method"];
 /// Keys of a distribution.
 pub(super) const DISTRIBUTION: [&str; 6] =
@@ -90,7 +90,7 @@ impl Sample {
         entries: &[(String, Item<'_>)],
     ) -> Result<Self, FileError> {
         let is_setting = |key: &str| SETTINGS.contains(&key);
-        // First: a mistyped key is named before a missing one.
+        // Keys first, so that a mistyped key is named before a missing one.
         let mut keys = Vec::new();
         for (key, item) in leaves(entries, &DISTRIBUTION) {
             if !is_setting(&key) {
@@ -129,7 +129,7 @@ impl Sample {
         Err(document.fault(line, what, remedy))
     }
 
-    /// The sample as an axis; `scene` has the values that distributions are about where they say no mean.
+    /// Returns the sample as an axis. `scene` has the means of distributions that state none.
     ///
     /// # Errors
     /// Names the key.
@@ -171,7 +171,7 @@ impl Sample {
 }
 
 impl Distribution {
-    /// Reads that of a key.
+    /// Reads the distribution of a key.
     fn read(document: &Document<'_>, key: &str, item: &Item<'_>) -> Result<Self, FileError> {
         if item.node.as_table().is_none() {
             let near = nearest(key, SETTINGS).map(|near| format!("did you mean `{near}`?"));
@@ -211,13 +211,13 @@ impl Distribution {
         }
     }
 
-    /// The quantile function: from a share, above 0 and below 1, to a value.
+    /// Returns the quantile function, from a share above 0 and below 1 to a value.
     fn quantiles(
         &self,
         key: &str,
         scene: &CheckedScene,
     ) -> Result<impl Fn(f64) -> f64 + use<>, String> {
-        // What is left out of the errors is none.
+        // Errors of parts that the scene leaves out are 0.
         let none = || key.starts_with("gear.errors.").then_some(0.0);
         let middle = || {
             self.mean.or_else(|| scene.number(key)).or_else(none).ok_or_else(|| {

@@ -1,4 +1,4 @@
-//! Limits that figures are to keep.
+//! Limits on the figures of a sweep.
 
 use pinwheel_files::{Document, FileError, Item};
 use serde::{Deserialize, Serialize};
@@ -10,14 +10,14 @@ pub struct Limit {
     /// The column.
     #[serde(skip_deserializing)]
     pub figure: String,
-    /// Not less than that.
+    /// Least permitted value.
     pub least: Option<f64>,
-    /// Not more than that.
+    /// Largest permitted value.
     pub most: Option<f64>,
 }
 
 impl Limit {
-    /// True if a figure keeps the limit; one that is not there does not.
+    /// Returns true if a figure keeps the limit; a missing figure does not.
     #[must_use]
     pub fn holds(&self, value: Option<f64>) -> bool {
         value.is_some_and(|x| {
@@ -26,7 +26,7 @@ impl Limit {
     }
 }
 
-/// The limit on the column `figure`.
+/// Reads the limit on the column `figure`.
 pub(super) fn read(
     document: &Document<'_>,
     figure: &str,

@@ -9,10 +9,10 @@ pub struct WindowStatistics {
     /// The figures.
     #[serde(flatten)]
     pub statistics: Statistics,
-    /// How far the means of the window's halves are from its mean: what the window's place does to the mean.
+    /// Distance of the means of the window's halves from its mean, the effect of the window's place.
     #[serde(default)]
     pub drift: f64,
-    /// How far the figures may be off by what lies between samples.
+    /// Uncertainty of the figures by what lies between samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sampling: Option<Statistics>,
 }

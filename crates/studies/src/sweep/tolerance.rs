@@ -1,16 +1,16 @@
-//! Results of a sample: quantiles, the key that decides, and the number of runs that keep the specification.
+//! Statistics of a sample: quantiles, sensitivities to each key, and the yield.
 //!
 //! * **Quantiles** with 95 % intervals between order statistics, whatever the distribution (W. J. Conover, Practical
 //!   Nonparametric Statistics, 1999, section 3.2). They hold for independent points; those of a hypercube or a Sobol sequence lie
 //!   more evenly, so that the intervals are too wide rather than too narrow.
 //! * **Standardised regression coefficients** of the figure over the keys (A. Saltelli et al., Global Sensitivity Analysis, 2008,
-//!   section 1.2.5): by how many of its standard deviations a figure moves when a key moves by one of its own. Their squares add up to
-//!   R^2 where keys do not depend on each other, and R^2 says how much of the figure a straight line explains.
-//! * **First-order Sobol indices**, the share of the figure's variance that goes when the key is known, straight line or not: the
-//!   variance of its means over classes of the key (E. Plischke, E. Borgonovo, C. L. Smith, Eur. J. Oper. Res. 226, 2013), less what as many
-//!   classes find of nothing.
-//! * **Yield**: runs that keep every limit, with the 95 % interval of C. J. Clopper and E. S. Pearson, Biometrika 26, 1934. A run
-//!   without the figure keeps no limit on it.
+//!   section 1.2.5): the change of the figure, in its standard deviations, when a key changes by one of its own. For independent keys
+//!   their squares add up to R^2, the share of the figure's variance that a straight line explains.
+//! * **First-order Sobol indices**: the share of the figure's variance that the key alone explains, linear or not. They are the
+//!   variance of the figure's means over classes of the key (E. Plischke, E. Borgonovo, C. L. Smith, Eur. J. Oper. Res. 226, 2013), less
+//!   the variance that as many classes of pure noise have.
+//! * **Yield**: share of runs within every limit, with the 95 % interval of C. J. Clopper and E. S. Pearson, Biometrika 26, 1934. A run
+//!   without the figure counts as outside its limit.
 
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -23,12 +23,12 @@ use super::results::keeps;
 use super::statics::definition;
 use super::{Limit, Plan, Value};
 
-/// Share of the cases in which an interval holds the truth.
+/// Confidence of all intervals.
 const CONFIDENCE: f64 = 0.95;
 const TAIL: f64 = 0.5 * (1.0 - CONFIDENCE);
-/// Quantiles that are given.
+/// Shares of the quantiles that are reported.
 const QUANTILES: [f64; 5] = [0.01, 0.05, 0.5, 0.95, 0.99];
-/// Runs of a class at least, and classes at most.
+/// Least number of runs in a class, and largest number of classes.
 const CLASS: usize = 20;
 const CLASSES: usize = 30;
 
@@ -39,7 +39,7 @@ pub struct Quantile {
     pub share: f64,
     /// Estimate.
     pub value: f64,
-    /// Where it lies, with 95 % confidence; open where the sample has too few points.
+    /// Interval with 95 % confidence; open where the sample has too few points.
     pub interval: [Option<f64>; 2],
 }
 
@@ -54,13 +54,13 @@ pub struct Sensitivity {
     pub first_order: Option<f64>,
 }
 
-/// A figure over the sample.
+/// Statistics of a figure over the sample.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FigureOfSample {
     /// Definition; its key is the column of the results.
     #[serde(flatten)]
     pub def: FigureDef,
-    /// Runs that have it.
+    /// Number of runs with the figure.
     pub count: usize,
     /// Mean.
     pub mean: f64,
@@ -76,16 +76,16 @@ pub struct FigureOfSample {
     pub sensitivities: Vec<Sensitivity>,
 }
 
-/// Runs that keep limits.
+/// Yield of a sample.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Yield {
-    /// Runs that keep all.
+    /// Number of runs within all limits.
     pub kept: usize,
     /// Number of all runs.
     pub runs: usize,
-    /// Their share.
+    /// Share of runs within all limits.
     pub share: f64,
-    /// Where it lies, with 95 % confidence.
+    /// Interval of the share with 95 % confidence.
     pub interval: [f64; 2],
     /// Share of the runs that keep each limit alone, in the order of the specification.
     pub alone: Vec<f64>,
@@ -96,11 +96,11 @@ pub struct Yield {
 pub struct SampleResult {
     /// Engine.
     pub engine: String,
-    /// Other varied keys, and their values here, in words.
+    /// Other varied keys with their values at this point, in words.
     pub varied: Vec<(String, String)>,
     /// Runs, finished or not.
     pub runs: usize,
-    /// Figures that are not the same in every run.
+    /// Statistics of the figures that vary.
     pub figures: Vec<FigureOfSample>,
     /// `None` without a specification.
     #[serde(rename = "yield")]
@@ -118,7 +118,7 @@ fn is_figure(name: &str, plan: &Plan) -> bool {
     !OTHERS.contains(&name) && !plan.keys().any(|key| key == name)
 }
 
-/// Results of the sample of a sweep; none without one. `table`: [its results](super::results).
+/// Returns the statistics of a sweep's sample from the table of [results](super::results); none without a sample.
 #[must_use]
 pub fn tolerances(plan: &Plan, table: &Table) -> Vec<SampleResult> {
     let Some(sample) = &plan.sweep.sample else {
@@ -178,7 +178,7 @@ fn yielded(limits: &[Limit], table: &Table, rows: &[usize]) -> Yield {
     }
 }
 
-/// Interval of a share of which `kept` of `runs` were seen.
+/// Returns the 95 % interval of a share of which `kept` of `runs` were observed.
 pub fn clopper_pearson(kept: usize, runs: usize) -> [f64; 2] {
     let at = |a: usize, b: usize, share: f64| {
         Beta::new(a as f64, b as f64).map_or(f64::NAN, |beta| beta.inverse_cdf(share))
@@ -188,7 +188,7 @@ pub fn clopper_pearson(kept: usize, runs: usize) -> [f64; 2] {
     [low.unwrap_or(0.0), high.unwrap_or(1.0)]
 }
 
-/// A key with its values in the rows; several lists where it is a list itself.
+/// A key with its values in all rows; one list for each element where the key is a list.
 type Input = (String, Vec<Vec<f64>>);
 
 fn inputs(plan: &Plan, rows: &[usize], sampled: impl Fn(&str) -> bool) -> Vec<Input> {
@@ -204,7 +204,7 @@ fn inputs(plan: &Plan, rows: &[usize], sampled: impl Fn(&str) -> bool) -> Vec<In
     places.map(input).collect()
 }
 
-/// Statistics of one figure, and what each key has to do with it; `None` where it does not vary.
+/// Returns the statistics of one figure with its sensitivities to each key; `None` where the figure does not vary.
 pub fn figure(name: &str, values: &[Option<f64>], inputs: &[Input]) -> Option<FigureOfSample> {
     let there: Vec<usize> = (0..values.len()).filter(|&k| values[k].is_some()).collect();
     let of: Vec<f64> = values.iter().copied().flatten().collect();
@@ -249,7 +249,7 @@ pub fn figure(name: &str, values: &[Option<f64>], inputs: &[Input]) -> Option<Fi
     })
 }
 
-/// Mean and standard deviation.
+/// Returns mean and standard deviation.
 fn moments(values: &[f64]) -> [f64; 2] {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
@@ -257,14 +257,14 @@ fn moments(values: &[f64]) -> [f64; 2] {
     [mean, (squares / (count - 1.0)).sqrt()]
 }
 
-/// Linear between the two order statistics beside it, as most programs have it.
+/// Returns the quantile by linear interpolation between the two neighbouring order statistics.
 pub fn quantile(sorted: &[f64], share: f64) -> Quantile {
     let count = sorted.len();
     let at = share * (count - 1) as f64;
     let below = (at as usize).min(count - 1);
     let above = (below + 1).min(count - 1);
     let value = sorted[below] + (at - below as f64) * (sorted[above] - sorted[below]);
-    // The place of the quantile among the order statistics is binomial.
+    // The rank of the quantile among the order statistics is binomial.
     let interval = Binomial::new(share, count as u64).map_or([None; 2], |places| {
         let low = (places.inverse_cdf(TAIL) as usize).checked_sub(1);
         let high = places.inverse_cdf(1.0 - TAIL) as usize;
@@ -277,7 +277,7 @@ pub fn quantile(sorted: &[f64], share: f64) -> Quantile {
     }
 }
 
-/// Standardised regression coefficients and R^2; `None` with too few runs, or keys that move together.
+/// Returns standardised regression coefficients and R^2; `None` with too few runs, or keys that are collinear.
 fn regression(columns: &[Vec<f64>], of: &[f64]) -> Option<(Vec<f64>, f64)> {
     let (runs, keys) = (of.len(), columns.len());
     if runs <= keys + 1 {
@@ -304,7 +304,7 @@ fn regression(columns: &[Vec<f64>], of: &[f64]) -> Option<(Vec<f64>, f64)> {
         .then(|| (coefficients, explained.min(1.0)))
 }
 
-/// First-order Sobol index from classes of one key; `None` with too few runs for three classes.
+/// Returns the first-order Sobol index from classes of one key; `None` with too few runs for three classes.
 fn first_order(column: &[f64], of: &[f64]) -> Option<f64> {
     let runs = of.len();
     let classes = (runs / CLASS).min(CLASSES);
@@ -321,7 +321,7 @@ fn first_order(column: &[f64], of: &[f64]) -> Option<f64> {
         sum * sum / members.len() as f64
     };
     let between: f64 = (0..classes).map(apart).sum();
-    // Classes of noise have means too: their share of a variance that no key explains.
+    // The variance of class means that noise alone would have.
     let [classes, runs] = [classes as f64, runs as f64];
     let share = between / total;
     Some((share - (1.0 - share) * (classes - 1.0) / (runs - classes)).max(0.0))
