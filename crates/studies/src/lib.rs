@@ -55,6 +55,7 @@ pub mod divergence;
 pub mod effect;
 mod error;
 pub mod explained;
+pub mod explore;
 mod fourier;
 pub mod gears;
 pub mod junit;
