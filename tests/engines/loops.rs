@@ -21,7 +21,7 @@ pub(crate) fn sources(folder: &Path, files: &mut Vec<PathBuf>) {
 }
 
 /// Text of a file without comments and without the module of its tests.
-fn code(path: &Path) -> String {
+pub(crate) fn code(path: &Path) -> String {
     let text = std::fs::read_to_string(path).expect("text");
     let lines = text.lines().map(|line| line.split("//").next());
     let code: Vec<&str> = lines.map(Option::unwrap_or_default).collect();

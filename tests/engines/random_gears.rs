@@ -8,6 +8,9 @@
     reason = "the table of uncertainty against error is what one looks at"
 )]
 
+#[path = "../../crates/studies/tests/suite/gears.rs"]
+mod gears;
+
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -16,10 +19,11 @@ use pinwheel_gearbox::auto::TARGET;
 use pinwheel_gearbox::resolve::{Uncertainty, run_resolved};
 use pinwheel_gearbox::{Distance, Gearbox};
 use pinwheel_scene::Scene;
-use pinwheel_studies::gears::gear;
 use pinwheel_studies::reference;
 use pinwheel_timeseries::Ending;
 use pinwheel_timeseries::TimeSeries;
+
+use gears::gear;
 
 /// Gears of an ordinary test run.
 const GEARS: u64 = 60;

@@ -14,33 +14,23 @@ use crate::supervise::{Desk, supervised};
 use crate::time_series::Columns;
 
 /// A run, its time series apart.
-#[pyclass(frozen, module = "pinwheel._core")]
+#[pyclass(frozen, get_all, module = "pinwheel._core")]
 pub(crate) struct Ran {
-    #[pyo3(get)]
     engine: String,
-    #[pyo3(get)]
     version: String,
-    #[pyo3(get)]
     track: &'static str,
     /// Cost, settings and notes, JSON.
-    #[pyo3(get)]
     stats: String,
     /// Evidence of a run at twice the step, JSON; `None` if it was not made.
-    #[pyo3(get)]
     resolution: Option<String>,
     /// Numerical uncertainty that the engine itself states, JSON.
-    #[pyo3(get)]
     uncertainty: Option<String>,
     /// Results of the run, with their uncertainty, JSON.
-    #[pyo3(get)]
     results: String,
     /// Figures with other contact laws and fits, JSON; `None` where they were not computed.
-    #[pyo3(get)]
     by_contact_law: Option<String>,
     /// Text for a terminal.
-    #[pyo3(get)]
     text: String,
-    #[pyo3(get)]
     columns: Py<Columns>,
 }
 

@@ -16,7 +16,7 @@ pub(crate) struct Core {
     sets: Vec<(String, String)>,
 }
 
-fn overrides(sets: &[(String, String)]) -> Vec<Override> {
+pub(crate) fn overrides(sets: &[(String, String)]) -> Vec<Override> {
     let each = |(key, value): &(String, String)| Override::new(key.clone(), value.clone());
     sets.iter().map(each).collect()
 }

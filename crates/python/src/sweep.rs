@@ -5,7 +5,6 @@ use std::sync::Mutex;
 use std::sync::atomic::AtomicBool;
 
 use pinwheel::pages;
-use pinwheel::scene::Override;
 use pinwheel::studies::folder::{Folder, Request};
 use pinwheel::studies::output::{file_name, write_text};
 use pinwheel::studies::sweep::{
@@ -16,6 +15,7 @@ use pyo3::prelude::*;
 
 use crate::errors::{Raised, Raises, input, plain};
 use crate::guests::{self, Asked};
+use crate::scene::overrides;
 use crate::studies::made;
 use crate::supervise::{Desk, lock, supervised};
 
@@ -60,11 +60,7 @@ impl Sweep {
         if !names.is_empty() {
             sweep.engines = names;
         }
-        let sets: Vec<Override> = sets
-            .into_iter()
-            .map(|(key, value)| Override::new(key, value))
-            .collect();
-        let never = AtomicBool::new(false);
+        let (sets, never) = (overrides(&sets), AtomicBool::new(false));
         let plan = py.detach(|| Plan::within(sweep, &sets, Guests(own), &never))?;
         let stem = Path::new(path).file_stem().unwrap_or_default();
         let name = format!("{}-sweep", file_name(&stem.to_string_lossy()));

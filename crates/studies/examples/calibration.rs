@@ -5,14 +5,16 @@
 
 #[path = "../tests/suite/calibration/coverage.rs"]
 mod coverage;
+#[path = "../tests/suite/gears.rs"]
+mod gears;
 
 use std::error::Error;
 use std::process::ExitCode;
 use std::time::Duration;
 
 use pinwheel_scene::{Override, Scene};
+use pinwheel_studies::Control;
 use pinwheel_studies::comparison::Effort;
-use pinwheel_studies::{Control, gears};
 
 /// Presets beside the random gears, each with its duration, s.
 const PRESETS: [(&str, &str); 8] = [

@@ -8,9 +8,8 @@
 //!
 //! [`single::run`] runs one scene on one engine, [`comparison::run`] on several and compares them, [`sweep`] runs a
 //! scene with lists and ranges of its keys, [`paper::run`] computes the paper's figures again, [`baseline::check`]
-//! says what a change of the solver moved, [`bench::run`] what accuracy costs; [`gears::gear`]
-//! draws a random valid gear. A [`Control`] stops them and sees
-//! their progress; `write` of an outcome keeps it as files in a [`folder`], with a [`Provenance`].
+//! says what a change of the solver moved, [`bench::run`] what accuracy costs. A [`Control`] stops them and sees their
+//! progress; `write` of an outcome keeps it as files in a [`folder`], with a [`Provenance`].
 //!
 //! One run, and whether its step resolves the scene:
 //!
@@ -55,8 +54,8 @@ pub mod divergence;
 pub mod effect;
 mod error;
 pub mod explained;
+pub mod explore;
 mod fourier;
-pub mod gears;
 pub mod junit;
 pub mod motion;
 pub mod paper;

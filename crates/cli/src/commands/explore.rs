@@ -20,7 +20,7 @@ use pinwheel::pages::{self, explore as live};
 use pinwheel::scene::{CheckedScene, Override, Scene};
 use pinwheel::studies::comparison::{self, Effort, Input};
 use pinwheel::studies::output::file_name;
-use pinwheel::studies::{Control, Progress, Provenance, StudyError, choice};
+use pinwheel::studies::{Control, Progress, Provenance, StudyError, choice, explore as states};
 use serde_json::{Value, json};
 
 use crate::args::{self, ExploreArgs};
@@ -147,10 +147,16 @@ fn balances_beside() -> mpsc::Sender<Beside> {
     std::thread::spawn(move || {
         for (gearbox, stop, tells) in asked {
             // The receiver may be gone.
-            let _ = tells.send(live::balances(&gearbox, false, &stop));
+            let _ = tells.send(balances(&gearbox, false, &stop));
         }
     });
     asks
+}
+
+/// Figures of a state's balances, as the page reads them.
+fn balances(gearbox: &Gearbox, laws: bool, stop: &AtomicBool) -> Result<Value, StudyError> {
+    let found = states::figures(gearbox, laws, stop)?;
+    Ok(live::balances(&found, &gearbox.scene))
 }
 
 struct Explorer {
@@ -191,8 +197,8 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     };
     let address = format!("http://{host}{path}");
     let explorer = Arc::new(Explorer {
-        settled: live::settled(&spec, &sets),
-        span_s: Mutex::new(live::span_s(&scene)),
+        settled: states::settled(&spec, &sets),
+        span_s: Mutex::new(states::span_s(&scene)),
         spec,
         sets,
         entry,
@@ -354,21 +360,24 @@ impl Explorer {
 
     fn page(&self, gone: &AtomicBool) -> Result<Answer, Answer> {
         let mend = |why| format!("{why}\n\nMend the file and load this page again.");
-        let scene = live::scene(&self.spec, &self.settled, &[]);
+        let scene = states::scene(&self.spec, &self.settled, &[]);
         let scene = scene.map_err(|why| plain(422, mend(why)))?;
-        *locked(&self.span_s) = live::span_s(&scene);
+        *locked(&self.span_s) = states::span_s(&scene);
         let made = Provenance::here(args::typed());
-        let text = live::page(&scene, &made, gone).map_err(Failure::from)?;
+        let gearbox = states::quick(&scene).map_err(|why| plain(422, why))?;
+        let motion = states::motion(&gearbox, states::span_s(&scene), gone);
+        let motion = motion.map_err(Failure::from)?;
+        let text = live::page(&scene, motion.as_ref(), &made);
         text.map(page).map_err(|why| plain(422, why))
     }
 
     /// A run of a state, and its balances beside it where they take no longer than a hand would wait; given up once its page is
     /// `gone`.
-    fn run(&self, tab: &str, values: &live::Values, gone: &AtomicBool) -> Result<Answer, Answer> {
+    fn run(&self, tab: &str, values: &states::Values, gone: &AtomicBool) -> Result<Answer, Answer> {
         let begun = Instant::now();
         let stop = Arc::default();
         self.newest(tab, &stop);
-        let gearbox = live::gearbox(&self.spec, &self.settled, values);
+        let gearbox = states::gearbox(&self.spec, &self.settled, values);
         let gearbox = Arc::new(gearbox.map_err(reason)?);
         let without = *locked(&self.without);
         let hears = (without.left == 0).then(|| {
@@ -381,11 +390,11 @@ impl Explorer {
         });
         // Not locked while it runs: others are answered meanwhile.
         let span_s = *locked(&self.span_s);
-        let found = live::motion(&gearbox, span_s, gone);
+        let found = states::motion(&gearbox, span_s, gone);
         if found.is_err() {
             stop.store(true, Ordering::Relaxed);
         }
-        let found = found.map_err(Failure::from)?;
+        let found = live::run(found.map_err(Failure::from)?.as_ref());
         let patience = match found {
             Ok(_) => PATIENCE.saturating_sub(begun.elapsed()),
             Err(_) => Duration::ZERO,
@@ -403,13 +412,13 @@ impl Explorer {
         &self,
         tab: &str,
         laws: bool,
-        values: &live::Values,
+        values: &states::Values,
         stop: &Arc<AtomicBool>,
     ) -> Result<Answer, Answer> {
         self.newest(tab, stop);
-        let gearbox = live::gearbox(&self.spec, &self.settled, values).map_err(reason)?;
+        let gearbox = states::gearbox(&self.spec, &self.settled, values).map_err(reason)?;
         let begun = Instant::now();
-        let found = live::balances(&gearbox, laws, stop);
+        let found = balances(&gearbox, laws, stop);
         if !laws && found.is_ok() {
             let late = begun.elapsed() > PATIENCE;
             *locked(&self.without) = if late { Without::MOST } else { Without::NONE };
@@ -427,8 +436,8 @@ impl Explorer {
     }
 
     /// Writes the scene's file, with what was moved, into the working folder; never over another one.
-    fn save(&self, values: &live::Values) -> Result<Answer, Answer> {
-        let (name, text) = live::file(&self.spec, &self.sets, values).map_err(reason)?;
+    fn save(&self, values: &states::Values) -> Result<Answer, Answer> {
+        let (name, text) = states::file(&self.spec, &self.sets, values).map_err(reason)?;
         let stem = file_name(&name);
         let stem = stem.split("-explored").next().unwrap_or_default();
         let mut number = 1;
@@ -453,8 +462,8 @@ impl Explorer {
     }
 
     /// Starts a comparison of all engines, unless one is under way.
-    fn compare(self: &Arc<Self>, values: &live::Values) -> Result<Answer, Answer> {
-        let scene = live::scene(&self.spec, &self.sets, values).map_err(reason)?;
+    fn compare(self: &Arc<Self>, values: &states::Values) -> Result<Answer, Answer> {
+        let scene = states::scene(&self.spec, &self.sets, values).map_err(reason)?;
         let mut compared = locked(&self.compared);
         if compared.running {
             return Err(reason("a comparison is under way"));

@@ -11,6 +11,7 @@ mod curves;
 mod data_set;
 mod drawing;
 mod front;
+mod gears;
 mod joint;
 mod judge;
 mod load_changes;

@@ -16,11 +16,12 @@ use pinwheel_compare::quantities::derive;
 use pinwheel_engines::{Engine, Native, Run, RunStats};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Detection, Override, Scene, Start};
-use pinwheel_studies::gears;
 use pinwheel_studies::single::Outcome;
 use pinwheel_studies::{Control, reference, single};
 use pinwheel_timeseries::norms::{Distance, Statistics, View};
 use pinwheel_timeseries::{TimeSeries, columns};
+
+use crate::gears;
 
 /// Gears of an ordinary test run.
 const GEARS: u64 = 10;

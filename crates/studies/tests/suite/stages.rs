@@ -13,9 +13,10 @@ use pinwheel_mbs::Detail;
 use pinwheel_mbs::integrators::{Segments, StepSettings, Stepper as _};
 use pinwheel_mbs::{Formulation as _, Mechanism, OdeSystem as _, Reduced};
 use pinwheel_scene::{CheckedScene, Scene, load_profile};
-use pinwheel_studies::gears::gear;
 use pinwheel_studies::stages::{Located, Stage, of_engine};
 use pinwheel_timeseries::TimeSeries;
+
+use crate::gears::gear;
 
 /// A solver of the reduced form by Runge-Kutta 4, with faults.
 struct Solver {

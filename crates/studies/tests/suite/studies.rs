@@ -7,7 +7,6 @@ use pinwheel_engines::{Engine, Native};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::design::{self, ForceHarmonic};
-use pinwheel_studies::gears;
 use pinwheel_studies::stability::{Atlas, Failure, Options};
 use pinwheel_studies::{
     Control, Progress, StudyError, band, comparison, divergence, resolution, single,
@@ -17,6 +16,8 @@ use pinwheel_timeseries::figure::definitions::{
 };
 use pinwheel_timeseries::figure::{Figure, FigureDef};
 use pinwheel_timeseries::norms::{Distance, LoadFloor};
+
+use crate::gears;
 
 fn scene(name: &str, sets: &[&str]) -> Scene {
     let sets: Vec<Override> = sets.iter().map(|s| s.parse().unwrap()).collect();

@@ -9,7 +9,9 @@ use pinwheel_compare::Verdict;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Layout, Override, Scene, Sleeve};
 use pinwheel_studies::comparison::{self, Effort};
-use pinwheel_studies::{Control, choice, gears};
+use pinwheel_studies::{Control, choice};
+
+use crate::gears;
 
 fn effort(resolution: f64) -> Effort {
     Effort {

@@ -12,8 +12,7 @@ use pinwheel_scene::{
     BodyMass, Cranks, Detection, EccentricBearing, Errors, FrictionLaw, Gear, LoadChange, Masses,
     Modification, Scene, Start,
 };
-
-use crate::rng::Rng;
+use pinwheel_studies::rng::Rng;
 
 /// Range of a run's duration in periods of the gear's fastest oscillation on its contacts.
 const OSCILLATIONS: (f64, f64) = (6.0, 24.0);
@@ -23,8 +22,7 @@ const RUBBING: f64 = 0.3;
 const SAMPLES: f64 = 60.0;
 
 /// The gear of a seed; `None` when a thousand draws give no valid one.
-#[must_use]
-pub fn gear(seed: u64) -> Option<Scene> {
+pub(crate) fn gear(seed: u64) -> Option<Scene> {
     let mut rng = Rng::new(seed);
     // Of its own, so that gears without bearings are what they were before there were any.
     let mut bearings = Rng::new(!seed);

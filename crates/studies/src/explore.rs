@@ -1,0 +1,290 @@
+//! States of a scene under a hand: sliders of its keys, and what a quick run and balances give for them.
+//!
+//! `pinwheel explore` serves the page: the page sends the values of a state, and [`motion`] and [`figures`] compute it.
+
+use std::f64::consts::TAU;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use pinwheel_engines::Cancelled;
+use pinwheel_gearbox::{Gearbox, auto};
+use pinwheel_scene::bearings::BearingLaw;
+use pinwheel_scene::{CheckedScene, Formulation, Override, Scene, edited, preset, scales};
+use pinwheel_timeseries::figure::Figure;
+use serde_json::{Value, json};
+
+use crate::motion::Motion;
+use crate::{Control, StudyError, band, design};
+
+/// A key that a slider moves.
+struct Slider {
+    key: &'static str,
+    label: &'static str,
+    /// Unit of the slider, and the number of this unit in one unit of the key.
+    unit: (&'static str, f64),
+    /// Ends as shares of the scene's value.
+    shares: [f64; 2],
+    /// Ends in the slider's unit, where the scene's value is 0.
+    ends: [f64; 2],
+}
+
+const MM: (&str, f64) = ("mm", 1e3);
+const UM: (&str, f64) = ("\u{b5}m", 1e6);
+const N_UM: (&str, f64) = ("N/\u{b5}m", 1e-6);
+
+macro_rules! sliders {
+    ($($key:tt, $label:literal, $unit:expr, $shares:expr, $ends:expr;)*) => {
+        const SLIDERS: &[Slider] = &[
+            $(Slider { key: $key, label: $label, unit: $unit, shares: $shares, ends: $ends },)*
+        ];
+    };
+}
+
+sliders! {
+    "gear.eccentricity_m", "Eccentricity", MM, [0.5, 1.5], [0.1, 5.0];
+    "gear.external_sleeve_radius_m", "Pin radius", MM, [0.4, 1.8], [0.5, 20.0];
+    "gear.backlash_m", "Backlash", UM, [0.0, 3.0], [0.0, 300.0];
+    "gear.modification.equidistant_m", "Profile cut by", UM, [0.0, 4.0], [0.0, 50.0];
+    "gear.modification.radial_m", "Generating circle larger by", UM, [0.0, 4.0], [-50.0, 50.0];
+    "drive.output_torque_n_m", "Load", ("N m", 1.0), [0.1, 2.0], [0.0, 100.0];
+    "drive.input_speed_rad_s", "Input speed", ("rad/s", 1.0), [0.2, 2.0], [1.0, 300.0];
+    "cranks.circle_radius_m", "Circle of the cranks", MM, [0.7, 1.3], [10.0, 100.0];
+    "cranks.support_stiffness_n_m", "Stiffness of a crank's support", N_UM, [0.1, 4.0], [100.0, 2000.0];
+    CLEARANCE, "Eccentric bearing's clearance", UM, [0.0, 4.0], [0.0, 20.0];
+}
+const CLEARANCE: &str = "bearings.eccentric.clearance_m";
+/// Key of the eccentric bearing's stiffness. Its slider counts decades and ends at a rigid bearing, for which the key is absent.
+const STIFFNESS: &str = "bearings.eccentric.stiffness_n_m";
+/// Table of that bearing, and its keys that a stated stiffness takes the place of.
+const BEARING: &str = "bearings.eccentric";
+const ROLLERS: [&str; 2] = [
+    "bearings.eccentric.rollers",
+    "bearings.eccentric.roller_length_m",
+];
+const EXPONENT: &str = "bearings.eccentric.exponent";
+/// The stiffness of a bearing that has none.
+pub const RIGID: &str = "rigid";
+/// Ends of its slider, N/m.
+const STIFFNESSES: [f64; 2] = [1e7, 1e10];
+/// The key that is chosen, not moved.
+const LAW: &str = "contact.law";
+/// Error of the forces that a method is planned for, and how many of its steps one is. Measured on five gears, with and without play:
+/// forces are off by up to 4e-4 of the largest, the driver's torque by 4e-3 on bearings and 4e-4 without.
+const SEEN: f64 = 0.1;
+const STRIDE: f64 = 2.0;
+/// Samples of a state's turn.
+const SAMPLES: f64 = 120.0;
+/// Override that starts in the load's balance: the explorer shows a state without its start-up.
+const START: &str = "drive.start=equilibrium";
+
+/// Values of a state: keys with what a slider gives them, as `--set` takes it.
+pub type Values = [(String, String)];
+
+/// The scene of a state.
+///
+/// # Errors
+/// The reason why there is none, with the keys.
+pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedScene, String> {
+    let mut all = sets.to_vec();
+    for (key, value) in values {
+        let known = SLIDERS.iter().any(|slider| slider.key == key) || key == LAW;
+        if known && key != CLEARANCE {
+            let set = format!("{key}={value}").parse::<Override>();
+            all.push(set.map_err(|error| error.to_string())?);
+        }
+    }
+    let scene = Scene::load(spec, &all).map_err(|error| error.to_string())?;
+    let given = |key: &str| values.iter().find(|(of, _)| of == key);
+    if given(STIFFNESS).is_none() && given(CLEARANCE).is_none() {
+        return Ok(scene);
+    }
+    let mut changed = Scene::clone(&scene);
+    let bearing = &mut changed.bearings.eccentric;
+    match given(STIFFNESS).map(|(_, value)| value.as_str()) {
+        None => {}
+        Some(RIGID) => *bearing = None,
+        Some(value) => {
+            let exponent = BearingLaw::of(&scene).map(|law| law.exponent);
+            let bearing = bearing.get_or_insert_default();
+            // A stated stiffness replaces the rollers; their exponent stays.
+            (bearing.rollers, bearing.roller_length_m) = (None, None);
+            bearing.exponent = exponent.filter(|p| *p != 1.0);
+            bearing.stiffness_n_m = Some(value.parse().unwrap_or(f64::NAN));
+        }
+    }
+    if let Some((_, value)) = given(CLEARANCE) {
+        let clearance = value.parse().unwrap_or(f64::NAN);
+        bearing.get_or_insert_default().clearance_m = Some(clearance);
+    }
+    changed.check().map_err(|fault| fault.to_string())
+}
+
+/// Returns name and scene file of a state, for the working folder: the user's own with the keys of `sets` and those that were moved
+/// changed, or one that has a preset (or a file of JSON) as its base. Read again it gives the scene that is shown.
+///
+/// # Errors
+/// The state gives no scene, or no such file does.
+pub fn file(spec: &str, sets: &[Override], values: &Values) -> Result<(String, String), String> {
+    let shown = scene(spec, sets, values)?;
+    let (mut moved, mut removed) = (sets.to_vec(), Vec::new());
+    for (key, value) in values {
+        match (key.as_str(), value.as_str()) {
+            (STIFFNESS, RIGID) => removed = vec![BEARING],
+            (STIFFNESS, _) => {
+                removed = ROLLERS.to_vec();
+                let bearing = shown.bearings.eccentric.as_ref();
+                match bearing.and_then(|own| own.exponent) {
+                    Some(exponent) => moved.push(Override::new(EXPONENT, exponent.to_string())),
+                    None => removed.push(EXPONENT),
+                }
+                moved.push(Override::new(key, value));
+            }
+            (LAW, _) => moved.push(Override::new(key, value)),
+            _ if SLIDERS.iter().any(|slider| slider.key == key) => {
+                moved.push(Override::new(key, value));
+            }
+            _ => {}
+        }
+    }
+    let on_base = format!("base = {}\n", json!(spec));
+    let texts = match preset(spec) {
+        // A key of a base can be changed and not taken away.
+        Some(text) => [on_base, text.to_owned()],
+        None => [
+            std::fs::read_to_string(spec).map_err(|error| format!("{spec}: {error}"))?,
+            on_base,
+        ],
+    };
+    let beside = Path::new(spec).parent().unwrap_or(Path::new(""));
+    for (text, beside) in texts.iter().zip([beside, Path::new("")]) {
+        let Some(text) = edited(text, &moved, &removed, beside) else {
+            continue;
+        };
+        let read = Scene::from_toml(&text, "explored.toml", &[]).map(CheckedScene::into_scene);
+        let same = |mut read: Scene| {
+            read.name.clone_from(&shown.name);
+            read.description.clone_from(&shown.description);
+            read == *shown
+        };
+        if read.is_ok_and(same) {
+            return Ok((shown.name.clone(), text));
+        }
+    }
+    Err(format!(
+        "not saved: `{BEARING}` stands in the base of {spec}, and a file on it cannot take that away; write the base's keys into \
+         {spec}, or give the bearing a stiffness"
+    ))
+}
+
+/// Duration of a state, s: a turn of the input of the scene as it is, the same for both.
+#[must_use]
+pub fn span_s(scene: &Scene) -> f64 {
+    (TAU / scene.drive.input_speed_rad_s.abs().max(1e-9)).min(scene.solver.duration_s)
+}
+
+/// The gear of a state, as it is looked at.
+///
+/// # Errors
+/// The reason why there is none, with the keys.
+pub fn gearbox(spec: &str, sets: &[Override], values: &Values) -> Result<Gearbox, String> {
+    quick(&scene(spec, sets, values)?)
+}
+
+/// The gear of a scene with the depth of its discs stated: the wall that it follows from is measured at every question otherwise.
+/// Its method is one whose errors a chart hides, and takes long steps: from the loaded balance on little swings.
+///
+/// # Errors
+/// The reason why there is none, with the keys.
+pub fn quick(scene: &CheckedScene) -> Result<Gearbox, String> {
+    let mut stated = Scene::clone(scene);
+    scales::state_depth(&mut stated);
+    stated.solver.formulation = Formulation::Reduced;
+    let plan = auto::plan(&stated, SEEN);
+    plan.integrator.clone_into(&mut stated.solver.integrator);
+    stated.solver.tolerance = plan.tolerance;
+    stated.solver.step_s = (STRIDE * plan.step_s).min(stated.solver.duration_s);
+    let stated = stated.check().unwrap_or_else(|_| scene.clone());
+    Gearbox::new(&stated).map_err(|error| error.to_string())
+}
+
+/// Motion of a state from a run; `None` if the run diverges at once.
+///
+/// # Errors
+/// `cancel` was set.
+pub fn motion(
+    gearbox: &Gearbox,
+    span_s: f64,
+    cancel: &AtomicBool,
+) -> Result<Option<Motion>, Cancelled> {
+    let (span, step) = ((0.0, span_s), span_s / SAMPLES);
+    Motion::over(gearbox, "", span, step, &Control::silent(cancel))
+}
+
+/// Figures of a state's balances. With `laws` they have their bands, which take longer.
+///
+/// # Errors
+/// The gear carries nothing or cannot be balanced; `cancel` was set.
+pub fn figures(
+    gearbox: &Gearbox,
+    laws: bool,
+    cancel: &AtomicBool,
+) -> Result<Vec<Figure>, StudyError> {
+    let mut figures = design::few_figures(gearbox, cancel)?;
+    if laws && let Some(bands) = band::of(gearbox, &Control::silent(cancel))? {
+        for one in &mut figures {
+            one.by_contact_law = bands.around(&one.def, one.value);
+        }
+    }
+    Ok(figures)
+}
+
+/// The scene that a state begins with: settled under its load, if its load is constant.
+#[must_use]
+pub fn settled(spec: &str, sets: &[Override]) -> Vec<Override> {
+    let mut settled = sets.to_vec();
+    let start = START.parse::<Override>();
+    settled.extend(start.ok().filter(|start| {
+        let tried = [sets, std::slice::from_ref(start)].concat();
+        Scene::load(spec, &tried).is_ok()
+    }));
+    settled
+}
+
+/// Sliders of a scene, as the page's script reads them.
+#[must_use]
+pub fn sliders(scene: &Scene) -> Vec<Value> {
+    let keys = serde_json::to_value(scene).unwrap_or_default();
+    // Sliders of the cranks exist only for an RV gear.
+    let there = |one: &&Slider| !one.key.starts_with("cranks.") || scene.cranks.is_some();
+    let found = SLIDERS.iter().filter(there).map(|one| {
+        let path = format!("/{}", one.key.replace('.', "/"));
+        let (unit, factor) = one.unit;
+        let value = keys.pointer(&path).and_then(Value::as_f64).unwrap_or(0.0) * factor;
+        let [from, to] = match value {
+            0.0 => one.ends,
+            value if value < 0.0 => [one.shares[1] * value, one.shares[0] * value],
+            value => one.shares.map(|share| share * value),
+        };
+        json!({
+            "key": one.key, "label": one.label, "unit": unit, "factor": factor, "value": value, "from": from, "to": to,
+        })
+    });
+    let mut found: Vec<Value> = found.collect();
+    let bearing = BearingLaw::of(scene);
+    let unit = match bearing.map_or(1.0, |law| law.exponent) {
+        1.0 => "N/m".to_owned(),
+        exponent => format!("N/m^{exponent:.3}"),
+    };
+    let value = bearing.map(|law| law.stiffness);
+    let [from, to] = STIFFNESSES.map(f64::log10);
+    let [from, to] = value.map_or([from, to], |own| {
+        [from.min(own.log10()), to.max(own.log10() + 1.0)]
+    });
+    let value = value.map_or_else(|| json!(RIGID), |own| json!(own));
+    // Before the clearance.
+    found.insert(found.len() - 1, json!({
+        "key": STIFFNESS, "label": "Eccentric bearing's stiffness", "unit": unit, "factor": 1.0, "value": value, "from": from,
+        "to": to, "decades": true,
+    }));
+    found
+}
