@@ -30,7 +30,9 @@ const FARTHEST: f64 = 0.1;
 const ROUNDED: f64 = 1e-7;
 const STILL: f64 = 1e-8;
 /// Residuals at which Newton's method ends: at once below `GOAL`, and below `BALANCED` as soon as a step gains nothing.
-const GOAL: f64 = 1e-12;
+/// Figures of poses over a mesh need no more than `TRACKED`, which is a tenth of the rounding that they are given.
+pub(super) const GOAL: f64 = 1e-12;
+pub(super) const TRACKED: f64 = 1e-10;
 const BALANCED: f64 = 1e-10;
 /// Weak spring to the last iterate, relative to a contact's stiffness, for directions without stiffness.
 const WEAK: f64 = 1e-9;
@@ -88,7 +90,7 @@ impl Statics<'_> {
         };
         let mut last = DVector::zeros(u.len());
         for _ in 0..STEPS {
-            if most < GOAL {
+            if most < problem.goal {
                 break;
             }
             let is_fresh = inverse.is_none();

@@ -49,6 +49,8 @@ pub(super) struct Problem {
     pub(super) carrier: Arc<Carrier>,
     pub(super) free: Free,
     pub(super) size: Size,
+    /// Residual at which Newton's method ends, relative to the load's size.
+    pub(super) goal: f64,
     /// Angle of the output at the ideal mesh, rad, and its largest distance from there before teeth jump, rad.
     pub(super) ideal: f64,
     pub(super) reach: f64,

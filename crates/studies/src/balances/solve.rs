@@ -98,14 +98,22 @@ pub(crate) fn few_figures_by(
     statics: &mut Statics<'_>,
     cancel: &AtomicBool,
 ) -> Result<Vec<Figure>, StudyError> {
+    let poses = Poses::of(&statics.gearbox().scene).few(FEW);
+    Ok(at_poses(statics, &poses, cancel)?.figures())
+}
+
+/// All balances that figures are read off, at some poses.
+pub(crate) fn at_poses(
+    statics: &mut Statics<'_>,
+    poses: &Poses,
+    cancel: &AtomicBool,
+) -> Result<Balances, StudyError> {
     let gearbox = statics.gearbox();
     let working = working_load(gearbox)?;
-    let poses = Poses::of(&gearbox.scene).few(FEW);
     let control = Control::silent(cancel);
-    let found = balances(statics, gearbox, &poses, working, &mut |_, _, _| {
+    balances(statics, gearbox, poses, working, &mut |_, _, _| {
         Ok(control.check()?)
-    })?;
-    Ok(found.figures())
+    })
 }
 
 /// Twist of the output from the ideal mesh under a load, in the direction of that load, arcmin. `last`: the
