@@ -141,30 +141,32 @@ struct Motion {
 impl Equilibrium {
     /// Appends the path of the balance before, and chooses the prediction that would have met this balance best.
     fn follow(&mut self, before: &Self, problem: &Problem) {
-        let own = DVector::from_column_slice(&self.path[0]);
-        let missed = |order: usize| {
-            let predicted = DVector::from_vec(ahead(&before.path, order));
-            problem.moved(&(predicted - &own))
+        let own = &self.path[0];
+        let missed = |order| {
+            let predicted = ahead(&before.path, order);
+            problem.moved(predicted.zip(own).map(|(there, here)| there - here))
         };
-        let orders = 0..before.path.len();
-        self.order = orders
-            .min_by(|&a, &b| missed(a).total_cmp(&missed(b)))
-            .unwrap_or(0);
+        let mut least = f64::INFINITY;
+        for order in 0..before.path.len() {
+            let missed = missed(order);
+            if missed < least {
+                (self.order, least) = (order, missed);
+            }
+        }
         let kept = before.path.iter().take(AHEAD.len() - 1).cloned();
         self.path.extend(kept);
     }
 }
 
-/// Returns the next value after those of `path`, latest first, by the polynomial of degree `order`.
-fn ahead(path: &[Vec<f64>], order: usize) -> Vec<f64> {
-    let sum = |k: usize| {
+/// Returns the next values after those of `path`, latest first, by the polynomial of degree `order`.
+fn ahead(path: &[Vec<f64>], order: usize) -> impl Iterator<Item = f64> {
+    let weighed = move |k: usize| {
         AHEAD[order]
             .iter()
             .zip(path)
-            .map(|(weight, own)| weight * own[k])
-            .sum()
+            .map(move |(weight, own)| weight * own[k])
     };
-    (0..path[0].len()).map(sum).collect()
+    (0..path[0].len()).map(move |k| weighed(k).sum())
 }
 
 /// Turns the places of discs among the unknowns by e^{ia}.
@@ -612,7 +614,7 @@ impl<'a> Statics<'a> {
     fn continue_from(&mut self, near: &Equilibrium, phi: f64, load: f64) -> Option<Equilibrium> {
         let problem = self.problem(phi, load, &self.carrier);
         let free = problem.free;
-        let mut u = self.from_mesh(free, phi, &ahead(&near.path, near.order));
+        let mut u = self.from_mesh(free, phi, ahead(&near.path, near.order));
         let turned = self.eccentric(phi) * self.eccentric(near.input).conj();
         let inverse = near.inverse.clone();
         let inverse = inverse.map(|inverse| turned_inverse(free, inverse, turned));
@@ -635,8 +637,8 @@ impl<'a> Statics<'a> {
     }
 
     /// Returns the unknowns from those in the frame of the ideal mesh, the inverse of [`in_mesh`](Self::in_mesh).
-    fn from_mesh(&self, free: Free, phi: f64, own: &[f64]) -> Vec<f64> {
-        let mut u = own.to_vec();
+    fn from_mesh(&self, free: Free, phi: f64, own: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut u: Vec<f64> = own.collect();
         turn_places(free, &mut u, || self.eccentric(phi));
         let ideal = self.ideal(free, phi);
         u.iter_mut().zip(ideal).for_each(|(u, ideal)| *u += ideal);

@@ -100,8 +100,8 @@ impl Problem {
     }
 
     /// Returns the largest step, relative to its size.
-    pub(super) fn moved(&self, step: &DVector<f64>) -> f64 {
-        let shares = step.iter().enumerate();
+    pub(super) fn moved(&self, step: impl IntoIterator<Item = f64>) -> f64 {
+        let shares = step.into_iter().enumerate();
         shares.fold(0.0, |most, (k, x)| {
             f64::max(most, x.abs() / self.of_place(k))
         })

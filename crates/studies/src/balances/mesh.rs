@@ -85,9 +85,18 @@ pub(crate) struct Pose {
     /// Largest loads on ring pins and on output pins or cranks.
     pub(crate) largest: [Largest; 2],
     /// Touching pairs, and the force of the contacts on every disc, N: away from the input's axis, and counter-clockwise
-    /// about it. Both are empty where no pressure was wanted.
+    /// about it. Both are empty where only forces were wanted.
     pub(crate) pairs: Vec<Pair>,
     pub(crate) bearings: Vec<[f64; 2]>,
+}
+
+/// Loads of a balance that are wanted.
+#[derive(Clone, Copy)]
+pub(crate) enum Wanted<'a> {
+    Nothing,
+    Forces,
+    /// All of every pair, which is kept.
+    Pairs(&'a LinePressure),
 }
 
 /// Eccentric of a disc at a pose.
@@ -98,19 +107,24 @@ struct Eccentric {
 }
 
 impl Pose {
-    /// `near`: the balance under the same load at the pose before, if there is one; this one afterwards. `pressure`: where that of
-    /// the pairs is wanted.
+    /// `near`: the balance under the same load at the pose before, if there is one; this one afterwards.
     pub(crate) fn find(
         statics: &mut Statics<'_>,
-        pressure: Option<&LinePressure>,
+        wanted: Wanted<'_>,
         phi: f64,
         load: f64,
         near: &mut Option<Equilibrium>,
     ) -> Result<Self, GearboxError> {
         let gearbox = statics.gearbox();
         let found = statics.track(near, phi, load)?;
-        let touching = statics.touching(found);
-        let cranks = statics.on_cranks(found);
+        let (touching, cranks) = match wanted {
+            Wanted::Nothing => Default::default(),
+            _ => (statics.touching(found), statics.on_cranks(found)),
+        };
+        let pressure = match wanted {
+            Wanted::Pairs(pressure) => Some(pressure),
+            _ => None,
+        };
         let turned = gearbox.geometry.eccentric_angle(phi, found.output);
         let eccentric = |phase: &f64| {
             let angle = turned + phase;

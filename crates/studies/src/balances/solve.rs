@@ -9,7 +9,7 @@ use pinwheel_scene::{Scales, load_profile};
 use pinwheel_timeseries::figure::Figure;
 
 use super::figures::{Balances, LOST};
-use super::mesh::Pose;
+use super::mesh::{Pose, Wanted};
 use super::poses::Poses;
 use super::spread::ARCMIN;
 use crate::control::of_scene;
@@ -70,8 +70,13 @@ pub(crate) fn balances(
         let mut near = None;
         along(poses, |done, phi| {
             step(stage, done, poses.angles.len())?;
-            let pressure = (stage == 1).then_some(&pressure);
-            Pose::find(statics, pressure, phi, load, &mut near).map_err(of_scene)
+            // Without a load only the largest force is looked at; a part of the poses has that of pins that are alike.
+            let wanted = match stage {
+                1 => Wanted::Pairs(&pressure),
+                _ if is_mirrored(gearbox) && done % poses.parts > 0 => Wanted::Nothing,
+                _ => Wanted::Forces,
+            };
+            Pose::find(statics, wanted, phi, load, &mut near).map_err(of_scene)
         })
     };
     Ok(Balances {
