@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use pinwheel_contact::Complex;
-use pinwheel_scene::Contact;
+use pinwheel_scene::{Contact, Detection};
 
 use crate::contacts::PairContact;
 use crate::{Geometry, Sleeve};
@@ -16,6 +16,8 @@ use crate::{Geometry, Sleeve};
 pub struct LinePressure {
     /// E*/(pi L), Pa/m.
     per_line: f64,
+    /// True if contacts lie on the exact curve.
+    is_exact: bool,
 }
 
 impl LinePressure {
@@ -31,6 +33,7 @@ impl LinePressure {
         let modulus = (softness(young, poisson) + pins).recip();
         Self {
             per_line: modulus / (PI * contact.line_length_m),
+            is_exact: contact.detection == Detection::Exact,
         }
     }
 
@@ -46,7 +49,10 @@ impl LinePressure {
         let radius = match contact.sleeve {
             Sleeve::External(j) => {
                 let q = geometry.edge_offset_m;
-                let kappa = curvature(geometry, contact, centre, angle);
+                let kappa = match self.is_exact && geometry.flanks.is_none() {
+                    true => curvature_at_foot(geometry, contact, centre),
+                    false => curvature(geometry, contact, centre, angle),
+                };
                 let sleeve = geometry.external_radii_m[j];
                 sleeve * (1.0 - q * kappa) / (1.0 + (sleeve - q) * kappa)
             }
@@ -58,6 +64,24 @@ impl LinePressure {
         };
         (contact.normal_force_n * self.per_line / radius).sqrt()
     }
+}
+
+/// Returns the curvature of C at its point C below the contact, 1/m; n is the curve's normal there, outwards.
+///
+/// ```text
+/// C = R u + e w,  g n = u + m w,  |u| = |w| = 1,  m = e zk/R    =>    zs u = zk C/R - g n
+/// g = a - sqrt(zs^2 - b^2),   kappa = ((zk + 1) g - a)/(R g^2),   a, b: zk C/R along and across n
+/// ```
+#[must_use]
+pub fn curvature_at_foot(geometry: &Geometry, contact: &PairContact, centre: [f64; 2]) -> f64 {
+    let of = |[x, y]: [f64; 2]| Complex::new(x, y);
+    let n = -of(contact.normal);
+    let on_curve = of(contact.point) - of(centre) + n.scale(geometry.edge_offset_m);
+    let (radius, lobes) = (geometry.curve.pitch_radius(), geometry.lobes());
+    let place = on_curve.scale((lobes + 1.0) / radius);
+    let (a, b) = (place.dot(n), place.cross(n));
+    let g = a - (lobes * lobes - b * b).max(0.0).sqrt();
+    ((lobes + 2.0) * g - a) / (radius * g * g)
 }
 
 /// Returns the curvature of C at the foot of the pin's centre, on the flank that it touches, 1/m; `centre` (m) and `angle`

@@ -22,12 +22,14 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
+use pinwheel_contact::Complex;
 use pinwheel_mbs::{BodyState, Coordinates, ErrorScales, Evaluation, Jacobian, Structure, Wrench};
 
 use crate::Layout;
 use crate::carrier::Carrier;
 use crate::contacts::{ContactField, PairContact};
 use crate::{Gearbox, GearboxError, load_profile};
+use newton::{GOAL, TRACKED};
 use problem::{Balanced, Free, LEFT, OF_A_DISC, Problem, Size};
 
 /// Elastic twist allowed beyond the free play, in pitches (2 pi/zs): the guard of dynamic runs is 0.25.
@@ -45,6 +47,13 @@ const LEAST_SIZES: [f64; 2] = [1e-2, 1e-3];
 const GIVEN_WAY: f64 = 4.0;
 /// Rounding errors of a disc's place that may remain as a force of its bearing.
 const ROUNDINGS: f64 = 4.0;
+/// Weights of the last values, latest first, in the polynomial through them that predicts the next, by its degree.
+const AHEAD: [&[f64]; 4] = [
+    &[1.0],
+    &[2.0, -1.0],
+    &[3.0, -3.0, 1.0],
+    &[4.0, -6.0, 4.0, -1.0],
+];
 
 /// Angles and poses of a gearbox in static balance.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +70,10 @@ pub struct Equilibrium {
     pub residual: f64,
     /// Inverse of the Jacobian, by which the next balance begins.
     inverse: Option<DMatrix<f64>>,
+    /// Unknowns of the balances up to this one in the frame of the eccentric, less those of the ideal mesh; latest first.
+    path: Vec<Vec<f64>>,
+    /// Number of differences along the path from which the next balance is predicted.
+    order: usize,
 }
 
 /// The quasi-static solver of a gearbox.
@@ -106,6 +119,8 @@ pub struct Statics<'a> {
     balances: u64,
     /// Requests for balances that were already known.
     repeats: u64,
+    /// Residual at which Newton's method ends, relative to the load's size.
+    goal: f64,
     /// Unknowns and residuals of the balances so far, by the bits of input angle and load.
     known: HashMap<[u64; 2], (Vec<f64>, DVector<f64>)>,
 }
@@ -121,6 +136,58 @@ struct Motion {
     output: [f64; 2],
     /// Velocity (m/s) and acceleration (m/s^2) of each floating disc's centre.
     centres: Vec<[[f64; 2]; 2]>,
+}
+
+impl Equilibrium {
+    /// Appends the path of the balance before, and chooses the prediction that would have met this balance best.
+    fn follow(&mut self, before: &Self, problem: &Problem) {
+        let own = &self.path[0];
+        let missed = |order| {
+            let predicted = ahead(&before.path, order);
+            problem.moved(predicted.zip(own).map(|(there, here)| there - here))
+        };
+        let mut least = f64::INFINITY;
+        for order in 0..before.path.len() {
+            let missed = missed(order);
+            if missed < least {
+                (self.order, least) = (order, missed);
+            }
+        }
+        let kept = before.path.iter().take(AHEAD.len() - 1).cloned();
+        self.path.extend(kept);
+    }
+}
+
+/// Returns the next values after those of `path`, latest first, by the polynomial of degree `order`.
+fn ahead(path: &[Vec<f64>], order: usize) -> impl Iterator<Item = f64> {
+    let weighed = move |k: usize| {
+        AHEAD[order]
+            .iter()
+            .zip(path)
+            .map(move |(weight, own)| weight * own[k])
+    };
+    (0..path[0].len()).map(move |k| weighed(k).sum())
+}
+
+/// Turns the places of discs among the unknowns by e^{ia}.
+fn turn_places(free: Free, values: &mut [f64], by: impl FnOnce() -> Complex) {
+    if free == Free::Places {
+        let by = by();
+        for disc in values[1..].chunks_mut(OF_A_DISC) {
+            [disc[0], disc[1]] = (Complex::new(disc[0], disc[1]) * by).to_array();
+        }
+    }
+}
+
+/// Returns the inverse of a Jacobian after all forces and places have turned by e^{ia}.
+fn turned_inverse(free: Free, mut inverse: DMatrix<f64>, by: Complex) -> DMatrix<f64> {
+    for _ in 0..2 {
+        for column in 0..inverse.ncols() {
+            turn_places(free, inverse.column_mut(column).as_mut_slice(), || by);
+        }
+        inverse.transpose_mut();
+    }
+    inverse
 }
 
 impl Motion {
@@ -163,6 +230,7 @@ impl<'a> Statics<'a> {
             evaluations: 0,
             balances: 0,
             repeats: 0,
+            goal: GOAL,
             known: HashMap::new(),
             gearbox,
         })
@@ -200,6 +268,7 @@ impl<'a> Statics<'a> {
                 (false, None) => Free::Angles,
             },
             carrier: carrier.clone(),
+            goal: self.goal,
             size: Size {
                 length: share * scales.length,
                 angle: share * scales.angle,
@@ -491,7 +560,7 @@ impl<'a> Statics<'a> {
     /// Solves the equilibrium on rigid bearings.
     fn solve_rigid(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         let problem = self.problem(phi, load, &self.rigid);
-        let ideal = self.ideal(&problem);
+        let ideal = self.ideal(problem.free, phi);
         if load == 0.0 && self.rests(&problem, &ideal) {
             let residual = self.residual(&problem, &ideal);
             return Ok(self.equilibrium(&problem, &ideal, (residual, None)));
@@ -507,14 +576,18 @@ impl<'a> Statics<'a> {
         }
     }
 
-    /// Returns the unknowns of rigid bearings at the ideal mesh.
-    fn ideal(&self, problem: &Problem) -> Vec<f64> {
-        let discs = match problem.free {
-            Free::Angles => self.gearbox.layout.wheels,
-            _ => 0,
-        };
-        let discs = (0..discs).map(|i| self.gearbox.geometry.ideal_wheel_angle(i, problem.phi));
-        std::iter::once(problem.ideal).chain(discs).collect()
+    /// Returns the unknowns at the ideal mesh, with 0 for the places of discs.
+    fn ideal(&self, free: Free, phi: f64) -> Vec<f64> {
+        let geometry = &self.gearbox.geometry;
+        let discs = (0..self.gearbox.layout.wheels).map(|i| geometry.ideal_wheel_angle(i, phi));
+        let output = std::iter::once(geometry.ideal_output_angle(phi));
+        match free {
+            Free::Output => output.collect(),
+            Free::Angles => output.chain(discs).collect(),
+            Free::Places => output
+                .chain(discs.flat_map(|disc| [0.0, 0.0, disc]))
+                .collect(),
+        }
     }
 
     /// Solves the equilibrium at an input angle `phi` (rad) close to that of `near`, under the same load `load` (N m). It takes
@@ -540,30 +613,40 @@ impl<'a> Statics<'a> {
     /// Solves the balance from the one at `near`; `None`: Newton's method did not converge from there.
     fn continue_from(&mut self, near: &Equilibrium, phi: f64, load: f64) -> Option<Equilibrium> {
         let problem = self.problem(phi, load, &self.carrier);
-        let mut u = problem.unknowns(&near.bodies, self.gearbox.layout);
-        let geometry = &self.gearbox.geometry;
-        u[0] += problem.ideal - geometry.ideal_output_angle(near.input);
-        let turned = |i: usize| {
-            geometry.ideal_wheel_angle(i, phi) - geometry.ideal_wheel_angle(i, near.input)
-        };
-        let (s, c) = geometry.ideal_eccentric_angle(phi - near.input).sin_cos();
-        match problem.free {
-            Free::Output => {}
-            Free::Angles => (u[1..].iter_mut().enumerate()).for_each(|(i, u)| *u += turned(i)),
-            Free::Places => {
-                for (i, disc) in u[1..].chunks_mut(OF_A_DISC).enumerate() {
-                    let [x, y] = [disc[0], disc[1]];
-                    (disc[0], disc[1]) = (c * x - s * y, s * x + c * y);
-                    disc[2] += turned(i);
-                }
-            }
-        }
-        let balanced = self.newton(&problem, &mut u, near.inverse.clone())?;
+        let free = problem.free;
+        let mut u = self.from_mesh(free, phi, ahead(&near.path, near.order));
+        let turned = self.eccentric(phi) * self.eccentric(near.input).conj();
+        let inverse = near.inverse.clone();
+        let inverse = inverse.map(|inverse| turned_inverse(free, inverse, turned));
+        let balanced = self.newton(&problem, &mut u, inverse)?;
         Some(self.equilibrium(&problem, &u, balanced))
     }
 
-    /// Solves the balance at the next of some input angles under one load, and stores it in `last`. It starts from the previous
-    /// balance in `last`, if there is one. A balance that is already known is not solved again.
+    /// Returns e^{ia} of the eccentric at the ideal mesh.
+    fn eccentric(&self, phi: f64) -> Complex {
+        Complex::unit(self.gearbox.geometry.ideal_eccentric_angle(phi))
+    }
+
+    /// Returns the unknowns at the input angle `phi` in the frame of the ideal mesh: angles less the ideal ones, and places from
+    /// the eccentric.
+    fn in_mesh(&self, free: Free, phi: f64, u: &[f64]) -> Vec<f64> {
+        let ideal = self.ideal(free, phi);
+        let mut own: Vec<f64> = u.iter().zip(ideal).map(|(u, ideal)| u - ideal).collect();
+        turn_places(free, &mut own, || self.eccentric(phi).conj());
+        own
+    }
+
+    /// Returns the unknowns from those in the frame of the ideal mesh, the inverse of [`in_mesh`](Self::in_mesh).
+    fn from_mesh(&self, free: Free, phi: f64, own: impl Iterator<Item = f64>) -> Vec<f64> {
+        let mut u: Vec<f64> = own.collect();
+        turn_places(free, &mut u, || self.eccentric(phi));
+        let ideal = self.ideal(free, phi);
+        u.iter_mut().zip(ideal).for_each(|(u, ideal)| *u += ideal);
+        u
+    }
+
+    /// Solves the balance at the next of some input angles under one load, and stores it in `last`. It starts from the polynomial
+    /// through the previous balances in `last` that predicted the one before best. A balance that is already known is not solved again.
     ///
     /// # Errors
     /// As [`Statics::solve`].
@@ -579,10 +662,16 @@ impl<'a> Statics<'a> {
             self.repeats += 1;
             return Ok(last.insert(self.equilibrium(&problem, &u, (left, None))));
         }
+        self.goal = TRACKED;
         let found = match last.as_ref() {
-            Some(near) => self.solve_near(near, phi, load)?,
-            None => self.solve(phi, load)?,
+            Some(near) => self.solve_near(near, phi, load),
+            None => self.solve(phi, load),
         };
+        self.goal = GOAL;
+        let mut found = found?;
+        if let Some(before) = last {
+            found.follow(before, &problem);
+        }
         self.balances += 1;
         let u = problem.unknowns(&found.bodies, self.gearbox.layout);
         let left = DVector::from_element(1, found.residual);
@@ -608,6 +697,8 @@ impl<'a> Statics<'a> {
             bodies: self.bodies.clone(),
             residual: moments.map(|(_, x)| x.abs()).fold(0.0, f64::max),
             inverse,
+            path: vec![self.in_mesh(problem.free, problem.phi, u)],
+            order: 0,
         }
     }
 

@@ -61,7 +61,7 @@ impl Statics<'_> {
     /// Balances the discs for the output at `u[0]`, and returns the residual, in which the output's moment remains.
     fn balance_discs(&mut self, problem: &Problem, u: &mut [f64]) -> DVector<f64> {
         let half = self.brackets().0;
-        let ideal = self.ideal(problem);
+        let ideal = self.ideal(problem.free, problem.phi);
         let middles = ideal[1..].iter().zip(&u[1..]);
         let mut roots: Vec<Root> = middles.map(|(m, at)| Root::about(*m, half, *at)).collect();
         let mut beside = u.to_vec();
@@ -95,7 +95,7 @@ impl Statics<'_> {
     /// As [`Statics::solve`].
     pub fn solve_by_brackets(&mut self, phi: f64, load: f64) -> Result<Equilibrium, GearboxError> {
         let problem = self.problem(phi, load, &self.rigid);
-        let ideal = self.ideal(&problem);
+        let ideal = self.ideal(problem.free, phi);
         let mut root = Root::about(problem.ideal, problem.reach, problem.ideal);
         for (end, sign) in [(root.low, 1.0), (root.high, -1.0)] {
             let mut u = ideal.clone();

@@ -8,12 +8,16 @@ use nalgebra::{DMatrix, DVector};
 use super::Statics;
 use super::problem::{Balanced, Free, LEFT, Problem};
 
-/// Largest numbers of Newton steps and of halvings of one step, and the largest ratio of residuals after and before a step at
-/// which the inverse is kept.
+/// Largest numbers of Newton steps and of halvings of one step.
 const STEPS: usize = 60;
 const HALVINGS: usize = 12;
-const SERVES: f64 = 0.3;
-const SERVES_ANGLES: f64 = 0.1;
+/// Steps to the goal, at the rate of the last one, up to which the inverse is kept: new derivatives cost as many, of places and
+/// of angles.
+const SERVES: f64 = 8.0;
+const SERVES_ANGLES: f64 = 5.0;
+/// Largest ratio of residuals after and before a step at which a tracked balance takes the next one unseen, if it would reach
+/// the goal at this rate.
+const SURE: f64 = 0.1;
 /// Length of steps of discs on eccentrics and output, relative to the twists of contacts, at which no contact restores them:
 /// Newton's method is abandoned.
 const LOST: f64 = 1e5;
@@ -30,7 +34,9 @@ const FARTHEST: f64 = 0.1;
 const ROUNDED: f64 = 1e-7;
 const STILL: f64 = 1e-8;
 /// Residuals at which Newton's method ends: at once below `GOAL`, and below `BALANCED` as soon as a step gains nothing.
-const GOAL: f64 = 1e-12;
+/// Figures of poses over a mesh need no more than `TRACKED`, which is a tenth of the rounding that they are given.
+pub(super) const GOAL: f64 = 1e-12;
+pub(super) const TRACKED: f64 = 1e-10;
 const BALANCED: f64 = 1e-10;
 /// Weak spring to the last iterate, relative to a contact's stiffness, for directions without stiffness.
 const WEAK: f64 = 1e-9;
@@ -49,13 +55,14 @@ fn beyond(u: &[f64], share: f64, step: &DVector<f64>) -> Vec<f64> {
     u.iter().zip(step).map(|(u, s)| u + share * s).collect()
 }
 
-/// Updates the inverse by Broyden's formula from a step and the change of the residual that it made.
-fn update(inverse: &mut DMatrix<f64>, step: &DVector<f64>, change: &DVector<f64>) {
-    let expected = &*inverse * change;
+/// Updates the inverse by Broyden's formula from `share` of a step and the change of the residual that it made.
+fn update(inverse: &mut DMatrix<f64>, share: f64, step: &DVector<f64>, change: &DVector<f64>) {
     let row = inverse.tr_mul(step);
     let over = row.dot(change);
     if over != 0.0 {
-        inverse.ger(over.recip(), &(step - expected), &row, 1.0);
+        let mut gain = &*inverse * change;
+        gain.axpy(share, step, -1.0);
+        inverse.ger(over.recip(), &gain, &row, 1.0);
     }
 }
 
@@ -88,7 +95,7 @@ impl Statics<'_> {
         };
         let mut last = DVector::zeros(u.len());
         for _ in 0..STEPS {
-            if most < GOAL {
+            if most < problem.goal {
                 break;
             }
             let is_fresh = inverse.is_none();
@@ -100,7 +107,7 @@ impl Statics<'_> {
             if problem.free == Free::Angles {
                 release_idle(&mut step, &mut last);
             }
-            if problem.free != Free::Places && problem.moved(&step) > LOST {
+            if problem.free != Free::Places && problem.moved(step.iter().copied()) > LOST {
                 return None;
             }
             let mut share = self.farthest(problem, &step);
@@ -113,21 +120,30 @@ impl Statics<'_> {
                 let now = problem.unbalanced(&left);
                 if now < most {
                     if let Some(inverse) = &mut inverse {
-                        update(inverse, &(share * &step), &(&left - &here));
+                        update(inverse, share, &step, &(&left - &here));
                     }
                     (*u, here, most) = (there, left, now);
                     break;
                 }
                 share *= 0.5;
             }
-            if most > serves * before {
+            let rate = most / before;
+            if problem.goal >= TRACKED && rate < SURE && rate * most < problem.goal {
+                let step = inverse.as_ref()? * &here;
+                *u = beyond(u, -1.0, &step);
+                most *= rate;
+                here *= rate;
+                break;
+            }
+            let left = (most / problem.goal).ln() / -rate.ln();
+            if rate >= 1.0 || left > serves {
                 if most < BALANCED {
                     break;
                 }
                 inverse = None;
                 let stuck = most > SLOW * before;
                 if is_fresh && stuck {
-                    let is_still = problem.moved(&step) <= STILL && most <= ROUNDED;
+                    let is_still = problem.moved(step.iter().copied()) <= STILL && most <= ROUNDED;
                     if most < LEFT || is_still {
                         most = 0.0;
                         break;
@@ -173,7 +189,7 @@ impl Statics<'_> {
         // The search passes through free play up to the next contact, but not over a tooth.
         let farthest = self.farthest(problem, &step);
         let (mut low, mut high) = (0.0, farthest);
-        let mut share = f64::min(farthest, 1.0 / problem.moved(&step));
+        let mut share = f64::min(farthest, 1.0 / problem.moved(step.iter().copied()));
         let mut caught = false;
         for _ in 0..WORKS {
             let work = self.residual(problem, &beyond(u, share, &step)).dot(&step);

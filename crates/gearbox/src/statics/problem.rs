@@ -49,6 +49,8 @@ pub(super) struct Problem {
     pub(super) carrier: Arc<Carrier>,
     pub(super) free: Free,
     pub(super) size: Size,
+    /// Residual at which Newton's method ends, relative to the load's size.
+    pub(super) goal: f64,
     /// Angle of the output at the ideal mesh, rad, and its largest distance from there before teeth jump, rad.
     pub(super) ideal: f64,
     pub(super) reach: f64,
@@ -98,8 +100,8 @@ impl Problem {
     }
 
     /// Returns the largest step, relative to its size.
-    pub(super) fn moved(&self, step: &DVector<f64>) -> f64 {
-        let shares = step.iter().enumerate();
+    pub(super) fn moved(&self, step: impl IntoIterator<Item = f64>) -> f64 {
+        let shares = step.into_iter().enumerate();
         shares.fold(0.0, |most, (k, x)| {
             f64::max(most, x.abs() / self.of_place(k))
         })

@@ -8,7 +8,7 @@ use pinwheel_scene::bearings::BearingLaw;
 use pinwheel_scene::{Scene, Sleeve};
 use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 
-use super::mesh::{Bearing, Pair, Pose, Pressure, Sharing, Stage};
+use super::mesh::{Bearing, Largest, Pair, Pose, Stage};
 use super::spread::{ARCMIN, Spread};
 
 /// Shares of the rated torque between which lost motion is counted.
@@ -37,13 +37,17 @@ pub(crate) struct Summed {
     on_cranks: bool,
     pub(crate) lost: Spread,
     pub(crate) stiffness: Spread,
-    pub(crate) sharing: [Sharing; 2],
-    pub(crate) pressure: [Pressure; 2],
-    pub(crate) bearings: Vec<Bearing>,
+    /// Largest force of a pair in a pose, N, of ring pins and of output pins or cranks.
+    force: [Spread; 2],
+    /// Touching pairs of a disc, mean over the poses.
+    touching: [f64; 2],
+    /// Largest pressure, Pa, and largest product of pressure and sliding speed, W/m^2.
+    pressure: [f64; 2],
+    sliding: f64,
     /// Force of a pose on the bearing that carries most in it, N.
     bearing_force: Spread,
     /// Peak to peak of the transmission error, rated and unloaded, arcmin.
-    pub(crate) error: [f64; 2],
+    error: [f64; 2],
     /// Change of the mean number of touching pins by one pin at one disc in one pose.
     quantum: f64,
 }
@@ -140,6 +144,10 @@ impl Balances {
         let lost = some(&self.lost, every, of).into_iter();
         let stiffness = some(&self.stiffness, every, of).into_iter();
         let loaded = some(&self.loaded, every, of);
+        let over = |stage: Stage, of: fn(&Largest) -> f64| {
+            Spread::of(loaded.iter().map(|pose| of(&pose.largest[stage as usize])))
+        };
+        let sliding = |stage| over(stage, |largest| largest.pressure_sliding_w_m2).max;
         let error = [&self.loaded, &self.unloaded].map(|poses| {
             let errors = some(poses, every, of);
             let spread = Spread::of(errors.iter().map(|pose| ARCMIN * pose.error_rad));
@@ -149,13 +157,15 @@ impl Balances {
             on_cranks: self.on_cranks,
             lost: Spread::of(lost.copied()),
             stiffness: Spread::of(stiffness.flatten().copied()),
-            sharing: Stage::BOTH.map(|stage| Sharing::of(&loaded, stage)),
-            pressure: Stage::BOTH.map(|stage| Pressure::of(&loaded, stage)),
+            force: Stage::BOTH.map(|stage| over(stage, |largest| largest.force_n)),
+            touching: Stage::BOTH
+                .map(|stage| Spread::of(loaded.iter().map(|pose| pose.touching(stage))).mean),
+            pressure: Stage::BOTH.map(|stage| over(stage, |largest| largest.pressure_pa).max),
+            sliding: Stage::BOTH.map(sliding).into_iter().fold(0.0, f64::max),
             quantum: loaded.first().map_or(1.0, |pose| {
                 1.0 / (loaded.len() * pose.bearings.len()) as f64
             }),
             bearing_force: Spread::of(loaded.iter().map(|pose| pose.largest_bearing_n())),
-            bearings: Bearing::all(&loaded),
             error,
         }
     }
@@ -209,13 +219,13 @@ impl Balances {
     /// That parts press on each other without a load by more than the torque under which lost motion is found makes of it:
     /// then nothing is lost, and the twist between +3 and -3 % says how stiff the gear is.
     pub(crate) fn preloaded(&self) -> Option<String> {
-        let largest = |poses: &[Pose], of: fn(&Pair) -> f64| {
-            let pairs = poses.iter().flat_map(|pose| &pose.pairs);
-            pairs.map(of).fold(0.0, f64::max)
+        let largest = |poses: &[Pose], of: fn(&Largest) -> f64| {
+            let both = poses.iter().flat_map(|pose| &pose.largest);
+            both.map(of).fold(0.0, f64::max)
         };
         let [without, rated] =
-            [&self.unloaded, &self.loaded].map(|p| largest(p, |pair| pair.force_n));
-        let overlap_um = 1e6 * largest(&self.unloaded, |pair| pair.penetration_m);
+            [&self.unloaded, &self.loaded].map(|p| largest(p, |largest| largest.force_n));
+        let overlap_um = 1e6 * largest(&self.unloaded, |largest| largest.penetration_m);
         (without > LOST * rated)
             .then(|| format!("preloaded: parts overlap by {overlap_um:.2} um without load"))
     }
@@ -249,26 +259,24 @@ pub(crate) fn parted(parts: usize, of: impl Fn(usize, usize) -> Vec<Figure>) -> 
 
 impl Summed {
     pub(crate) fn figures(&self) -> Vec<Figure> {
-        let [external, internal] = &self.sharing;
+        let [external, internal] = &self.force;
         let [loaded, unloaded] = self.error;
-        let pressed = |k: usize| 1e-6 * self.pressure[k].largest_pa;
-        let slid = |k: usize| 1e-6 * self.pressure[k].pressure_sliding_w_m2;
+        let pressed = |k: usize| 1e-6 * self.pressure[k];
         let largest = |def: &FigureDef, spread: &Spread| over(def, spread.max, spread);
         let mut figures = vec![
             largest(&defs::LOST_MOTION, &self.lost),
             over(&defs::STIFFNESS, self.stiffness.mean, &self.stiffness),
             balanced(&defs::ERROR_RATED, loaded),
             balanced(&defs::ERROR_NO_LOAD, unloaded),
-            largest(&defs::EXTERNAL_FORCE, &external.largest_force_n),
+            largest(&defs::EXTERNAL_FORCE, external),
         ];
-        let inner = &internal.largest_force_n;
-        let touching = defs::EXTERNAL_TOUCHING.of(external.touching.mean, self.quantum);
-        let sliding = balanced(&defs::PRESSURE_SLIDING, slid(0).max(slid(1)));
+        let touching = defs::EXTERNAL_TOUCHING.of(self.touching[0], self.quantum);
+        let sliding = balanced(&defs::PRESSURE_SLIDING, 1e-6 * self.sliding);
         // A bearing has no pins.
         if self.on_cranks {
             let pressure = balanced(&defs::EXTERNAL_PRESSURE, pressed(0));
             figures.extend([
-                largest(&defs::CRANK_FORCE, inner),
+                largest(&defs::CRANK_FORCE, internal),
                 touching,
                 pressure,
                 sliding,
@@ -276,9 +284,9 @@ impl Summed {
             return figures;
         }
         figures.extend([
-            largest(&defs::INTERNAL_FORCE, inner),
+            largest(&defs::INTERNAL_FORCE, internal),
             touching,
-            defs::INTERNAL_TOUCHING.of(internal.touching.mean, self.quantum),
+            defs::INTERNAL_TOUCHING.of(self.touching[1], self.quantum),
             balanced(&defs::EXTERNAL_PRESSURE, pressed(0)),
             balanced(&defs::INTERNAL_PRESSURE, pressed(1)),
             sliding,

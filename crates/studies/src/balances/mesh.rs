@@ -56,69 +56,129 @@ pub struct Pair {
     pub sliding_m_s: f64,
 }
 
+/// Largest loads on one kind of pins at a balance.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Largest {
+    /// Number of touching pairs.
+    pub(crate) touching: u32,
+    pub(crate) force_n: f64,
+    pub(crate) penetration_m: f64,
+    pub(crate) pressure_pa: f64,
+    pub(crate) pressure_sliding_w_m2: f64,
+}
+
+impl Largest {
+    fn add(&mut self, pair: &Pair) {
+        self.touching += 1;
+        self.force_n = self.force_n.max(pair.force_n);
+        self.penetration_m = self.penetration_m.max(pair.penetration_m);
+        self.pressure_pa = self.pressure_pa.max(pair.pressure_pa);
+        let product = pair.pressure_pa * pair.sliding_m_s;
+        self.pressure_sliding_w_m2 = self.pressure_sliding_w_m2.max(product);
+    }
+}
+
 /// A balance.
 pub(crate) struct Pose {
     /// Output angle less the ideal mesh's, rad.
     pub(crate) error_rad: f64,
+    /// Largest loads on ring pins and on output pins or cranks.
+    pub(crate) largest: [Largest; 2],
+    /// Touching pairs, and the force of the contacts on every disc, N: away from the input's axis, and counter-clockwise
+    /// about it. Both are empty where only forces were wanted.
     pub(crate) pairs: Vec<Pair>,
-    /// Force of the contacts on every disc, N: away from the input's axis, and counter-clockwise about it.
     pub(crate) bearings: Vec<[f64; 2]>,
 }
 
+/// Loads of a balance that are wanted.
+#[derive(Clone, Copy)]
+pub(crate) enum Wanted<'a> {
+    Nothing,
+    Forces,
+    /// All of every pair, which is kept.
+    Pairs(&'a LinePressure),
+}
+
+/// Eccentric of a disc at a pose.
+struct Eccentric {
+    angle: f64,
+    sine: f64,
+    cosine: f64,
+}
+
 impl Pose {
-    /// `near`: the balance under the same load at the pose before, if there is one; this one afterwards. `pressure`: where that of
-    /// the pairs is wanted.
+    /// `near`: the balance under the same load at the pose before, if there is one; this one afterwards.
     pub(crate) fn find(
         statics: &mut Statics<'_>,
-        pressure: Option<&LinePressure>,
+        wanted: Wanted<'_>,
         phi: f64,
         load: f64,
         near: &mut Option<Equilibrium>,
     ) -> Result<Self, GearboxError> {
         let gearbox = statics.gearbox();
         let found = statics.track(near, phi, load)?;
-        let touching = statics.touching(found);
-        let wheels = gearbox.layout.wheels;
-        let phases = &gearbox.geometry.wheel_phases;
-        let turned = gearbox.geometry.eccentric_angle(phi, found.output);
-        let mut bearings = vec![[0.0; 2]; wheels];
-        for contact in &touching {
-            let (s, c) = (turned + phases[contact.wheel]).sin_cos();
-            let [fx, fy] = contact.force_on_sleeve();
-            let sum = &mut bearings[contact.wheel];
-            sum[0] -= fx * c + fy * s;
-            sum[1] -= fy * c - fx * s;
-        }
-        let pair = |contact: &PairContact| {
-            let wheel = contact.wheel;
-            pair(
-                gearbox,
-                pressure,
-                turned + phases[wheel],
-                found.wheels[wheel],
-                contact,
-            )
+        let (touching, cranks) = match wanted {
+            Wanted::Nothing => Default::default(),
+            _ => (statics.touching(found), statics.on_cranks(found)),
         };
-        let cranks = statics.on_cranks(found);
-        let on_crank = |contact: &PairContact| {
-            let [x, y] = contact.centre;
-            Pair {
-                wheel: contact.wheel,
-                sleeve: contact.sleeve,
-                place_rad: from_eccentric(y.atan2(x), turned + phases[contact.wheel]),
-                force_n: contact.normal_force_n,
-                penetration_m: contact.penetration_m,
-                pressure_pa: 0.0,
-                sliding_m_s: 0.0,
+        let pressure = match wanted {
+            Wanted::Pairs(pressure) => Some(pressure),
+            _ => None,
+        };
+        let turned = gearbox.geometry.eccentric_angle(phi, found.output);
+        let eccentric = |phase: &f64| {
+            let angle = turned + phase;
+            let (sine, cosine) = angle.sin_cos();
+            Eccentric {
+                angle,
+                sine,
+                cosine,
             }
         };
-        let cranks = cranks.iter().map(on_crank);
-        Ok(Self {
+        let eccentrics = gearbox.geometry.wheel_phases.iter().map(eccentric);
+        let eccentrics: Vec<Eccentric> = eccentrics.collect();
+        let mut pose = Self {
             error_rad: found.output + gearbox.flange_twist_rad(load)
                 - gearbox.geometry.ideal_output_angle(phi),
-            pairs: touching.iter().map(pair).chain(cranks).collect(),
-            bearings,
-        })
+            largest: Default::default(),
+            pairs: Vec::new(),
+            bearings: Vec::new(),
+        };
+        if pressure.is_some() {
+            pose.pairs.reserve(touching.len() + cranks.len());
+            pose.bearings.resize(eccentrics.len(), [0.0; 2]);
+        }
+        for contact in &touching {
+            let mut pair = Pair::loaded(contact);
+            if let Some(pressure) = pressure {
+                let eccentric = &eccentrics[contact.wheel];
+                let disc = found.bodies[gearbox.layout.wheel_bodies().start + contact.wheel];
+                let centre = [disc.x, disc.y];
+                pair.pressure_pa = pressure.of(&gearbox.geometry, contact, centre, disc.angle);
+                pair.sliding_m_s = sliding_m_s(gearbox, eccentric, contact);
+                let [fx, fy] = contact.force_on_sleeve();
+                let sum = &mut pose.bearings[contact.wheel];
+                sum[0] -= fx * eccentric.cosine + fy * eccentric.sine;
+                sum[1] -= fy * eccentric.cosine - fx * eccentric.sine;
+            }
+            pose.add(pair, contact, pressure.map(|_| &eccentrics));
+        }
+        for contact in &cranks {
+            let pair = Pair::loaded(contact);
+            pose.add(pair, contact, pressure.map(|_| &eccentrics));
+        }
+        Ok(pose)
+    }
+
+    /// Adds a pair, which is kept with its place from the eccentrics where these are given.
+    fn add(&mut self, mut pair: Pair, contact: &PairContact, from: Option<&Vec<Eccentric>>) {
+        let stage = usize::from(Stage::Internal.has(pair.sleeve));
+        self.largest[stage].add(&pair);
+        if let Some(eccentrics) = from {
+            let [x, y] = contact.centre;
+            pair.place_rad = from_eccentric(y.atan2(x), eccentrics[contact.wheel].angle);
+            self.pairs.push(pair);
+        }
     }
 
     /// Force on the bearing that carries most, N.
@@ -127,8 +187,28 @@ impl Pose {
         sizes.fold(0.0, f64::max)
     }
 
+    /// Touching pairs of a disc.
+    pub(crate) fn touching(&self, stage: Stage) -> f64 {
+        f64::from(self.largest[stage as usize].touching) / self.bearings.len() as f64
+    }
+
     pub(crate) fn of(&self, stage: Stage) -> impl Iterator<Item = &Pair> {
         self.pairs.iter().filter(move |pair| stage.has(pair.sleeve))
+    }
+}
+
+impl Pair {
+    /// A contact with its force alone.
+    fn loaded(contact: &PairContact) -> Self {
+        Self {
+            wheel: contact.wheel,
+            sleeve: contact.sleeve,
+            place_rad: 0.0,
+            force_n: contact.normal_force_n,
+            penetration_m: contact.penetration_m,
+            pressure_pa: 0.0,
+            sliding_m_s: 0.0,
+        }
     }
 }
 
@@ -137,20 +217,13 @@ fn from_eccentric(angle: f64, eccentric: f64) -> f64 {
     (angle - eccentric + PI).rem_euclid(TAU) - PI
 }
 
-/// Place, pressure and sliding of a contact; `eccentric` and `angle`: of the disc's eccentric and of the disc, rad.
-fn pair(
-    gearbox: &Gearbox,
-    pressure: Option<&LinePressure>,
-    eccentric: f64,
-    angle: f64,
-    contact: &PairContact,
-) -> Pair {
-    let [x, y] = contact.centre;
+/// Sliding speed of a disc on a pin that does not turn, m/s.
+fn sliding_m_s(gearbox: &Gearbox, eccentric: &Eccentric, contact: &PairContact) -> f64 {
     let geometry = &gearbox.geometry;
     // Velocity of the disc at W: about its centre at -omega/zs, and with it along the eccentric's circle.
     let omega = gearbox.scene.eccentric_speed_rad_s();
     let rate = -omega / geometry.lobes();
-    let (s, c) = eccentric.sin_cos();
+    let (s, c) = (eccentric.sine, eccentric.cosine);
     let e = geometry.eccentricities_m[contact.wheel];
     let [wx, wy] = contact.point;
     let mut velocity = [
@@ -162,17 +235,7 @@ fn pair(
         velocity[1] -= rate * wx;
     }
     let [nx, ny] = contact.normal;
-    Pair {
-        wheel: contact.wheel,
-        sleeve: contact.sleeve,
-        place_rad: from_eccentric(y.atan2(x), eccentric),
-        force_n: contact.normal_force_n,
-        penetration_m: contact.penetration_m,
-        pressure_pa: pressure.map_or(0.0, |pressure| {
-            pressure.of(geometry, contact, [e * c, e * s], angle)
-        }),
-        sliding_m_s: (velocity[1] * nx - velocity[0] * ny).abs(),
-    }
+    (velocity[1] * nx - velocity[0] * ny).abs()
 }
 
 /// Who carries the load.
@@ -191,24 +254,22 @@ pub struct Sharing {
 }
 
 impl Sharing {
-    pub(crate) fn of(poses: &[&Pose], stage: Stage) -> Self {
-        let wheels = poses.first().map_or(1, |pose| pose.bearings.len());
+    pub(crate) fn of(poses: &[Pose], stage: Stage) -> Self {
         let mut force = vec![0.0_f64; 2 * PLACES];
         for pair in poses.iter().flat_map(|pose| pose.of(stage)) {
             let place = ((pair.place_rad / PI + 1.0) * PLACES as f64) as usize;
             let place = &mut force[place.min(2 * PLACES - 1)];
             *place = place.max(pair.force_n);
         }
-        let largest = |pose: &&Pose| {
-            let forces = pose.of(stage).map(|pair| pair.force_n);
-            forces.fold(0.0_f64, f64::max)
-        };
-        let touching = |pose: &&Pose| pose.of(stage).count() as f64 / wheels as f64;
         let place = |k: usize| 180.0 * ((k as f64 + 0.5) / PLACES as f64 - 1.0);
         Self {
             stage,
-            largest_force_n: Spread::of(poses.iter().map(largest)),
-            touching: Spread::of(poses.iter().map(touching)),
+            largest_force_n: Spread::of(
+                poses
+                    .iter()
+                    .map(|pose| pose.largest[stage as usize].force_n),
+            ),
+            touching: Spread::of(poses.iter().map(|pose| pose.touching(stage))),
             place_deg: (0..2 * PLACES).map(place).collect(),
             force_n: force,
         }
@@ -231,7 +292,7 @@ pub struct Pressure {
 }
 
 impl Pressure {
-    pub(crate) fn of(poses: &[&Pose], stage: Stage) -> Self {
+    pub(crate) fn of(poses: &[Pose], stage: Stage) -> Self {
         let mut found = Self {
             stage,
             largest_pa: 0.0,

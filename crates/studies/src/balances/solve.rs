@@ -9,7 +9,7 @@ use pinwheel_scene::{Scales, load_profile};
 use pinwheel_timeseries::figure::Figure;
 
 use super::figures::{Balances, LOST};
-use super::mesh::Pose;
+use super::mesh::{Pose, Wanted};
 use super::poses::Poses;
 use super::spread::ARCMIN;
 use crate::control::of_scene;
@@ -70,8 +70,13 @@ pub(crate) fn balances(
         let mut near = None;
         along(poses, |done, phi| {
             step(stage, done, poses.angles.len())?;
-            let pressure = (stage == 1).then_some(&pressure);
-            Pose::find(statics, pressure, phi, load, &mut near).map_err(of_scene)
+            // Without a load only the largest force is looked at; a part of the poses has that of pins that are alike.
+            let wanted = match stage {
+                1 => Wanted::Pairs(&pressure),
+                _ if is_mirrored(gearbox) && done % poses.parts > 0 => Wanted::Nothing,
+                _ => Wanted::Forces,
+            };
+            Pose::find(statics, wanted, phi, load, &mut near).map_err(of_scene)
         })
     };
     Ok(Balances {
@@ -98,14 +103,22 @@ pub(crate) fn few_figures_by(
     statics: &mut Statics<'_>,
     cancel: &AtomicBool,
 ) -> Result<Vec<Figure>, StudyError> {
+    let poses = Poses::of(&statics.gearbox().scene).few(FEW);
+    Ok(at_poses(statics, &poses, cancel)?.figures())
+}
+
+/// All balances that figures are read off, at some poses.
+pub(crate) fn at_poses(
+    statics: &mut Statics<'_>,
+    poses: &Poses,
+    cancel: &AtomicBool,
+) -> Result<Balances, StudyError> {
     let gearbox = statics.gearbox();
     let working = working_load(gearbox)?;
-    let poses = Poses::of(&gearbox.scene).few(FEW);
     let control = Control::silent(cancel);
-    let found = balances(statics, gearbox, &poses, working, &mut |_, _, _| {
+    balances(statics, gearbox, poses, working, &mut |_, _, _| {
         Ok(control.check()?)
-    })?;
-    Ok(found.figures())
+    })
 }
 
 /// Twist of the output from the ideal mesh under a load, in the direction of that load, arcmin. `last`: the

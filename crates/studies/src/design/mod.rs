@@ -156,6 +156,8 @@ pub struct DesignResult {
     pub discs: Vec<Drawing>,
     /// Balances of the unchanged gear that were solved before those of the bands, and those that were known.
     pub balances: [u64; 2],
+    /// Evaluations of all contacts that these balances took.
+    pub evaluations: u64,
     /// The gearbox in motion, for a page.
     #[serde(skip)]
     pub motion: Option<Motion>,
@@ -198,7 +200,7 @@ pub(crate) fn answers(
     };
     let joint = Joint::identify(&mut statics, gearbox, rated, &found.efficiency, step)?;
     found.joint = Some(joint);
-    found.balances = statics.balances();
+    (found.balances, found.evaluations) = (statics.balances(), statics.evaluations());
     (control.progress)(Progress::new(total - 1, total, "other contact laws"));
     found.bands = band::of_known(statics, control)?;
     if let Some(bands) = &found.bands {
@@ -209,20 +211,10 @@ pub(crate) fn answers(
     Ok(found)
 }
 
-/// Figures of a design without budget, joint, bands and drawings, which samples of a sweep do not need.
+/// Figures of a design without budget, joint, bands and drawings, by a solver that remembers the balances.
 ///
 /// # Errors
 /// See [`run`].
-pub(crate) fn figures_of(
-    gearbox: &Gearbox,
-    runs: bool,
-    control: &Control<'_>,
-) -> Result<DesignResult, StudyError> {
-    let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
-    figures_by(&mut statics, runs, control)
-}
-
-/// [`figures_of`] by a solver that remembers the balances.
 fn figures_by(
     statics: &mut Statics<'_>,
     runs: bool,
@@ -287,7 +279,7 @@ fn figures_by(
     withhold_lost_motion(&mut figures, preloaded.as_ref());
     figures.extend(balances.of_bearings(scene));
 
-    let mut bearings = summed.bearings;
+    let mut bearings = Bearing::all(&balances.loaded.iter().collect::<Vec<_>>());
     for bearing in &mut bearings {
         bearing.radial_harmonics = orders::of_force(&bearing.radial_n, &poses);
     }
@@ -307,8 +299,8 @@ fn figures_by(
         },
         budget: Vec::new(),
         rest: None,
-        sharing: summed.sharing,
-        pressure: summed.pressure,
+        sharing: Stage::BOTH.map(|stage| Sharing::of(&balances.loaded, stage)),
+        pressure: Stage::BOTH.map(|stage| Pressure::of(&balances.loaded, stage)),
         bearings,
         input_angle_rad: poses.angles,
         transmission,
@@ -317,6 +309,7 @@ fn figures_by(
         joint: None,
         discs: Vec::new(),
         balances: [0; 2],
+        evaluations: 0,
         motion: None,
     })
 }
@@ -434,6 +427,7 @@ impl DesignResult {
     ) -> Result<Option<Self>, StudyError> {
         let own = self.clone();
         let rest = self.rest;
+        let of_scene = |source| of_scene(&gearbox.scene, source);
         // Most settings move the statics, a fraction of the cost.
         let statics = Self {
             scene: own.scene,
@@ -445,9 +439,14 @@ impl DesignResult {
             budget: own.budget,
             discs: own.discs,
             balances: own.balances,
+            evaluations: own.evaluations,
             motion: own.motion,
             rest,
-            ..figures_of(gearbox, false, control)?
+            ..figures_by(
+                &mut Statics::new(gearbox).map_err(of_scene)?,
+                false,
+                control,
+            )?
         };
         if statics != *self {
             return Ok(None);

@@ -12,7 +12,9 @@ use pinwheel_timeseries::TimeSeries;
 use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 
 use crate::StudyError;
-use crate::design::{self, DesignResult};
+use crate::balances::poses::Poses;
+use crate::balances::solve::at_poses;
+use crate::control::of_scene;
 
 /// Its name in sweeps.
 pub const STATICS: &str = "statics";
@@ -56,9 +58,9 @@ pub fn definition(column: &str) -> FigureDef {
 }
 
 /// Figures of a design in the columns.
-fn figures(found: &DesignResult) -> Vec<Figure> {
+fn figures(all: &[Figure]) -> Vec<Figure> {
     let figure = |(column, (statistic, def)): (FigureDef, (&str, &FigureDef))| {
-        let figure = found.figures.iter().find(|figure| figure.is(def))?;
+        let figure = all.iter().find(|figure| figure.is(def))?;
         let mesh = figure.over_mesh;
         Some(match statistic {
             "mean" => column.of(mesh.map(|mesh| mesh.mean), None),
@@ -89,21 +91,26 @@ impl Engine for Statics {
         let gearbox = gearbox.clone();
         Ok(Box::new(move |control: &Control<'_>| {
             let (wall, cpu) = (Instant::now(), ThreadTime::now());
-            let watched = Control::silent(control.cancel);
-            let found =
-                design::figures_of(&gearbox, false, &watched).map_err(|error| match error {
-                    StudyError::Cancelled => Halt::from(Cancelled),
-                    error => Ending::unsupported(error).into(),
-                })?;
+            let ended = |error| match error {
+                StudyError::Cancelled => Halt::from(Cancelled),
+                error => Ending::unsupported(error).into(),
+            };
+            let solver = pinwheel_gearbox::statics::Statics::new(&gearbox);
+            let mut solver = solver.map_err(|source| ended(of_scene(&gearbox.scene, source)))?;
+            let poses = Poses::of(&gearbox.scene);
+            let found = at_poses(&mut solver, &poses, control.cancel).map_err(ended)?;
+            let all = figures(&found.figures());
             let stats = RunStats {
                 wall_s: wall.elapsed().as_secs_f64(),
                 cpu_s: cpu.elapsed().as_secs_f64(),
                 settings: "balances".to_owned(),
-                notes: found.preloaded.iter().cloned().collect(),
+                steps: solver.balances()[0],
+                rhs_calls: solver.evaluations(),
+                notes: found.preloaded().into_iter().collect(),
                 ..RunStats::default()
             };
             let mut run = Run::new(TimeSeries::default(), stats);
-            run.figures = figures(&found);
+            run.figures = all;
             Ok(run)
         }))
     }
