@@ -78,17 +78,17 @@ impl Store {
     /// # Errors
     /// It cannot be written.
     pub fn open(
-        folder: PathBuf,
+        folder: &Path,
         fresh: bool,
         program: &str,
         (machine, date): (String, String),
     ) -> std::io::Result<Self> {
-        fs::create_dir_all(&folder)?;
+        fs::create_dir_all(folder)?;
         // The clock that stamps the files.
-        let stamp = tempfile::NamedTempFile::new_in(&folder)?;
+        let stamp = tempfile::NamedTempFile::new_in(folder)?;
         Ok(Self {
             opened: stamp.as_file().metadata()?.modified()?,
-            folder,
+            folder: folder.to_owned(),
             program: program.to_owned(),
             machine,
             date,
