@@ -1,5 +1,6 @@
 //! The program with Python in it: what it leaves behind, how it stops, and what it does without a Python.
 
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 

@@ -72,6 +72,19 @@ struct Kept {
     run: Recording,
 }
 
+impl Kept {
+    fn new(identity: String, limit_s: Option<f64>, ending: Ending, run: Recording) -> Self {
+        let channels = run.time_series.channels().iter();
+        Self {
+            identity,
+            limit_s,
+            channels: channels.map(|one| one.name.clone()).collect(),
+            ending,
+            run,
+        }
+    }
+}
+
 impl Store {
     /// Opens a folder, which is made if need be. `fresh`: only runs made from now on count.
     ///
@@ -235,10 +248,10 @@ impl Engine for Keeper {
 
     fn kept(&self, gearbox: &Gearbox, most: Option<Duration>) -> Option<Run> {
         let (store, path) = (&self.store, self.path(&gearbox.scene));
-        let made = fs::metadata(&path)
-            .and_then(|about| about.modified())
-            .ok()?;
-        if store.fresh && made < store.opened {
+        let about = fs::metadata(&path).ok()?;
+        let made = about.modified().ok()?;
+        let is_older = store.fresh && made < store.opened;
+        if is_older || !about.is_file() || about.len() > MOST_BYTES {
             return None;
         }
         let bytes = fs::read(&path).ok()?;
@@ -280,18 +293,9 @@ impl Engine for Keeper {
         let mut recording = Recording::new(self, &gearbox.scene, stats, series, Vec::new());
         recording.date.clone_from(&store.date);
         recording.machine.clone_from(&store.machine);
-        let names = run
-            .time_series
-            .channels()
-            .iter()
-            .map(|one| one.name.clone());
-        let kept = Kept {
-            identity: self.identity.clone(),
-            limit_s: most.map(|most| most.as_secs_f64()),
-            channels: names.collect(),
-            ending: run.ending.clone(),
-            run: recording,
-        };
+        let limit_s = most.map(|most| most.as_secs_f64());
+        let ending = run.ending.clone();
+        let kept = Kept::new(self.identity.clone(), limit_s, ending, recording);
         let written = packed(&kept).map_err(|error| error.to_string());
         let written = written.and_then(|bytes| {
             let path = self.path(&gearbox.scene);
@@ -350,7 +354,14 @@ fn read(body: &[u8]) -> Option<Kept> {
 pub mod internals {
     use super::*;
 
-    /// True if a body of a file, without its hash, can be read.
+    /// A file's body, without its hash.
+    pub fn body(run: Recording) -> Vec<u8> {
+        let kept = Kept::new("x".to_owned(), Some(1.0), Ending::Finished, run);
+        let bytes = packed(&kept).unwrap_or_default();
+        bytes[bytes.len().min(MAGIC.len() + 17)..].to_vec()
+    }
+
+    /// True if a body of a file can be read.
     pub fn reads(body: &[u8]) -> bool {
         read(body).is_some()
     }
