@@ -110,6 +110,12 @@ impl Machine {
         }
     }
 
+    /// Processor and operating system.
+    #[must_use]
+    pub fn named(&self) -> String {
+        format!("{}, {}", self.processor, self.operating_system)
+    }
+
     /// As pairs of label and value.
     pub fn rows(&self) -> Vec<(String, String)> {
         [

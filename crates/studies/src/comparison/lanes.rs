@@ -7,9 +7,8 @@
 //! CPU time is measured by the clock of each run's own thread or process, so that it is the same however many run. What an
 //! engine computes does not depend on the others.
 
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use pinwheel_compare::{Context, Divergence, Evidence, Participant, SharedModel};
 use pinwheel_engines::Engine;
@@ -28,25 +27,14 @@ use crate::provenance::{Provenance, SOURCES};
 pub type Ahead<'a> = &'a (dyn Fn(&str, Option<&Divergence>, &Control<'_>) + Sync);
 
 /// Means of a comparison.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub struct Lanes<'a> {
-    /// Engines that run at a time.
+    /// Engines that run at a time; 0 is 1.
     pub jobs: usize,
     /// Store that is around the engines.
     pub store: Option<&'a Store>,
     /// Processes for engines in Python, which share an interpreter otherwise.
     pub ahead: Option<Ahead<'a>>,
-}
-
-impl Default for Lanes<'_> {
-    /// One engine after the other.
-    fn default() -> Self {
-        Self {
-            jobs: 1,
-            store: None,
-            ahead: None,
-        }
-    }
 }
 
 /// Opens the store of runs of other projects' engines, see [`kept`]; `None` if none are kept. `fresh`: only runs made from now on
@@ -58,10 +46,9 @@ pub fn store(fresh: bool) -> Result<Option<Arc<Store>>, OutputError> {
     let Some(folder) = kept::folder() else {
         return Ok(None);
     };
-    let Provenance { machine, date, .. } = Provenance::here("");
-    let machine = format!("{}, {}", machine.processor, machine.operating_system);
-    let failed = |error: std::io::Error| OutputError::new(&folder, &error);
-    let store = Store::open(&folder, fresh, SOURCES, (machine, date)).map_err(failed)?;
+    let here = Provenance::here("");
+    let store = Store::open(&folder, fresh, SOURCES, (here.machine.named(), here.date));
+    let store = store.map_err(|error| OutputError::new(&folder, &error))?;
     Ok(Some(Arc::new(store)))
 }
 
@@ -108,7 +95,7 @@ impl Lanes<'_> {
                 info if info.outside => 10.0,
                 _ => 1.0,
             };
-            let cost = |k: &usize| lock(&board.lanes)[*k].cost_s.unwrap_or(usual(k));
+            let cost = |k: &usize| lock(&board.lanes).0[*k].cost_s.unwrap_or(usual(k));
             order.sort_by(|a, b| cost(b).total_cmp(&cost(a)));
         }
         // Without processes of their own they are one piece.
@@ -146,10 +133,11 @@ impl Lanes<'_> {
 }
 
 /// Time between two reports.
-const EVERY_MS: u64 = 100;
+const EVERY: Duration = Duration::from_millis(100);
 
 /// State of one engine.
-struct Lane {
+struct Lane<'a> {
+    name: &'a str,
     /// CPU time that its runs took when they were made last, s.
     cost_s: Option<f64>,
     /// True if it runs once.
@@ -160,17 +148,15 @@ struct Lane {
     done: bool,
 }
 
-impl Lane {
+impl Lane<'_> {
     /// Time left, s, if it is known.
     fn left_s(&self) -> Option<f64> {
-        let begun = self
-            .begun
-            .map_or(0.0, |begun| begun.elapsed().as_secs_f64());
+        let since = |at: Instant| at.elapsed().as_secs_f64();
         match self.left {
             _ if self.done => Some(0.0),
-            Some((at, left)) => Some((left - at.elapsed().as_secs_f64()).max(0.0)),
+            Some((at, left)) => Some((left - since(at)).max(0.0)),
             // What takes longer than it did is not known any more.
-            None => Some(self.cost_s? - begun).filter(|left| *left >= 0.0),
+            None => Some(self.cost_s? - self.begun.map_or(0.0, since)).filter(|left| *left >= 0.0),
         }
     }
 }
@@ -178,11 +164,9 @@ impl Lane {
 /// Progress of engines that run side by side, as one report.
 struct Board<'a> {
     control: &'a Control<'a>,
-    names: Vec<&'a str>,
     jobs: usize,
-    begun: Instant,
-    told_ms: AtomicU64,
-    lanes: Mutex<Vec<Lane>>,
+    /// The engines, and when they were reported.
+    lanes: Mutex<(Vec<Lane<'a>>, Instant)>,
 }
 
 impl<'a> Board<'a> {
@@ -192,7 +176,8 @@ impl<'a> Board<'a> {
         lanes: &Lanes<'_>,
         control: &'a Control<'a>,
     ) -> Self {
-        let lane = |engine: &&dyn Engine| Lane {
+        let lane = |engine: &&'a dyn Engine| Lane {
+            name: engine.name(),
             cost_s: lanes
                 .store
                 .and_then(|store| store.cost_s(engine.name(), &gearbox.scene)),
@@ -203,11 +188,8 @@ impl<'a> Board<'a> {
         };
         Self {
             control,
-            names: engines.iter().map(|engine| engine.name()).collect(),
-            jobs: lanes.jobs,
-            begun: Instant::now(),
-            told_ms: AtomicU64::new(0),
-            lanes: Mutex::new(engines.iter().map(lane).collect()),
+            jobs: lanes.jobs.max(1),
+            lanes: Mutex::new((engines.iter().map(lane).collect(), Instant::now())),
         }
     }
 
@@ -218,53 +200,48 @@ impl<'a> Board<'a> {
         work: impl FnOnce(Progress<'_>, &Control<'_>) -> Result<T, StudyError>,
     ) -> Result<T, StudyError> {
         self.control.check()?;
-        lock(&self.lanes)[k].begun = Some(Instant::now());
-        self.report(true);
+        let name = self.change(k, true, |lane| {
+            lane.begun = Some(Instant::now());
+            lane.name
+        });
         let heard = |at: Progress<'_>| {
-            self.hear(k, at);
-            self.report(false);
+            self.change(k, false, |lane| {
+                let since = lane
+                    .begun
+                    .map_or(0.0, |begun| begun.elapsed().as_secs_f64());
+                let by_pace = |[at, of]: [f64; 2]| since * (of - at).max(0.0) / at;
+                let paced = at.simulated_s.filter(|_| lane.once).map(by_pace);
+                let left = at.left_s.or(paced).filter(|left| left.is_finite());
+                lane.left = left.map(|left| (Instant::now(), left)).or(lane.left);
+            });
         };
         let control = self.control.limited(self.control.cancel, &heard);
-        let done = work(Progress::new(0, 1, self.names[k]), &control);
-        lock(&self.lanes)[k].done = true;
+        let done = work(Progress::new(0, 1, name), &control);
+        self.change(k, false, |lane| lane.done = true);
         done
     }
 
-    fn hear(&self, k: usize, at: Progress<'_>) {
-        let lane = &mut lock(&self.lanes)[k];
-        if let Some(left) = at.left_s {
-            lane.left = Some((Instant::now(), left));
-        } else if let (true, Some([at, of]), Some(begun)) = (lane.once, at.simulated_s, lane.begun)
-        {
-            let left = begun.elapsed().as_secs_f64() * (of - at).max(0.0) / at;
-            lane.left = left.is_finite().then(|| (Instant::now(), left));
+    /// Changes the state of an engine and reports, at once or when it is time.
+    fn change<T>(&self, k: usize, at_once: bool, by: impl FnOnce(&mut Lane<'a>) -> T) -> T {
+        let (lanes, told) = &mut *lock(&self.lanes);
+        let changed = by(&mut lanes[k]);
+        if at_once || told.elapsed() >= EVERY {
+            *told = Instant::now();
+            let runs = lanes
+                .iter()
+                .filter(|lane| lane.begun.is_some() && !lane.done);
+            let runs: Vec<&str> = runs.map(|lane| lane.name).collect();
+            let done = lanes.iter().filter(|lane| lane.done).count();
+            let left = lanes.iter().map(Lane::left_s).collect::<Option<Vec<f64>>>();
+            (self.control.progress)(Progress {
+                // Of the longest, or of what is left on so many lanes.
+                left_s: left.map(|left| {
+                    let longest = left.iter().copied().fold(0.0, f64::max);
+                    longest.max(left.iter().sum::<f64>() / self.jobs as f64)
+                }),
+                ..Progress::new(done + 1, lanes.len() + 1, &runs.join(", "))
+            });
         }
-    }
-
-    fn report(&self, now: bool) {
-        let ms = u64::try_from(self.begun.elapsed().as_millis()).unwrap_or(u64::MAX);
-        if !now && ms < self.told_ms.load(Ordering::Relaxed) + EVERY_MS {
-            return;
-        }
-        self.told_ms.store(ms, Ordering::Relaxed);
-        let lanes = lock(&self.lanes);
-        let done = lanes.iter().filter(|lane| lane.done).count();
-        let runs = lanes.iter().zip(&self.names);
-        let runs = runs.filter(|(lane, _)| lane.begun.is_some() && !lane.done);
-        let runs: Vec<&str> = runs.map(|(_, name)| *name).collect();
-        let left_s = self.left_s(&lanes);
-        drop(lanes);
-        (self.control.progress)(Progress {
-            left_s,
-            ..Progress::new(done + 1, self.names.len() + 1, &runs.join(", "))
-        });
-    }
-
-    /// Time left of all, s: of the longest, or of what is left on so many lanes; `None` while it is not known of one.
-    fn left_s(&self, lanes: &[Lane]) -> Option<f64> {
-        let each = lanes.iter().map(Lane::left_s);
-        let each = each.collect::<Option<Vec<f64>>>()?;
-        let longest = each.iter().copied().fold(0.0, f64::max);
-        Some(longest.max(each.iter().sum::<f64>() / self.jobs as f64))
+        changed
     }
 }
