@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
 /// Crates that show or drive and compute nothing.
-const SHOWN: [&str; 6] = ["benches", "cli", "law", "pinwheel", "python", "report"];
+const SHOWN: [&str; 5] = ["benches", "cli", "pinwheel", "python", "report"];
 
 fn main() -> io::Result<()> {
     let here = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
@@ -24,7 +24,12 @@ fn main() -> io::Result<()> {
     // A packaged crate is never changed and takes its siblings in its own version: that version says all.
     if root.join("crates/studies").is_dir() {
         places.push(root.join("Cargo.lock"));
-        places.push(root.join("python/pinwheel_engines"));
+        let engines = [
+            "python/pinwheel_engines",
+            "python/requirements.in",
+            "solvers",
+        ];
+        places.extend(engines.map(|place| root.join(place)));
         for entry in fs::read_dir(root.join("crates"))? {
             let entry = entry?;
             if !SHOWN.iter().any(|name| entry.file_name() == *name) {
@@ -57,7 +62,7 @@ fn main() -> io::Result<()> {
 fn walk(path: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
     if path.is_file() {
         let ending = path.extension().and_then(|ending| ending.to_str());
-        if matches!(ending, Some("rs" | "py" | "lock")) {
+        if matches!(ending, Some("rs" | "py" | "cpp" | "in" | "toml" | "lock")) {
             files.push(path.to_owned());
         }
     } else if path.is_dir() {

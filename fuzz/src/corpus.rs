@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use pinwheel_engines::kept;
+use pinwheel_engines::recorded::Recording;
 use pinwheel_scene::KEYS;
 use pinwheel_timeseries::TimeSeries;
 
@@ -181,6 +183,17 @@ pub fn recordings() -> Vec<Vec<u8>> {
         .zip(strings(files(folder, ".csv")));
     let short = pairs.map(|(description, csv)| joined(&description, &beginning(&csv, LONGEST)));
     short.chain(files("fuzz/corpus/recording", "")).collect()
+}
+
+/// Kept runs of a few samples.
+#[must_use]
+pub fn kept() -> Vec<Vec<u8>> {
+    let recordings = recordings().into_iter().filter_map(|bytes| {
+        let text = String::from_utf8(bytes).ok()?;
+        let (description, csv) = text.split_once(PARTS)?;
+        Recording::read(description, csv).ok()
+    });
+    recordings.map(kept::internals::body).collect()
 }
 
 fn few_time_series() -> Option<TimeSeries> {

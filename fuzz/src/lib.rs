@@ -70,6 +70,11 @@ pub const TARGETS: &[Target] = &[
         seeds: corpus::recordings,
     },
     Target {
+        name: "kept",
+        run: targets::kept,
+        seeds: corpus::kept,
+    },
+    Target {
         name: "courses",
         run: targets::time_series,
         seeds: corpus::time_series,

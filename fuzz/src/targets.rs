@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use pinwheel_engines::external::Manifest;
+use pinwheel_engines::kept;
 use pinwheel_engines::recorded::Recording;
 use pinwheel_gearbox::native;
 use pinwheel_gearbox::{Frequencies, Gearbox, explain};
@@ -290,6 +291,11 @@ pub fn recording(bytes: &[u8]) -> bool {
             false
         }
     }
+}
+
+/// A kept run without its hash, which would let no change through.
+pub fn kept(bytes: &[u8]) -> bool {
+    kept::internals::reads(bytes)
 }
 
 /// The manifest of a solver. It is only read here: nothing that it names is run.

@@ -1,5 +1,6 @@
 //! The program with Python in it: what it leaves behind, how it stops, and what it does without a Python.
 
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
@@ -81,6 +82,52 @@ fn interrupt(child: &Child) {
         .status()
         .unwrap();
     assert!(sent.success());
+}
+
+/// Engines in Python that run in processes of their own, ahead of the comparison, give what they give one after the other in its own,
+/// and are found by the next.
+#[test]
+fn crossval_python_engines_side_by_side_change_no_bit() {
+    let dir = tempfile::tempdir().unwrap();
+    let runs = dir.path().join("runs");
+    let compare = |jobs: &str, runs: &Path| -> Outcome {
+        let typed = "compare paper --engines native,mujoco,exudyn-explicit --set solver.duration_s=0.004 \
+            --set solver.step_s=1e-5 --out";
+        let typed = format!("{typed} {jobs} --jobs {jobs}");
+        let command = &mut pinwheel();
+        let command = command.args(words(&typed)).current_dir(dir.path());
+        let outcome = command
+            .env("PINWHEEL_RUNS", runs)
+            .stdin(Stdio::null())
+            .output();
+        outcome.unwrap().into()
+    };
+    let one = compare("1", Path::new(""));
+    let two = compare("2", &runs);
+    let kept = names_in(&runs).len();
+    assert_eq!(
+        (one.code, &*one.stderr, &*two.stderr),
+        (two.code, "", ""),
+        "{one:?}"
+    );
+    // Three levels each.
+    assert_eq!(kept, 6);
+    let again = compare("3", &runs);
+    assert!(
+        !two.stdout.contains("kept") && again.stdout.contains("kept"),
+        "{again:?}"
+    );
+    assert_eq!(names_in(&runs).len(), kept);
+    for engine in [
+        "native-reduced",
+        "mujoco-shared-law",
+        "exudyn-shared-law-explicit",
+    ] {
+        let [one, two, three] = ["1", "2", "3"].map(|out| {
+            std::fs::read(dir.path().join(out).join(engine).join("courses.csv")).unwrap()
+        });
+        assert!(one == two && two == three, "{engine}");
+    }
 }
 
 /// No environment, no network, no compiler: `compare` shows the recordings and says so; without one the error names the remedies.

@@ -8,6 +8,7 @@ mod crashes;
 mod explore;
 mod fmu;
 mod foreign;
+mod kept;
 mod safety;
 mod solvers;
 mod stability;

@@ -1,7 +1,7 @@
 //! The program `pinwheel`: arguments, progress, exit codes, nothing else.
 //!
 //! The exit status is explained by `args::STATUS`.
-//! Results go to stdout, progress to stderr and only when that is a terminal.
+//! Results go to stdout, progress to stderr: a bar on a terminal, elsewhere a line a minute.
 //!
 //! A library, so that the extension module of the Python package holds the program too.
 

@@ -1,4 +1,4 @@
-//! Progress bar: on a terminal only, with the piece, the clock, and rate and time left of long runs.
+//! Progress: on a terminal a bar with the piece, the clock, and the time left where it is known; elsewhere a line a minute.
 
 use std::io::IsTerminal as _;
 use std::sync::OnceLock;
@@ -14,6 +14,8 @@ use crate::{interrupt, screen};
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Milliseconds between two redraws: engines report every sample, millions of them.
 const REDRAW_MS: u64 = 100;
+/// Time between two lines where there is no terminal.
+const LINE: Duration = Duration::from_secs(60);
 /// Parts of the bar.
 const PARTS: u64 = 1000;
 
@@ -22,7 +24,8 @@ pub(crate) fn watched<T, E>(work: impl FnOnce(&Control<'_>) -> Result<T, E>) -> 
     interrupt::watched();
     let bar = Bar {
         started: Instant::now(),
-        visible: std::io::stderr().is_terminal() && !screen::manner().quiet,
+        visible: !screen::manner().quiet,
+        terminal: std::io::stderr().is_terminal(),
         drawn_ms: AtomicU64::new(0),
         bar: OnceLock::new(),
     };
@@ -38,6 +41,7 @@ pub(crate) fn watched<T, E>(work: impl FnOnce(&Control<'_>) -> Result<T, E>) -> 
 struct Bar {
     started: Instant,
     visible: bool,
+    terminal: bool,
     drawn_ms: AtomicU64,
     bar: OnceLock<ProgressBar>,
 }
@@ -49,6 +53,19 @@ impl Bar {
         }
         let elapsed = self.started.elapsed();
         let now_ms = u64::try_from(elapsed.as_millis()).unwrap_or(u64::MAX);
+        if !self.terminal {
+            let last = self.drawn_ms.load(Ordering::Relaxed);
+            let due = now_ms >= last + LINE.as_millis() as u64;
+            let mine = |_| {
+                self.drawn_ms
+                    .compare_exchange(last, now_ms, Ordering::Relaxed, Ordering::Relaxed)
+                    .is_ok()
+            };
+            if due.then_some(()).is_some_and(mine) {
+                screen::show_on_stderr(&line(screen::manner().command, progress, elapsed));
+            }
+            return;
+        }
         let due = now_ms.saturating_sub(self.drawn_ms.load(Ordering::Relaxed)) >= REDRAW_MS;
         // The beginning of a piece is always drawn: the next report can be long in coming.
         if progress.simulated_s.is_some() && (elapsed < PATIENCE || !due) {
@@ -67,11 +84,21 @@ impl Bar {
             bar.enable_steady_tick(Duration::from_millis(500));
             bar
         });
-        let share = match progress.simulated_s {
-            Some([at, of]) => at / of,
-            None => progress.done as f64 / progress.total.max(1) as f64,
+        let share = match (progress.simulated_s, progress.left_s) {
+            (_, Some(left)) => elapsed.as_secs_f64() / (elapsed.as_secs_f64() + left),
+            (Some([at, of]), None) => at / of,
+            (None, None) => progress.done as f64 / progress.total.max(1) as f64,
         };
         bar.set_position((share * PARTS as f64) as u64);
         bar.set_message(progress.sentence(elapsed.as_secs_f64()));
     }
+}
+
+/// `compare, 2 min: 3 of 14, exudyn-explicit, 40 s left`.
+fn line(command: &str, progress: Progress<'_>, elapsed: Duration) -> String {
+    let minutes = elapsed.as_secs() / 60;
+    format!(
+        "{command}, {minutes} min: {}",
+        progress.sentence(elapsed.as_secs_f64())
+    )
 }

@@ -122,6 +122,13 @@ pub(crate) fn show_on_stderr(text: &str) {
     );
 }
 
+/// `note: ...` on one line, unless nothing but results is asked for.
+pub(crate) fn warn(message: &str) {
+    if !manner().quiet {
+        show_on_stderr(&format!("note: {}", sanitize(&shortened(message), false)));
+    }
+}
+
 /// `error: ...` on one line.
 pub(crate) fn complain(message: &str) {
     let message = sanitize(&shortened(message), false);

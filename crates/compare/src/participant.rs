@@ -4,7 +4,7 @@ use pinwheel_timeseries::TimeSeries;
 pub use pinwheel_timeseries::{
     Ending as Status, EnergyAudit as Energy, RunStats as Cost, SharedModel,
 };
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::windows::Window;
 
@@ -81,7 +81,7 @@ impl Scales {
 }
 
 /// Growth of the difference between two runs of one solver that start one rounding apart.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Divergence {
     /// From here on the time_series differ visibly, s, and only their statistics (mean, peak, RMS) can be compared;
     /// `None`: not within the run.

@@ -16,13 +16,12 @@ use pinwheel_files::folder::draft_in;
 
 use crate::control::Cancelled;
 use crate::engine::{Ending, Halt};
+pub use crate::env::CACHE;
+use crate::env::cache;
 
 mod call;
 
 pub use call::{Note, call, kept_away};
-
-/// Names another folder than the user's cache folder.
-pub const CACHE: &str = "PINWHEEL_CACHE";
 
 /// Returns the ending of a run whose resources cannot be stored.
 pub fn storage(path: &Path, reason: impl ToString) -> Halt {
@@ -63,9 +62,7 @@ impl<T: Clone> Memo<T> {
 
 /// Returns the folder of all cached builds.
 pub fn folder() -> Result<PathBuf, Halt> {
-    let own = || Some(dirs::cache_dir()?.join("pinwheel"));
-    let folder = crate::env::variable(CACHE).map(PathBuf::from).or_else(own);
-    let folder = folder.ok_or_else(|| storage(Path::new("~"), "there is no home folder"))?;
+    let folder = cache().ok_or_else(|| storage(Path::new("~"), "there is no home folder"))?;
     fs::create_dir_all(&folder).map_err(|error| storage(&folder, error))?;
     fs::canonicalize(&folder).map_err(|error| storage(&folder, error))
 }

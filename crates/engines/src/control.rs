@@ -1,6 +1,7 @@
 //! Cancellation and progress, of one run and of a study of many.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 /// The user asked to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -18,6 +19,10 @@ pub struct Progress<'a> {
     pub piece: &'a str,
     /// Simulated time of all pieces together, reached and in all, s, where pieces are runs.
     pub simulated_s: Option<[f64; 2]>,
+    /// CPU time of the run's thread, where that is not the thread that reports.
+    pub cpu: Option<Duration>,
+    /// Time left, s, where it is known from elsewhere than simulated time.
+    pub left_s: Option<f64>,
 }
 
 impl<'a> Progress<'a> {
@@ -29,6 +34,8 @@ impl<'a> Progress<'a> {
             total,
             piece,
             simulated_s: None,
+            cpu: None,
+            left_s: None,
         }
     }
 
@@ -51,11 +58,10 @@ impl<'a> Progress<'a> {
             text.push_str(&format!("{number} of {}, ", self.total));
         }
         text.push_str(self.piece);
-        if let Some([at, of]) = self.simulated_s {
-            let left = elapsed_s * (of - at).max(0.0) / at;
-            if left.is_finite() {
-                text.push_str(&format!(", {} left", span(left)));
-            }
+        let by_pace = |[at, of]: [f64; 2]| elapsed_s * (of - at).max(0.0) / at;
+        let left = self.left_s.or_else(|| self.simulated_s.map(by_pace));
+        if let Some(left) = left.filter(|left| left.is_finite()) {
+            text.push_str(&format!(", {} left", span(left)));
         }
         text
     }
@@ -138,6 +144,16 @@ impl<'a> Control<'a> {
     #[must_use]
     pub fn reached(&self, time_s: f64) -> bool {
         (self.progress)(self.at.reached(time_s, self.duration_s));
+        self.is_cancelled()
+    }
+
+    /// As [`reached`](Self::reached), of a run on another thread, whose CPU time this is.
+    #[cfg(feature = "python")]
+    pub(crate) fn reached_elsewhere(&self, time_s: f64, cpu: Duration) -> bool {
+        (self.progress)(Progress {
+            cpu: Some(cpu),
+            ..self.at.reached(time_s, self.duration_s)
+        });
         self.is_cancelled()
     }
 

@@ -1,5 +1,7 @@
 //! The one interface of all engines.
 
+use std::time::Duration;
+
 pub use pinwheel_timeseries::{Ending, RunStats, SharedModel};
 
 use pinwheel_gearbox::Gearbox;
@@ -165,6 +167,15 @@ pub trait Engine: Send + Sync {
     /// # Errors
     /// Ending of a run that cannot begin: unsupported, or absent on this machine.
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt>;
+
+    /// Returns an earlier run of the compiled scene that was kept; `most` is the CPU time that a run may take. See
+    /// [`Store`](crate::kept::Store).
+    fn kept(&self, _gearbox: &Gearbox, _most: Option<Duration>) -> Option<Run> {
+        None
+    }
+
+    /// Keeps a run that took at most `most`, if runs of this engine are kept.
+    fn keep(&self, _gearbox: &Gearbox, _run: &Run, _most: Option<Duration>) {}
 
     /// Name as typed by users.
     fn name(&self) -> &str {

@@ -117,6 +117,8 @@ pub struct EngineInfo<'a> {
     pub explicit_friction: bool,
     /// True if the engine runs in a process of its own, whose CPU time is not this one's.
     pub outside: bool,
+    /// True if the engine runs in the one Python interpreter of a process: one such engine at a time.
+    pub in_python: bool,
     /// True for a solver of the user's: a comparison has to show something of it.
     pub brought: bool,
     /// The form of a native engine.
@@ -150,6 +152,7 @@ impl<'a> EngineInfo<'a> {
             model: &[],
             explicit_friction: false,
             outside: false,
+            in_python: false,
             brought: false,
             form: None,
             colour: None,

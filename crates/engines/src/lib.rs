@@ -9,7 +9,7 @@
 //!  native-reduced, native-lagrange, native-resolved        our solver
 //!  rapier-*, mujoco-*, exudyn-*                            bodies and time integration of others,
 //!     ...-shared-law: our contact forces                   their contact too: ...-own-contact
-//!  recorded                                                what a live engine gave earlier
+//!  recorded, kept                                          what a live engine gave earlier
 //!  external                                                solvers that the user names by a manifest
 //! ```
 //!
@@ -32,6 +32,7 @@ mod engine;
 mod env;
 pub mod external;
 mod info;
+pub mod kept;
 mod known;
 mod native;
 mod own_contact;

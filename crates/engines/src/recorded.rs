@@ -170,14 +170,11 @@ impl Recording {
             }
             solver
         };
-        let bare = |scene: &Scene| Scene {
-            name: String::new(),
-            description: String::new(),
-            uncertain: Default::default(),
+        let alike = |scene: &Scene| Scene {
             solver: setting(&scene.solver),
-            ..scene.clone()
+            ..bare(scene)
         };
-        bare(scene) == bare(&self.scene)
+        alike(scene) == alike(&self.scene)
             && scene.solver.duration_s <= self.scene.solver.duration_s * (1.0 + 1e-12)
     }
 
@@ -187,6 +184,16 @@ impl Recording {
         let rows = rows_at(&wanted, self.time_series.time_s());
         let rows: Vec<usize> = rows.flatten().collect();
         self.time_series.select(&rows)
+    }
+}
+
+/// Returns the scene without what changes no run: its names, and how well its values are known.
+pub(crate) fn bare(scene: &Scene) -> Scene {
+    Scene {
+        name: String::new(),
+        description: String::new(),
+        uncertain: Default::default(),
+        ..scene.clone()
     }
 }
 

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread::Thread;
 use std::time::{Duration, Instant};
 
-use cpu_time::ProcessTime;
+use cpu_time::ThreadTime;
 use pinwheel_engines::{AccuracySetting, Cancelled, Ending, Engine, Run, by_name};
 pub use pinwheel_engines::{Control, Progress};
 use pinwheel_gearbox::native::{self, NativeError, NativeRun};
@@ -49,8 +49,10 @@ impl TimeLimit {
             let Some([reached, _]) = at.simulated_s else {
                 return;
             };
+            // Runs in Python have a thread of their own, and say what it took.
+            let cpu = || at.cpu.unwrap_or_else(|| ThreadTime::now().as_duration());
             // From its first sample on: packages may have to be installed before.
-            let (wall, cpu) = begin.get_or_init(|| (Instant::now(), ProcessTime::now()));
+            let (wall, before) = begin.get_or_init(|| (Instant::now(), cpu()));
             let wall = wall.elapsed();
             let now_ns = wall.as_nanos() as u64;
             if now_ns < looked_ns.load(Ordering::Relaxed) + LOOK.as_nanos() as u64 {
@@ -61,7 +63,7 @@ impl TimeLimit {
             let took = if by_wall {
                 wall
             } else {
-                wall.min(cpu.elapsed())
+                wall.min(cpu().saturating_sub(*before))
             };
             let time_s = reached - at.done as f64 * duration;
             // Not all engines say how far they are.

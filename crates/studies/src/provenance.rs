@@ -58,6 +58,10 @@ fn today() -> String {
     now.to_string().chars().take(10).collect()
 }
 
+/// The sources that figures come from, as a hash (see `build.rs`): a changed solver gives other numbers under the same
+/// version.
+pub(crate) const SOURCES: &str = env!("PINWHEEL_SOURCES");
+
 /// Version of Pinwheel.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
@@ -104,6 +108,12 @@ impl Machine {
                 "optimised"
             },
         }
+    }
+
+    /// Processor and operating system.
+    #[must_use]
+    pub fn named(&self) -> String {
+        format!("{}, {}", self.processor, self.operating_system)
     }
 
     /// As pairs of label and value.

@@ -95,8 +95,7 @@ pub fn record(
     let mut recording = Recording::new(engine, scene, cost, series, uncertainty);
     let (name, engine) = (&scene.name, engine.name());
     let made = Provenance::here(format!("pinwheel record {name} --engines {engine}"));
-    let machine = made.machine;
-    recording.machine = format!("{}, {}", machine.processor, machine.operating_system);
+    recording.machine = made.machine.named();
     recording.date = made.date;
     recording.command = made.command;
     let written = recording.write();

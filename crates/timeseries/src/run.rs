@@ -82,6 +82,9 @@ pub struct RunStats {
     /// and reason of use. Costs are then the costs of the recording, on its machine; its samples may be a subset of
     /// the other runs' samples.
     pub recorded: Option<String>,
+    /// Day and machine of a run that an earlier command made and kept: it is whole, and its costs are those of then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kept: Option<String>,
     /// Uncertainty of recorded time series.
     #[serde(skip)]
     pub recorded_uncertainty: Vec<RecordedUncertainty>,

@@ -171,6 +171,15 @@ pub(crate) struct CompareArgs {
     pub(crate) resolution: f64,
     #[command(flatten)]
     pub(crate) solvers: Solvers,
+    /// Engines that run at a time [default: as many as there are cores].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) jobs: Option<u16>,
+    /// Run every engine anew, also those whose runs are kept.
+    #[arg(long)]
+    pub(crate) fresh: bool,
+    /// For the program itself: only keep the runs of an engine, whose name and divergence this is.
+    #[arg(long, hide = true)]
+    pub(crate) ahead: Option<String>,
     /// Write the verdicts as a JUnit file, too, for CI systems.
     #[arg(long, value_name = "FILE")]
     pub(crate) junit: Option<PathBuf>,
@@ -434,7 +443,7 @@ pub(crate) fn typed() -> String {
 
 fn without_places(words: impl IntoIterator<Item = String>) -> String {
     const VALUED: [&str; 4] = ["--out", "-o", "--jobs", "--color"];
-    const BARE: &str = "--force --resume --quiet -q --verbose -v --json";
+    const BARE: &str = "--force --fresh --resume --quiet -q --verbose -v --json";
     let mut command = "pinwheel".to_owned();
     let mut words = words.into_iter();
     while let Some(word) = words.next() {

@@ -1,17 +1,24 @@
 //! `pinwheel compare`: one scene, several engines, one report; or two scenes, one engine.
 
+use std::io::Write as _;
+use std::process::Command;
+use std::sync::Arc;
+
+use pinwheel::compare::Divergence;
+use pinwheel::engines::kept::Store;
+use pinwheel::engines::process::{self, End};
 use pinwheel::gearbox::Gearbox;
 use pinwheel::pages;
 use pinwheel::scene::CheckedScene;
-use pinwheel::studies::comparison::{self, Effort, Input, foreign};
-use pinwheel::studies::{choice, design_diff, junit};
+use pinwheel::studies::comparison::{self, Effort, Input, Lanes, foreign};
+use pinwheel::studies::{Control, Progress, StudyError, choice, design_diff, junit};
 
 use super::idle;
 use crate::args::{self, CompareArgs, SceneArgs};
-use crate::failure::Failure;
+use crate::failure::{Failure, STOPPED};
 use crate::folder::{Folder, check_junit};
 use crate::progress::watched;
-use crate::screen;
+use crate::{interrupt, screen, words};
 
 pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let gearbox = args.scene.load()?;
@@ -22,7 +29,21 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     let gearbox = foreign::with_channels(&data, gearbox)?;
     let scene = &gearbox.scene;
     let asked_by_name = !args.engines.is_empty();
-    let engines = choice::engines(&args.solvers.join_named(&args.engines)?, scene)?;
+    let store = match comparison::store(args.fresh) {
+        Ok(store) => store,
+        Err(error) => {
+            screen::warn(&format!("runs are not kept: {error}"));
+            None
+        }
+    };
+    let effort = effort(args, &args.scene.scene, scene)?;
+    if let (Some(ahead), Some(store)) = (&args.ahead, &store) {
+        return keep(store, ahead, &gearbox, effort);
+    }
+    let mut engines = choice::engines(&args.solvers.join_named(&args.engines)?, scene)?;
+    if let Some(store) = &store {
+        engines = store.around(engines);
+    }
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "compare")?;
     check_junit(args.junit.as_deref(), folder.place())?;
 
@@ -31,8 +52,18 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         engines: &engines,
         data: &data,
     };
-    let effort = effort(args, &args.scene.scene, scene)?;
-    let mut found = watched(|control| comparison::run_with(&input, effort, control))?;
+    // Where Python has loaded us, this program is Python.
+    let ahead: comparison::Ahead<'_> = &elsewhere;
+    let lanes = Lanes {
+        jobs: args.jobs.map_or_else(args::cores, usize::from),
+        store: store.as_deref(),
+        ahead: cfg!(feature = "crossval").then_some(ahead),
+    };
+    let found = watched(|control| comparison::run_on(&input, effort, &lanes, control));
+    for line in store.iter().flat_map(|store| store.said()) {
+        screen::warn(&line);
+    }
+    let mut found = found.map_err(|error| stopped(error, store.as_deref()))?;
     // An engine that was asked for by name and is left out ends in an error.
     found.comparison.passed &= found.broken(asked_by_name).is_none();
     let made = folder.write(|dir, made| found.write(dir, made))?;
@@ -53,6 +84,57 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
         Some(broken) => Err(Failure::engine(broken)),
         None => Ok(found.exit_status()),
     }
+}
+
+/// The failure of a comparison, and how it goes on if it was stopped.
+fn stopped(error: StudyError, store: Option<&Store>) -> Failure {
+    let made = store.map_or(0, Store::made);
+    match error {
+        StudyError::Cancelled if made > 0 => {
+            let kept = format!("stopped; {made} runs are kept: the same command goes on with them");
+            Failure::new(STOPPED, kept)
+        }
+        error => error.into(),
+    }
+}
+
+/// Keeps the runs of an engine for the process that compares, and tells it the time left, s, a line each.
+fn keep(store: &Arc<Store>, ahead: &str, gearbox: &Gearbox, effort: Effort) -> Result<u8, Failure> {
+    let (name, divergence) = ahead.split_once(' ').unwrap_or((ahead, ""));
+    let divergence: Option<Divergence> = serde_json::from_str(divergence).unwrap_or_default();
+    let engines = store.around(vec![choice::find(name, &gearbox.scene)?]);
+    let tell = |at: Progress<'_>| {
+        if let Some(left) = at.left_s {
+            // Nobody may listen.
+            let _ = writeln!(std::io::stdout().lock(), "{left}");
+        }
+    };
+    interrupt::watched();
+    let control = Control::new(interrupt::flag(), &tell);
+    comparison::ahead(engines[0].as_ref(), gearbox, divergence, effort, &control)?;
+    Ok(0)
+}
+
+/// Runs [`keep`] in another process. Whatever becomes of it: what it has not kept is run by this one.
+fn elsewhere(name: &str, divergence: Option<&Divergence>, control: &Control<'_>) {
+    let divergence = serde_json::to_string(&divergence).unwrap_or_default();
+    let Ok(program) = std::env::current_exe() else {
+        return;
+    };
+    let mut command = Command::new(program);
+    command.args(words::typed());
+    command.args(["--ahead", &format!("{name} {divergence}")]);
+    let _ = process::run(&mut command, None, &mut |piece| {
+        let said = piece.filter(|piece| !piece.stderr);
+        let said = said.map(|piece| String::from_utf8_lossy(&piece.bytes).into_owned());
+        if let Some(left_s) = said.and_then(|said| said.lines().last()?.parse().ok()) {
+            (control.progress)(Progress {
+                left_s: Some(left_s),
+                ..Progress::new(0, 1, name)
+            });
+        }
+        control.is_cancelled().then_some(End::Cancelled)
+    });
 }
 
 /// Names the settings of the model without which a native run is equal to the bit; those of solvers other engines may read.

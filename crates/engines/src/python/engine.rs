@@ -97,7 +97,10 @@ fn layout(layout: &Bound<'_, PyAny>, bodies: usize) -> PyResult<(Addresses, Vec<
 
 impl Engine for PythonEngine {
     fn info(&self) -> EngineInfo<'_> {
-        *self.0
+        EngineInfo {
+            in_python: true,
+            ..*self.0
+        }
     }
 
     fn version(&self) -> String {

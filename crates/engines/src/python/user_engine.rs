@@ -86,6 +86,7 @@ impl Engine for UserEngine {
     fn info(&self) -> EngineInfo<'_> {
         EngineInfo {
             brought: true,
+            in_python: true,
             differences: &self.differences,
             refinement: self.order.map(Refinement::step),
             summary: &self.summary,

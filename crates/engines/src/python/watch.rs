@@ -7,7 +7,9 @@ use std::panic::resume_unwind;
 use std::sync::Mutex;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Builder, scope};
+use std::time::Duration;
 
+use cpu_time::ThreadTime;
 use pinwheel_gearbox::Gearbox;
 use pyo3::prelude::*;
 use pyo3::types::{PyCFunction, PyDict};
@@ -20,9 +22,9 @@ use crate::engine::{Ending, Halt, Run};
 /// Enough for deep C++ recursion and Python's own.
 const STACK_BYTES: usize = 64 << 20;
 
-/// Message of a run to the caller's thread: the time reached, s; `None` when the run is over, also by a panic. Without
-/// it the end would be missed, for Python may keep the other sender alive.
-type Message = Option<f64>;
+/// Message of a run to the caller's thread: the time reached, s, and the CPU time of the run's thread; `None` when the run is
+/// over, also by a panic. Without it the end would be missed, for Python may keep the other sender alive.
+type Message = Option<(f64, Duration)>;
 
 /// A run's way to its caller.
 struct Watch {
@@ -39,7 +41,8 @@ impl Watch {
             // Other threads may run Python while the caller draws its progress.
             Ok(args.py().detach(|| {
                 let line = line.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
-                line.tell.send(Some(time_s)).is_err() || line.hear.recv().unwrap_or(true)
+                let now = Some((time_s, ThreadTime::now().as_duration()));
+                line.tell.send(now).is_err() || line.hear.recv().unwrap_or(true)
             }))
         })
     }
@@ -107,8 +110,8 @@ fn watched<T: Send>(
                 let _end = End(tell);
                 work(watch)
             })?;
-        while let Ok(Some(time_s)) = told.recv() {
-            if answer.send(control.reached(time_s)).is_err() {
+        while let Ok(Some((time_s, cpu))) = told.recv() {
+            if answer.send(control.reached_elsewhere(time_s, cpu)).is_err() {
                 break;
             }
         }

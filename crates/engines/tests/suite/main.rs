@@ -12,6 +12,7 @@ mod external;
 #[cfg(feature = "python")]
 #[allow(unsafe_code, reason = "called as C programs call it")]
 mod ffi;
+mod kept;
 mod known;
 mod log;
 mod manifest;

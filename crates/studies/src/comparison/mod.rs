@@ -5,6 +5,7 @@
 mod context;
 pub mod foreign;
 mod inputs;
+mod lanes;
 pub(crate) mod refine;
 mod twins;
 
@@ -34,6 +35,7 @@ use crate::stages::{self, Located};
 use crate::{StudyError, divergence};
 pub use context::context;
 use foreign::Data;
+pub use lanes::{Ahead, Lanes, ahead, store};
 pub use refine::Effort;
 #[doc(hidden)]
 pub use refine::refine;
@@ -107,23 +109,38 @@ pub fn run_with(
     effort: Effort,
     control: &Control<'_>,
 ) -> Result<Outcome, StudyError> {
+    run_on(input, effort, &Lanes::default(), control)
+}
+
+/// [`run_with`] on as many threads and processes as are given. Results do not depend on their number.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_on(
+    input: &Input<'_>,
+    effort: Effort,
+    lanes: &Lanes<'_>,
+    control: &Control<'_>,
+) -> Result<Outcome, StudyError> {
     let scene = &input.gearbox.scene;
     let model = pinwheel_gearbox::explain(input.gearbox);
+    // How far single runs are says nothing of the time that the others take.
+    let pieces = |at: Progress<'_>| {
+        if at.simulated_s.is_none() {
+            (control.progress)(at);
+        }
+    };
+    let control = &control.limited(control.cancel, &pieces);
     let total = input.engines.len() + 1;
     let at = Progress::new(0, total, "divergence of a rounding");
+    (control.progress)(at);
     let several = input.engines.len() + input.data.len() > 1;
     let mut context = context(scene);
     if several {
         context.divergence = divergence(input.gearbox, at, control)?;
     }
-    let (mut participants, mut evidence) = (Vec::new(), Vec::new());
-    for (done, engine) in input.engines.iter().enumerate() {
-        let at = Progress::new(done + 1, total, engine.name());
-        let (engine, gearbox) = (engine.as_ref(), input.gearbox);
-        let (participant, shown) = refine(engine, gearbox, &context, effort, at, control)?;
-        participants.push(participant);
-        evidence.push(shown);
-    }
+    let (mut participants, evidence) = lanes.refine(input, &context, effort, control)?;
+    (control.progress)(Progress::new(total, total, "differences"));
     let (mut stated, mut measured) = (Vec::new(), Vec::new());
     let inputs = if input.data.is_empty() {
         Vec::new()
@@ -389,15 +406,20 @@ fn take_part(
     control: &Control<'_>,
 ) -> Result<(Participant, Option<Ladder>), StudyError> {
     let control = control.piece(at);
-    let run = match most {
-        Some(most) => TimeLimit {
-            most,
-            suggested_limit_s: 1.0 / f64::from(WITHIN),
-            outside: false,
-        }
-        .run(engine, gearbox, &control)?,
-        None => engine.run_compiled(gearbox, &control)?,
+    let live = || {
+        let run = match most {
+            Some(most) => TimeLimit {
+                most,
+                suggested_limit_s: 1.0 / f64::from(WITHIN),
+                outside: false,
+            }
+            .run(engine, gearbox, &control)?,
+            None => engine.run_compiled(gearbox, &control)?,
+        };
+        engine.keep(gearbox, &run, most);
+        Ok::<_, StudyError>(run)
     };
+    let run = engine.kept(gearbox, most).map_or_else(live, Ok)?;
     // A live engine that is missing here (no Python, no network) may have been recorded.
     if let Status::Absent { reason } | Status::Failed { reason } = &run.ending
         && let Some(recorded) = recorded::instead(engine.name(), &gearbox.scene, reason)

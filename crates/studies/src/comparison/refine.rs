@@ -267,6 +267,14 @@ impl<'a> Refiner<'a> {
             .sum()
     }
 
+    /// Factor of the least refinement.
+    fn least(&self) -> f64 {
+        match self.by.knob {
+            AccuracySetting::Step => 2.0,
+            AccuracySetting::Tolerance => 10.0,
+        }
+    }
+
     /// How much dearer a run is whose setting is `factor` times finer.
     fn dearer(&self, factor: f64) -> f64 {
         match self.by.knob {
@@ -278,9 +286,10 @@ impl<'a> Refiner<'a> {
     /// Returns the factor of the next refinement, which is to be `needed`: in halves or decades, as large as the time `left`
     /// allows for a run that took `cpu_s`; and the time that it takes. It may not fit.
     fn next(&self, needed: f64, cpu_s: f64, left: f64) -> (f64, f64) {
-        let (least, most): (f64, f64) = match self.by.knob {
-            AccuracySetting::Step => (2.0, MOST),
-            AccuracySetting::Tolerance => (10.0, 100.0),
+        let least = self.least();
+        let most = match self.by.knob {
+            AccuracySetting::Step => MOST,
+            AccuracySetting::Tolerance => 100.0,
         };
         let steps = (needed.log10() / least.log10()).ceil();
         let mut factor = least.powf(steps).clamp(least, most);
@@ -351,6 +360,15 @@ pub fn refine(
         spent.set(spent.get() + cpu_s(&ran));
         Ok::<_, StudyError>(ran)
     };
+    // Runs that are left take `left_s`, the finest of them `finest_s`; known where it cannot be refined any further in its time.
+    let tell = |refiner: &Refiner<'_>, left_s: f64, finest_s: f64| {
+        let finer = finest_s * refiner.dearer(refiner.least());
+        let known = !free || spent.get() + left_s + finer > longest;
+        (control.progress)(Progress {
+            left_s: known.then_some(left_s),
+            ..at
+        });
+    };
     // A foreign engine is asked for its coarsest run first: what that takes tells whether the others fit the time.
     let mut coarsest = None;
     if limited
@@ -369,7 +387,13 @@ pub fn refine(
     let (mut value, mut finest) = match coarsest.take_if(|ran| whole_s(ran) > longest) {
         // It becomes the finest level of a study that fits.
         Some(coarsest) => coarsest,
-        None => (refiner.value, run(&refiner, refiner.value)?),
+        None => {
+            if let Some((value, ran)) = &coarsest {
+                let finest_s = cpu_s(ran) * refiner.dearer(value / refiner.value);
+                tell(&refiner, refiner.rest(*value, cpu_s(ran)), finest_s);
+            }
+            (refiner.value, run(&refiner, refiner.value)?)
+        }
     };
     let diverged = |run: &Participant| matches!(run.status, Status::Diverged { .. });
     while diverged(&finest)
@@ -390,7 +414,13 @@ pub fn refine(
         return Ok((finest, evidence));
     }
     let mut ladder = refiner.ladder(value);
-    for value in refiner.coarser(value) {
+    let (coarser, took) = (refiner.coarser(value), cpu_s(&finest));
+    let open = coarser
+        .iter()
+        .filter(|value| coarsest.as_ref().is_none_or(|run| run.0 != **value));
+    let left_s = open.map(|coarser| took * refiner.dearer(value / coarser));
+    tell(&refiner, left_s.sum(), took);
+    for value in coarser {
         let ran = match coarsest.take_if(|run| run.0 == value) {
             Some((_, ran)) => ran,
             None => run(&refiner, value)?,
@@ -420,6 +450,7 @@ pub fn refine(
         let (factor, next) = refiner.next(needed, took, longest - spent.get());
         let mut finer = None;
         if spent.get() + next <= longest && value / factor >= FINEST {
+            tell(&refiner, next, next);
             let ran = run(&refiner, value / factor)?;
             finer = ran.status.is_finished().then_some(ran);
         }

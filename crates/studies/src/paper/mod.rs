@@ -26,6 +26,7 @@ pub use runs::Peer;
 use crate::StudyError;
 use crate::control::{Control, Progress};
 use crate::motion::{Motion, sampled};
+use crate::pool;
 use figure::{Measured, number};
 use runs::{Model, Runs};
 use statements::Statements;
@@ -142,12 +143,20 @@ pub fn run(options: &Options, control: &Control<'_>) -> Result<PaperResult, Stud
         })
     }));
     let mut measured = vec![cost];
-    for (k, (names, piece, make)) in groups.iter().enumerate() {
+    let draw = |(): &mut (), k: usize| -> Result<Vec<Measured>, StudyError> {
+        let (names, piece, make) = groups[k];
         step(k + 1, piece)?;
         let made = make(&runs)?.into_iter().zip(*names);
         let made = made.filter(|(_, name)| wanted(name));
-        measured.extend(made.map(|(found, _)| found));
+        Ok(made.map(|(found, _)| found).collect())
+    };
+    // No time is measured any more.
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let (drawn, fault) = pool::map(threads, groups.len(), || (), draw);
+    if let Some(fault) = fault {
+        return Err(fault);
     }
+    measured.extend(drawn.into_iter().flatten().flatten());
     let claims = said.claim.iter().filter_map(|claim| {
         let found = measured.iter().find(|found| found.id == claim.figure)?;
         Some(claim.claim(found))

@@ -1,8 +1,7 @@
 //! The runs behind the figures: each scene once, however many figures draw it.
 
-use std::cell::RefCell;
 use std::collections::HashMap;
-use std::rc::Rc;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use pinwheel_scene::{Detection, Scene};
@@ -13,6 +12,7 @@ use super::figure::{Curve, Drawn, number};
 use super::read::{part, peak, range, times};
 use crate::StudyError;
 use crate::control::{Control, complete};
+use crate::pool::lock;
 
 /// Backlashes drawn, m, as numbers name them. Of those in the paper's figures only the largest is named.
 pub(super) const BACKLASHES: [(&str, f64); 3] = [("0", 0.0), ("0.3_mm", 3e-4), ("0.6_mm", 6e-4)];
@@ -79,12 +79,15 @@ pub(super) struct Run {
     pub(super) wall_s: f64,
 }
 
+/// A run, once it has ended.
+type Slot = Arc<Mutex<Option<Arc<Run>>>>;
+
 /// All runs so far.
 pub(super) struct Runs<'a> {
     control: Control<'a>,
     /// Run that stands in Adams' place.
     pub(super) peer: Option<&'a Peer>,
-    known: RefCell<HashMap<String, Rc<Run>>>,
+    known: Mutex<HashMap<String, Slot>>,
 }
 
 impl<'a> Runs<'a> {
@@ -92,7 +95,7 @@ impl<'a> Runs<'a> {
         Self {
             control,
             peer,
-            known: RefCell::default(),
+            known: Mutex::default(),
         }
     }
 
@@ -101,20 +104,23 @@ impl<'a> Runs<'a> {
         &self,
         model: Model,
         change: impl FnOnce(&mut Scene),
-    ) -> Result<Rc<Run>, StudyError> {
+    ) -> Result<Arc<Run>, StudyError> {
         let mut scene = model.scene();
         change(&mut scene);
         let key = scene.to_toml();
-        if let Some(run) = self.known.borrow().get(&key) {
-            return Ok(Rc::clone(run));
+        let slot = Arc::clone(lock(&self.known).entry(key).or_default());
+        // Whoever draws the same run waits for it.
+        let mut slot = lock(&slot);
+        if let Some(run) = &*slot {
+            return Ok(Arc::clone(run));
         }
         let start = Instant::now();
         let time_series = complete(&scene, &self.control)?.time_series;
-        let run = Rc::new(Run {
+        let run = Arc::new(Run {
             time_series,
             wall_s: start.elapsed().as_secs_f64(),
         });
-        self.known.borrow_mut().insert(key, Rc::clone(&run));
+        *slot = Some(Arc::clone(&run));
         Ok(run)
     }
 
@@ -151,7 +157,8 @@ impl<'a> Runs<'a> {
 
     /// How many there are.
     pub(super) fn count(&self) -> usize {
-        self.known.borrow().len()
+        let slots = lock(&self.known);
+        slots.values().filter(|slot| lock(slot).is_some()).count()
     }
 }
 
@@ -161,7 +168,7 @@ pub(super) fn backlash(backlash_m: f64) -> String {
 }
 
 /// Runs that one plot shows, each with its name in numbers and that of its curve; all on the same sample times.
-pub(super) struct Cases(pub(super) Vec<(&'static str, String, Rc<Run>)>);
+pub(super) struct Cases(pub(super) Vec<(&'static str, String, Arc<Run>)>);
 
 impl Cases {
     /// A figure of every run.

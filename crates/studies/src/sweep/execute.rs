@@ -8,9 +8,10 @@ use pinwheel_gearbox::Gearbox;
 
 use crate::control::{Control, Progress};
 use crate::pool;
+use crate::provenance::SOURCES;
 use crate::sweep::file::KeepTimeSeries;
 use crate::sweep::journal::{Journal, keep_time_series};
-use crate::sweep::record::{RunRecord, SOURCES, identity};
+use crate::sweep::record::{RunRecord, identity};
 use crate::sweep::{Plan, PlannedRun, SweepError};
 
 /// Reports of a run's progress at most.

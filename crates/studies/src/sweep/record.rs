@@ -9,6 +9,7 @@ use pinwheel_timeseries::sampling::Figures;
 use pinwheel_timeseries::{ABOVE_ONE, Ending, EnergyAudit, NO_LOSS, efficiency, mean_powers};
 use serde::{Deserialize, Serialize};
 
+use crate::provenance::SOURCES;
 use crate::sweep::PlannedRun;
 use crate::sweep::spread::{FIGURES, WindowStatistics};
 use crate::sweep::written::Written;
@@ -209,10 +210,6 @@ fn account(run: &Run, [from, to]: [f64; 2]) -> Option<&EnergyAudit> {
     let near = run.stats.energy.iter().filter(|audit| shared(audit) > 0.5);
     near.max_by(|a, b| shared(a).total_cmp(&shared(b)))
 }
-
-/// The sources that figures come from, as a hash (see `build.rs`): a changed solver gives other numbers under the same
-/// version.
-pub(super) const SOURCES: &str = env!("PINWHEEL_SOURCES");
 
 /// Everything that the figures of a run depend on, as text: the engine with its version and build, the program's version and
 /// sources, the window, and the complete scene as TOML.

@@ -14,6 +14,7 @@ mod front;
 mod gears;
 mod joint;
 mod judge;
+mod lanes;
 mod load_changes;
 mod losses;
 mod norms;

@@ -453,6 +453,7 @@ impl<'a> Answer<'a> {
             );
             facts.push(Fact::new("recorded", Mark::None, text));
         }
+        facts.extend(kept(comparison));
         let counts = comparison.counts;
         if counts.inconclusive > counts.inconclusive_actionable {
             let groups = words::groups(comparison).join(", ");
@@ -504,6 +505,28 @@ impl<'a> Answer<'a> {
         let facts = facts.map(|text| Fact::new("next", Mark::None, text));
         facts.collect()
     }
+}
+
+/// The fact that runs are of an earlier command: of which engines, and from when.
+fn kept(comparison: &Comparison) -> Option<Fact> {
+    let kept = comparison.engines.iter();
+    let kept = kept.filter_map(|engine| Some((&*engine.name, engine.cost.kept.as_ref()?)));
+    let kept: Vec<(&str, &String)> = kept.collect();
+    let days: BTreeSet<&str> = kept
+        .iter()
+        .filter_map(|(_, of)| of.split(' ').next())
+        .collect();
+    let days = match (days.first()?, days.last()?) {
+        (first, last) if first == last => (*first).to_owned(),
+        (first, last) => format!("{first} to {last}"),
+    };
+    let families = kept.iter().map(|(name, _)| pinwheel_engines::family(name));
+    let families = joined(", ", families.collect::<BTreeSet<&str>>());
+    let text = format!(
+        "{families} ({} engines): not run now but kept, of {days}; Engines on the page names each; `--fresh` runs them",
+        kept.len()
+    );
+    Some(Fact::new("kept", Mark::None, text))
 }
 
 /// Reasons why engines have no figures, with the engines of each.

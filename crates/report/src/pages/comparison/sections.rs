@@ -215,9 +215,10 @@ impl<'a> Page<'a> {
         let table = self
             .of_engines("Costs of each engine", all, |e| e)
             .text("", "Shares", |e| e.track.shares())
-            .text("", "Run", |e| match &e.cost.recorded {
-                Some(_) => "recorded",
-                None => e.status.word(),
+            .text("", "Run", |e| match (&e.cost.recorded, &e.cost.kept) {
+                (Some(_), _) => "recorded",
+                (None, Some(_)) => "kept",
+                (None, None) => e.status.word(),
             })
             .number("", "Wall time", |e| time(e, e.cost.wall_s))
             .shown(Shown::Seconds)
@@ -247,7 +248,7 @@ impl<'a> Page<'a> {
                 joined("; ", all.filter(|said| !said.is_empty()))
             });
         Section::new("costs", "Costs")
-            .with("Times are of this machine, but for those of recorded runs; counts are not.")
+            .with("Times are of this machine and now, but for those of recorded and kept runs; counts are not.")
             .with(table.done().without_empty())
             .folded("")
     }
@@ -262,8 +263,10 @@ impl<'a> Page<'a> {
             .text("", "What it is", |e| &e.summary)
             .text("", "How it differs", |e| &e.differences)
             .text("", "Run", |e| {
-                let recorded = e.cost.recorded.clone();
-                e.status.reason().or(recorded).unwrap_or_default()
+                let kept = e.cost.kept.as_ref();
+                let kept = kept.map(|of| format!("Kept: run by this version of Pinwheel on {of}."));
+                let earlier = e.cost.recorded.clone().or(kept);
+                e.status.reason().or(earlier).unwrap_or_default()
             })
             .marked(|e| Mark::bad(e.status.is_broken()));
         let section = Section::new("engines", "Engines").with(table);

@@ -160,7 +160,11 @@ fn engines(comparison: &Comparison) -> Table {
             Some(engine.cost.wall_s).filter(|wall| *wall > 0.0)
         })
         .shown(Shown::Decimals(2))
-        .said(|engine| engine.cost.recorded.as_ref().map(|_| "recorded".to_owned()))
+        .said(|engine| {
+            let kept = engine.cost.kept.as_ref().map(|_| "kept");
+            let word = engine.cost.recorded.as_ref().map(|_| "recorded").or(kept);
+            word.map(str::to_owned)
+        })
         .text("", "load", |engine| own_verdict(engine).0)
         .marked(|engine| own_verdict(engine).1)
         .done()

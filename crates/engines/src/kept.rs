@@ -1,0 +1,379 @@
+//! Runs of other projects' engines that a comparison made, kept for the next one.
+//!
+//! ```text
+//!  engine, version, sources of this program, checked scene with its settings ──> name of a file
+//!  file: hash, description (TOML: a [`Recording`], and how the run ended), samples (numbers of eight bytes)
+//! ```
+//! A kept run is a recording that is whole and not rounded, so that a comparison with it gives what it gave when the run was made.
+//! Nothing of the machine is in its name: a folder may go from one to another. Native runs take no time worth it, and a solver of
+//! the user's is always run.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, SystemTime};
+
+use pinwheel_files::file::replace;
+use pinwheel_files::{Fnv, fnv};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::Scene;
+use pinwheel_timeseries::{TimeSeries, columns};
+use serde::{Deserialize, Serialize};
+
+use crate::engine::{Ending, Engine, Halt, Prepared, Run, SharedModel};
+use crate::env::cache;
+use crate::info::EngineInfo;
+use crate::recorded::{Recording, bare};
+
+/// Names the folder of kept runs; if it is set to nothing, none is kept.
+pub const RUNS: &str = "PINWHEEL_RUNS";
+/// Beginning of every file.
+const MAGIC: &str = "pinwheel run 1 ";
+/// Ending of every file's name.
+const ENDING: &str = ".run";
+/// Bytes of all files at most.
+const MOST_BYTES: u64 = 1 << 30;
+
+/// Returns the folder of kept runs, in the user's cache folder if none is named; `None` if none are kept.
+#[must_use]
+pub fn folder() -> Option<PathBuf> {
+    let named = |name: OsString| (!name.is_empty()).then(|| name.into());
+    let own = || Some(cache()?.join("runs"));
+    std::env::var_os(RUNS).map_or_else(own, named)
+}
+
+/// Runs of engines in a folder. Several processes may use it at once.
+#[derive(Debug)]
+pub struct Store {
+    folder: PathBuf,
+    /// Hash of the sources that results depend on.
+    program: String,
+    /// Machine and day of the runs that are made now.
+    machine: String,
+    date: String,
+    /// True if only runs that were made since [`opened`](Self::opened) count.
+    fresh: bool,
+    opened: SystemTime,
+    said: Mutex<Vec<String>>,
+}
+
+/// Description of a kept run.
+#[derive(Debug, Serialize, Deserialize)]
+struct Kept {
+    /// Everything that the run depends on but the scene.
+    identity: String,
+    /// CPU time that the run might take, s, where it was limited.
+    limit_s: Option<f64>,
+    /// Names of the channels.
+    channels: Vec<String>,
+    ending: Ending,
+    run: Recording,
+}
+
+impl Kept {
+    fn new(identity: String, limit_s: Option<f64>, ending: Ending, run: Recording) -> Self {
+        let channels = run.time_series.channels().iter();
+        Self {
+            identity,
+            limit_s,
+            channels: channels.map(|one| one.name.clone()).collect(),
+            ending,
+            run,
+        }
+    }
+}
+
+impl Store {
+    /// Opens a folder, which is made if need be. `fresh`: only runs made from now on count.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn open(
+        folder: &Path,
+        fresh: bool,
+        program: &str,
+        (machine, date): (String, String),
+    ) -> std::io::Result<Self> {
+        fs::create_dir_all(folder)?;
+        // The clock that stamps the files.
+        let stamp = tempfile::NamedTempFile::new_in(folder)?;
+        Ok(Self {
+            opened: stamp.as_file().metadata()?.modified()?,
+            folder: folder.to_owned(),
+            program: program.to_owned(),
+            machine,
+            date,
+            fresh,
+            said: Mutex::default(),
+        })
+    }
+
+    /// Returns the engines, with those whose runs are kept behind this store.
+    #[must_use]
+    pub fn around(self: &Arc<Self>, engines: Vec<Box<dyn Engine>>) -> Vec<Box<dyn Engine>> {
+        let around = |engine: Box<dyn Engine>| -> Box<dyn Engine> {
+            let info = engine.info();
+            if info.brought || info.track == SharedModel::Native {
+                return engine;
+            }
+            let parts = [
+                &self.program,
+                engine.name(),
+                &engine.version(),
+                &engine.build(),
+            ];
+            Box::new(Keeper {
+                identity: parts.join("\n"),
+                store: Arc::clone(self),
+                engine,
+            })
+        };
+        engines.into_iter().map(around).collect()
+    }
+
+    /// Returns a line for each file that was no good.
+    #[must_use]
+    pub fn said(&self) -> Vec<String> {
+        let said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
+        said.clone()
+    }
+
+    fn say(&self, line: String) {
+        let mut said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
+        if !said.contains(&line) {
+            said.push(line);
+        }
+    }
+
+    /// Returns the number of runs that were made since the store was opened.
+    #[must_use]
+    pub fn made(&self) -> usize {
+        let files = self.files("").into_iter();
+        files.filter(|(made, ..)| *made >= self.opened).count()
+    }
+
+    /// Returns the CPU time of all runs of an engine on a scene, s, as they were made last; `None` if there are none.
+    #[must_use]
+    pub fn cost_s(&self, engine: &str, scene: &Scene) -> Option<f64> {
+        let stem = stem(engine, scene);
+        let mut of_setting = BTreeMap::new();
+        for (_, path, _) in self.files(&stem) {
+            let name = path.file_name()?.to_string_lossy().into_owned();
+            let setting = name[stem.len()..].split('-').next()?.to_owned();
+            if let Some(kept) = fs::read(&path).ok().and_then(|bytes| unpacked(&bytes)) {
+                of_setting.insert(setting, kept.run.stats.cpu_s);
+            }
+        }
+        (!of_setting.is_empty()).then(|| of_setting.values().sum())
+    }
+
+    /// Files whose names begin with `stem`, the oldest first: time, path, bytes.
+    fn files(&self, stem: &str) -> Vec<(SystemTime, PathBuf, u64)> {
+        let entries = fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let files = entries.filter(|entry| {
+            let name = entry.file_name();
+            let name = name.to_string_lossy();
+            name.starts_with(stem) && name.ends_with(ENDING)
+        });
+        let files = files.filter_map(|entry| {
+            let about = entry.metadata().ok()?;
+            Some((about.modified().ok()?, entry.path(), about.len()))
+        });
+        let mut files: Vec<_> = files.collect();
+        files.sort();
+        files
+    }
+
+    /// Removes the oldest files until the others have room.
+    fn trim(&self, room: u64) {
+        let files = self.files("");
+        let mut bytes: u64 = files.iter().map(|(.., bytes)| bytes).sum();
+        for (_, path, of) in files {
+            if bytes <= room {
+                break;
+            }
+            // Another process may have removed it.
+            let _ = fs::remove_file(path);
+            bytes -= of;
+        }
+    }
+}
+
+/// Beginning of the names of files with runs of an engine on a scene, at any setting.
+fn stem(engine: &str, scene: &Scene) -> String {
+    let mut alike = bare(scene);
+    (alike.solver.step_s, alike.solver.tolerance) = (0.0, 0.0);
+    format!("{engine}-{:016x}-", fnv(alike.to_toml().into_bytes()))
+}
+
+/// An engine with the store of its runs.
+struct Keeper {
+    engine: Box<dyn Engine>,
+    store: Arc<Store>,
+    /// Program, engine, version and build.
+    identity: String,
+}
+
+impl Keeper {
+    fn path(&self, scene: &Scene) -> PathBuf {
+        let solver = &scene.solver;
+        let mut hash = Fnv::default();
+        hash.add_part(self.identity.as_bytes());
+        hash.add_part(bare(scene).to_toml().as_bytes());
+        let (stem, setting) = (stem(self.name(), scene), [solver.step_s, solver.tolerance]);
+        let setting = fnv(setting.into_iter().flat_map(f64::to_le_bytes));
+        let name = format!("{stem}{setting:016x}-{:016x}{ENDING}", hash.value());
+        self.store.folder.join(name)
+    }
+}
+
+impl Engine for Keeper {
+    fn info(&self) -> EngineInfo<'_> {
+        self.engine.info()
+    }
+
+    fn version(&self) -> String {
+        self.engine.version()
+    }
+
+    fn build(&self) -> String {
+        self.engine.build()
+    }
+
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
+        self.engine.prepare(gearbox)
+    }
+
+    fn kept(&self, gearbox: &Gearbox, most: Option<Duration>) -> Option<Run> {
+        let (store, path) = (&self.store, self.path(&gearbox.scene));
+        let about = fs::metadata(&path).ok()?;
+        let made = about.modified().ok()?;
+        let is_older = store.fresh && made < store.opened;
+        if is_older || !about.is_file() || about.len() > MOST_BYTES {
+            return None;
+        }
+        let bytes = fs::read(&path).ok()?;
+        let of_this = |kept: &Kept| {
+            kept.identity == self.identity && bare(&kept.run.scene) == bare(&gearbox.scene)
+        };
+        let Some(kept) = unpacked(&bytes).filter(of_this) else {
+            let name = self.name();
+            store.say(format!(
+                "a kept run of {name} was damaged or not ours; it is made anew"
+            ));
+            return None;
+        };
+        // With more time it might come through.
+        let limit_s = most.map_or(f64::MAX, |most| most.as_secs_f64());
+        if matches!(kept.ending, Ending::TimedOut { .. })
+            && kept.limit_s.is_none_or(|s| s < limit_s)
+        {
+            return None;
+        }
+        let Recording {
+            date,
+            machine,
+            time_series,
+            mut stats,
+            ..
+        } = kept.run;
+        stats.kept = (made < store.opened).then(|| format!("{date} on {machine}"));
+        Some(Run::new(time_series, stats).with_ending(kept.ending))
+    }
+
+    fn keep(&self, gearbox: &Gearbox, run: &Run, most: Option<Duration>) {
+        let passes = matches!(run.ending, Ending::Absent { .. } | Ending::Failed { .. });
+        if passes || run.stats.recorded.is_some() {
+            return;
+        }
+        let store = &self.store;
+        let (stats, series) = (run.stats.clone(), run.time_series.clone());
+        let mut recording = Recording::new(self, &gearbox.scene, stats, series, Vec::new());
+        recording.date.clone_from(&store.date);
+        recording.machine.clone_from(&store.machine);
+        let limit_s = most.map(|most| most.as_secs_f64());
+        let ending = run.ending.clone();
+        let kept = Kept::new(self.identity.clone(), limit_s, ending, recording);
+        let written = packed(&kept).map_err(|error| error.to_string());
+        let written = written.and_then(|bytes| {
+            let path = self.path(&gearbox.scene);
+            replace(&path, &bytes, &|_| true).map_err(|error| error.to_string())
+        });
+        if let Err(reason) = written {
+            store.say(format!("runs are not kept: {reason}"));
+        }
+        store.trim(MOST_BYTES);
+    }
+}
+
+/// A kept run as the bytes of its file.
+fn packed(kept: &Kept) -> Result<Vec<u8>, toml::ser::Error> {
+    let mut body = toml::to_string(kept)?.into_bytes();
+    body.push(0);
+    let series = &kept.run.time_series;
+    let channels = series.channels().iter().map(|one| one.values.as_slice());
+    for values in std::iter::once(series.time_s()).chain(channels) {
+        body.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    }
+    let mut bytes = format!("{MAGIC}{:016x}\n", fnv(body.iter().copied())).into_bytes();
+    bytes.append(&mut body);
+    Ok(bytes)
+}
+
+/// Reads what [`packed`] wrote; `None` if a bit of it is another.
+fn unpacked(bytes: &[u8]) -> Option<Kept> {
+    let rest = bytes.strip_prefix(MAGIC.as_bytes())?;
+    let (hash, body) = rest.split_at_checked(17)?;
+    let expected = format!("{:016x}\n", fnv(body.iter().copied()));
+    (hash == expected.as_bytes()).then(|| read(body))?
+}
+
+/// Reads description and samples.
+fn read(body: &[u8]) -> Option<Kept> {
+    let end = body.iter().position(|byte| *byte == 0)?;
+    let mut kept: Kept = toml::from_str(std::str::from_utf8(&body[..end]).ok()?).ok()?;
+    let (numbers, rest) = body[end + 1..].as_chunks::<8>();
+    let names = std::iter::once(columns::TIME).chain(kept.channels.iter().map(String::as_str));
+    let rows = numbers.len() / (kept.channels.len() + 1);
+    let columns = names.enumerate().map(|(k, name)| {
+        let values = numbers[k * rows..(k + 1) * rows].iter();
+        (
+            name.to_owned(),
+            values.map(|bytes| f64::from_le_bytes(*bytes)).collect(),
+        )
+    });
+    kept.run.time_series = TimeSeries::of_columns(columns).ok()?;
+    let whole = rest.is_empty() && rows * (kept.channels.len() + 1) == numbers.len();
+    whole.then_some(kept)
+}
+
+/// Private items that tests reach; no part of the interface.
+#[doc(hidden)]
+pub mod internals {
+    use super::*;
+
+    /// A file's body, without its hash.
+    pub fn body(run: Recording) -> Vec<u8> {
+        let kept = Kept::new("x".to_owned(), Some(1.0), Ending::Finished, run);
+        let bytes = packed(&kept).unwrap_or_default();
+        bytes[bytes.len().min(MAGIC.len() + 17)..].to_vec()
+    }
+
+    /// True if a body of a file can be read.
+    pub fn reads(body: &[u8]) -> bool {
+        read(body).is_some()
+    }
+
+    /// Removes the oldest files of a store until the others have room.
+    pub fn trim(store: &Store, room: u64) {
+        store.trim(room);
+    }
+
+    /// Places of the files.
+    pub fn files(folder: &Path) -> Vec<PathBuf> {
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.map(|entry| entry.path()).collect()
+    }
+}

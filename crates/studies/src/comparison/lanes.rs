@@ -1,0 +1,247 @@
+//! Engines of a comparison side by side: on threads, those in Python in one of them, or in processes of their own.
+//!
+//! ```text
+//!  engines ──the dearest first──> jobs threads ──> refine ──> participants in the engines' order
+//!            in Python: another process refines ahead and keeps its runs; refine finds them
+//! ```
+//! CPU time is measured by the clock of each run's own thread or process, so that it is the same however many run. What an
+//! engine computes does not depend on the others.
+
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use pinwheel_compare::{Context, Divergence, Evidence, Participant, SharedModel};
+use pinwheel_engines::Engine;
+use pinwheel_engines::kept::{self, Store};
+use pinwheel_gearbox::Gearbox;
+
+use super::refine::{Refiner, refine};
+use super::{Effort, Input, context};
+use crate::StudyError;
+use crate::control::{Control, Progress};
+use crate::output::OutputError;
+use crate::pool::{self, lock};
+use crate::provenance::{Provenance, SOURCES};
+
+/// Refines an engine, by its name, in another process that keeps its runs, see [`ahead`]; with what is known of the scene.
+pub type Ahead<'a> = &'a (dyn Fn(&str, Option<&Divergence>, &Control<'_>) + Sync);
+
+/// Means of a comparison.
+#[derive(Clone, Copy, Default)]
+pub struct Lanes<'a> {
+    /// Engines that run at a time; 0 is 1.
+    pub jobs: usize,
+    /// Store that is around the engines.
+    pub store: Option<&'a Store>,
+    /// Processes for engines in Python, which share an interpreter otherwise.
+    pub ahead: Option<Ahead<'a>>,
+}
+
+/// Opens the store of runs of other projects' engines, see [`kept`]; `None` if none are kept. `fresh`: only runs made from now on
+/// count.
+///
+/// # Errors
+/// Its folder cannot be written.
+pub fn store(fresh: bool) -> Result<Option<Arc<Store>>, OutputError> {
+    let Some(folder) = kept::folder() else {
+        return Ok(None);
+    };
+    let here = Provenance::here("");
+    let store = Store::open(&folder, fresh, SOURCES, (here.machine.named(), here.date));
+    let store = store.map_err(|error| OutputError::new(&folder, &error))?;
+    Ok(Some(Arc::new(store)))
+}
+
+/// Refines one engine so that its runs are kept, for another process that compares.
+///
+/// # Errors
+/// Cancelled, or a scene that cannot be modelled.
+pub fn ahead(
+    engine: &dyn Engine,
+    gearbox: &Gearbox,
+    divergence: Option<Divergence>,
+    effort: Effort,
+    control: &Control<'_>,
+) -> Result<(), StudyError> {
+    let context = Context {
+        divergence,
+        ..context(&gearbox.scene)
+    };
+    let board = Board::new(&[engine], gearbox, &Lanes::default(), control);
+    board.watch(0, |at, control| {
+        refine(engine, gearbox, &context, effort, at, control)
+    })?;
+    Ok(())
+}
+
+impl Lanes<'_> {
+    /// The engines' participants and evidences, in their order.
+    pub(super) fn refine(
+        &self,
+        input: &Input<'_>,
+        context: &Context,
+        effort: Effort,
+        control: &Control<'_>,
+    ) -> Result<(Vec<Participant>, Vec<Evidence>), StudyError> {
+        let engines: Vec<&dyn Engine> = input.engines.iter().map(AsRef::as_ref).collect();
+        let board = Board::new(&engines, input.gearbox, self, control);
+        let in_python = |k: &usize| self.jobs > 1 && engines[*k].info().in_python;
+        let ahead = self.ahead.filter(|_| self.jobs > 1 && self.store.is_some());
+        let mut order: Vec<usize> = (0..engines.len()).collect();
+        if self.jobs > 1 {
+            let usual = |k: &usize| match engines[*k].info() {
+                info if info.in_python && info.track == SharedModel::OwnContact => 30.0,
+                info if info.in_python => 20.0,
+                info if info.outside => 10.0,
+                _ => 1.0,
+            };
+            let cost = |k: &usize| lock(&board.lanes).0[*k].cost_s.unwrap_or(usual(k));
+            order.sort_by(|a, b| cost(b).total_cmp(&cost(a)));
+        }
+        // Without processes of their own they are one piece.
+        let (together, alone): (Vec<usize>, Vec<usize>) = order
+            .into_iter()
+            .partition(|k| ahead.is_none() && in_python(k));
+        let pieces = [together]
+            .into_iter()
+            .chain(alone.into_iter().map(|k| vec![k]));
+        let pieces: Vec<Vec<usize>> = pieces.filter(|piece| !piece.is_empty()).collect();
+        let interpreter = Mutex::new(());
+        let one = |k: usize| {
+            board.watch(k, |at, control| {
+                let lane = in_python(&k).then_some(engines[k].name());
+                if let (Some(name), Some(ahead)) = (lane, ahead) {
+                    ahead(name, context.divergence.as_ref(), control);
+                }
+                let _alone = lane.map(|_| lock(&interpreter));
+                let found = refine(engines[k], input.gearbox, context, effort, at, control)?;
+                Ok((k, found))
+            })
+        };
+        let work = |(): &mut (), piece: usize| {
+            let piece = pieces[piece].iter();
+            piece.map(|&k| one(k)).collect::<Result<Vec<_>, _>>()
+        };
+        let (found, fault) = pool::map(self.jobs, pieces.len(), || (), work);
+        if let Some(fault) = fault {
+            return Err(fault);
+        }
+        let mut found: Vec<_> = found.into_iter().flatten().flatten().collect();
+        found.sort_by_key(|(k, _)| *k);
+        Ok(found.into_iter().map(|(_, found)| found).unzip())
+    }
+}
+
+/// Time between two reports.
+const EVERY: Duration = Duration::from_millis(100);
+
+/// State of one engine.
+struct Lane<'a> {
+    name: &'a str,
+    /// CPU time that its runs took when they were made last, s.
+    cost_s: Option<f64>,
+    /// True if it runs once.
+    once: bool,
+    begun: Option<Instant>,
+    /// Time that was left, s, and when.
+    left: Option<(Instant, f64)>,
+    done: bool,
+}
+
+impl Lane<'_> {
+    /// Time left, s, if it is known.
+    fn left_s(&self) -> Option<f64> {
+        let since = |at: Instant| at.elapsed().as_secs_f64();
+        match self.left {
+            _ if self.done => Some(0.0),
+            Some((at, left)) => Some((left - since(at)).max(0.0)),
+            // What takes longer than it did is not known any more.
+            None => Some(self.cost_s? - self.begun.map_or(0.0, since)).filter(|left| *left >= 0.0),
+        }
+    }
+}
+
+/// Progress of engines that run side by side, as one report.
+struct Board<'a> {
+    control: &'a Control<'a>,
+    jobs: usize,
+    /// The engines, and when they were reported.
+    lanes: Mutex<(Vec<Lane<'a>>, Instant)>,
+}
+
+impl<'a> Board<'a> {
+    fn new(
+        engines: &[&'a dyn Engine],
+        gearbox: &Gearbox,
+        lanes: &Lanes<'_>,
+        control: &'a Control<'a>,
+    ) -> Self {
+        let lane = |engine: &&'a dyn Engine| Lane {
+            name: engine.name(),
+            cost_s: lanes
+                .store
+                .and_then(|store| store.cost_s(engine.name(), &gearbox.scene)),
+            once: Refiner::of(*engine, gearbox.clone()).is_none(),
+            begun: None,
+            left: None,
+            done: false,
+        };
+        Self {
+            control,
+            jobs: lanes.jobs.max(1),
+            lanes: Mutex::new((engines.iter().map(lane).collect(), Instant::now())),
+        }
+    }
+
+    /// Does the work of an engine.
+    fn watch<T>(
+        &self,
+        k: usize,
+        work: impl FnOnce(Progress<'_>, &Control<'_>) -> Result<T, StudyError>,
+    ) -> Result<T, StudyError> {
+        self.control.check()?;
+        let name = self.change(k, true, |lane| {
+            lane.begun = Some(Instant::now());
+            lane.name
+        });
+        let heard = |at: Progress<'_>| {
+            self.change(k, false, |lane| {
+                let since = lane
+                    .begun
+                    .map_or(0.0, |begun| begun.elapsed().as_secs_f64());
+                let by_pace = |[at, of]: [f64; 2]| since * (of - at).max(0.0) / at;
+                let paced = at.simulated_s.filter(|_| lane.once).map(by_pace);
+                let left = at.left_s.or(paced).filter(|left| left.is_finite());
+                lane.left = left.map(|left| (Instant::now(), left)).or(lane.left);
+            });
+        };
+        let control = self.control.limited(self.control.cancel, &heard);
+        let done = work(Progress::new(0, 1, name), &control);
+        self.change(k, false, |lane| lane.done = true);
+        done
+    }
+
+    /// Changes the state of an engine and reports, at once or when it is time.
+    fn change<T>(&self, k: usize, at_once: bool, by: impl FnOnce(&mut Lane<'a>) -> T) -> T {
+        let (lanes, told) = &mut *lock(&self.lanes);
+        let changed = by(&mut lanes[k]);
+        if at_once || told.elapsed() >= EVERY {
+            *told = Instant::now();
+            let runs = lanes
+                .iter()
+                .filter(|lane| lane.begun.is_some() && !lane.done);
+            let runs: Vec<&str> = runs.map(|lane| lane.name).collect();
+            let done = lanes.iter().filter(|lane| lane.done).count();
+            let left = lanes.iter().map(Lane::left_s).collect::<Option<Vec<f64>>>();
+            (self.control.progress)(Progress {
+                // Of the longest, or of what is left on so many lanes.
+                left_s: left.map(|left| {
+                    let longest = left.iter().copied().fold(0.0, f64::max);
+                    longest.max(left.iter().sum::<f64>() / self.jobs as f64)
+                }),
+                ..Progress::new(done + 1, lanes.len() + 1, &runs.join(", "))
+            });
+        }
+        changed
+    }
+}

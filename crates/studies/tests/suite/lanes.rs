@@ -1,0 +1,202 @@
+//! Engines side by side: the same results as one after the other, Python's one at a time, and all stop at once.
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use pinwheel_engines::{Control, Engine, EngineInfo, Halt, Prepared, SharedModel, by_name};
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::{Override, Scene};
+use pinwheel_studies::comparison::{self, Effort, Input, Lanes};
+use pinwheel_studies::{Progress, StudyError};
+
+/// The native solver under another name, as slow as is asked for.
+struct Peer {
+    name: &'static str,
+    in_python: bool,
+    pause: Duration,
+    /// Runs at this moment, and most at once, of those in Python and of all.
+    running: Arc<[AtomicUsize; 4]>,
+}
+
+impl Engine for Peer {
+    fn info(&self) -> EngineInfo<'_> {
+        EngineInfo {
+            in_python: self.in_python,
+            ..EngineInfo::own(self.name, SharedModel::SharedLaw)
+        }
+    }
+
+    fn version(&self) -> String {
+        "1".to_owned()
+    }
+
+    fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
+        let gearbox = gearbox.clone();
+        Ok(Box::new(move |control: &Control<'_>| {
+            let counted = |from: usize, change: &dyn Fn(&AtomicUsize) -> usize| {
+                let now = change(&self.running[from]);
+                self.running[from + 1].fetch_max(now, Ordering::Relaxed);
+            };
+            let places = [(0, self.in_python), (2, true)].into_iter();
+            let places: Vec<usize> = places
+                .filter(|place| place.1)
+                .map(|place| place.0)
+                .collect();
+            let up = |n: &AtomicUsize| n.fetch_add(1, Ordering::Relaxed) + 1;
+            let down = |n: &AtomicUsize| n.fetch_sub(1, Ordering::Relaxed) - 1;
+            places.iter().for_each(|place| counted(*place, &up));
+            let begun = Instant::now();
+            let duration_s = gearbox.scene.solver.duration_s;
+            let share = || begun.elapsed().as_secs_f64() / self.pause.as_secs_f64();
+            while share() < 1.0 && !control.reached(share() * duration_s) {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            let native = by_name("native-reduced", &gearbox.scene).unwrap();
+            let run = native
+                .prepare(&gearbox)
+                .and_then(|prepared| prepared(control));
+            places.iter().for_each(|place| counted(*place, &down));
+            run
+        }))
+    }
+}
+
+fn gearbox() -> Gearbox {
+    let sets = [("solver.duration_s", "0.004"), ("solver.integrator", "rk4")];
+    let sets = sets.map(|(key, value)| Override::new(key, value));
+    Gearbox::new(&Scene::load("paper", &sets).unwrap()).unwrap()
+}
+
+fn peers(pause_ms: u64) -> (Vec<Box<dyn Engine>>, Arc<[AtomicUsize; 4]>) {
+    let running: Arc<[AtomicUsize; 4]> = Arc::default();
+    let peer = |(name, in_python)| -> Box<dyn Engine> {
+        let (pause, running) = (Duration::from_millis(pause_ms), Arc::clone(&running));
+        Box::new(Peer {
+            name,
+            in_python,
+            pause,
+            running,
+        })
+    };
+    let names = [
+        ("a", true),
+        ("b", false),
+        ("c", true),
+        ("d", false),
+        ("e", true),
+    ];
+    (names.map(peer).into(), running)
+}
+
+fn compared(
+    engines: &[Box<dyn Engine>],
+    jobs: usize,
+    control: &Control<'_>,
+) -> Result<String, StudyError> {
+    let gearbox = gearbox();
+    let input = Input {
+        gearbox: &gearbox,
+        engines,
+        data: &[],
+    };
+    let lanes = Lanes {
+        jobs,
+        ..Lanes::default()
+    };
+    let mut found = comparison::run_on(&input, Effort::of(&gearbox.scene), &lanes, control)?;
+    for engine in &mut found.comparison.engines {
+        (engine.cost.wall_s, engine.cost.cpu_s) = (0.0, 0.0);
+        // Its cost is a ratio of times.
+        engine.refinement = None;
+    }
+    let series: Vec<_> = found
+        .participants
+        .iter()
+        .map(|one| &one.time_series)
+        .collect();
+    Ok(format!(
+        "{} {series:?}",
+        serde_json::to_string(&found.comparison).unwrap()
+    ))
+}
+
+#[test]
+fn crossval_jobs_change_no_bit() {
+    let scene = gearbox().scene;
+    let mut engines = vec![by_name("native-reduced", &scene).unwrap()];
+    engines.extend(peers(3).0);
+    let quiet = Control::quiet();
+    let one = compared(&engines, 1, &quiet).unwrap();
+    for jobs in [2, 7] {
+        assert!(
+            compared(&engines, jobs, &quiet).unwrap() == one,
+            "{jobs} jobs"
+        );
+    }
+}
+
+#[test]
+fn one_interpreter_runs_one_engine() {
+    for (jobs, expected) in [(1, [1, 1]), (5, [1, 3])] {
+        let (engines, running) = peers(40);
+        compared(&engines, jobs, &Control::quiet()).unwrap();
+        let most = [1, 3].map(|k| running[k].load(Ordering::Relaxed));
+        assert_eq!(most, expected, "{jobs} jobs");
+    }
+}
+
+#[test]
+fn a_stop_ends_all() {
+    let (engines, running) = peers(20_000);
+    let (stop, begun) = (AtomicBool::new(false), Instant::now());
+    let said = Mutex::new(Vec::new());
+    let progress = |at: Progress<'_>| said.lock().unwrap().push(at.piece.to_owned());
+    let control = Control::new(&stop, &progress);
+    let found = std::thread::scope(|scope| {
+        scope.spawn(|| {
+            while running[2].load(Ordering::Relaxed) < 3 && begun.elapsed().as_secs() < 4 {
+                std::thread::sleep(Duration::from_millis(2));
+            }
+            stop.store(true, Ordering::Relaxed);
+        });
+        compared(&engines, 3, &control)
+    });
+    assert!(matches!(found, Err(StudyError::Cancelled)), "{found:?}");
+    assert!(begun.elapsed() < Duration::from_secs(4));
+    // Whatever runs is named, in the engines' order.
+    let said = said.lock().unwrap();
+    assert!(said.iter().any(|piece| piece == "a, b, d"), "{said:?}");
+}
+
+/// Time left is told where it is known of every engine, and then it is right.
+#[test]
+fn time_left_is_told_where_it_is_known() {
+    let (mut engines, _) = peers(500);
+    engines.truncate(2);
+    let told = Mutex::new(Vec::new());
+    let progress = |at: Progress<'_>| {
+        let now = (Instant::now(), at.piece.to_owned(), at.left_s);
+        told.lock().unwrap().push(now);
+    };
+    let stop = AtomicBool::new(false);
+    compared(&engines, 1, &Control::new(&stop, &progress)).unwrap();
+    let told = told.into_inner().unwrap();
+    let of = |piece| told.iter().filter(move |told| told.1 == piece);
+    let end = told.iter().find(|told| told.1 == "differences").unwrap().0;
+    // Nothing is known of the second while it has not begun.
+    assert!(of("a").count() > 2 && of("a").all(|told| told.2.is_none()));
+    let late = of("b").filter(|told| (end - told.0).as_millis() < 330);
+    let late: Vec<_> = late
+        .map(|told| (told.2, (end - told.0).as_secs_f64()))
+        .collect();
+    assert!(late.len() > 1, "{late:?}");
+    for (left, is) in late {
+        let left = left.unwrap();
+        // A tenth of a second for the run itself.
+        assert!(
+            left < 1.5 * is && is - 0.1 < 1.5 * left,
+            "{left} s told, {is} s it is"
+        );
+    }
+}
