@@ -34,6 +34,11 @@ pub enum GearboxError {
     /// Change that the scene's checks refuse.
     #[error(transparent)]
     Refused(#[from] Fault),
+    /// Changes of a speed that an importer prescribes.
+    #[error(
+        "drive.speed_changes changes the speed of the input, which the importer prescribes; leave it out and change the input speed there"
+    )]
+    SpeedChanges,
     /// Name of an integrator that does not exist.
     #[error("no integrator `{0}`")]
     UnknownIntegrator(String),

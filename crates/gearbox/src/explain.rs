@@ -243,8 +243,23 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
         "from the start".to_owned()
     };
     modelled.add(format!("load of {load} N m on the output shaft"), rising);
-    for change in &scene.drive.load_changes {
-        let (load, time, ramp) = (change.output_torque_n_m, change.time_s, change.ramp_s);
+    let loads = scene.drive.load_changes.iter();
+    let loads = loads.map(|c| {
+        (
+            format!("load of {} N m", c.output_torque_n_m),
+            c.time_s,
+            c.ramp_s,
+        )
+    });
+    let speeds = scene.drive.speed_changes.iter();
+    let speeds = speeds.map(|c| {
+        (
+            format!("speed of {} rad/s", c.input_speed_rad_s),
+            c.time_s,
+            c.ramp_s,
+        )
+    });
+    for (value, time, ramp) in loads.chain(speeds) {
         let how = if ramp > 0.0 {
             format!("reached linearly over {ramp} s")
         } else {
@@ -255,10 +270,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
         } else {
             format!("never reached: the run ends at {} s", solver.duration_s)
         };
-        modelled.add(
-            format!("load of {load} N m from {time} s on, {how}"),
-            reached,
-        );
+        modelled.add(format!("{value} from {time} s on, {how}"), reached);
     }
     for (family, count) in gearbox.channels.families() {
         modelled.add(

@@ -74,8 +74,11 @@ impl Forces for GearForces {
         self.speed_in_torque_out && self.field.work_from_angles()
     }
 
+    // Derivatives by time lack the input's acceleration.
     fn have_derivatives(&self) -> bool {
-        self.speed_in_torque_out && self.field.have_derivatives()
+        self.drive.speed_changes.is_empty()
+            && self.speed_in_torque_out
+            && self.field.have_derivatives()
     }
 
     fn evaluate(&mut self, t: f64, bodies: &[BodyState], request: &mut Evaluation<'_>) {

@@ -11,6 +11,7 @@ use crate::error::GearboxError;
 use crate::geometry::Geometry;
 use crate::load_profile;
 use crate::scene::{BodyMass, CheckedScene, Fault, Scene, Solver, Start};
+use crate::speed_profile;
 use crate::statics::Statics;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::scales::{hertz, least_depth};
@@ -222,6 +223,20 @@ impl Gearbox {
         }
     }
 
+    /// Returns the torque that accelerates the input shaft, with the discs that revolutes hold on it, at time `t` (s), N m.
+    #[must_use]
+    pub fn accelerating_torque_n_m(&self, t: f64) -> f64 {
+        let shaft = self.scene.input_shaft().moment_kg_m2;
+        let discs: f64 = match self.floats() {
+            true => 0.0,
+            false => (0..self.layout.wheels)
+                .map(|i| self.geometry.wheel_state(i, [0.0; 2], [0.0; 2]))
+                .map(|at| self.scene.mass.wheel.mass_kg * (at.x * at.x + at.y * at.y))
+                .sum(),
+        };
+        (shaft + discs) * speed_profile::motion_at(&self.scene.drive, t).acceleration
+    }
+
     /// Returns the states at t = 0 that `drive.start` asks for.
     #[must_use]
     pub fn initial_states(&self) -> Vec<BodyState> {
@@ -311,6 +326,7 @@ impl Gearbox {
             parent: None,
             child: Layout::INPUT,
             motion: self.input_motion(),
+            segments: speed_profile::motions(&self.scene.drive),
         }];
         Mechanism {
             bodies,

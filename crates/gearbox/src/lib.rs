@@ -48,7 +48,7 @@ pub mod resolve;
 mod run_limits;
 pub mod statics;
 
-use pinwheel_scene::{self as scene, Layout, Sleeve, load_profile};
+use pinwheel_scene::{self as scene, Layout, Sleeve, load_profile, speed_profile};
 
 pub use carrier::Carrier;
 pub use efficiency::Efficiency;

@@ -99,7 +99,9 @@ const PinwheelGearbox = (() => {
 
     function move(s) {
       const t = view.from + view.step * s;
-      const phi = view.speed * t;
+      const leg = view.motions.findLast((motion) => motion.from_s <= t);
+      const since = t - leg.from_s;
+      const phi = leg.angle + since * (leg.rate + 0.5 * since * leg.acceleration);
       // Cranks of an RV gear turn at another angle than the input.
       const turned = gear.per * phi;
       const psi = -turned / zs + between(error, s);

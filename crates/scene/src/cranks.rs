@@ -12,6 +12,7 @@
 use crate::error::Fault;
 use crate::model::{BodyMass, Cranks, Gear, Scene};
 use crate::number::short;
+use crate::speed_profile;
 
 /// Pressure angle of involute teeth (ISO 53).
 const PRESSURE_ANGLE_DEG: f64 = 20.0;
@@ -58,10 +59,10 @@ impl Scene {
             })
     }
 
-    /// Speed of the eccentrics at the ideal mesh, rad/s.
+    /// Largest speed of the eccentrics at the ideal mesh, rad/s.
     #[must_use]
     pub fn eccentric_speed_rad_s(&self) -> f64 {
-        self.eccentric_per_input() * self.drive.input_speed_rad_s
+        self.eccentric_per_input() * speed_profile::fastest_rad_s(&self.drive)
     }
 
     /// Returns the input shaft with its share of the inertia of the turning cranks: the inertia that a torque on the sun

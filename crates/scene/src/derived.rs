@@ -8,7 +8,7 @@ use super::model::{Gear, Scene};
 use super::profile::Profile;
 use crate::body::bore_radius_m;
 use crate::wall::hole_to_profile_m;
-use crate::{load_profile, scales};
+use crate::{load_profile, scales, speed_profile};
 
 /// Figures that follow from a checked scene without a run. SI units.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -172,7 +172,7 @@ pub fn derived(scene: &Scene) -> Derived {
     let turning = scene.eccentric_per_input().abs();
     let zi = gear.internal_sleeves as f64;
     let wheel_torque = load_profile::largest(&scene.drive) / gear.wheels as f64;
-    let input_hertz = scene.drive.input_speed_rad_s.abs() / TAU;
+    let input_hertz = speed_profile::final_rad_s(scene).abs() / TAU;
     let frequency = |what, order: f64| Frequency {
         what,
         order,

@@ -163,6 +163,8 @@ const LOAD: &str = "give the load on the output shaft in newton metres";
 /// 0.1 micrometre to 10 m: a watch to a wind turbine. Wide bounds catch millimetres typed for metres, and keep every
 /// later computation finite.
 const LENGTH: Kind = Number(From(1e-7, 10.0));
+const RPM: &str = "500 rpm is 52.36 rad/s";
+const SPEED: Kind = Number(From(-1e6, 1e6));
 const TORQUE: Kind = Number(From(-1e9, 1e9));
 const MASS: Kind = Number(From(1e-9, 1e6));
 const MOMENT: Kind = Number(From(1e-18, 1e8));
@@ -185,6 +187,13 @@ pub(crate) const CHANGE: &[Key] = keys! {
     "time_s" Number(From(crate::load_profile::APART_S, LONGEST_S)), Required, "when it begins", SECONDS;
     "output_torque_n_m" TORQUE, Required, "the load from then on", LOAD;
     "ramp_s" TIME, Constant("0.0", "at once"), "it is reached linearly over this time; 0: at once", SECONDS;
+};
+
+/// One change of the input's speed.
+pub(crate) const SPEED_CHANGE: &[Key] = keys! {
+    "time_s" Number(From(crate::load_profile::APART_S, LONGEST_S)), Required, "when it begins", SECONDS;
+    "input_speed_rad_s" SPEED, Required, "the speed from the end of the ramp on", RPM;
+    "ramp_s" Number(From(crate::load_profile::APART_S, LONGEST_S)), Required, "it is reached linearly over this time", "a jump of the speed takes an infinite torque: give the time in which the motor reaches it, like 0.01";
 };
 
 /// All keys.
@@ -221,11 +230,12 @@ pub const KEYS: &[Key] = keys! {
     "gear.errors.eccentricity_m" Numbers(DEVIATION), Nothing, "of each disc, by how much its eccentricity is larger", LIST;
     "gear.errors.phase_rad" Numbers(ANGLE), Nothing, "of each disc, how far its eccentric stands counter-clockwise of its place", LIST;
 
-    "drive.input_speed_rad_s" Number(From(-1e6, 1e6)), Required, "omega", "500 rpm is 52.36 rad/s";
+    "drive.input_speed_rad_s" SPEED, Required, "omega", RPM;
     "drive.output_torque_n_m" TORQUE, Required, "load on the output shaft, counter-clockwise; positive opposes the motion of a positive input speed, of an RV gear that of a negative one", LOAD;
     "drive.start" Choice("start", || vec!["kinematic", "equilibrium"]), Constant("\"kinematic\"", "rates of the ideal mesh, load at once"), "state at t = 0", "\"kinematic\": rates of the ideal mesh; \"equilibrium\": statically loaded";
     "drive.load_ramp_s" TIME, Constant("0.0", "the load acts at once"), "the load rises linearly over this time; 0: at once", SECONDS;
     "drive.load_changes" Tables(CHANGE), Nothing, "what the load becomes during the run", "write it like [{ time_s = 0.3, output_torque_n_m = -22.0 }]";
+    "drive.speed_changes" Tables(SPEED_CHANGE), Nothing, "what the speed of the input becomes during the run", "write it like [{ time_s = 0.3, input_speed_rad_s = 80.0, ramp_s = 0.02 }]";
 
     "contact.law" Choice("contact law", names::laws), Constant("\"line-hertz\"", "rollers on a line, both bodies elastic; creates no energy"), "normal law", "see `pinwheel laws`";
     "contact.band_laws" Choices("contact law", names::laws), Nothing, "laws that may be right for these rollers, whose spread is the band of a figure; absent: those for the materials; []: no band", "see `pinwheel laws`";

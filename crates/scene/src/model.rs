@@ -129,6 +129,21 @@ pub struct Drive {
     /// Changes of the load during the run, in increasing time; empty: it stays.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub load_changes: Vec<LoadChange>,
+    /// Changes of the input's speed during the run, in increasing time; empty: it stays.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub speed_changes: Vec<SpeedChange>,
+}
+
+/// One change of the input's speed during a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedChange {
+    /// Time at which the change begins, s.
+    pub time_s: f64,
+    /// Speed at the end of the ramp, rad/s.
+    pub input_speed_rad_s: f64,
+    /// Duration of the linear ramp to the new speed, s, > 0.
+    pub ramp_s: f64,
 }
 
 /// One change of the load during a run.

@@ -63,6 +63,8 @@ pub struct Honours {
     pub friction: bool,
     /// Scenes whose load changes during the run.
     pub load_changes: bool,
+    /// Scenes whose input's speed changes during the run.
+    pub speed_changes: bool,
     /// Discs that float on elastic bearings: bodies whose carrier is -2.
     pub free_wheels: bool,
 }
@@ -73,6 +75,7 @@ impl Default for Honours {
             laws: vec!["*".to_owned()],
             friction: false,
             load_changes: false,
+            speed_changes: false,
             free_wheels: false,
         }
     }
@@ -246,6 +249,12 @@ impl Manifest {
         if !scene.drive.load_changes.is_empty() && !self.honours.load_changes {
             return Some(
                 "its manifest does not honour changes of the load (honours.load_changes)"
+                    .to_owned(),
+            );
+        }
+        if !scene.drive.speed_changes.is_empty() && !self.honours.speed_changes {
+            return Some(
+                "its manifest does not honour changes of the speed (honours.speed_changes)"
                     .to_owned(),
             );
         }

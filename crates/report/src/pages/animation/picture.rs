@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 use crate::format::significant;
 use crate::script::json_text;
 use crate::study::escape;
-use pinwheel_scene::Scene;
+use pinwheel_scene::{Scene, speed_profile};
 use pinwheel_studies::motion::{channels, floats};
 use pinwheel_timeseries::TimeSeries;
 use serde_json::{Value, json};
@@ -154,7 +154,8 @@ impl Animation {
         let wanted = OFFSET * 1e3 * scene.gear.pitch_radius_m();
         let view = json!({
             "gear": gear_json(scene),
-            "speed": scene.drive.input_speed_rad_s,
+            "speed": speed_profile::fastest_rad_s(&scene.drive),
+            "motions": speed_profile::motions(&scene.drive),
             "from": start,
             "step": (end - start) / (time.len() - 1) as f64,
             "count": time.len(),
