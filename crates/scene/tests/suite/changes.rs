@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 
-use pinwheel_scene::load_profile;
 use pinwheel_scene::{CheckedScene, LoadChange, Override, Scene};
+use pinwheel_scene::{load_profile, speed_profile};
 
 fn with(changes: &str) -> Result<CheckedScene, String> {
     let set = Override::new("drive.load_changes", changes);
@@ -110,6 +110,52 @@ fn what_is_wrong_is_named_with_its_entry() {
         .collect();
     let line = with(&format!("[{}]", many.join(","))).unwrap_err();
     assert!(line.contains("1001 changes"), "{line}");
+}
+
+/// Ramps of the speed: continuous in angle and speed, and none without the time that it takes.
+#[test]
+fn bad_input_changes_of_the_speed() {
+    let with = |list: &str| {
+        let set = Override::new("drive.speed_changes", list);
+        Scene::load("paper", &[set]).map_err(|error| error.to_string())
+    };
+    let scene = with(
+        "[{ time_s = 0.1, input_speed_rad_s = 80, ramp_s = 0.02 }, { time_s = 0.2, input_speed_rad_s = -10, ramp_s = 0.1 }]",
+    );
+    let drive = &scene.as_ref().unwrap().drive;
+    assert_eq!(
+        load_profile::breaks(drive),
+        [0.1, 0.12000000000000001, 0.2, 0.30000000000000004]
+    );
+    assert_eq!(speed_profile::fastest_rad_s(drive), 80.0);
+    assert_eq!(speed_profile::final_rad_s(&scene.as_ref().unwrap()), -10.0);
+    for pair in speed_profile::motions(drive).windows(2) {
+        let (before, after) = (pair[0].at(pair[1].from_s), pair[1]);
+        assert!((before.0 - after.angle).abs() < 1e-12 && (before.1 - after.rate).abs() < 1e-12);
+    }
+    for (list, key, part) in [
+        (
+            "[{ time_s = 0.1, input_speed_rad_s = 80 }]",
+            "[0].ramp_s",
+            "is missing",
+        ),
+        (
+            "[{ time_s = 0.1, input_speed_rad_s = 80, ramp_s = 0 }]",
+            "[0].ramp_s",
+            "infinite torque",
+        ),
+        (
+            "[{ time_s = 0.1, input_speed_rad_s = 80, ramp_s = 0.2 }, { time_s = 0.2, input_speed_rad_s = 1, ramp_s = 0.1 }]",
+            "[0].ramp_s",
+            "give at most",
+        ),
+    ] {
+        let line = with(list).unwrap_err();
+        assert!(
+            line.contains(&format!("`drive.speed_changes{key}` ")) && line.contains(part),
+            "{line}"
+        );
+    }
 }
 
 /// A shorter run of the same scene is no fault; it says what it never reaches.

@@ -60,6 +60,11 @@ fn rows_are_the_model() {
         output_torque_n_m: 1.0,
         ramp_s: 0.0,
     });
+    scene.drive.speed_changes.push(pinwheel_scene::SpeedChange {
+        time_s: 0.1,
+        input_speed_rad_s: 1.0,
+        ramp_s: 0.1,
+    });
     scene.output.channels.push("efficiency".to_owned());
     let mut fields = Vec::new();
     leaves("", &toml::Table::try_from(&scene).unwrap(), &mut fields);
