@@ -355,6 +355,21 @@ fn deviations(gear: &Gear, modelled: &mut Statements) {
             ),
         );
     }
+    let own = &change.normal_m;
+    if let Some(offset) = own.of_lobe() {
+        let form = match own.points_m.len() {
+            0 => "by a Fourier series".to_owned(),
+            n => format!("by a periodic cubic spline through {n} points"),
+        };
+        modelled.add(
+            format!("own profile, the same on all lobes, {form}"),
+            format!(
+                "gear.modification.normal_m: the generating curve lies up to {} um further in or out along its normal; curvature and reach \
+                 are those of the moved curve",
+                1e6 * offset.largest()
+            ),
+        );
+    }
     for list in gear.errors.lists(gear) {
         let low = list.values.iter().copied().fold(0.0, f64::min);
         let high = list.values.iter().copied().fold(0.0, f64::max);

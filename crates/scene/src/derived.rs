@@ -167,7 +167,7 @@ fn hole_clearance(gear: &Gear) -> f64 {
 pub fn derived(scene: &Scene) -> Derived {
     let gear = &scene.gear;
     let curve = Profile::of(gear);
-    let (e, q) = (gear.eccentricity_m, gear.edge_offset_m());
+    let (q, [pit, tip]) = (gear.edge_offset_m(), curve.radii());
     let (zk, zs) = (gear.external_sleeves as f64, gear.lobes() as f64);
     let turning = scene.eccentric_per_input().abs();
     let zi = gear.internal_sleeves as f64;
@@ -197,7 +197,7 @@ pub fn derived(scene: &Scene) -> Derived {
         tip_curvature_radius_m: 1.0 / curve.curvature(1.0) - q,
         pit_curvature_radius_m: 1.0 / curve.curvature(-1.0) - q,
         smallest_convex_radius_m: curve.smallest_convex_radius(),
-        profile_radii_m: [gear.generating_radius_m() + e - q, curve.pit_radius()],
+        profile_radii_m: [tip, pit],
         walls: Walls::of(gear),
         hole_clearance_m: hole_clearance(gear),
         free_play_rad: scales::free_play(gear),

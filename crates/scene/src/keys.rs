@@ -157,6 +157,7 @@ const KILOGRAMS: &str = "masses are in kilograms: 48 g is 0.048";
 const MOMENTS: &str = "moments of inertia are in kg m^2: 100 kg mm^2 is 1e-4";
 const RADIANS: &str = "angles are in radians: 1 arcminute is 2.9e-4";
 const LIST: &str = "write one number for each, like [0.0, 5e-6, -2e-6], in metres or radians";
+const PROFILE: &str = "write numbers in metres, like [0.0, 5e-6, 2e-6]";
 const SECONDS: &str = "times are in seconds: 10 microseconds is 1e-5";
 const LOAD: &str = "give the load on the output shaft in newton metres";
 
@@ -217,6 +218,9 @@ pub const KEYS: &[Key] = keys! {
     "gear.modification.equidistant_m" Number(DEVIATION), Nothing, "the generating pin's radius is larger than q by this: above 0 the disc's whole edge lies that much further in", METRES;
     "gear.modification.radial_m" Number(DEVIATION), Nothing, "the generating circle is larger than R by this: below 0 the disc is smaller", METRES;
     "gear.modification.rotational_rad" Number(From(0.0, 1.0)), Nothing, "both flanks of a lobe are turned towards its middle by this", RADIANS;
+    "gear.modification.normal_m.points_m" Numbers(DEVIATION), Nothing, "own profile: offset of the generating curve along its inward normal at equal steps over a lobe from its tip on, all lobes alike; a periodic cubic spline", PROFILE;
+    "gear.modification.normal_m.cos_m" Numbers(DEVIATION), Nothing, "own profile as a Fourier series of a lobe's phase, 0 at its tip: amplitudes of cosines from order 0 on", PROFILE;
+    "gear.modification.normal_m.sin_m" Numbers(DEVIATION), Nothing, "the series' amplitudes of sines from order 1 on", PROFILE;
     "gear.errors.external_sleeve_radial_m" Numbers(DEVIATION), Nothing, "of each ring pin, how far it sits outwards of its place", LIST;
     "gear.errors.external_sleeve_tangential_m" Numbers(DEVIATION), Nothing, "of each ring pin, how far it sits counter-clockwise of its place", LIST;
     "gear.errors.external_sleeve_radius_m" Numbers(DEVIATION), Nothing, "of each ring pin, by how much its radius is larger", LIST;

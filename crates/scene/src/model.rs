@@ -461,7 +461,7 @@ impl PlusMinus {
 }
 
 /// Modification of the discs' profile against the one that fits the ring.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Modification {
     /// Excess of the generating pin's radius over the ring pin's, m: above 0 the edge lies further in by that much.
@@ -470,6 +470,24 @@ pub struct Modification {
     pub radial_m: f64,
     /// delta, rad: the angle by which both flanks of a lobe are turned towards its middle.
     pub rotational_rad: f64,
+    /// Offset of the generating curve along its inward normal: a profile of one's own.
+    #[serde(skip_serializing_if = "NormalOffset::is_none")]
+    pub normal_m: NormalOffset,
+}
+
+/// Offset of a generating curve along its inward normal over the phase of a lobe, the same for all lobes: points or a series.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct NormalOffset {
+    /// Values at equal steps from a lobe's tip on, counter-clockwise, m: a periodic cubic spline.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub points_m: Vec<f64>,
+    /// Amplitudes of cosines of the phase from order 0 on, m.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cos_m: Vec<f64>,
+    /// Amplitudes of sines of the phase from order 1 on, m.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sin_m: Vec<f64>,
 }
 
 /// Deviations of single parts from their places and sizes; an empty list: none. Angles and directions: the nominal

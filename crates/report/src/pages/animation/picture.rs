@@ -92,6 +92,10 @@ fn gear_json(scene: &Scene) -> Value {
         "q": mm(gear.external_sleeve_radius_m),
         "edge": mm(gear.edge_offset_m()),
         "turn": gear.modification.rotational_rad,
+        "own": gear.modification.normal_m.of_lobe().map(|offset| {
+            let at = |k: u32| 1e3 * offset.at(TAU * f64::from(k) / 720.0)[0];
+            (0..720).map(at).collect::<Vec<_>>()
+        }),
         "zi": gear.internal_sleeves,
         "ri": mm(gear.internal_sleeve_radius_m),
         "rw": mm(gear.internal_circle_radius_m),
