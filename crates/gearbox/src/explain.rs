@@ -6,7 +6,7 @@ use serde::Serialize;
 use pinwheel_scene::free_play;
 
 use crate::Gearbox;
-use crate::scene::{Detection, Formulation, Gear, Scene, Stabilisation};
+use crate::scene::{Detection, Formulation, Gear, OutputPart, Scene, Stabilisation};
 
 /// One statement with its reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -243,6 +243,12 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
         "from the start".to_owned()
     };
     modelled.add(format!("load of {load} N m on the output shaft"), rising);
+    if scene.drive.output == OutputPart::Ring {
+        modelled.add(
+            "the ring is the output, the carrier is held",
+            "drive.output: contacts are those seen from the ring; inertia is in the frame of the ground, where the ring turns with its pins",
+        );
+    }
     let loads = scene.drive.load_changes.iter();
     let loads = loads.map(|c| {
         (

@@ -14,7 +14,7 @@ use pinwheel_mbs::BodyState;
 use pinwheel_scene::{largest_hole_play, largest_play};
 
 use crate::GearboxError;
-use crate::scene::{Gear, Scene};
+use crate::scene::{Gear, OutputPart, Scene};
 
 /// Derived geometry; disc-frame points are relative to the disc's centre.
 #[derive(Debug, Clone, PartialEq)]
@@ -130,7 +130,11 @@ impl Geometry {
             wheel_play_rad: largest_play(gear),
             hole_play_rad: largest_hole_play(gear),
             lobes,
-            eccentric_per_input: scene.eccentric_per_input(),
+            // Seen from the ring, input and eccentrics are one.
+            eccentric_per_input: match scene.drive.output {
+                OutputPart::Carrier => scene.eccentric_per_input(),
+                OutputPart::Ring => 1.0,
+            },
         })
     }
 

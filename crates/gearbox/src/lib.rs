@@ -45,6 +45,7 @@ pub mod native;
 pub mod pressure;
 mod recorder;
 pub mod resolve;
+mod ring_frame;
 mod run_limits;
 pub mod statics;
 

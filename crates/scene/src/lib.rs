@@ -76,8 +76,8 @@ pub use layout::{Layout, Sleeve};
 
 pub use model::{
     Bearings, BodyMass, Contact, Cranks, Detection, Drive, EccentricBearing, Errors, Formulation,
-    FrictionLaw, Gear, LoadChange, Masses, Modification, NormalOffset, Output, PlusMinus, Scene,
-    Solver, SpeedChange, Stabilisation, Start,
+    FrictionLaw, Gear, LoadChange, Masses, Modification, NormalOffset, Output, OutputPart,
+    PlusMinus, Scene, Solver, SpeedChange, Stabilisation, Start,
 };
 pub use outline::Outline;
 pub use parse::{Draft, Override, edited};

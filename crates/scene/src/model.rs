@@ -114,6 +114,23 @@ pub enum Start {
     Equilibrium,
 }
 
+/// Part of a gear that is its output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum OutputPart {
+    /// The carrier with the output pins; the ring is held.
+    #[default]
+    Carrier,
+    /// The ring with its pins; the carrier is held.
+    Ring,
+}
+
+impl OutputPart {
+    fn is_carrier(&self) -> bool {
+        *self == Self::Carrier
+    }
+}
+
 /// Motion and load (Tab. 3).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -122,6 +139,9 @@ pub struct Drive {
     pub input_speed_rad_s: f64,
     /// Load on the output shaft, N m; positive opposes the motion of a positive input speed.
     pub output_torque_n_m: f64,
+    /// Part that turns the output; the other one is held.
+    #[serde(default, skip_serializing_if = "OutputPart::is_carrier")]
+    pub output: OutputPart,
     /// Initial state.
     pub start: Start,
     /// The load rises linearly from 0 over this time, s; 0: at once.
@@ -397,12 +417,25 @@ impl Scene {
         PAPER.clone()
     }
 
-    /// Moment of inertia of the output shaft with what it carries on its circle, output pins or cranks, kg m^2.
+    /// Moment of inertia of the output shaft with what it carries on its circle, output pins, cranks or ring pins, kg m^2.
     #[must_use]
     pub fn output_inertia_kg_m2(&self) -> f64 {
         let (gear, mass) = (&self.gear, &self.mass);
-        let sleeves = gear.internal_sleeves as f64 * mass.internal_sleeve.mass_kg;
-        self.output_shaft().moment_kg_m2 + sleeves * gear.internal_circle_radius_m.powi(2)
+        let (count, mass_kg, radius) = match self.drive.output {
+            OutputPart::Carrier => {
+                let mass_kg = mass.internal_sleeve.mass_kg;
+                (
+                    gear.internal_sleeves,
+                    mass_kg,
+                    gear.internal_circle_radius_m,
+                )
+            }
+            OutputPart::Ring => {
+                let mass_kg = mass.external_sleeve.mass_kg;
+                (gear.external_sleeves, mass_kg, gear.pitch_radius_m())
+            }
+        };
+        self.output_shaft().moment_kg_m2 + count as f64 * mass_kg * radius.powi(2)
     }
 }
 

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use pinwheel_files::{Broken, FileError, fits, read_text, require};
-use pinwheel_scene::{JOB_PROTOCOL, Scene, names};
+use pinwheel_gearbox::GearboxError;
+use pinwheel_scene::{JOB_PROTOCOL, OutputPart, Scene, names};
 use pinwheel_timeseries::SharedModel;
 use serde::Deserialize;
 
@@ -251,6 +252,9 @@ impl Manifest {
                 "its manifest does not honour changes of the load (honours.load_changes)"
                     .to_owned(),
             );
+        }
+        if scene.drive.output == OutputPart::Ring {
+            return Some(GearboxError::Ring.to_string());
         }
         if !scene.drive.speed_changes.is_empty() && !self.honours.speed_changes {
             return Some(

@@ -158,6 +158,59 @@ fn bad_input_changes_of_the_speed() {
     }
 }
 
+#[test]
+fn bad_input_own_profiles() {
+    for (sets, part) in [
+        (&["points_m=[0.0, 1e-6]"][..], "3 to 1000 points"),
+        (
+            &["points_m=[0.0, 1e-6, 0.0]", "cos_m=[1e-6]"],
+            "give one of both",
+        ),
+        (&["cos_m=[2.0]"], "from -1 to 1"),
+        (&["cos_m=[2e-3]"], "another gear"),
+        (
+            &["sin_m=[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3e-4]"],
+            "gentler",
+        ),
+    ] {
+        let set = |text: &&str| {
+            format!("gear.modification.normal_m.{text}")
+                .parse()
+                .unwrap()
+        };
+        let sets: Vec<Override> = sets.iter().map(set).collect();
+        let line = Scene::load("paper", &sets)
+            .map(|_| ())
+            .unwrap_err()
+            .to_string();
+        assert!(
+            line.contains("gear.modification.normal_m") && line.contains(part),
+            "{line}"
+        );
+    }
+}
+
+/// Who asks for a gear beyond the model is told what it has, in one line.
+#[test]
+fn bad_input_gears_beyond_the_model() {
+    for (set, part) in [
+        ("gear.lobes=14", "give these as gear.external_sleeves"),
+        ("gear.ring_lobes=17", "two lobes less are not modelled"),
+        ("gear.hypotrochoid=true", "not a ring with a hypotrochoid"),
+        ("gear.stages=2", "a scene of its own"),
+        ("gear.second_stage_ratio=8", "a scene of its own"),
+        ("gear.involute=true", "no involute stage"),
+        ("cranks.ring_teeth=40", "cranks.planet_teeth"),
+        ("cranks.sun_tooth=12", "did you mean `cranks.sun_teeth`"),
+    ] {
+        let line = Scene::load("paper", &[set.parse().unwrap()])
+            .map(|_| ())
+            .unwrap_err()
+            .to_string();
+        assert!(line.contains(part) && !line.contains('\n'), "{line}");
+    }
+}
+
 /// A shorter run of the same scene is no fault; it says what it never reaches.
 #[test]
 fn changes_after_the_end_are_told() {
