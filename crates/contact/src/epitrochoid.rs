@@ -170,13 +170,14 @@ impl Epitrochoid {
             .map_or(usual, |own| usual.max(own.0.samples()))
     }
 
-    /// Returns the extremes of the curvature, each lowered or raised by the largest change between two samples; `None` where
-    /// the offset folds the curve, or makes it leave a ray from the centre twice.
+    /// Returns bounds of the curvature: the extremes of samples, and by how much they bend between three of them; `None` where the
+    /// offset folds the curve, or makes it leave a ray from the centre twice.
     fn bends(&self, offset: &LobeOffset) -> Option<[f64; 2]> {
-        let samples = offset.samples().max(96);
+        // A multiple of the knots, at which the curvature has kinks.
+        let samples = offset.samples() * 960_u32.div_ceil(offset.samples());
         let step = std::f64::consts::TAU / f64::from(samples * self.lobes());
-        let mut before = self.at(-step).curvature;
-        let (mut bends, mut change) = ([f64::INFINITY, f64::NEG_INFINITY], 0.0_f64);
+        let mut bends = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut last = [-2, -1].map(|k| self.at(f64::from(k) * step).curvature);
         for k in 0..samples {
             let a = f64::from(k) * step;
             let (at, unit) = (self.at(a), Complex::unit(a));
@@ -185,11 +186,12 @@ impl Epitrochoid {
             if folds || !at.curvature.is_finite() {
                 return None;
             }
-            bends = [bends[0].min(at.curvature), bends[1].max(at.curvature)];
-            change = change.max((at.curvature - before).abs());
-            before = at.curvature;
+            let [before, here] = last;
+            let margin = (before - 2.0 * here + at.curvature).abs();
+            bends = [bends[0].min(here - margin), bends[1].max(here + margin)];
+            last = [here, at.curvature];
         }
-        Some([bends[0] - change, bends[1] + change])
+        Some(bends)
     }
 
     /// Returns R, m.

@@ -287,7 +287,8 @@ fn published_offsets_are_the_built_in_modifications() {
 
 #[test]
 fn bad_input_offsets_that_fold() {
-    assert!(moved(LobeOffset::series(&[0.0; 40].map(|_| 1e-4), &[]).unwrap()).is_none());
+    // Further out than the pit is round.
+    assert!(moved(LobeOffset::series(&[-1e-3], &[]).unwrap()).is_none());
     assert!(LobeOffset::spline(&[0.0, 1e-6]).is_none());
     assert!(LobeOffset::series(&[f64::NAN], &[]).is_none());
 }
