@@ -57,6 +57,8 @@ def check_own_contact(engine: str, scene: Scene) -> None:
     gear = scene.gear
     if gear.rotational_rad != 0.0:
         raise Unsupported(engine, "gear.modification.rotational_rad: its edge is one smooth curve, not the meet of two")
+    if gear.normal_m:
+        raise Unsupported(engine, "gear.modification.normal_m: its edge is that of an epitrochoid")
     if gear.has_errors:
         raise Unsupported(engine, "gear.errors: its pins and holes are all alike and stand in their nominal places")
 

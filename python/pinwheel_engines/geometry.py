@@ -16,6 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -74,7 +75,14 @@ class Epitrochoid:
     @staticmethod
     def of(gear: Gear) -> Epitrochoid:
         """The curve of a gear's disc, with its modification."""
-        return Epitrochoid(gear.generating_radius_m, gear.generating_shortening, gear.external_sleeves)
+        curve = (gear.generating_radius_m, gear.generating_shortening, gear.external_sleeves)
+        return Moved(*curve, gear.normal_m) if gear.normal_m else Epitrochoid(*curve)
+
+    def _derivatives(self, a: Floats) -> tuple[Points, Points]:
+        """C'(a) and C''(a), m."""
+        m, zs, r = self.shortening, self.lobes, self.radius_m
+        turn, wave = np.exp(1j * a), np.exp(1j * zs * a)
+        return 1j * r * turn * (1.0 + m * wave), -r * turn * (1.0 + (zs + 1) * m * wave)
 
     @property
     def lobes(self) -> int:
@@ -143,7 +151,7 @@ class Epitrochoid:
         """
         if p.size == 0:
             return np.zeros(0), np.zeros(0)
-        m, zs, r = self.shortening, self.lobes, self.radius_m
+        m, zs = self.shortening, self.lobes
         rho = np.abs(p)
         bound = np.abs(p - self.point(a_polar))
         # Least slope of the polar angle in a, reached in the pits.
@@ -166,9 +174,7 @@ class Epitrochoid:
         def slope_of_distance(a: Floats, which: Ints) -> tuple[Floats, Floats]:
             # d/da of |p - C|^2/2 = -Re(conj(p - C) C'), and its derivative.
             away = np.conj(p[row[which]] - self.point(a))
-            turn, wave = np.exp(1j * a), np.exp(1j * zs * a)
-            first = 1j * r * turn * (1.0 + m * wave)
-            second = -r * turn * (1.0 + (zs + 1) * m * wave)
+            first, second = self._derivatives(a)
             return -np.real(away * first), np.abs(first) ** 2 - np.real(away * second)
 
         a = root_between(slope_of_distance, grid[row, column], grid[row, column + 2])
@@ -179,6 +185,94 @@ class Epitrochoid:
         best = a[first_of_row]
         signed = np.real((p - self.point(best)) * np.conj(self.normal(best)))
         return best, signed
+
+
+@dataclass(frozen=True)
+class Moved(Epitrochoid):
+    """C(a) - w(zs a) n(a): the curve moved along its inward normal by a series or a periodic spline."""
+
+    offset: dict[str, list[float]]
+
+    @cached_property
+    def _waves(self) -> tuple[Floats, Floats]:
+        """Values and second derivatives of w at the spline's knots, which discrete Fourier transforms decouple."""
+        values = np.array(self.offset["points_m"])
+        step = 2.0 * math.pi / values.size
+        cos = np.cos(step * np.arange(values.size))
+        bends = np.fft.ifft(np.fft.fft(values) * (2.0 * cos - 2.0) / (2.0 * cos + 4.0)).real * 6.0 / step**2
+        return values, bends
+
+    def _moved_by(self, a: Floats) -> tuple[Floats, Floats, Floats]:
+        """The offset w and its first two derivatives with the parameter, m."""
+        zs = self.lobes
+        if self.offset.get("points_m"):
+            values, bends = self._waves
+            step = 2.0 * math.pi / values.size
+            place = np.mod(zs * a / step, values.size)
+            k = np.minimum(place.astype(int), values.size - 1)
+            after, b = (k + 1) % values.size, place - k
+            w0, w1, m0, m1 = values[k], values[after], bends[k] * step**2 / 6.0, bends[after] * step**2 / 6.0
+            c = 1.0 - b
+            value = c * w0 + b * w1 + (c**3 - c) * m0 + (b**3 - b) * m1
+            slope = (w1 - w0 + (1.0 - 3.0 * c * c) * m0 + (3.0 * b * b - 1.0) * m1) / step
+            return value, zs * slope, zs * zs * 6.0 * (c * m0 + b * m1) / step**2
+        cos, sin = self.offset.get("cos_m", []), self.offset.get("sin_m", [])
+        parts = np.zeros(max(len(cos), len(sin) + 1), dtype=complex)
+        parts[: len(cos)] += cos
+        parts[1 : len(sin) + 1] -= 1j * np.array(sin)
+        orders = 1j * zs * np.arange(parts.size)
+        waves = parts * np.exp(np.multiply.outer(a, orders))
+        value, slope, bend = (np.sum(waves * orders**k, axis=-1).real for k in range(3))
+        return value, slope, bend
+
+    def _bare(self) -> Epitrochoid:
+        return Epitrochoid(self.radius_m, self.shortening, self.external_sleeves)
+
+    def _derivatives(self, a: Floats) -> tuple[Points, Points]:
+        # n' = i t n with t = kappa s, so C' - (w n)' = n (i (s - w t) - w').
+        w, first, second = self._moved_by(a)
+        bare, m, zs = self._bare(), self.shortening, self.lobes
+        n, s = bare.normal(a), bare.speed(a)
+        s_slope = -(self.radius_m**2) * m * zs * np.sin(zs * a) / s
+        t = bare.curvature(a) * s
+        t_slope = bare.curvature_slope(a) * s + bare.curvature(a) * s_slope
+        inner = 1j * (s - w * t) - first
+        return n * inner, n * (1j * t * inner + 1j * (s_slope - first * t - w * t_slope) - second)
+
+    def point(self, a: Floats) -> Points:
+        """C(a) - w n, m."""
+        bare = self._bare()
+        return np.asarray(bare.point(a) - self._moved_by(a)[0] * bare.normal(a))
+
+    def normal(self, a: Floats) -> Points:
+        """Outward unit normal of the moved curve."""
+        first, _ = self._derivatives(a)
+        return np.asarray(-1j * first / np.abs(first))
+
+    def curvature(self, a: Floats) -> Floats:
+        """1/m, of the moved curve."""
+        first, second = self._derivatives(a)
+        return np.asarray(np.imag(np.conj(first) * second) / np.abs(first) ** 3)
+
+    def curvature_slope(self, a: Floats) -> Floats:
+        """Derivative of the curvature with the parameter, 1/m, by differences."""
+        step = 1e-4 / self.lobes
+        return np.asarray((self.curvature(a + step) - self.curvature(a - step)) / (2.0 * step))
+
+    def speed(self, a: Floats) -> Floats:
+        """|C'(a)|, m."""
+        return np.asarray(np.abs(self._derivatives(a)[0]))
+
+    def parameter_at(self, polar: Floats) -> Floats:
+        """The parameter a whose point C(a) has the given polar angle."""
+        reach = 1.2 * math.asin(self.ratio) + 0.01 / self.lobes
+
+        def excess(a: Floats, which: Ints) -> tuple[Floats, Floats]:
+            point = self.point(a)
+            value = np.angle(point * np.exp(-1j * polar[which]))
+            return value, np.imag(self._derivatives(a)[0] / point)
+
+        return root_between(excess, polar - reach, polar + reach)
 
 
 def circle_curvature(before: Points, here: Points, after: Points) -> Floats:

@@ -87,6 +87,12 @@ class Gear(Table):
         return self._modification("rotational_rad")
 
     @property
+    def normal_m(self) -> dict[str, list[float]]:
+        """Lists of an offset of the generating curve along its inward normal; empty: none."""
+        found = self._keys.get("modification", {}).get("normal_m", {})
+        return {key: values for key, values in found.items() if values}
+
+    @property
     def has_errors(self) -> bool:
         """True if a single pin, hole or disc deviates."""
         return any(self._keys.get("errors", {}).values())
@@ -100,6 +106,7 @@ class Gear(Table):
     def extra_play_m(self) -> float:
         """More than what modification and errors can add to the gap of a ring pin."""
         change = abs(self._modification("equidistant_m")) + abs(self._modification("radial_m"))
+        change += sum(abs(value) for values in self.normal_m.values() for value in values)
         lists = self._keys.get("errors", {}).items()
         largest = sum(max(map(abs, values), default=0.0) for key, values in lists if key.endswith("_m"))
         return float(change + largest + self.rotational_rad * self.eccentricity_m * self.lobes)

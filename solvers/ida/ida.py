@@ -93,7 +93,7 @@ class Mechanism:
         self.carriers = np.array([body["carrier"] for body in bodies])
         self.seats = np.array([body["seat_m"] for body in bodies])
         self.start = np.array([body["start"] for body in bodies])
-        self.rate = job["rate_rad_s"]
+        self.motions = motions(job["scene"]["drive"])
         self.phase = self.start[INPUT, 2]
         mass = [(body["mass_kg"], body["mass_kg"], body["moment_kg_m2"]) for body in bodies]
         self.mass = np.array(mass).ravel()
@@ -126,6 +126,13 @@ class Mechanism:
         self.attempts = 0
         self._last = np.nan
 
+    def input(self, time_s: float) -> tuple[float, float, float]:
+        """Angle, speed and acceleration of the driver; at an end of a ramp those that begin."""
+        # Times of samples and changes differ by rounding.
+        from_s, angle, rate, acceleration = [m for m in self.motions if m[0] <= time_s * (1.0 + 1e-12)][-1]
+        since = time_s - from_s
+        return angle + since * (rate + 0.5 * since * acceleration), rate + since * acceleration, acceleration
+
     def arms(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Seats of carried bodies in the ground frame, and the gradient with the columns of their carriers' angles."""
         angle = q[self.columns]
@@ -143,7 +150,7 @@ class Mechanism:
         joints = g[:-1].reshape(-1, 2)
         joints[:] = (positions - self.seats)[self.pinned]
         joints[self.held] = positions[self.carried] - positions[self.holders] - arms
-        g[-1] = q[3 * INPUT + 2] - self.phase - self.rate * time_s
+        g[-1] = q[3 * INPUT + 2] - self.phase - self.input(time_s)[0]
         return g
 
     def forces(self, time_s: float, q: np.ndarray, v: np.ndarray) -> np.ndarray:
@@ -167,7 +174,7 @@ class Mechanism:
         res[iv] = self.mass * yp[iv] - self.forces(t, q, v) + y[il] @ gradient
         res[il] = self.gaps(t, q, arms)
         res[im] = gradient @ v
-        res[im.stop - 1] -= self.rate
+        res[im.stop - 1] -= self.input(t)[1]
 
     def jacobian(self, t: float, y: np.ndarray, _yp: np.ndarray, _res: np.ndarray, cj: float, jacobian: np.ndarray) -> None:
         """d res/dy + cj d res/dy'; contact loads by forward differences, the rest exactly."""
@@ -208,6 +215,7 @@ class Mechanism:
         arms, gradient = self.arms(q)
         demanded = np.zeros(self.constraints)
         demanded[:-1].reshape(-1, 2)[self.held] = -arms * v[self.columns, None] ** 2
+        demanded[-1] = self.input(time_s)[2]
         free = self.forces(time_s, q, v) / self.mass
         light = gradient / self.mass
         pull = np.linalg.solve(light @ gradient.T, gradient @ free - demanded)
@@ -247,13 +255,26 @@ class Courses:
         print(*(repr(float(value)) for value in values), sep=",", file=self.file)
 
 
+def motions(drive: dict[str, Any]) -> list[tuple[float, float, float, float]]:
+    """Returns start, angle, speed and acceleration of each stretch of the input's motion."""
+    speed = drive["input_speed_rad_s"]
+    found = [(0.0, 0.0, speed, 0.0)]
+    for change in drive.get("speed_changes") or []:
+        time, ramp, after = change["time_s"], change["ramp_s"], change["input_speed_rad_s"]
+        begin = found[-1][1] + speed * (time - found[-1][0])
+        found.append((time, begin, speed, (after - speed) / ramp))
+        found.append((time + ramp, begin + 0.5 * (speed + after) * ramp, after, 0.0))
+        speed = after
+    return found
+
+
 def legs(drive: dict[str, Any], samples: list[float]) -> list[tuple[float, float]]:
-    """Returns the times of cuts of the run: jumps and kinks of the load and its end, by the load's clock and the solver's.
+    """Returns the times of cuts of the run: jumps and kinks of load and speed and its end, by the load's clock and the solver's.
 
     A sample there is the same moment but for rounding.
     """
     found = {drive["load_ramp_s"]}
-    for change in drive.get("load_changes") or []:
+    for change in [*(drive.get("load_changes") or []), *(drive.get("speed_changes") or [])]:
         found |= {change["time_s"], change["time_s"] + (change.get("ramp_s") or 0.0)}
     cuts = []
     for time in sorted(found):

@@ -117,26 +117,33 @@ double number(const std::string& json, const std::string& key) {
     return std::strtod(json.c_str() + colon + 1, nullptr);
 }
 
-// A time at which the load jumps or bends: a step across it errs by luck. The sample that is the same moment but for rounding stands
-// for it.
+// The entries of a list of changes of the job's description.
+std::vector<std::string> changes(const std::string& json, const std::string& key) {
+    std::vector<std::string> found;
+    const size_t begin = json.find('"' + key + '"');
+    const size_t end = begin == std::string::npos ? begin : json.find(']', begin);
+    if (end == std::string::npos) return found;
+    const std::string list = json.substr(begin, end - begin);
+    for (size_t at = list.find('{'); at != std::string::npos; at = list.find('{', at + 1))
+        found.push_back(list.substr(at, list.find('}', at) - at));
+    return found;
+}
+
+// A time at which load or speed jumps or bends: a step across it errs by luck. The sample that is the same moment but for rounding
+// stands for it.
 struct Cut {
     double of_load, time;
 };
 
 std::vector<Cut> cuts(const std::string& json, const std::vector<double>& samples) {
     std::vector<double> found{number(json, "load_ramp_s")};
-    const size_t changes = json.find("\"load_changes\"");
-    const size_t end = changes == std::string::npos ? changes : json.find(']', changes);
-    if (end != std::string::npos) {
-        const std::string list = json.substr(changes, end - changes);
-        for (size_t at = list.find('{'); at != std::string::npos; at = list.find('{', at + 1)) {
-            const std::string one = list.substr(at, list.find('}', at) - at);
+    for (const char* key : {"load_changes", "speed_changes"})
+        for (const std::string& one : changes(json, key)) {
             const double time = number(one, "time_s");
             const double ramp = one.find("\"ramp_s\"") == std::string::npos ? 0.0 : number(one, "ramp_s");
             found.push_back(time);
             found.push_back(time + ramp);
         }
-    }
     std::sort(found.begin(), found.end());
     std::vector<Cut> cuts;
     for (double time : found) {
@@ -162,8 +169,11 @@ public:
             // Mobilized body 0 is the ground.
             forces[static_cast<int>(i) + 1] += SpatialVec(Vec3(0, 0, load[2]), Vec3(load[0], load[1], 0));
         }
-        forces[OUTPUT + 1][0][2] += law.load_torque(std::clamp(state.getTime(), load_from, load_until));
+        forces[OUTPUT + 1][0][2] += law.load_torque(clock(state.getTime()));
     }
+
+    // The time that chooses load and speed: one within the leg.
+    double clock(double time) const { return std::clamp(time, load_from, load_until); }
 
     Real calcPotentialEnergy(const State&) const override { return 0; }
 
@@ -201,6 +211,49 @@ public:
 
 private:
     double load_from = 0, load_until = Infinity;
+};
+
+// Angle of the input over time, in stretches of constant acceleration.
+class Turning : public Motion::Custom::Implementation {
+public:
+    Turning(const std::string& json, double rate, const Contacts& contacts) : contacts(contacts), stretches{{0, 0, rate, 0}} {
+        for (const std::string& one : changes(json, "speed_changes")) {
+            const double time = number(one, "time_s"), ramp = number(one, "ramp_s"), after = number(one, "input_speed_rad_s");
+            const double at = stretches.back().angle + rate * (time - stretches.back().from);
+            stretches.push_back({time, at, rate, (after - rate) / ramp});
+            stretches.push_back({time + ramp, at + 0.5 * (rate + after) * ramp, after, 0});
+            rate = after;
+        }
+    }
+
+    Motion::Level getLevel(const State&) const override { return Motion::Position; }
+    Implementation* clone() const override { return new Turning(*this); }
+
+    void calcPrescribedPosition(const State& state, int, Real* q) const override {
+        const Stretch& now = at(state);
+        const double since = state.getTime() - now.from;
+        *q = now.angle + since * (now.rate + 0.5 * since * now.acceleration);
+    }
+    void calcPrescribedPositionDot(const State& state, int, Real* u) const override {
+        const Stretch& now = at(state);
+        *u = now.rate + (state.getTime() - now.from) * now.acceleration;
+    }
+    void calcPrescribedPositionDotDot(const State& state, int, Real* udot) const override { *udot = at(state).acceleration; }
+
+private:
+    struct Stretch {
+        double from, angle, rate, acceleration;
+    };
+
+    const Stretch& at(const State& state) const {
+        const double time = contacts.clock(state.getTime());
+        size_t k = stretches.size() - 1;
+        while (k > 0 && stretches[k].from > time) --k;
+        return stretches[k];
+    }
+
+    const Contacts& contacts;
+    std::vector<Stretch> stretches;
 };
 
 // The contract's courses, one row a sample.
@@ -275,12 +328,15 @@ void run(const std::string& job, const char* library, const std::string& method)
         MobilizedBody::Pin(carrier, Transform(Vec3(body.seat[0], body.seat[1], 0)), rigid, Transform());
     }
     MobilizedBody& input = matter.updMobilizedBody(MobilizedBodyIndex(INPUT + 1));
-    Motion::Steady(input, law.rate);
     const std::string json = description.str();
     std::vector<Cut> cut = cuts(json, law.times);
     Contacts* contacts = new Contacts(law, matter);
     contacts->end_leg_before(cut);
     Force::Custom(forces, contacts);  // the system owns it
+    if (changes(json, "speed_changes").empty())
+        Motion::Steady(input, law.rate);
+    else
+        Motion::Custom(input, new Turning(json, law.rate, *contacts));
 
     State state = system.realizeTopology();
     for (size_t i = 0; i < law.bodies.size(); ++i) {

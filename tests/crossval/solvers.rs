@@ -122,6 +122,68 @@ fn crossval_ida_friction() {
     assert_within(found, [2e-5, 1.6e-4]);
 }
 
+/// Ramps of the speed, one within a step. rapier is second order in its own step of 1e-5 s.
+#[test]
+fn crossval_engines_with_changes_of_the_speed() {
+    let ramps = "[{ time_s = 0.0020037, input_speed_rad_s = 80.0, ramp_s = 0.003 }, \
+                 { time_s = 0.006, input_speed_rad_s = -10.0, ramp_s = 0.002 }]";
+    let settings = [
+        ("drive.start", "equilibrium"),
+        ("drive.speed_changes", ramps),
+        ("solver.duration_s", "0.009"),
+    ];
+    let ramped = scene("paper", &settings);
+    let resolved = run("native-resolved", &ramped);
+    let window = (0.0, ramped.solver.duration_s);
+    if simbody() {
+        assert_within(errors(SIMBODY, &ramped, window, &resolved), [2e-6; 2]);
+    }
+    assert_within(errors(IDA, &ramped, window, &resolved), [2e-5; 2]);
+    assert_within(
+        errors("rapier-shared-law", &ramped, window, &resolved),
+        [1e-3; 2],
+    );
+    let Ending::Unsupported { reason } = attempt("exudyn-shared-law-explicit", &ramped).ending
+    else {
+        panic!("exudyn takes one speed");
+    };
+    assert!(reason.contains("drive.speed_changes"), "{reason}");
+}
+
+/// A profile of one's own, by each form: IDA by the law's library, exudyn, and rapier; the law in Python checks itself against ours
+/// before exudyn runs.
+#[test]
+fn crossval_engines_with_own_profiles() {
+    for form in [
+        (
+            "gear.modification.normal_m.cos_m",
+            "[5e-6, 4e-6, 0.0, -1e-6]",
+        ),
+        (
+            "gear.modification.normal_m.points_m",
+            "[4e-6, 9e-6, 2e-6, 1e-6, 4e-6, 6e-6, 3e-6, 6e-6]",
+        ),
+    ] {
+        let own = scene(
+            "paper",
+            &[
+                form,
+                ("solver.duration_s", "0.005"),
+                ("solver.step_s", "2e-6"),
+            ],
+        );
+        let resolved = run("native-resolved", &own);
+        let window = (0.0, own.solver.duration_s);
+        for (engine, limit) in [
+            (IDA, 1e-4),
+            ("exudyn-shared-law-explicit", 1e-4),
+            ("rapier-shared-law", 1e-3),
+        ] {
+            assert_within(errors(engine, &own, window, &resolved), [limit; 2]);
+        }
+    }
+}
+
 /// Loads that jump, a start in equilibrium with friction, other gears, backlash and full stiffness. Measured 1.8e-7 to 7.3e-7
 /// for Simbody, 1.0e-6 to 4.9e-6 for IDA, and 8.1e-5 for steel, whose ringing BDF damps. Times 4 to 5; with friction more,
 /// because of what native-resolved states of itself. After the reversal contacts open and close, and Simbody's error is luck: 2.5e-7

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use parry2d_f64::math::Vector;
 use parry2d_f64::query::PointQuery;
 use parry2d_f64::shape::{Polyline, PolylineFlags};
-use pinwheel_contact::{Complex, Epitrochoid};
+use pinwheel_contact::{Complex, Epitrochoid, LobeOffset};
 use pinwheel_studies::rng::Rng;
 
 /// Vertices of the polyline. Its error falls with their square: 12 000 give 2.6e-7 m.
@@ -92,5 +92,17 @@ fn crossval_parry_distance_of_other_gears() {
         let curve = Epitrochoid::new(eccentricity, sleeves, shortening).unwrap();
         let largest = largest_error(&curve, 5_000);
         println!("zk = {sleeves}, m = {shortening}: largest difference {largest:e} m");
+    }
+}
+
+/// A profile of one's own by a Fourier series whose flanks differ, and by points.
+#[test]
+fn crossval_parry_distance_of_own_profiles() {
+    for offset in [
+        LobeOffset::series(&[5e-6, 8e-6, 0.0, -2e-6], &[6e-6, 1e-6]),
+        LobeOffset::spline(&[0.0, 9e-6, 2e-6, -5e-6, 4e-6, 1e-6, -3e-6, 6e-6]),
+    ] {
+        let curve = Epitrochoid::with_offset(0.0028, 16, 0.7, offset).unwrap();
+        println!("largest difference {:e} m", largest_error(&curve, 4_000));
     }
 }

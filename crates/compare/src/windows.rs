@@ -66,8 +66,10 @@ impl Window {
         let word = self.kind.word();
         match self.load_changes {
             0 => None,
-            1 => Some(format!("The load changes in the {word} window.")),
-            n => Some(format!("The load changes {n} times in the {word} window.")),
+            1 => Some(format!("Load or speed changes in the {word} window.")),
+            n => Some(format!(
+                "Load or speed changes {n} times in the {word} window."
+            )),
         }
     }
 }
@@ -146,7 +148,7 @@ pub fn windows(
             2.0 * settling_s
         )),
         Some(last) if !reached => Some(format!(
-            "the load still changes at {} s and the transient of that takes {decays_s} s, so a steady window \
+            "load or speed still changes at {} s and the transient of that takes {decays_s} s, so a steady window \
              needs a run of {} s",
             rounded(*last),
             rounded(last + decays_s + transient_s)

@@ -66,7 +66,7 @@ impl Epitrochoid {
         let ray = p.scale(1.0 / radius);
         let [mut u, mut v] = start;
         for _ in 0..RAY_STEPS {
-            let at = self.at_unit(u, v);
+            let at = self.place(u, v);
             let da = -at.position.cross(ray) / (at.normal.turned().cross(ray) * at.speed);
             if !(da.abs() < 0.5) {
                 return false;
@@ -75,7 +75,7 @@ impl Epitrochoid {
             u = u * turn;
             v = v * turn.powu(self.sleeves);
         }
-        let at = self.at_unit(u, v);
+        let at = self.place(u, v);
         let (along, beside) = (at.position.dot(ray), at.position.cross(ray).abs());
         let margin = 2.0 * self.steepest * beside + RAY_MARGIN * self.pitch_radius;
         let growth = (self.steepest * (away / radius).asin()).exp();
@@ -86,7 +86,7 @@ impl Epitrochoid {
     #[cold]
     #[inline(never)]
     fn foot_by_search(&self, p: Complex, limit: f64) -> Option<Foot> {
-        if p.norm() >= self.pitch_radius + self.eccentricity + limit.max(0.0) {
+        if p.norm() >= self.pitch_radius + self.eccentricity + self.moved() + limit.max(0.0) {
             return None;
         }
         let foot = self.closest(p);
@@ -99,7 +99,7 @@ impl Epitrochoid {
         let away = limit.max(0.0);
         let mut last_step = pinwheel_faults::armed(pinwheel_faults::Fault::StaleFoot);
         for _ in 0..MAX_STEPS {
-            let at = self.at_unit(u, v);
+            let at = self.place(u, v);
             let r = p - at.position;
             let s = r.dot(at.normal);
             // Farther than the limit, too, if P lies in the ball that is smaller by so much.
@@ -137,7 +137,7 @@ impl Epitrochoid {
     }
 
     /// Returns the foot of `p`, with its derivatives, from the foot `unit` of its value: one Newton step, which is exact to
-    /// first order.
+    /// first order; of a curve without an offset.
     #[must_use]
     pub fn foot_beside<S: Scalar>(&self, unit: Complex, p: Complex<S>) -> Foot<S> {
         let at = self.at_unit(unit, unit.powu(self.sleeves));
@@ -162,18 +162,20 @@ impl Epitrochoid {
     /// local minimum of the distance, and refines each by bisection-safeguarded Newton.
     #[must_use]
     pub fn closest(&self, p: Complex) -> Foot {
-        const PER_LOBE: f64 = 40.0;
+        let per_lobe = f64::from(self.samples(40));
         let tau = std::f64::consts::TAU;
         // The closest point is not farther than the one at P's own polar angle, which bounds its polar angle;
-        // the polar angle of C(a) differs from a by at most asin(e/R).
+        // the polar angle of C(a) differs from a by at most asin((e + |w|)/R).
         let start = p.arg();
         let bound = (p - self.at(start).position).norm();
         let half = if bound < p.norm() {
-            ((bound / p.norm()).asin() + (self.eccentricity / self.pitch_radius).asin()) * 1.001
+            ((bound / p.norm()).asin()
+                + ((self.eccentricity + self.moved()) / self.pitch_radius).asin())
+                * 1.001
         } else {
             std::f64::consts::PI
         };
-        let step = tau / (PER_LOBE * f64::from(self.lobes()));
+        let step = tau / (per_lobe * f64::from(self.lobes()));
         let count = (half / step).ceil() as i64 + 1;
         let squared = |a: f64| (p - self.at(a).position).norm2();
         let mut best: Option<(f64, f64)> = None;
@@ -196,7 +198,7 @@ impl Epitrochoid {
         // A full turn always holds a minimum; the start stands in for the impossible rest.
         let a = best.map_or(start, |(_, a)| a);
         let unit = Complex::unit(a);
-        let at = self.at_unit(unit, unit.powu(self.sleeves));
+        let at = self.place(unit, unit.powu(self.sleeves));
         Foot {
             unit,
             at,

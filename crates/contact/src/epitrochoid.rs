@@ -9,9 +9,17 @@
 //! The disc's profile is C - q n. A pin of radius q penetrates the disc by exactly minus
 //! the signed distance of its centre from C, so contact is one closest-point problem on this
 //! smooth curve. kappa > 0 where C bulges outwards (lobe), < 0 in a pit.
+//!
+//! With an offset w(zs a) along the inward normal the curve is C - w n instead. From t = R90 n and n' = kappa s t, s = |C'|:
+//!
+//! ```text
+//! (C - w n)' = A t + B n,   A = s (1 - w kappa),  B = -w'
+//! kappa      = (B A' - A B')/(A^2 + B^2)^{3/2} + kappa s/(A^2 + B^2)^{1/2}
+//! ```
 
+use crate::lobe_offset::LobeOffset;
 use crate::search::Search;
-use crate::{Complex, Real};
+use crate::{Complex, Real, Scalar};
 
 /// Position, direction and curvature at one parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,6 +84,8 @@ pub struct Epitrochoid {
     pub settling: f64,
     /// Constants of the search in lanes.
     pub(crate) search: Search,
+    /// Offset along the inward normal, with its largest size, m, and the extremes of the curvature, 1/m.
+    own: Option<(LobeOffset, f64, [f64; 2])>,
 }
 
 impl Epitrochoid {
@@ -83,6 +93,18 @@ impl Epitrochoid {
     /// one of them is out of range or not finite.
     #[must_use]
     pub fn new(eccentricity: f64, sleeves: u32, shortening: f64) -> Option<Self> {
+        Self::with_offset(eccentricity, sleeves, shortening, None)
+    }
+
+    /// Creates the curve with an offset along its inward normal; `None` also if the offset folds the curve, or makes it leave a
+    /// ray from the centre twice.
+    #[must_use]
+    pub fn with_offset(
+        eccentricity: f64,
+        sleeves: u32,
+        shortening: f64,
+        offset: Option<LobeOffset>,
+    ) -> Option<Self> {
         let valid = eccentricity.is_finite()
             && eccentricity > 0.0
             && shortening > 0.0
@@ -102,7 +124,13 @@ impl Epitrochoid {
             steepest: 0.0,
             settling: 1.0,
             search: Search::default(),
+            own: None,
         };
+        if let Some(offset) = offset {
+            curve.own = Some((offset.clone(), offset.largest(), [0.0; 2]));
+            let bends = curve.bends(&offset)?;
+            curve.own.as_mut()?.2 = bends;
+        }
         let repulsion;
         (curve.reach_outside, curve.reach_inside, repulsion) = curve.reaches();
         curve.search = Search::new(sleeves, shortening, pitch_radius, repulsion * pitch_radius);
@@ -113,8 +141,57 @@ impl Epitrochoid {
 
     /// Returns true if [`new`](Self::new) makes an equal curve of these parameters.
     #[must_use]
-    pub fn is_of(&self, eccentricity: f64, sleeves: u32, shortening: f64) -> bool {
+    pub fn is_of(
+        &self,
+        eccentricity: f64,
+        sleeves: u32,
+        shortening: f64,
+        offset: Option<&LobeOffset>,
+    ) -> bool {
         (self.eccentricity, self.sleeves, self.shortening) == (eccentricity, sleeves, shortening)
+            && self.own.as_ref().map(|own| &own.0) == offset
+    }
+
+    /// Returns true if the curve has an offset along its normal.
+    #[must_use]
+    pub fn has_offset(&self) -> bool {
+        self.own.is_some()
+    }
+
+    /// Returns the largest distance from the curve without its offset, m.
+    pub(crate) fn moved(&self) -> f64 {
+        self.own.as_ref().map_or(0.0, |own| own.1)
+    }
+
+    /// Returns the number of samples of a lobe that show all of the curve.
+    pub(crate) fn samples(&self, usual: u32) -> u32 {
+        self.own
+            .as_ref()
+            .map_or(usual, |own| usual.max(own.0.samples()))
+    }
+
+    /// Returns bounds of the curvature: the extremes of samples, and by how much they bend between three of them; `None` where the
+    /// offset folds the curve, or makes it leave a ray from the centre twice.
+    fn bends(&self, offset: &LobeOffset) -> Option<[f64; 2]> {
+        // A multiple of the knots, at which the curvature has kinks.
+        let samples = offset.samples() * 960_u32.div_ceil(offset.samples());
+        let step = std::f64::consts::TAU / f64::from(samples * self.lobes());
+        let mut bends = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut last = [-2, -1].map(|k| self.at(f64::from(k) * step).curvature);
+        for k in 0..samples {
+            let a = f64::from(k) * step;
+            let (at, unit) = (self.at(a), Complex::unit(a));
+            let bare = self.at_unit(unit, unit.powu(self.sleeves));
+            let folds = at.normal.dot(bare.normal) <= 0.0 || at.position.dot(at.normal) <= 0.0;
+            if folds || !at.curvature.is_finite() {
+                return None;
+            }
+            let [before, here] = last;
+            let margin = (before - 2.0 * here + at.curvature).abs();
+            bends = [bends[0].min(here - margin), bends[1].max(here + margin)];
+            last = [here, at.curvature];
+        }
+        Some(bends)
     }
 
     /// Returns R, m.
@@ -140,10 +217,45 @@ impl Epitrochoid {
     #[must_use]
     pub fn at(&self, a: f64) -> CurvePoint {
         let unit = Complex::unit(a);
-        self.at_unit(unit, unit.powu(self.sleeves))
+        self.place(unit, unit.powu(self.sleeves))
     }
 
-    /// Returns the curve at e^{ia} = `unit`, with e^{i zk a} = `multiple`.
+    /// Returns the curve at e^{ia} = `unit`, with e^{i zk a} = `multiple`, its offset included.
+    #[inline]
+    pub(crate) fn place(&self, unit: Complex, multiple: Complex) -> CurvePoint {
+        let at = self.at_unit(unit, multiple);
+        match &self.own {
+            None => at,
+            Some((offset, ..)) => self.moved_point(offset, &at, [unit, multiple]),
+        }
+    }
+
+    /// Returns the point of the curve with its offset from the one without.
+    #[inline(never)]
+    fn moved_point(
+        &self,
+        offset: &LobeOffset,
+        at: &CurvePoint,
+        [unit, multiple]: [Complex; 2],
+    ) -> CurvePoint {
+        let (zs, sin_lobe) = (f64::from(self.lobes()), unit.cross(multiple));
+        let [w, first, second] = offset.at(sin_lobe.atan2(unit.dot(multiple)));
+        let (slope, bend) = (zs * first, zs * zs * second);
+        let (s, kappa, n) = (at.speed, at.curvature, at.normal);
+        let s_slope = -self.pitch_radius * self.pitch_radius * self.shortening * zs * sin_lobe / s;
+        let kappa_slope = self.bare_slope(unit, multiple);
+        let (along, inward) = (s * (1.0 - w * kappa), -slope);
+        let along_slope = s_slope * (1.0 - w * kappa) - s * (slope * kappa + w * kappa_slope);
+        let speed = along.hypot(inward);
+        CurvePoint {
+            position: at.position - n.scale(w),
+            normal: (n.scale(along) + n.turned().scale(slope)).scale(1.0 / speed),
+            speed,
+            curvature: (inward * along_slope + along * bend) / speed.powi(3) + kappa * s / speed,
+        }
+    }
+
+    /// Returns the curve without its offset at e^{ia} = `unit`, with e^{i zk a} = `multiple`.
     #[must_use]
     #[inline]
     pub fn at_unit<R: Real>(&self, unit: Complex<R>, multiple: Complex<R>) -> CurvePoint<R> {
@@ -177,7 +289,20 @@ impl Epitrochoid {
 
     /// Returns d kappa/da at e^{ia} = `unit`, with e^{i zk a} = `multiple`, 1/m.
     #[must_use]
-    pub fn curvature_slope<R: Real>(&self, unit: Complex<R>, multiple: Complex<R>) -> R {
+    pub fn curvature_slope<S: Scalar>(&self, unit: Complex<S>, multiple: Complex<S>) -> S {
+        /// Step of the differences that an offset needs, rad of a lobe's phase.
+        const STEP: f64 = 1e-4;
+        if self.own.is_none() {
+            return self.bare_slope(unit, multiple);
+        }
+        let a = unit.im.value().atan2(unit.re.value());
+        let step = STEP / f64::from(self.lobes());
+        let change = self.at(a + step).curvature - self.at(a - step).curvature;
+        unit.re.like(0.5 * change / step)
+    }
+
+    /// Returns d kappa/da of the curve without its offset.
+    fn bare_slope<R: Real>(&self, unit: Complex<R>, multiple: Complex<R>) -> R {
         let (m, zk) = (self.shortening, f64::from(self.sleeves));
         let (cos_lobe, sin_lobe) = (unit.dot(multiple), unit.cross(multiple));
         let c = |x: f64| cos_lobe.like(x);
@@ -194,6 +319,9 @@ impl Epitrochoid {
     /// `(1 - m)(zk - 2 + (2 zk - 1) m)/(m (1 + zk))`, and kappa is larger at 1 than at -1 as `zk (1 + m^2) > 2`.
     #[must_use]
     pub fn largest_curvature(&self) -> f64 {
+        if let Some((_, _, [_, largest])) = self.own {
+            return largest;
+        }
         let (m, zk) = (self.shortening, f64::from(self.sleeves));
         let cos_lobe = ((1.0 + zk) * (1.0 + m * m) - 3.0 * (1.0 + m * m * zk)) / (m * (1.0 + zk));
         let tip = self.curvature(1.0);
@@ -204,14 +332,17 @@ impl Epitrochoid {
         }
     }
 
-    /// Returns tan of the largest angle between normal and radius, from samples of half a lobe, with a margin.
+    /// Returns tan of the largest angle between normal and radius, from samples of half a lobe, or of all with an offset, with a
+    /// margin.
     fn steepest_slope(&self) -> f64 {
         let half = std::f64::consts::PI / f64::from(self.lobes());
+        let samples = 2 * self.samples(64);
+        let last = if self.has_offset() { samples } else { 64 };
         let slope = |k: u32| {
-            let at = self.at(f64::from(k) / 64.0 * half);
+            let at = self.at(f64::from(k) / f64::from(samples / 2) * half);
             (at.position.cross(at.normal) / at.position.dot(at.normal)).abs()
         };
-        1.1 * (0..=64).map(slope).fold(0.0, f64::max) + 1e-3
+        1.1 * (0..=last).map(slope).fold(0.0, f64::max) + 1e-3
     }
 
     /// A Newton step from the tangential residual t ends beside the foot by about `t^2 |speed'|/(2 speed^2)`, where the
@@ -225,6 +356,17 @@ impl Epitrochoid {
             self.shortening,
             std::f64::consts::PI / f64::from(self.lobes()),
         );
+        if self.has_offset() {
+            let samples = self.samples(128);
+            let step = 2.0 * half / f64::from(samples);
+            let product = |k: u32| {
+                let [at, next] = [k, k + 1].map(|k| self.at(f64::from(k) * step));
+                let uneven = 0.5 * (next.speed - at.speed) / (step * at.speed * at.speed);
+                (uneven * at.curvature).abs() * self.pitch_radius.powi(2)
+            };
+            let largest = (0..samples).map(product).fold(0.0, f64::max);
+            return (GENTLE / largest).sqrt().min(1.0);
+        }
         let product = |k: u32| {
             let a = f64::from(k) / 64.0 * half;
             let (sin_lobe, cos_lobe) = (f64::from(self.lobes()) * a).sin_cos();
@@ -243,15 +385,15 @@ impl Epitrochoid {
     /// Computed from samples of half a lobe, which mirrors the other half, against the whole curve, and lowered by the
     /// margin that the sampling needs; the curvature bound, which the samples approach last, is exact.
     fn reaches(&self) -> (f64, f64, f64) {
-        const PER_LOBE: u32 = 48;
         const LANES: usize = 4;
         let lobes = self.lobes();
+        let per_lobe = self.samples(48);
         // Far lobes only matter across the disc; thinning them keeps huge gears cheap.
         let stride = (lobes / 256).max(1);
-        let step = std::f64::consts::TAU / f64::from(lobes * PER_LOBE);
+        let step = std::f64::consts::TAU / f64::from(lobes * per_lobe);
         let (mut xs, mut ys) = (Vec::new(), Vec::new());
-        for k in 0..lobes * PER_LOBE {
-            if k / PER_LOBE < 3 || k / PER_LOBE >= lobes - 3 || k % stride == 0 {
+        for k in 0..lobes * per_lobe {
+            if k / per_lobe < 3 || k / per_lobe >= lobes - 3 || k % stride == 0 {
                 let other = self.at(f64::from(k) * step).position;
                 xs.push(other.re);
                 ys.push(other.im);
@@ -263,7 +405,13 @@ impl Epitrochoid {
         ys.resize(whole, ys[0]);
         let (mut outside, mut inside) = (f64::INFINITY, f64::INFINITY);
         let mut repulsion: f64 = 0.0;
-        for k in 0..=PER_LOBE / 2 {
+        // Lobes with an offset are no mirror images.
+        let last = if self.has_offset() {
+            per_lobe
+        } else {
+            per_lobe / 2
+        };
+        for k in 0..=last {
             let x = self.at(f64::from(k) * step);
             let mut here = 10.0 * self.pitch_radius;
             if x.curvature < 0.0 {
@@ -289,7 +437,10 @@ impl Epitrochoid {
             outside = outside.min(here);
             repulsion = repulsion.max(x.speed / (2.0 * here * self.pitch_radius));
         }
-        let sharpest_pit = -self.curvature(-1.0);
+        let sharpest_pit = -self
+            .own
+            .as_ref()
+            .map_or(self.curvature(-1.0), |own| own.2[0]);
         if sharpest_pit > 0.0 {
             outside = outside.min(1.0 / sharpest_pit);
         }

@@ -59,6 +59,7 @@ mod hertz;
 mod hole;
 mod lanes;
 pub mod laws;
+mod lobe_offset;
 mod points;
 mod real;
 mod search;
@@ -74,6 +75,7 @@ pub use lanes::{ComplexLanes, Lanes, Mask};
 pub use laws::{
     ConstantStiffness, Hysteresis, Law, LawParameters, NormalLaw, OnPin, PaperLaw, PinLaw, Ramp,
 };
+pub use lobe_offset::LobeOffset;
 pub use points::{HolePoints, ProfilePoints, Vertex};
 pub use real::{Real, Scalar};
 

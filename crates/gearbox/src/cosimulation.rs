@@ -128,6 +128,9 @@ impl CoSimulation {
     /// # Errors
     /// A speed, load or tolerance that the scene's checks refuse.
     pub fn new(gearbox: &Gearbox, setup: Setup) -> Result<Self, GearboxError> {
+        if setup.input == Prescribed::BySpeed && !gearbox.scene.drive.speed_changes.is_empty() {
+            return Err(GearboxError::SpeedChanges);
+        }
         let mut gearbox = gearbox.with_solver(|solver| {
             solver.formulation = scene::Formulation::Reduced;
         })?;
@@ -161,6 +164,7 @@ impl CoSimulation {
                         rate,
                         ..Motion::default()
                     },
+                    ..Driver::default()
                 });
             }
         }

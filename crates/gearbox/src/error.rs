@@ -34,6 +34,17 @@ pub enum GearboxError {
     /// Change that the scene's checks refuse.
     #[error(transparent)]
     Refused(#[from] Fault),
+    /// Changes of a speed that an importer prescribes.
+    #[error(
+        "drive.speed_changes changes the speed of the input, which the importer prescribes; leave it out and change the input speed there"
+    )]
+    SpeedChanges,
+    /// Ring as output, where only native runs know it.
+    #[error(
+        "drive.output = \"ring\" is known to native runs alone; the gear by its carrier, with speed and load times zs/zk, has equal forces, \
+         lost motion times zk/zs and stiffness times (zs/zk)^2"
+    )]
+    Ring,
     /// Name of an integrator that does not exist.
     #[error("no integrator `{0}`")]
     UnknownIntegrator(String),

@@ -6,7 +6,7 @@ use serde::Serialize;
 use pinwheel_scene::free_play;
 
 use crate::Gearbox;
-use crate::scene::{Detection, Formulation, Gear, Scene, Stabilisation};
+use crate::scene::{Detection, Formulation, Gear, OutputPart, Scene, Stabilisation};
 
 /// One statement with its reason.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -243,8 +243,29 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
         "from the start".to_owned()
     };
     modelled.add(format!("load of {load} N m on the output shaft"), rising);
-    for change in &scene.drive.load_changes {
-        let (load, time, ramp) = (change.output_torque_n_m, change.time_s, change.ramp_s);
+    if scene.drive.output == OutputPart::Ring {
+        modelled.add(
+            "the ring is the output, the carrier is held",
+            "drive.output: contacts are those seen from the ring; inertia is in the frame of the ground, where the ring turns with its pins",
+        );
+    }
+    let loads = scene.drive.load_changes.iter();
+    let loads = loads.map(|c| {
+        (
+            format!("load of {} N m", c.output_torque_n_m),
+            c.time_s,
+            c.ramp_s,
+        )
+    });
+    let speeds = scene.drive.speed_changes.iter();
+    let speeds = speeds.map(|c| {
+        (
+            format!("speed of {} rad/s", c.input_speed_rad_s),
+            c.time_s,
+            c.ramp_s,
+        )
+    });
+    for (value, time, ramp) in loads.chain(speeds) {
         let how = if ramp > 0.0 {
             format!("reached linearly over {ramp} s")
         } else {
@@ -255,10 +276,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
         } else {
             format!("never reached: the run ends at {} s", solver.duration_s)
         };
-        modelled.add(
-            format!("load of {load} N m from {time} s on, {how}"),
-            reached,
-        );
+        modelled.add(format!("{value} from {time} s on, {how}"), reached);
     }
     for (family, count) in gearbox.channels.families() {
         modelled.add(
@@ -340,6 +358,21 @@ fn deviations(gear: &Gear, modelled: &mut Statements) {
                  order a pin at phi from the eccentric stands off by g = (q' - q) + (d - (R' - R)) (1 - m cos phi)/S + \
                  delta e zs |sin phi|/S with S = sqrt(1 + m^2 - 2 m cos phi), and a disc turns freely by {play:.4} arcmin to \
                  either side (the least g/l at any angle, l = e zs sin(phi)/S)"
+            ),
+        );
+    }
+    let own = &change.normal_m;
+    if let Some(offset) = own.of_lobe() {
+        let form = match own.points_m.len() {
+            0 => "by a Fourier series".to_owned(),
+            n => format!("by a periodic cubic spline through {n} points"),
+        };
+        modelled.add(
+            format!("own profile, the same on all lobes, {form}"),
+            format!(
+                "gear.modification.normal_m: the generating curve lies up to {} um further in or out along its normal; curvature and reach \
+                 are those of the moved curve",
+                1e6 * offset.largest()
             ),
         );
     }

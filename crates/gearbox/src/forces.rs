@@ -7,7 +7,8 @@ use crate::Layout;
 use crate::contacts::{ContactField, PairContact};
 use crate::linear_signal::LinearSignal;
 use crate::load_profile::{self, LoadSegment};
-use crate::scene::{Contact as Contacts, Drive};
+use crate::ring_frame::{add_to_ground, from_ring};
+use crate::scene::{Contact as Contacts, Drive, OutputPart};
 use crate::{Gearbox, GearboxError};
 
 /// Applied forces of a gearbox.
@@ -25,6 +26,8 @@ pub struct GearForces {
     pub speed_in_torque_out: bool,
     /// Touching pairs of the last listing.
     pairs: Vec<PairContact>,
+    /// States and loads as seen from the ring, where that is the output.
+    from_ring: Option<(Vec<BodyState>, Vec<Wrench>)>,
 }
 
 impl GearForces {
@@ -39,7 +42,11 @@ impl GearForces {
             layout,
             contact: gearbox.scene.contact.clone(),
             drive: gearbox.scene.drive.clone(),
-            field: gearbox.contact_field()?,
+            field: gearbox.field_of(&gearbox.scene)?,
+            from_ring: match gearbox.scene.drive.output {
+                OutputPart::Carrier => None,
+                OutputPart::Ring => Some((Vec::new(), vec![Wrench::default(); layout.bodies()])),
+            },
             load: load_profile::piece_at(&gearbox.scene.drive, 0.0),
             held: [LinearSignal::default(); 2],
             speed_in_torque_out: true,
@@ -71,15 +78,32 @@ impl Forces for GearForces {
 
     // Moments alone lack those of the input, where that is free.
     fn work_from_angles(&self) -> bool {
-        self.speed_in_torque_out && self.field.work_from_angles()
+        self.from_ring.is_none() && self.speed_in_torque_out && self.field.work_from_angles()
     }
 
+    // Derivatives by time lack the input's acceleration.
     fn have_derivatives(&self) -> bool {
-        self.speed_in_torque_out && self.field.have_derivatives()
+        self.from_ring.is_none()
+            && self.drive.speed_changes.is_empty()
+            && self.speed_in_torque_out
+            && self.field.have_derivatives()
     }
 
     fn evaluate(&mut self, t: f64, bodies: &[BodyState], request: &mut Evaluation<'_>) {
-        self.field.evaluate(bodies, request);
+        match &mut self.from_ring {
+            None => self.field.evaluate(bodies, request),
+            Some((seen, own)) => {
+                from_ring(bodies, seen);
+                own.fill(Wrench::default());
+                let mut asked = Evaluation::of_loads(own);
+                asked.energy = request.energy.take();
+                self.field.evaluate(seen, &mut asked);
+                request.energy = asked.energy;
+                if let Some(loads) = &mut request.loads {
+                    add_to_ground(own, &bodies[Layout::OUTPUT], loads);
+                }
+            }
+        }
         let torque = self.load.torque(t);
         let [input, output] = &self.held;
         if let Some(loads) = &mut request.loads {

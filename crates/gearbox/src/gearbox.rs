@@ -10,7 +10,9 @@ use crate::contacts::{self, ContactField, Kernel, Seals};
 use crate::error::GearboxError;
 use crate::geometry::Geometry;
 use crate::load_profile;
-use crate::scene::{BodyMass, CheckedScene, Fault, Scene, Solver, Start};
+use crate::ring_frame;
+use crate::scene::{BodyMass, CheckedScene, Fault, OutputPart, Scene, Solver, Start};
+use crate::speed_profile;
 use crate::statics::Statics;
 use pinwheel_scene::channels::Channels;
 use pinwheel_scene::scales::{hertz, least_depth};
@@ -64,7 +66,7 @@ impl Gearbox {
             start: None,
             flat_stiffness: hertz(scene).on_flat(scene.gear.external_sleeve_radius_m),
         };
-        gearbox.contact_field()?;
+        gearbox.field_of(&gearbox.scene)?;
         if scene.drive.start == Start::Equilibrium {
             let start = Statics::new(&gearbox)?.moving()?;
             gearbox.start = Some(start);
@@ -104,11 +106,20 @@ impl Gearbox {
     /// # Errors
     /// Unknown law, or points too coarse for the profile.
     pub fn contact_field(&self) -> Result<ContactField, GearboxError> {
+        self.ring_is_held()?;
         self.field_of(&self.scene)
     }
 
+    /// Refuses gears whose contacts only a native run sees from their ring.
+    fn ring_is_held(&self) -> Result<(), GearboxError> {
+        match self.scene.drive.output {
+            OutputPart::Carrier => Ok(()),
+            OutputPart::Ring => Err(GearboxError::Ring),
+        }
+    }
+
     /// Returns all forces of a scene between its bodies: contacts, bearings that discs float on, friction of pins, and seals.
-    fn field_of(&self, scene: &Scene) -> Result<ContactField, GearboxError> {
+    pub(crate) fn field_of(&self, scene: &Scene) -> Result<ContactField, GearboxError> {
         Ok(ContactField {
             carrier: self.carrier.clone(),
             seals: Seals::of(scene),
@@ -129,6 +140,7 @@ impl Gearbox {
     /// # Errors
     /// As [`contact_field`](Self::contact_field).
     pub fn bare_field(&self) -> Result<ContactField, GearboxError> {
+        self.ring_is_held()?;
         contacts::contacts(&self.frictionless(), &self.geometry, self.kernel)
     }
 
@@ -222,6 +234,20 @@ impl Gearbox {
         }
     }
 
+    /// Returns the torque that accelerates the input shaft, with the discs that revolutes hold on it, at time `t` (s), N m.
+    #[must_use]
+    pub fn accelerating_torque_n_m(&self, t: f64) -> f64 {
+        let shaft = self.scene.input_shaft().moment_kg_m2;
+        let discs: f64 = match self.floats() {
+            true => 0.0,
+            false => (0..self.layout.wheels)
+                .map(|i| self.geometry.wheel_state(i, [0.0; 2], [0.0; 2]))
+                .map(|at| self.scene.mass.wheel.mass_kg * (at.x * at.x + at.y * at.y))
+                .sum(),
+        };
+        (shaft + discs) * speed_profile::motion_at(&self.scene.drive, t).acceleration
+    }
+
     /// Returns the states at t = 0 that `drive.start` asks for.
     #[must_use]
     pub fn initial_states(&self) -> Vec<BodyState> {
@@ -234,7 +260,13 @@ impl Gearbox {
     /// output.
     #[must_use]
     pub fn kinematic_states(&self) -> Vec<BodyState> {
-        let speed = self.scene.drive.input_speed_rad_s;
+        let ring = self.scene.drive.output == OutputPart::Ring;
+        let speed = self.scene.drive.input_speed_rad_s
+            * if ring {
+                self.scene.eccentric_per_input()
+            } else {
+                1.0
+            };
         let slow = self.geometry.ideal_output_angle(speed);
         let turning = self.geometry.ideal_eccentric_angle(speed);
         let mut states = vec![BodyState::default(); self.layout.bodies()];
@@ -250,6 +282,9 @@ impl Gearbox {
         }
         for (k, body) in self.layout.internal_bodies().enumerate() {
             states[body] = self.geometry.internal_state(k, [0.0, slow]);
+        }
+        if ring {
+            states = ring_frame::from_carrier(&states);
         }
         states
     }
@@ -296,21 +331,26 @@ impl Gearbox {
             let BodyState { x, y, .. } = self.geometry.wheel_state(i, [0.0; 2], [0.0; 2]);
             revolutes.push(pin(Some(Layout::INPUT), [x, y], index));
         }
+        let (ring, carrier) = match self.scene.drive.output {
+            OutputPart::Carrier => (None, Some(Layout::OUTPUT)),
+            OutputPart::Ring => (Some(Layout::OUTPUT), None),
+        };
         for (j, index) in layout.external_bodies().enumerate() {
             let name = format!("ring pin {j}");
             bodies.push(body(name, mass.external_sleeve, index));
-            revolutes.push(pin(None, [starts[index].x, starts[index].y], index));
+            revolutes.push(pin(ring, [starts[index].x, starts[index].y], index));
         }
         for (k, index) in layout.internal_bodies().enumerate() {
             let name = format!("output pin {k}");
             bodies.push(body(name, mass.internal_sleeve, index));
             let point = self.geometry.internal_points[k];
-            revolutes.push(pin(Some(Layout::OUTPUT), point, index));
+            revolutes.push(pin(carrier, point, index));
         }
         let drivers = vec![Driver {
             parent: None,
             child: Layout::INPUT,
             motion: self.input_motion(),
+            segments: speed_profile::motions(&self.scene.drive),
         }];
         Mechanism {
             bodies,

@@ -14,7 +14,7 @@ use pinwheel_mbs::BodyState;
 use pinwheel_scene::{largest_hole_play, largest_play};
 
 use crate::GearboxError;
-use crate::scene::{Gear, Scene};
+use crate::scene::{Gear, OutputPart, Scene};
 
 /// Derived geometry; disc-frame points are relative to the disc's centre.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,13 +72,17 @@ impl Geometry {
         let sleeves = u32::try_from(gear.external_sleeves).unwrap_or(u32::MAX);
         let (eccentricity, shortening) = (gear.eccentricity_m, gear.generating_shortening());
         let known = earlier.map(|earlier| &earlier.curve);
-        let curve = match known.filter(|curve| curve.is_of(eccentricity, sleeves, shortening)) {
+        let offset = gear.modification.normal_m.of_lobe();
+        let is_same =
+            |curve: &&Epitrochoid| curve.is_of(eccentricity, sleeves, shortening, offset.as_ref());
+        let curve = match known.filter(is_same) {
             Some(curve) => curve.clone(),
-            None => Epitrochoid::new(eccentricity, sleeves, shortening).ok_or_else(|| {
-                let what =
-                    "no epitrochoid has this eccentricity, shortening and number of ring pins";
-                GearboxError::Geometry(what.to_owned())
-            })?,
+            None => Epitrochoid::with_offset(eccentricity, sleeves, shortening, offset)
+                .ok_or_else(|| {
+                    let what =
+                        "no epitrochoid has this eccentricity, shortening and number of ring pins";
+                    GearboxError::Geometry(what.to_owned())
+                })?,
         };
         let (wheels, external, internal) =
             (gear.wheels, gear.external_sleeves, gear.internal_sleeves);
@@ -126,7 +130,11 @@ impl Geometry {
             wheel_play_rad: largest_play(gear),
             hole_play_rad: largest_hole_play(gear),
             lobes,
-            eccentric_per_input: scene.eccentric_per_input(),
+            // Seen from the ring, input and eccentrics are one.
+            eccentric_per_input: match scene.drive.output {
+                OutputPart::Carrier => scene.eccentric_per_input(),
+                OutputPart::Ring => 1.0,
+            },
         })
     }
 

@@ -7,6 +7,8 @@ use pinwheel_mbs::BodyState;
 
 use crate::Gearbox;
 use crate::Layout;
+use crate::ring_frame::from_ring;
+use crate::scene::OutputPart;
 
 /// Largest deviation from the ideal mesh, in pitches (2 pi/zs), beyond the free play.
 const PITCHES: f64 = 0.25;
@@ -17,6 +19,14 @@ const PITCHES: f64 = 0.25;
 /// A message with the body that left its mesh and its deviation, or with the state that is not finite.
 #[inline]
 pub fn check(gearbox: &Gearbox, bodies: &[BodyState]) -> Result<(), String> {
+    let mut seen = Vec::new();
+    let bodies = match gearbox.scene.drive.output {
+        OutputPart::Carrier => bodies,
+        OutputPart::Ring => {
+            from_ring(bodies, &mut seen);
+            &seen
+        }
+    };
     let geometry = &gearbox.geometry;
     let input = bodies[Layout::INPUT].angle;
     let pitch = pitch(gearbox);

@@ -45,10 +45,11 @@ pub mod native;
 pub mod pressure;
 mod recorder;
 pub mod resolve;
+mod ring_frame;
 mod run_limits;
 pub mod statics;
 
-use pinwheel_scene::{self as scene, Layout, Sleeve, load_profile};
+use pinwheel_scene::{self as scene, Layout, Sleeve, load_profile, speed_profile};
 
 pub use carrier::Carrier;
 pub use efficiency::Efficiency;

@@ -440,6 +440,7 @@ impl<F: Forces> OdeSystem for Lagrange<F> {
     }
 
     fn restart_at(&mut self, from: f64) {
+        self.mechanism.restart_at(from);
         self.forces.restart_at(from);
     }
 }

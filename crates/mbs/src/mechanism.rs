@@ -65,14 +65,16 @@ impl Motion {
 }
 
 /// Driver: prescribed relative rotation (Eq. 4).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Driver {
     /// Body from which the angle is measured; `None` is the ground.
     pub parent: Option<BodyId>,
     /// Driven body.
     pub child: BodyId,
-    /// Prescribed angle.
+    /// Prescribed angle, in the present segment.
     pub motion: Motion,
+    /// Motions of all segments, the first from the start on; empty: `motion` holds for all times.
+    pub segments: Vec<Motion>,
 }
 
 /// Reason why a mechanism cannot be solved.
@@ -137,6 +139,15 @@ impl Mechanism {
         0.5 * self.bodies.iter().zip(states).map(of).sum::<f64>()
     }
 
+    /// Switches the drivers to the segment that begins at `from`, s ([`OdeSystem::restart_at`](crate::OdeSystem::restart_at)).
+    pub(crate) fn restart_at(&mut self, from: f64) {
+        for driver in &mut self.drivers {
+            if let Some(&begun) = driver.segments.iter().rfind(|m| m.from_s <= from) {
+                driver.motion = begun;
+            }
+        }
+    }
+
     /// Checks indices and values.
     ///
     /// # Errors
@@ -172,10 +183,11 @@ impl Mechanism {
         }
         for (k, driver) in self.drivers.iter().enumerate() {
             ends(format!("driver {k}"), driver.parent, driver.child)?;
-            let m = driver.motion;
-            let numbers = [m.from_s, m.angle, m.rate, m.acceleration];
-            if !numbers.iter().all(|x| x.is_finite()) {
-                return value(format!("motion of driver {k}"));
+            for m in driver.segments.iter().chain([&driver.motion]) {
+                let numbers = [m.from_s, m.angle, m.rate, m.acceleration];
+                if !numbers.iter().all(|x| x.is_finite()) {
+                    return value(format!("motion of driver {k}"));
+                }
             }
         }
         Ok(())

@@ -548,6 +548,7 @@ impl<F: Forces> OdeSystem for Reduced<F> {
 
     fn restart_at(&mut self, from: f64) {
         self.evaluated.valid = false;
+        self.mechanism.restart_at(from);
         self.forces.restart_at(from);
     }
 }

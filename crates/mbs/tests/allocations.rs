@@ -72,6 +72,7 @@ fn mechanism() -> Mechanism {
                 rate: 1.0,
                 acceleration: 0.0,
             },
+            ..Driver::default()
         }],
     }
 }

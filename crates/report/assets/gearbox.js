@@ -15,13 +15,24 @@ const PinwheelGearbox = (() => {
     return values[k] + (at - k) * (values[next] - values[k]);
   };
 
-  function curve({ e, zk, m }) {
+  function curve({ e, zk, m, own }) {
     const r = (e * zk) / m;
     return (a) => {
       const [c, s, ck, sk] = [Math.cos(a), Math.sin(a), Math.cos(zk * a), Math.sin(zk * a)];
       const [gx, gy] = [r * c + e * zk * ck, r * s + e * zk * sk]; // C' turned by -90 degrees
       const speed = Math.hypot(gx, gy);
-      return { x: r * c + e * ck, y: r * s + e * sk, nx: gx / speed, ny: gy / speed, speed, ax: -r * c - e * zk * zk * ck, ay: -r * s - e * zk * zk * sk };
+      const here = { x: r * c + e * ck, y: r * s + e * sk, nx: gx / speed, ny: gy / speed, speed, ax: -r * c - e * zk * zk * ck, ay: -r * s - e * zk * zk * sk };
+      if (!own) return here;
+      // An offset inwards along the normal, by values at equal steps over a lobe.
+      const per = own.length / TAU;
+      const place = ((zk - 1) * a * per) % own.length;
+      const k = Math.floor(place < 0 ? place + own.length : place) % own.length;
+      const [low, high] = [own[k], own[(k + 1) % own.length]];
+      const w = low + (high - low) * (place - Math.floor(place));
+      const tilt = ((high - low) * per * (zk - 1)) / speed;
+      const { nx, ny } = here;
+      const size = Math.hypot(1, tilt);
+      return { ...here, x: here.x - w * nx, y: here.y - w * ny, nx: (nx - tilt * ny) / size, ny: (ny + tilt * nx) / size };
     };
   }
   // Closest point of the curve to (x, y): Newton on (C - P) . C' = 0 from the ideal mesh's.
@@ -99,7 +110,9 @@ const PinwheelGearbox = (() => {
 
     function move(s) {
       const t = view.from + view.step * s;
-      const phi = view.speed * t;
+      const leg = view.motions.findLast((motion) => motion.from_s <= t);
+      const since = t - leg.from_s;
+      const phi = leg.angle + since * (leg.rate + 0.5 * since * leg.acceleration);
       // Cranks of an RV gear turn at another angle than the input.
       const turned = gear.per * phi;
       const psi = -turned / zs + between(error, s);

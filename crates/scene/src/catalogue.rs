@@ -340,7 +340,7 @@ impl Catalogue {
                         self.ratio
                     ),
                     format!(
-                        "give {below} or {above}, or the kind `rv`, whose first stage has a ratio of its own"
+                        "give {below} or {above}, or the kind `rv`, whose first stage has a ratio of its own; make each of two stages in one housing a scene"
                     ),
                 ));
             }

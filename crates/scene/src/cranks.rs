@@ -10,8 +10,9 @@
 //! inertia about their own axes then acts as (1 + rho)^2 of it on the output.
 
 use crate::error::Fault;
-use crate::model::{BodyMass, Cranks, Gear, Scene};
+use crate::model::{BodyMass, Cranks, Gear, OutputPart, Scene};
 use crate::number::short;
+use crate::speed_profile;
 
 /// Pressure angle of involute teeth (ISO 53).
 const PRESSURE_ANGLE_DEG: f64 = 20.0;
@@ -32,24 +33,35 @@ impl Cranks {
 }
 
 impl Scene {
-    /// Rotation of the eccentrics per rotation of the input at the ideal mesh: 1, and -rho zs/(zk + rho) of an RV gear.
+    /// Rotation of the eccentrics against the ring per rotation of the input at the ideal mesh: 1, -rho zs/(zk + rho) of an RV gear,
+    /// and zs/zk where the ring is the output.
     #[must_use]
     pub fn eccentric_per_input(&self) -> f64 {
+        if self.drive.output == OutputPart::Ring {
+            return self.gear.lobes() as f64 / self.gear.external_sleeves as f64;
+        }
         self.cranks.as_ref().map_or(1.0, |cranks| {
             let (rho, zk) = (cranks.teeth_ratio(), self.gear.external_sleeves as f64);
             -rho * self.gear.lobes() as f64 / (zk + rho)
         })
     }
 
-    /// Rotation of the output per rotation of the input: -1/zs, and 1/(1 + zk/rho) of an RV gear.
+    /// Rotation of the output per rotation of the input: -1/zs, 1/(1 + zk/rho) of an RV gear, and 1/zk of a ring.
     #[must_use]
     pub fn output_per_input(&self) -> f64 {
-        -self.eccentric_per_input() / self.gear.lobes() as f64
+        let carrier = -self.eccentric_per_input() / self.gear.lobes() as f64;
+        match self.drive.output {
+            OutputPart::Carrier => carrier,
+            OutputPart::Ring => -carrier,
+        }
     }
 
     /// Turns of the input for one of the output, without a sign.
     #[must_use]
     pub fn ratio(&self) -> f64 {
+        if self.drive.output == OutputPart::Ring {
+            return self.gear.external_sleeves as f64;
+        }
         self.cranks
             .as_ref()
             .map_or(self.gear.lobes() as f64, |cranks| {
@@ -58,10 +70,10 @@ impl Scene {
             })
     }
 
-    /// Speed of the eccentrics at the ideal mesh, rad/s.
+    /// Largest speed of the eccentrics at the ideal mesh, rad/s.
     #[must_use]
     pub fn eccentric_speed_rad_s(&self) -> f64 {
-        self.eccentric_per_input() * self.drive.input_speed_rad_s
+        self.eccentric_per_input() * speed_profile::fastest_rad_s(&self.drive)
     }
 
     /// Returns the input shaft with its share of the inertia of the turning cranks: the inertia that a torque on the sun

@@ -4,11 +4,11 @@ use std::f64::consts::{PI, TAU};
 
 use serde::Serialize;
 
-use super::model::{Gear, Scene};
+use super::model::{Gear, OutputPart, Scene};
 use super::profile::Profile;
 use crate::body::bore_radius_m;
 use crate::wall::hole_to_profile_m;
-use crate::{load_profile, scales};
+use crate::{load_profile, scales, speed_profile};
 
 /// Figures that follow from a checked scene without a run. SI units.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -121,6 +121,7 @@ impl Derived {
             "the last load/ratio, if the contacts neither lose nor create energy"
         };
         let direction = match scene.cranks {
+            _ if scene.drive.output == OutputPart::Ring => "zk: the ring turns with the input",
             Some(_) => "1 + zk planet/sun: the output turns with the input",
             None => "the output turns against the input",
         };
@@ -167,12 +168,12 @@ fn hole_clearance(gear: &Gear) -> f64 {
 pub fn derived(scene: &Scene) -> Derived {
     let gear = &scene.gear;
     let curve = Profile::of(gear);
-    let (e, q) = (gear.eccentricity_m, gear.edge_offset_m());
+    let (q, [pit, tip]) = (gear.edge_offset_m(), curve.radii());
     let (zk, zs) = (gear.external_sleeves as f64, gear.lobes() as f64);
     let turning = scene.eccentric_per_input().abs();
     let zi = gear.internal_sleeves as f64;
     let wheel_torque = load_profile::largest(&scene.drive) / gear.wheels as f64;
-    let input_hertz = scene.drive.input_speed_rad_s.abs() / TAU;
+    let input_hertz = speed_profile::final_rad_s(scene).abs() / TAU;
     let frequency = |what, order: f64| Frequency {
         what,
         order,
@@ -197,7 +198,7 @@ pub fn derived(scene: &Scene) -> Derived {
         tip_curvature_radius_m: 1.0 / curve.curvature(1.0) - q,
         pit_curvature_radius_m: 1.0 / curve.curvature(-1.0) - q,
         smallest_convex_radius_m: curve.smallest_convex_radius(),
-        profile_radii_m: [gear.generating_radius_m() + e - q, curve.pit_radius()],
+        profile_radii_m: [tip, pit],
         walls: Walls::of(gear),
         hole_clearance_m: hole_clearance(gear),
         free_play_rad: scales::free_play(gear),

@@ -2,19 +2,21 @@
 //!
 //! The disc's edge is the inward offset by q' = q + equidistant of the epitrochoid with R' = R + radial and the gear's own e,
 //! so that m' = e zk/R'; the ring keeps R and q. With a rotational modification it is what two such discs have in
-//! common, turned by +delta and -delta. A pin at the angle phi from the eccentric then stands off the disc at the
+//! common, turned by +delta and -delta. With an offset w (`normal_m`) the epitrochoid is moved along its inward normal first. A pin at the angle phi from the eccentric then stands off the disc at the
 //! ideal mesh, to first order in all modifications and in the backlash d, by
 //!
 //! ```text
-//! g = equidistant + (d - radial) (1 - m cos phi)/S + delta e zs |sin phi|/S,    S = sqrt(1 + m^2 - 2 m cos phi)
+//! g = equidistant + (d - radial) (1 - m cos phi)/S + delta e zs |sin phi|/S + w(pi - phi),    S = sqrt(1 + m^2 - 2 m cos phi)
 //! ```
 //! and its normal has the lever l = e zs sin(phi)/S about the disc's centre. [`pinwheel_scene::free_play`](crate::free_play)
 //! is the least g/l. Signs, sources and what engines make of it: `docs/gears.md`.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
+
+use pinwheel_contact::{Epitrochoid, LobeOffset};
 
 use crate::error::Fault;
-use crate::model::{Errors, Gear, Modification};
+use crate::model::{Errors, Gear, Modification, NormalOffset};
 use crate::number::{below, short};
 
 /// One list of errors.
@@ -50,6 +52,24 @@ impl Modification {
     #[must_use]
     pub fn is_none(&self) -> bool {
         *self == Self::default()
+    }
+}
+
+impl NormalOffset {
+    /// True if there is no offset.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Returns the offset as a function; `None` where there is none, or too few points.
+    #[must_use]
+    pub fn of_lobe(&self) -> Option<LobeOffset> {
+        match self.points_m.is_empty() {
+            true if self.is_none() => None,
+            true => LobeOffset::series(&self.cos_m, &self.sin_m),
+            false => LobeOffset::spline(&self.points_m),
+        }
     }
 }
 
@@ -143,10 +163,27 @@ impl Gear {
         self.external_sleeve_radius_m + self.modification.equidistant_m
     }
 
-    /// True if all parts are alike: without errors, and with flanks that are not turned.
+    /// Returns the generating curve with an offset of its own; `None` without one, or if it folds.
+    #[must_use]
+    pub fn own_curve(&self) -> Option<Epitrochoid> {
+        let offset = self.modification.normal_m.of_lobe()?;
+        let sleeves = u32::try_from(self.external_sleeves).ok()?;
+        let shortening = self.generating_shortening();
+        Epitrochoid::with_offset(self.eccentricity_m, sleeves, shortening, Some(offset))
+    }
+
+    /// Returns the disc's edge as a function of the generating curve's parameter, m; without turned flanks.
+    #[must_use]
+    pub fn edge_m(&self) -> impl Fn(f64) -> [f64; 2] {
+        let profile = crate::profile::Profile::of(self);
+        move |a| profile.offset_point(a)
+    }
+
+    /// True if all parts are alike: without errors, and with the flanks of an epitrochoid, not turned.
     #[must_use]
     pub fn is_plain(&self) -> bool {
-        self.errors.is_none() && self.modification.rotational_rad == 0.0
+        let change = &self.modification;
+        self.errors.is_none() && change.rotational_rad == 0.0 && change.normal_m.is_none()
     }
 
     /// Returns the centre of ring pin `j`, ground frame, m.
@@ -254,7 +291,11 @@ impl Gear {
         let outwards = self.backlash_m - change.radial_m;
         let gap = change.equidistant_m
             + outwards * (1.0 - m * cos) / s
-            + change.rotational_rad * lever.abs();
+            + change.rotational_rad * lever.abs()
+            // The foot's phase on a lobe, of the flank that leaves more room.
+            + change.normal_m.of_lobe().map_or(0.0, |offset| {
+                offset.at(PI - phi)[0].max(offset.at(PI + phi)[0])
+            });
         (gap, lever)
     }
 }
@@ -276,7 +317,13 @@ pub(crate) fn check(gear: &Gear) -> Result<(), Fault> {
     let radii = [gear.external_sleeve_radius_m, gear.internal_sleeve_radius_m];
     let most = 0.5 * radii.into_iter().fold(gear.eccentricity_m, f64::min);
     let change = &gear.modification;
+    let own = own_profile(gear)?;
     let changes = [
+        (
+            "gear.modification.normal_m",
+            own.map_or(0.0, |offset| offset.largest()),
+            most,
+        ),
         (
             "gear.modification.equidistant_m",
             change.equidistant_m,
@@ -330,5 +377,39 @@ pub(crate) fn check(gear: &Gear) -> Result<(), Fault> {
             "make it larger, or the eccentricity smaller",
         ));
     }
+    if !change.normal_m.is_none() && gear.own_curve().is_none() {
+        return Err(Fault::new(
+            &["gear.modification.normal_m"],
+            "bends so sharply that the generating curve folds or crosses itself",
+            "give fewer or smaller waves",
+        ));
+    }
     Ok(())
+}
+
+/// Returns the offset of a profile of one's own.
+fn own_profile(gear: &Gear) -> Result<Option<LobeOffset>, Fault> {
+    let (change, own) = (&gear.modification, &gear.modification.normal_m);
+    let points = own.points_m.len();
+    let (what, remedy) = if points > 0 && own.cos_m.len() + own.sin_m.len() > 0 {
+        ("gives points and a series".to_owned(), "give one of both")
+    } else if !own.is_none() && own.of_lobe().is_none() {
+        let what = format!(
+            "gives {} numbers",
+            points + own.cos_m.len() + own.sin_m.len()
+        );
+        (
+            what,
+            "give 3 to 1000 points of a lobe, or up to 1000 orders",
+        )
+    } else if !own.is_none() && change.rotational_rad > 0.0 {
+        let what = "does not go with gear.modification.rotational_rad, whose flanks are turned";
+        (
+            what.to_owned(),
+            "leave one of both out; an offset can turn flanks too",
+        )
+    } else {
+        return Ok(own.of_lobe());
+    };
+    Err(Fault::new(&["gear.modification.normal_m"], what, remedy))
 }

@@ -6,6 +6,7 @@ use toml::Table;
 use crate::body::{Shape, bore_radius_m};
 use crate::model::{Gear, Scene};
 use crate::scales::{Scales, hertz};
+use crate::speed_profile::fastest_rad_s;
 use crate::table::number;
 
 /// Values so far: given, or filled in by earlier rows of the key table.
@@ -36,6 +37,12 @@ impl Given<'_> {
     fn scales(&self) -> Option<Scales> {
         self.gear()?;
         Some(Scales::of(self.scene))
+    }
+
+    /// Largest speed of the input, rad/s.
+    fn speed(&self) -> Option<f64> {
+        self.number("drive.input_speed_rad_s")?;
+        Some(fastest_rad_s(&self.scene.drive).abs())
     }
 
     fn density(&self) -> f64 {
@@ -126,7 +133,7 @@ pub(crate) fn ramp(given: &Given<'_>) -> Option<f64> {
 }
 
 pub(crate) fn friction_ramp(given: &Given<'_>) -> Option<f64> {
-    let speed = given.number("drive.input_speed_rad_s")?.abs();
+    let speed = given.speed()?;
     let speed = if speed > 0.0 { speed } else { 1.0 };
     let ramp = 1e-3 * speed * given.number("gear.eccentricity_m")?;
     // The least that the key may have.
@@ -148,7 +155,7 @@ pub(crate) fn wheel_points(given: &Given<'_>) -> Option<f64> {
 
 /// A turn of the input, s; of a gear that stands still ten periods of its slowest mode.
 fn turn(given: &Given<'_>, scales: &Scales) -> Option<f64> {
-    let speed = given.number("drive.input_speed_rad_s")?.abs();
+    let speed = given.speed()?;
     let tau = std::f64::consts::TAU;
     Some(if speed > 0.0 {
         tau / speed

@@ -157,12 +157,15 @@ const KILOGRAMS: &str = "masses are in kilograms: 48 g is 0.048";
 const MOMENTS: &str = "moments of inertia are in kg m^2: 100 kg mm^2 is 1e-4";
 const RADIANS: &str = "angles are in radians: 1 arcminute is 2.9e-4";
 const LIST: &str = "write one number for each, like [0.0, 5e-6, -2e-6], in metres or radians";
+const PROFILE: &str = "write numbers in metres, like [0.0, 5e-6, 2e-6]";
 const SECONDS: &str = "times are in seconds: 10 microseconds is 1e-5";
 const LOAD: &str = "give the load on the output shaft in newton metres";
 
 /// 0.1 micrometre to 10 m: a watch to a wind turbine. Wide bounds catch millimetres typed for metres, and keep every
 /// later computation finite.
 const LENGTH: Kind = Number(From(1e-7, 10.0));
+const RPM: &str = "500 rpm is 52.36 rad/s";
+const SPEED: Kind = Number(From(-1e6, 1e6));
 const TORQUE: Kind = Number(From(-1e9, 1e9));
 const MASS: Kind = Number(From(1e-9, 1e6));
 const MOMENT: Kind = Number(From(1e-18, 1e8));
@@ -187,6 +190,13 @@ pub(crate) const CHANGE: &[Key] = keys! {
     "ramp_s" TIME, Constant("0.0", "at once"), "it is reached linearly over this time; 0: at once", SECONDS;
 };
 
+/// One change of the input's speed.
+pub(crate) const SPEED_CHANGE: &[Key] = keys! {
+    "time_s" Number(From(crate::load_profile::APART_S, LONGEST_S)), Required, "when it begins", SECONDS;
+    "input_speed_rad_s" SPEED, Required, "the speed from the end of the ramp on", RPM;
+    "ramp_s" Number(From(crate::load_profile::APART_S, LONGEST_S)), Required, "it is reached linearly over this time", "a jump of the speed takes an infinite torque: give the time in which the motor reaches it, like 0.01";
+};
+
 /// All keys.
 pub const KEYS: &[Key] = keys! {
     "name" Text, Nothing, "name shown in reports; the file's if left out", "give a name of 1 to 100 printable characters";
@@ -208,6 +218,9 @@ pub const KEYS: &[Key] = keys! {
     "gear.modification.equidistant_m" Number(DEVIATION), Nothing, "the generating pin's radius is larger than q by this: above 0 the disc's whole edge lies that much further in", METRES;
     "gear.modification.radial_m" Number(DEVIATION), Nothing, "the generating circle is larger than R by this: below 0 the disc is smaller", METRES;
     "gear.modification.rotational_rad" Number(From(0.0, 1.0)), Nothing, "both flanks of a lobe are turned towards its middle by this", RADIANS;
+    "gear.modification.normal_m.points_m" Numbers(DEVIATION), Nothing, "own profile: offset of the generating curve along its inward normal at equal steps over a lobe from its tip on, all lobes alike; a periodic cubic spline", PROFILE;
+    "gear.modification.normal_m.cos_m" Numbers(DEVIATION), Nothing, "own profile as a Fourier series of a lobe's phase, 0 at its tip: amplitudes of cosines from order 0 on", PROFILE;
+    "gear.modification.normal_m.sin_m" Numbers(DEVIATION), Nothing, "the series' amplitudes of sines from order 1 on", PROFILE;
     "gear.errors.external_sleeve_radial_m" Numbers(DEVIATION), Nothing, "of each ring pin, how far it sits outwards of its place", LIST;
     "gear.errors.external_sleeve_tangential_m" Numbers(DEVIATION), Nothing, "of each ring pin, how far it sits counter-clockwise of its place", LIST;
     "gear.errors.external_sleeve_radius_m" Numbers(DEVIATION), Nothing, "of each ring pin, by how much its radius is larger", LIST;
@@ -221,11 +234,13 @@ pub const KEYS: &[Key] = keys! {
     "gear.errors.eccentricity_m" Numbers(DEVIATION), Nothing, "of each disc, by how much its eccentricity is larger", LIST;
     "gear.errors.phase_rad" Numbers(ANGLE), Nothing, "of each disc, how far its eccentric stands counter-clockwise of its place", LIST;
 
-    "drive.input_speed_rad_s" Number(From(-1e6, 1e6)), Required, "omega", "500 rpm is 52.36 rad/s";
+    "drive.input_speed_rad_s" SPEED, Required, "omega", RPM;
     "drive.output_torque_n_m" TORQUE, Required, "load on the output shaft, counter-clockwise; positive opposes the motion of a positive input speed, of an RV gear that of a negative one", LOAD;
     "drive.start" Choice("start", || vec!["kinematic", "equilibrium"]), Constant("\"kinematic\"", "rates of the ideal mesh, load at once"), "state at t = 0", "\"kinematic\": rates of the ideal mesh; \"equilibrium\": statically loaded";
+    "drive.output" Choice("output", || vec!["carrier", "ring"]), Nothing, "what turns the output: the carrier of the output pins, or the ring while the carrier is held (ratio zk, same sense); mass.output_shaft and the load are then the ring's", "\"carrier\" or \"ring\"";
     "drive.load_ramp_s" TIME, Constant("0.0", "the load acts at once"), "the load rises linearly over this time; 0: at once", SECONDS;
     "drive.load_changes" Tables(CHANGE), Nothing, "what the load becomes during the run", "write it like [{ time_s = 0.3, output_torque_n_m = -22.0 }]";
+    "drive.speed_changes" Tables(SPEED_CHANGE), Nothing, "what the speed of the input becomes during the run", "write it like [{ time_s = 0.3, input_speed_rad_s = 80.0, ramp_s = 0.02 }]";
 
     "contact.law" Choice("contact law", names::laws), Constant("\"line-hertz\"", "rollers on a line, both bodies elastic; creates no energy"), "normal law", "see `pinwheel laws`";
     "contact.band_laws" Choices("contact law", names::laws), Nothing, "laws that may be right for these rollers, whose spread is the band of a figure; absent: those for the materials; []: no band", "see `pinwheel laws`";

@@ -59,6 +59,7 @@ mod profile;
 pub mod quantity;
 pub mod scales;
 pub mod schema;
+pub mod speed_profile;
 mod springs;
 mod table;
 mod uncertain;
@@ -75,8 +76,8 @@ pub use layout::{Layout, Sleeve};
 
 pub use model::{
     Bearings, BodyMass, Contact, Cranks, Detection, Drive, EccentricBearing, Errors, Formulation,
-    FrictionLaw, Gear, LoadChange, Masses, Modification, Output, PlusMinus, Scene, Solver,
-    Stabilisation, Start,
+    FrictionLaw, Gear, LoadChange, Masses, Modification, NormalOffset, Output, OutputPart,
+    PlusMinus, Scene, Solver, SpeedChange, Stabilisation, Start,
 };
 pub use outline::Outline;
 pub use parse::{Draft, Override, edited};

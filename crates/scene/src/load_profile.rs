@@ -7,7 +7,7 @@
 //! loads: that of the piece that ends and that of the piece that begins. Integration therefore goes in segments from
 //! one [`breaks`] to the next, each with one piece to both its ends.
 
-use crate::{Drive, Scene};
+use crate::{Drive, Scene, speed_profile};
 
 /// Least distance of two changes, s: breaks stand apart by more than the rounding of times.
 pub const APART_S: f64 = 1e-9;
@@ -78,12 +78,29 @@ pub fn piece_at(drive: &Drive, t: f64) -> LoadSegment {
     begun.last().unwrap_or_else(|| first_piece(drive))
 }
 
-/// Times at which the load jumps or bends, s, increasing: no step may pass over one.
+/// Times at which the load or the input's speed jumps or bends, s, increasing: no step may pass over one.
 ///
 /// Empty without changes: a ramp at the start alone is left to the step control, as ever, so that the results of
 /// such scenes stay what they are to the last bit.
 #[must_use]
 pub fn breaks(drive: &Drive) -> Vec<f64> {
+    let mut times = breaks_of_load(drive);
+    let motions = speed_profile::motions(drive);
+    times.extend(motions.iter().skip(1).map(|motion| motion.from_s));
+    times.sort_unstable_by(f64::total_cmp);
+    // Of times that differ by rounding the later one stays, at which both have changed.
+    times.dedup_by(|later, kept| {
+        let same = *later - *kept < APART_S;
+        if same {
+            *kept = *later;
+        }
+        same
+    });
+    times
+}
+
+/// Returns the breaks of the load alone.
+fn breaks_of_load(drive: &Drive) -> Vec<f64> {
     if drive.load_changes.is_empty() {
         return Vec::new();
     }
@@ -105,7 +122,7 @@ pub fn breaks(drive: &Drive) -> Vec<f64> {
 /// Mean load from `from` to `to` (s, `to > from`), N m: what a step that takes one value for the load has to take.
 #[must_use]
 pub fn mean(drive: &Drive, from: f64, to: f64) -> f64 {
-    let mut ends: Vec<f64> = breaks(drive);
+    let mut ends: Vec<f64> = breaks_of_load(drive);
     ends.retain(|&t| t > from && t < to);
     ends.push(to);
     let (mut start, mut impulse) = (from, 0.0);
@@ -124,12 +141,15 @@ pub fn largest(drive: &Drive) -> f64 {
     pieces(drive).map(|p| p.after_n_m.abs()).fold(0.0, f64::max)
 }
 
-/// Time at which the load of a run reaches its last value, s; `None` if it never changes before the run's end.
+/// Time at which load and speed of a run reach their last values, s; `None` if neither changes before the run's end.
 #[must_use]
 pub fn last_change_s(scene: &Scene) -> Option<f64> {
     let end = scene.solver.duration_s;
     let began = pieces(&scene.drive).skip(1).filter(|p| p.from_s < end);
-    began.last().map(|piece| piece.settled_s().min(end))
+    let load = began.last().map(|piece| piece.settled_s().min(end));
+    let ramps = scene.drive.speed_changes.iter().filter(|c| c.time_s < end);
+    let speed = ramps.last().map(|c| (c.time_s + c.ramp_s).min(end));
+    load.into_iter().chain(speed).reduce(f64::max)
 }
 
 /// The load with which a run of `scene` ends, N m.
@@ -142,23 +162,29 @@ pub fn final_load(scene: &Scene) -> f64 {
         .map_or(scene.drive.output_torque_n_m, |piece| piece.after_n_m)
 }
 
-/// The time from which on the load of a run of `scene` is [`final_load`], s.
+/// Returns the time from which on load and speed of a run of `scene` are [`final_load`] and the
+/// [final speed](speed_profile::final_rad_s), s.
 #[must_use]
 pub fn final_from_s(scene: &Scene) -> f64 {
-    let end = scene.solver.duration_s;
-    let began = pieces(&scene.drive).take_while(|p| p.from_s == 0.0 || p.from_s < end);
-    began.last().map_or(0.0, |piece| piece.settled_s())
+    let ramp = first_piece(&scene.drive).settled_s();
+    last_change_s(scene).map_or(ramp, |last| last.max(ramp))
 }
 
 /// Says which changes come too late for the run, if any do.
 #[must_use]
 pub fn unreached(scene: &Scene) -> Option<String> {
-    let (end, changes) = (scene.solver.duration_s, &scene.drive.load_changes);
-    let late = changes.iter().filter(|c| c.time_s >= end).count();
-    let first = changes.iter().find(|c| c.time_s >= end)?;
+    let (end, drive) = (scene.solver.duration_s, &scene.drive);
+    let loads = drive.load_changes.iter().map(|c| c.time_s);
+    let speeds = drive.speed_changes.iter().map(|c| c.time_s);
+    let what = match drive.speed_changes.is_empty() {
+        true => "the load",
+        false => "load and speed",
+    };
+    let late = loads.clone().chain(speeds.clone()).filter(|t| *t >= end);
+    let first = late.clone().reduce(f64::min)?;
     Some(format!(
-        "{late} of {} changes of the load come when the run is over: the first at {} s, the run ends at {end} s.",
-        changes.len(),
-        first.time_s
+        "{} of {} changes of {what} come when the run is over: the first at {first} s, the run ends at {end} s.",
+        late.count(),
+        loads.len() + speeds.len()
     ))
 }

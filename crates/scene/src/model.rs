@@ -114,6 +114,23 @@ pub enum Start {
     Equilibrium,
 }
 
+/// Part of a gear that is its output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum OutputPart {
+    /// The carrier with the output pins; the ring is held.
+    #[default]
+    Carrier,
+    /// The ring with its pins; the carrier is held.
+    Ring,
+}
+
+impl OutputPart {
+    fn is_carrier(&self) -> bool {
+        *self == Self::Carrier
+    }
+}
+
 /// Motion and load (Tab. 3).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -122,6 +139,9 @@ pub struct Drive {
     pub input_speed_rad_s: f64,
     /// Load on the output shaft, N m; positive opposes the motion of a positive input speed.
     pub output_torque_n_m: f64,
+    /// Part that turns the output; the other one is held.
+    #[serde(default, skip_serializing_if = "OutputPart::is_carrier")]
+    pub output: OutputPart,
     /// Initial state.
     pub start: Start,
     /// The load rises linearly from 0 over this time, s; 0: at once.
@@ -129,6 +149,21 @@ pub struct Drive {
     /// Changes of the load during the run, in increasing time; empty: it stays.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub load_changes: Vec<LoadChange>,
+    /// Changes of the input's speed during the run, in increasing time; empty: it stays.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub speed_changes: Vec<SpeedChange>,
+}
+
+/// One change of the input's speed during a run.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SpeedChange {
+    /// Time at which the change begins, s.
+    pub time_s: f64,
+    /// Speed at the end of the ramp, rad/s.
+    pub input_speed_rad_s: f64,
+    /// Duration of the linear ramp to the new speed, s, > 0.
+    pub ramp_s: f64,
 }
 
 /// One change of the load during a run.
@@ -382,12 +417,25 @@ impl Scene {
         PAPER.clone()
     }
 
-    /// Moment of inertia of the output shaft with what it carries on its circle, output pins or cranks, kg m^2.
+    /// Moment of inertia of the output shaft with what it carries on its circle, output pins, cranks or ring pins, kg m^2.
     #[must_use]
     pub fn output_inertia_kg_m2(&self) -> f64 {
         let (gear, mass) = (&self.gear, &self.mass);
-        let sleeves = gear.internal_sleeves as f64 * mass.internal_sleeve.mass_kg;
-        self.output_shaft().moment_kg_m2 + sleeves * gear.internal_circle_radius_m.powi(2)
+        let (count, mass_kg, radius) = match self.drive.output {
+            OutputPart::Carrier => {
+                let mass_kg = mass.internal_sleeve.mass_kg;
+                (
+                    gear.internal_sleeves,
+                    mass_kg,
+                    gear.internal_circle_radius_m,
+                )
+            }
+            OutputPart::Ring => {
+                let mass_kg = mass.external_sleeve.mass_kg;
+                (gear.external_sleeves, mass_kg, gear.pitch_radius_m())
+            }
+        };
+        self.output_shaft().moment_kg_m2 + count as f64 * mass_kg * radius.powi(2)
     }
 }
 
@@ -446,7 +494,7 @@ impl PlusMinus {
 }
 
 /// Modification of the discs' profile against the one that fits the ring.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Modification {
     /// Excess of the generating pin's radius over the ring pin's, m: above 0 the edge lies further in by that much.
@@ -455,6 +503,24 @@ pub struct Modification {
     pub radial_m: f64,
     /// delta, rad: the angle by which both flanks of a lobe are turned towards its middle.
     pub rotational_rad: f64,
+    /// Offset of the generating curve along its inward normal: a profile of one's own.
+    #[serde(skip_serializing_if = "NormalOffset::is_none")]
+    pub normal_m: NormalOffset,
+}
+
+/// Offset of a generating curve along its inward normal over the phase of a lobe, the same for all lobes: points or a series.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct NormalOffset {
+    /// Values at equal steps from a lobe's tip on, counter-clockwise, m: a periodic cubic spline.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub points_m: Vec<f64>,
+    /// Amplitudes of cosines of the phase from order 0 on, m.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cos_m: Vec<f64>,
+    /// Amplitudes of sines of the phase from order 1 on, m.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sin_m: Vec<f64>,
 }
 
 /// Deviations of single parts from their places and sizes; an empty list: none. Angles and directions: the nominal

@@ -1,7 +1,7 @@
 //! A cycloidal disc as a drawing: its edge as a polygon of a stated chord error, and its holes.
 //!
 //! The edge repeats zs times, and every lobe is the mirror image of itself, so half a lobe is drawn: from the lobe's tip to the
-//! pit's bottom. With a rotational modification delta that half lies on the profile turned by -delta, between the polar angles 0
+//! pit's bottom; of a profile of one's own all of it. With a rotational modification delta that half lies on the profile turned by -delta, between the polar angles 0
 //! and pi/zs ([`crate::deviations`]). All points lie on the edge; the error is how far the edge bulges over the chords.
 
 use std::f64::consts::{PI, TAU};
@@ -57,10 +57,20 @@ impl Gear {
         let half: Vec<[f64; 2]> = half.iter().map(|&a| edge.point(a)).collect();
         let lobes = self.external_sleeves - 1;
         let pitch = TAU / lobes as f64;
+        // A lobe of one's own need not be the mirror image of itself: all of it is drawn.
+        let mirrors = self.modification.normal_m.is_none();
         let mut edge_m = Vec::with_capacity(2 * (half.len() - 1) * lobes);
         for lobe in 0..lobes {
             let turn = pitch * lobe as f64;
-            edge_m.extend(half.iter().map(|&p| turned(p, turn)));
+            let own = if mirrors {
+                &half[..]
+            } else {
+                &half[..half.len() - 1]
+            };
+            edge_m.extend(own.iter().map(|&p| turned(p, turn)));
+            if !mirrors {
+                continue;
+            }
             // The other half, without the pit's bottom and the next tip, which begins the next lobe.
             let mirrored = half[1..half.len() - 1].iter().rev();
             edge_m.extend(mirrored.map(|&[x, y]| turned([x, -y], turn + pitch)));
@@ -86,7 +96,7 @@ fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
     [x * cos - y * sin, x * sin + y * cos]
 }
 
-/// Half a lobe.
+/// Half a lobe, or all of one.
 struct Edge {
     profile: Profile,
     delta: f64,
@@ -98,7 +108,10 @@ impl Edge {
     fn of(gear: &Gear) -> Self {
         let profile = Profile::of(gear);
         let delta = gear.modification.rotational_rad;
-        let pit = PI / profile.lobes();
+        let pit = match gear.modification.normal_m.is_none() {
+            true => PI / profile.lobes(),
+            false => TAU / profile.lobes(),
+        };
         let mut edge = Self {
             profile,
             delta,

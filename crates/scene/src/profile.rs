@@ -4,16 +4,20 @@
 //! the inward offset of C by q (R and q with their modifications, [`crate::deviations`]), so what can go wrong with a profile is read off C:
 //! with c = cos(zs a), curvature kappa(c) = (1 + m^2 zk + m (1 + zk) c) / (R (1 + m^2 + 2 m c)^1.5).
 
+use pinwheel_contact::{CurvePoint, Epitrochoid};
+
 use super::model::Gear;
 
 /// The epitrochoid of a gear whose numbers are positive and finite and whose zk is at least 3.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Profile {
     eccentricity: f64,
     radius: f64,
     offset: f64,
     shortening: f64,
     pins: f64,
+    /// C with an offset of its own.
+    own: Option<Epitrochoid>,
 }
 
 impl Profile {
@@ -25,7 +29,12 @@ impl Profile {
             offset: gear.edge_offset_m(),
             shortening: gear.generating_shortening(),
             pins: gear.external_sleeves as f64,
+            own: gear.own_curve(),
         }
+    }
+
+    fn own_at(&self, a: f64) -> Option<CurvePoint> {
+        self.own.as_ref().map(|curve| curve.at(a))
     }
 
     /// zs.
@@ -35,6 +44,9 @@ impl Profile {
 
     /// C(a), m, in the disc's frame.
     pub fn point(&self, a: f64) -> [f64; 2] {
+        if let Some(at) = self.own_at(a) {
+            return [at.position.re, at.position.im];
+        }
         let (sin, cos) = a.sin_cos();
         let (sin_k, cos_k) = (self.pins * a).sin_cos();
         [
@@ -45,6 +57,10 @@ impl Profile {
 
     /// The profile C - q n, m, in the disc's frame.
     pub fn offset_point(&self, a: f64) -> [f64; 2] {
+        if let Some(at) = self.own_at(a) {
+            let point = at.position - at.normal.scale(self.offset);
+            return [point.re, point.im];
+        }
         let tangent = self.tangent(a);
         let scale = self.offset / tangent[0].hypot(tangent[1]);
         let [x, y] = self.point(a);
@@ -53,6 +69,10 @@ impl Profile {
 
     /// dP/da of the profile, m: C' (1 - q kappa), for the offset of a curve is parallel to it.
     pub fn offset_slope(&self, a: f64) -> [f64; 2] {
+        if let Some(at) = self.own_at(a) {
+            let slope = at.speed * (1.0 - self.offset * at.curvature);
+            return [-at.normal.im, at.normal.re].map(|x| slope * x);
+        }
         let share = 1.0 - self.offset * self.curvature((self.lobes() * a).cos());
         let scale = self.radius * share;
         self.tangent(a).map(|x| scale * x)
@@ -68,6 +88,9 @@ impl Profile {
 
     /// kappa of C at cos(zs a) = c, 1/m; positive on a lobe.
     pub fn curvature(&self, c: f64) -> f64 {
+        if let Some(at) = self.own_at(c.acos() / self.lobes()) {
+            return at.curvature;
+        }
         let (m, zk) = (self.shortening, self.pins);
         (1.0 + m * m * zk + m * (1.0 + zk) * c)
             / (self.radius * (1.0 + m * m + 2.0 * m * c).powf(1.5))
@@ -79,6 +102,10 @@ impl Profile {
     /// c = ((1 + zk)(1 + m^2) - 3 - 3 m^2 zk)/(m (1 + zk)); there the radius is
     /// R sqrt(27 (1 - m^2)(zk - 1)/(zk + 1)^3).
     pub fn smallest_convex_radius(&self) -> f64 {
+        if let Some(curve) = &self.own {
+            // Inside of this reach, whose margin is a tenth, an edge neither folds nor crosses itself.
+            return curve.reach_inside;
+        }
         let (m, zk) = (self.shortening, self.pins);
         let mut kappa = self.curvature(-1.0).max(self.curvature(1.0));
         let inner = ((1.0 + zk) * (1.0 + m * m) - 3.0 - 3.0 * m * m * zk) / (m * (1.0 + zk));
@@ -88,9 +115,26 @@ impl Profile {
         1.0 / kappa
     }
 
-    /// Radius of the profile's pits, its smallest distance from the disc centre, m.
+    /// Radii of the profile's pits and tips, its smallest and largest distance from the disc centre, m.
+    pub fn radii(&self) -> [f64; 2] {
+        if self.own.is_none() {
+            let [pit, tip] = [-self.eccentricity, self.eccentricity];
+            return [
+                self.radius + pit - self.offset,
+                self.radius + tip - self.offset,
+            ];
+        }
+        let step = 2.0 * std::f64::consts::PI / (720.0 * self.lobes());
+        let all = (0..720).map(|k| self.offset_point(f64::from(k) * step));
+        all.map(|[x, y]| x.hypot(y))
+            .fold([f64::INFINITY, 0.0], |[low, high], r| {
+                [r.min(low), r.max(high)]
+            })
+    }
+
+    /// Radius of the profile's pits, m.
     pub fn pit_radius(&self) -> f64 {
-        self.radius - self.eccentricity - self.offset
+        self.radii()[0]
     }
 
     /// Distance from `point` to the part of C within `reach` radians of `around`, m.

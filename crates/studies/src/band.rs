@@ -19,7 +19,7 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_contact::Material;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_scene::{Scene, scales};
+use pinwheel_scene::{OutputPart, Scene, scales};
 use pinwheel_timeseries::columns;
 use pinwheel_timeseries::figure::definitions::{EXTERNAL_FORCE, INTERNAL_FORCE};
 use pinwheel_timeseries::figure::{Figure, FigureDef};
@@ -168,6 +168,7 @@ fn balanced<T>(found: Result<T, StudyError>) -> Result<Option<T>, StudyError> {
 #[must_use]
 pub fn declined(scene: &Scene) -> Option<&'static str> {
     match scene.contact.band_laws.as_deref() {
+        _ if scene.drive.output == OutputPart::Ring => Some("drive.output is \"ring\""),
         Some([]) => Some("contact.band_laws is empty"),
         None if scene.contact.stiffness_multiplier != 1.0 => {
             Some("contact.stiffness_multiplier is not 1")

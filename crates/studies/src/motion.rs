@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use pinwheel_engines::{Cancelled, Control};
 use pinwheel_gearbox::native::{self, NativeError};
 use pinwheel_gearbox::{Gearbox, GearboxError, auto, resolve};
-use pinwheel_scene::{CheckedScene, Formulation, Scene};
+use pinwheel_scene::{CheckedScene, Formulation, Scene, speed_profile};
 use pinwheel_timeseries::{TimeSeries, columns};
 
 /// Limit of the cost of a picture where the scene's own method fails, evaluations: a few seconds.
@@ -123,7 +123,7 @@ impl Motion {
 /// Returns the distance of the samples of a scene's motion, and the time that a page shows, s.
 #[must_use]
 pub fn sampled(scene: &Scene) -> (f64, f64) {
-    let turn = TAU / scene.drive.input_speed_rad_s.abs().max(1e-9);
+    let turn = TAU / speed_profile::fastest_rad_s(&scene.drive).abs().max(1e-9);
     let sleeve = turn / scene.gear.external_sleeves as f64;
     // Vibration of the discs on their contacts, about 1 kHz, must not be lost either.
     let step = (sleeve / PER_SLEEVE).min(2e-4);

@@ -99,7 +99,7 @@ fn ratio(typed: &str) -> Result<f64, String> {
     let number = typed.trim().strip_suffix(":1").unwrap_or(typed).trim();
     let ratio = number.parse().ok();
     let ratio = ratio.filter(|ratio| (2.0..=999.0).contains(ratio));
-    ratio.ok_or_else(|| "write a number from 2 to 999: 39 is 39:1".to_owned())
+    ratio.ok_or_else(|| "write a number from 2 to 999: 39 is 39:1; make each of two stages in one housing a scene".to_owned())
 }
 
 /// Parser of a material by its name; the help lists the names.

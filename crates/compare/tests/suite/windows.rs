@@ -65,7 +65,7 @@ fn a_change_of_the_load_moves_the_steady_window() {
     assert_eq!(none, None);
     assert_eq!(
         absent[0].reason,
-        "the load still changes at 0.4 s and the transient of that takes 0.25 s, so a steady \
+        "load or speed still changes at 0.4 s and the transient of that takes 0.25 s, so a steady \
          window needs a run of 0.7 s"
     );
     // From equilibrium too: the change has a transient of its own.
@@ -79,7 +79,7 @@ fn a_change_of_the_load_moves_the_steady_window() {
     );
     assert_eq!(
         present[0].remark().unwrap(),
-        "The load changes 2 times in the transient window."
+        "Load or speed changes 2 times in the transient window."
     );
 }
 

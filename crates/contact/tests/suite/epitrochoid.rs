@@ -1,7 +1,9 @@
 //! The curve of a disc: curvatures, reaches, slopes.
 
 use approx::assert_relative_eq;
-use pinwheel_contact::{Complex, Epitrochoid};
+use std::f64::consts::TAU;
+
+use pinwheel_contact::{Complex, Epitrochoid, LobeOffset};
 
 /// The paper's disc (Tab. 1).
 fn paper() -> Epitrochoid {
@@ -168,9 +170,9 @@ fn slopes_and_tolerances_are_those_of_the_sharpest_places() {
 #[test]
 fn a_curve_knows_what_it_was_made_of() {
     let curve = paper();
-    assert!(curve.is_of(0.0028, 16, 0.7) && curve.lobes() == 15);
+    assert!(curve.is_of(0.0028, 16, 0.7, None) && curve.lobes() == 15);
     for (e, zk, m) in [(0.0029, 16, 0.7), (0.0028, 17, 0.7), (0.0028, 16, 0.8)] {
-        assert!(!curve.is_of(e, zk, m));
+        assert!(!curve.is_of(e, zk, m, None));
     }
 }
 
@@ -185,4 +187,108 @@ fn out_of_range_parameters_are_refused() {
     ] {
         assert!(Epitrochoid::new(e, zk, m).is_none());
     }
+}
+
+fn moved(offset: LobeOffset) -> Option<Epitrochoid> {
+    Epitrochoid::with_offset(0.0028, 16, 0.7, Some(offset))
+}
+
+/// A waved offset with flanks that differ, m.
+fn waves() -> LobeOffset {
+    LobeOffset::series(&[5e-6, 8e-6, 0.0, -2e-6], &[6e-6, 1e-6]).unwrap()
+}
+
+/// Normal, speed and curvature of a moved curve are the derivatives of its points; both certificates agree with a search of
+/// the whole curve.
+#[test]
+fn a_moved_curve_is_its_points() {
+    let curve = moved(waves()).unwrap();
+    let h = 1e-5;
+    for k in 0..200 {
+        let a = 0.0314 * f64::from(k);
+        let [low, at, high] = [a - h, a, a + h].map(|a| curve.at(a));
+        let first = (high.position - low.position).scale(0.5 / h);
+        assert!((first.norm() / at.speed - 1.0).abs() < 1e-6);
+        assert!((first.scale(1.0 / at.speed) - at.normal.turned()).norm() < 1e-6);
+        let turn = low.normal.cross(high.normal) / (2.0 * h * at.speed);
+        assert!(
+            (turn - at.curvature).abs() < 1e-4 * at.curvature.abs() + 1e-3,
+            "{a}"
+        );
+        for off in [-2e-4, -1e-6, 1e-6, 3e-4] {
+            let p = at.position + at.normal.scale(off);
+            let global = curve.closest(p);
+            assert!(
+                (global.distance - off).abs() < 1e-13,
+                "{a}: {off} {}",
+                global.distance
+            );
+            let start = Complex::unit(a + 1e-3);
+            let local = curve.foot_within(p, [start, start.powu(16)], 0.0);
+            assert_eq!(local.is_some(), off < 0.0);
+            assert!(local.is_none_or(|foot| (foot.distance - global.distance).abs() < 1e-14));
+        }
+    }
+}
+
+/// A constant offset is a parallel curve, points of a series are that series, and points of the way to a larger generating circle
+/// are that circle, within the spline's error, which falls with the fourth power of the step.
+#[test]
+fn published_offsets_are_the_built_in_modifications() {
+    let plain = Epitrochoid::new(0.0028, 16, 0.7).unwrap();
+    let parallel = moved(LobeOffset::series(&[1e-5], &[]).unwrap()).unwrap();
+    let larger = Epitrochoid::new(0.0028, 16, 0.0028 * 16.0 / (0.064 + 2e-5)).unwrap();
+    // Along the inward normal of the plain curve to the larger one.
+    let way = |phase: f64| {
+        let at = plain.at(phase / 15.0);
+        let mut w = 0.0;
+        for _ in 0..40 {
+            w += larger.closest(at.position - at.normal.scale(w)).distance;
+        }
+        w
+    };
+    let spline = |points: u32, w: &dyn Fn(f64) -> f64| {
+        let values = (0..points).map(|k| w(TAU * f64::from(k) / f64::from(points)));
+        LobeOffset::spline(&values.collect::<Vec<_>>()).unwrap()
+    };
+    let series = |phase: f64| waves().at(phase)[0];
+    let error = |curve: &Epitrochoid, other: &Epitrochoid| {
+        let far = (0..300).map(|k| {
+            curve
+                .closest(other.at(0.0209 * f64::from(k)).position)
+                .distance
+                .abs()
+        });
+        far.fold(0.0, f64::max)
+    };
+    let radial = [40, 80].map(|n| error(&moved(spline(n, &way)).unwrap(), &larger));
+    let waved = [40, 80].map(|n| {
+        error(
+            &moved(spline(n, &series)).unwrap(),
+            &moved(waves()).unwrap(),
+        )
+    });
+    println!("radial {radial:?}, waves {waved:?}");
+    assert!(
+        radial[1] < 1e-9 && radial[0] / radial[1] > 8.0,
+        "{radial:?}"
+    );
+    assert!(waved[1] < 1e-10 && waved[0] / waved[1] > 12.0, "{waved:?}");
+    for k in 0..100 {
+        let (at, moved) = (
+            plain.at(0.0628 * f64::from(k)),
+            parallel.at(0.0628 * f64::from(k)),
+        );
+        assert!((at.position - at.normal.scale(1e-5) - moved.position).norm() < 1e-15);
+        assert!((moved.curvature * (1.0 - 1e-5 * at.curvature) / at.curvature - 1.0).abs() < 1e-9);
+    }
+    assert!(parallel.reach_inside < plain.reach_inside);
+}
+
+#[test]
+fn bad_input_offsets_that_fold() {
+    // Further out than the pit is round.
+    assert!(moved(LobeOffset::series(&[-1e-3], &[]).unwrap()).is_none());
+    assert!(LobeOffset::spline(&[0.0, 1e-6]).is_none());
+    assert!(LobeOffset::series(&[f64::NAN], &[]).is_none());
 }

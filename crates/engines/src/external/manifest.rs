@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use pinwheel_files::{Broken, FileError, fits, read_text, require};
-use pinwheel_scene::{JOB_PROTOCOL, Scene, names};
+use pinwheel_gearbox::GearboxError;
+use pinwheel_scene::{JOB_PROTOCOL, OutputPart, Scene, names};
 use pinwheel_timeseries::SharedModel;
 use serde::Deserialize;
 
@@ -63,6 +64,8 @@ pub struct Honours {
     pub friction: bool,
     /// Scenes whose load changes during the run.
     pub load_changes: bool,
+    /// Scenes whose input's speed changes during the run.
+    pub speed_changes: bool,
     /// Discs that float on elastic bearings: bodies whose carrier is -2.
     pub free_wheels: bool,
 }
@@ -73,6 +76,7 @@ impl Default for Honours {
             laws: vec!["*".to_owned()],
             friction: false,
             load_changes: false,
+            speed_changes: false,
             free_wheels: false,
         }
     }
@@ -246,6 +250,15 @@ impl Manifest {
         if !scene.drive.load_changes.is_empty() && !self.honours.load_changes {
             return Some(
                 "its manifest does not honour changes of the load (honours.load_changes)"
+                    .to_owned(),
+            );
+        }
+        if scene.drive.output == OutputPart::Ring {
+            return Some(GearboxError::Ring.to_string());
+        }
+        if !scene.drive.speed_changes.is_empty() && !self.honours.speed_changes {
+            return Some(
+                "its manifest does not honour changes of the speed (honours.speed_changes)"
                     .to_owned(),
             );
         }

@@ -8,6 +8,7 @@ use pinwheel_files::fits;
 use pinwheel_gearbox::{Gearbox, guard};
 use pinwheel_law::{CALLS_FILE, job};
 use pinwheel_scene::channels::FAMILIES;
+use pinwheel_scene::speed_profile;
 use pinwheel_timeseries::{TimeSeries, columns};
 use serde::Deserialize;
 
@@ -291,9 +292,10 @@ fn checked(
         }
     }
     let angle = read.channel(columns::OUTPUT_ANGLE).unwrap_or_default();
-    let rate = gearbox.scene.drive.input_speed_rad_s;
+    let drive = &gearbox.scene.drive;
+    let input = |t: f64| drive.input_speed_rad_s * t + speed_profile::lead_rad(drive, t);
     for (row, (&angle, &time)) in angle.iter().zip(samples).enumerate() {
-        if let Err(what) = guard::check_output(gearbox, rate * time, angle) {
+        if let Err(what) = guard::check_output(gearbox, input(time), angle) {
             ends_at(row, what);
             break;
         }

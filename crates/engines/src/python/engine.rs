@@ -109,6 +109,10 @@ impl Engine for PythonEngine {
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         gearbox.contact_field().map_err(Ending::unsupported)?;
+        if !gearbox.scene.drive.speed_changes.is_empty() {
+            let reason = "it drives the input at one speed, and drive.speed_changes changes it";
+            return Err(Ending::unsupported(reason).into());
+        }
         let mut gearbox = gearbox.clone();
         // The law is ours: what the native solver can do, it can do.
         if self.0.track != SharedModel::SharedLaw {

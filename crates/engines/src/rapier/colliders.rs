@@ -10,7 +10,7 @@ use pinwheel_gearbox::contacts::{ContactEnergy, PairContact};
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::Sleeve;
 use pinwheel_scene::scales::{Scales, external_force, internal_force};
-use pinwheel_scene::{CheckedScene, Detection, Scene, Start, load_profile};
+use pinwheel_scene::{CheckedScene, Detection, Scene, Start, load_profile, speed_profile};
 use rapier2d_f64::parry::query::PointQuery;
 use rapier2d_f64::prelude::*;
 
@@ -166,7 +166,7 @@ impl Corners {
 
 /// The longest allowed step that divides the sampling step; `frequency` of the contact spring, Hz.
 fn step_s(scene: &Scene, frequency: f64) -> f64 {
-    let turn_s = std::f64::consts::TAU / scene.drive.input_speed_rad_s.abs();
+    let turn_s = std::f64::consts::TAU / speed_profile::fastest_rad_s(&scene.drive).abs();
     let longest = LONGEST_STEP_S
         .min(turn_s / STEPS_PER_TURN)
         .min(PERIODS / frequency);

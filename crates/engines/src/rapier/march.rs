@@ -138,7 +138,8 @@ pub fn march(
             world.centre(&mut now);
             sums.clear();
             contacts.forces(&world, &now, share, &mut sums);
-            let driver_torque_n_m = sums.driver_torque(&now, gearbox.floats());
+            let driver_torque_n_m = sums.driver_torque(&now, gearbox.floats())
+                + gearbox.accelerating_torque_n_m(sample_s);
             recorder.record_forces(
                 sample_s,
                 driver_torque_n_m,

@@ -11,6 +11,7 @@ use rapier2d_f64::prelude::{Rotation, Vector};
 pub fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
     let turn = gear.modification.rotational_rad;
     let pitch = TAU / gear.lobes() as f64;
+    let edge_point = edge(gear);
     if turn == 0.0 {
         let lobe = Lobe::new(gear, 0.0, pitch);
         let steps = (count as f64 / gear.lobes() as f64).ceil() as usize;
@@ -19,12 +20,17 @@ pub fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
             .collect();
         let lobes = (0..gear.lobes()).map(|number| pitch * number as f64);
         return lobes
-            .flat_map(|from| parameters.iter().map(move |a| edge_point(gear, from + a)))
+            .flat_map(|from| {
+                parameters.iter().map({
+                    let edge = &edge_point;
+                    move |a| edge(from + a)
+                })
+            })
             .collect();
     }
     let half = 0.5 * pitch;
     let polar = |a: f64| {
-        let point = edge_point(gear, a);
+        let point = edge_point(a);
         point.y.atan2(point.x)
     };
     // From the tip at 0 to the pit: the flank of a disc turned back by `turn`, up to the middle of tip and pit.
@@ -45,7 +51,7 @@ pub fn wheel_edge(gear: &Gear, count: usize) -> Vec<Vector> {
     let back = Rotation::new(-turn);
     let along = Lobe::new(gear, tip, pit);
     let flank: Vec<Vector> = (0..=steps)
-        .map(|k| back * edge_point(gear, along.parameter(k as f64 / steps as f64)))
+        .map(|k| back * edge_point(along.parameter(k as f64 / steps as f64)))
         .collect();
     (0..gear.lobes())
         .flat_map(|lobe| {
@@ -91,7 +97,8 @@ const LEAST_CURVATURE: f64 = 3.0;
 impl Lobe {
     fn new(gear: &Gear, from: f64, to: f64) -> Self {
         let step = (to - from) / STEPS as f64;
-        let point = |k: f64| edge_point(gear, from + k * step);
+        let edge = edge(gear);
+        let point = |k: f64| edge(from + k * step);
         let least = LEAST_CURVATURE / gear.generating_radius_m();
         let mut weights = vec![0.0];
         let mut sum = 0.0;
@@ -125,8 +132,17 @@ impl Lobe {
     }
 }
 
+/// Returns the edge as a function of the curve parameter; only an offset takes the geometry of others.
+fn edge(gear: &Gear) -> Box<dyn Fn(f64) -> Vector + '_> {
+    if gear.modification.normal_m.is_none() {
+        return Box::new(|a| formula(gear, a));
+    }
+    let edge = gear.edge_m();
+    Box::new(move |a| Vector::from(edge(a)))
+}
+
 /// Eq. 1 with the modified radii: the edge at the curve parameter `a`.
-fn edge_point(gear: &Gear, a: f64) -> Vector {
+fn formula(gear: &Gear, a: f64) -> Vector {
     let (radius, e, q) = (
         gear.generating_radius_m(),
         gear.eccentricity_m,

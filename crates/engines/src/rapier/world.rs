@@ -7,7 +7,7 @@
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_mbs::{Body, BodyState, Wrench};
-use pinwheel_scene::Layout;
+use pinwheel_scene::{Drive, Layout, speed_profile};
 use rapier2d_f64::prelude::*;
 
 /// h w of the springs that pull revolutes together. rapier's own, of 1 MHz, give way at short
@@ -21,7 +21,7 @@ pub struct World {
     /// rapier's handles in [`Layout`] order.
     handles: Vec<RigidBodyHandle>,
     joints: Vec<ImpulseJointHandle>,
-    input_speed: f64,
+    drive: Drive,
     step_s: f64,
     /// Positions at t_n, velocities at t_{n-1/2} (at t_0 for n = 0).
     states: Vec<BodyState>,
@@ -80,7 +80,7 @@ impl World {
             physics,
             handles,
             joints,
-            input_speed: gearbox.scene.drive.input_speed_rad_s,
+            drive: gearbox.scene.drive.clone(),
             step_s,
             states,
             earlier,
@@ -177,7 +177,9 @@ impl World {
     /// # Errors
     /// The body that rapier put aside because its state is no longer finite.
     pub fn advance(&mut self, hooks: &dyn PhysicsHooks) -> Result<(), String> {
-        let next_angle = self.input_speed * self.step_s * (self.taken + 1) as f64;
+        let (drive, steps) = (&self.drive, (self.taken + 1) as f64);
+        let next_angle = drive.input_speed_rad_s * self.step_s * steps
+            + speed_profile::lead_rad(drive, self.step_s * steps);
         self.physics.bodies[self.handles[Layout::INPUT]]
             .set_next_kinematic_rotation(Rotation::new(next_angle));
         self.physics.step_with_events(hooks, &());

@@ -62,6 +62,9 @@ fn a_manifest_as_documented() {
     assert!(law.contains("paper*, constant, not `flores`"), "{law}");
     let load = "drive.load_changes=[{time_s=0.1,output_torque_n_m=30.0}]";
     assert!(manifest.refuses(&scene(&[load])).is_some());
+    let speed = "drive.speed_changes=[{time_s=0.1,input_speed_rad_s=30.0,ramp_s=0.1}]";
+    let refused = manifest.refuses(&scene(&[speed]));
+    assert!(refused.is_some_and(|why| why.contains("honours.speed_changes")));
 }
 
 #[test]

@@ -60,7 +60,8 @@ impl Touch {
 
 /// Finds the contact of one pin centre `p` (disc frame) with the disc.
 pub(super) trait Detection: Send + 'static {
-    /// Returns the detection that touches are differentiated with. Nearest points have none, because they jump.
+    /// Returns the detection that touches are differentiated with. Nearest points have none, because they
+    /// jump.
     fn exact(&self) -> Option<&Exact> {
         None
     }
@@ -249,8 +250,9 @@ fn outwards<S: Scalar>(offset: Complex<S>) -> Complex<S> {
 }
 
 impl Detection for Exact {
+    // Of an offset only values are known, not their derivatives.
     fn exact(&self) -> Option<&Exact> {
-        Some(self)
+        (!self.0.curve.has_offset()).then_some(self)
     }
 
     #[inline]

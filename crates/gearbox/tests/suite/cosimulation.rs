@@ -66,6 +66,34 @@ fn a_held_torque_is_a_change_of_the_load() {
     }
 }
 
+/// A ramp of the prescribed speed is a change of the scene's speed. The unit takes differences for its derivatives too.
+#[test]
+fn a_ramp_of_the_speed_is_a_change_of_the_scenes() {
+    let own = [
+        "solver.tolerance=1e-9",
+        "solver.duration_s=0.02",
+        "solver.integrator=\"dopri5\"",
+    ];
+    let change =
+        "drive.speed_changes=[{ time_s = 0.01, input_speed_rad_s = 72.34, ramp_s = 0.01 }]";
+    let changed = gearbox(&[&own[..], &[change]].concat(), &[]);
+    let refused = CoSimulation::new(&changed, Setup::of(&changed.scene.drive)).err();
+    assert!(refused.is_some_and(|error| error.to_string().contains("the importer prescribes")));
+    let gear = gearbox(&own, &[]);
+    let mut unit = CoSimulation::new(&gear, Setup::of(&gear.scene.drive)).unwrap();
+    unit.advance(0.01, &|| false).unwrap();
+    unit.prescribe([(SPEED, 2000.0), (0.0, 0.0)]);
+    unit.advance(0.02, &|| false).unwrap();
+    let mut row = Vec::new();
+    unit.observe(&mut row);
+    let expected = last(&changed);
+    // At the end of the ramp the run's driver no longer accelerates anything.
+    row[0] -= changed.accelerating_torque_n_m(0.015);
+    let off = apart(&row, &expected);
+    eprintln!("{off:e}");
+    assert!(off < 1e-6, "{off:e}");
+}
+
 /// A unit starts with the load and the speed that it is given, as a gear does that has them.
 #[test]
 fn starts_are_those_of_the_load_and_the_speed() {

@@ -1,7 +1,7 @@
 //! The native solver against itself: two formulations, halved steps, repeated runs.
 
 use pinwheel_gearbox::native::{NativeError, NativeRun, run, run_at_samples};
-use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, explain};
+use pinwheel_gearbox::{Explanation, Gearbox, GearboxError, explain, native};
 use pinwheel_scene::{Formulation, Scene, Stabilisation, Start};
 use pinwheel_timeseries::Ending;
 use pinwheel_timeseries::columns::OUTPUT_TORQUE;
@@ -412,4 +412,122 @@ fn samples_alone_are_those_of_the_whole_run() {
         assert_eq!(seen.energy.total().is_none(), adaptive, "{preset} {method}");
         assert!(whole.energy.total().is_some());
     }
+}
+
+/// A constant offset is the equidistant modification, which runs in lanes: equal forces, and a balance too.
+#[test]
+fn a_constant_offset_is_an_equidistant_modification() {
+    let time_series = |set: &str| {
+        let sets = [
+            "drive.start=equilibrium",
+            "solver.duration_s=0.004",
+            "contact.law=paper-conservative",
+            set,
+        ];
+        let sets: Vec<_> = sets.iter().map(|set| set.parse().unwrap()).collect();
+        let scene = Scene::load("paper", &sets).unwrap();
+        let gearbox = Gearbox::new(&scene).unwrap();
+        native::run(&gearbox, &mut |_| false)
+            .unwrap()
+            .whole()
+            .unwrap()
+            .time_series
+    };
+    let plain = time_series("gear.modification.equidistant_m=5e-6");
+    for own in ["cos_m=[5e-6]", "points_m=[5e-6, 5e-6, 5e-6, 5e-6]"] {
+        let own = time_series(&format!("gear.modification.normal_m.{own}"));
+        for (a, b) in own.channels().iter().zip(plain.channels()) {
+            let size = b.values.iter().fold(1e-9, |most: f64, x| most.max(x.abs()));
+            let far = a.values.iter().zip(&b.values).map(|(a, b)| (a - b).abs());
+            let far = far.fold(0.0, f64::max) / size;
+            assert!(far < 1e-6, "{}: {far:e}", a.name);
+        }
+    }
+}
+
+/// A ring as output against the carrier as output, seen from the ring. Where the output's inertia holds its speed the frame turns
+/// steadily, and speed and load times zs/zk give equal forces, here of discs that are too large; with the scene's own inertia the
+/// driver's mean torque is load/zk, and the account closes.
+#[test]
+fn crossval_a_ring_as_output_is_a_turned_frame() {
+    let run = |sets: &[&str]| {
+        let always = [
+            "solver.integrator=dopri5",
+            "solver.tolerance=1e-9",
+            "contact.law=paper-conservative",
+        ];
+        let sets = always.iter().chain(sets).map(|set| set.parse().unwrap());
+        let scene = Scene::load("paper", &sets.collect::<Vec<_>>()).unwrap();
+        native::run(&Gearbox::new(&scene).unwrap(), &mut |_| false)
+            .unwrap()
+            .whole()
+            .unwrap()
+    };
+    let heavy = [
+        "mass.output_shaft.moment_kg_m2=1e3",
+        "gear.modification.equidistant_m=-1e-5",
+        "solver.duration_s=0.004",
+    ];
+    let ring = ["drive.output=ring", "drive.input_speed_rad_s=-52.34"];
+    let carrier = [
+        "drive.input_speed_rad_s=-49.06875",
+        "drive.output_torque_n_m=-20.625",
+    ];
+    let friction = ["contact.friction_coefficient=0.05"];
+    for more in [&[][..], &friction] {
+        let [ring, carrier] =
+            [ring, carrier].map(|sets| run(&[&heavy[..], &sets, more].concat()).time_series);
+        for kind in ["external_sleeve_force_n", "internal_sleeve_force_n"] {
+            let (a, b) = (ring.group(kind), carrier.group(kind));
+            let size = b
+                .iter()
+                .flat_map(|c| c.iter())
+                .fold(0.0, |most: f64, x| most.max(*x));
+            assert!(size > 10.0, "{size}");
+            for (a, b) in a
+                .iter()
+                .flat_map(|c| c.iter())
+                .zip(b.iter().flat_map(|c| c.iter()))
+            {
+                assert!((a - b).abs() < 1e-4 * size, "{kind}: {a} {b}");
+            }
+        }
+    }
+    let free = run(&[
+        "drive.output=ring",
+        "drive.input_speed_rad_s=-52.34",
+        "solver.duration_s=0.3",
+    ]);
+    let audit = free.energy.total().unwrap();
+    assert!(audit.remainder_share.unwrap().abs() < 1e-6, "{audit:?}");
+    let angle = free.time_series.channel("output_angle_rad").unwrap();
+    assert!((angle.last().unwrap() / (-52.34 * 0.3 / 16.0) - 1.0).abs() < 1e-2);
+    let late = free.energy.audit(0.2, 0.3).unwrap();
+    let ideal = -22.0 * 52.34 * 0.1 / 16.0;
+    println!("{late:?}");
+    assert!(
+        (late.load_j / ideal - 1.0).abs() < 1e-3 && (late.driver_j / -ideal - 1.0).abs() < 5e-3
+    );
+}
+
+#[test]
+fn bad_input_a_ring_with_what_it_does_not_go_with() {
+    for (set, part) in [
+        ("drive.start=equilibrium", "drive.start"),
+        ("solver.formulation=lagrange", "solver.formulation"),
+        ("bearings.output_seal_n_m=0.1", "output_seal_n_m"),
+    ] {
+        let sets = ["drive.output=ring", set].map(|set| set.parse().unwrap());
+        let line = Scene::load("paper", &sets)
+            .map(|_| ())
+            .unwrap_err()
+            .to_string();
+        assert!(
+            line.contains(part) && line.contains("by its carrier"),
+            "{line}"
+        );
+    }
+    let scene = Scene::load("paper", &["drive.output=ring".parse().unwrap()]).unwrap();
+    let refused = Gearbox::new(&scene).unwrap().contact_field().err().unwrap();
+    assert_eq!(refused, GearboxError::Ring);
 }

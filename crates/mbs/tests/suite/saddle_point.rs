@@ -138,6 +138,7 @@ fn mechanism(
                 rate: 1.0,
                 acceleration: 0.3,
             },
+            ..Driver::default()
         });
     }
     (m, loads)
@@ -219,7 +220,7 @@ proptest! {
 #[test]
 fn dependent_constraints_are_named() {
     let (mut m, loads) = mechanism(&[[0.1; 12]], &[], true);
-    m.drivers.push(m.drivers[0]);
+    m.drivers.push(m.drivers[0].clone());
     let error = Lagrange::new(m, Loads(loads), Stabilisation::None)
         .err()
         .expect("driven twice");

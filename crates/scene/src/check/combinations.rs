@@ -7,7 +7,7 @@ use crate::FrictionLaw;
 use pinwheel_files::quoted;
 
 use crate::error::Fault;
-use crate::model::{Detection, Scene};
+use crate::model::{Detection, Formulation, OutputPart, Scene, Start};
 use crate::number::short;
 use crate::scales::law;
 
@@ -39,6 +39,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
             "use detection = \"exact\" or law = \"paper\"",
         ));
     }
+    ring(scene)?;
     if contact.friction_law != FrictionLaw::Adams {
         return Ok(());
     }
@@ -85,4 +86,40 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
         ));
     }
     Ok(())
+}
+
+/// Parts of the model that a ring as output does not go with.
+fn ring(scene: &Scene) -> Result<(), Fault> {
+    if scene.drive.output == OutputPart::Carrier {
+        return Ok(());
+    }
+    let (bearings, solver) = (&scene.bearings, &scene.solver);
+    let split = method(&solver.integrator).is_some_and(|m| m.family == Family::SplitImplicit);
+    let parts = [
+        ("cranks.count", scene.cranks.is_some()),
+        ("bearings.input_seal_n_m", bearings.input_seal_n_m.is_some()),
+        (
+            "bearings.output_seal_n_m",
+            bearings.output_seal_n_m.is_some(),
+        ),
+        (
+            "bearings.sleeve_friction_coefficient",
+            bearings.sleeve_friction_coefficient.is_some(),
+        ),
+        ("drive.start", scene.drive.start == Start::Equilibrium),
+        (
+            "solver.formulation",
+            solver.formulation == Formulation::Lagrange,
+        ),
+        ("solver.integrator", split),
+        ("output.channels", !scene.output.channels.is_empty()),
+    ];
+    let Some((key, _)) = parts.into_iter().find(|(_, asked)| *asked) else {
+        return Ok(());
+    };
+    Err(Fault::new(
+        &["drive.output", key],
+        format!("is \"ring\", which {key} does not go with as the scene has it"),
+        "leave one of both out, or describe the gear by its carrier: speed and load times zs/zk give equal forces",
+    ))
 }

@@ -140,14 +140,19 @@ pub fn profile(gear: &Gear) -> Result<(), Fault> {
         profile(&plain)?;
         let most = below(smallest - gear.external_sleeve_radius_m);
         return Err(Fault::new(
-            &[
-                "gear.modification.equidistant_m",
-                "gear.modification.radial_m",
-            ],
+            match gear.modification.normal_m.is_none() {
+                true => &[
+                    "gear.modification.equidistant_m",
+                    "gear.modification.radial_m",
+                ][..],
+                false => &["gear.modification.normal_m"],
+            },
             format!(
                 "makes the generating pin {shown_q} m, so that the disc profile is undercut: its centre's path bends with a radius of {shown_smallest} m"
             ),
-            format!("make gear.modification.equidistant_m smaller than {most} m"),
+            format!(
+                "make gear.modification.equidistant_m smaller than {most} m, or waves of gear.modification.normal_m gentler"
+            ),
         ));
     }
     let radii = (0..gear.external_sleeves).map(|j| gear.external_sleeve_radius_of_m(j));

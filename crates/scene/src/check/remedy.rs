@@ -18,7 +18,7 @@ const HALVINGS: usize = 12;
 const ANOTHER_GEAR: f64 = 1.6;
 /// Ways that are offered at most.
 const OFFERED: usize = 3;
-/// Holes of all discs at most: each is measured at every trial.
+/// Holes of all discs at most: each is measured at every trial, as is a profile of one's own.
 const MOST_HOLES: usize = 100;
 
 type Value = (&'static str, fn(&mut Gear) -> &mut f64);
@@ -50,7 +50,8 @@ type Builds = fn(&Gear) -> bool;
 
 /// Returns the fault with remedies, nearest first; unchanged if there is none.
 pub(super) fn tried(gear: &Gear, gives_circle: bool, fault: Fault) -> Fault {
-    if gear.wheels * gear.internal_sleeves > MOST_HOLES {
+    let own = !gear.modification.normal_m.is_none();
+    if own || gear.wheels * gear.internal_sleeves > MOST_HOLES {
         return fault;
     }
     let whole: Builds = |gear| geometry::whole(gear).is_ok();

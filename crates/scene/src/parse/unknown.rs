@@ -43,7 +43,10 @@ pub(super) fn unknown(
         let mut tables = KEYS.iter().filter_map(|row| row.name.split_once('.'));
         !prefix.starts_with(&format!("{name}.")) && tables.any(|(table, _)| table == name)
     };
-    let remedy = if !prefix.is_empty() && elsewhere_a_table() {
+    let out_of_scope = OUT_OF_SCOPE.iter().find(|(part, _)| name.contains(part));
+    let remedy = if let Some((_, remedy)) = out_of_scope {
+        (*remedy).to_owned()
+    } else if !prefix.is_empty() && elsewhere_a_table() {
         format!(
             "`{name}` is a table of its own: write it above [{}], or as [{name}]",
             prefix.trim_end_matches('.')
@@ -67,6 +70,30 @@ pub(super) fn unknown(
     };
     SceneError::key(&place, &key, "is no key of a scene", remedy)
 }
+
+/// Parts of names that ask for gears beyond the model, and what it has in their place.
+const OUT_OF_SCOPE: &[(&str, &str)] = &[
+    (
+        "lobes",
+        "a disc has one lobe less than there are ring pins, give these as gear.external_sleeves; two lobes less are not modelled",
+    ),
+    (
+        "hypo",
+        "ring pins on an epitrochoid disc are modelled, not a ring with a hypotrochoid for its edge; give gear.external_sleeves",
+    ),
+    (
+        "stage",
+        "one stage is modelled, and the first one of an RV gear as [cranks]; make each stage of a housing a scene of its own",
+    ),
+    (
+        "involute",
+        "the sun and planets of an RV gear are modelled, as cranks.sun_teeth and cranks.planet_teeth; no involute stage of few teeth is",
+    ),
+    (
+        "teeth",
+        "lobes follow from gear.external_sleeves, teeth of an RV gear are cranks.sun_teeth and cranks.planet_teeth; no involute stage of few teeth is modelled",
+    ),
+];
 
 /// True if a word means the circle of the ring pins, for which the field has many names.
 fn is_pitch(name: &str) -> bool {

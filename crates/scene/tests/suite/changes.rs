@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 
-use pinwheel_scene::load_profile;
 use pinwheel_scene::{CheckedScene, LoadChange, Override, Scene};
+use pinwheel_scene::{load_profile, speed_profile};
 
 fn with(changes: &str) -> Result<CheckedScene, String> {
     let set = Override::new("drive.load_changes", changes);
@@ -110,6 +110,105 @@ fn what_is_wrong_is_named_with_its_entry() {
         .collect();
     let line = with(&format!("[{}]", many.join(","))).unwrap_err();
     assert!(line.contains("1001 changes"), "{line}");
+}
+
+/// Ramps of the speed: continuous in angle and speed, and none without the time that it takes.
+#[test]
+fn bad_input_changes_of_the_speed() {
+    let with = |list: &str| {
+        let set = Override::new("drive.speed_changes", list);
+        Scene::load("paper", &[set]).map_err(|error| error.to_string())
+    };
+    let scene = with(
+        "[{ time_s = 0.1, input_speed_rad_s = 80, ramp_s = 0.02 }, { time_s = 0.2, input_speed_rad_s = -10, ramp_s = 0.1 }]",
+    );
+    let drive = &scene.as_ref().unwrap().drive;
+    assert_eq!(
+        load_profile::breaks(drive),
+        [0.1, 0.12000000000000001, 0.2, 0.30000000000000004]
+    );
+    assert_eq!(speed_profile::fastest_rad_s(drive), 80.0);
+    assert_eq!(speed_profile::final_rad_s(&scene.as_ref().unwrap()), -10.0);
+    for pair in speed_profile::motions(drive).windows(2) {
+        let (before, after) = (pair[0].at(pair[1].from_s), pair[1]);
+        assert!((before.0 - after.angle).abs() < 1e-12 && (before.1 - after.rate).abs() < 1e-12);
+    }
+    for (list, key, part) in [
+        (
+            "[{ time_s = 0.1, input_speed_rad_s = 80 }]",
+            "[0].ramp_s",
+            "is missing",
+        ),
+        (
+            "[{ time_s = 0.1, input_speed_rad_s = 80, ramp_s = 0 }]",
+            "[0].ramp_s",
+            "infinite torque",
+        ),
+        (
+            "[{ time_s = 0.1, input_speed_rad_s = 80, ramp_s = 0.2 }, { time_s = 0.2, input_speed_rad_s = 1, ramp_s = 0.1 }]",
+            "[0].ramp_s",
+            "give at most",
+        ),
+    ] {
+        let line = with(list).unwrap_err();
+        assert!(
+            line.contains(&format!("`drive.speed_changes{key}` ")) && line.contains(part),
+            "{line}"
+        );
+    }
+}
+
+#[test]
+fn bad_input_own_profiles() {
+    for (sets, part) in [
+        (&["points_m=[0.0, 1e-6]"][..], "3 to 1000 points"),
+        (
+            &["points_m=[0.0, 1e-6, 0.0]", "cos_m=[1e-6]"],
+            "give one of both",
+        ),
+        (&["cos_m=[2.0]"], "from -1 to 1"),
+        (&["cos_m=[2e-3]"], "another gear"),
+        (
+            &["sin_m=[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3e-4]"],
+            "gentler",
+        ),
+    ] {
+        let set = |text: &&str| {
+            format!("gear.modification.normal_m.{text}")
+                .parse()
+                .unwrap()
+        };
+        let sets: Vec<Override> = sets.iter().map(set).collect();
+        let line = Scene::load("paper", &sets)
+            .map(|_| ())
+            .unwrap_err()
+            .to_string();
+        assert!(
+            line.contains("gear.modification.normal_m") && line.contains(part),
+            "{line}"
+        );
+    }
+}
+
+/// Who asks for a gear beyond the model is told what it has, in one line.
+#[test]
+fn bad_input_gears_beyond_the_model() {
+    for (set, part) in [
+        ("gear.lobes=14", "give these as gear.external_sleeves"),
+        ("gear.ring_lobes=17", "two lobes less are not modelled"),
+        ("gear.hypotrochoid=true", "not a ring with a hypotrochoid"),
+        ("gear.stages=2", "a scene of its own"),
+        ("gear.second_stage_ratio=8", "a scene of its own"),
+        ("gear.involute=true", "no involute stage"),
+        ("cranks.ring_teeth=40", "cranks.planet_teeth"),
+        ("cranks.sun_tooth=12", "did you mean `cranks.sun_teeth`"),
+    ] {
+        let line = Scene::load("paper", &[set.parse().unwrap()])
+            .map(|_| ())
+            .unwrap_err()
+            .to_string();
+        assert!(line.contains(part) && !line.contains('\n'), "{line}");
+    }
 }
 
 /// A shorter run of the same scene is no fault; it says what it never reaches.

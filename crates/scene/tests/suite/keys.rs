@@ -54,12 +54,23 @@ fn rows_are_the_model() {
     )
     .ok();
     scene.gear.modification.radial_m = -1e-5;
+    scene.gear.modification.normal_m = pinwheel_scene::NormalOffset {
+        points_m: vec![0.0],
+        cos_m: vec![0.0],
+        sin_m: vec![0.0],
+    };
     scene.gear.errors = every_error();
     scene.drive.load_changes.push(pinwheel_scene::LoadChange {
         time_s: 0.1,
         output_torque_n_m: 1.0,
         ramp_s: 0.0,
     });
+    scene.drive.speed_changes.push(pinwheel_scene::SpeedChange {
+        time_s: 0.1,
+        input_speed_rad_s: 1.0,
+        ramp_s: 0.1,
+    });
+    scene.drive.output = pinwheel_scene::OutputPart::Ring;
     scene.output.channels.push("efficiency".to_owned());
     let mut fields = Vec::new();
     leaves("", &toml::Table::try_from(&scene).unwrap(), &mut fields);

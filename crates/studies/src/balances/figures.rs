@@ -5,7 +5,7 @@
 //! run is as uncertain as the run says. What other contact laws would give is apart ([`Band`](crate::band::Bands)).
 
 use pinwheel_scene::bearings::BearingLaw;
-use pinwheel_scene::{Scene, Sleeve};
+use pinwheel_scene::{Scene, Sleeve, speed_profile};
 use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 
 use super::mesh::{Bearing, Largest, Pair, Pose, Stage};
@@ -59,7 +59,7 @@ fn bearing_rate_rad_s(scene: &Scene) -> f64 {
 
 /// Power of the output at the rated speed and load, W.
 fn rated_w(scene: &Scene) -> f64 {
-    let turns = scene.drive.input_speed_rad_s * scene.output_per_input();
+    let turns = speed_profile::fastest_rad_s(&scene.drive) * scene.output_per_input();
     (scene.drive.output_torque_n_m * turns).abs()
 }
 
@@ -119,7 +119,7 @@ fn seal_loss(scene: &Scene) -> Option<Figure> {
     let torques = [bearings.input_seal_n_m, bearings.output_seal_n_m];
     torques.iter().any(Option::is_some).then(|| {
         let [input, output] = torques.map(Option::unwrap_or_default);
-        let lost = (input + output / ratio) * scene.drive.input_speed_rad_s.abs();
+        let lost = (input + output / ratio) * speed_profile::fastest_rad_s(&scene.drive).abs();
         defs::SEAL_LOSS.of(100.0 * lost / rated_w(scene), 0.0)
     })
 }
@@ -192,7 +192,7 @@ impl Balances {
 
     /// Life and losses of what turns under the rated load; none of a gear at rest.
     pub(crate) fn of_bearings(&self, scene: &Scene) -> Vec<Figure> {
-        if scene.drive.input_speed_rad_s == 0.0 {
+        if speed_profile::fastest_rad_s(&scene.drive) == 0.0 {
             return Vec::new();
         }
         let mut figures = parted(self.parts, |every, of| {

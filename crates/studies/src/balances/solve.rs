@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_gearbox::pressure::LinePressure;
 use pinwheel_gearbox::statics::{Equilibrium, Statics};
 use pinwheel_gearbox::{Gearbox, GearboxError};
-use pinwheel_scene::{Scales, load_profile};
+use pinwheel_scene::{Scales, load_profile, speed_profile};
 use pinwheel_timeseries::figure::Figure;
 
 use super::figures::{Balances, LOST};
@@ -47,7 +47,7 @@ pub(crate) fn working_load(gearbox: &Gearbox) -> Result<f64, StudyError> {
     }
     Ok(match gearbox.load_torque(scene.solver.duration_s) {
         torque if torque != 0.0 => rated.copysign(torque),
-        _ => -rated.copysign(scene.drive.input_speed_rad_s),
+        _ => -rated.copysign(speed_profile::fastest_rad_s(&scene.drive)),
     })
 }
 

@@ -1,7 +1,7 @@
 //! Facts of a scene that a comparison judges by.
 
 use pinwheel_compare::{Context, Scales};
-use pinwheel_scene::{Scene, Start, load_profile};
+use pinwheel_scene::{Scene, Start, load_profile, speed_profile};
 
 /// Returns name, load, scales and settling time of a scene.
 #[must_use]
@@ -18,7 +18,7 @@ pub fn context(scene: &Scene) -> Context {
         load_from_s: load_profile::final_from_s(scene),
         output_inertia_kg_m2: Some(scene.output_inertia_kg_m2()),
         load_changes_s: load_profile::breaks(&scene.drive),
-        input_speed_rad_s: Some(scene.drive.input_speed_rad_s),
+        input_speed_rad_s: Some(speed_profile::final_rad_s(scene)),
         friction_coefficient: scene.contact.friction_coefficient,
         settling_s: match scene.drive.start {
             Start::Equilibrium => Some(0.0),

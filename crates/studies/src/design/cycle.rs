@@ -63,6 +63,7 @@ pub(super) fn run(
     };
     let mut scene = Scene::clone(&gearbox.scene);
     scene.drive.input_speed_rad_s = 0.0;
+    scene.drive.speed_changes.clear();
     scene.drive.output_torque_n_m = 0.0;
     scene.drive.load_ramp_s = 0.0;
     scene.drive.start = Start::Kinematic;

@@ -29,7 +29,7 @@ use std::path::Path;
 use pinwheel_engines::Native;
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError};
-use pinwheel_scene::{CheckedScene, Derived, Scene, derived};
+use pinwheel_scene::{CheckedScene, Derived, Scene, derived, speed_profile};
 use pinwheel_timeseries::figure::Figure;
 use pinwheel_timeseries::figure::definitions::{EFFICIENCY, LOOP_WIDTH, LOST_MOTION_RUN};
 use pinwheel_timeseries::table::{Column, Table};
@@ -387,7 +387,8 @@ fn operating(
 ) -> Result<Operating, StudyError> {
     let rated = &gearbox.scene;
     let mut scene = Scene::clone(rated);
-    scene.drive.input_speed_rad_s *= speed;
+    scene.drive.input_speed_rad_s = speed * speed_profile::fastest_rad_s(&rated.drive);
+    scene.drive.speed_changes.clear();
     scene.drive.output_torque_n_m = torque.copysign(rated.drive.output_torque_n_m);
     scene.drive.load_changes.clear();
     scene.solver.duration_s /= speed;

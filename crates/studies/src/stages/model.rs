@@ -171,7 +171,7 @@ impl<'a> Model<'a> {
         let more = matches!(self.change, Change::Load);
         let load = piece.torque(t) * (1.0 + if more { self.by } else { 0.0 });
         let first = self.gearbox.layout.external_bodies().start;
-        self.system.restart_at(piece.from_s);
+        self.system.restart_at(t);
         let seen = self.system.observe(t, y, Detail::Forces);
         let output = seen.moments.map_or(f64::NAN, |all| all[Layout::OUTPUT]) - load;
         let forces = seen.loads[first..].iter();
@@ -213,8 +213,7 @@ impl<'a> Model<'a> {
         breaks.push(to);
         let method = if rough { "rodas5p" } else { "dop853" };
         let mut stepper = Segments::start(method, settings, from, y, &breaks)?;
-        let begun = load_profile::piece_at(&self.gearbox.scene.drive, from);
-        self.restart_at(begun.from_s);
+        self.restart_at(from);
         for _ in 0..STEPS {
             stepper.step(self).ok()?;
             if to - stepper.time() <= 1e-9 * (to - from) {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use pinwheel_compare::quantities::derive;
 use pinwheel_engines::{Engine, Run};
 use pinwheel_gearbox::Efficiency;
+use pinwheel_scene::speed_profile;
 use pinwheel_timeseries::sampling::Figures;
 use pinwheel_timeseries::{ABOVE_ONE, Ending, EnergyAudit, NO_LOSS, efficiency, mean_powers};
 use serde::{Deserialize, Serialize};
@@ -148,7 +149,7 @@ impl RunRecord {
         }
         // By works or, without an account, by means of samples: mean T_out * mean speed out / (mean T_in * speed in). Or why that is no
         // efficiency.
-        let speed = planned.scene.drive.input_speed_rad_s;
+        let speed = speed_profile::final_rad_s(&planned.scene);
         let account = account(run, planned.window_s);
         let powers = account
             .and_then(|account| account.mean_powers(from, to))

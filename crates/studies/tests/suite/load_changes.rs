@@ -132,6 +132,38 @@ fn hard_energy_closes_over_load_changes() {
     }
 }
 
+/// Ramps of the speed: the account closes, and the driver pays for the load's share and for the kinetic energy of rigid parts.
+#[test]
+fn hard_energy_closes_over_changes_of_the_speed() {
+    let ramps = "[{ time_s = 0.002, input_speed_rad_s = 92.34, ramp_s = 0.03 }, \
+                 { time_s = 0.0337, input_speed_rad_s = 32.34, ramp_s = 0.005 }]";
+    let settings = [
+        ("drive.load_changes", "[]"),
+        ("drive.speed_changes", ramps),
+        ("contact.law", "paper-conservative"),
+        ("solver.integrator", "dopri5"),
+        ("solver.tolerance", "1e-10"),
+        ("solver.step_s", "1e-6"),
+        ("solver.duration_s", "0.04"),
+    ];
+    let found = run(&settings);
+    let scene = scene(&settings);
+    let audit = found.energy.audit(0.002, 0.032).unwrap();
+    let whole = found.energy.total().unwrap();
+    println!("{audit:?} {whole:?}");
+    assert!(audit.remainder_j.abs() < 1e-7 && whole.remainder_j.abs() < 1e-7);
+    let (gear, mass) = (&scene.gear, &scene.mass);
+    let on_output = scene.output_inertia_kg_m2() + gear.wheels as f64 * mass.wheel.moment_kg_m2;
+    let inertia = mass.input_shaft.moment_kg_m2
+        + gear.wheels as f64 * mass.wheel.mass_kg * gear.eccentricity_m.powi(2)
+        + on_output / 225.0;
+    // Of rigid parts; the rest vibrates.
+    let kinetic = 0.5 * inertia * (92.34_f64.powi(2) - 52.34_f64.powi(2));
+    assert!((audit.kinetic_j / kinetic - 1.0).abs() < 1e-2, "{kinetic}");
+    let load = -22.0 / 15.0 * 0.5 * (92.34 + 52.34) * 0.03;
+    assert!((audit.load_j / load - 1.0).abs() < 1e-3, "{load}");
+}
+
 /// The run does not depend on where samples fall, and a sample on a break is one sample.
 #[test]
 fn samples_do_not_move_the_run() {

@@ -122,6 +122,7 @@ fn loops_are_closed_from_a_distance() {
                 rate: 2.0,
                 acceleration: 0.0,
             },
+            ..Driver::default()
         }],
     };
     let forces = weight(&m);

@@ -111,6 +111,7 @@ fn carousel(driven: bool) -> Mechanism {
                     rate: 2.0,
                     acceleration: -0.7,
                 },
+                ..Driver::default()
             }]
         } else {
             Vec::new()
@@ -351,6 +352,7 @@ fn a_driver_between_two_bodies_keeps_their_difference() {
             parent: Some(0),
             child: 1,
             motion,
+            ..Driver::default()
         });
         let forces = weight(&m);
         let mut system = Lagrange::new(m, forces, stabilisation).unwrap();
@@ -619,6 +621,7 @@ fn two_drivers_do_the_same_in_both_forms() {
         parent: None,
         child: 3,
         motion,
+        ..Driver::default()
     });
     let mut reduced = Reduced::new(mechanism.clone(), Wind { segment: 0.0 }, &[]).unwrap();
     let stabilisation = Stabilisation::Projection;

@@ -8,7 +8,7 @@ use std::f64::consts::{PI, TAU};
 use crate::format::significant;
 use crate::script::json_text;
 use crate::study::escape;
-use pinwheel_scene::Scene;
+use pinwheel_scene::{Scene, speed_profile};
 use pinwheel_studies::motion::{channels, floats};
 use pinwheel_timeseries::TimeSeries;
 use serde_json::{Value, json};
@@ -92,6 +92,10 @@ fn gear_json(scene: &Scene) -> Value {
         "q": mm(gear.external_sleeve_radius_m),
         "edge": mm(gear.edge_offset_m()),
         "turn": gear.modification.rotational_rad,
+        "own": gear.modification.normal_m.of_lobe().map(|offset| {
+            let at = |k: u32| 1e3 * offset.at(TAU * f64::from(k) / 720.0)[0];
+            (0..720).map(at).collect::<Vec<_>>()
+        }),
         "zi": gear.internal_sleeves,
         "ri": mm(gear.internal_sleeve_radius_m),
         "rw": mm(gear.internal_circle_radius_m),
@@ -154,7 +158,8 @@ impl Animation {
         let wanted = OFFSET * 1e3 * scene.gear.pitch_radius_m();
         let view = json!({
             "gear": gear_json(scene),
-            "speed": scene.drive.input_speed_rad_s,
+            "speed": speed_profile::fastest_rad_s(&scene.drive),
+            "motions": speed_profile::motions(&scene.drive),
             "from": start,
             "step": (end - start) / (time.len() - 1) as f64,
             "count": time.len(),
