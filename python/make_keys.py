@@ -31,7 +31,7 @@ def annotation(schema: dict) -> str:
         return "str | Sequence[str]"
     item = schema.get("items", {})
     array = "Sequence[Mapping[str, Any]]" if item.get("type") == "object" else "Sequence[float] | npt.NDArray[np.float64]"
-    return {"number": "float", "integer": "int", "string": "str", "array": array}[kinds]
+    return {"number": "float", "integer": "int", "boolean": "bool", "string": "str", "array": array}[kinds]
 
 
 def leaves(schema: dict, prefix: str = "") -> dict[str, dict]:

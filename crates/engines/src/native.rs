@@ -59,8 +59,7 @@ impl Native {
     /// Target of the resolved form: relative L2 of the forces and of the driver's torque.
     #[must_use]
     pub fn resolved_target(scene: &Scene) -> f64 {
-        let contact = &scene.contact;
-        if contact.friction_coefficient == 0.0 && contact.detection == Detection::Exact {
+        if !scene.slides() && scene.contact.detection == Detection::Exact {
             RESOLVED
         } else {
             RESOLVED_ROUGH

@@ -225,10 +225,7 @@ fn trimmed(value: f64, decimals: usize) -> String {
 /// Why not, in words.
 pub fn worth_keeping(engine: &str, scene: &Scene) -> Result<(), String> {
     let explicit = info(engine).is_some_and(|info| info.explicit_friction);
-    if explicit
-        && scene.contact.friction_coefficient > 0.0
-        && scene.solver.step_s > EXPLICIT_FRICTION_STEP_S
-    {
+    if explicit && scene.slides() && scene.solver.step_s > EXPLICIT_FRICTION_STEP_S {
         return Err(format!(
             "its friction is explicit and takes steps of {EXPLICIT_FRICTION_STEP_S:e} s to resolve"
         ));

@@ -28,9 +28,24 @@ pub(crate) fn wheels_are_held(scene: &Scene) -> Result<(), Ending> {
     })
 }
 
+/// Refuses scenes that an engine cannot honour if friction of its own acts on pins that turn.
+pub(crate) fn pins_turn(scene: &Scene) -> Result<(), Ending> {
+    let gear = &scene.gear;
+    let turn = [
+        ("external_sleeves_turn", gear.external_sleeves_turn),
+        ("internal_sleeves_turn", gear.internal_sleeves_turn),
+    ];
+    let held = turn.into_iter().find(|(_, turns)| !turns);
+    held.filter(|_| scene.slides()).map_or(Ok(()), |(key, _)| {
+        let reason = format!("its own friction turns pins, and gear.{key} = false holds them");
+        Err(Ending::unsupported(reason))
+    })
+}
+
 /// Refuses scenes that an engine cannot honour if it has contact springs of its own and holds its discs.
 pub(crate) fn pins_are_rigid(scene: &Scene) -> Result<(), Ending> {
     wheels_are_held(scene)?;
+    pins_turn(scene)?;
     if scene.bearings.internal_sleeve_stiffness_n_m.is_none() {
         return Ok(());
     }

@@ -126,7 +126,7 @@ pub fn contact_spring(
     let own = internal * (of_wheel[1] + 1.0 / light);
     // Inverse mass that the ring pin must add so that its stage has that frequency.
     let brought = own / external - of_wheel[0];
-    let moves_nothing = gearbox.scene.contact.friction_coefficient == 0.0;
+    let moves_nothing = !gearbox.scene.slides();
     let (square, masses_kg) = if moves_nothing && brought.is_finite() && brought > 0.0 {
         (own, Some([brought.recip(), light]))
     } else {

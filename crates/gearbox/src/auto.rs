@@ -212,7 +212,7 @@ impl<'a> Planner<'a> {
     }
 
     fn has_friction(&self) -> bool {
-        self.scene.contact.friction_coefficient > 0.0
+        self.scene.slides()
     }
 
     /// Returns true if contact forces are smooth; jumps from point to point would only shorten adaptive steps.

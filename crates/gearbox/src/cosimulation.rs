@@ -152,6 +152,7 @@ impl CoSimulation {
             loaded.scene = loaded.scene.changed(|scene| unload(&mut scene.drive))?;
         }
         let mut mechanism = gearbox.mechanism();
+        let held = mechanism.drivers.split_off(1);
         mechanism.drivers.clear();
         for (by, child) in [(setup.input, Layout::INPUT), (setup.output, Layout::OUTPUT)] {
             let BodyState { angle, rate, .. } = mechanism.bodies[child].start;
@@ -170,6 +171,7 @@ impl CoSimulation {
         }
         let motions = mechanism.drivers.iter().map(|driver| driver.motion);
         let motions = motions.collect();
+        mechanism.drivers.extend(held);
         let mut forces = GearForces::new(&loaded)?;
         forces.speed_in_torque_out =
             (setup.input, setup.output) == (Prescribed::BySpeed, Prescribed::ByTorque);

@@ -66,18 +66,6 @@ fn bearings(gearbox: &Gearbox, modelled: &mut Statements, left_out: &mut Stateme
             ),
         );
     }
-    if scene.bearings.sleeve_friction_coefficient.is_some() {
-        match scene.contact.friction_coefficient > 0.0 {
-            false => modelled.add(
-                "sleeves that roll on the discs and rub on their pins",
-                "mu F d/(2 r) against the sliding at a contact",
-            ),
-            true => left_out.add(
-                "friction of sleeves on their pins in a run",
-                "friction of contacts turns pins here; `design` has what they lose if they roll",
-            ),
-        }
-    }
     let Some(cranks) = &scene.cranks else {
         return;
     };
@@ -120,6 +108,44 @@ fn bearings(gearbox: &Gearbox, modelled: &mut Statements, left_out: &mut Stateme
     );
 }
 
+/// Describes what pins and sleeves do under friction.
+fn pins(scene: &Scene, modelled: &mut Statements) {
+    let (gear, contact) = (&scene.gear, &scene.contact);
+    let turn = [gear.external_sleeves_turn, gear.internal_sleeves_turn];
+    let kinds = [("ring", "the housing"), ("output", "the output shaft")];
+    for ((pins, holder), turns) in kinds.into_iter().zip(turn) {
+        if !turns {
+            modelled.add(
+                format!("{pins} pins that do not turn: {holder} holds them"),
+                "discs slide on them; their rates are no unknowns",
+            );
+        }
+    }
+    if scene.rolling() != [false; 2] {
+        let also = match contact.friction_coefficient > 0.0 {
+            true => {
+                "; where that exceeds the contact's own friction, the disc slides on the sleeve: the smaller moment holds"
+            }
+            false => "",
+        };
+        modelled.add(
+            "sleeves that roll on the discs and rub on their pins",
+            format!("mu F d/(2 r) against the sliding at a contact{also}"),
+        );
+    }
+    if scene.slides() {
+        let (coefficient, ramp) = (contact.friction_coefficient, contact.friction_ramp_m_s);
+        let turned = match turn.contains(&true) && scene.rolling() == [false; 2] {
+            true => "; it turns the pins",
+            false => "",
+        };
+        modelled.add(
+            format!("Coulomb friction, coefficient {coefficient}"),
+            format!("regularised below {ramp} m/s of sliding{turned}"),
+        );
+    }
+}
+
 /// Explains the model of a compiled scene.
 #[must_use]
 pub fn explain(gearbox: &Gearbox) -> Explanation {
@@ -128,8 +154,8 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     let (layout, contact, solver) = (gearbox.layout, &scene.contact, &scene.solver);
     let sleeves = layout.external_sleeves + layout.internal_sleeves;
     let of_a_wheel = gearbox.carrier.freedoms_of_disc();
-    let free_angles =
-        of_a_wheel * layout.wheels + 1 + if gearbox.has_friction() { sleeves } else { 0 };
+    let spins = gearbox.spinning().len();
+    let free_angles = of_a_wheel * layout.wheels + 1 + spins;
     let lagrange = solver.formulation == Formulation::Lagrange;
     let coordinates = 3 * mechanism.bodies.len();
 
@@ -167,10 +193,9 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
         };
         modelled.add(format!("joint stabilisation: {name}"), effect);
     } else {
-        let spins = if gearbox.has_friction() {
-            format!(", {sleeves} pin spins")
-        } else {
-            String::new()
+        let spins = match spins {
+            0 => String::new(),
+            spins => format!(", {spins} pin spins"),
         };
         modelled.add(
             match gearbox.floats() {
@@ -195,7 +220,10 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
         if !lagrange {
             left_out.add(
                 format!("{sleeves} pin spins"),
-                "friction_coefficient = 0: contact forces pass through the pin centres and turn no pin",
+                match scene.contact.friction_coefficient > 0.0 {
+                    true => "sleeves roll on the discs or stand on their pins, without inertia of their own",
+                    false => "friction_coefficient = 0: contact forces pass through the pin centres and turn no pin",
+                },
             );
         }
         left_out.add(
@@ -229,13 +257,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
             "contact.detection = \"points\": the nearest point within the pin, as published",
         ),
     }
-    let (coefficient, ramp) = (contact.friction_coefficient, contact.friction_ramp_m_s);
-    if gearbox.has_friction() {
-        modelled.add(
-            format!("Coulomb friction, coefficient {coefficient}"),
-            format!("regularised below {ramp} m/s of sliding; it turns the pins"),
-        );
-    }
+    pins(scene, &mut modelled);
     let (load, ramp) = (scene.drive.output_torque_n_m, scene.drive.load_ramp_s);
     let rising = if ramp > 0.0 {
         format!("rising over {ramp} s")
@@ -321,7 +343,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     );
     left_out.add(
         "contacts between pins and shafts",
-        "pins turn on ideal bearings",
+        "pins are held, or turn on bearings without play",
     );
     let mut channels_available = Statements::default();
     for family in pinwheel_scene::channels::FAMILIES {

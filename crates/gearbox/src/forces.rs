@@ -8,13 +8,15 @@ use crate::contacts::{ContactField, PairContact};
 use crate::linear_signal::LinearSignal;
 use crate::load_profile::{self, LoadSegment};
 use crate::ring_frame::{add_to_ground, from_ring};
-use crate::scene::{Contact as Contacts, Drive, OutputPart};
+use crate::scene::{Drive, OutputPart};
 use crate::{Gearbox, GearboxError};
 
 /// Applied forces of a gearbox.
 pub struct GearForces {
     layout: Layout,
-    contact: Contacts,
+    /// Coefficients of friction of ring and of output pins on which discs slide, and its ramp, m/s.
+    sliding: [f64; 2],
+    ramp_m_s: f64,
     drive: Drive,
     field: ContactField,
     /// Load of the present segment.
@@ -40,7 +42,8 @@ impl GearForces {
         let most = layout.wheels * (layout.external_sleeves + layout.internal_sleeves);
         Ok(Self {
             layout,
-            contact: gearbox.scene.contact.clone(),
+            sliding: gearbox.scene.sliding(),
+            ramp_m_s: gearbox.scene.contact.friction_ramp_m_s,
             drive: gearbox.scene.drive.clone(),
             field: gearbox.field_of(&gearbox.scene)?,
             from_ring: match gearbox.scene.drive.output {
@@ -134,13 +137,13 @@ impl Forces for GearForces {
         contacts: &mut Vec<Contact>,
     ) {
         contacts.clear();
-        if !(self.contact.friction_coefficient > 0.0) {
+        if self.sliding == [0.0; 2] {
             self.apply(time, bodies, loads);
             return;
         }
         loads[Layout::OUTPUT].moment += self.load.torque(time);
-        let (layout, law) = (self.layout, &self.contact);
-        let wheels = layout.wheel_bodies().start;
+        let (layout, pins) = (self.layout, self.field.pins);
+        let (wheels, sliding) = (layout.wheel_bodies().start, self.sliding);
         let pairs = &mut self.pairs;
         pairs.clear();
         self.field.touching(bodies, &mut |pair| {
@@ -151,13 +154,19 @@ impl Forces for GearForces {
             let (across, beside) = ([-push * nx, -push * ny], [-along * ny, along * nx]);
             add_pair(loads, bodies, bodies_of, pair.point, across);
             add_pair(loads, bodies, bodies_of, pair.centre, beside);
+            if let Some(pins) = &pins[pair.sleeve.side()] {
+                pins.add(bodies, pair, &pins.drag(bodies, pair), loads);
+            }
+            if sliding[pair.sleeve.side()] == 0.0 {
+                return;
+            }
             contacts.push(Contact {
                 bodies: bodies_of,
                 point: pair.point,
                 normal: pair.normal,
                 normal_force: pair.normal_force_n,
-                coefficient: law.friction_coefficient,
-                ramp: law.friction_ramp_m_s,
+                coefficient: sliding[pair.sleeve.side()],
+                ramp: self.ramp_m_s,
             });
             pairs.push(*pair);
         });

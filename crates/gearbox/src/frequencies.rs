@@ -86,26 +86,25 @@ pub fn unfollowed(scene: &Scene, step_s: f64) -> Option<f64> {
     (shorter > 1.0).then_some(shorter)
 }
 
-/// Returns the rate mu F q^2/(v_s J), 1/s, at which friction relaxes a spin. It is that of the faster kind of pin under the
-/// largest static force (4 T/(e zs zk) a disc, and 4 T/(zi R_w)).
+/// Returns the rate mu F q^2/(v_s J), 1/s, at which friction relaxes a pin's spin, or, with the pins' circle for q, a disc's on pins
+/// that are held. It is that of the faster kind of pin under the largest static force (4 T/(e zs zk) a disc, and 4 T/(zi R_w)).
 #[must_use]
 pub fn friction_rate(scene: &Scene) -> f64 {
     let (gear, contact, mass) = (&scene.gear, &scene.contact, &scene.mass);
     let torque = load_profile::largest(&scene.drive) / gear.wheels as f64;
     let external = external_force(gear, torque);
     let internal = internal_force(gear, torque);
-    let rate = |force: f64, radius: f64, body: BodyMass| {
-        contact.friction_coefficient * force * radius * radius
-            / (contact.friction_ramp_m_s * body.moment_kg_m2)
+    let [on_ring, on_output] = scene.sliding();
+    let rate = |coefficient: f64, force: f64, (radius, body): (f64, BodyMass)| {
+        coefficient * force * radius * radius / (contact.friction_ramp_m_s * body.moment_kg_m2)
     };
-    rate(
-        external,
-        gear.external_sleeve_radius_m,
-        mass.external_sleeve,
-    )
-    .max(rate(
-        internal,
-        gear.internal_sleeve_radius_m,
-        mass.internal_sleeve,
-    ))
+    let ring = match gear.external_sleeves_turn {
+        true => (gear.external_sleeve_radius_m, mass.external_sleeve),
+        false => (gear.pitch_radius_m(), mass.wheel),
+    };
+    let output = match gear.internal_sleeves_turn {
+        true => (gear.internal_sleeve_radius_m, mass.internal_sleeve),
+        false => (gear.internal_circle_radius_m, mass.wheel),
+    };
+    rate(on_ring, external, ring).max(rate(on_output, internal, output))
 }

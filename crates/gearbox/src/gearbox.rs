@@ -152,10 +152,23 @@ impl Gearbox {
         self.field_of(&self.frictionless())
     }
 
-    /// Returns true if contact forces can turn pins.
+    /// Returns true if discs slide on pins with friction: on held ones, or on sleeves that it turns.
     #[must_use]
     pub fn has_friction(&self) -> bool {
-        self.scene.contact.friction_coefficient > 0.0
+        self.scene.slides()
+    }
+
+    /// Returns the bodies of the pins whose spins are unknowns: those that turn freely under friction. Without friction nothing turns
+    /// a pin; cranks turn with their planets, which are folded.
+    #[must_use]
+    pub fn spinning(&self) -> Vec<usize> {
+        let (gear, layout) = (&self.scene.gear, &self.layout);
+        let [external, internal] = self.scene.sliding().map(|coefficient| coefficient > 0.0);
+        let ring = layout.external_bodies();
+        let output = layout.internal_bodies();
+        let ring = ring.filter(|_| external && gear.external_sleeves_turn);
+        let output = output.filter(|_| internal && gear.internal_sleeves_turn);
+        ring.chain(output).collect()
     }
 
     /// Returns the twist of carrier and flange, rad, under a torque on the output, N m; 0 where they are rigid.
@@ -289,8 +302,8 @@ impl Gearbox {
         states
     }
 
-    /// Returns the bodies, revolutes and the driver of the gearbox: 28 and 29 for the paper's. Discs that float have no
-    /// revolute.
+    /// Returns the bodies, revolutes and drivers of the gearbox: 28 bodies and 29 joints for the paper's. Discs that float have no
+    /// revolute; drivers without motion hold pins that do not turn.
     #[must_use]
     pub fn mechanism(&self) -> Mechanism {
         let (layout, mass) = (self.layout, &self.scene.mass);
@@ -346,12 +359,25 @@ impl Gearbox {
             let point = self.geometry.internal_points[k];
             revolutes.push(pin(carrier, point, index));
         }
-        let drivers = vec![Driver {
-            parent: None,
-            child: Layout::INPUT,
+        let hold = |parent, child| Driver {
+            parent,
+            child,
+            motion: Motion::default(),
+            segments: Vec::new(),
+        };
+        let mut drivers = vec![Driver {
             motion: self.input_motion(),
             segments: speed_profile::motions(&self.scene.drive),
+            ..hold(None, Layout::INPUT)
         }];
+        let gear = &self.scene.gear;
+        if !gear.external_sleeves_turn {
+            drivers.extend(layout.external_bodies().map(|body| hold(None, body)));
+        }
+        if !gear.internal_sleeves_turn {
+            let on_output = |body| hold(Some(Layout::OUTPUT), body);
+            drivers.extend(layout.internal_bodies().map(on_output));
+        }
         Mechanism {
             bodies,
             revolutes,

@@ -166,14 +166,11 @@ pub fn reduced<F: Forces>(
 ) -> Result<Reduced<F>, GearboxError> {
     let layout = gearbox.layout;
     let sleeves: Vec<usize> = (layout.external_bodies().start..layout.bodies()).collect();
-    // Without friction nothing turns a pin; cranks turn with their planets, which are folded.
-    let turned = if gearbox.carrier.cranks().is_some() {
-        layout.external_bodies().len()
-    } else {
-        sleeves.len()
-    };
-    let turned = if gearbox.has_friction() { turned } else { 0 };
-    Ok(Reduced::new(mechanism, forces, &sleeves[turned..])?
+    let spinning = gearbox.spinning();
+    let idle: Vec<usize> = (sleeves.iter().copied())
+        .filter(|sleeve| !spinning.contains(sleeve))
+        .collect();
+    Ok(Reduced::new(mechanism, forces, &idle)?
         .with_leaves(&sleeves)
         .with_scales(gearbox.error_scales()))
 }

@@ -313,7 +313,7 @@ pub fn roughness(scene: &Scene) -> Rough {
     let bearing = BearingLaw::of(scene).filter(|law| law.clearance_m > 0.0);
     let damped = viscous && contact.damping_n_s_m > 0.0
         || bearing.is_some_and(|law| law.damping_n_s_m > 0.0);
-    if contact.friction_coefficient > 0.0 {
+    if scene.slides() {
         Rough::Friction
     } else if contact.detection == Detection::Points {
         Rough::Points
@@ -346,8 +346,7 @@ pub fn by_tolerance(scene: &Scene, explicit: bool) -> Method {
     let contact = &scene.contact;
     // Where friction sets the explicit steps, tolerances hardly change steps and error. On `paper-friction` between 1e-7 and
     // 1e-9 the error was 5 times the distance in the driver's torque.
-    let scatters =
-        contact.detection == Detection::Points || explicit && contact.friction_coefficient > 0.0;
+    let scatters = contact.detection == Detection::Points || explicit && scene.slides();
     let order = match explicit {
         _ if scatters => SCATTER,
         true => KINKS_EXPLICIT,
@@ -375,7 +374,7 @@ pub struct Refinement {
 
 impl Refinement {
     pub fn of(plan: &Plan, scene: &Scene) -> Option<Self> {
-        let has_friction = scene.contact.friction_coefficient > 0.0;
+        let has_friction = scene.slides();
         let info = method(plan.integrator)?;
         let by_tolerance = |first, order, cost| Self {
             method: convergence_of(info, scene),

@@ -47,6 +47,7 @@ pub fn job(gearbox: &Gearbox, law_library: Option<&Path>) -> Result<Value, LawEr
         let nothing = match key.kind {
             Kind::Texts | Kind::Choices(..) | Kind::Numbers(_) | Kind::Tables(_) => json!([]),
             Kind::Text => json!(""),
+            Kind::Flag => json!(true),
             Kind::Number(_) | Kind::Count(..) | Kind::Choice(..) => continue,
         };
         let path = key.name.split('.');

@@ -5,7 +5,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use pinwheel_gearbox::{Gearbox, GearboxError};
-use pinwheel_scene::{Scene, SceneError, preset};
+use pinwheel_scene::{Layout, Scene, SceneError, preset};
 
 use crate::evaluator::{Evaluator, LOAD, STATE, numbers};
 
@@ -205,6 +205,13 @@ fn is_text(spec: &str) -> bool {
 /// output pins on the output shaft.
 fn bodies(gearbox: &Gearbox) -> Vec<Body> {
     let mechanism = gearbox.mechanism();
+    let gear = &gearbox.scene.gear;
+    // Pins that the output holds turn with it.
+    let held = if gear.internal_sleeves_turn {
+        0.0
+    } else {
+        gear.internal_sleeves as f64 * gearbox.scene.mass.internal_sleeve.moment_kg_m2
+    };
     let bodies = mechanism.bodies.into_iter().enumerate();
     let bodies = bodies.map(|(index, body)| {
         let pin = mechanism.revolutes.iter().find(|pin| pin.child == index);
@@ -215,7 +222,7 @@ fn bodies(gearbox: &Gearbox) -> Vec<Body> {
             }),
             seat_m: pin.map_or([0.0; 2], |pin| pin.parent_point),
             mass_kg: body.mass,
-            moment_kg_m2: body.moment,
+            moment_kg_m2: body.moment + if index == Layout::OUTPUT { held } else { 0.0 },
         }
     });
     bodies.collect()

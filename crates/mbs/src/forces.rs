@@ -35,7 +35,12 @@ impl Coordinates {
         Self { angles, places }
     }
 
-    /// Returns the number of a body's angle, if that is free.
+    /// Numbers the angle of a body as that of the `carrier` that holds it.
+    pub(crate) fn hold(&mut self, body: BodyId, carrier: BodyId) {
+        self.angles[body] = self.angles[carrier];
+    }
+
+    /// Returns the number of a body's angle, if that is free or held on a body whose angle is.
     #[must_use]
     pub fn angle(&self, body: BodyId) -> Option<usize> {
         self.angles[body]

@@ -11,6 +11,7 @@
 //! ```
 //! Bodies that no joint holds (`floating`) keep their three coordinates: `m a = force` beside their angle's equation.
 //! Bodies that nothing turns (`idle`) keep their rate and are not integrated.
+//! A carried body that a driver holds on its carrier turns with it: it adds its moment of inertia and its moment to the carrier's.
 //! The motion equals that of the Lagrange form to rounding.
 //!
 //! Friction may be treated implicitly ([`OdeSystem::split_stage`]): a contact's sliding speed is linear in the free rates, `u =
@@ -18,7 +19,7 @@
 
 use crate::forces::{Coordinates, Evaluation, Forces};
 use crate::jacobian::{Jacobian, Structure};
-use crate::mechanism::{Mechanism, MechanismError, Motion};
+use crate::mechanism::{Body, Mechanism, MechanismError, Motion};
 use crate::ode::{Detail, ErrorScales, Formulation, Observation, OdeSystem, own_scale};
 use crate::pinned::{Angle, PinnedContacts};
 use crate::sliding::SlidingStage;
@@ -30,6 +31,8 @@ struct Carried {
     body: BodyId,
     carrier: BodyId,
     arm: [f64; 2],
+    /// True if a driver holds the body's angle on the carrier.
+    held: bool,
 }
 
 /// Reduced equations of a mechanism under applied `F`.
@@ -117,11 +120,14 @@ impl<F: Forces> Reduced<F> {
             }
         }
         let mut angles = vec![Angle::Idle; n];
+        let mut held = vec![false; n];
         for (k, driver) in mechanism.drivers.iter().enumerate() {
-            if driver.parent.is_some() {
-                return no(format!("driver {k} acts between two bodies"));
-            }
             angles[driver.child] = Angle::Driven(k);
+            held[driver.child] = driver.parent.is_some();
+            let on_carrier = pin[driver.child].map(|(carrier, _)| carrier) == Some(driver.parent);
+            if held[driver.child] && !(on_carrier && driver.motion == Motion::default()) {
+                return no(format!("driver {k} moves a body against another"));
+            }
         }
         let mut free = Vec::new();
         for (body, angle) in angles.iter_mut().enumerate() {
@@ -131,12 +137,15 @@ impl<F: Forces> Reduced<F> {
             }
         }
         let mut inertia: Vec<f64> = mechanism.bodies.iter().map(|b| b.moment).collect();
+        let floats = |&body: &BodyId| pin[body].is_none() && matches!(angles[body], Angle::Free(_));
+        let floating: Vec<BodyId> = (0..n).filter(floats).collect();
+        let mut coordinates = Coordinates::new(n, &free, &floating);
         let mut bodies: Vec<BodyState> = mechanism.bodies.iter().map(|b| b.start).collect();
-        let (mut carried, mut carriers, mut floating) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut carried, mut carriers) = (Vec::new(), Vec::new());
         for (body, own) in pin.iter().enumerate() {
             let name = &mechanism.bodies[body].name;
             match *own {
-                None if matches!(angles[body], Angle::Free(_)) => floating.push(body),
+                None if matches!(angles[body], Angle::Free(_)) => {}
                 None => return no(format!("`{name}` is not held by any revolute")),
                 Some((None, [x, y])) => {
                     (bodies[body].x, bodies[body].y) = (x, y);
@@ -148,9 +157,21 @@ impl<F: Forces> Reduced<F> {
                             "the carrier of `{name}` is not pinned to the ground"
                         ));
                     }
-                    inertia[carrier] +=
-                        mechanism.bodies[body].mass * (arm[0] * arm[0] + arm[1] * arm[1]);
-                    carried.push(Carried { body, carrier, arm });
+                    let Body { mass, moment, .. } = mechanism.bodies[body];
+                    inertia[carrier] += mass * (arm[0] * arm[0] + arm[1] * arm[1]);
+                    let held = held[body];
+                    if held {
+                        inertia[carrier] += moment;
+                        inertia[body] = 0.0;
+                        angles[body] = angles[carrier];
+                        coordinates.hold(body, carrier);
+                    }
+                    carried.push(Carried {
+                        body,
+                        carrier,
+                        arm,
+                        held,
+                    });
                     if !carriers.contains(&carrier) {
                         carriers.push(carrier);
                     }
@@ -171,7 +192,7 @@ impl<F: Forces> Reduced<F> {
             observes_from: f64::NEG_INFINITY,
             from_angles: forces.work_from_angles(),
             has_derivatives: forces.have_derivatives(),
-            coordinates: Coordinates::new(n, &free, &floating),
+            coordinates,
             reactions: vec![[0.0; 2]; mechanism.revolutes.len()],
             borne: vec![[0.0; 2]; n],
             evaluated: Evaluated {
@@ -267,7 +288,8 @@ impl<F: Forces> Reduced<F> {
             self.bodies[body].angle = y[k];
             self.bodies[body].rate = y[n + k];
         }
-        for driver in &self.mechanism.drivers {
+        let drivers = self.mechanism.drivers.iter();
+        for driver in drivers.filter(|driver| driver.parent.is_none()) {
             let (angle, rate, _) = driver.motion.at(t);
             self.bodies[driver.child].angle = angle;
             self.bodies[driver.child].rate = rate;
@@ -286,12 +308,23 @@ impl<F: Forces> Reduced<F> {
             let (s, c) = self.bodies[carrier].angle.sin_cos();
             self.turns[carrier] = (c, s);
         }
-        for &Carried { body, carrier, arm } in &self.carried {
+        for &Carried {
+            body,
+            carrier,
+            arm,
+            held,
+        } in &self.carried
+        {
             let (c, s) = self.turns[carrier];
             let [ax, ay] = arm;
             let (rx, ry) = (c * ax - s * ay, s * ax + c * ay);
-            let BodyState { x, y, rate, .. } = self.bodies[carrier];
+            let BodyState {
+                x, y, angle, rate, ..
+            } = self.bodies[carrier];
             let body = &mut self.bodies[body];
+            if held {
+                (body.angle, body.rate) = (angle, rate);
+            }
             (body.x, body.y) = (x + rx, y + ry);
             (body.vx, body.vy) = (-rate * ry, rate * rx);
         }
@@ -452,8 +485,11 @@ impl<F: Forces> Reduced<F> {
             let base = self.bodies[carried.carrier];
             let body = self.bodies[carried.body];
             let load = self.loads[carried.body];
-            self.moments[carried.carrier] +=
-                (body.x - base.x) * load.fy - (body.y - base.y) * load.fx;
+            let moment = &mut self.moments[carried.carrier];
+            *moment += (body.x - base.x) * load.fy - (body.y - base.y) * load.fx;
+            if carried.held {
+                *moment += load.moment;
+            }
         }
     }
 }

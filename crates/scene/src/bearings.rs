@@ -65,19 +65,52 @@ impl Scene {
         self.rubbing().contains(&true)
     }
 
-    /// Flags, in this order, of friction in a run at contacts, bearings, sleeves on their pins and seals. Contacts with
-    /// friction turn sleeves as they will.
+    /// Flags of ring and of output pins that are sleeves with a stated friction on their pins. The smaller of both frictions
+    /// holds at their contacts.
+    #[must_use]
+    pub fn rolling(&self) -> [bool; 2] {
+        let rolls = self.bearings.sleeve_friction_coefficient.is_some();
+        let gear = &self.gear;
+        [gear.external_sleeves_turn, gear.internal_sleeves_turn].map(|turns| turns && rolls)
+    }
+
+    /// Coefficients of friction at the contacts of ring and of output pins on which discs slide; 0 where sleeves are
+    /// [rolling](Self::rolling), and without pins.
+    ///
+    /// ```
+    /// let mut scene = pinwheel_scene::Scene::paper();
+    /// scene.contact.friction_coefficient = 0.1;
+    /// assert_eq!(scene.sliding(), [0.1, 0.1]);
+    /// scene.bearings.sleeve_friction_coefficient = Some(0.05);
+    /// scene.gear.external_sleeves_turn = false;
+    /// assert_eq!(scene.sliding(), [0.1, 0.0]);
+    /// ```
+    #[must_use]
+    pub fn sliding(&self) -> [f64; 2] {
+        let coefficient = self.contact.friction_coefficient;
+        let has_pins = [true, self.cranks.is_none()];
+        let slides = |kind: usize| has_pins[kind] && !self.rolling()[kind];
+        [0, 1].map(|kind| if slides(kind) { coefficient } else { 0.0 })
+    }
+
+    /// True if discs slide on pins with friction: the contacts' forces then depend on sliding speeds steeply.
+    #[must_use]
+    pub fn slides(&self) -> bool {
+        self.sliding() != [0.0; 2]
+    }
+
+    /// Flags, in this order, of friction in a run at contacts, bearings, sleeves on their pins and seals.
     #[must_use]
     pub fn rubbing(&self) -> [bool; 4] {
         let bearings = &self.bearings;
-        let contacts = self.contact.friction_coefficient;
+        let [external, internal] = self.sliding();
         let eccentric = bearings
             .eccentric
             .and_then(|bearing| bearing.friction_coefficient);
         let sleeves = bearings.sleeve_friction_coefficient;
-        let sleeves = sleeves.filter(|_| contacts == 0.0);
+        let sleeves = sleeves.filter(|_| self.rolling() != [false; 2]);
         [
-            [Some(contacts), None],
+            [Some(external), Some(internal)],
             [eccentric, None],
             [sleeves, None],
             [bearings.input_seal_n_m, bearings.output_seal_n_m],

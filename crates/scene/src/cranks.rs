@@ -192,6 +192,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     }
     let bearings = &scene.bearings;
     let of_sleeves = [
+        ("gear.internal_sleeves_turn", !gear.internal_sleeves_turn),
         (
             "contact.internal_spring_n_m",
             contact.internal_spring_n_m.is_some(),

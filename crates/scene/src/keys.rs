@@ -19,6 +19,8 @@ pub enum Kind {
     Count(usize, usize),
     /// Name from a fixed list.
     Choice(&'static str, fn() -> Vec<&'static str>),
+    /// True or false.
+    Flag,
     /// Text.
     Text,
     /// A list of texts.
@@ -149,13 +151,14 @@ pub fn key(name: &str) -> Option<&'static Key> {
 }
 
 use DefaultValue::{Constant, Formula, Needed, Nothing, Required};
-use Kind::{Choice, Choices, Count, Number, Numbers, Tables, Text, Texts};
+use Kind::{Choice, Choices, Count, Flag, Number, Numbers, Tables, Text, Texts};
 use Range::{Between, From};
 
 const METRES: &str = "lengths are in metres: 6 mm is 0.006";
 const KILOGRAMS: &str = "masses are in kilograms: 48 g is 0.048";
 const MOMENTS: &str = "moments of inertia are in kg m^2: 100 kg mm^2 is 1e-4";
 const RADIANS: &str = "angles are in radians: 1 arcminute is 2.9e-4";
+const TURNS: &str = "write true or false, without quotes";
 const LIST: &str = "write one number for each, like [0.0, 5e-6, -2e-6], in metres or radians";
 const PROFILE: &str = "write numbers in metres, like [0.0, 5e-6, 2e-6]";
 const SECONDS: &str = "times are in seconds: 10 microseconds is 1e-5";
@@ -213,6 +216,8 @@ pub const KEYS: &[Key] = keys! {
     "gear.hole_radius_m" LENGTH, Formula(formulas::hole_radius, "gear.internal_sleeve_radius_m + gear.eccentricity_m: a hole without clearance"), "radius of a disc's hole", METRES;
     "gear.wheels" Count(1, 64), Required, "discs, evenly phased on the eccentric", "most gears have one to three discs; every disc meets every pin, so memory and time grow with it";
     "gear.backlash_m" Number(From(0.0, 1.0)), Constant("0.0", "no backlash"), "d: ring pins sit at R + d", METRES;
+    "gear.external_sleeves_turn" Flag, Nothing, "ring pins are sleeves that turn; false: the disc slides on pins that stand still; absent: true", TURNS;
+    "gear.internal_sleeves_turn" Flag, Nothing, "output pins are sleeves that turn; false: they turn with the output alone; absent: true", TURNS;
     "gear.face_width_m" LENGTH, Nothing, "thickness of a disc; for masses that are left out", METRES;
 
     "gear.modification.equidistant_m" Number(DEVIATION), Nothing, "the generating pin's radius is larger than q by this: above 0 the disc's whole edge lies that much further in", METRES;
@@ -288,7 +293,7 @@ pub const KEYS: &[Key] = keys! {
     "bearings.eccentric.dynamic_rating_n" Number(From(1.0, 1e9)), Nothing, "its basic dynamic rating C, for its life after ISO 281", "bearing catalogues give it in kN: 20 kN is 20000";
     "bearings.internal_sleeve_stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "stiffness of an output pin against bending, in series with its contacts; absent: rigid", "a pin held at one end has 3 E I/l^3 at the length l";
     "bearings.output_torsion_n_m_rad" Number(From(1e-3, 1e15)), Nothing, "torsional stiffness of carrier and flange; absent: rigid; counts in `design` alone", "1 N m/arcmin is 3437.7 N m/rad";
-    "bearings.sleeve_friction_coefficient" Number(From(0.0, 1.0)), Nothing, "friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; absent: 0; in runs where contacts have none", "needles have 0.002, oiled bronze 0.05 to 0.1";
+    "bearings.sleeve_friction_coefficient" Number(From(0.0, 1.0)), Nothing, "friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; where that is more than the contact's own friction, the disc slides on the sleeve; absent: sleeves turn freely", "needles have 0.002, oiled bronze 0.05 to 0.1";
     "bearings.sleeve_bore_m" LENGTH, Nothing, "bore d of the pins, for that moment; thinner rollers turn in grooves, on their own diameter", METRES;
     "bearings.input_seal_n_m" Number(From(0.0, 1e9)), Nothing, "torque of the input shaft's seal against its turning; absent: 0", "seal catalogues give it: some 0.1 N m on a shaft of 20 mm";
     "bearings.output_seal_n_m" Number(From(0.0, 1e9)), Nothing, "torque of the output shaft's seal against its turning; absent: 0", "seal catalogues give it: some 0.1 N m on a shaft of 20 mm";

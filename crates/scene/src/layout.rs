@@ -75,3 +75,12 @@ pub enum Sleeve {
     /// On the output shaft.
     Internal(usize),
 }
+
+impl Sleeve {
+    /// Returns 0 for a ring pin and 1 for an output pin.
+    #[must_use]
+    #[inline]
+    pub fn side(self) -> usize {
+        usize::from(matches!(self, Self::Internal(_)))
+    }
+}

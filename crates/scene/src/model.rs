@@ -64,6 +64,12 @@ pub struct Gear {
     pub wheels: usize,
     /// d, m: ring pins sit at R + d.
     pub backlash_m: f64,
+    /// True if ring pins are sleeves that turn; false: they are held.
+    #[serde(default = "turns", skip_serializing_if = "Clone::clone")]
+    pub external_sleeves_turn: bool,
+    /// True if output pins are sleeves that turn; false: the output shaft holds them.
+    #[serde(default = "turns", skip_serializing_if = "Clone::clone")]
+    pub internal_sleeves_turn: bool,
     /// Thickness of a disc, m; only masses that a scene leaves out need it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub face_width_m: Option<f64>,
@@ -73,6 +79,11 @@ pub struct Gear {
     /// Deviations of single pins, holes and discs.
     #[serde(default, skip_serializing_if = "Errors::is_none")]
     pub errors: Errors,
+}
+
+/// Returns the value of a pin's key that a scene leaves out.
+fn turns() -> bool {
+    true
 }
 
 /// Mass and moment of inertia about the centre of mass of one rigid body.
@@ -275,7 +286,7 @@ pub struct Bearings {
     /// Torsional stiffness of carrier and flange beyond the output pins, N m/rad; `None`: rigid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub output_torsion_n_m_rad: Option<f64>,
-    /// Friction of a sleeve on its pin, with its bore: in runs where contacts have none; `None`: none.
+    /// Friction of a sleeve on its pin, with its bore; `None`: it turns freely.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sleeve_friction_coefficient: Option<f64>,
     /// Bore of the pins, m.

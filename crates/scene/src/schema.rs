@@ -53,6 +53,7 @@ fn of(row: &Key) -> Value {
         Kind::Number(range) => number(range),
         Kind::Count(low, high) => json!({ "type": "integer", "minimum": low, "maximum": high }),
         Kind::Choice(_, names) => json!({ "enum": names() }),
+        Kind::Flag => json!({ "type": "boolean" }),
         Kind::Text => json!({ "type": "string" }),
         Kind::Choices(_, names) => json!({
             "type": ["string", "array"], "items": { "enum": names() },

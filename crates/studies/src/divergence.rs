@@ -33,7 +33,7 @@ pub fn horizon(
     watch: &mut dyn FnMut(f64) -> bool,
 ) -> Result<Divergence, StudyError> {
     let scene = &gearbox.scene;
-    let has_friction = scene.contact.friction_coefficient > 0.0;
+    let has_friction = scene.slides();
     let convex = scene.contact.friction_law == FrictionLaw::Regularised;
     let method = if has_friction && convex {
         "imex2"

@@ -51,7 +51,7 @@ pub struct Reference {
 #[must_use]
 pub fn settings(scene: &Scene, by: &str) -> [Setting; 2] {
     let contact = &scene.contact;
-    let has_friction = contact.friction_coefficient > 0.0;
+    let has_friction = scene.slides();
     let convex = has_friction && contact.friction_law == FrictionLaw::Regularised;
     let found = Frequencies::of(scene);
     let stiff = found.friction_1_s > 100.0 * found.contact_rad_s;

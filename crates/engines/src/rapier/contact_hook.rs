@@ -18,7 +18,7 @@ use super::march::{Contacts, Grid, friction_is_plain, march};
 use super::sums::{Evaluation, sleeve_slot};
 use super::world::World;
 use crate::engine::{Ending, Halt, Prepared, prepared};
-use crate::refusals::wheels_are_held;
+use crate::refusals::{pins_turn, wheels_are_held};
 
 /// Gauss-Seidel sweeps a step. Friction couples the pins through the shafts: in the driver
 /// torque five leave 1.6e-2, ten 1.0e-3, twenty 8.9e-4, forty 8.6e-4 (mu = 0.1, steady, 1e-5 s).
@@ -36,6 +36,7 @@ const LEAST_DEPTH: f64 = 1.6e-8;
 pub fn prepare(gearbox: &Gearbox) -> Result<Prepared<'static>, Halt> {
     friction_is_plain(&gearbox.scene)?;
     wheels_are_held(&gearbox.scene)?;
+    pins_turn(&gearbox.scene)?;
     let grid = Grid::new(&gearbox.scene, gearbox.scene.solver.step_s)?;
     Ok(prepared(gearbox.clone(), move |gearbox, control| {
         let field = gearbox.contact_field().map_err(Ending::unsupported)?;

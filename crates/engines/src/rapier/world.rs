@@ -66,7 +66,12 @@ impl World {
                 let anchor = carrier.map_or(Vector::new(at.x, at.y), |carrier| {
                     in_frame_of(&states[carrier], at)
                 });
-                let joint = RevoluteJointBuilder::new()
+                // Drivers hold pins that do not turn.
+                let axes = match mechanism.drivers.iter().any(|held| held.child == carried) {
+                    true => JointAxesMask::LOCKED_FIXED_AXES,
+                    false => JointAxesMask::LOCKED_REVOLUTE_AXES,
+                };
+                let joint = GenericJointBuilder::new(axes)
                     .local_anchor1(anchor)
                     .local_anchor2(Vector::ZERO)
                     .softness(stiff)

@@ -1,13 +1,81 @@
 //! All forces between the bodies of a gear as a function of their states: contacts, bearings, friction of pins, seals.
 
+use std::mem::take;
+use std::ops::Range;
+
 use pinwheel_contact::PinLaw;
 use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation, Wrench};
 
 use super::pair::{PairContact, PairField};
 use super::pin_friction::PinFriction;
 use super::seals::Seals;
-use crate::Sleeve;
 use crate::carrier::Carrier;
+use crate::scene::Scene;
+use crate::{Layout, Sleeve};
+
+/// Pins that do not turn, in gears with friction.
+///
+/// Their rate at a contact is that of what holds them, and the moment on them acts there: on the output, or on the housing. Engines
+/// whose pins have revolutes need not know of it.
+pub(crate) struct HeldPins {
+    layout: Layout,
+    /// True for ring and for output pins that are held.
+    held: [bool; 2],
+    /// States with the pins' rates.
+    bodies: Vec<BodyState>,
+}
+
+impl HeldPins {
+    /// Returns the held pins of a scene; `None` where all turn, or nothing rubs on them.
+    pub(super) fn of(scene: &Scene) -> Option<Self> {
+        let (gear, sliding) = (&scene.gear, scene.sliding());
+        let turn = [gear.external_sleeves_turn, gear.internal_sleeves_turn];
+        let held = [0, 1].map(|side| sliding[side] > 0.0 && !turn[side]);
+        (held != [false; 2]).then(|| Self {
+            layout: Layout::of(gear),
+            held,
+            bodies: Vec::new(),
+        })
+    }
+
+    /// Returns the bodies of ring and of output pins that are held, with the body that holds the latter.
+    fn pins(&self) -> [(Range<usize>, Option<usize>); 2] {
+        let ring = self.layout.external_bodies();
+        let output = self.layout.internal_bodies();
+        let [on_ring, on_output] = self.held;
+        [
+            (if on_ring { ring } else { 0..0 }, None),
+            (if on_output { output } else { 0..0 }, Some(Layout::OUTPUT)),
+        ]
+    }
+
+    /// Returns the states with the rates of the held pins.
+    fn seen<'a>(held: &'a mut Option<Self>, bodies: &'a [BodyState]) -> &'a [BodyState] {
+        let Some(held) = held else {
+            return bodies;
+        };
+        held.bodies.clear();
+        held.bodies.extend_from_slice(bodies);
+        for (pins, holder) in held.pins() {
+            let rate = holder.map_or(0.0, |holder| bodies[holder].rate);
+            for pin in &mut held.bodies[pins] {
+                pin.rate = rate;
+            }
+        }
+        &held.bodies
+    }
+
+    /// Moves the moments on the held pins to what holds them.
+    fn pass_on(&self, loads: &mut [Wrench]) {
+        for (pins, holder) in self.pins() {
+            let moments = loads[pins].iter_mut().map(|pin| take(&mut pin.moment));
+            let moment: f64 = moments.sum();
+            if let Some(holder) = holder {
+                loads[holder].moment += moment;
+            }
+        }
+    }
+}
 
 /// Contacts of a gear with the bearings that its discs float on, and the seals of its shafts. `bodies` and loads are in
 /// [`Layout`](crate::Layout) order.
@@ -17,8 +85,9 @@ pub struct ContactField {
     /// Contacts between discs and pins.
     pub contacts: Box<dyn PairField>,
     pub(crate) law: PinLaw,
-    /// Friction of sleeves on their pins; the loops over the pairs add its forces.
-    pub(crate) pins: Option<PinFriction>,
+    /// Friction of sleeves on ring and on output pins; the loops over the pairs add its forces.
+    pub(crate) pins: [Option<PinFriction>; 2],
+    pub(crate) held: Option<HeldPins>,
     pub(crate) carrier: Carrier,
     pub(crate) seals: Option<Seals>,
 }
@@ -41,7 +110,11 @@ impl ContactField {
     ///
     /// Derivatives assume that the input turns at a constant rate. Discs without free places move with it.
     pub fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
-        self.contacts.evaluate(bodies, request);
+        let seen = HeldPins::seen(&mut self.held, bodies);
+        self.contacts.evaluate(seen, request);
+        if let (Some(held), Some(loads)) = (&self.held, &mut request.loads) {
+            held.pass_on(loads);
+        }
         self.carrier.add(bodies, request);
         if let Some(seals) = &self.seals {
             seals.add(bodies, request);
@@ -50,7 +123,8 @@ impl ContactField {
 
     /// Visits every touching pair (penetration > 0), disc by disc, external before internal.
     pub fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
-        self.contacts.touching(bodies, visit);
+        let seen = HeldPins::seen(&mut self.held, bodies);
+        self.contacts.touching(seen, visit);
     }
 
     /// Returns one pair, touching or not; without contact its forces are 0 and its penetration is minus the gap. With cranks, a
@@ -58,7 +132,10 @@ impl ContactField {
     pub fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
         match (&self.carrier, sleeve) {
             (Carrier::Cranks(cranks), Sleeve::Internal(crank)) => cranks.pair(bodies, wheel, crank),
-            _ => self.contacts.nearest(bodies, wheel, sleeve),
+            _ => {
+                let seen = HeldPins::seen(&mut self.held, bodies);
+                self.contacts.nearest(seen, wheel, sleeve)
+            }
         }
     }
 
@@ -75,11 +152,14 @@ impl ContactField {
 
     /// Returns the energy that the contacts store, and the powers that they dissipate, at these states.
     pub fn energy(&mut self, bodies: &[BodyState]) -> ContactEnergy {
-        let (law, pins) = (&self.law, self.pins);
+        let (law, pins) = (&self.law, &self.pins);
         let mut sum = ContactEnergy::default();
-        self.contacts.touching(bodies, &mut |pair| {
+        let seen = HeldPins::seen(&mut self.held, bodies);
+        self.contacts.touching(seen, &mut |pair| {
             pair.add_energy(law, &mut sum);
-            sum.sleeve_friction_w += pins.map_or(0.0, |pins| pins.drag(bodies, pair).lost_w);
+            if let Some(pins) = &pins[pair.sleeve.side()] {
+                sum.sleeve_friction_w += pins.drag(bodies, pair).lost_w;
+            }
         });
         self.carrier.add_energy(bodies, &mut sum);
         if let Some(seals) = &self.seals {

@@ -20,6 +20,7 @@ pub use bearing_load::BearingLoad;
 pub use cranks::CrankSet;
 pub use eccentric_bearings::EccentricBearings;
 pub use field::ContactField;
+use field::HeldPins;
 pub use pair::{PairContact, PairField};
 pub use pinwheel_mbs::ContactEnergy;
 
@@ -141,6 +142,7 @@ pub fn contacts(
         contacts,
         law,
         pins,
+        held: HeldPins::of(scene),
         carrier: Carrier::Rigid,
         seals: None,
     })

@@ -24,8 +24,9 @@ pub(super) struct Pairs<D> {
     layout: Layout,
     law: PinLaw,
     detection: D,
-    friction: Friction,
-    pins: Option<PinFriction>,
+    /// Friction of the contacts, and of sleeves, of ring and of output pins.
+    friction: [Friction; 2],
+    pins: [Option<PinFriction>; 2],
     external_directions: Vec<Complex>,
     external_sleeves: u32,
     flanks: Option<Flanks>,
@@ -120,16 +121,16 @@ impl Loaded {
     }
 }
 
-/// Returns the friction of a scene.
-fn friction(contact: &scene::Contact) -> Friction {
+/// Returns the friction of a scene with this coefficient.
+pub(super) fn friction(contact: &scene::Contact, coefficient: f64) -> Friction {
     match contact.friction_law {
         FrictionLaw::Regularised => Friction::Regularised(RegularisedCoulomb {
-            coefficient: contact.friction_coefficient,
+            coefficient,
             ramp: contact.friction_ramp_m_s * factor(Fault::FrictionSign, -1.0),
         }),
         FrictionLaw::Adams => Friction::Adams(AdamsFriction {
-            static_coefficient: contact.friction_coefficient,
-            dynamic_coefficient: contact.friction_dynamic_coefficient,
+            static_coefficient: coefficient,
+            dynamic_coefficient: contact.friction_dynamic_coefficient.min(coefficient),
             static_speed: contact.friction_ramp_m_s,
             dynamic_speed: contact.friction_dynamic_speed_m_s,
         }),
@@ -142,7 +143,7 @@ impl<D: Detection> Pairs<D> {
             layout: Layout::of(&scene.gear),
             law,
             detection,
-            friction: friction(&scene.contact),
+            friction: scene.sliding().map(|mu| friction(&scene.contact, mu)),
             pins: PinFriction::of(scene),
             external_directions: geometry.external_directions.clone(),
             external_sleeves: scene.gear.external_sleeves as u32,
@@ -219,7 +220,7 @@ impl<D: Detection> Pairs<D> {
             normal_rate,
             tangential_rate,
             normal_force,
-            friction_force: self.friction.force(normal_force, tangential_rate),
+            friction_force: self.friction[kind.side()].force(normal_force, tangential_rate),
             along_force: along.map_or(depth.like(0.0), |along| -touch.stiffness_slope * along),
         }
     }
@@ -390,13 +391,12 @@ impl<D: Detection> PairField for Pairs<D> {
     }
 
     fn have_derivatives(&self) -> bool {
-        self.detection.exact().is_some() && matches!(self.friction, Friction::Regularised(_))
+        let smooth = |friction: &Friction| matches!(friction, Friction::Regularised(_));
+        self.detection.exact().is_some() && self.friction.iter().all(smooth)
     }
 
     fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
-        let pins = self
-            .pins
-            .filter(|_| request.loads.is_some() || request.energy.is_some());
+        let wants_pins = request.loads.is_some() || request.energy.is_some();
         for (wheel, hub) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&Motion::of(&bodies[hub]));
             let mut reaction = Reaction::default();
@@ -410,6 +410,7 @@ impl<D: Detection> PairField for Pairs<D> {
                     let at = (wheel, sleeve, body, seat);
                     self.add_derivatives(exact, at, bodies, pair, derivatives);
                 }
+                let pins = self.pins[sleeve.side()].filter(|_| wants_pins);
                 if request.energy.is_none() && pins.is_none() {
                     return;
                 }

@@ -1,17 +1,20 @@
-//! Friction of sleeves that roll on the discs and slide on their pins, in gears without contact friction.
+//! Friction of sleeves between discs and pins.
 //!
 //! ```text
 //! T = mu F_n min(d/(2 r), 1) clamp(v_t/(r slow), -1, 1)      against the sliding of a sleeve that does not turn on its pin, at the contact
 //! ```
+//! A sleeve passes on the smaller of two moments: where T is less than the contact's own friction at v_t, it rolls on the disc and
+//! slides on its pin; else it stands on its pin and the disc slides on it. A contact without friction is taken to hold.
 //! A sleeve that rolls at v_t/r on a pin of diameter d loses the power mu F_n d/2 times that rate, and T takes as much from the
 //! disc. The couple T r on the pin acts on the pin's carrier. A roller thinner than d turns in a groove, on its own diameter.
 //! slow = 1 rad/s. Derivatives omit T, which is some thousandths of F_n.
 
-use pinwheel_contact::Real;
+use pinwheel_contact::{Friction, Real};
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::bearings::SLOW_RAD_S;
 
 use super::pair::PairContact;
+use super::pairs::friction;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
 
@@ -21,11 +24,13 @@ pub(crate) struct PinFriction {
     friction_coefficient: f64,
     /// Lever mu d/2 of the friction, m.
     lever_m: f64,
+    /// Friction between disc and sleeve, if it is stated.
+    contact: Option<Friction>,
     layout: Layout,
 }
 
 /// Force T of one pair, with its couple and power.
-pub(super) struct Drag {
+pub(crate) struct Drag {
     pub(super) force: [f64; 2],
     /// Couple on the pin, N m.
     couple: f64,
@@ -33,16 +38,19 @@ pub(super) struct Drag {
 }
 
 impl PinFriction {
-    /// Returns the friction of a scene; `None` where it is not given, or friction of contacts turns the pins.
-    pub(super) fn of(scene: &Scene) -> Option<Self> {
-        let bearings = &scene.bearings;
-        let friction_coefficient = bearings.sleeve_friction_coefficient?;
-        let lever_m = 0.5 * friction_coefficient * bearings.sleeve_bore_m?;
-        let stands = scene.contact.friction_coefficient == 0.0;
-        (stands && lever_m > 0.0).then(|| Self {
-            friction_coefficient,
-            lever_m,
-            layout: Layout::of(&scene.gear),
+    /// Returns the friction of ring and of output pins; `None` where pins do not turn or have none.
+    pub(super) fn of(scene: &Scene) -> [Option<Self>; 2] {
+        let (bearings, contact) = (&scene.bearings, &scene.contact);
+        scene.rolling().map(|rolls| {
+            let friction_coefficient = bearings.sleeve_friction_coefficient?;
+            let lever_m = 0.5 * friction_coefficient * bearings.sleeve_bore_m?;
+            (rolls && lever_m > 0.0).then(|| Self {
+                friction_coefficient,
+                lever_m,
+                contact: (contact.friction_coefficient > 0.0)
+                    .then(|| friction(contact, contact.friction_coefficient)),
+                layout: Layout::of(&scene.gear),
+            })
         })
     }
 
@@ -53,11 +61,19 @@ impl PinFriction {
         let one = force.like(1.0);
         let rolling = passing * force.like(1.0 / SLOW_RAD_S) / radius;
         let share = (force.like(self.lever_m) / radius).min(force.like(self.friction_coefficient));
-        -(force * share) * rolling.max(-one).min(one)
+        let drag = -(force * share) * rolling.max(-one).min(one);
+        match &self.contact {
+            None => drag,
+            Some(contact) => {
+                let holds = contact.force(force, passing);
+                let holds = holds.max(-holds);
+                drag.max(-holds).min(holds)
+            }
+        }
     }
 
-    /// Returns T of a pair.
-    pub(super) fn drag(&self, bodies: &[BodyState], pair: &PairContact) -> Drag {
+    /// Returns T of a pair of these pins.
+    pub(crate) fn drag(&self, bodies: &[BodyState], pair: &PairContact) -> Drag {
         let arm = [
             pair.point[0] - pair.centre[0],
             pair.point[1] - pair.centre[1],
@@ -80,7 +96,7 @@ impl PinFriction {
     }
 
     /// Adds the friction of a pair to the bodies' loads.
-    pub(super) fn add(
+    pub(crate) fn add(
         &self,
         bodies: &[BodyState],
         pair: &PairContact,

@@ -33,6 +33,11 @@ pub(super) fn scalar(row: &Key, node: &Node<'_>) -> Result<Value, (String, Strin
             "a whole number, not negative",
             "write it like 16, without point or quotes",
         ),
+        Kind::Flag => (
+            value.as_bool().map(Value::Boolean),
+            "true or false",
+            row.hint,
+        ),
         // One name needs no brackets.
         Kind::Texts | Kind::Choices(..) => (
             list(&text).or_else(|| Some(Value::Array(vec![text(&value)?]))),

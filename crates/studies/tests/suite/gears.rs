@@ -82,6 +82,8 @@ fn geometry(rng: &mut Rng) -> Gear {
         internal_sleeve_radius_m: internal,
         internal_circle_radius_m: circle,
         hole_radius_m: internal + eccentricity + clearance,
+        external_sleeves_turn: true,
+        internal_sleeves_turn: true,
         face_width_m: None,
         modification: Modification::default(),
         errors: Errors::default(),

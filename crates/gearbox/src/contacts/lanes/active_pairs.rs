@@ -12,7 +12,7 @@ use crate::contacts::pairs::{Loaded, WheelFrame};
 /// Passes every touching pair, with rates and forces, to `visit`.
 pub(super) struct ActivePairs<'a, 'v> {
     pub(super) law: PinLaw,
-    pub(super) friction: RegularisedCoulomb,
+    pub(super) friction: [RegularisedCoulomb; 2],
     pub(super) visit: &'a mut (dyn FnMut(&PairContact) + 'v),
 }
 
@@ -51,7 +51,7 @@ impl Sink for ActivePairs<'_, '_> {
                 normal_rate: normal_rate.as_slice()[k],
                 tangential_rate,
                 normal_force,
-                friction_force: self.friction.force(normal_force, tangential_rate),
+                friction_force: self.friction[group.side()].force(normal_force, tangential_rate),
                 along_force: along.map_or(0.0, |along| along.as_slice()[k]),
             };
             let sleeve = if group.external {

@@ -36,7 +36,7 @@ const CLOSING: f64 = 1e-6;
 /// Adds the derivatives of the moments about the pins to a Jacobian.
 pub(super) struct Derivatives<'a, 'b> {
     law: PinLaw,
-    friction: RegularisedCoulomb,
+    friction: [RegularisedCoulomb; 2],
     derivatives: &'a mut mbs::Derivatives<'b>,
     input_rate: f64,
     output_rate: f64,
@@ -55,7 +55,7 @@ const PLACE: usize = 2;
 impl<'a, 'b> Derivatives<'a, 'b> {
     pub(super) fn new(
         law: PinLaw,
-        friction: RegularisedCoulomb,
+        friction: [RegularisedCoulomb; 2],
         layout: Layout,
         bodies: &[BodyState],
         derivatives: &'a mut mbs::Derivatives<'b>,
@@ -170,8 +170,8 @@ type Moments<S> = [Lanes<S>; 3];
 type Force<S> = [Lanes<S>; 2];
 
 impl Derivatives<'_, '_> {
-    fn rubs(&self) -> bool {
-        self.friction.coefficient > 0.0
+    fn rubs<S: Simd>(&self, group: &Group<'_, S>) -> bool {
+        self.friction[group.side()].coefficient > 0.0
     }
 
     /// Returns the number of a disc's angle.
@@ -217,7 +217,7 @@ impl Derivatives<'_, '_> {
         for (&row, moment) in rows.iter().zip(column).take(count) {
             self.derivatives.add(row, &[by], &[moment.sum()]);
         }
-        if self.rubs() {
+        if self.rubs(group) {
             for (k, &value) in column[2].as_slice().iter().enumerate() {
                 if value != 0.0 {
                     self.derivatives.add(self.sleeve(group, k), &[by], &[value]);
@@ -272,7 +272,8 @@ impl Sink for Derivatives<'_, '_> {
             - wheel.velocity
             - p.turned().scale(wheel.rate);
         let (closing, passing) = (velocity.dot(n), velocity.dot(t));
-        let spin = if self.rubs() {
+        let (friction, rubs) = (self.friction[group.side()], self.rubs(&group));
+        let spin = if rubs {
             Lanes::load(simd, &group.sleeves.rate[group.from..]) - wheel.rate
         } else {
             zero
@@ -282,12 +283,12 @@ impl Sink for Derivatives<'_, '_> {
         // T = -mu F g, and its derivatives by F and by v_t.
         let one = zero.like(1.0);
         let (mut drag, mut drag_by_force, mut drag_by_slip) = (zero, zero, zero);
-        if self.rubs() {
-            let share = rho.mul_add(spin, passing) * one.like(1.0 / self.friction.ramp);
+        if rubs {
+            let share = rho.mul_add(spin, passing) * one.like(1.0 / friction.ramp);
             let sticking = one.only(share.abs().less(one));
-            drag_by_force = share.max(-one).min(one) * one.like(-self.friction.coefficient);
+            drag_by_force = share.max(-one).min(one) * one.like(-friction.coefficient);
             drag = drag_by_force * force;
-            let slope = -self.friction.coefficient / self.friction.ramp;
+            let slope = -friction.coefficient / friction.ramp;
             drag_by_slip = sticking * force * one.like(slope);
         }
 
@@ -383,7 +384,7 @@ impl Sink for Derivatives<'_, '_> {
             self.add(Variable::Rate(of), &group, number, column);
             self.add_force(Variable::Rate(of), wheel, [n, t], [push, -pull]);
         }
-        if self.rubs() {
+        if rubs {
             let pull = drag_by_slip * rho;
             let rows = [pull * wheel_lever, pull * levers[CARRIER], pull * rho];
             for k in 0..Lanes::<S>::COUNT {

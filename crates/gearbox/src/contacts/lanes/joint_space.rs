@@ -66,7 +66,8 @@ pub(super) struct JointSpace {
     shortening: f64,
     /// Bound H.
     repulsion: f64,
-    pins: Option<PinFriction>,
+    /// Friction of sleeves on ring and on output pins.
+    pins: [Option<PinFriction>; 2],
     /// Radii of ring and output pins, m.
     sleeve_radii: [f64; 2],
     /// 1/beta of the ring pins, the first ones again after the last.
@@ -303,7 +304,7 @@ impl JointSpace {
                 self.scatter(loads);
             }
             self.scatter_wheels(loads);
-            if self.pins.is_some() {
+            if self.pins[1].is_some() {
                 loads[Layout::OUTPUT].moment += sums.on_pins.sum();
             }
         }
@@ -514,7 +515,7 @@ impl JointSpace {
             let mut moment = (wheel_lever * force).only(inside);
             let mut beside = None;
             let along = law.law.along(stiffness, depth);
-            if along.is_some() || self.pins.is_some() {
+            if along.is_some() || self.pins[0].is_some() {
                 // -P.n = (C.T + r.T)/sqrt(g), and -c.n = (R + b) Re T/sqrt(g) less that.
                 let m2 = c(self.shortening * self.shortening);
                 let reach = (foot.cos + m2).mul_add(c(r / zk), (foot.cos + c(1.0)) * c(r));
@@ -526,7 +527,7 @@ impl JointSpace {
                     tangential = -(derivatives.along * along).only(inside);
                     moment = moment + tangential * level.only(inside);
                 }
-                if let Some(pins) = &self.pins {
+                if let Some(pins) = &self.pins[0] {
                     let radius = c(self.sleeve_radii[0]) - depth;
                     // (W - c).n.
                     let lever = radius - level;

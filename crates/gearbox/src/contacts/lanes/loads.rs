@@ -12,8 +12,8 @@ use crate::contacts::pin_friction::PinFriction;
 /// Adds forces (Eq. 20, 21) to the pins' columns and to the discs' loads, and what they store and dissipate to `energy`.
 pub(super) struct Loads<'a> {
     pub(super) law: PinLaw,
-    pub(super) friction: RegularisedCoulomb,
-    pub(super) pins: Option<PinFriction>,
+    pub(super) friction: [RegularisedCoulomb; 2],
+    pub(super) pins: [Option<PinFriction>; 2],
     pub(super) output_rate: f64,
     pub(super) loads: &'a mut [Wrench],
     pub(super) energy: Option<&'a mut ContactEnergy>,
@@ -24,7 +24,8 @@ impl Sink for Loads<'_> {
     fn group<S: Simd>(&mut self, simd: S, group: Group<'_, S>, wheel: &mut Wheel<S>) {
         let (touching, from) = (&group.touching, group.from);
         let (n, arm) = (touching.normal, group.arm());
-        let rubs = self.friction.coefficient > 0.0;
+        let (friction, pins) = (&self.friction[group.side()], &self.pins[group.side()]);
+        let rubs = friction.coefficient > 0.0;
         let relative = group.relative_velocity(simd, wheel, rubs);
         let (stiffness, depth) = (touching.stiffness, touching.penetration);
         let (closing, mut sliding) = (relative.dot(n), relative.dot(n.turned()));
@@ -34,11 +35,11 @@ impl Sink for Loads<'_> {
         let mut on_sleeve = n.scale(-pressure);
         if rubs {
             let one = depth.like(1.0);
-            let share = sliding * depth.like(1.0 / self.friction.ramp);
-            drag = pressure * depth.like(-self.friction.coefficient) * share.max(-one).min(one);
+            let share = sliding * depth.like(1.0 / friction.ramp);
+            drag = pressure * depth.like(-friction.coefficient) * share.max(-one).min(one);
             on_sleeve = n.turned().scale_add(drag, on_sleeve);
         }
-        if let Some(pins) = self.pins {
+        if let Some(pins) = pins {
             let radius = arm.dot(n);
             if !group.external {
                 // Sliding speed of a sleeve that does not turn on its pin.
@@ -56,7 +57,7 @@ impl Sink for Loads<'_> {
             let [_, elastic, stored] = law.observed(stiffness, depth, depth.like(0.0));
             energy.stored_j += stored.only(mask).sum();
             energy.damping_w += ((pressure - elastic) * closing).only(mask).sum();
-            let lost = match self.pins {
+            let lost = match pins {
                 Some(_) => &mut energy.sleeve_friction_w,
                 None => &mut energy.contact_friction_w,
             };

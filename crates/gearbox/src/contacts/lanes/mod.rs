@@ -36,8 +36,9 @@ use shapes::Shapes;
 pub(super) struct LaneField {
     arch: pulp::Arch,
     law: PinLaw,
-    friction: RegularisedCoulomb,
-    pins: Option<PinFriction>,
+    /// Friction of the contacts, and of sleeves, of ring and of output pins.
+    friction: [RegularisedCoulomb; 2],
+    pins: [Option<PinFriction>; 2],
     pairs: LanePairs,
     /// Contacts from joint angles, without friction.
     joint_space: Option<JointSpace>,
@@ -94,18 +95,17 @@ impl LaneField {
     pub(super) fn new(scene: &Scene, geometry: &Geometry, law: PinLaw, arch: pulp::Arch) -> Self {
         let contact = &scene.contact;
         let layout = Layout::of(&scene.gear);
-        let coefficient = contact.friction_coefficient;
         Self {
             arch,
             law,
-            friction: RegularisedCoulomb {
+            friction: scene.sliding().map(|coefficient| RegularisedCoulomb {
                 coefficient,
                 ramp: contact.friction_ramp_m_s * factor(Fault::FrictionSign, -1.0),
-            },
+            }),
             pins: PinFriction::of(scene),
             floats: scene.bearings.eccentric.is_some(),
             // Cranks stand where their bodies do, and have no levers.
-            joint_space: (coefficient == 0.0 && scene.cranks.is_none())
+            joint_space: (!scene.slides() && scene.cranks.is_none())
                 .then(|| JointSpace::new(scene, geometry)),
             pairs: LanePairs {
                 layout,

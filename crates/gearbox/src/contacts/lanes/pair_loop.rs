@@ -85,6 +85,12 @@ pub(super) struct Group<'a, S: Simd> {
 }
 
 impl<S: Simd> Group<'_, S> {
+    /// Returns 0 for ring pins and 1 for output pins.
+    #[inline(always)]
+    pub(super) fn side(&self) -> usize {
+        usize::from(!self.external)
+    }
+
     /// Returns the arm W - P, m.
     #[inline(always)]
     pub(super) fn arm(&self) -> ComplexLanes<S> {

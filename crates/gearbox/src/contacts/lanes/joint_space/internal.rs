@@ -63,7 +63,7 @@ impl JointSpace {
             sums.on_output = sums.on_output - (output_lever * force).only(inside);
             let mut moment = (wheel_lever * force).only(inside);
             let mut push = normal.scale(-force).only(inside);
-            if let Some(pins) = &self.pins {
+            if let Some(pins) = &self.pins[1] {
                 let radius = c(self.sleeve_radii[1]) - depth;
                 // (W - c).n, W.n and the velocity of c along t.
                 let on_wheel = hole.dot(normal) + c(self.sleeve_radii[1] + shapes.clearance);
