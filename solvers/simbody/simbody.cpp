@@ -269,6 +269,22 @@ public:
             columns += carrier == HOUSING ? ",external_sleeve_force_n_" + std::to_string(external++)
                                    : ",internal_sleeve_force_n_" + std::to_string(internal++);
         }
+        // States of the discs and cranks, then rates of output and pins.
+        static const char* kinds[] = {"x_m", "y_m", "angle_rad", "velocity_x_m_s", "velocity_y_m_s", "rate_rad_s"};
+        size_t wheels = 0;
+        for (size_t i = OUTPUT + 1; i < law.bodies.size(); ++i) {
+            const int carrier = law.bodies[i].carrier;
+            if (carrier != INPUT && carrier != FREE) continue;
+            for (size_t k = 0; k < 6; ++k)
+                add(columns, std::string("wheel_") + kinds[k] + '_' + std::to_string(wheels), 6 * i + k);
+            ++wheels;
+        }
+        add(columns, "output_rate_rad_s", 6 * OUTPUT + 5);
+        for (size_t k = 0; k < sleeves.size(); ++k)
+            add(columns,
+                k < external ? "external_sleeve_rate_rad_s_" + std::to_string(k)
+                             : "internal_sleeve_rate_rad_s_" + std::to_string(k - external),
+                6 * sleeves[k] + 5);
         file.precision(17);
         file << columns << '\n';
     }
@@ -282,13 +298,19 @@ public:
                                  - (states[6 * body + 1] - states[6 * OUTPUT + 1]) * loads[3 * body];
         file << time << ',' << input_torque << ',' << output_torque << ',' << states[6 * OUTPUT + 2];
         for (size_t body : sleeves) file << ',' << std::hypot(loads[3 * body], loads[3 * body + 1]);
+        for (size_t place : places) file << ',' << states[place];
         file << '\n';
     }
 
 private:
+    void add(std::string& columns, const std::string& name, size_t place) {
+        columns += ',' + name;
+        places.push_back(place);
+    }
+
     const Law& law;
     std::ofstream file;
-    std::vector<size_t> sleeves;
+    std::vector<size_t> sleeves, places;
 };
 
 // Integrates to `time`, a cut at the latest; at a cut the load from there on begins.

@@ -17,17 +17,18 @@ use pinwheel_compare::{
 };
 use pinwheel_engines::Engine;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_scene::{CheckedScene, Derived, Line, Source};
+use pinwheel_scene::{CheckedScene, Derived, Line, Scene, Source};
 use pinwheel_timeseries::figure::definitions::DIGITS;
 use pinwheel_timeseries::figure::{Diff, Figure, FigureDef, diff};
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::comparison::{Effort, context, refine};
 use crate::control::of_scene;
 use crate::motion::{Motion, sampled};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
+use crate::stages::{Located, Stage, between};
 use crate::{Control, Progress, StudyError, design, single};
 
 /// Inputs of the comparison of two designs.
@@ -52,6 +53,8 @@ pub struct KeyDiff {
     pub values: [Option<Value>; 2],
     /// True if both scenes leave the key to a formula: then it differs because others do.
     pub follows: bool,
+    /// First stage of the model that it alone moves, if it moves one.
+    pub stage: Option<Stage>,
 }
 
 /// Both designs and what differs.
@@ -67,6 +70,8 @@ pub struct DesignDiff {
     pub engine: String,
     /// Keys that differ, but for name, description and what is recorded.
     pub changed: Vec<KeyDiff>,
+    /// Stages of the second model, judged at the states of the first; `None` for gears of other numbers of bodies.
+    pub stages: Option<Located>,
     /// Quantities that follow from the dimensions and the load, exactly.
     pub derived: Vec<Diff>,
     /// The figures of `design`.
@@ -151,7 +156,8 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
     Ok(DesignDiff {
         motion,
         engine: input.engine.name().to_owned(),
-        changed: changed(scenes)?,
+        changed: changed(input.gearboxes)?,
+        stages: between(input.gearboxes),
         derived: derived(scenes, [&designs[0].dimensions, &designs[1].dimensions]),
         figures: figures(&designs),
         time_series: time_series(&alone),
@@ -220,7 +226,8 @@ fn shared(scenes: [&CheckedScene; 2]) -> Context {
 }
 
 /// Keys that differ. Names and descriptions always may, and what is recorded changes no result.
-fn changed(scenes: [&CheckedScene; 2]) -> Result<Vec<KeyDiff>, StudyError> {
+fn changed(gearboxes: [&Gearbox; 2]) -> Result<Vec<KeyDiff>, StudyError> {
+    let scenes = gearboxes.map(|gearbox| &gearbox.scene);
     fn flat(value: Value, at: String, put: &mut impl FnMut(String, Value)) {
         match value {
             Value::Object(keys) => {
@@ -247,12 +254,37 @@ fn changed(scenes: [&CheckedScene; 2]) -> Result<Vec<KeyDiff>, StudyError> {
     let counts = |key: &str| !matches!(key, "name" | "description") && !key.starts_with("output.");
     let changed = keys.into_iter();
     let changed = changed.filter(|(key, [a, b])| a != b && counts(key));
-    let change = |(key, values): (String, _)| KeyDiff {
+    let change = |(key, values): (String, [Option<Value>; 2])| KeyDiff {
         follows: scenes.iter().all(|scene| by_formula(scene, &key)),
+        stage: stage(gearboxes[0], &key, &values[1]),
         key,
         values,
     };
     Ok(changed.map(change).collect())
+}
+
+/// First stage of a model that a key's value alone moves.
+fn stage(of: &Gearbox, key: &str, value: &Option<Value>) -> Option<Stage> {
+    if key.starts_with("solver.") {
+        return Some(Stage::Integration);
+    }
+    let mut scene = serde_json::to_value(&*of.scene).ok()?;
+    let (table, name) = key.rsplit_once('.').unwrap_or(("", key));
+    let mut place = &mut scene;
+    for part in table.split('.').filter(|part| !part.is_empty()) {
+        place = place
+            .as_object_mut()?
+            .entry(part)
+            .or_insert_with(|| Value::Object(Map::new()));
+    }
+    let place = place.as_object_mut()?;
+    match value {
+        Some(value) => place.insert(name.to_owned(), value.clone()),
+        None => place.remove(name),
+    };
+    let scene: Scene = serde_json::from_value(scene).ok()?;
+    let scene = of.scene.changed(|own| *own = scene).ok()?;
+    between([of, &Gearbox::new(&scene).ok()?])?.first()
 }
 
 /// Definition by names, with the digits of a design's figures.

@@ -158,5 +158,7 @@ fn worse(case: &CaseCheck) -> String {
     });
     let counts = case.costs.iter().filter(|it| is_worse(it.verdict));
     let counts = counts.map(|it| format!("{} {:.0}, now {:.0}", it.label, it.before, it.after));
-    errors.chain(counts).collect::<Vec<_>>().join("; ")
+    let stage = case.stage.iter().map(|stage| format!("stage {stage}"));
+    let all = errors.chain(counts).chain(stage);
+    all.collect::<Vec<_>>().join("; ")
 }

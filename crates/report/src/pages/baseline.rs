@@ -51,7 +51,9 @@ pub fn page(name: &str, baseline: &Baseline, check: &Check, made: &Provenance) -
             detail: joined("; ", sentences(name, check)),
         }),
         sections: vec![
-            Section::new("moved", "What moved").with(moved_blocks(&moved)),
+            Section::new("moved", "What moved")
+                .with(Block::List(stages(check).collect()))
+                .with(moved_blocks(&moved)),
             cases,
             costs,
             Section::new("limits", "Limits")
@@ -74,7 +76,7 @@ pub fn text(name: &str, check: &Check) -> String {
         .iter()
         .partition(|case| case.verdict == Verdict::Same);
     moved.sort_by_key(|case| std::cmp::Reverse(case.verdict));
-    let lines = sentences(name, check);
+    let lines = sentences(name, check).chain(stages(check));
     let mut text: Vec<String> = lines.map(|line| terminal::paragraph(&line)).collect();
     if !moved.is_empty() {
         let table = terminal::table(&cases_table("", moved.into_iter()));
@@ -185,6 +187,28 @@ fn headline(verdict: Verdict) -> &'static str {
 /// One line on each solver.
 fn sentences(name: &str, check: &Check) -> impl Iterator<Item = String> {
     check.answers(name).into_iter().map(|answer| answer.text)
+}
+
+/// The stage that moved, of each case where it was sought: one line for all cases of which it is the same.
+fn stages(check: &Check) -> impl Iterator<Item = String> {
+    let mut of: Vec<(&str, Vec<String>)> = Vec::new();
+    for case in &check.cases {
+        let Some(stage) = case.stage.as_deref() else {
+            continue;
+        };
+        match of.iter_mut().find(|(known, _)| *known == stage) {
+            Some((_, places)) => places.push(place(case)),
+            None => of.push((stage, vec![place(case)])),
+        }
+    }
+    let line = |(stage, places): (&str, Vec<String>)| {
+        let more = match places.len() - 1 {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        format!("stage {stage} [{}{more}]", places[0])
+    };
+    of.into_iter().map(line).collect::<Vec<_>>().into_iter()
 }
 
 fn mark(verdict: Verdict) -> Mark {

@@ -8,10 +8,12 @@ use crate::terminal::{self, TITLE, paragraph, styled};
 use pinwheel_scene::keys::key;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::design_diff::{DesignDiff, KeyDiff};
+use pinwheel_studies::stages::{Located, Stage};
 use pinwheel_timeseries::figure::{Diff, Judged};
 use pinwheel_timeseries::table::{Mark, Table, TableOf};
 use serde_json::Value;
 
+use crate::pages::comparison::stages::blocks as stages;
 use crate::pages::design::{self, is_headline};
 use crate::pages::{animation, time_series};
 
@@ -30,6 +32,12 @@ const SERIES: [&str; 3] = [
 pub fn page(found: &DesignDiff, made: &Provenance) -> String {
     let [a, b] = &found.names;
     let mut sections = vec![scene(found), figures(found)];
+    sections.extend(found.stages.iter().map(|located| {
+        let about = format!("The model of `{b}` at the states of `{a}`.");
+        Section::new("stages", "Stages")
+            .with(about)
+            .with(stages(located))
+    }));
     sections.extend(over_time(found));
     sections.push(curves(found));
     sections.extend(motion(found));
@@ -62,6 +70,10 @@ pub fn text(found: &DesignDiff) -> String {
     if followed > 0 {
         let keys = counted(followed, "key that follows", "keys that follow");
         text.push_str(&format!("and {keys} from them\n"));
+    }
+    let off = found.stages.as_ref().map_or_else(String::new, Located::off);
+    if !off.is_empty() {
+        text.push_str(&format!("{}\n", paragraph(&format!("stage {off}"))));
     }
     let derived = found.derived.iter().filter(|r| r.judged != Judged::Same);
     let means = steady(found).filter(|row| SERIES.contains(&&*row.def.key));
@@ -257,6 +269,7 @@ fn keys<'a>(
         .text("", "Key", |change| format!("`{}`", change.key))
         .text("", a, |change| value(change.values[0].as_ref()))
         .text("", b, |change| value(change.values[1].as_ref()))
+        .text("", "Stage", |change| change.stage.map_or("", Stage::name))
 }
 
 fn scene(found: &DesignDiff) -> Section {

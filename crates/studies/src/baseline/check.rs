@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::Options;
 use super::file::{Baseline, CaseSnapshot, Made, SceneSnapshot};
 use super::judge::{self, CostCheck, QuantityCheck, Verdict};
+use super::moved;
 use super::runner::{RunResult, run_all};
 use crate::StudyError;
 use crate::control::Control;
@@ -29,6 +30,9 @@ pub struct CaseCheck {
     pub trouble: Option<String>,
     /// Verdict on the case.
     pub verdict: Verdict,
+    /// Stage that moved, and the likely cause; of the first cases whose error rose.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stage: Option<String>,
 }
 
 /// The whole check.
@@ -146,11 +150,29 @@ pub fn check(
         }
     }
     let results = run_all(&jobs, options.threads, control)?;
+    let mut located: Vec<(&str, String)> = Vec::new();
     for (((place, accepted), job), result) in known.into_iter().zip(&jobs).zip(results) {
         let integrator = auto::integrator(&job.scene).0;
         // The counts of a solver from outside may follow from roundings as an adaptive method's do.
         let adaptive = job.solver.is_some() || method(&integrator).is_some_and(|m| m.adaptive);
-        cases[place].judge(accepted, result, adaptive);
+        let case = &mut cases[place];
+        case.judge(accepted, result, adaptive);
+        if !case
+            .quantities
+            .iter()
+            .any(|it| it.verdict == Verdict::Worse)
+        {
+            continue;
+        }
+        // What moved the model moved it for all solvers of a scene.
+        let scene = accepted.0.name.as_str();
+        let same = located.iter().find(|(name, _)| *name == scene);
+        case.stage = same.map(|(_, stage)| stage.clone());
+        if case.stage.is_none() && located.len() < NAMED {
+            let (stage, is_of_model) = moved::stage(accepted.0, job, control)?;
+            located.push((if is_of_model { scene } else { "" }, stage.clone()));
+            case.stage = Some(stage);
+        }
     }
     // Cases of the baseline that the set no longer has: what is not run cannot be called unchanged.
     let asked = |scene: &&SceneSnapshot| every || options.only.contains(&scene.name);

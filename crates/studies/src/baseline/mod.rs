@@ -10,6 +10,7 @@ mod check;
 mod file;
 pub(crate) mod judge;
 pub mod limits;
+mod moved;
 mod record;
 mod runner;
 mod snapshot;

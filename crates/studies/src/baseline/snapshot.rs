@@ -92,7 +92,7 @@ impl Statistics {
         }
     }
 
-    fn all(&self) -> impl Iterator<Item = f64> + '_ {
+    pub(super) fn all(&self) -> impl Iterator<Item = f64> + '_ {
         let all = self.mean.iter().chain(&self.rms).chain(&self.peak);
         all.copied()
     }

@@ -1,102 +1,236 @@
-//! The cause: the change of the model that explains a residual best.
+//! The cause: the change of the model, or the two, that explain a residual best.
+
+use std::cmp::Reverse;
 
 use pinwheel_gearbox::Gearbox;
 use serde::Serialize;
 
-use super::fit::{Fit, fit};
-use super::judged::{ROUNDING, Stage};
-use super::model::{Change, Model};
+use super::fit::{Fit, dot, fit, less, sizes, slope};
+use super::judged::{EXPLAINED, ROUNDING, SURE, Stage, percent};
+use super::model::{Change, Changes, Model};
 use super::suspects::{self, Size, Suspect};
 
 /// A likely cause.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cause {
-    /// Stage in which it acts.
-    pub stage: Stage,
-    /// One word: `inertia`, `load`, `friction`, `stiffness`, `damping`, `curvature`, `phase`, `step`, ...
-    pub word: &'static str,
-    /// The cause with its size, in words.
-    pub what: String,
-    /// Size of the change: factor less 1; of angles the angle, rad; of forms that are or are not, 1.
-    pub size: f64,
-    /// Standard error of the size.
-    pub plus_minus: f64,
+    /// Its parts: one, or two where one alone explains too little.
+    pub parts: Vec<Part>,
     /// Share of the residual's square that it explains.
     pub explained: f64,
     /// Relative L2 distance of the run's forces from a native run, without the change and with it.
     pub distance: Option<[f64; 2]>,
 }
 
+/// One change of the model that is a cause.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Part {
+    /// Stage in which it acts.
+    pub stage: Stage,
+    /// One word: `inertia`, `load`, `friction`, `stiffness`, `damping`, `curvature`, `phase`, `step`, ...
+    pub word: &'static str,
+    /// The change with its size, in words.
+    pub what: String,
+    /// Size of the change: factor less 1; of angles the angle, rad; of forms that are or are not, 1.
+    pub size: f64,
+    /// Standard error of the size.
+    pub plus_minus: f64,
+}
+
+impl Cause {
+    /// First stage in which it acts.
+    #[must_use]
+    pub fn stage(&self) -> Option<Stage> {
+        self.parts.iter().map(|part| part.stage).min()
+    }
+
+    /// The cause with its figure.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let all = |of: fn(&Part) -> &str| {
+            let words: Vec<&str> = self.parts.iter().map(of).collect();
+            words.join(" and ")
+        };
+        let explained = percent(self.explained);
+        let verb = if self.parts.len() > 1 {
+            "explain"
+        } else {
+            "explains"
+        };
+        let (word, what) = (all(|part| part.word), all(|part| &part.what));
+        format!("likely {word}: {what} {verb} {explained}")
+    }
+}
+
+/// A cause with the changes of the model that are its parts.
+pub(super) type Found = (Cause, Vec<Change>);
+
+/// Native changes of a found cause.
+pub(super) fn changes((cause, changes): &Found) -> Changes<'_> {
+    let sizes = cause.parts.iter().map(|part| part.size);
+    changes.iter().zip(sizes).collect()
+}
+
 /// Values of a model that a run is held against.
-type Values<'a> = &'a dyn Fn(&mut Model<'_>) -> Option<Vec<f64>>;
+pub(super) type Values<'a> = &'a dyn Fn(&mut Model<'_>) -> Option<Vec<f64>>;
 
 /// Changes that explain almost the same are told apart by their factor: a sign or a missing part is more likely than any.
 const ALIKE: f64 = 1e-4;
-
 /// Factor on a mass that is missing.
 const LIGHTEST: f64 = 1e-9;
+/// Share that a change explains linearly before it is followed further.
+const LEAST: f64 = 0.2;
+/// Pairs of changes that are followed, and the standard errors that each size of a pair is above 0.
+const PAIRS: usize = 6;
+const CLEAR: f64 = 10.0;
 
-/// Fits every suspect to a run's values and the native ones, and returns the best that explains at least `least`.
+/// Fits every suspect that is asked for to a run's values and the native ones, and returns the best that explains at least `least`.
+/// Where one explains too little and the step's own error is known, two may.
 pub(super) fn cause(
     gearbox: &Gearbox,
     [run, native]: [&[f64]; 2],
     least: f64,
+    is_asked: fn(&Suspect) -> bool,
     values: Values<'_>,
-) -> Option<(Cause, Change)> {
-    let fitted = suspects::of(gearbox).into_iter().filter_map(|suspect| {
-        let small = match suspect.size {
+) -> Option<Found> {
+    let mut suspects = suspects::of(gearbox);
+    suspects.retain(is_asked);
+    let predict = |of: &[usize], sizes: &[f64]| {
+        let of = of.iter().map(|k| &suspects[*k].change);
+        values(&mut Model::new(
+            gearbox,
+            of.zip(sizes.iter().copied()).collect(),
+        )?)
+    };
+    let slopes = |k: usize| {
+        let near = &mut |sizes: &[f64]| predict(&[k], sizes);
+        let slope = slope(&[0.0], 0, suspects[k].limits()[0], native, near)?;
+        (dot(&slope, &slope) > 0.0).then_some((k, slope))
+    };
+    let slopes: Vec<(usize, Vec<f64>)> = (0..suspects.len()).filter_map(slopes).collect();
+    let residual = less(run, native);
+    let whole = dot(&residual, &residual);
+    // Share that changes explain linearly.
+    let share = |of: &[usize]| {
+        let views: Vec<&[f64]> = of.iter().map(|k| slopes[*k].1.as_slice()).collect();
+        let sizes = sizes(&views, &residual);
+        let each = sizes.iter().zip(&views);
+        each.map(|([size, _], slope)| size * dot(slope, &residual))
+            .sum::<f64>()
+            / whole
+    };
+    let best = |sets: Vec<Vec<usize>>, least: f64| {
+        let fits = sets.into_iter().filter_map(|set| {
+            let of: Vec<usize> = set.iter().map(|k| slopes[*k].0).collect();
+            let limits: Vec<_> = of.iter().map(|k| suspects[*k].limits()).collect();
+            let begun = set.iter().map(|k| slopes[*k].1.clone()).collect();
+            let fit = fit(run, native, begun, &limits, &mut |sizes| {
+                predict(&of, sizes)
+            })?;
+            let mut sizes = fit.sizes.iter();
+            let is_clear = of.len() == 1 || sizes.all(|[size, error]| size.abs() > CLEAR * error);
+            (fit.explained >= least && is_clear).then_some((of, fit))
+        });
+        let fits: Vec<(Vec<usize>, Fit)> = fits.collect();
+        let most = fits
+            .iter()
+            .map(|(_, fit)| fit.explained)
+            .fold(0.0, f64::max);
+        let alike = fits
+            .into_iter()
+            .filter(|(_, fit)| most - fit.explained < ALIKE);
+        // The first of those that look alike.
+        let telling = |(of, fit): &(Vec<usize>, Fit)| {
+            let each = of.iter().zip(&fit.sizes);
+            each.filter(|(k, [size, _])| suspects[**k].size.is_telling(*size))
+                .count()
+        };
+        alike.min_by_key(|found| Reverse(telling(found)))
+    };
+    let singles = (0..slopes.len())
+        .map(|k| vec![k])
+        .filter(|set| share(set) > LEAST);
+    let found = best(singles.collect(), least).or_else(|| {
+        let pairs = (0..slopes.len()).flat_map(|i| (0..i).map(move |j| vec![j, i]));
+        let mut pairs: Vec<(f64, Vec<usize>)> = pairs.map(|pair| (share(&pair), pair)).collect();
+        pairs.retain(|(share, _)| *share > LEAST && least <= EXPLAINED);
+        pairs.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        best(
+            pairs
+                .into_iter()
+                .take(PAIRS)
+                .map(|(_, pair)| pair)
+                .collect(),
+            SURE,
+        )
+    });
+    let (of, fit) = found?;
+    let part = |(&k, &[size, plus_minus]): (&usize, &[f64; 2])| {
+        let Suspect {
+            stage,
+            cause,
+            what,
+            size: kind,
+            ..
+        } = &suspects[k];
+        let what = kind.words(what, size, plus_minus);
+        Part {
+            stage: *stage,
+            word: *cause,
+            what,
+            size,
+            plus_minus,
+        }
+    };
+    let parts = of.iter().zip(&fit.sizes).map(part).collect();
+    let (explained, distance) = (fit.explained, None);
+    let changes = suspects
+        .into_iter()
+        .enumerate()
+        .filter(|(k, _)| of.contains(k));
+    Some((
+        Cause {
+            parts,
+            explained,
+            distance,
+        },
+        changes.map(|(_, suspect)| suspect.change).collect(),
+    ))
+}
+
+impl Suspect {
+    /// A size that changes the model linearly, and the least size.
+    fn limits(&self) -> [f64; 2] {
+        let small = match self.size {
             Size::Angle => 1e-6,
             Size::Factor | Size::Switch => 1e-4,
         };
-        let lightest = match suspect.change {
-            Change::Mass(_) => LIGHTEST - 1.0,
-            _ => f64::NEG_INFINITY,
-        };
-        let fit = fit(run, native, [small, lightest], &mut |size| {
-            values(&mut Model::new(gearbox, &suspect.change, size)?)
-        })?;
-        (fit.explained >= least).then_some((suspect, fit))
-    });
-    let mut fitted: Vec<(Suspect, Fit)> = fitted.collect();
-    let most = fitted
-        .iter()
-        .map(|(_, fit)| fit.explained)
-        .fold(0.0, f64::max);
-    let alike = fitted
-        .iter()
-        .enumerate()
-        .filter(|(_, (_, fit))| most - fit.explained < ALIKE);
-    // The first of those that look alike.
-    let best = alike.min_by_key(|(_, (suspect, fit))| usize::from(!suspect.size.is_telling(fit)));
-    let best = best.map(|(k, _)| k)?;
-    let (suspect, fit) = fitted.swap_remove(best);
-    let cause = Cause {
-        stage: suspect.stage,
-        word: suspect.cause,
-        what: suspect.size.words(&suspect.what, &fit),
-        size: fit.size,
-        plus_minus: fit.plus_minus,
-        explained: fit.explained,
-        distance: None,
-    };
-    Some((cause, suspect.change))
+        let is_mass = matches!(self.change, Change::Mass(_));
+        [
+            small,
+            if is_mass {
+                LIGHTEST - 1.0
+            } else {
+                f64::NEG_INFINITY
+            },
+        ]
+    }
 }
 
 impl Size {
     /// True for a size that faults have: the other sign, nothing, twice, the other form.
-    fn is_telling(self, fit: &Fit) -> bool {
+    fn is_telling(self, size: f64) -> bool {
         let known: &[f64] = match self {
             Self::Factor => &[-2.0, -1.0, 1.0],
             Self::Switch => &[1.0],
             Self::Angle => &[],
         };
-        known.iter().any(|known| (fit.size - known).abs() < 0.02)
+        known.iter().any(|known| (size - known).abs() < 0.02)
     }
 
     /// The change in words, with its size.
-    fn words(self, what: &str, fit: &Fit) -> String {
-        let (size, off) = (fit.size, fit.plus_minus.max(ROUNDING));
-        let telling = self.is_telling(fit);
+    fn words(self, what: &str, size: f64, plus_minus: f64) -> String {
+        let off = plus_minus.max(ROUNDING);
+        let telling = self.is_telling(size);
         match self {
             Self::Factor if telling && size < -1.5 => format!("{what} with the other sign"),
             Self::Factor if telling && size < 0.0 => format!("{what}, missing"),

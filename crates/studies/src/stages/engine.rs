@@ -1,7 +1,8 @@
 //! An engine's run with its states, and one with a smaller step.
 
-use pinwheel_engines::{AccuracySetting, Cancelled, Control, Engine};
+use pinwheel_engines::{AccuracySetting, Cancelled, Control, Engine, Refinement};
 use pinwheel_gearbox::{Frequencies, Gearbox};
+use pinwheel_mbs::integrators::method;
 use pinwheel_timeseries::TimeSeries;
 
 use super::judged::{ORDER_MARGIN, Stage};
@@ -27,8 +28,7 @@ pub fn of_engine(
     until_s: f64,
     control: &Control<'_>,
 ) -> Result<Option<Located>, Cancelled> {
-    let none = model::Change::None;
-    let Some(native) = model::Model::new(gearbox, &none, 0.0) else {
+    let Some(native) = model::Model::new(gearbox, Vec::new()) else {
         return Ok(None);
     };
     let channels = states::Columns::of(gearbox, native.free()).channels();
@@ -54,7 +54,14 @@ pub fn of_engine(
         let name = engine.name();
         locate(gearbox, Runs { name, run, finer })
     };
-    let Some(refinement) = engine.info().refinement else {
+    let solver = &gearbox.scene.solver;
+    // The native solver is refined by the setting of the scene's method.
+    let native = method(&solver.integrator).filter(|_| engine.info().form.is_some());
+    let native = native.map(|method| Refinement {
+        knob: AccuracySetting::of(method.name),
+        order: f64::from(method.order),
+    });
+    let Some(refinement) = engine.info().refinement.or(native) else {
         return Ok(judge(&own, None));
     };
     let (by, falls) = match refinement.knob {

@@ -1,80 +1,124 @@
-//! Least squares of a residual on one change of the model.
+//! Least squares of a residual on changes of the model.
 
-/// Result of the fit of a change to what a run shows.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// Result of the fit of changes to what a run shows.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fit {
-    /// Size of the change.
-    pub size: f64,
-    /// Standard error of the size.
-    pub plus_minus: f64,
-    /// Share of the residual's square that the change takes away.
+    /// Size of each change, and its standard error.
+    pub sizes: Vec<[f64; 2]>,
+    /// Share of the residual's square that the changes take away.
     pub explained: f64,
 }
 
-/// Share that the linear part has to explain before a change is followed further.
-const LEAST: f64 = 0.2;
 /// Gauss-Newton steps.
 const STEPS: usize = 8;
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
+pub(super) fn less(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(a, b)| a - b).collect()
 }
 
-/// Fits a change to `target`, by Gauss-Newton steps from no change, where the model gives `base`. `predict` gives the model's
-/// values with a change of a given size, `None` where there is no such model; `small` is a size that changes them linearly, and no
-/// size is below `least`.
+/// Sizes of one or two changes that explain `residual` best, and the square of each slope's part that is not the other's.
+pub(super) fn sizes(slopes: &[&[f64]], residual: &[f64]) -> Vec<[f64; 2]> {
+    let own = |k: usize| {
+        let mut own = slopes[k].to_vec();
+        for (_, other) in slopes.iter().enumerate().filter(|(j, _)| *j != k) {
+            let share = dot(&own, other) / dot(other, other);
+            own.iter_mut()
+                .zip(*other)
+                .for_each(|(a, b)| *a -= share * b);
+        }
+        let square = dot(&own, &own);
+        [dot(&own, residual) / square, square]
+    };
+    (0..slopes.len()).map(own).collect()
+}
+
+/// Values of a model with changes of given sizes.
+pub(super) type Predict<'a> = &'a mut dyn FnMut(&[f64]) -> Option<Vec<f64>>;
+
+/// Change of the values by a change of number `k` per size, near `at`, where they are `values`. A model that barely exists may
+/// have one side alone.
+pub(super) fn slope(
+    at: &[f64],
+    k: usize,
+    small: f64,
+    values: &[f64],
+    predict: Predict<'_>,
+) -> Option<Vec<f64>> {
+    [small, -small].into_iter().find_map(|small| {
+        let mut near = at.to_vec();
+        near[k] += small;
+        let mut slope = less(&predict(&near)?, values);
+        slope.iter_mut().for_each(|value| *value /= small);
+        Some(slope)
+    })
+}
+
+/// Fits changes to `target`, by Gauss-Newton steps from no change, where the model gives `base` and the `slopes`. `limits` has of each
+/// change a size that changes the model linearly, and the least size.
 pub(super) fn fit(
     target: &[f64],
     base: &[f64],
-    [small, least]: [f64; 2],
-    predict: &mut dyn FnMut(f64) -> Option<Vec<f64>>,
+    slopes: Vec<Vec<f64>>,
+    limits: &[[f64; 2]],
+    predict: Predict<'_>,
 ) -> Option<Fit> {
-    let all = less(target, base);
-    let whole = dot(&all, &all);
-    let (mut size, mut left, mut values) = (0.0, all, base.to_vec());
-    let mut slope_square = 0.0;
+    let mut slopes = slopes;
+    let (mut at, mut left, mut values) =
+        (vec![0.0; limits.len()], less(target, base), base.to_vec());
+    let whole = dot(&left, &left);
+    let mut squares = Vec::new();
     for step in 0..STEPS {
-        // A model that barely exists may have one side alone.
-        let (near, small) = match predict(size + small) {
-            Some(near) => (near, small),
-            None => (predict(size - small)?, -small),
-        };
-        let slope = less(&near, &values);
-        slope_square = dot(&slope, &slope) / (small * small);
-        let along = dot(&slope, &left) / small;
-        if !(slope_square > 0.0) || step == 0 && !(along * along / slope_square > LEAST * whole) {
+        if step > 0 {
+            let all = (0..limits.len()).map(|k| slope(&at, k, limits[k][0], &values, predict));
+            slopes = all.collect::<Option<_>>()?;
+        }
+        let views: Vec<&[f64]> = slopes.iter().map(Vec::as_slice).collect();
+        let steps = sizes(&views, &left);
+        squares = steps.iter().map(|[_, square]| *square).collect();
+        if !steps
+            .iter()
+            .all(|[size, square]| size.is_finite() && *square > 0.0)
+        {
             return None;
         }
-        let mut change = (along / slope_square).max(least - size);
         // A model far away may not exist, or be worse.
-        let mut halvings = 0..6;
-        let next = loop {
-            let tried = predict(size + change).filter(|values| {
-                let left = less(target, values);
-                dot(&left, &left) <= dot(&less(target, base), &less(target, base))
-            });
-            match tried {
-                Some(values) => break values,
-                None if halvings.next().is_some() => change *= 0.5,
-                None => return None,
-            }
+        let tried = (0..7).find_map(|halvings| {
+            let part = 0.5_f64.powi(halvings);
+            let next = at.iter().zip(&steps).zip(limits);
+            let next: Vec<f64> = next
+                .map(|((at, [size, _]), [_, least])| (at + part * size).max(*least))
+                .collect();
+            let values = predict(&next)?;
+            let rest = less(target, &values);
+            (dot(&rest, &rest) <= dot(&left, &left)).then_some((next, values, rest))
+        });
+        let Some((next, found, rest)) = tried else {
+            // At the bottom roundings alone are left.
+            if step > 0 { break } else { return None }
         };
-        let better = less(target, &next);
-        let gained = dot(&left, &left) - dot(&better, &better);
-        (size, left, values) = (size + change, better, next);
-        if change.abs() <= 1e-5 * size.abs() || gained.abs() <= 1e-12 * whole {
+        let is_still = at
+            .iter()
+            .zip(&next)
+            .all(|(at, next)| (next - at).abs() <= 1e-5 * next.abs());
+        let gained = dot(&left, &left) - dot(&rest, &rest);
+        (at, left, values) = (next, rest, found);
+        if is_still || gained <= 1e-12 * whole {
             break;
         }
     }
     let rest = dot(&left, &left);
-    let free = target.len().saturating_sub(1).max(1) as f64;
+    let free = target.len().saturating_sub(at.len()).max(1) as f64;
+    let error = |square: f64| (rest / free / square).sqrt();
     Some(Fit {
-        size,
-        plus_minus: (rest / free / slope_square).sqrt(),
+        sizes: at
+            .iter()
+            .zip(&squares)
+            .map(|(size, square)| [*size, error(*square)])
+            .collect(),
         explained: 1.0 - rest / whole,
     })
 }

@@ -40,29 +40,40 @@ impl Columns {
         run: &TimeSeries,
         samples: &[Sample],
     ) -> Option<Self> {
-        let layout = gearbox.layout;
-        let names = columns::of_gearbox(layout.external_sleeves, layout.internal_sleeves);
-        let names: Vec<String> = names.filter(|name| name != columns::OUTPUT_ANGLE).collect();
-        let all: Option<Vec<&[f64]>> = names.iter().map(|name| run.channel(name)).collect();
+        let all: Option<Vec<&[f64]>> = names(gearbox.layout)
+            .iter()
+            .map(|name| run.channel(name))
+            .collect();
         let all = all?;
         let row = |sample: &Sample| all.iter().map(|column| column[sample.number]).collect();
-        let rows = rows(native, samples);
+        let written = samples.iter().map(row).collect();
+        Some(Self::held(gearbox, samples, written, rows(native, samples)))
+    }
+
+    /// Holds rows against native ones.
+    pub(super) fn held(
+        gearbox: &Gearbox,
+        samples: &[Sample],
+        written: Vec<Vec<f64>>,
+        native: Vec<Vec<f64>>,
+    ) -> Self {
+        let names = names(gearbox.layout);
         let floor = gearbox.least_loads();
         let largest = |of: Range<usize>, least: f64| {
-            let values = rows.iter().flat_map(|row| &row[of.clone()]);
+            let values = native.iter().flat_map(|row| &row[of.clone()]);
             values.fold(least, |most: f64, value| most.max(value.abs()))
         };
         let mut scale = vec![largest(FORCES..names.len(), floor.force_n); names.len()];
         for torque in [DRIVER, OUTPUT] {
             scale[torque] = largest(torque..torque + 1, floor.torque_n_m);
         }
-        Some(Self {
+        Self {
             times: samples.iter().map(|sample| sample.time_s).collect(),
-            written: samples.iter().map(row).collect(),
-            native: rows,
+            written,
+            native,
             names,
             scale,
-        })
+        }
     }
 
     /// The columns of the forces.
@@ -191,6 +202,12 @@ impl Columns {
                 .collect(),
         }
     }
+}
+
+/// Columns of a gear that are judged, in the order of a model's.
+pub(super) fn names(layout: Layout) -> Vec<String> {
+    let names = columns::of_gearbox(layout.external_sleeves, layout.internal_sleeves);
+    names.filter(|name| name != columns::OUTPUT_ANGLE).collect()
 }
 
 /// Rows of a model at the samples.

@@ -78,6 +78,17 @@ pub struct Judged {
 }
 
 impl Judged {
+    /// A stage with its residual, which is off above `bound`, and the place.
+    pub(super) fn told(stage: Stage, residual: f64, bound: f64, note: String) -> Self {
+        let residual = Some(residual);
+        Self {
+            stage,
+            residual,
+            bound,
+            note,
+        }
+    }
+
     /// A stage that cannot be told, and the reason.
     pub(super) fn untold(stage: Stage, note: &str) -> Self {
         let note = note.to_owned();

@@ -3,14 +3,15 @@
 use std::ops::Range;
 
 use pinwheel_gearbox::Gearbox;
-use pinwheel_scene::load_profile;
+use pinwheel_scene::{Layout, load_profile};
 use pinwheel_timeseries::TimeSeries;
 use serde::Serialize;
 
-use super::cause::{self, Cause};
+use super::cause::{Cause, cause, changes};
 use super::judged::{Depth, EXPLAINED, FLOW, Judged, ROUNDING, SAMPLES, SURE, Stage, percent};
-use super::model::{Change, Model};
-use super::motion::{self, Motion, Sample};
+use super::model::{Changes, Model};
+use super::motion::{self, Motion};
+use super::suspects::Suspect;
 use super::{forces, states};
 
 /// Answer to the question which stage of a run differs.
@@ -32,11 +33,7 @@ impl Located {
     pub fn first(&self) -> Option<Stage> {
         let off = self.stages.iter().find(|judged| judged.is_off());
         let off = off.map(|judged| judged.stage);
-        off.and_then(|stage| {
-            self.cause
-                .as_ref()
-                .map_or(Some(stage), |cause| Some(cause.stage))
-        })
+        off.and_then(|stage| self.cause.as_ref().map_or(Some(stage), Cause::stage))
     }
 
     /// One line for the first screen, which begins with `stage` where a stage is off.
@@ -59,20 +56,21 @@ impl Located {
                 |judged| format!("no stage is off of those that can be told: {}", judged.note),
             );
         };
-        let name = first.name();
-        if let Some(cause) = &self.cause {
-            let explained = percent(cause.explained);
-            let (word, what) = (cause.word, &cause.what);
-            return format!("{name}, likely {word}: {what} explains {explained}");
+        match &self.cause {
+            Some(cause) => format!("{}, {}", first.name(), cause.words()),
+            None => self.off() + "; no known fault explains it",
         }
+    }
+
+    /// The first stage that is off with its residual and place; empty where none is.
+    #[must_use]
+    pub fn off(&self) -> String {
         let mut stages = self.stages.iter();
-        let judged = stages.find(|judged| judged.stage == first);
+        let judged = stages.find(|judged| judged.is_off());
         judged.map_or_else(String::new, |judged| {
+            let (name, note) = (judged.stage.name(), &judged.note);
             let residual = percent(judged.residual.unwrap_or(f64::NAN));
-            format!(
-                "{name}: off by {residual}, {}; no known fault explains it",
-                judged.note
-            )
+            format!("{name}: off by {residual}, {note}")
         })
     }
 
@@ -90,8 +88,10 @@ impl Located {
 
 /// Distance of a run from a native one, relative, of which nothing has to be explained.
 const NEAR: f64 = 1e-5;
+/// One of so many intervals is fitted by changes of the model, each of which costs two flows or more.
+const FITTED: usize = 3;
 /// Samples of the native run that shows a cause.
-const SHOWN: usize = 60;
+pub(super) const SHOWN: usize = 60;
 
 /// A run to be judged.
 #[derive(Clone, Copy)]
@@ -108,8 +108,7 @@ pub struct Runs<'a> {
 /// columns that every run has.
 #[must_use]
 pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
-    let none = Change::None;
-    let mut native = Model::new(gearbox, &none, 0.0)?;
+    let mut native = Model::new(gearbox, Vec::new())?;
     let states = states::Columns::of(gearbox, native.free());
     let best = runs.finer.map_or(runs.run, |(finer, _)| finer);
     let missing = states.missing(best);
@@ -132,35 +131,23 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         let samples = motion::samples(gearbox, &states, runs.run, SAMPLES);
         forces::Columns::of(gearbox, &mut native, runs.run, &samples)
     });
-    let judged = |stage, (residual, note), bound| Judged {
-        stage,
-        residual: Some(residual),
-        bound,
-        note,
-    };
-    // Forces that lag by a part of the step fall with it.
-    let column = |stage, of: Range<usize>| {
-        let (residual, note) = columns.worst(of.clone());
-        let falls = rough
-            .as_ref()
-            .map_or(0.0, |rough| rough.worst(of).0 - residual);
-        judged(stage, (residual, note), ROUNDING + falls.abs())
-    };
-    located.stages = vec![
-        start(&native, &samples).map_or_else(
-            || Judged::untold(Stage::Start, "a sample at t = 0 would tell"),
-            |start| judged(Stage::Start, start, ROUNDING),
-        ),
-        judged(Stage::ContactSearch, columns.search(), 0.0),
-        column(Stage::Law, columns.forces()),
-        column(Stage::Assembly, forces::OUTPUT..forces::OUTPUT + 1),
-        column(Stage::Driver, forces::DRIVER..forces::DRIVER + 1),
-    ];
-    let by_columns = |sure| {
+    let start = samples.first().filter(|first| first.time_s == 0.0);
+    let start = start.map_or_else(
+        || Judged::untold(Stage::Start, "a sample at t = 0 would tell"),
+        |first| self::start(&first.y, &native),
+    );
+    located.stages = vec![start];
+    located.stages.extend(by_columns(&columns, rough.as_ref()));
+    let of_columns = || {
         let [written, base] = [&columns.written, &columns.native].map(|rows| columns.stacked(rows));
-        cause::cause(gearbox, [&written, &base], sure, &|model| {
-            Some(columns.stacked(&forces::rows(model, &samples)))
-        })
+        let both = [&written[..], &base[..]];
+        cause(
+            gearbox,
+            both,
+            EXPLAINED,
+            Suspect::shows_in_columns,
+            &|model| Some(columns.stacked(&forces::rows(model, &samples))),
+        )
     };
     let off = |located: &Located, stages: &[Stage]| {
         let mut of = located.stages.iter();
@@ -177,9 +164,9 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         let stages = [Stage::Equations, Stage::Integration];
         let untold = stages.map(|stage| Judged::untold(stage, note));
         located.stages.extend(untold);
-        found = off(&located, &Stage::ALL)
-            .then(|| by_columns(EXPLAINED))
-            .flatten();
+        if off(&located, &Stage::ALL) {
+            found = of_columns();
+        }
     } else if let Some(fine) = Motion::of(gearbox, &mut native, &states, best, &samples) {
         let rough = runs.finer.and_then(|(_, falls)| {
             let rough = Motion::of(gearbox, &mut native, &states, runs.run, &samples)?;
@@ -190,10 +177,12 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             .stages
             .extend(fine.judged(rough.as_ref().map(|(rough, falls)| (rough, *falls))));
         if fine.size() > FLOW && (rough.is_none() || off(&located, &[Stage::Equations])) {
-            let [reached, base] = [&fine.reached, &fine.flowed].map(|states| fine.stacked(states));
+            let few = fine.one_of(FITTED);
+            let [reached, base] = [&few.reached, &few.flowed].map(|states| few.stacked(states));
             let sure = if rough.is_some() { EXPLAINED } else { SURE };
-            found = cause::cause(gearbox, [&reached, &base], sure, &|model| {
-                Some(fine.stacked(&fine.flows(model)?))
+            let both = [&reached[..], &base[..]];
+            found = cause(gearbox, both, sure, Suspect::moves_alone, &|model| {
+                Some(few.stacked(&few.flows(model)?))
             });
         }
         let alone = found.is_none() && fine.is_alone();
@@ -209,13 +198,13 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             }
         }
         if found.is_none() && off(&located, &[Stage::Driver]) {
-            found = by_columns(EXPLAINED);
+            found = of_columns();
         }
     }
     located.stages.sort_by_key(|judged| judged.stage);
-    let shown = found.map(|(cause, change)| Cause {
-        distance: distance(gearbox, &change, cause.size, &states, best),
-        ..cause
+    let shown = found.map(|found| Cause {
+        distance: distance(gearbox, changes(&found), &states, best),
+        ..found.0
     });
     // A native run has to come nearer with it, unless it was there.
     located.cause = shown.filter(|cause| {
@@ -225,53 +214,64 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
     Some(located)
 }
 
-/// Largest difference of the first state from the scene's start, as a share of the state or of 1, and its place in words.
-/// `None` for a run that does not begin at 0.
-fn start(native: &Model<'_>, samples: &[Sample]) -> Option<(f64, String)> {
-    let first = samples.first().filter(|first| first.time_s == 0.0)?;
-    let known = native.start();
-    let off = first
-        .y
-        .iter()
-        .zip(&known)
-        .map(|(a, b)| (a - b).abs() / b.abs().max(1.0));
-    let angles = native.free().len();
-    let most = off.enumerate().max_by(|(_, a), (_, b)| a.total_cmp(b));
-    most.map(|(k, off)| {
-        let kind = if k % (known.len() / 2) < angles {
-            "an angle or rate"
-        } else {
-            "a place"
-        };
-        (off, format!("{kind} at t = 0"))
-    })
+/// Judges contact search, law, assembly and driver by columns. `rough`: those of a run with a larger step, as forces that lag by a
+/// part of the step fall with it.
+pub(super) fn by_columns(
+    columns: &forces::Columns,
+    rough: Option<&forces::Columns>,
+) -> [Judged; 4] {
+    let column = |stage, of: Range<usize>| {
+        let (residual, note) = columns.worst(of.clone());
+        let falls = rough.map_or(0.0, |rough| rough.worst(of).0 - residual);
+        Judged::told(stage, residual, ROUNDING + falls.abs(), note)
+    };
+    let (differ, first) = columns.search();
+    [
+        Judged::told(Stage::ContactSearch, differ, 0.0, first),
+        column(Stage::Law, columns.forces()),
+        column(Stage::Assembly, forces::OUTPUT..forces::OUTPUT + 1),
+        column(Stage::Driver, forces::DRIVER..forces::DRIVER + 1),
+    ]
 }
 
-/// Relative L2 distance of a run's forces from the native flow that starts where it starts, without a change and with it.
+/// Judges a first state by its largest difference from the scene's start, as a share of the state or of 1.
+pub(super) fn start(first: &[f64], native: &Model<'_>) -> Judged {
+    let known = native.start();
+    let off = |(a, b): (&f64, &f64)| (a - b).abs() / b.abs().max(1.0);
+    let off: Vec<f64> = first.iter().zip(&known).map(off).collect();
+    let most = (0..off.len())
+        .max_by(|&a, &b| off[a].total_cmp(&off[b]))
+        .unwrap_or(0);
+    let half = known.len() / 2;
+    let kind = match (most % half < native.free().len(), most < half) {
+        (false, _) => "a place or speed of a disc",
+        (true, is_angle) => match (native.free()[most % half], is_angle) {
+            (Layout::OUTPUT, true) => "the output's angle",
+            (Layout::OUTPUT, false) => "the output's rate",
+            (_, true) => "an angle of a disc",
+            (_, false) => "a rate of a disc",
+        },
+    };
+    let note = format!(
+        "{kind} is {:.6} for {:.6} at t = 0",
+        first[most], known[most]
+    );
+    Judged::told(Stage::Start, off[most], ROUNDING, note)
+}
+
+/// Relative L2 distance of a run's forces from the native flow that starts where it starts, without changes and with them.
 fn distance(
     gearbox: &Gearbox,
-    change: &Change,
-    size: f64,
+    changes: Changes<'_>,
     states: &states::Columns,
     run: &TimeSeries,
 ) -> Option<[f64; 2]> {
-    let times = run.time_s();
-    let none = Change::None;
-    let mut both = [(&none, 0.0), (change, size)].map(|(change, size)| {
-        let mut model = Model::new(gearbox, change, size)?;
-        let mut y = states.at(run, 0);
-        let mut samples = Vec::new();
-        for number in 0..times.len().min(SHOWN) {
-            if let Some(before) = number.checked_sub(1) {
-                y = model.flow(times[before], &y, times[number])?;
-            }
-            samples.push(Sample {
-                number,
-                time_s: times[number],
-                y: y.clone(),
-            });
-        }
+    let times = &run.time_s()[..run.len().min(SHOWN)];
+    let of = |changes| {
+        let mut model = Model::new(gearbox, changes)?;
+        let all = model.follow(times[0], &states.at(run, 0), times)?;
+        let samples = motion::numbered(times, all);
         Some(forces::Columns::of(gearbox, &mut model, run, &samples)?.distance())
-    });
-    Some([both[0].take()?, both[1].take()?])
+    };
+    Some([of(Vec::new())?, of(changes)?])
 }

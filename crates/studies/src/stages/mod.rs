@@ -12,10 +12,12 @@
 //! correction, Stetter, Numer. Math. 29 (1978) 425.
 
 mod cause;
+mod designs;
 mod engine;
 mod fit;
 mod forces;
 mod judged;
+mod kept;
 mod locate;
 mod model;
 mod motion;
@@ -23,8 +25,10 @@ mod pairs;
 mod states;
 mod suspects;
 
-pub use cause::Cause;
+pub use cause::{Cause, Part};
+pub use designs::between;
 pub use engine::of_engine;
 pub use judged::{Depth, Judged, Stage};
+pub(crate) use kept::{Kept, of_kept};
 pub use locate::{Located, Runs, locate};
 pub use pairs::of_comparison;

@@ -12,8 +12,6 @@ use pinwheel_scene::{Layout, Scene, Start, load_profile};
 
 /// A change of the model, of size p.
 pub(super) enum Change {
-    /// Nothing is changed.
-    None,
     /// Keys of the scene.
     Scene(Box<dyn Fn(&mut Scene, f64)>),
     /// Masses and moments of inertia.
@@ -23,6 +21,8 @@ pub(super) enum Change {
     Pair(Box<dyn Fn(&PairContact, f64) -> [f64; 3]>),
     /// Moments of contact forces on the discs.
     Lever,
+    /// Moments of the output pins by their places at the start, with the states of all bodies there.
+    Frozen(Vec<BodyState>),
     /// The load on the output.
     Load,
     /// Share of a disc in the driver's torque.
@@ -33,69 +33,79 @@ pub(super) enum Change {
     Column(usize, usize),
 }
 
-/// Applied forces with a change of size `by`.
+impl Change {
+    fn is_step(&self) -> bool {
+        matches!(self, Self::Step)
+    }
+}
+
+/// Changes with their sizes; none: the native model.
+pub(super) type Changes<'a> = Vec<(&'a Change, f64)>;
+
+/// Applied forces with changes.
 struct Altered<'a> {
     inner: GearForces,
     field: ContactField,
     layout: Layout,
     load: load_profile::LoadSegment,
     drive: &'a pinwheel_scene::Drive,
-    change: &'a Change,
-    by: f64,
+    changes: Changes<'a>,
 }
 
 impl Forces for Altered<'_> {
     fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
         self.inner.apply(time, bodies, loads);
-        let (layout, change, by) = (self.layout, self.change, self.by);
+        let layout = self.layout;
         let wheels = layout.wheel_bodies().start;
-        if let Change::Load = change {
-            loads[Layout::OUTPUT].moment += by * self.load.torque(time);
-        }
-        if !matches!(
-            change,
-            Change::Pair(_) | Change::Lever | Change::DriverShare(_)
-        ) {
-            return;
-        }
         let law = *self.field.law();
-        self.field.touching(bodies, &mut |pair| {
-            let (sleeve, wheel) = (layout.sleeve_body(pair.sleeve), wheels + pair.wheel);
-            match change {
-                Change::Pair(force) => {
-                    let [normal, friction, along] = force(pair, pair.normal_force_at(&law, 0.0));
-                    let extra = PairContact {
-                        normal_force_n: by * normal,
-                        friction_force_n: by * friction,
-                        along_force_n: 0.0,
-                        ..*pair
-                    };
-                    let [nx, ny] = pair.normal;
-                    let beside = [-by * along * ny, by * along * nx];
-                    let bodies_of = [sleeve, wheel];
-                    add_pair(
-                        loads,
-                        bodies,
-                        bodies_of,
-                        pair.point,
-                        extra.force_on_sleeve(),
-                    );
-                    add_pair(loads, bodies, bodies_of, pair.centre, beside);
-                }
-                Change::Lever => {
-                    let [fx, fy] = pair.force_on_sleeve();
-                    let centre = bodies[wheel];
-                    let [x, y] = [pair.point[0] - centre.x, pair.point[1] - centre.y];
-                    loads[wheel].moment -= by * (x * fy - y * fx);
-                }
-                Change::DriverShare(of) if *of == pair.wheel => {
-                    let [fx, fy] = pair.force_on_sleeve();
-                    let centre = bodies[wheel];
-                    loads[Layout::INPUT].moment -= by * (centre.x * fy - centre.y * fx);
-                }
-                _ => {}
+        for &(change, by) in &self.changes {
+            if let Change::Load = change {
+                loads[Layout::OUTPUT].moment += by * self.load.torque(time);
             }
-        });
+            if let Change::Frozen(start) = change {
+                for pin in layout.internal_bodies() {
+                    let [x, y] = [start[pin].x - bodies[pin].x, start[pin].y - bodies[pin].y];
+                    let moment = x * loads[pin].fy - y * loads[pin].fx;
+                    loads[Layout::OUTPUT].moment += by * moment;
+                }
+            }
+            if !matches!(
+                change,
+                Change::Pair(_) | Change::Lever | Change::DriverShare(_)
+            ) {
+                continue;
+            }
+            self.field.touching(bodies, &mut |pair| {
+                let (sleeve, wheel) = (layout.sleeve_body(pair.sleeve), wheels + pair.wheel);
+                let centre = bodies[wheel];
+                let [fx, fy] = pair.force_on_sleeve();
+                match change {
+                    Change::Pair(force) => {
+                        let [normal, friction, along] =
+                            force(pair, pair.normal_force_at(&law, 0.0));
+                        let extra = PairContact {
+                            normal_force_n: by * normal,
+                            friction_force_n: by * friction,
+                            along_force_n: 0.0,
+                            ..*pair
+                        };
+                        let [nx, ny] = pair.normal;
+                        let beside = [-by * along * ny, by * along * nx];
+                        let of = [sleeve, wheel];
+                        add_pair(loads, bodies, of, pair.point, extra.force_on_sleeve());
+                        add_pair(loads, bodies, of, pair.centre, beside);
+                    }
+                    Change::Lever => {
+                        let [x, y] = [pair.point[0] - centre.x, pair.point[1] - centre.y];
+                        loads[wheel].moment -= by * (x * fy - y * fx);
+                    }
+                    Change::DriverShare(of) if *of == pair.wheel => {
+                        loads[Layout::INPUT].moment -= by * (centre.x * fy - centre.y * fx);
+                    }
+                    _ => {}
+                }
+            });
+        }
     }
 
     fn restart_at(&mut self, from: f64) {
@@ -104,12 +114,11 @@ impl Forces for Altered<'_> {
     }
 }
 
-/// Equations of a gear with a change.
+/// Equations of a gear with changes.
 pub(super) struct Model<'a> {
     system: Reduced<Altered<'a>>,
     gearbox: &'a Gearbox,
-    change: &'a Change,
-    by: f64,
+    changes: Changes<'a>,
 }
 
 /// Error of a step of the flow, as a share of the twist under load: without friction and with it.
@@ -118,23 +127,29 @@ const TOLERANCES: [f64; 2] = [1e-10, 1e-8];
 const STEPS: usize = 4000;
 
 impl<'a> Model<'a> {
-    /// Returns the equations of a gear with a change of size `by`; `None` if there is no such gear.
-    pub(super) fn new(gearbox: &'a Gearbox, change: &'a Change, by: f64) -> Option<Self> {
+    /// Returns the equations of a gear with changes; `None` if there is no such gear.
+    pub(super) fn new(gearbox: &'a Gearbox, changes: Changes<'a>) -> Option<Self> {
+        let is_key = |change: &Change| matches!(change, Change::Scene(_));
         let altered;
-        let used = match change {
-            Change::Scene(set) => {
-                let scene = gearbox.scene.changed(|scene| {
-                    scene.drive.start = Start::Kinematic;
-                    set(scene, by);
-                });
-                altered = Gearbox::after(Some(gearbox), &scene.ok()?).ok()?;
-                &altered
-            }
-            _ => gearbox,
+        let used = if changes.iter().any(|(change, _)| is_key(change)) {
+            let scene = gearbox.scene.changed(|scene| {
+                scene.drive.start = Start::Kinematic;
+                for &(change, by) in &changes {
+                    if let Change::Scene(set) = change {
+                        set(scene, by);
+                    }
+                }
+            });
+            altered = Gearbox::after(Some(gearbox), &scene.ok()?).ok()?;
+            &altered
+        } else {
+            gearbox
         };
         let mut mechanism = used.mechanism();
-        if let Change::Mass(set) = change {
-            set(&mut mechanism, by);
+        for &(change, by) in &changes {
+            if let Change::Mass(set) = change {
+                set(&mut mechanism, by);
+            }
         }
         let forces = Altered {
             inner: GearForces::new(used).ok()?,
@@ -142,16 +157,20 @@ impl<'a> Model<'a> {
             layout: gearbox.layout,
             load: load_profile::piece_at(&gearbox.scene.drive, 0.0),
             drive: &gearbox.scene.drive,
-            change,
-            by,
+            changes: changes.clone(),
         };
         let system = native::reduced(used, mechanism, forces).ok()?;
         Some(Self {
             system,
             gearbox,
-            change,
-            by,
+            changes,
         })
+    }
+
+    /// 1 and the sizes of the changes of a kind.
+    fn factor(&self, of: fn(&Change) -> bool) -> f64 {
+        let changes = self.changes.iter().filter(|(change, _)| of(change));
+        1.0 + changes.map(|(_, by)| by).sum::<f64>()
     }
 
     /// Bodies with angles of their own, in the order of y.
@@ -166,10 +185,8 @@ impl<'a> Model<'a> {
 
     /// Columns after the time at a state: driver's torque, output's torque, forces of the pins.
     pub(super) fn columns(&mut self, t: f64, y: &[f64]) -> Vec<f64> {
-        let drive = &self.gearbox.scene.drive;
-        let piece = load_profile::piece_at(drive, t);
-        let more = matches!(self.change, Change::Load);
-        let load = piece.torque(t) * (1.0 + if more { self.by } else { 0.0 });
+        let piece = load_profile::piece_at(&self.gearbox.scene.drive, t);
+        let load = piece.torque(t) * self.factor(|change| matches!(change, Change::Load));
         let first = self.gearbox.layout.external_bodies().start;
         self.system.restart_at(t);
         let seen = self.system.observe(t, y, Detail::Forces);
@@ -180,10 +197,11 @@ impl<'a> Model<'a> {
             .into_iter()
             .chain(forces)
             .collect();
-        if let Change::Column(from, to) = *self.change {
-            row[from..to]
-                .iter_mut()
-                .for_each(|value| *value *= 1.0 + self.by);
+        for (change, by) in &self.changes {
+            if let Change::Column(from, to) = **change {
+                let written = row[from..to].iter_mut();
+                written.for_each(|value| *value *= 1.0 + by);
+            }
         }
         row
     }
@@ -203,24 +221,36 @@ impl<'a> Model<'a> {
 
     /// State at `to` from the state `y` at `from`, s, by a converged method; `None` where it does not come through.
     pub(super) fn flow(&mut self, from: f64, y: &[f64], to: f64) -> Option<Vec<f64>> {
+        self.follow(from, y, &[to])?.pop()
+    }
+
+    /// States at `times` from the state `y` at `from`, s, as [`flow`](Self::flow).
+    pub(super) fn follow(&mut self, from: f64, y: &[f64], times: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let (first, last) = (*times.first()?, *times.last()?);
         let rough = self.gearbox.has_friction();
         let settings = StepSettings {
-            step: 0.1 * (to - from),
+            step: 0.1 * (first - from).max((last - from) / times.len() as f64),
             tolerance: TOLERANCES[usize::from(rough)],
         };
         let mut breaks = load_profile::breaks(&self.gearbox.scene.drive);
-        breaks.retain(|&time| time < to);
-        breaks.push(to);
+        breaks.retain(|&time| time < last);
+        breaks.push(last);
         let method = if rough { "rodas5p" } else { "dop853" };
         let mut stepper = Segments::start(method, settings, from, y, &breaks)?;
         self.restart_at(from);
-        for _ in 0..STEPS {
-            stepper.step(self).ok()?;
-            if to - stepper.time() <= 1e-9 * (to - from) {
-                return Some(stepper.state().to_vec());
+        let (mut at, mut steps) = (y.to_vec(), 0..STEPS * times.len());
+        let reached = times.iter().map(|&time| {
+            while time - stepper.time() > 1e-8 * settings.step {
+                steps.next()?;
+                stepper.step(self).ok()?;
             }
-        }
-        None
+            match time > from {
+                true => stepper.interpolate(self, time, &mut at),
+                false => at.copy_from_slice(y),
+            }
+            Some(at.clone())
+        });
+        reached.collect()
     }
 }
 
@@ -231,15 +261,14 @@ impl OdeSystem for Model<'_> {
 
     fn derivative(&mut self, t: f64, y: &[f64], dydt: &mut [f64]) {
         self.system.derivative(t, y, dydt);
-        if let Change::Step = self.change {
-            dydt.iter_mut().for_each(|value| *value *= 1.0 + self.by);
-        }
+        let step = self.factor(Change::is_step);
+        dydt.iter_mut().for_each(|value| *value *= step);
     }
 
     fn structure(&self) -> Structure {
-        match self.change {
-            Change::Step => Structure::FirstOrder,
-            _ => self.system.structure(),
+        match self.factor(Change::is_step) {
+            1.0 => self.system.structure(),
+            _ => Structure::FirstOrder,
         }
     }
 

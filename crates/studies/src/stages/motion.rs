@@ -46,6 +46,13 @@ pub(super) fn samples(
     numbers.into_iter().map(sample).collect()
 }
 
+/// States at times as samples of these numbers.
+pub(super) fn numbered(times: &[f64], states: Vec<Vec<f64>>) -> Vec<Sample> {
+    let all = times.iter().zip(states).enumerate();
+    all.map(|(number, (&time_s, y))| Sample { number, time_s, y })
+        .collect()
+}
+
 /// Ends of intervals that a run reached and those that the native flow reaches from the same states, over which changes weigh by
 /// what the load would do in the interval.
 pub(super) struct Motion {
@@ -95,6 +102,19 @@ impl Motion {
         };
         motion.flowed = motion.flows(native)?;
         Some(motion)
+    }
+
+    /// The motion over one of so many intervals.
+    pub(super) fn one_of(&self, many: usize) -> Self {
+        fn thin<T: Clone>(all: &[T], many: usize) -> Vec<T> {
+            all.iter().step_by(many).cloned().collect()
+        }
+        Self {
+            intervals: thin(&self.intervals, many),
+            weights: thin(&self.weights, many),
+            reached: thin(&self.reached, many),
+            flowed: thin(&self.flowed, many),
+        }
     }
 
     /// States at the ends of the intervals by a model.
@@ -180,23 +200,19 @@ impl Motion {
             return [Stage::Equations, Stage::Integration].map(|stage| Judged::untold(stage, note));
         };
         let fell = rough.share() / self.share();
-        let equations = Judged {
-            stage: Stage::Equations,
-            residual: Some(size),
-            // An error of the step alone falls to half at least.
-            bound: size * (fell - 1.0).abs() + FLOW,
-            note: self.place(),
-        };
-        let integration = Judged {
-            stage: Stage::Integration,
-            residual: Some(size),
-            bound: (size * fell / falls).max(SMALL),
-            note: format!(
+        // An error of the step alone falls to half at least.
+        let bound = size * (fell - 1.0).abs() + FLOW;
+        let equations = Judged::told(Stage::Equations, size, bound, self.place());
+        let integration = Judged::told(
+            Stage::Integration,
+            size,
+            (size * fell / falls).max(SMALL),
+            format!(
                 "falls by {:.1} where it should by {falls:.1}, {}",
                 fell,
                 self.place()
             ),
-        };
+        );
         match equations.is_off() {
             true => [
                 equations,
@@ -208,7 +224,7 @@ impl Motion {
 }
 
 /// Inverse of what the load would accelerate each coordinate by, with the masses it moves: s^2, or s^2/m.
-fn strengths(gearbox: &Gearbox, native: &Model<'_>, columns: &Columns) -> Vec<f64> {
+pub(super) fn strengths(gearbox: &Gearbox, native: &Model<'_>, columns: &Columns) -> Vec<f64> {
     let scene = &gearbox.scene;
     let layout = gearbox.layout;
     let load = load_profile::largest(&scene.drive).max(gearbox.least_loads().torque_n_m);

@@ -7,13 +7,14 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_timeseries::TimeSeries;
 
 use super::engine::of_engine;
+use super::kept::of_record;
 use super::locate::Located;
 
 /// Share of the largest difference from which a run has departed.
 const DEPARTED: f64 = 0.2;
 
-/// Judges the stages of every engine with the scene's law that differs from a native run or diverged, and of solvers from outside
-/// that are inconclusive too.
+/// Judges the stages of every engine with the scene's law that differs from a native run or diverged, of solvers from outside
+/// that are inconclusive too, and of records. Engines with contacts of their own are never judged.
 ///
 /// # Errors
 /// A stop.
@@ -31,34 +32,35 @@ pub fn of_comparison(
         return Ok(Vec::new());
     };
     let mut all = Vec::new();
-    for engine in engines {
-        let info = engine.info();
-        let asked = |verdict| match verdict {
-            Verdict::Differ => true,
-            Verdict::Inconclusive => info.brought,
-            _ => false,
-        };
+    for one in participants
+        .iter()
+        .filter(|one| !one.time_series.is_empty())
+    {
         let is_of = |pair: &&Pair| {
-            let both = [&pair.a, &pair.b];
-            both.contains(&&native.name) && both.iter().any(|name| *name == info.name)
+            [&pair.a, &pair.b].contains(&&native.name) && [&pair.a, &pair.b].contains(&&one.name)
         };
+        let mut engines = engines.iter();
+        let engine = engines.find(|engine| engine.name() == one.name);
+        let brought = engine.is_none_or(|engine| engine.info().brought);
+        let asked =
+            |verdict| verdict == Verdict::Differ || verdict == Verdict::Inconclusive && brought;
         let mut pairs = comparison.pairs.iter().filter(is_of);
-        let mut ran = participants.iter();
-        let ran = ran.find(|one| one.name == info.name && !one.time_series.is_empty());
-        let differs = |one: &&Participant| {
-            one.status.is_broken()
-                || pairs.any(|pair| pair.entries.iter().any(|entry| asked(entry.result.verdict)))
+        let differs = one.status.is_broken()
+            || pairs.any(|pair| pair.entries.iter().any(|entry| asked(entry.result.verdict)));
+        let found = match (one.track, engine) {
+            _ if !differs => None,
+            (SharedModel::SharedLaw, Some(engine)) => {
+                let until_s = match one.status.is_finished() {
+                    true => departure_s(&one.time_series, &native.time_series),
+                    false => 0.0,
+                };
+                let found = of_engine(engine.as_ref(), gearbox, until_s, control)?;
+                found.filter(|found| brought || found.first().is_some())
+            }
+            (SharedModel::Measured, _) => of_record(gearbox, &one.name, &one.time_series),
+            _ => None,
         };
-        if info.track == SharedModel::SharedLaw
-            && let Some(ran) = ran.filter(differs)
-        {
-            let until_s = match ran.status.is_finished() {
-                true => departure_s(&ran.time_series, &native.time_series),
-                false => 0.0,
-            };
-            let found = of_engine(engine.as_ref(), gearbox, until_s, control)?;
-            all.extend(found.filter(|found| info.brought || found.first().is_some()));
-        }
+        all.extend(found);
     }
     Ok(all)
 }

@@ -71,15 +71,12 @@ impl Columns {
     /// Columns that a run lacks, as patterns.
     pub(super) fn missing(&self, run: &TimeSeries) -> Vec<String> {
         let names = self.channels().into_iter();
-        let lacking = names.filter(|name| run.channel(name).is_none());
-        let mut patterns: Vec<String> = lacking
-            .map(|name| match group_of(&name) {
-                (family, Some(_)) => format!("{family}_*"),
-                (family, None) => family.to_owned(),
-            })
-            .collect();
-        patterns.dedup();
-        patterns
+        patterns(names.filter(|name| run.channel(name).is_none()))
+    }
+
+    /// Columns beyond those that every run has, as patterns.
+    pub(super) fn patterns(&self) -> Vec<String> {
+        patterns(self.channels().into_iter())
     }
 
     /// State of a run at a sample; NaN for what it lacks.
@@ -90,4 +87,15 @@ impl Columns {
         };
         self.names.iter().map(value).collect()
     }
+}
+
+fn patterns(names: impl Iterator<Item = String>) -> Vec<String> {
+    let mut patterns: Vec<String> = names
+        .map(|name| match group_of(&name) {
+            (family, Some(_)) => format!("{family}_*"),
+            (family, None) => family.to_owned(),
+        })
+        .collect();
+    patterns.dedup();
+    patterns
 }

@@ -33,6 +33,23 @@ pub(super) struct Suspect {
     pub(super) change: Change,
 }
 
+impl Suspect {
+    /// True if columns at given states show it.
+    pub(super) fn shows_in_columns(&self) -> bool {
+        !matches!(self.stage, Stage::Equations | Stage::Integration)
+    }
+
+    /// True if it acts on the motion.
+    pub(super) fn moves(&self) -> bool {
+        !matches!(self.change, Change::Column(..) | Change::DriverShare(_))
+    }
+
+    /// True if it acts on the motion where the forces are right.
+    pub(super) fn moves_alone(&self) -> bool {
+        self.moves() && self.stage >= Stage::Assembly
+    }
+}
+
 /// Pairs that a fault concerns.
 type Of = fn(&PairContact) -> bool;
 
@@ -140,8 +157,9 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
         let what = format!("inertia of disc {wheel}");
         add(Equations, "inertia", &what, Factor, turning(body..body + 1));
     }
-    let what = "moments of contact forces on the discs";
-    add(Assembly, "lever", what, Factor, Change::Lever);
+    let what = "levers of the output pins as at the start";
+    let frozen = Change::Frozen(gearbox.initial_states());
+    add(Assembly, "lever", what, Switch, frozen);
     let (external, internal) = (layout.external_bodies(), layout.internal_bodies());
     let pins = internal.clone();
     let output = move |mechanism: &mut Mechanism, p: f64| {
@@ -169,6 +187,9 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
     ] {
         add(Equations, "inertia", what, Factor, change);
     }
+    // A disc's motion knows moment over inertia alone.
+    let what = "moments of contact forces on the discs";
+    add(Assembly, "lever", what, Factor, Change::Lever);
     add(Equations, "load", "load", Factor, Change::Load);
     add(
         Integration,

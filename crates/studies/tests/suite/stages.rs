@@ -11,15 +11,19 @@ use pinwheel_gearbox::internals::GearForces;
 use pinwheel_gearbox::{Frequencies, Gearbox, Recorder, native};
 use pinwheel_mbs::Detail;
 use pinwheel_mbs::integrators::{Segments, StepSettings, Stepper as _};
-use pinwheel_mbs::{Formulation as _, Mechanism, OdeSystem as _, Reduced};
-use pinwheel_scene::{CheckedScene, Scene, load_profile};
-use pinwheel_studies::stages::{Located, Stage, of_engine};
+use pinwheel_mbs::{
+    BodyState, Forces, Formulation as _, Mechanism, OdeSystem as _, Reduced, Wrench,
+};
+use pinwheel_scene::{CheckedScene, Layout, Scene, load_profile};
+use pinwheel_studies::stages::{Located, Runs, Stage, between, locate, of_engine};
 use pinwheel_timeseries::TimeSeries;
 
 use crate::gears::gear;
 
-/// A solver of the reduced form by Runge-Kutta 4, with faults.
+/// A solver of the reduced form by Runge-Kutta 4, or an engine, with faults.
 struct Solver {
+    /// Engine that runs in its place.
+    engine: Option<&'static str>,
     /// Method and the order that it states.
     method: (&'static str, f64),
     /// Fault of native parts.
@@ -32,25 +36,40 @@ struct Solver {
     column: fn(usize) -> f64,
     /// Heun's method whose second stage is the first again.
     stale: bool,
+    /// Output pins that act by their levers of the start.
+    frozen: bool,
+    /// The driver's torque lacks the reaction of disc 0.
+    lost: bool,
     /// Its step for the one asked for.
     longer: f64,
 }
 
 const RIGHT: Solver = Solver {
+    engine: None,
     method: ("rk4", 4.0),
     fault: None,
     scene: |_| {},
     mass: |_| {},
     column: |_| 1.0,
     stale: false,
+    frozen: false,
+    lost: false,
     longer: 1.0,
 };
 
+/// A right solver with something done to it.
+fn with(change: impl Fn(&mut Solver)) -> Solver {
+    let mut solver = RIGHT;
+    change(&mut solver);
+    solver
+}
+
 impl Engine for Solver {
     fn info(&self) -> EngineInfo<'_> {
+        let engine = self.engine.and_then(pinwheel_engines::info);
         EngineInfo {
-            refinement: Some(Refinement::step(self.method.1)),
-            ..EngineInfo::own("mine", SharedModel::SharedLaw)
+            refinement: engine.map_or(Some(Refinement::step(self.method.1)), |it| it.refinement),
+            ..EngineInfo::own(self.engine.unwrap_or("mine"), SharedModel::SharedLaw)
         }
     }
 
@@ -60,23 +79,61 @@ impl Engine for Solver {
 
     fn prepare<'a>(&'a self, gearbox: &Gearbox) -> Result<Prepared<'a>, Halt> {
         let gearbox = gearbox.clone();
-        Ok(Box::new(
-            move |_: &Control<'_>| Ok(self.integrate(&gearbox)),
-        ))
+        Ok(Box::new(move |control: &Control<'_>| {
+            let _armed = self.fault.map(Armed::with);
+            let own = Gearbox::new(&gearbox.scene.changed(self.scene).unwrap()).unwrap();
+            let engine = self.engine.map(|name| by_name(name, &own.scene).unwrap());
+            Ok(match engine {
+                Some(engine) => {
+                    let run = engine.run_compiled(&own, control)?;
+                    let time_series = self.written(&run.time_series);
+                    Run { time_series, ..run }
+                }
+                None => self.integrate(&gearbox, &own),
+            })
+        }))
+    }
+}
+
+/// Forces, with moments on the output by the places of its pins at the start.
+struct Frozen {
+    inner: GearForces,
+    start: Vec<BodyState>,
+    pins: std::ops::Range<usize>,
+}
+
+impl Forces for Frozen {
+    fn apply(&mut self, time: f64, bodies: &[BodyState], loads: &mut [Wrench]) {
+        self.inner.apply(time, bodies, loads);
+        for pin in self.pins.clone() {
+            let [x, y] = [
+                self.start[pin].x - bodies[pin].x,
+                self.start[pin].y - bodies[pin].y,
+            ];
+            loads[Layout::OUTPUT].moment += x * loads[pin].fy - y * loads[pin].fx;
+        }
+    }
+
+    fn restart_at(&mut self, from: f64) {
+        self.inner.restart_at(from);
     }
 }
 
 impl Solver {
-    fn integrate(&self, gearbox: &Gearbox) -> Run {
-        let _armed = self.fault.map(Armed::with);
-        let own = Gearbox::new(&gearbox.scene.changed(self.scene).unwrap()).unwrap();
+    fn integrate(&self, gearbox: &Gearbox, own: &Gearbox) -> Run {
         let mut mechanism = own.mechanism();
         // Whatever it takes the gear for, it starts as the scene says.
         for (body, right) in mechanism.bodies.iter_mut().zip(gearbox.initial_states()) {
             body.start = right;
         }
         (self.mass)(&mut mechanism);
-        let mut system = native::reduced(&own, mechanism, GearForces::new(&own).unwrap()).unwrap();
+        let pins = own.layout.internal_bodies();
+        let forces = Frozen {
+            inner: GearForces::new(own).unwrap(),
+            start: gearbox.initial_states(),
+            pins: if self.frozen { pins } else { 0..0 },
+        };
+        let mut system = native::reduced(own, mechanism, forces).unwrap();
         let mut field = own.contact_field().unwrap();
         let mut recorder = Recorder::new(gearbox);
         let mut y = system.initial();
@@ -104,10 +161,22 @@ impl Solver {
             }
             before = t;
             let seen = system.observe(t, &y, Detail::Everything);
-            recorder.record_observed(&seen, [seen.driver_torques[0], own.load_torque(t)]);
+            let mut driver = seen.driver_torques[0];
+            if self.lost {
+                field.touching(seen.bodies, &mut |pair| {
+                    let [fx, fy] = pair.force_on_sleeve();
+                    let disc = &seen.bodies[own.layout.wheel_bodies().start];
+                    driver -= if pair.wheel == 0 {
+                        disc.x * fy - disc.y * fx
+                    } else {
+                        0.0
+                    };
+                });
+            }
+            recorder.record_observed(&seen, [driver, own.load_torque(t)]);
             recorder.record_channels(&mut Seen {
                 bodies: seen.bodies,
-                driver_torque_n_m: seen.driver_torques[0],
+                driver_torque_n_m: driver,
                 reactions: None,
                 contacts: &mut LawPairs(&mut field),
             });
@@ -130,7 +199,7 @@ impl Solver {
     }
 }
 
-fn stale_heun(system: &mut Reduced<GearForces>, t: f64, h: f64, y: &mut [f64]) {
+fn stale_heun(system: &mut Reduced<Frozen>, t: f64, h: f64, y: &mut [f64]) {
     let mut slope = vec![0.0; y.len()];
     system.derivative(t, y, &mut slope);
     y.iter_mut()
@@ -166,292 +235,335 @@ fn located(engine: &dyn Engine, scene: &CheckedScene, until_s: f64) -> Option<Lo
     Some(found)
 }
 
-/// A fault: what it does, the stage and the cause that are to be named, and the cause's size within a tolerance.
-type Row = (&'static str, Solver, Stage, &'static str, f64, f64);
+/// A fault: what it is, the stage that is to be named, and the parts of its cause: the word, the size and within how much.
+type Row = (
+    &'static str,
+    Solver,
+    Stage,
+    &'static [(&'static str, f64, f64)],
+);
 
-fn holds(rows: Vec<Row>, scene: &CheckedScene, until_s: f64) {
-    for (name, solver, stage, word, size, within) in rows {
-        println!("{name}:");
-        let found = located(&solver, scene, until_s).unwrap();
+/// Prints the table, and checks it.
+fn holds(rows: Vec<Row>, scene: &CheckedScene) {
+    let mut table = vec!["| fault | stage | cause |".to_owned()];
+    for (name, solver, stage, parts) in rows {
+        let found = located(&solver, scene, 0.0).unwrap();
+        let who = solver.name().to_owned();
+        table.push(format!(
+            "| {name} in {who} | {:?} | {} |",
+            found.first(),
+            found.words()
+        ));
         assert_eq!(found.first(), Some(stage), "{name}: {}", found.sentence());
-        let cause = found.cause.as_ref();
-        assert_eq!(cause.map_or("", |cause| cause.word), word, "{name}");
-        if let Some(cause) = cause {
-            assert!(
-                (cause.size - size).abs() <= within,
-                "{name}: {}",
-                cause.size
-            );
+        let cause = found.cause.as_ref().map_or(&[][..], |cause| &cause.parts);
+        assert_eq!(cause.len(), parts.len(), "{name}: {}", found.sentence());
+        for (part, (word, size, within)) in cause.iter().zip(parts) {
+            assert_eq!(part.word, *word, "{name}");
+            assert!((part.size - size).abs() <= *within, "{name}: {}", part.size);
         }
     }
+    println!("{}", table.join("\n"));
 }
+
+fn massless(mechanism: &mut Mechanism) {
+    let pins = mechanism.bodies.iter_mut().rev().take(8);
+    pins.for_each(|pin| pin.mass = 1e-9);
+}
+
+const HOLES: fn(&mut Scene) =
+    |s| s.gear.errors.hole_tangential_m = [vec![0.0; 8], vec![3.8e-6; 8]].concat();
 
 /// Sizes are those of the faults; tolerances ten times what was measured.
 #[test]
 fn names_faults() {
     use Stage::{Assembly, Driver, Equations, Integration, Law, Start};
-    let output_pins = |m: &mut Mechanism| {
-        m.bodies
-            .iter_mut()
-            .rev()
-            .take(8)
-            .for_each(|pin| pin.mass = 1e-9)
-    };
+    let stiff: fn(&mut Scene) = |s| s.contact.stiffness_multiplier *= 1.001;
     let rows: Vec<Row> = vec![
         (
             "output pins without mass",
-            Solver {
-                mass: output_pins,
-                ..RIGHT
-            },
+            with(|s| s.mass = massless),
             Equations,
-            "inertia",
-            -1.0,
-            1e-4,
+            &[("inertia", -1.0, 1e-4)],
         ),
         (
             "load twice",
-            Solver {
-                scene: |s| s.drive.output_torque_n_m *= 2.0,
-                ..RIGHT
-            },
+            with(|s| s.scene = |s| s.drive.output_torque_n_m *= 2.0),
             Equations,
-            "load",
-            1.0,
-            1e-5,
+            &[("load", 1.0, 1e-5)],
         ),
         (
-            "load of the other sign",
-            Solver {
-                scene: |s| s.drive.output_torque_n_m *= -1.0,
-                ..RIGHT
-            },
+            "load's sign",
+            with(|s| s.scene = |s| s.drive.output_torque_n_m *= -1.0),
             Equations,
-            "load",
-            -2.0,
-            1e-5,
+            &[("load", -2.0, 1e-5)],
         ),
         (
             "stiffness 0.1 %",
-            Solver {
-                scene: |s| s.contact.stiffness_multiplier *= 1.001,
-                ..RIGHT
-            },
+            with(|s| s.scene = stiff),
             Law,
-            "stiffness",
-            1e-3,
-            1e-7,
+            &[("stiffness", 1e-3, 1e-7)],
         ),
         (
             "stiffness 1 %",
-            Solver {
-                fault: Some(Fault::Stiffness),
-                ..RIGHT
-            },
+            with(|s| s.fault = Some(Fault::Stiffness)),
             Law,
-            "stiffness",
-            1e-2,
-            1e-6,
+            &[("stiffness", 1e-2, 1e-6)],
         ),
         (
             "damping 1 %",
-            Solver {
-                scene: |s| s.contact.damping_n_s_m *= 1.01,
-                ..RIGHT
-            },
+            with(|s| s.scene = |s| s.contact.damping_n_s_m *= 1.01),
             Law,
-            "damping",
-            1e-2,
-            1e-4,
+            &[("damping", 1e-2, 1e-4)],
         ),
         (
             "a longer ramp",
-            Solver {
-                scene: |s| s.contact.ramp_m *= 1.2,
-                ..RIGHT
-            },
+            with(|s| s.scene = |s| s.contact.ramp_m *= 1.2),
             Law,
-            "damping",
-            0.2,
-            1e-5,
+            &[("damping", 0.2, 1e-5)],
         ),
         (
             "a disc's inertia",
-            Solver {
-                mass: |m| m.bodies[2].moment *= 1.05,
-                ..RIGHT
-            },
+            with(|s| s.mass = |m| m.bodies[2].moment *= 1.05),
             Equations,
-            "inertia",
-            0.05,
-            1e-6,
+            &[("inertia", 0.05, 1e-6)],
         ),
         (
             "a disc's phase",
-            Solver {
-                fault: Some(Fault::WheelPhase),
-                ..RIGHT
-            },
+            with(|s| s.fault = Some(Fault::WheelPhase)),
             Start,
-            "phase",
-            1e-4,
-            1e-9,
+            &[("phase", 1e-4, 1e-9)],
         ),
         (
             "eccentricity",
-            Solver {
-                scene: |s| s.gear.eccentricity_m *= 0.9999,
-                ..RIGHT
-            },
+            with(|s| s.scene = |s| s.gear.eccentricity_m *= 0.9999),
             Start,
-            "eccentricity",
-            -1e-4,
-            1e-8,
+            &[("eccentricity", -1e-4, 1e-8)],
         ),
         (
             "holes' angle",
-            Solver {
-                scene: |s| {
-                    s.gear.errors.hole_tangential_m = [vec![0.0; 8], vec![3.8e-6; 8]].concat()
-                },
-                ..RIGHT
-            },
+            with(|s| s.scene = HOLES),
             Start,
-            "holes",
-            1e-4,
-            1e-8,
+            &[("holes", 1e-4, 1e-8)],
+        ),
+        (
+            "gear ratio off by one",
+            with(|s| {
+                s.mass = |m| {
+                    m.bodies[2..4]
+                        .iter_mut()
+                        .for_each(|b| b.start.rate *= 15.0 / 16.0)
+                }
+            }),
+            Start,
+            &[],
         ),
         (
             "driver's sign",
-            Solver {
-                column: |k| if k == 0 { -1.0 } else { 1.0 },
-                ..RIGHT
-            },
+            with(|s| s.column = |k| if k == 0 { -1.0 } else { 1.0 }),
             Driver,
-            "torque",
-            -2.0,
-            1e-9,
+            &[("torque", -2.0, 1e-9)],
+        ),
+        (
+            "joint reaction missing in the driver's torque",
+            with(|s| s.lost = true),
+            Driver,
+            &[("share", -1.0, 1e-9)],
         ),
         (
             "output's torque as written",
-            Solver {
-                column: |k| if k == 1 { 1.02 } else { 1.0 },
-                ..RIGHT
-            },
+            with(|s| s.column = |k| if k == 1 { 1.02 } else { 1.0 }),
             Assembly,
-            "torque",
-            0.02,
-            1e-9,
+            &[("torque", 0.02, 1e-9)],
         ),
         (
             "forces as written",
-            Solver {
-                column: |k| if (3..27).contains(&k) { 1.2 } else { 1.0 },
-                ..RIGHT
-            },
+            with(|s| s.column = |k| if (3..27).contains(&k) { 1.2 } else { 1.0 }),
             Law,
-            "force",
-            0.2,
-            1e-9,
+            &[("force", 0.2, 1e-9)],
+        ),
+        (
+            "mass matrix and levers frozen at the start",
+            with(|s| s.frozen = true),
+            Assembly,
+            &[("lever", 1.0, 1e-6)],
         ),
         (
             "Heun with a stale stage",
-            Solver {
-                stale: true,
-                method: ("rk2", 2.0),
-                ..RIGHT
-            },
+            with(|s| (s.stale, s.method) = (true, ("rk2", 2.0))),
             Integration,
-            "",
-            0.0,
-            0.0,
+            &[],
         ),
         (
             "stale foot",
-            Solver {
-                fault: Some(Fault::StaleFoot),
-                ..RIGHT
-            },
+            with(|s| s.fault = Some(Fault::StaleFoot)),
             Law,
-            "",
-            0.0,
-            0.0,
+            &[],
+        ),
+        (
+            "stiffness and damping",
+            with(|s| {
+                s.scene = |s| {
+                    s.contact.stiffness_multiplier *= 1.001;
+                    s.contact.damping_n_s_m *= 1.1
+                }
+            }),
+            Law,
+            &[("stiffness", 1e-3, 1e-6), ("damping", 0.1, 1e-2)],
+        ),
+        (
+            "load and a disc's inertia",
+            with(|s| {
+                s.scene = |s| s.drive.output_torque_n_m *= 1.01;
+                s.mass = |m| m.bodies[2].moment *= 1.05
+            }),
+            Equations,
+            &[("inertia", 0.05, 1e-4), ("load", 0.01, 1e-4)],
         ),
     ];
-    holds(rows, &scene("paper", &[]), 0.0);
+    holds(rows, &scene("paper", &[]));
 }
 
 /// The ramp of friction is wide enough for an explicit method.
 #[test]
 fn names_faults_of_friction() {
-    let sets = [
+    let wide = [
         "contact.friction_ramp_m_s=5e-3",
         "contact.friction_coefficient=0.1",
     ];
-    let pins = |m: &mut Mechanism| {
+    let pins: fn(&mut Mechanism) = |m| {
         m.bodies
             .iter_mut()
             .rev()
             .take(24)
             .for_each(|pin| pin.moment *= 2.0)
     };
+    let loose = |s: &mut Solver| (s.fault, s.method) = (Some(Fault::LooseFriction), ("imex2", 2.0));
     let rows: Vec<Row> = vec![
         (
-            "sign of friction",
-            Solver {
-                fault: Some(Fault::FrictionSign),
-                ..RIGHT
-            },
+            "friction's sign",
+            with(|s| s.fault = Some(Fault::FrictionSign)),
             Stage::Law,
-            "friction",
-            -2.0,
-            1e-6,
+            &[("friction", -2.0, 1e-6)],
         ),
         (
             "no friction",
-            Solver {
-                scene: |s| s.contact.friction_coefficient = 1e-12,
-                ..RIGHT
-            },
+            with(|s| s.scene = |s| s.contact.friction_coefficient = 1e-12),
             Stage::Law,
-            "friction",
-            -1.0,
-            1e-6,
+            &[("friction", -1.0, 1e-6)],
         ),
         (
             "stiffness",
-            Solver {
-                fault: Some(Fault::Stiffness),
-                ..RIGHT
-            },
+            with(|s| s.fault = Some(Fault::Stiffness)),
             Stage::Law,
-            "stiffness",
-            1e-2,
-            1e-6,
+            &[("stiffness", 1e-2, 1e-6)],
         ),
         (
             "pins' inertia",
-            Solver {
-                mass: pins,
-                ..RIGHT
-            },
+            with(|s| s.mass = pins),
             Stage::Equations,
-            "inertia",
-            1.0,
-            0.02,
+            &[("inertia", 1.0, 0.02)],
         ),
     ];
-    holds(rows, &scene("paper", &sets), 0.0);
+    holds(rows, &scene("paper", &wide));
+    // Pins that stick and slip ask for more than one Newton step.
+    let narrow = scene("paper-friction", &[]);
+    let name = "implicit friction with a loose tolerance";
+    let right = with(|s| s.method = ("imex2", 2.0));
+    holds(vec![(name, with(loose), Stage::Integration, &[])], &narrow);
+    assert_eq!(located(&right, &narrow, 0.0).unwrap().first(), None);
+}
+
+/// An engine of others that takes the gear for another one.
+#[test]
+fn names_faults_in_an_engine() {
+    use Stage::{Assembly, Driver, Equations, Law, Start};
+    let of = |change: fn(&mut Solver)| {
+        let mut solver = with(change);
+        solver.engine = Some("rapier-shared-law");
+        solver
+    };
+    let rows: Vec<Row> = vec![
+        (
+            "output pins without mass",
+            of(|s| s.scene = |s| s.mass.internal_sleeve.mass_kg = 1e-9),
+            Equations,
+            &[("inertia", -1.0, 1e-2)],
+        ),
+        (
+            "load twice",
+            of(|s| s.scene = |s| s.drive.output_torque_n_m *= 2.0),
+            Equations,
+            &[("load", 1.0, 1e-3)],
+        ),
+        (
+            "load's sign",
+            of(|s| s.scene = |s| s.drive.output_torque_n_m *= -1.0),
+            Equations,
+            &[("load", -2.0, 1e-3)],
+        ),
+        (
+            "stiffness 1 %",
+            of(|s| s.fault = Some(Fault::Stiffness)),
+            Law,
+            &[("stiffness", 1e-2, 1e-5)],
+        ),
+        (
+            "damping 1 %",
+            of(|s| s.scene = |s| s.contact.damping_n_s_m *= 1.01),
+            Law,
+            &[("damping", 1e-2, 1e-4)],
+        ),
+        (
+            "discs' inertia",
+            of(|s| s.scene = |s| s.mass.wheel.moment_kg_m2 *= 1.05),
+            Equations,
+            &[("inertia", 0.05, 1e-3)],
+        ),
+        (
+            "a disc's phase",
+            of(|s| s.fault = Some(Fault::WheelPhase)),
+            Start,
+            &[("phase", 1e-4, 1e-8)],
+        ),
+        (
+            "eccentricity",
+            of(|s| s.scene = |s| s.gear.eccentricity_m *= 0.9999),
+            Start,
+            &[("eccentricity", -1e-4, 1e-8)],
+        ),
+        (
+            "holes' angle",
+            of(|s| s.scene = HOLES),
+            Start,
+            &[("holes", 1e-4, 1e-8)],
+        ),
+        (
+            "driver's sign",
+            of(|s| s.column = |k| if k == 0 { -1.0 } else { 1.0 }),
+            Driver,
+            &[("torque", -2.0, 1e-9)],
+        ),
+        (
+            "output's torque as written",
+            of(|s| s.column = |k| if k == 1 { 1.02 } else { 1.0 }),
+            Assembly,
+            &[("torque", 0.02, 1e-9)],
+        ),
+        (
+            "stale foot",
+            of(|s| s.fault = Some(Fault::StaleFoot)),
+            Law,
+            &[],
+        ),
+    ];
+    holds(rows, &scene("paper", &[]));
 }
 
 /// A step that passes over a jump of the load shows where the load jumps, and there alone.
 #[test]
 fn names_a_step_over_a_jump() {
     let scene = scene("hard-load-doubled", &["solver.step_s=2.3e-5"]);
-    let solver = Solver {
-        fault: Some(Fault::PassedBreak),
-        ..RIGHT
-    };
+    let solver = with(|s| s.fault = Some(Fault::PassedBreak));
     let found = located(&solver, &scene, 0.01).unwrap();
     assert_eq!(
         found.first(),
@@ -515,10 +627,7 @@ fn accuses_nobody() {
 /// Gears that nobody chose: no stage of a right solver is off, and 1 % more stiffness is named with its factor on each.
 #[test]
 fn judges_random_gears() {
-    let wrong = Solver {
-        fault: Some(Fault::Stiffness),
-        ..RIGHT
-    };
+    let wrong = with(|s| s.fault = Some(Fault::Stiffness));
     let (mut judged, mut named) = (0, 0);
     for number in 0..20 {
         let Some(mut scene) = gear(number) else {
@@ -543,7 +652,7 @@ fn judges_random_gears() {
             found
                 .cause
                 .as_ref()
-                .is_some_and(|cause| cause.word == "stiffness"),
+                .is_some_and(|cause| cause.parts[0].word == "stiffness"),
         );
         assert!(
             found.first() <= Some(Stage::Law),
@@ -555,39 +664,54 @@ fn judges_random_gears() {
     assert!(named >= 8 && named + 1 >= judged, "{named} of {judged}");
 }
 
-/// Engines of others are right, as their own tests say.
-fn accuse_none(pairs: impl Fn(usize, usize) -> bool) {
-    const PRESETS: [&str; 5] = [
+/// Engines of others are right, as their own tests say: prints a line a pair, and counts them.
+fn accuse_none(pairs: impl Fn(usize, usize) -> bool) -> usize {
+    const PRESETS: [&str; 9] = [
         "paper",
-        "paper-friction",
         "hard-load-reversal",
         "one-wheel",
+        "paper-friction",
         "paper-bearings",
+        "eleven-pins",
+        "modified",
+        "rv-320",
+        "toleranced",
     ];
-    const ENGINES: [&str; 5] = [
+    const ENGINES: [&str; 7] = [
         "rapier-shared-law",
         "exudyn-shared-law-constrained",
         "exudyn-shared-law-explicit",
         "mujoco-shared-law",
         "ida-shared-law",
+        "simbody-shared-law",
+        "simbody-shared-law-implicit",
     ];
+    let mut judged = 0;
     for (i, preset) in PRESETS.into_iter().enumerate() {
         let scene = scene(preset, &[]);
         for (k, name) in ENGINES.into_iter().enumerate() {
             let engine = by_name(name, &scene).filter(|_| pairs(i, k));
-            let Some(engine) = engine else {
-                continue;
-            };
-            if let Some(found) = located(engine.as_ref(), &scene, 0.0) {
-                assert_eq!(
-                    found.first(),
-                    None,
-                    "{name}, {preset}: {}",
-                    found.sentence()
-                );
-            }
+            let found = engine.and_then(|engine| located(engine.as_ref(), &scene, 0.0));
+            let Some(found) = found else { continue };
+            let told = found
+                .stages
+                .iter()
+                .filter(|judged| judged.residual.is_some())
+                .count();
+            println!(
+                "| {preset} | {name} | {told} stages | {} |",
+                found.sentence()
+            );
+            assert_eq!(
+                found.first(),
+                None,
+                "{name}, {preset}: {}",
+                found.sentence()
+            );
+            judged += 1;
         }
     }
+    judged
 }
 
 /// Every engine on one scene, and every scene by one engine.
@@ -597,26 +721,48 @@ fn accuses_no_engine() {
 }
 
 #[test]
-#[ignore = "weekly: 30 s for the other pairs of scene and engine"]
+#[ignore = "weekly: minutes for the other pairs of scene and engine"]
 fn accuses_no_engine_in_any_scene() {
-    accuse_none(|preset, engine| preset != engine);
+    let judged = accuse_none(|_, _| true);
+    println!("{judged} right pairs");
+    // Machines lack engines.
+    assert!(judged >= 9, "{judged}");
 }
 
-/// A solver that writes no states hears which columns would tell.
+/// A solver that writes no states is judged by what it writes, as a record is, and hears which columns would tell.
 #[test]
 fn asks_for_columns() {
     let gearbox = Gearbox::new(&scene("paper", &["solver.duration_s=0.002"])).unwrap();
-    let run = RIGHT.integrate(&gearbox).time_series;
-    let runs = pinwheel_studies::stages::Runs {
-        name: "mine",
-        run: &run,
-        finer: None,
-    };
-    let said = pinwheel_studies::stages::locate(&gearbox, runs)
+    let run = RIGHT.integrate(&gearbox, &gearbox).time_series;
+    let (name, run, finer) = ("mine", &run, None);
+    let said = locate(&gearbox, Runs { name, run, finer })
         .unwrap()
         .sentence();
     assert!(
         said.contains("wheel_angle_rad_*, output_rate_rad_s, wheel_rate_rad_s_*"),
         "{said}"
     );
+}
+
+/// The stage in which a model differs from another at the same states, key by key.
+#[test]
+fn names_the_stage_of_a_key() {
+    let of = |sets: &[&str]| Gearbox::new(&scene("paper", sets)).unwrap();
+    let own = of(&[]);
+    for (set, stage) in [
+        ("gear.errors.phase_rad=[0.0, 1e-4]", Some(Stage::Start)),
+        ("drive.input_speed_rad_s=50.0", Some(Stage::Start)),
+        ("gear.eccentricity_m=2.7999e-3", Some(Stage::ContactSearch)),
+        ("contact.stiffness_multiplier=1.01", Some(Stage::Law)),
+        ("contact.friction_coefficient=0.1", Some(Stage::Law)),
+        ("mass.wheel.moment_kg_m2=1e-4", Some(Stage::Equations)),
+        ("drive.output_torque_n_m=23.0", Some(Stage::Equations)),
+        ("solver.step_s=2e-6", None),
+    ] {
+        for both in [[&own, &of(&[set])], [&of(&[set]), &own]] {
+            let found = between(both).unwrap();
+            assert_eq!(found.first(), stage, "{set}: {}", found.sentence());
+        }
+    }
+    assert_eq!(between([&own, &of(&["gear.wheels=1"])]), None);
 }

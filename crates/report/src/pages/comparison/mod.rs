@@ -5,7 +5,7 @@ mod common;
 mod figures;
 mod pairs;
 mod sections;
-mod stages;
+pub(super) mod stages;
 mod text;
 mod twins;
 mod words;

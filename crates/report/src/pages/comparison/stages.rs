@@ -31,7 +31,8 @@ pub(super) fn section(found: &Outcome) -> Option<Section> {
     (!blocks.is_empty()).then(|| Section::new("stages", "Stages").with(blocks))
 }
 
-fn blocks(located: &Located) -> Vec<Block> {
+/// A table of the stages, and residuals over time, pins and the profile.
+pub(in crate::pages) fn blocks(located: &Located) -> Vec<Block> {
     let share = |judged: &Judged, value: f64| match judged.residual {
         Some(_) => format!("{value:.1e}"),
         None => String::new(),
@@ -41,7 +42,11 @@ fn blocks(located: &Located) -> Vec<Block> {
         Some(_) if judged.is_off() => "off",
         Some(_) => "passes",
     };
-    let title = format!("{}: {}", words::short(&located.run), located.in_full());
+    let said = match (&located.cause, located.first()) {
+        (None, Some(_)) => located.off(),
+        _ => located.in_full(),
+    };
+    let title = format!("{}: {said}", words::short(&located.run));
     let table = Table::of(&title, &located.stages)
         .text("", "Stage", |judged| judged.stage.name())
         .text("", "Verdict", |judged| word(judged))

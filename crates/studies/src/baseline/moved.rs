@@ -1,0 +1,84 @@
+//! Stage that moved since a case was accepted.
+//!
+//! ```text
+//! our own solver    the accepted converged figures against those of the present model, with its suspected changes: the model;
+//!                   where they are the same: equations of the case's formulation, or its integration
+//! a solver's        its present run at its own states
+//! ```
+
+use pinwheel_engines::by_name;
+use pinwheel_scene::Formulation;
+
+use super::file::SceneSnapshot;
+use super::runner::Job;
+use super::snapshot::{Quantity, Statistics, statistics};
+use crate::StudyError;
+use crate::control::{Control, compile};
+use crate::stages::{Kept, Stage, of_engine, of_kept};
+
+/// Least change of converged figures that is one of the model: their rounding and the flow's own error are below.
+const MOVED: f64 = 1e-6;
+
+/// Says in words which stage moved, and whether it is one of the model, which all solvers of the scene share.
+///
+/// # Errors
+/// A stop, or a scene that cannot be modelled.
+pub(super) fn stage(
+    accepted: &SceneSnapshot,
+    job: &Job,
+    control: &Control<'_>,
+) -> Result<(String, bool), StudyError> {
+    let gearbox = compile(&job.scene)?;
+    let control = Control::silent(control.cancel);
+    if job.solver.is_none() {
+        let is_kept = |of: &Quantity| !matches!(of, Quantity::Energy | Quantity::JointDrift);
+        let kept = accepted.converged.iter().filter(|(of, _)| is_kept(of));
+        let kept: Vec<_> = kept.collect();
+        let share = |statistics: &Statistics, scale: f64| -> Vec<f64> {
+            statistics.all().map(|figure| figure / scale).collect()
+        };
+        let written = kept.iter().map(|(_, of)| share(&of.statistics, of.scale));
+        let own = kept.iter().map(|(_, of)| of.own_error);
+        let kept_of = Kept {
+            name: &accepted.name,
+            times_s: &gearbox.scene.solver.sample_times_s(),
+            written: &written.collect::<Vec<_>>().concat(),
+            bound: own.fold(MOVED, f64::max),
+        };
+        let moved = of_kept(&gearbox, &kept_of, &|run| {
+            let now = statistics(&gearbox, run, None, None);
+            let of = kept
+                .iter()
+                .map(|(of, converged)| share(&now[of], converged.scale));
+            of.collect::<Vec<_>>().concat()
+        });
+        if let Some(moved) = moved {
+            let stage = moved.words();
+            let as_it_was = moved.cause.map_or(
+                "",
+                |_| " (the accepted results are the present model's with this)",
+            );
+            return Ok((stage + as_it_was, true));
+        }
+    }
+    let name = job.solver.as_deref().unwrap_or("native");
+    let engine = by_name(name, &gearbox.scene);
+    let found = engine.map(|engine| of_engine(engine.as_ref(), &gearbox, 0.0, &control));
+    let found = found.transpose()?.flatten();
+    let is_lagrange = gearbox.scene.solver.formulation == Formulation::Lagrange;
+    Ok(match found {
+        Some(found) if job.solver.is_some() => (found.words(), false),
+        Some(found) if is_lagrange && found.first() == Some(Stage::Equations) => {
+            (found.words(), false)
+        }
+        _ => {
+            let name = Stage::Integration.name();
+            (
+                format!(
+                    "{name}: converged results are the accepted ones, the error of the method is not"
+                ),
+                false,
+            )
+        }
+    })
+}

@@ -1,0 +1,100 @@
+//! Two models: the second one at the states of the first.
+
+use pinwheel_gearbox::Frequencies;
+use pinwheel_gearbox::Gearbox;
+use pinwheel_mbs::OdeSystem as _;
+
+use super::forces::{Columns, rows};
+use super::judged::{FLOW, Judged, ROUNDING, SAMPLES, Stage};
+use super::locate::{Located, by_columns, start};
+use super::model::Model;
+use super::motion::{Sample, numbered, strengths};
+use super::states;
+
+/// Radians of the contacts' vibration from one sample to the next.
+const SAMPLE_RAD: f64 = 1.0;
+
+/// Judges each stage of one model by another, at the states of the first. `None`: the two have not the same bodies, or no reduced form.
+#[must_use]
+pub fn between([a, b]: [&Gearbox; 2]) -> Option<Located> {
+    let [mut first, mut second] = [Model::new(a, Vec::new())?, Model::new(b, Vec::new())?];
+    if a.layout != b.layout || a.floats() != b.floats() {
+        return None;
+    }
+    let step = SAMPLE_RAD / Frequencies::of(&a.scene).contact_rad_s;
+    let times: Vec<f64> = (0..SAMPLES).map(|k| k as f64 * step).collect();
+    let begun = first.start();
+    let samples = numbered(&times, first.follow(0.0, &begun, &times)?);
+    let written = rows(&mut first, &samples);
+    // A pin that turns in one alone stands still in the other.
+    let places = |y: &[f64], from: &[usize], to: &[usize]| -> Vec<f64> {
+        let half = y.len() / 2;
+        let of = |y: &[f64]| -> Vec<f64> {
+            let place = |body: &usize| from.iter().position(|other| other == body);
+            let turned = to.iter().map(|body| place(body).map_or(0.0, |k| y[k]));
+            turned.chain(y[from.len()..].iter().copied()).collect()
+        };
+        [of(&y[..half]), of(&y[half..])].concat()
+    };
+    let (from, to) = (first.free().to_vec(), second.free().to_vec());
+    let carried = |sample: &Sample| Sample {
+        y: places(&sample.y, &from, &to),
+        ..*sample
+    };
+    let carried: Vec<Sample> = samples.iter().map(carried).collect();
+    let native = rows(&mut second, &carried);
+    let columns = Columns::held(b, &carried, written, native);
+    let mut stages = vec![start(&carried[0].y, &second)];
+    stages.extend(by_columns(&columns, None));
+    // Both know their pairs, with and without force.
+    let (mut deepest, mut apart, mut when) = (0.0_f64, 0.0, 0.0);
+    for (own, other) in samples.iter().zip(&carried) {
+        let (_, one) = first.pairs(own.time_s, &own.y);
+        let (_, two) = second.pairs(other.time_s, &other.y);
+        for pair in one.iter().chain(&two) {
+            let depth = |all: &[PairContact]| {
+                let mut all = all.iter();
+                let same = all.find(|it| (it.sleeve, it.wheel) == (pair.sleeve, pair.wheel));
+                same.map_or(0.0, |it| it.penetration_m)
+            };
+            let off = (depth(&one) - depth(&two)).abs();
+            deepest = deepest.max(pair.penetration_m);
+            if off > apart {
+                (apart, when) = (off, own.time_s);
+            }
+        }
+    }
+    let note = format!("penetrations most at t = {when:.3e} s");
+    let off = apart / deepest.max(f64::MIN_POSITIVE);
+    stages[1] = Judged::told(Stage::ContactSearch, off, ROUNDING, note);
+    let is_open = |judged: &Judged| !judged.is_off() || judged.stage == Stage::Start;
+    stages.push(if stages[..4].iter().all(is_open) {
+        let weights = strengths(b, &second, &states::Columns::of(b, &to));
+        let mut most: (f64, f64) = (0.0, 0.0);
+        for (own, other) in samples.iter().zip(&carried) {
+            let mut of = [vec![0.0; own.y.len()], vec![0.0; other.y.len()]];
+            first.derivative(own.time_s, &own.y, &mut of[0]);
+            second.derivative(other.time_s, &other.y, &mut of[1]);
+            let [a, b] = [places(&of[0], &from, &to), of[1].clone()];
+            let off = a.iter().zip(&b).skip(weights.len()).zip(&weights);
+            let off = off
+                .map(|((a, b), weight)| ((a - b) * weight).powi(2))
+                .sum::<f64>()
+                .sqrt();
+            if off > most.0 {
+                most = (off, own.time_s);
+            }
+        }
+        let note = format!("accelerations most at t = {:.3e} s", most.1);
+        Judged::told(Stage::Equations, most.0, FLOW, note)
+    } else {
+        Judged::untold(Stage::Equations, "hidden by an earlier stage")
+    });
+    stages.sort_by_key(|judged| judged.stage);
+    Some(Located {
+        run: b.scene.name.clone(),
+        stages,
+        cause: None,
+        depth: columns.depth(&mut second, b.layout, &carried),
+    })
+}

@@ -1,0 +1,142 @@
+//! Runs of which columns or figures were kept, but no states: a cause from what they left.
+
+use pinwheel_gearbox::Gearbox;
+use pinwheel_scene::{Layout, Start};
+use pinwheel_timeseries::{TimeSeries, columns};
+
+use super::cause::{Values, cause};
+use super::judged::Depth;
+use super::judged::{Judged, SURE, Stage};
+use super::locate::{Located, Runs, SHOWN, locate};
+use super::model::Model;
+use super::suspects::Suspect;
+use super::{forces, motion, states};
+
+/// What was kept of a run from the scene's start.
+pub(crate) struct Kept<'a> {
+    /// Name of who ran.
+    pub name: &'a str,
+    /// Times of its samples, s.
+    pub times_s: &'a [f64],
+    /// Figures that were kept, each as a share of its quantity's size.
+    pub written: &'a [f64],
+    /// Root mean square of their changes that is none.
+    pub bound: f64,
+}
+
+/// Looks for the cause that explains what was kept of a run. `figures` are those of columns at the run's samples. `None`: they are
+/// those of the native model, or it has no reduced form.
+pub(crate) fn of_kept(
+    gearbox: &Gearbox,
+    kept: &Kept<'_>,
+    figures: &dyn Fn(&TimeSeries) -> Vec<f64>,
+) -> Option<Located> {
+    let mut native = Model::new(gearbox, Vec::new())?;
+    let begun = native.start();
+    let is_at_rest = gearbox.scene.drive.start != Start::Kinematic;
+    let values: Values<'_> = &|model: &mut Model<'_>| {
+        let start = if is_at_rest {
+            begun.clone()
+        } else {
+            model.start()
+        };
+        Some(figures(&followed(gearbox, model, kept.times_s, &start)?))
+    };
+    let base = values(&mut native)?;
+    let off = kept.written.iter().zip(&base).map(|(a, b)| (a - b).powi(2));
+    let off = (off.sum::<f64>() / base.len() as f64).sqrt();
+    if off <= kept.bound {
+        return None;
+    }
+    let found = cause(gearbox, [kept.written, &base], SURE, Suspect::moves, values);
+    let cause = found.map(|(cause, _)| cause);
+    let columns = states::Columns::of(gearbox, native.free()).patterns();
+    let note = format!("states were not kept: {} would tell", columns.join(", "));
+    let stage = |stage| match &cause {
+        Some(cause) if cause.stage() == Some(stage) => {
+            Judged::told(stage, off, kept.bound, "over the whole run".to_owned())
+        }
+        _ => Judged::untold(stage, &note),
+    };
+    Some(Located {
+        run: kept.name.to_owned(),
+        stages: Stage::ALL.map(stage).into(),
+        cause,
+        depth: Depth::default(),
+    })
+}
+
+/// Columns of a model at times, from a state at the first.
+fn followed(
+    gearbox: &Gearbox,
+    model: &mut Model<'_>,
+    times_s: &[f64],
+    start: &[f64],
+) -> Option<TimeSeries> {
+    let states = model.follow(*times_s.first()?, start, times_s)?;
+    let output = model
+        .free()
+        .iter()
+        .position(|&body| body == Layout::OUTPUT)?;
+    let angle = states.iter().map(|y| y[output]).collect();
+    let rows = forces::rows(model, &motion::numbered(times_s, states));
+    let mut run = TimeSeries::new(times_s.to_vec()).ok()?;
+    run.push(columns::OUTPUT_ANGLE, angle).ok()?;
+    for (k, name) in forces::names(gearbox.layout).into_iter().enumerate() {
+        run.push(name, rows.iter().map(|row| row[k]).collect())
+            .ok()?;
+    }
+    Some(run)
+}
+
+/// Judges a record that has all columns of a gear, by its states where it has them; only a known cause names a stage.
+pub(super) fn of_record(gearbox: &Gearbox, name: &str, record: &TimeSeries) -> Option<Located> {
+    let states = states::Columns::of(gearbox, Model::new(gearbox, Vec::new())?.free());
+    let names = forces::names(gearbox.layout);
+    let of: Option<Vec<&[f64]>> = names.iter().map(|name| record.channel(name)).collect();
+    let of = of?;
+    let is_known = |row: &usize| of.iter().all(|column| column[*row].is_finite());
+    let rows: Vec<usize> = (0..record.len()).filter(is_known).collect();
+    let run = record.select(&rows);
+    let located = if states.missing(&run).is_empty() {
+        let (run, finer) = (&run, None);
+        locate(gearbox, Runs { name, run, finer })
+    } else {
+        let times = run.time_s().get(..run.len().min(SHOWN))?;
+        (*times.first()? == 0.0).then_some(())?;
+        // Torques and forces weigh the same.
+        let size = |column: &&[f64]| {
+            column
+                .iter()
+                .fold(f64::MIN_POSITIVE, |most, x| x.abs().max(most))
+        };
+        let sizes: Vec<f64> = of.iter().map(size).collect();
+        let sizes = [
+            sizes[0],
+            sizes[1],
+            sizes[2..].iter().copied().fold(0.0, f64::max),
+        ];
+        let figures = |run: &TimeSeries| -> Vec<f64> {
+            let column = |(k, name): (usize, &String)| {
+                let values = run
+                    .channel(name)
+                    .unwrap_or_default()
+                    .iter()
+                    .take(times.len());
+                values
+                    .map(|value| value / sizes[k.min(2)])
+                    .collect::<Vec<_>>()
+            };
+            names.iter().enumerate().flat_map(column).collect()
+        };
+        let (written, bound) = (&figures(&run)[..], 0.0);
+        let kept = Kept {
+            name,
+            times_s: times,
+            written,
+            bound,
+        };
+        of_kept(gearbox, &kept, &figures)
+    };
+    located.filter(|found| found.cause.is_some() || found.first().is_none())
+}
