@@ -128,12 +128,51 @@ fn files(found: &DesignResult) -> String {
 fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
     let mut notes = vec![given_way(found)];
     notes.extend(found.rest.as_ref().map(|rest| ("fit", fitted(rest))));
+    let most = found
+        .budget
+        .iter()
+        .max_by(|a, b| a.share.total_cmp(&b.share));
+    notes.extend(most.map(|most| {
+        let share = significant(100.0 * most.share, 2);
+        (
+            "stiffen this first",
+            format!("{}: {share} % of the compliance", most.part),
+        )
+    }));
+    notes.extend(leads(found).map(|said| ("leads", said)));
     if let Some(bands) = &found.bands {
         notes.extend(band::rows(bands));
+    }
+    let (scene, drive) = (&found.scene, &found.scene.drive);
+    if drive.output_torque_n_m * drive.input_speed_rad_s * scene.output_per_input() > 0.0 {
+        let said =
+            "drives this gear; give drive.output_torque_n_m the other sign for a load that resists";
+        notes.push(("load", said.to_owned()));
     }
     let next = "`pinwheel compare` of this scene: whether other engines confirm the forces";
     notes.push(("next", next.to_owned()));
     notes
+}
+
+/// Headline figures by what makes most of their interval: fit or contact law; `None` of a gear without intervals by fit.
+fn leads(found: &DesignResult) -> Option<String> {
+    let figures = found.figures.iter();
+    figures.clone().find(|one| one.by_fit.is_some())?;
+    let by = |cause: &'static str| {
+        let led = figures.clone().filter(move |one| {
+            is_headline(&one.def)
+                && one
+                    .bands()
+                    .first()
+                    .is_some_and(|(first, _)| *first == cause)
+        });
+        let names = joined(", ", led.map(|one| &*one.def.label));
+        (!names.is_empty()).then(|| format!("{cause}: {names}"))
+    };
+    Some(joined(
+        "; ",
+        ["fit", "contact law"].into_iter().filter_map(by),
+    ))
 }
 
 fn fact((label, text): (&str, String)) -> Fact {

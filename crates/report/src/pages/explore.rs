@@ -269,7 +269,8 @@ pub fn balances(gearbox: &Gearbox, laws: bool, cancel: &AtomicBool) -> Result<Va
     figures.retain(|one| is_headline(&one.def));
     if laws && let Some(bands) = band::of(gearbox, &Control::silent(cancel))? {
         for one in &mut figures {
-            one.by_contact_law = bands.around(&one.def, one.value);
+            let def = one.def.clone();
+            bands.bound(one, &def);
         }
     }
     let told = figures.iter().map(|one| {
