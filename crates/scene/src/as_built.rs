@@ -80,7 +80,7 @@ pub fn tolerance_m(size_m: f64, grade: usize) -> f64 {
 
 /// Entry of the first row whose size is not below `size_m`; the last of larger ones.
 fn row<T: Copy>(sizes_mm: &[f64], size_m: f64, entries: &[T]) -> T {
-    let place = sizes_mm.partition_point(|size| *size < 1e3 * size_m);
+    let place = sizes_mm.partition_point(|size| *size < 1e3 * size_m * (1.0 - 1e-9));
     entries[place.min(entries.len() - 1)]
 }
 

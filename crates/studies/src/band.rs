@@ -357,7 +357,7 @@ fn over_fits(
             Err(why) => {
                 let ends = moved
                     .iter()
-                    .map(|(key, value)| format!("{key} = {value:.6e}"));
+                    .map(|(key, value)| format!("{key} = {value:.9}"));
                 fits.refused
                     .push(format!("{}: {why}", ends.collect::<Vec<_>>().join(", ")));
                 Ok(Vec::new())
