@@ -19,7 +19,7 @@ use crate::bearings::of_rollers;
 use crate::body::bore_radius_m;
 use crate::catalogue::{Catalogue, Material, rounded_down};
 use crate::model::Gear;
-use crate::number::{nearest, short, written};
+use crate::number::{nearest, written};
 pub(crate) use crate::uncertain::UNCERTAIN;
 
 /// A process by which discs are made.
@@ -42,19 +42,21 @@ const GROUP_2: [[f64; 2]; 7] =
 const GROUP_NORMAL: [[f64; 2]; 7] =
     [[20.0, 45.0], [25.0, 50.0], [30.0, 60.0], [40.0, 70.0], [40.0, 75.0], [50.0, 85.0], [50.0, 90.0]];
 
-macro_rules! processes {
-    ($($name:literal $grade:literal $clearance_um:ident;)*) => {
-        &[$(Process { name: $name, grade: $grade, clearance_um: $clearance_um }),*]
-    };
+const fn process_of(name: &'static str, grade: usize, clearance_um: [[f64; 2]; 7]) -> Process {
+    Process {
+        name,
+        grade,
+        clearance_um,
+    }
 }
 
 /// Processes that a catalogue can name.
-pub const PROCESSES: &[Process] = processes! {
-    "ground" 6 GROUP_2;
-    "edm" 7 GROUP_NORMAL;
-    "milled" 8 GROUP_NORMAL;
-    "printed" 12 GROUP_NORMAL;
-};
+pub const PROCESSES: &[Process] = &[
+    process_of("ground", 6, GROUP_2),
+    process_of("edm", 7, GROUP_NORMAL),
+    process_of("milled", 8, GROUP_NORMAL),
+    process_of("printed", 12, GROUP_NORMAL),
+];
 
 /// The process of a name.
 #[must_use]
@@ -115,17 +117,6 @@ impl Process {
         let limits_um = row(&BORES_MM, bore_m, &self.clearance_um);
         Clearance::between(limits_um.map(|um| 1e-6 * um))
     }
-
-    fn words(&self) -> String {
-        format!("H{}/g{} of ISO 286", self.grade, self.grade - 1)
-    }
-}
-
-/// A suggested line of a scene.
-pub(crate) struct Suggestion {
-    pub(crate) key: &'static str,
-    value: String,
-    why: String,
 }
 
 /// Radius of a needle as a share of its bearing's outer raceway, how much of the way around needles take, and how much of the
@@ -167,166 +158,127 @@ impl Catalogue {
         self.pin_material.unwrap_or(usual)
     }
 
-    /// Lines of a gear as built, and the halves of the intervals of its clearances.
-    pub(crate) fn as_built(&self, gear: &Gear) -> Vec<Suggestion> {
+    /// Lines of a gear as built, `key = value # reason`, and the halves of the intervals of its clearances; none of an ideal gear.
+    pub(crate) fn as_built(&self, gear: &Gear) -> String {
         let Some(process) = self.process() else {
-            return Vec::new();
+            return String::new();
         };
-        let mut lines = Vec::new();
-        let mut add = |key, value: f64, why: String| {
-            let value = match key {
-                "bearings.eccentric.rollers" => format!("{value}"),
-                _ if value < 1e5 => written(value),
-                _ => format!("{value:e}"),
-            };
-            lines.push(Suggestion { key, value, why });
-        };
+        let m = written;
         let face = gear.face_width_m.unwrap_or_default();
-        let (made, fit) = (process.name, process.words());
-        let (count, length) = needles(face);
-        let on_cranks = self.cranks.is_some();
-        let outer = if on_cranks {
-            gear.hole_radius_m
-        } else {
-            bore_radius_m(gear)
-        };
+        let (rollers, length) = needles(face);
+        let outer = self
+            .cranks
+            .map_or_else(|| bore_radius_m(gear), |_| gear.hole_radius_m);
         let raceway = nearest(2.0 * outer * (1.0 - 2.0 * NEEDLE), 4);
-        let ring = process.fit(2.0 * gear.external_sleeve_radius_m);
-        let hole = process.fit(2.0 * gear.hole_radius_m);
+        let radii = [gear.external_sleeve_radius_m, gear.hole_radius_m];
+        let [ring, hole] = radii.map(|radius| process.fit(2.0 * radius));
         let bearing = process.bearing(raceway);
-        let pin = rounded_down(2.0 * CORE * gear.internal_sleeve_radius_m);
-        if self.backlash_m.is_none() {
-            let why = format!("the discs' edge lies further in: {fit} on the ring pins, {made}");
-            add("gear.modification.equidistant_m", ring.usual_m, why);
-        }
-        if !on_cranks {
-            let why = format!("pin + e + {} um: {fit}, {made}", short(1e6 * hole.usual_m));
-            add("gear.hole_radius_m", gear.hole_radius_m, why);
-            add(
-                "bearings.eccentric.rollers",
-                count,
-                "needles in a disc's bore".to_owned(),
-            );
-            add(
-                "bearings.eccentric.roller_length_m",
-                length,
-                "0.9 of a disc".to_owned(),
-            );
-        }
-        let why = "radial: half of ISO 5753-1, cylindrical rollers";
-        add(
-            "bearings.eccentric.clearance_m",
-            bearing.usual_m,
-            why.to_owned(),
-        );
-        let why = "needles with a cage have 0.002 to 0.003 (JTEKT)";
-        add(
-            "bearings.eccentric.friction_coefficient",
-            0.0025,
-            why.to_owned(),
-        );
-        add(
-            "bearings.eccentric.bore_m",
-            raceway,
-            "inner raceway".to_owned(),
-        );
-        let (bore, turns) = match on_cranks {
-            true => (
-                2.0 * gear.external_sleeve_radius_m,
-                "ring pins turn in grooves",
-            ),
-            false => (
-                pin,
-                "of output pins, 0.7 of their sleeves; thinner ring pins turn in grooves",
-            ),
+        let Process { name, grade, .. } = process;
+        let fit = format!("H{grade}/g{} of ISO 286-1, {name}", grade - 1);
+        let (usual, state) = match self.material.young_pa < PLASTIC_PA {
+            true => (0.2, "0.1 to 0.2 dry"),
+            false => (0.02, "0.01 to 0.02 in oil"),
         };
-        let is_plastic = self.material.young_pa < PLASTIC_PA;
-        let (mu, state) = if is_plastic {
-            (0.2, "dry plastic")
-        } else {
-            (0.05, "oiled steel")
-        };
-        let (mu, state) = self
-            .friction_coefficient
-            .map_or((mu, state), |mu| (mu, "given"));
-        let why = format!("{state}; discs roll on pins, which turn");
-        add("bearings.sleeve_friction_coefficient", mu, why);
-        add("bearings.sleeve_bore_m", bore, turns.to_owned());
-        let young = self.pins().young_pa;
+        let (mu, young) = (
+            self.friction_coefficient.unwrap_or(usual),
+            self.pins().young_pa,
+        );
         let inertia = |diameter: f64| PI / 64.0 * diameter.powi(4);
+        let mut text = format!(
+            "bearings.eccentric.clearance_m = {} # radial: half of ISO 5753-1, cylindrical rollers\n\
+             bearings.eccentric.friction_coefficient = 0.0025 # needles with a cage have 0.002 to 0.003 (JTEKT)\n\
+             bearings.eccentric.bore_m = {} # inner raceway\n\
+             bearings.sleeve_friction_coefficient = {mu} # pins turn, and roll on the discs; plain bearings have {state} (JTEKT)\n",
+            m(bearing.usual_m),
+            m(raceway),
+        );
+        let mut fits = vec![("bearings.eccentric.clearance_m", bearing)];
+        if self.backlash_m.is_none() {
+            fits.push(("gear.modification.equidistant_m", ring));
+            let cut = m(ring.usual_m);
+            text += &format!(
+                "gear.modification.equidistant_m = {cut} # the discs' edge lies further in: {fit}, on the ring pins\n"
+            );
+        }
         if let Some(cranks) = self.cranks {
             // Two such bearings hold a crank beside the discs; the rated force between them bends it.
             let force_n = self.torque_n_m.abs() / (cranks as f64 * gear.internal_circle_radius_m);
-            let (stiffness, exponent) = of_rollers(2.0 * count, length);
+            let (stiffness, exponent) = of_rollers(2.0 * rollers, length);
             let approach = (force_n / stiffness).powf(1.0 / exponent);
             let span = (gear.wheels as f64 * PITCH + 1.0) * face;
             let shaft = raceway - 2.0 * gear.eccentricity_m;
             let bending = span.powi(3) / (48.0 * young * inertia(shaft));
-            let stiffness = 1.0 / (approach / force_n + bending);
-            let why =
-                "two needle bearings a crank (Palmgren, rated load) and 48 E I/l^3 between them";
-            add(
-                "cranks.support_stiffness_n_m",
-                two_digits(stiffness),
-                why.to_owned(),
-            );
-            let why = "1.4e10 N/m a metre of face width (ISO 6336)".to_owned();
-            add("cranks.mesh_stiffness_n_m", two_digits(1.4e10 * face), why);
-        } else {
-            let cube = |disc: usize| ((disc as f64 + 0.5) * PITCH * face).powi(3);
-            let cubes: f64 = (0..gear.wheels).map(cube).sum();
-            let stiffness = 3.0 * young * inertia(pin) * gear.wheels as f64 / cubes;
-            let why = "pins held at one end bend: 3 E I/l^3, mean of the discs";
-            add(
-                "bearings.internal_sleeve_stiffness_n_m",
-                two_digits(stiffness),
-                why.to_owned(),
-            );
+            let supports = 1.0 / (approach / force_n + bending);
+            return text
+                + &format!(
+                    "bearings.sleeve_bore_m = {} # ring pins turn in grooves\n\
+                 cranks.support_stiffness_n_m = {supports:.1e} # two needle bearings a crank (Palmgren, rated load), 48 E I/l^3 between them\n\
+                 cranks.mesh_stiffness_n_m = {:.1e} # 1.4e10 N/m a metre of face width (ISO 6336)\n{}",
+                    m(radii[0] * 2.0),
+                    1.4e10 * face,
+                    toleranced(&fits)
+                );
         }
-        let fits = [
-            ("gear.hole_radius_m", hole, !on_cranks),
-            (
-                "gear.modification.equidistant_m",
-                ring,
-                self.backlash_m.is_none(),
-            ),
-            ("bearings.eccentric.clearance_m", bearing, true),
-        ];
-        for (key, clearance, _) in fits.into_iter().filter(|(.., has)| *has) {
-            let um = |length: f64| short(1e6 * length);
-            let Clearance { usual_m, half_m } = clearance;
-            let [least, largest] = [usual_m - half_m, usual_m + half_m].map(um);
-            lines.push(Suggestion {
-                key: UNCERTAIN,
-                value: format!("{key} = {{ plus_minus = {} }}", written(half_m)),
-                why: format!("clearance of {least} to {largest} um"),
-            });
-        }
-        lines
+        fits.push(("gear.hole_radius_m", hole));
+        let pin = rounded_down(2.0 * CORE * gear.internal_sleeve_radius_m);
+        let cube = |disc: usize| ((disc as f64 + 0.5) * PITCH * face).powi(3);
+        let cubes: f64 = (0..gear.wheels).map(cube).sum();
+        let bending = 3.0 * young * inertia(pin) * gear.wheels as f64 / cubes;
+        text + &format!(
+            "gear.hole_radius_m = {} # pin + e + {:.1} um: {fit}\n\
+             bearings.eccentric.rollers = {rollers} # needles in a disc's bore\n\
+             bearings.eccentric.roller_length_m = {} # 0.9 of a disc\n\
+             bearings.sleeve_bore_m = {} # output pins, 0.7 of their sleeves; thinner ring pins turn in grooves\n\
+             bearings.internal_sleeve_stiffness_n_m = {bending:.1e} # output pins held at one end: 3 E I/l^3, mean of the discs\n{}",
+            m(gear.hole_radius_m),
+            1e6 * hole.usual_m,
+            m(length),
+            m(pin),
+            toleranced(&fits)
+        )
     }
 }
 
-fn two_digits(value: f64) -> f64 {
-    let unit = 10_f64.powi(value.log10().floor() as i32 - 1);
-    (value / unit).round() * unit
+/// Lines of the halves of intervals.
+fn toleranced(fits: &[(&str, Clearance)]) -> String {
+    let line = |(key, Clearance { usual_m, half_m }): &(&str, Clearance)| {
+        let [least, largest] =
+            [usual_m - half_m, usual_m + half_m].map(|end| (1e7 * end).round() / 10.0);
+        let half = written(*half_m);
+        format!(
+            "{UNCERTAIN}.{key} = {{ plus_minus = {half} }} # clearance of {least} to {largest} um\n"
+        )
+    };
+    fits.iter().map(line).collect()
+}
+
+/// Keys of the lines that are suggested.
+pub(crate) fn suggested(lines: &str) -> impl Iterator<Item = String> {
+    let keys = lines.lines().filter_map(|line| line.split(" = ").next());
+    keys.filter(|key| !key.starts_with(UNCERTAIN))
+        .map(str::to_owned)
 }
 
 /// Lines of a section; with its head if `is_new` and there are any.
-pub(crate) fn section(lines: &[Suggestion], name: &str, is_new: bool) -> String {
+pub(crate) fn section(lines: &str, name: &str, is_new: bool) -> String {
+    let mark = if name == UNCERTAIN { "" } else { "suggested: " };
     let mut text = String::new();
-    for Suggestion { key, value, why } in lines {
-        let (place, last) = key.rsplit_once('.').unwrap_or((key, ""));
-        if place != name {
+    for line in lines
+        .lines()
+        .filter_map(|line| line.strip_prefix(name)?.strip_prefix('.'))
+    {
+        let (assignment, why) = line.split_once(" # ").unwrap_or((line, ""));
+        let nested = assignment
+            .split(" = ")
+            .next()
+            .is_some_and(|key| key.contains('.'));
+        if nested && name != UNCERTAIN {
             continue;
         }
         if is_new && text.is_empty() {
             text = format!("\n[{name}]\n");
         }
-        let (assignment, mark) = match last {
-            "" => (value.clone(), ""),
-            _ => (format!("{last} = {value}"), "suggested: "),
-        };
-        text.push_str(&format!("{assignment:<44} # {mark}{why}\n"));
+        text += &format!("{assignment:<44} # {mark}{why}\n");
     }
     text
 }

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 
-use crate::as_built::{Process, Suggestion, UNCERTAIN, needles, section};
+use crate::as_built::{self, Process, UNCERTAIN, needles, section};
 use crate::checked::CheckedScene;
 use crate::error::{Fault, SceneError};
 use crate::model::{Gear, Scene};
@@ -102,7 +102,7 @@ pub struct Draft {
     /// The scene that the file gives, checked.
     pub scene: CheckedScene,
     /// Keys that were suggested, not given.
-    pub suggested: Vec<&'static str>,
+    pub suggested: Vec<String>,
     /// Toleranced keys, a line each; empty of an ideal gear.
     pub toleranced: String,
 }
@@ -310,11 +310,11 @@ impl Catalogue {
     }
 
     fn attempt(&self) -> Result<Draft, Fault> {
-        let (gear, mut suggested) = self.plan()?;
+        let (gear, suggested) = self.plan()?;
         let as_built = self.as_built(&gear);
         let text = self.write(&gear, &suggested, &as_built);
-        let marked = as_built.iter().map(|line| line.key);
-        suggested.extend(marked.filter(|key| *key != UNCERTAIN));
+        let suggested = suggested.into_iter().map(str::to_owned);
+        let suggested = suggested.chain(as_built::suggested(&as_built)).collect();
         // No line number: the user does not have the text yet.
         let scene = Scene::from_toml(&text, "draft", &[]).map_err(|error| match error {
             SceneError::Key {
@@ -524,7 +524,7 @@ impl Catalogue {
     }
 
     /// The scene's file.
-    fn write(&self, gear: &Gear, suggested: &[&str], as_built: &[Suggestion]) -> String {
+    fn write(&self, gear: &Gear, suggested: &[&str], as_built: &str) -> String {
         let mut text = format!(
             "# A gear of ratio {} for {} N m at {} rpm of the input, in SI units. Lines marked `suggested` were not given.\n\
              # What a scene leaves out is computed or usual; `pinwheel explain` lists it with its formula.\n",
@@ -629,37 +629,32 @@ impl Catalogue {
         let friction = self.friction_coefficient;
         let friction =
             friction.map_or_else(String::new, |mu| format!("friction_coefficient = {mu}\n"));
-        let (pins, mut pin_lines, mut masses) = (self.pins(), String::new(), String::new());
-        if pins != self.material {
+        let (mut pins, mut masses) = (String::new(), String::new());
+        if self.pins() != self.material {
             let given = self.pin_material.map_or("suggested: ", |_| "");
             let Material {
                 name,
                 young_pa,
                 poisson,
                 density_kg_m3,
-            } = pins;
-            let young = format!("{young_pa:e}");
-            pin_lines = format!(
-                "pin_young_pa = {young:<29} # {given}pins of {name}\npin_poisson = {poisson}\n"
+            } = self.pins();
+            pins = format!(
+                "pin_young_pa = {young_pa:<29e} # {given}pins of {name}\npin_poisson = {poisson}\n"
             );
             let length = gear.wheels as f64 * gear.face_width_m.unwrap_or_default();
-            let radii = [
-                ("internal_sleeve", gear.internal_sleeve_radius_m),
-                ("external_sleeve", gear.external_sleeve_radius_m),
-            ];
-            for (pin, radius) in radii {
+            let cylinder = |radius: f64| {
                 let mass = density_kg_m3 * PI * radius * radius * length;
-                let [mass, moment] = [mass, 0.5 * mass * radius * radius].map(|of| nearest(of, 4));
-                let _ = writeln!(
-                    masses,
-                    "{pin} = {{ mass_kg = {mass:e}, moment_kg_m2 = {moment:e} }} # of {name}"
-                );
-            }
+                let moment = 0.5 * mass * radius * radius;
+                format!("{{ mass_kg = {mass:.3e}, moment_kg_m2 = {moment:.3e} }} # of {name}")
+            };
+            let [inner, outer] =
+                [gear.internal_sleeve_radius_m, gear.external_sleeve_radius_m].map(cylinder);
+            masses = format!("internal_sleeve = {inner}\nexternal_sleeve = {outer}\n");
         }
         let _ = write!(
             text,
             "\n[drive]\ninput_speed_rad_s = {speed:<24} # {rpm} rpm\noutput_torque_n_m = {torque}\n\
-             \n[contact]\nlaw = \"line-hertz\"                         # rollers on a line; `pinwheel laws` lists others\nyoung_pa = {young:<33} # {name}\npoisson = {poisson}\n{pin_lines}{friction}\
+             \n[contact]\nlaw = \"line-hertz\"                         # rollers on a line; `pinwheel laws` lists others\nyoung_pa = {young:<33} # {name}\npoisson = {poisson}\n{pins}{friction}\
              \n[mass]\ndensity_kg_m3 = {density:<28} # {name}\n{masses}"
         );
         text

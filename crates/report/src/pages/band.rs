@@ -43,7 +43,7 @@ pub(crate) fn about(bands: &Bands) -> String {
 fn tried(fits: &Fits) -> String {
     format!(
         "{} toleranced sizes (`[uncertain]`), each alone at both ends and all together where that moves lost motion, stiffness or a force most: \
-         {} gears; between these ends a figure may go further",
+         {} gears; between these ends a figure may go further; the wider of both intervals leads, and stands first",
         fits.keys.len(),
         fits.gears
     )

@@ -139,7 +139,6 @@ fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
             format!("{}: {share} % of the compliance", most.part),
         )
     }));
-    notes.extend(leads(found).map(|said| ("leads", said)));
     if let Some(bands) = &found.bands {
         notes.extend(band::rows(bands));
     }
@@ -152,27 +151,6 @@ fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
     let next = "`pinwheel compare` of this scene: whether other engines confirm the forces";
     notes.push(("next", next.to_owned()));
     notes
-}
-
-/// Headline figures by what makes most of their interval: fit or contact law; `None` of a gear without intervals by fit.
-fn leads(found: &DesignResult) -> Option<String> {
-    let figures = found.figures.iter();
-    figures.clone().find(|one| one.by_fit.is_some())?;
-    let by = |cause: &'static str| {
-        let led = figures.clone().filter(move |one| {
-            is_headline(&one.def)
-                && one
-                    .bands()
-                    .first()
-                    .is_some_and(|(first, _)| *first == cause)
-        });
-        let names = joined(", ", led.map(|one| &*one.def.label));
-        (!names.is_empty()).then(|| format!("{cause}: {names}"))
-    };
-    Some(joined(
-        "; ",
-        ["fit", "contact law"].into_iter().filter_map(by),
-    ))
 }
 
 fn fact((label, text): (&str, String)) -> Fact {
