@@ -94,7 +94,7 @@ def test_figures_come_with_what_is_known_of_them(tmp_path):
     assert there and all(figure["numerical_uncertainty"] > 0.0 for figure in there)
     run.save(tmp_path)
     assert pinwheel.Run.load(tmp_path).results == run.results
-    gear = pinwheel.gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500)
+    gear = pinwheel.gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500, ideal=True)
     run, found = gear.with_(duration_s=0.004).run(), pinwheel.statics(gear)
     assert "by contact law" in str(run) and run.by_contact_law["figures"]
     assert str(found["lost_motion_arcmin"]).startswith("lost motion: 0.053 arcmin (0.048 to 0.073 by contact law")
@@ -210,7 +210,7 @@ def test_remedies_of_a_text_are_ways_of_python(tmp_path):
     for scene, engines in (
         (SHORT, ["native", "native-lagrange"]),
         ("steel", ["native", my_euler]),
-        (pinwheel.gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500).with_(duration_s=0.004), ()),
+        (pinwheel.gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500, ideal=True).with_(duration_s=0.004), ()),
     ):
         found = pinwheel.compare(scene, engines, longest_s=0.5)
         texts.append(str(found))

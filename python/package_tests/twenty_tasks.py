@@ -28,7 +28,7 @@ def my_euler(job: pinwheel.Job) -> None:
 
 def main(place: Path) -> None:
     # 1 A gear of a catalogue's data
-    gear = pinwheel.gear(ratio=11, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500)
+    gear = pinwheel.gear(ratio=11, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500, ideal=True)
     assert gear["external_sleeves"] == 12
     # 2 Its figures, each with its uncertainty
     figures = pinwheel.statics(gear)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     import pandas
 
 Material = Literal["steel", "cast-iron", "bronze", "aluminium", "pom", "nylon", "pla"]
+Process = Literal["ground", "edm", "milled", "printed"]
 
 
 def gear(
@@ -33,6 +34,9 @@ def gear(
     speed_rpm: float,
     cranks: int | None = None,
     material: Material = "steel",
+    pin_material: Material | None = None,
+    process: Process | None = None,
+    ideal: bool = False,
     pin_diameter_mm: float | None = None,
     eccentricity_mm: float | None = None,
     wheels: int | None = None,
@@ -44,7 +48,8 @@ def gear(
     friction: float | None = None,
 ) -> Scene:
     """A scene from a catalogue's data, as `pinwheel init` makes it: diameters in mm, what is left out is suggested.
-    `cranks` makes it an RV gear with so many cranks.
+    `cranks` makes it an RV gear with so many cranks. Clearances, bearings, friction and bending are suggested too, by the
+    `process` of the discs, unless it is `ideal`.
 
     >>> s = gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500)
     >>> s["external_sleeves"], s["drive.output_torque_n_m"]
@@ -61,6 +66,9 @@ def gear(
         "torque_n_m": torque_n_m,
         "speed_rad_s": speed_rpm * pi / 30.0,
         "material": material,
+        "pin_material": pin_material,
+        "process": process,
+        "ideal": ideal,
         "pin_diameter_m": metres(pin_diameter_mm),
         "eccentricity_m": metres(eccentricity_mm),
         "wheels": wheels,
@@ -85,6 +93,7 @@ class Figure:
         unit: empty for counts
         uncertainty: how far the value may be off numerically; None where that is not known
         by_contact_law: least and largest by the contact laws that may be right for these materials
+        by_fit: least and largest over what the scene says is `[uncertain]`
         over_the_mesh: least and largest over the mesh
         over_the_mesh_uncertainty: how far either may be off numerically
         how: how it is counted
@@ -99,6 +108,7 @@ class Figure:
     unit: str
     uncertainty: float | None
     by_contact_law: tuple[float, float] | None
+    by_fit: tuple[float, float] | None
     over_the_mesh: tuple[float, float] | None
     over_the_mesh_uncertainty: tuple[float, float] | None
     how: str
@@ -150,7 +160,7 @@ class Design(Paged, Mapping[str, Figure]):
         rows = []
         for figure in self.values():
             row = {field.name: getattr(figure, field.name) for field in fields(figure)}
-            for name in ("by_contact_law", "over_the_mesh", "over_the_mesh_uncertainty"):
+            for name in ("by_contact_law", "by_fit", "over_the_mesh", "over_the_mesh_uncertainty"):
                 row[f"{name}_least"], row[f"{name}_largest"] = row.pop(name) or (None, None)
             rows.append(row)
         return wanted("pandas", "frames").DataFrame(rows).set_index("key")
@@ -179,17 +189,20 @@ class Design(Paged, Mapping[str, Figure]):
 
 
 def _figure(found: dict[str, Any], shown: str, bounds: str) -> Figure:
-    band, mesh = found.get("by_contact_law"), found.get("over_the_mesh")
-    ends = found.get("over_the_mesh_numerical_uncertainty")
+    def ends(name: str) -> tuple[float, float] | None:
+        band = found.get(name)
+        return None if band is None else (band[0], band[1])
+
     return Figure(
         key=found["key"],
         what=found["what"],
         value=found["value"],
         unit=found["unit"],
         uncertainty=found["numerical_uncertainty"],
-        by_contact_law=None if band is None else (band[0], band[1]),
-        over_the_mesh=None if mesh is None else (mesh[0], mesh[1]),
-        over_the_mesh_uncertainty=None if ends is None else (ends[0], ends[1]),
+        by_contact_law=ends("by_contact_law"),
+        by_fit=ends("by_fit"),
+        over_the_mesh=ends("over_the_mesh"),
+        over_the_mesh_uncertainty=ends("over_the_mesh_numerical_uncertainty"),
         how=found["how"],
         shown=shown,
         bounds=bounds,

@@ -56,8 +56,7 @@ fn answered(browser: &mut Chromium, place: &str, text: &str, asked: &[(&str, &st
     assert_eq!(missing, None, "{place}: {text}");
 }
 
-const INIT: &str =
-    "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500";
+const INIT: &str = "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500 --ideal";
 
 /// A gear of a catalogue's size, an RV gear and a gear with errors.
 #[test]

@@ -19,8 +19,7 @@ const BALANCED: &str = "(async () => { do { await new Promise((r) => setTimeout(
 const FIGURES: &str = "document.querySelector('#figures')?.textContent || ''";
 const SAID: &str = "document.querySelector('#said')?.textContent || ''";
 const STALE: &str = "document.querySelector('.seen').matches('.stale')";
-const INIT: &str =
-    "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500";
+const INIT: &str = "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500 --ideal";
 
 /// Share of its length at which a slider's thumb stands.
 fn share(browser: &mut Chromium, slider: &str) -> f64 {

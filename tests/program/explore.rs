@@ -327,8 +327,7 @@ fn explore_is_not_shut_by_those_it_refused() {
 #[test]
 fn explore_answers_its_own_page_alone() {
     let dir = tempfile::tempdir().unwrap();
-    let init =
-        "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500";
+    let init = "init gear.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500 --ideal";
     assert_eq!(run_in(dir.path(), words(init)).code, Some(0));
     let served = Served::of(dir.path(), "gear.toml", "0");
     let host = format!("127.0.0.1:{}", served.port());

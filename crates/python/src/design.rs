@@ -6,6 +6,7 @@ use pinwheel::engines::external::fmu_library;
 use pinwheel::fmu::{Imprint, Package, PackageError};
 use pinwheel::pages;
 use pinwheel::report::figure::shown;
+use pinwheel::scene::as_built::PROCESSES;
 use pinwheel::scene::catalogue::{ARGUMENTS, Catalogue, MATERIALS};
 use pinwheel::scene::did_you_mean;
 use pinwheel::studies::design::{self as designs, Drawing};
@@ -25,14 +26,22 @@ fn value<'py, T: FromPyObjectOwned<'py>>(given: &Bound<'py, PyAny>, key: &str) -
 /// The scene of a catalogue's data by name, in SI, as a scene file; what is `None` is suggested.
 #[pyfunction]
 pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
-    let material: String = value(given, "material")?;
-    let mut materials = MATERIALS.iter();
-    let found = materials.find(|known| known.name == material);
-    let material = found.ok_or_else(|| {
-        let known: Vec<&str> = MATERIALS.iter().map(|known| known.name).collect();
-        let remedy = did_you_mean(&material, &known);
-        input(format!("there is no material `{material}`; {remedy}"))
-    })?;
+    fn named<T>(
+        what: &str,
+        name: &str,
+        all: &'static [T],
+        of: fn(&T) -> &'static str,
+    ) -> Raises<&'static T> {
+        all.iter().find(|known| of(known) == name).ok_or_else(|| {
+            let known: Vec<&str> = all.iter().map(of).collect();
+            let remedy = did_you_mean(name, &known);
+            input(format!("there is no {what} `{name}`; {remedy}"))
+        })
+    }
+    let material = |name: String| named("material", &name, MATERIALS, |known| known.name).copied();
+    let process = |name: String| named("process", &name, PROCESSES, |known| known.name);
+    let (pins, made): (Option<String>, Option<String>) =
+        (value(given, "pin_material")?, value(given, "process")?);
     let catalogue = Catalogue {
         name,
         ratio: value(given, "ratio")?,
@@ -40,7 +49,10 @@ pub(crate) fn gear(name: String, given: &Bound<'_, PyAny>) -> Raises<String> {
         pin_circle_diameter_m: value(given, "pin_circle_diameter_m")?,
         torque_n_m: value(given, "torque_n_m")?,
         speed_rad_s: value(given, "speed_rad_s")?,
-        material: *material,
+        material: material(value(given, "material")?)?,
+        pin_material: pins.map(material).transpose()?,
+        process: made.map(process).transpose()?,
+        ideal: value(given, "ideal")?,
         pin_diameter_m: value(given, "pin_diameter_m")?,
         eccentricity_m: value(given, "eccentricity_m")?,
         wheels: value(given, "wheels")?,

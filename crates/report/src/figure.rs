@@ -32,15 +32,18 @@ pub fn shown(one: &Figure) -> (String, String) {
         return (NONE.to_owned(), one.withheld.clone().unwrap_or_default());
     };
     let (shown, off) = known(value, one.uncertainty, one.def.digits);
-    let band = one.band();
-    let laws = band.map(|band| format!("{} by contact law", interval(band)));
+    let bands = one.bands().into_iter();
+    let bands = bands.map(|(cause, band)| format!("{} by {cause}", interval(band)));
     let cause = match one.is_off_by_sampling() {
         true => "by sampling",
         false => "numerical",
     };
     let off = (!off.is_empty()).then(|| format!("{off} {cause}"));
-    let bounds = joined("; ", laws.into_iter().chain(off));
-    (band.map_or(shown, |band| rounded(value, band)), bounds)
+    let bounds = joined("; ", bands.chain(off));
+    (
+        one.band().map_or(shown, |band| rounded(value, band)),
+        bounds,
+    )
 }
 
 /// A value in a table: with the digits that its band leaves it, and how far it may be off numerically.
@@ -116,9 +119,15 @@ pub fn table(caption: &str, figures: &[Figure], how: impl Fn(&Figure) -> String)
         .text("", "Figure", |one| &*one.def.label)
         .number("", "Value", |one| one.value)
         .said(|one| cell(one));
-    if figures.iter().any(|one| one.band().is_some()) {
-        let laws = |one: &&Figure| one.band().map_or_else(String::new, interval);
-        table = table.text("", "By contact law", laws);
+    for (cause, label) in [("contact law", "By contact law"), ("fit", "By fit")] {
+        let band = |one: &&Figure| {
+            let bands = one.bands();
+            let own = bands.iter().find(|(known, _)| *known == cause);
+            own.map_or_else(String::new, |(_, band)| interval(*band))
+        };
+        if figures.iter().any(|one| !band(&one).is_empty()) {
+            table = table.text("", label, band);
+        }
     }
     table
         .text("", "Unit", |one| &*one.def.unit)

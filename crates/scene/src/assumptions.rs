@@ -69,7 +69,7 @@ pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
             format!("+- {} {unit}", short(half.plus_minus))
                 .trim_end()
                 .to_owned(),
-            "stated as uncertain: counts where the scene is compared with measured data",
+            "stated as uncertain: makes the intervals by fit, and counts where the scene is compared with measured data",
         );
     }
     let default = Scene::paper().mass;

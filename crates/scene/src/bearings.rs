@@ -36,6 +36,13 @@ pub struct BearingLaw {
     pub drag_m: f64,
 }
 
+/// Stiffness K, N/m^p, and exponent p of a bearing with so many rollers of this length, after Palmgren.
+pub(crate) fn of_rollers(rollers: f64, length_m: f64) -> (f64, f64) {
+    // F(delta), delta in m.
+    let per_metre = 1e3 * (1e3 * length_m).powf(0.8) / 7.68e-5;
+    (rollers / 4.08 * per_metre.powf(ROLLERS), ROLLERS)
+}
+
 impl Bearings {
     pub(crate) fn is_none(&self) -> bool {
         *self == Self::default()
@@ -130,11 +137,7 @@ impl BearingLaw {
     pub fn of(scene: &Scene) -> Option<Self> {
         let bearing = scene.bearings.eccentric?;
         let (stiffness, exponent) = match (bearing.rollers, bearing.roller_length_m) {
-            (Some(rollers), Some(length)) => {
-                // F(delta), delta in m.
-                let per_metre = 1e3 * (1e3 * length).powf(0.8) / 7.68e-5;
-                (rollers as f64 / 4.08 * per_metre.powf(ROLLERS), ROLLERS)
-            }
+            (Some(rollers), Some(length)) => of_rollers(rollers as f64, length),
             _ => (
                 bearing.stiffness_n_m.unwrap_or_default(),
                 bearing.exponent.unwrap_or(1.0),

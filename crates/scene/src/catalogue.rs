@@ -12,6 +12,7 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 
+use crate::as_built::{self, Process, UNCERTAIN, needles, section};
 use crate::checked::CheckedScene;
 use crate::error::{Fault, SceneError};
 use crate::model::{Gear, Scene};
@@ -65,8 +66,14 @@ pub struct Catalogue {
     pub torque_n_m: f64,
     /// Rated speed of the input, rad/s.
     pub speed_rad_s: f64,
-    /// Material of all bodies.
+    /// Material of the discs, by whose density all masses are.
     pub material: Material,
+    /// Material of the pins; `None`: steel, or of an ideal gear that of the discs.
+    pub pin_material: Option<Material>,
+    /// Process by which discs are made; `None`: the usual one of the material.
+    pub process: Option<&'static Process>,
+    /// Suggest no clearances, bearings, friction and bending.
+    pub ideal: bool,
     /// Pin, m.
     pub pin_diameter_m: Option<f64>,
     /// Eccentricity, m.
@@ -95,8 +102,29 @@ pub struct Draft {
     /// The scene that the file gives, checked.
     pub scene: CheckedScene,
     /// Keys that were suggested, not given.
-    pub suggested: Vec<&'static str>,
+    pub suggested: Vec<String>,
+    /// Toleranced keys, a line each; empty of an ideal gear.
+    pub toleranced: String,
 }
+
+impl Draft {
+    /// Study of the tolerances of the draft, whose file is `scene`; `None` of an ideal gear.
+    #[must_use]
+    pub fn study(&self, scene: &str) -> Option<String> {
+        (!self.toleranced.is_empty()).then(|| {
+            format!(
+                "# Balances at rest of gears whose fits are drawn at random, each evenly over its interval.\n\
+                 scene = {scene:?}\nengines = [\"statics\"]\n\n[sample]\npoints = {STUDY}\nmethod = \"sobol\"\n{}\n\
+                 # [specification]                            # limits, of which the yield is told\n\
+                 # lost_motion_arcmin = {{ most = 5.0 }}\n",
+                self.toleranced
+            )
+        })
+    }
+}
+
+/// Gears of the study of tolerances.
+const STUDY: usize = 64;
 
 /// Names of keys where a catalogue's data is typed, in the units of catalogues.
 pub const ARGUMENTS: &[(&str, &str)] = &[
@@ -146,11 +174,11 @@ const OF_CRANKS: [&str; 5] = [
     "bearings.eccentric.rollers",
     "bearings.eccentric.roller_length_m",
 ];
-/// Largest bore for a crank as a share of the cranks' circle; the needles' radius as a share of the bore's, how much of the way
-/// around they take, and how much of the disc's thickness.
+/// Largest bore for a crank as a share of the cranks' circle.
 const BORE: f64 = 0.3;
-const NEEDLE: f64 = 0.12;
-const NEEDLES: [f64; 2] = [0.85, 0.9];
+
+const LEFT_OUT: &str = "# Left out: torsion of carrier, case and flanges, discs that bend, main bearings, backlash of the first stage. They make\n\
+                        # most of a real RV gear's compliance; `pinwheel design --stated-stiffness-n-m-arcmin` says how much is missing.\n";
 
 /// Pins, teeth of the sun and of a planet.
 type FirstStage = [usize; 3];
@@ -283,7 +311,10 @@ impl Catalogue {
 
     fn attempt(&self) -> Result<Draft, Fault> {
         let (gear, suggested) = self.plan()?;
-        let text = self.write(&gear, &suggested);
+        let as_built = self.as_built(&gear);
+        let text = self.write(&gear, &suggested, &as_built);
+        let suggested = suggested.into_iter().map(str::to_owned);
+        let suggested = suggested.chain(as_built::suggested(&as_built)).collect();
         // No line number: the user does not have the text yet.
         let scene = Scene::from_toml(&text, "draft", &[]).map_err(|error| match error {
             SceneError::Key {
@@ -301,6 +332,7 @@ impl Catalogue {
             text,
             scene,
             suggested,
+            toleranced: section(&as_built, UNCERTAIN, false),
         })
     }
 
@@ -428,6 +460,8 @@ impl Catalogue {
         };
         let e = gear.eccentricity_m;
         let least = self.output_pin_diameter_m.map_or(0.5 * e, |pin| 0.5 * pin);
+        let process = self.process().filter(|_| self.cranks.is_none());
+        let play = |hole: f64| process.map_or(0.0, |process| process.fit(2.0 * hole).usual_m);
         let mut best: Option<(usize, f64, f64)> = None;
         'search: for &count in &counts {
             for &circle in &circles {
@@ -436,13 +470,13 @@ impl Catalogue {
                     .min(inwards * circle);
                 let sleeve = match self.output_pin_diameter_m {
                     Some(pin) => 0.5 * pin,
-                    None => 0.5 * rounded_down(2.0 * (most - e)),
+                    None => 0.5 * rounded_down(2.0 * (most - e - play(most))),
                 };
                 // Output pins that are given in full are judged by the checks of the scene.
                 let given = self.output_pin_diameter_m.is_some()
                     && self.output_circle_diameter_m.is_some()
                     && self.output_pins.is_some();
-                if given || (sleeve >= least && sleeve + e <= most) {
+                if given || (sleeve >= least && sleeve + e + play(sleeve + e) <= most) {
                     best = Some((count, circle, sleeve));
                     break 'search;
                 }
@@ -466,7 +500,7 @@ impl Catalogue {
         gear.internal_sleeves = count;
         gear.internal_circle_radius_m = circle;
         gear.internal_sleeve_radius_m = sleeve;
-        gear.hole_radius_m = sleeve + e;
+        gear.hole_radius_m = sleeve + e + play(sleeve + e);
         if self.cranks.is_some() {
             let circle = self.output_circle_diameter_m.is_none();
             suggested.extend(circle.then_some("cranks.circle_radius_m"));
@@ -490,7 +524,7 @@ impl Catalogue {
     }
 
     /// The scene's file.
-    fn write(&self, gear: &Gear, suggested: &[&str]) -> String {
+    fn write(&self, gear: &Gear, suggested: &[&str], as_built: &str) -> String {
         let mut text = format!(
             "# A gear of ratio {} for {} N m at {} rpm of the input, in SI units. Lines marked `suggested` were not given.\n\
              # What a scene leaves out is computed or usual; `pinwheel explain` lists it with its formula.\n",
@@ -537,11 +571,20 @@ impl Catalogue {
                 "gear.internal_sleeve_radius_m" m(gear.internal_sleeve_radius_m), "radius of an output pin with its pin; holes are larger by e";
                 "gear.internal_circle_radius_m" circle, "circle of the output pins";
             }
+            text.push_str(&section(as_built, "gear", false));
+            text.push_str(&section(as_built, "bearings.eccentric", true));
         } else if let Some([pins, sun, planet]) = first_stage(self.ratio) {
             let bore = gear.hole_radius_m;
-            let [around, along] = NEEDLES;
-            let needles = (around * PI * (1.0 - NEEDLE) / NEEDLE).floor();
-            let length = along * gear.face_width_m.unwrap_or_default();
+            let (needles, length) = needles(gear.face_width_m.unwrap_or_default());
+            // What an ideal gear leaves out stands there as a remark.
+            let [supports, play] = match as_built.is_empty() {
+                true => [
+                    "# support_stiffness_n_m = 5e8                # of what holds a crank in the output; rigid as long as it is left out\n",
+                    "# clearance_m = 5e-6                         # radial; it makes most of the lost motion\n",
+                ]
+                .map(str::to_owned),
+                false => ["cranks", "bearings.eccentric"].map(|name| section(as_built, name, false)),
+            };
             let _ = write!(
                 text,
                 "\n[cranks]\n\
@@ -550,24 +593,30 @@ impl Catalogue {
                  bore_radius_m = {:<28} # suggested: a disc's bore for a crank\n\
                  sun_teeth = {sun:<32} # suggested: 1 + {pins} planet/sun is the ratio\n\
                  planet_teeth = {planet:<29} # suggested\n\
-                 # support_stiffness_n_m = 5e8                # of what holds a crank in the output; rigid as long as it is left out\n\
-                 \n[bearings.eccentric]\n\
+                 {supports}\n[bearings.eccentric]\n\
                  rollers = {needles:<34} # suggested: needles in a bore\n\
-                 roller_length_m = {:<26} # suggested\n\
-                 # clearance_m = 5e-6                         # radial; it makes most of the lost motion\n",
+                 roller_length_m = {:<26} # suggested\n{play}",
                 gear.internal_sleeves,
                 mark("cranks.circle_radius_m"),
                 m(bore),
-                m(rounded_down(length)),
+                m(length),
             );
         }
+        for name in ["gear.modification", "bearings", UNCERTAIN] {
+            text.push_str(&section(as_built, name, true));
+        }
+        if self.cranks.is_some() && !as_built.is_empty() {
+            text.push_str(LEFT_OUT);
+        }
+        let speed = written(self.speed_rad_s);
         // The output of an RV gear turns with the input: a load against the motion is negative.
-        let against = if self.cranks.is_some() {
-            -self.torque_n_m
-        } else {
-            self.torque_n_m
+        let torque = match self.cranks {
+            Some(_) => format!(
+                "{:<24} # against the motion: the output turns with the input",
+                written(-self.torque_n_m.abs())
+            ),
+            None => written(self.torque_n_m),
         };
-        let (speed, torque) = (written(self.speed_rad_s), written(against));
         let rpm = short(self.speed_rad_s * 30.0 / PI);
         let Material {
             name,
@@ -580,11 +629,33 @@ impl Catalogue {
         let friction = self.friction_coefficient;
         let friction =
             friction.map_or_else(String::new, |mu| format!("friction_coefficient = {mu}\n"));
+        let (mut pins, mut masses) = (String::new(), String::new());
+        if self.pins() != self.material {
+            let given = self.pin_material.map_or("suggested: ", |_| "");
+            let Material {
+                name,
+                young_pa,
+                poisson,
+                density_kg_m3,
+            } = self.pins();
+            pins = format!(
+                "pin_young_pa = {young_pa:<29e} # {given}pins of {name}\npin_poisson = {poisson}\n"
+            );
+            let length = gear.wheels as f64 * gear.face_width_m.unwrap_or_default();
+            let cylinder = |radius: f64| {
+                let mass = density_kg_m3 * PI * radius * radius * length;
+                let moment = 0.5 * mass * radius * radius;
+                format!("{{ mass_kg = {mass:.3e}, moment_kg_m2 = {moment:.3e} }} # of {name}")
+            };
+            let [inner, outer] =
+                [gear.internal_sleeve_radius_m, gear.external_sleeve_radius_m].map(cylinder);
+            masses = format!("internal_sleeve = {inner}\nexternal_sleeve = {outer}\n");
+        }
         let _ = write!(
             text,
             "\n[drive]\ninput_speed_rad_s = {speed:<24} # {rpm} rpm\noutput_torque_n_m = {torque}\n\
-             \n[contact]\nlaw = \"line-hertz\"                         # rollers on a line; `pinwheel laws` lists others\nyoung_pa = {young:<33} # {name}\npoisson = {poisson}\n{friction}\
-             \n[mass]\ndensity_kg_m3 = {density:<28} # {name}\n"
+             \n[contact]\nlaw = \"line-hertz\"                         # rollers on a line; `pinwheel laws` lists others\nyoung_pa = {young:<33} # {name}\npoisson = {poisson}\n{pins}{friction}\
+             \n[mass]\ndensity_kg_m3 = {density:<28} # {name}\n{masses}"
         );
         text
     }

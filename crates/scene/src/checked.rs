@@ -120,7 +120,7 @@ impl CheckedScene {
         lookup(&table, key).and_then(Value::as_float)
     }
 
-    /// Returns the scene with another value of a number, checked again.
+    /// Returns the scene with another value of a number, which is not uncertain, checked again.
     ///
     /// # Errors
     /// A key that holds no number here, or a value that the scene's checks refuse.
@@ -139,7 +139,10 @@ impl CheckedScene {
         let changed: Scene = table
             .try_into()
             .map_err(|error: toml::de::Error| fault(error.message().to_owned()))?;
-        self.changed(|scene| *scene = changed)
+        self.changed(|scene| {
+            *scene = changed;
+            scene.uncertain.remove(key);
+        })
     }
 
     /// A scene each of whose values is known to be in range, and where values come from.

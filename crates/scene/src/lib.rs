@@ -31,6 +31,7 @@
 //! # Ok::<(), pinwheel_scene::SceneError>(())
 //! ```
 
+pub mod as_built;
 mod assumptions;
 pub mod bearings;
 mod body;

@@ -35,7 +35,7 @@ pub struct Scene {
     /// Channels that are recorded beyond the contract's columns.
     #[serde(default, skip_serializing_if = "Output::is_default")]
     pub output: Output,
-    /// Half-widths of uncertain values, by key: for comparisons with measured data.
+    /// Half-widths of uncertain values, by key: for intervals by fit and comparisons with measured data.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub uncertain: BTreeMap<String, PlusMinus>,
 }

@@ -62,7 +62,8 @@ impl Draft {
         })
     }
 
-    /// Returns the scene with more overrides, as [`Scene::load`] would with the old and the new overrides together.
+    /// Returns the scene with more overrides, as [`Scene::load`] would with the old and the new overrides together. Their values are
+    /// known: what the scene says of their uncertainty is left out.
     ///
     /// # Errors
     /// As [`Scene::load`].
@@ -72,6 +73,9 @@ impl Draft {
             return Scene::load(&self.spec, &all);
         }
         let mut layers = self.layers.clone();
+        overrides
+            .iter()
+            .for_each(|set| layers.drop_uncertainty(&set.key));
         for set in overrides {
             layers.set(set)?;
         }

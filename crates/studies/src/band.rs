@@ -12,7 +12,10 @@
 //!
 //! `contact.band_laws` names others.
 //!
-//! A profile that is cut all round for play moves forces more than all of these, so two such cuts are told beside them.
+//! A profile that is cut all round for play moves forces more than all of these, so two such cuts are told beside them. A gear whose
+//! fits are stated (`[uncertain]`) has an interval *by fit* instead: balances with each toleranced key alone at either end, and with all of
+//! them at the ends that together raise or lower one of the figures of [`LEADING`]. What lies between the ends may go beyond. Ends at which
+//! there is no gear are named ([`Fits::refused`]).
 
 use std::sync::atomic::AtomicBool;
 
@@ -21,7 +24,9 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_scene::{OutputPart, Scene, scales};
 use pinwheel_timeseries::columns;
-use pinwheel_timeseries::figure::definitions::{EXTERNAL_FORCE, INTERNAL_FORCE};
+use pinwheel_timeseries::figure::definitions::{
+    CRANK_FORCE, EXTERNAL_FORCE, INTERNAL_FORCE, LOST_MOTION, STIFFNESS,
+};
 use pinwheel_timeseries::figure::{Figure, FigureDef};
 use serde::Serialize;
 
@@ -37,6 +42,14 @@ const CUTS: [f64; 2] = [5e-6, 10e-6];
 pub const ROLLERS: &str = "line-hertz";
 /// Laws that others take for steel rollers.
 const STEEL_ROLLERS: [&str; 3] = ["line-contact", "kunert", "lundberg"];
+/// Figures that together decide which ends of toleranced keys are tried together.
+static LEADING: [&FigureDef; 5] = [
+    &LOST_MOTION,
+    &STIFFNESS,
+    &EXTERNAL_FORCE,
+    &INTERNAL_FORCE,
+    &CRANK_FORCE,
+];
 /// By how much a figure may lie outside of its band and be called inside: rounding of balances.
 const ROUNDING: f64 = 1e-6;
 
@@ -49,8 +62,56 @@ pub struct Bands {
     pub own: String,
     /// Figures under the scene's own law with their bands, at the few poses that laws are compared at.
     pub figures: Vec<Figure>,
-    /// Figures with a profile cut all round.
+    /// Figures with a profile cut all round; none of a gear with toleranced keys.
     pub fits: Vec<Fit>,
+    /// Results over the toleranced keys; `None`: there are none.
+    pub tolerances: Option<Fits>,
+}
+
+/// Results over the toleranced keys of a scene.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Fits {
+    /// The keys, in the order of the scene.
+    pub keys: Vec<Toleranced>,
+    /// Number of gears that were balanced beside the scene's own.
+    pub gears: usize,
+    /// Ends at which there is no gear, each with its reason.
+    pub refused: Vec<String>,
+}
+
+/// A toleranced key.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Toleranced {
+    /// The key.
+    pub key: String,
+    /// Half of its interval, in its unit.
+    pub plus_minus: f64,
+    /// Figures with it alone at its least and at its largest; empty where there is no gear.
+    pub ends: [Vec<Figure>; 2],
+}
+
+impl Toleranced {
+    /// Values of a figure with the key at its least and its largest.
+    #[must_use]
+    pub fn values(&self, def: &FigureDef) -> Option<[f64; 2]> {
+        let value = |end: &Vec<Figure>| end.iter().find(|figure| figure.is(def))?.value;
+        Some([value(&self.ends[0])?, value(&self.ends[1])?])
+    }
+
+    fn moves(&self, def: &FigureDef) -> f64 {
+        self.values(def)
+            .map_or(0.0, |[least, largest]| largest - least)
+    }
+}
+
+impl Fits {
+    /// The key whose interval moves a figure most, if any does.
+    #[must_use]
+    pub fn first(&self, def: &FigureDef) -> Option<&Toleranced> {
+        let size = |key: &&Toleranced| key.moves(def).abs();
+        let keys = self.keys.iter().filter(|key| size(key) > 0.0);
+        keys.max_by(|a, b| size(a).total_cmp(&size(b)))
+    }
 }
 
 /// A profile cut all round beyond the scene's.
@@ -62,10 +123,10 @@ pub struct Fit {
     pub figures: Vec<Figure>,
 }
 
-/// Ends of a band over the figure under the scene's own law.
-fn shares(figure: &Figure) -> Option<[f64; 2]> {
+/// Ends of a band over the value of the figure that it belongs to.
+fn shares(figure: &Figure, band: Option<[f64; 2]>) -> Option<[f64; 2]> {
     let own = figure.value?;
-    Some(figure.by_contact_law?.map(|end| end / own))
+    Some(band?.map(|end| end / own))
 }
 
 impl Bands {
@@ -75,20 +136,22 @@ impl Bands {
         self.figures.iter().find(|figure| figure.is(def))
     }
 
-    /// Least and largest of a figure of that definition that is `value` under the scene's own law.
-    #[must_use]
-    pub fn around(&self, def: &FigureDef, value: impl Into<Option<f64>>) -> Option<[f64; 2]> {
-        let value = value.into()?;
-        Some(shares(self.get(def)?)?.map(|share| share * value))
+    /// Gives a figure the bands of the definition's figure, in proportion to its value.
+    pub fn bound(&self, figure: &mut Figure, def: &FigureDef) {
+        let Some((value, own)) = figure.value.zip(self.get(def)) else {
+            return;
+        };
+        let scaled = |band| Some(shares(own, band)?.map(|share| share * value));
+        figure.by_contact_law = scaled(own.by_contact_law);
+        figure.by_fit = scaled(own.by_fit);
     }
 
-    /// Least and largest of a load of runs over all channels of a quantity that is `value` under the scene's own law.
-    #[must_use]
-    pub fn around_load(&self, quantity: &str, value: f64) -> Option<[f64; 2]> {
+    /// [`bound`](Self::bound) of a load of runs over all channels of a quantity.
+    pub fn bound_load(&self, figure: &mut Figure, quantity: &str) {
         match quantity {
-            columns::EXTERNAL_FORCE => self.around(&EXTERNAL_FORCE, value),
-            columns::INTERNAL_FORCE => self.around(&INTERNAL_FORCE, value),
-            _ => None,
+            columns::EXTERNAL_FORCE => self.bound(figure, &EXTERNAL_FORCE),
+            columns::INTERNAL_FORCE => self.bound(figure, &INTERNAL_FORCE),
+            _ => (),
         }
     }
 
@@ -96,7 +159,9 @@ impl Bands {
     #[must_use]
     pub fn holds_own(&self) -> bool {
         let holds = |[low, high]: [f64; 2]| low <= 1.0 + ROUNDING && high >= 1.0 - ROUNDING;
-        self.figures.iter().filter_map(shares).all(holds)
+        let figures = self.figures.iter();
+        let mut laws = figures.filter_map(|figure| shares(figure, figure.by_contact_law));
+        laws.all(holds)
     }
 
     /// Values of a figure by each cut, m.
@@ -150,9 +215,13 @@ fn laws(scene: &Scene) -> Vec<(String, Scene)> {
     found
 }
 
+fn figures_of(scene: &Scene, cancel: &AtomicBool) -> Result<Vec<Figure>, StudyError> {
+    few_figures(&compile(scene)?, cancel)
+}
+
 /// Figures of a scene; `None` where it cannot be balanced.
 fn figures(scene: &Scene, cancel: &AtomicBool) -> Result<Option<Vec<Figure>>, StudyError> {
-    balanced(compile(scene).and_then(|gearbox| few_figures(&gearbox, cancel)))
+    balanced(figures_of(scene, cancel))
 }
 
 /// Returns `None` for what cannot be balanced.
@@ -204,7 +273,9 @@ pub(crate) fn of_known(
     };
     let mut names = Vec::new();
     let laws = laws(scene);
-    let total = laws.len() + CUTS.len();
+    let tolerances = over_fits(known.gearbox(), &mut own, control)?;
+    let cuts = CUTS.iter().filter(|_| tolerances.is_none());
+    let total = laws.len() + cuts.clone().count();
     let report = |done, what: &str| (control.progress)(Progress::new(done, total, what));
     for (done, (label, scene)) in laws.into_iter().enumerate() {
         control.check()?;
@@ -213,20 +284,10 @@ pub(crate) fn of_known(
             continue;
         };
         names.push(label);
-        for (own, one) in own.iter_mut().zip(&found) {
-            // A figure that is 0 has no share.
-            let Some(value) = one
-                .value
-                .filter(|_| own.value.is_some_and(|own| own != 0.0))
-            else {
-                continue;
-            };
-            let [low, high] = own.by_contact_law.unwrap_or([value; 2]);
-            own.by_contact_law = Some([low.min(value), high.max(value)]);
-        }
+        widen(&mut own, &found, |figure| &mut figure.by_contact_law);
     }
     let mut fits = Vec::new();
-    for cut_m in CUTS {
+    for &cut_m in cuts {
         control.check()?;
         report(names.len(), "cut for play");
         let mut cut = scene.clone();
@@ -235,11 +296,103 @@ pub(crate) fn of_known(
             fits.push(Fit { cut_m, figures });
         }
     }
-    own.retain(|figure| figure.by_contact_law.is_some());
+    own.retain(|figure| figure.by_contact_law.or(figure.by_fit).is_some());
     Ok(Some(Bands {
         laws: names,
         own: scene.contact.law.clone(),
         figures: own,
         fits,
+        tolerances,
     }))
+}
+
+/// Widens a band of every figure to hold the value of the other gear's.
+fn widen(own: &mut [Figure], other: &[Figure], band: fn(&mut Figure) -> &mut Option<[f64; 2]>) {
+    for (figure, other) in own.iter_mut().zip(other) {
+        // A figure that is 0 has no share.
+        if let (true, Some(value)) = (figure.value.is_some_and(|own| own != 0.0), other.value) {
+            let band = band(figure);
+            let [low, high] = band.unwrap_or([value; 2]);
+            *band = Some([low.min(value), high.max(value)]);
+        }
+    }
+}
+
+/// Balances over the toleranced keys of a gear, and the band by fit of its figures `own`.
+fn over_fits(
+    gearbox: &Gearbox,
+    own: &mut [Figure],
+    control: &Control<'_>,
+) -> Result<Option<Fits>, StudyError> {
+    let scene = &gearbox.scene;
+    let intervals = scene.uncertain.iter();
+    let intervals =
+        intervals.filter_map(|(key, half)| Some((key, scene.number(key)?, half.plus_minus)));
+    let intervals: Vec<(&String, f64, f64)> = intervals.collect();
+    if intervals.is_empty() {
+        return Ok(None);
+    }
+    let mut fits = Fits::default();
+    for figure in own.iter_mut() {
+        figure.by_fit = figure.value.map(|value| [value; 2]);
+    }
+    // Each at its least or largest, or where it is.
+    let mut at = |ends: &[f64], fits: &mut Fits| -> Result<Vec<Figure>, StudyError> {
+        control.check()?;
+        (control.progress)(Progress::new(0, 1, "other fits"));
+        let moved = intervals.iter().zip(ends).filter(|(_, end)| **end != 0.0);
+        let moved: Vec<(&str, f64)> = moved
+            .map(|((key, value, half), end)| (key.as_str(), value + end * half))
+            .collect();
+        let gear = moved.iter().try_fold(scene.clone(), |gear, (key, value)| {
+            gear.with_number(key, *value)
+        });
+        let found = gear.map_err(|fault| StudyError::Input(fault.to_string()));
+        match found.and_then(|gear| figures_of(&gear, control.cancel)) {
+            Ok(found) => {
+                fits.gears += 1;
+                widen(own, &found, |figure| &mut figure.by_fit);
+                Ok(found)
+            }
+            Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
+            Err(why) => {
+                let ends = moved
+                    .iter()
+                    .map(|(key, value)| format!("{key} = {value:.9}"));
+                fits.refused
+                    .push(format!("{}: {why}", ends.collect::<Vec<_>>().join(", ")));
+                Ok(Vec::new())
+            }
+        }
+    };
+    for (place, (key, _, plus_minus)) in intervals.iter().enumerate() {
+        let mut alone = |end: f64| {
+            let mut ends = vec![0.0; intervals.len()];
+            ends[place] = end;
+            at(&ends, &mut fits)
+        };
+        let ends = [alone(-1.0)?, alone(1.0)?];
+        let (key, plus_minus) = ((*key).clone(), *plus_minus);
+        fits.keys.push(Toleranced {
+            key,
+            plus_minus,
+            ends,
+        });
+    }
+    let mut together: Vec<Vec<f64>> = Vec::new();
+    for def in LEADING {
+        let up: Vec<f64> = fits
+            .keys
+            .iter()
+            .map(|key| 1.0_f64.copysign(key.moves(def)))
+            .collect();
+        let down = up.iter().map(|end| -end).collect();
+        for ends in [up, down] {
+            if intervals.len() > 1 && !together.contains(&ends) {
+                at(&ends, &mut fits)?;
+                together.push(ends);
+            }
+        }
+    }
+    Ok(Some(fits))
 }

@@ -232,7 +232,8 @@ pub fn figures(
     let mut figures = design::few_figures(gearbox, cancel)?;
     if laws && let Some(bands) = band::of(gearbox, &Control::silent(cancel))? {
         for one in &mut figures {
-            one.by_contact_law = bands.around(&one.def, one.value);
+            let def = one.def.clone();
+            bands.bound(one, &def);
         }
     }
     Ok(figures)

@@ -84,7 +84,9 @@ impl Results {
                     figure.uncertainty = Some(figure.uncertainty.unwrap_or(rounding));
                 }
                 figure.uncertainty = figure.uncertainty.map(|u| u.max(rounding));
-                figure.by_contact_law = bands.and_then(|bands| bands.around_load(quantity, value));
+                if let Some(bands) = bands {
+                    bands.bound_load(&mut figure, quantity);
+                }
                 figures.push(figure);
             }
         }

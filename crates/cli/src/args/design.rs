@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use pinwheel::scene::as_built::{PROCESSES, process};
 use pinwheel::scene::catalogue::{Catalogue, MATERIALS, Material};
 use pinwheel::scene::quantity;
 
@@ -64,9 +65,18 @@ pub(crate) struct InitArgs {
     /// Coefficient of friction.
     #[arg(long, value_name = "MU")]
     friction: Option<f64>,
-    /// Material of all parts.
+    /// Material of the discs.
     #[arg(long, default_value = "steel", value_parser = materials())]
     material: Material,
+    /// Material of the pins [default: steel; with --ideal that of the discs].
+    #[arg(long, value_parser = materials())]
+    pin_material: Option<Material>,
+    /// Process by which discs are made, for the fits [default: ground; printed if of pla or nylon, milled if of pom].
+    #[arg(long, value_parser = PROCESSES.iter().map(|process| process.name).collect::<Vec<_>>(), conflicts_with = "ideal")]
+    process: Option<String>,
+    /// Leave out clearances, bearings, friction and bending.
+    #[arg(long)]
+    ideal: bool,
     /// Replace the file if it is there.
     #[arg(long)]
     pub(crate) force: bool,
@@ -133,6 +143,9 @@ impl InitArgs {
             torque_n_m: self.torque_n_m,
             speed_rad_s: self.speed_rpm * std::f64::consts::PI / 30.0,
             material: self.material,
+            pin_material: self.pin_material,
+            process: self.process.as_deref().and_then(process),
+            ideal: self.ideal,
             pin_diameter_m: self.pin_diameter_mm.map(mm),
             eccentricity_m: self.eccentricity_mm.map(mm),
             wheels: self.wheels.map(usize::from),

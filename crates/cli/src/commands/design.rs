@@ -26,20 +26,44 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     if to_screen {
         return screen::show(&draft.text);
     }
-    folder::check(&args.file, &is_scene)?;
-    if args.file.exists() && !args.force {
-        return Err(Failure::input(format!(
-            "{} is there already; name another file, or replace it with --force",
-            args.file.display()
-        )));
+    let name = args.file.file_name().unwrap_or_default().to_string_lossy();
+    let study = draft.study(&name);
+    let place = args.file.with_extension("tolerances.toml");
+    let mut files: Vec<(&Path, &str, fn(&[u8]) -> bool)> =
+        vec![(&args.file, &draft.text, is_scene)];
+    files.extend(
+        study
+            .iter()
+            .map(|text| (place.as_path(), text.as_str(), is_study as _)),
+    );
+    for (path, _, ours) in &files {
+        folder::check(path, ours)?;
+        if path.exists() && !args.force {
+            return Err(Failure::input(format!(
+                "{} is there already; name another file, or replace it with --force",
+                path.display()
+            )));
+        }
     }
-    folder::replace(&args.file, draft.text.as_bytes(), &is_scene)?;
-    let file = quoted(&args.file.display().to_string());
+    for (path, text, ours) in &files {
+        folder::replace(path, text.as_bytes(), ours)?;
+    }
+    let shown = |path: &Path| quoted(&path.display().to_string());
+    let then = study.map_or_else(String::new, |_| {
+        format!("\nthen    pinwheel sweep {}", shown(&place))
+    });
     screen::show(&format!(
-        "{}\nscene   {}\nnext    pinwheel design {file}",
+        "{}\nscene   {}\nnext    pinwheel design {}{then}",
         pages::design::draft(&draft),
-        args.file.display()
+        args.file.display(),
+        shown(&args.file)
     ))
+}
+
+/// Returns true for the text of a study of tolerances, right or wrong.
+fn is_study(content: &[u8]) -> bool {
+    let mut lines = content.split(|byte| *byte == b'\n').map(<[u8]>::trim_ascii);
+    lines.any(|line| line == b"[sample]")
 }
 
 /// Returns true for the text of a scene, right or wrong.

@@ -4,7 +4,7 @@ use crate::figure::{interval, rounded};
 use crate::format::{joined, significant};
 use crate::study::Block;
 use pinwheel_contact::laws::law_info;
-use pinwheel_studies::band::{Bands, ROLLERS};
+use pinwheel_studies::band::{Bands, Fits, ROLLERS};
 use pinwheel_timeseries::figure::{FigureDef, definitions as defs};
 use pinwheel_timeseries::table::Table;
 
@@ -39,8 +39,44 @@ pub(crate) fn about(bands: &Bands) -> String {
     )
 }
 
-/// Effect of cuts of the profile on the largest external force.
+/// Sentence on the balances that the intervals by fit are of.
+fn tried(fits: &Fits) -> String {
+    format!(
+        "{} toleranced sizes (`[uncertain]`), each alone at both ends and all together where that moves lost motion, stiffness or a force most: \
+         {} gears; between these ends a figure may go further; the wider of both intervals leads, and stands first",
+        fits.keys.len(),
+        fits.gears
+    )
+}
+
+/// Sentences on the size to make better first, for lost motion and for stiffness.
+fn tighten(fits: &Fits) -> Vec<String> {
+    let said = |def: &&FigureDef| {
+        let first = fits.first(def)?;
+        let [least, largest] = first.values(def)?.map(|value| significant(value, 3));
+        let FigureDef { label, unit, .. } = def;
+        let (key, half) = (&first.key, significant(first.plus_minus, 2));
+        Some(format!(
+            "{key} +- {half}: alone it moves the {label} from {least} to {largest} {unit}"
+        ))
+    };
+    [&defs::LOST_MOTION, &defs::STIFFNESS]
+        .iter()
+        .filter_map(said)
+        .collect()
+}
+
+/// Effect of the fits on the largest external force: of those that are toleranced, or of cuts of the profile.
 pub(crate) fn fit(bands: &Bands) -> Option<String> {
+    if let Some(fits) = &bands.tolerances {
+        let figure = bands.get(&defs::EXTERNAL_FORCE)?;
+        let [label, unit] = [&figure.def.label, &figure.def.unit];
+        return Some(format!(
+            "{label} {} {unit} by fit: {}",
+            interval(figure.by_fit?),
+            tried(fits)
+        ));
+    }
     let FigureDef { label, unit, .. } = &defs::EXTERNAL_FORCE;
     let fitted = bands.fitted(&defs::EXTERNAL_FORCE).into_iter();
     let cut = |(cut, value)| format!("{:.0} \u{b5}m: {} {unit}", 1e6 * cut, significant(value, 3));
@@ -55,7 +91,23 @@ pub(crate) const OUTSIDE: &str = "law";
 pub(crate) fn rows(bands: &Bands) -> Vec<(&'static str, String)> {
     let mut rows = vec![("by contact law", about(bands))];
     rows.extend(outside(bands).map(|said| (OUTSIDE, said)));
-    rows.extend(fit(bands).map(|said| ("fit", said)));
+    let Some(fits) = &bands.tolerances else {
+        rows.extend(fit(bands).map(|said| ("fit", said)));
+        return rows;
+    };
+    rows.push(("by fit", tried(fits)));
+    rows.extend(
+        tighten(fits)
+            .into_iter()
+            .map(|said| ("tighten this first", said)),
+    );
+    let refused = fits.refused.iter();
+    rows.extend(refused.map(|said| {
+        (
+            "no gear",
+            format!("cannot be assembled or balanced: {said}"),
+        )
+    }));
     rows
 }
 
@@ -63,6 +115,7 @@ pub(crate) fn rows(bands: &Bands) -> Vec<(&'static str, String)> {
 pub(crate) fn blocks(bands: &Bands) -> Vec<Block> {
     let rows = TOLD.into_iter().filter_map(|def| bands.get(def));
     let rows = rows.filter_map(|one| Some((one, one.value?, one.by_contact_law?)));
+    let fits = bands.tolerances.as_ref().map(tolerances);
     let mut table = Table::of(format!("By contact law, statics: {}", about(bands)), rows)
         .text("", "Figure", |(one, ..)| &*one.def.label)
         .text("", "Unit", |(one, ..)| &*one.def.unit)
@@ -78,7 +131,30 @@ pub(crate) fn blocks(bands: &Bands) -> Vec<Block> {
         });
     }
     let said = outside(bands).map(Block::Text);
-    said.into_iter().chain([table.done().into()]).collect()
+    let tables = [table.done().into()].into_iter().chain(fits);
+    said.into_iter().chain(tables).collect()
+}
+
+/// Table of what each toleranced size does alone.
+fn tolerances(fits: &Fits) -> Block {
+    let caption = format!("By fit, statics: {}", tried(fits));
+    let mut table = Table::of(caption, &fits.keys)
+        .text("", "Toleranced", |key| key.key.clone())
+        .text("", "+-", |key| significant(key.plus_minus, 2));
+    for def in TOLD {
+        if fits.first(def).is_some() {
+            let name = format!("{}, {}", def.label, def.unit);
+            table = table.text("", &name, |key| {
+                let ends = key
+                    .values(def)
+                    .map(|ends| ends.map(|end| significant(end, 3)));
+                ends.map_or_else(String::new, |[least, largest]| {
+                    format!("{least} to {largest}")
+                })
+            });
+        }
+    }
+    table.done().into()
 }
 
 #[cfg(test)]
@@ -92,6 +168,7 @@ mod tests {
             own: "paper".to_owned(),
             figures: Vec::new(),
             fits: Vec::new(),
+            tolerances: None,
         };
         assert!(about(&none).starts_with("no band: line-hertz "));
     }

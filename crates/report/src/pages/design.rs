@@ -128,8 +128,25 @@ fn files(found: &DesignResult) -> String {
 fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
     let mut notes = vec![given_way(found)];
     notes.extend(found.rest.as_ref().map(|rest| ("fit", fitted(rest))));
+    let most = found
+        .budget
+        .iter()
+        .max_by(|a, b| a.share.total_cmp(&b.share));
+    notes.extend(most.map(|most| {
+        let share = significant(100.0 * most.share, 2);
+        (
+            "stiffen this first",
+            format!("{}: {share} % of the compliance", most.part),
+        )
+    }));
     if let Some(bands) = &found.bands {
         notes.extend(band::rows(bands));
+    }
+    let (scene, drive) = (&found.scene, &found.scene.drive);
+    if drive.output_torque_n_m * drive.input_speed_rad_s * scene.output_per_input() > 0.0 {
+        let said =
+            "drives this gear; give drive.output_torque_n_m the other sign for a load that resists";
+        notes.push(("load", said.to_owned()));
     }
     let next = "`pinwheel compare` of this scene: whether other engines confirm the forces";
     notes.push(("next", next.to_owned()));

@@ -207,6 +207,14 @@ impl Layers {
         Ok(())
     }
 
+    /// Removes what is said of the uncertainty of a key.
+    pub(super) fn drop_uncertainty(&mut self, key: &str) {
+        if let Some(Value::Table(table)) = self.table.get_mut(UNCERTAIN) {
+            table.remove(key);
+            self.places.remove(&format!("{UNCERTAIN}.{key}"));
+        }
+    }
+
     /// Removes what the base gives for a key that follows from this one: the file's own replaces it.
     fn drop_inherited_twin(&mut self, key: &str) {
         let twin = match key {

@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 
 use pinwheel_scene::Scene;
+use pinwheel_scene::as_built::tolerance_m;
 use pinwheel_scene::catalogue::*;
 
 /// Catalogue of a gear of steel, with a load that goes with its size; all else is left out.
@@ -15,6 +16,9 @@ pub(crate) fn catalogue(ratio: impl Into<f64>, diameter_mm: f64) -> Catalogue {
         torque_n_m: 100.0 * (diameter_mm / 130.0).powi(3),
         speed_rad_s: 157.0,
         material: MATERIALS[0],
+        pin_material: None,
+        process: None,
+        ideal: true,
         pin_diameter_m: None,
         eccentricity_m: None,
         wheels: None,
@@ -149,13 +153,128 @@ fn an_rv_gear_from_its_ratio() {
     assert!(first_stage(tried).is_some(), "{said}");
 }
 
+/// Standard tolerances of IT6, IT7, IT8 and IT12, um, as tables of ISO 286-1 print them: these are rounded.
+#[test]
+fn published_standard_tolerances() {
+    for (size_mm, table) in [
+        (3.0, [6.0, 10.0, 14.0, 100.0]),
+        (5.0, [8.0, 12.0, 18.0, 120.0]),
+        (10.0, [9.0, 15.0, 22.0, 150.0]),
+        (18.0, [11.0, 18.0, 27.0, 180.0]),
+        (20.0, [13.0, 21.0, 33.0, 210.0]),
+        (50.0, [16.0, 25.0, 39.0, 250.0]),
+        (100.0, [22.0, 35.0, 54.0, 350.0]),
+        (223.0, [29.0, 46.0, 72.0, 460.0]),
+    ] {
+        for (grade, printed) in [6, 7, 8, 12].into_iter().zip(table) {
+            let um = 1e6 * tolerance_m(1e-3 * size_mm, grade);
+            assert!(
+                (um - printed).abs() <= 0.6 + 0.08 * printed,
+                "IT{grade} of {size_mm}: {um}"
+            );
+        }
+    }
+}
+
+/// A gear as built: what is suggested stands in the file, marked; every clearance is an interval that begins at 0 or above, and the study
+/// of the tolerances draws the same.
+#[test]
+fn a_gear_as_built() {
+    let steel = |cranks| Catalogue {
+        ideal: false,
+        cranks,
+        ..catalogue(39, 104.0)
+    };
+    let printed = Catalogue {
+        material: MATERIALS[6],
+        process: None,
+        ..steel(None)
+    };
+    let rv = Catalogue {
+        ratio: 118.5,
+        ..steel(Some(2))
+    };
+    let mut plays = Vec::new();
+    for (catalogue, tolerances) in [(steel(None), 3), (printed, 3), (rv, 2)] {
+        let draft = catalogue.draft().unwrap();
+        let scene = &draft.scene;
+        for key in &draft.suggested {
+            let name = format!("{} = ", key.rsplit('.').next().unwrap());
+            let mut lines = draft.text.lines().filter(|line| line.starts_with(&name));
+            assert!(
+                lines.any(|line| line.contains("suggested")),
+                "{key}: {}",
+                draft.text
+            );
+        }
+        assert_eq!(scene.uncertain.len(), tolerances);
+        let study = draft.study("mine.toml").unwrap();
+        for (key, half) in &scene.uncertain {
+            assert!(
+                scene
+                    .with_number(key, scene.number(key).unwrap() - half.plus_minus)
+                    .is_ok(),
+                "{key}"
+            );
+            assert!(
+                study.contains(&format!("{key} = {{ plus_minus = {:?} }}", half.plus_minus)),
+                "{study}"
+            );
+        }
+        let gear = &scene.gear;
+        let bearing = scene.bearings.eccentric.unwrap();
+        assert!(bearing.rollers.unwrap() > 3 && bearing.clearance_m.unwrap() > 0.0);
+        assert!(scene.bearings.sleeve_friction_coefficient.is_some());
+        plays.push(gear.hole_radius_m - gear.internal_sleeve_radius_m - gear.eccentricity_m);
+        match catalogue.cranks {
+            None => assert!(scene.bearings.internal_sleeve_stiffness_n_m.is_some()),
+            Some(_) => assert!(scene.cranks.unwrap().support_stiffness_n_m.is_some()),
+        }
+    }
+    // H6/g5 of 22 mm: 7.2 to 29.2 um across; H12/g11.
+    assert!(
+        (plays[0] - 9.1e-6).abs() < 1e-6 && plays[1] > 8e-5,
+        "{plays:?}"
+    );
+    // Discs of plastic run on pins of steel unless it says otherwise.
+    let plastic = |pin_material, ideal| Catalogue {
+        material: MATERIALS[6],
+        pin_material,
+        ideal,
+        ..catalogue(39, 104.0)
+    };
+    let pins = |catalogue: Catalogue| catalogue.draft().unwrap().scene.contact.pin_young_pa;
+    assert_eq!(pins(plastic(None, false)), Some(2.1e11));
+    assert_eq!(pins(plastic(Some(MATERIALS[6]), false)), None);
+    assert_eq!(pins(plastic(None, true)), None);
+    // Given backlash is the clearance of the ring; the load of an RV gear may be given with either sign.
+    let given = Catalogue {
+        backlash_m: Some(2e-5),
+        ..steel(None)
+    }
+    .draft()
+    .unwrap();
+    assert_eq!(given.scene.gear.modification.equidistant_m, 0.0);
+    let against = Catalogue {
+        torque_n_m: -100.0,
+        ..steel(Some(2))
+    };
+    let against = Catalogue {
+        ratio: 81.0,
+        ..against
+    }
+    .draft()
+    .unwrap();
+    assert_eq!(against.scene.drive.output_torque_n_m, -100.0);
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     /// Ratio, size, torque and speed are enough for any gear; the suggested one can be built and has walls.
     #[test]
-    fn four_numbers_make_a_gear(ratio in 5..120_usize, size in 0.5..3.0_f64) {
-        let draft = catalogue(ratio as f64, 10_f64.powf(size)).draft();
+    fn four_numbers_make_a_gear(ratio in 5..120_usize, size in 0.5..3.0_f64, ideal in proptest::bool::ANY) {
+        let draft = Catalogue { ideal, ..catalogue(ratio as f64, 10_f64.powf(size)) }.draft();
         prop_assert!(draft.is_ok(), "{}", draft.unwrap_err());
         let draft = draft.unwrap();
         let again = Scene::from_toml(&draft.text, "mine.toml", &[]).unwrap();

@@ -75,6 +75,12 @@ fn a_number_is_changed_by_its_key() {
     let moved = scene.with_number("mass.wheel.mass_kg", 0.7).unwrap();
     assert_eq!(moved.mass.wheel.mass_kg, 0.7);
     assert_eq!(moved.number("mass.wheel.mass_kg"), Some(0.7));
+    // A value that is moved is known: its interval does not move along, out of the key's range.
+    let scene =
+        read("gear.backlash_m = 5e-6\n[uncertain]\ngear.backlash_m = { plus_minus = 5e-6 }")
+            .unwrap();
+    let moved = scene.with_number("gear.backlash_m", 1e-6).unwrap();
+    assert!(moved.uncertain.is_empty() && moved.gear.backlash_m == 1e-6);
     assert!(scene.with_number("gear.wheels", 3.0).is_err());
     assert!(scene.with_number("gear.backlash_m", -1.0).is_err());
 }

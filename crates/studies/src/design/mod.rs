@@ -205,7 +205,8 @@ pub(crate) fn answers(
     found.bands = band::of_known(statics, control)?;
     if let Some(bands) = &found.bands {
         for figure in &mut found.figures {
-            figure.by_contact_law = bands.around(&figure.def, figure.value);
+            let def = figure.def.clone();
+            bands.bound(figure, &def);
         }
     }
     Ok(found)

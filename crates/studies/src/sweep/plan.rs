@@ -16,6 +16,10 @@ use crate::sweep::spread::columns_of;
 use crate::sweep::statics::{self, STATICS, Statics};
 use crate::sweep::{Sweep, SweepError};
 
+/// Remedy for a sample that draws what is no gear.
+const WIDER: &str = "the sample reaches beyond what can be built: narrow its intervals, or give the scene the clearances of a gear as built \
+                     (`pinwheel init` suggests them)";
+
 /// Runs of a sweep at most.
 pub const MOST_RUNS: usize = 100_000;
 
@@ -138,7 +142,11 @@ impl Plan {
             }
             let values = values_at(&sweep, point);
             let number = runs.len() + 1;
-            let scene = scene_at(&mut draft, &sweep, overrides, number, &values)?;
+            let scene = scene_at(&mut draft, &sweep, overrides, number, &values);
+            let scene = scene.map_err(|error| match &sweep.sample {
+                Some(_) => SweepError::Input(format!("{error}; {WIDER}")),
+                None => error,
+            })?;
             let wrong = |what: String| refused(number, &values, &what);
             let duration = scene.solver.duration_s;
             let window_s = sweep.window_s.unwrap_or([0.5 * duration, duration]);

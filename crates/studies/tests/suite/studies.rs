@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize};
 
 use pinwheel_engines::{Engine, Native};
 use pinwheel_gearbox::Gearbox;
-use pinwheel_scene::{Override, Scene};
+use pinwheel_scene::{CheckedScene, Override, Scene};
 use pinwheel_studies::design::{self, ForceHarmonic};
 use pinwheel_studies::stability::{Atlas, Failure, Options};
 use pinwheel_studies::{
@@ -604,6 +604,57 @@ fn crossval_bands_of_contact_laws() {
     let soft = ("contact.stiffness_multiplier", "0.5");
     assert!(of(&[soft]).is_none());
     assert!(of(&[soft, ("contact.band_laws", "\"line-hertz\"")]).is_some());
+}
+
+/// The interval by fit holds the figures of gears within it, its ends are gears, and the size that moves a figure most is
+/// named. An end that cannot be assembled is named too, and the figure keeps what else there is.
+#[test]
+fn regress_intervals_by_fit() {
+    let fits = "[gear.modification]\nequidistant_m = 6e-6\n[uncertain]\ngear.hole_radius_m = { plus_minus = 5e-6 }\n\
+                gear.modification.equidistant_m = { plus_minus = 4e-6 }\n";
+    let of = |play: f64| {
+        let hole = Override::new("gear.hole_radius_m", format!("{}", 0.01084 + play));
+        Scene::from_toml(&format!("{README}{fits}"), "readme", &[hole]).unwrap()
+    };
+    let bands = |scene: &CheckedScene| {
+        let gearbox = Gearbox::new(scene).unwrap();
+        band::of(&gearbox, &Control::quiet()).unwrap().unwrap()
+    };
+    let scene = of(8e-6);
+    let found = bands(&scene);
+    let fits = found.tolerances.as_ref().unwrap();
+    assert!(fits.refused.is_empty() && found.fits.is_empty());
+    assert_eq!(fits.first(&LOST_MOTION).unwrap().key, "gear.hole_radius_m");
+    let cancel = AtomicBool::new(false);
+    for shares in [[0.3, -0.6], [-0.7, 0.2], [0.9, 0.9], [-0.5, -0.9]] {
+        let keys = scene.uncertain.iter().zip(shares);
+        let moved = keys.fold(scene.clone(), |scene, ((key, half), share)| {
+            let value = scene.number(key).unwrap() + share * half.plus_minus;
+            scene.with_number(key, value).unwrap()
+        });
+        let drawn = design::few_figures(&Gearbox::new(&moved).unwrap(), &cancel).unwrap();
+        for def in [&LOST_MOTION, &STIFFNESS, &EXTERNAL_FORCE] {
+            let value = drawn
+                .iter()
+                .find(|figure| figure.is(def))
+                .unwrap()
+                .value
+                .unwrap();
+            let [low, high] = found.get(def).unwrap().by_fit.unwrap();
+            assert!(
+                low < value && value < high,
+                "{}: {value}, {low} to {high}",
+                def.label
+            );
+        }
+    }
+    let found = bands(&of(3e-6));
+    let refused = &found.tolerances.as_ref().unwrap().refused;
+    assert!(
+        refused.iter().all(|said| said.contains("could not orbit")),
+        "{refused:?}"
+    );
+    assert!(!refused.is_empty() && found.get(&LOST_MOTION).unwrap().by_fit.is_some());
 }
 
 /// Every stage of a design says what it does, and ends at once when it is told to: joint and other laws did neither.

@@ -178,10 +178,24 @@ impl Figure {
         both.is_some_and(|(sampling, all)| sampling > 0.5 * all)
     }
 
-    /// Band by contact laws, where that is wider than the figure is off numerically.
+    /// Intervals by contact law and by fit that are wider than the figure is off numerically, each with its cause; the wider,
+    /// which leads, first.
+    #[must_use]
+    pub fn bands(&self) -> Vec<(&'static str, [f64; 2])> {
+        let off = self.uncertainty.unwrap_or(0.0);
+        let width = |[low, high]: [f64; 2]| high - low;
+        let all = [("contact law", self.by_contact_law), ("fit", self.by_fit)];
+        let all = all
+            .into_iter()
+            .filter_map(|(cause, band)| Some((cause, band?)));
+        let mut bands: Vec<_> = all.filter(|(_, band)| width(*band) > off).collect();
+        bands.sort_by(|a, b| width(b.1).total_cmp(&width(a.1)));
+        bands
+    }
+
+    /// The wider of these intervals.
     #[must_use]
     pub fn band(&self) -> Option<[f64; 2]> {
-        let off = self.uncertainty.unwrap_or(0.0);
-        self.by_contact_law.filter(|[low, high]| high - low > off)
+        self.bands().first().map(|(_, band)| *band)
     }
 }

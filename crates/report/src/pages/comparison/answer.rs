@@ -380,7 +380,10 @@ impl<'a> Answer<'a> {
         let within = "is within its band: a spread of models, not validated";
         let text = outside.unwrap_or_else(|| format!("{} {within}", bands.own));
         let law = Fact::new("contact law", mark, text);
-        let given = scene.gear.modification.equidistant_m != 0.0 || scene.gear.backlash_m != 0.0;
+        let gear = &scene.gear;
+        let given = bands.tolerances.is_some()
+            || gear.modification.equidistant_m != 0.0
+            || gear.backlash_m != 0.0;
         let fit = band::fit(bands).map(|text| match given {
             true => Fact::new("fit", Mark::None, text),
             false => Fact::new("fit", Mark::Warn, format!("none given: {text}")),

@@ -87,11 +87,11 @@ fn load(
     };
     let key = format!("{kind}_{}", of.name);
     let label = format!("{}, {kind}", of.label);
-    let bands = found.bands.as_ref();
-    Some(Figure {
-        by_contact_law: bands.and_then(|bands| bands.around_load(&of.name, value)),
-        ..FigureDef::named(key, label, of.unit.clone()).of(value, off)
-    })
+    let mut figure = FigureDef::named(key, label, of.unit.clone()).of(value, off);
+    if let Some(bands) = &found.bands {
+        bands.bound_load(&mut figure, &of.name);
+    }
+    Some(figure)
 }
 
 /// Relative accuracy of sums of many terms in double precision.
