@@ -102,3 +102,23 @@ fn line(command: &str, progress: Progress<'_>, elapsed: Duration) -> String {
         progress.sentence(elapsed.as_secs_f64())
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_says_where_it_is() {
+        let at = Progress {
+            left_s: Some(40.0),
+            ..Progress::new(2, 14, "rapier-shared-law, exudyn-own-contact")
+        };
+        let said = line("compare", at, Duration::from_secs(130));
+        assert_eq!(
+            said,
+            "compare, 2 min: 3 of 14, rapier-shared-law, exudyn-own-contact, 40 s left"
+        );
+        let unknown = Progress { left_s: None, ..at };
+        assert!(!line("compare", unknown, Duration::from_secs(130)).contains("left"));
+    }
+}

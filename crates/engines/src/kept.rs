@@ -16,6 +16,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, SystemTime};
 
 use pinwheel_files::file::replace;
+use pinwheel_files::folder::leftovers;
 use pinwheel_files::{Fnv, fnv};
 use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::Scene;
@@ -97,6 +98,9 @@ impl Store {
         (machine, date): (String, String),
     ) -> std::io::Result<Self> {
         fs::create_dir_all(folder)?;
+        for draft in leftovers(folder) {
+            let _ = fs::remove_file(draft);
+        }
         // The clock that stamps the files.
         let stamp = tempfile::NamedTempFile::new_in(folder)?;
         Ok(Self {

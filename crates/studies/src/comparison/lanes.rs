@@ -145,18 +145,23 @@ struct Lane<'a> {
     begun: Option<Instant>,
     /// Time that was left, s, and when.
     left: Option<(Instant, f64)>,
-    done: bool,
+    /// Time that it took, s.
+    took: Option<f64>,
 }
 
 impl Lane<'_> {
-    /// Time left, s, if it is known.
-    fn left_s(&self) -> Option<f64> {
-        let since = |at: Instant| at.elapsed().as_secs_f64();
+    fn since_s(&self) -> f64 {
+        self.begun
+            .map_or(0.0, |begun| begun.elapsed().as_secs_f64())
+    }
+
+    /// Time left, s, if it is known; what took a second takes `pace` now.
+    fn left_s(&self, pace: f64) -> Option<f64> {
         match self.left {
-            _ if self.done => Some(0.0),
-            Some((at, left)) => Some((left - since(at)).max(0.0)),
+            _ if self.took.is_some() => Some(0.0),
+            Some((at, left)) => Some((left - at.elapsed().as_secs_f64()).max(0.0)),
             // What takes longer than it did is not known any more.
-            None => Some(self.cost_s? - self.begun.map_or(0.0, since)).filter(|left| *left >= 0.0),
+            None => Some(self.cost_s? * pace - self.since_s()).filter(|left| *left >= 0.0),
         }
     }
 }
@@ -184,7 +189,7 @@ impl<'a> Board<'a> {
             once: Refiner::of(*engine, gearbox.clone()).is_none(),
             begun: None,
             left: None,
-            done: false,
+            took: None,
         };
         Self {
             control,
@@ -206,9 +211,7 @@ impl<'a> Board<'a> {
         });
         let heard = |at: Progress<'_>| {
             self.change(k, false, |lane| {
-                let since = lane
-                    .begun
-                    .map_or(0.0, |begun| begun.elapsed().as_secs_f64());
+                let since = lane.since_s();
                 let by_pace = |[at, of]: [f64; 2]| since * (of - at).max(0.0) / at;
                 let paced = at.simulated_s.filter(|_| lane.once).map(by_pace);
                 let left = at.left_s.or(paced).filter(|left| left.is_finite());
@@ -217,7 +220,7 @@ impl<'a> Board<'a> {
         };
         let control = self.control.limited(self.control.cancel, &heard);
         let done = work(Progress::new(0, 1, name), &control);
-        self.change(k, false, |lane| lane.done = true);
+        self.change(k, false, |lane| lane.took = Some(lane.since_s()));
         done
     }
 
@@ -229,17 +232,28 @@ impl<'a> Board<'a> {
             *told = Instant::now();
             let runs = lanes
                 .iter()
-                .filter(|lane| lane.begun.is_some() && !lane.done);
+                .filter(|lane| lane.begun.is_some() && lane.took.is_none());
             let runs: Vec<&str> = runs.map(|lane| lane.name).collect();
-            let done = lanes.iter().filter(|lane| lane.done).count();
-            let left = lanes.iter().map(Lane::left_s).collect::<Option<Vec<f64>>>();
+            let done = lanes
+                .iter()
+                .filter_map(|lane| Some((lane.took?, lane.cost_s)));
+            let known = done.clone().filter_map(|(took, cost)| Some((took, cost?)));
+            let [took, cost] = known.fold([0.0; 2], |[a, b], (took, cost)| [a + took, b + cost]);
+            // A busy machine is slower, and what was kept faster.
+            let pace = if took > cost && cost > 0.0 {
+                took / cost
+            } else {
+                1.0
+            };
+            let left = lanes.iter().map(|lane| lane.left_s(pace));
+            let left = left.collect::<Option<Vec<f64>>>();
             (self.control.progress)(Progress {
                 // Of the longest, or of what is left on so many lanes.
                 left_s: left.map(|left| {
                     let longest = left.iter().copied().fold(0.0, f64::max);
                     longest.max(left.iter().sum::<f64>() / self.jobs as f64)
                 }),
-                ..Progress::new(done + 1, lanes.len() + 1, &runs.join(", "))
+                ..Progress::new(done.count() + 1, lanes.len() + 1, &runs.join(", "))
             });
         }
         changed

@@ -354,10 +354,11 @@ pub fn refine(
     if free {
         refiner.leave_room();
     }
-    let spent = Cell::new(0.0);
+    let (spent, waited) = (Cell::new(0.0), Cell::new(0.0));
     let run = |refiner: &Refiner<'_>, value: f64| {
         let ran = refiner.run(value, most, at, control)?;
         spent.set(spent.get() + cpu_s(&ran));
+        waited.set(waited.get() + ran.cost.wall_s);
         Ok::<_, StudyError>(ran)
     };
     // Runs that are left take `left_s`, the finest of them `finest_s`; known where it cannot be refined any further in its time.
@@ -365,7 +366,8 @@ pub fn refine(
         let finer = finest_s * refiner.dearer(refiner.least());
         let known = !free || spent.get() + left_s + finer > longest;
         (control.progress)(Progress {
-            left_s: known.then_some(left_s),
+            // On a busy machine it is more.
+            left_s: known.then_some(left_s * (waited.get() / spent.get()).max(1.0)),
             ..at
         });
     };

@@ -53,9 +53,10 @@ impl Engine for Peer {
                 std::thread::sleep(Duration::from_millis(1));
             }
             let native = by_name("native-reduced", &gearbox.scene).unwrap();
+            let silent = Control::silent(control.cancel);
             let run = native
                 .prepare(&gearbox)
-                .and_then(|prepared| prepared(control));
+                .and_then(|prepared| prepared(&silent));
             places.iter().for_each(|place| counted(*place, &down));
             run
         }))
@@ -110,11 +111,8 @@ fn compared(
         // Its cost is a ratio of times.
         engine.refinement = None;
     }
-    let series: Vec<_> = found
-        .participants
-        .iter()
-        .map(|one| &one.time_series)
-        .collect();
+    let series = found.participants.iter().map(|one| &one.time_series);
+    let series: Vec<_> = series.map(|one| (one.time_s(), one.channels())).collect();
     Ok(format!(
         "{} {series:?}",
         serde_json::to_string(&found.comparison).unwrap()
