@@ -61,6 +61,8 @@ def text() -> str:
     bare: dict[str, str] = {}
     for full in keys:
         last = full.rpartition(".")[2]
+        if last in TABLES:  # the table goes first
+            continue
         try:
             bare[last] = _core.key(last)
         except ValueError:  # it stands for several

@@ -138,6 +138,8 @@ class Keys(TypedDict, total=False):
     """the load rises linearly over this time; 0: at once (s); if left out 0.0: the load acts at once"""
     output_torque_n_m: float
     """load on the output shaft, counter-clockwise; positive opposes the motion of a positive input speed, of an RV gear that of a negative one (N m)"""
+    speed_changes: Sequence[Mapping[str, Any]]
+    """what the speed of the input becomes during the run"""
     start: Literal["kinematic", "equilibrium"]
     """state at t = 0; if left out 'kinematic': rates of the ideal mesh, load at once"""
     backlash_m: float
@@ -176,6 +178,12 @@ class Keys(TypedDict, total=False):
     """zi: pins on the output shaft; if left out: cranks.count: cranks stand in the place of output pins"""
     equidistant_m: float
     """the generating pin's radius is larger than q by this: above 0 the disc's whole edge lies that much further in (m)"""
+    cos_m: Sequence[float] | npt.NDArray[np.float64]
+    """own profile as a Fourier series of a lobe's phase, 0 at its tip: amplitudes of cosines from order 0 on (m)"""
+    points_m: Sequence[float] | npt.NDArray[np.float64]
+    """own profile: offset of the generating curve along its inward normal at equal steps over a lobe from its tip on, all lobes alike; a periodic cubic spline (m)"""
+    sin_m: Sequence[float] | npt.NDArray[np.float64]
+    """the series' amplitudes of sines from order 1 on (m)"""
     radial_m: float
     """the generating circle is larger than R by this: below 0 the disc is smaller (m)"""
     rotational_rad: float
@@ -264,6 +272,7 @@ Vary = TypedDict(
         "load_changes": Axis,
         "load_ramp_s": Axis,
         "output_torque_n_m": Axis,
+        "speed_changes": Axis,
         "start": Axis,
         "backlash_m": Axis,
         "eccentricity_m": Axis,
@@ -283,6 +292,9 @@ Vary = TypedDict(
         "internal_circle_radius_m": Axis,
         "internal_sleeves": Axis,
         "equidistant_m": Axis,
+        "cos_m": Axis,
+        "points_m": Axis,
+        "sin_m": Axis,
         "radial_m": Axis,
         "rotational_rad": Axis,
         "pin_circle_radius_m": Axis,
@@ -348,7 +360,9 @@ Vary = TypedDict(
         "drive.input_speed_rad_s": Axis,
         "drive.load_changes": Axis,
         "drive.load_ramp_s": Axis,
+        "drive.output": Axis,
         "drive.output_torque_n_m": Axis,
+        "drive.speed_changes": Axis,
         "drive.start": Axis,
         "gear.backlash_m": Axis,
         "gear.eccentricity_m": Axis,
@@ -372,6 +386,9 @@ Vary = TypedDict(
         "gear.internal_sleeve_radius_m": Axis,
         "gear.internal_sleeves": Axis,
         "gear.modification.equidistant_m": Axis,
+        "gear.modification.normal_m.cos_m": Axis,
+        "gear.modification.normal_m.points_m": Axis,
+        "gear.modification.normal_m.sin_m": Axis,
         "gear.modification.radial_m": Axis,
         "gear.modification.rotational_rad": Axis,
         "gear.pin_circle_radius_m": Axis,

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pinwheel_engines.geometry import Epitrochoid, circle_curvature, nearest_vertex, root_between
+from pinwheel_engines.geometry import Epitrochoid, Moved, circle_curvature, nearest_vertex, root_between
 from pinwheel_engines.law import ContactLaw
 from tests import scenes
 
@@ -104,3 +104,32 @@ def test_root_where_newton_alone_would_leave():
 
     x = root_between(steep, np.array([-7.0]), np.array([5.0]))
     assert x[0] == pytest.approx(0.3, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    "offset",
+    [
+        {"cos_m": [5e-6, 8e-6, 0.0, -2e-6], "sin_m": [6e-6, 1e-6]},
+        {"points_m": [0.0, 9e-6, 2e-6, -5e-6, 4e-6, 1e-6, -3e-6, 6e-6]},
+    ],
+)
+def test_a_moved_curve_is_its_points(offset):
+    curve, step = Moved(0.064, 0.7, 16, offset), 1e-6
+    a = np.linspace(0.0, 2.0 * np.pi, 501)
+    first, second = curve._derivatives(a)
+    slope = (curve.point(a + step) - curve.point(a - step)) / (2.0 * step)
+    bend = (curve._derivatives(a + step)[0] - curve._derivatives(a - step)[0]) / (2.0 * step)
+    assert np.max(np.abs(slope - first)) < 1e-9
+    assert np.max(np.abs(bend - second)) < 1e-5
+    for off in (-3e-4, 1e-6, 2e-4):
+        points = curve.point(a) + off * curve.normal(a)
+        inside, at = curve.inside(points)
+        assert np.all(inside == (off < 0.0))
+        assert np.max(np.abs(curve.closest(points, at)[1] - off)) < 1e-15
+
+
+def test_a_constant_offset_is_a_parallel_curve():
+    plain, moved = Epitrochoid(0.064, 0.7, 16), Moved(0.064, 0.7, 16, {"cos_m": [1e-5]})
+    a = np.linspace(0.0, 2.0 * np.pi, 501)
+    assert np.max(np.abs(moved.point(a) - plain.point(a) + 1e-5 * plain.normal(a))) < 1e-16
+    assert np.allclose(moved.curvature(a) * (1.0 - 1e-5 * plain.curvature(a)), plain.curvature(a), rtol=1e-12)

@@ -383,19 +383,11 @@ fn deviations(gear: &Gear, modelled: &mut Statements) {
             ),
         );
     }
-    let own = &change.normal_m;
-    if let Some(offset) = own.of_lobe() {
-        let form = match own.points_m.len() {
-            0 => "by a Fourier series".to_owned(),
-            n => format!("by a periodic cubic spline through {n} points"),
-        };
+    if let Some(offset) = change.normal_m.of_lobe() {
+        let most = micrometres(offset.largest());
         modelled.add(
-            format!("own profile, the same on all lobes, {form}"),
-            format!(
-                "gear.modification.normal_m: the generating curve lies up to {} um further in or out along its normal; curvature and reach \
-                 are those of the moved curve",
-                1e6 * offset.largest()
-            ),
+            format!("own profile: the generating curve is moved along its normal, by {most} at most"),
+            "gear.modification.normal_m: the same on all lobes; curvature and reach are those of the moved curve",
         );
     }
     for list in gear.errors.lists(gear) {

@@ -28,7 +28,7 @@ fn in_frame(body: &BodyState, frame: &BodyState) -> BodyState {
 }
 
 /// Writes the states of `bodies`, whose output is the ring, as seen from the ring, with the carrier as the output.
-pub fn from_ring(bodies: &[BodyState], seen: &mut Vec<BodyState>) {
+pub(crate) fn from_ring(bodies: &[BodyState], seen: &mut Vec<BodyState>) {
     let ring = bodies[Layout::OUTPUT];
     seen.clear();
     seen.extend(bodies.iter().map(|body| in_frame(body, &ring)));
@@ -36,7 +36,7 @@ pub fn from_ring(bodies: &[BodyState], seen: &mut Vec<BodyState>) {
 }
 
 /// Returns the states in the ground's frame of bodies seen from the ring, where the carrier's angle is 0.
-pub fn from_carrier(seen: &[BodyState]) -> Vec<BodyState> {
+pub(crate) fn from_carrier(seen: &[BodyState]) -> Vec<BodyState> {
     let mut bodies = Vec::new();
     // Seen from the carrier, the ring turns back: the same turn of the frame.
     from_ring(seen, &mut bodies);
@@ -44,7 +44,7 @@ pub fn from_carrier(seen: &[BodyState]) -> Vec<BodyState> {
 }
 
 /// Adds loads on bodies as seen from the ring to `loads` in the ground's frame; those on the carrier go to the ground.
-pub fn add_to_ground(seen: &[Wrench], ring: &BodyState, loads: &mut [Wrench]) {
+pub(crate) fn add_to_ground(seen: &[Wrench], ring: &BodyState, loads: &mut [Wrench]) {
     let (sin, cos) = ring.angle.sin_cos();
     for (number, (load, own)) in loads.iter_mut().zip(seen).enumerate() {
         if number != Layout::OUTPUT {

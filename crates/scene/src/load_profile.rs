@@ -176,14 +176,10 @@ pub fn unreached(scene: &Scene) -> Option<String> {
     let (end, drive) = (scene.solver.duration_s, &scene.drive);
     let loads = drive.load_changes.iter().map(|c| c.time_s);
     let speeds = drive.speed_changes.iter().map(|c| c.time_s);
-    let what = match drive.speed_changes.is_empty() {
-        true => "the load",
-        false => "load and speed",
-    };
     let late = loads.clone().chain(speeds.clone()).filter(|t| *t >= end);
     let first = late.clone().reduce(f64::min)?;
     Some(format!(
-        "{} of {} changes of {what} come when the run is over: the first at {first} s, the run ends at {end} s.",
+        "{} of {} changes of load and speed come when the run is over: the first at {first} s, the run ends at {end} s.",
         late.count(),
         loads.len() + speeds.len()
     ))

@@ -446,7 +446,7 @@ fn a_constant_offset_is_an_equidistant_modification() {
 }
 
 /// A ring as output against the carrier as output, seen from the ring. Where the output's inertia holds its speed the frame turns
-/// steadily, and speed and load times zs/zk give equal forces, here of discs that are too large; with the scene's own inertia the
+/// steadily, and speed and load times zs/zk give equal forces, here of parts that press each other; with the scene's own inertia the
 /// driver's mean torque is load/zk, and the account closes.
 #[test]
 fn crossval_a_ring_as_output_is_a_turned_frame() {
@@ -466,6 +466,7 @@ fn crossval_a_ring_as_output_is_a_turned_frame() {
     let heavy = [
         "mass.output_shaft.moment_kg_m2=1e3",
         "gear.modification.equidistant_m=-1e-5",
+        "gear.errors.internal_sleeve_tangential_m=[1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5, 1e-5]",
         "solver.duration_s=0.004",
     ];
     let ring = ["drive.output=ring", "drive.input_speed_rad_s=-52.34"];
@@ -483,7 +484,7 @@ fn crossval_a_ring_as_output_is_a_turned_frame() {
                 .iter()
                 .flat_map(|c| c.iter())
                 .fold(0.0, |most: f64, x| most.max(*x));
-            assert!(size > 10.0, "{size}");
+            assert!(size > 1.0, "{kind}: {size}");
             for (a, b) in a
                 .iter()
                 .flat_map(|c| c.iter())
