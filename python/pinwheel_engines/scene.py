@@ -49,7 +49,7 @@ class Gear(Table):
     @property
     def sleeves_turn(self) -> tuple[bool, bool]:
         """True for ring and for output pins that are sleeves that turn."""
-        return tuple(bool(self._keys.get(f"{kind}_sleeves_turn", True)) for kind in ("external", "internal"))
+        return bool(self._keys.get("external_sleeves_turn", True)), bool(self._keys.get("internal_sleeves_turn", True))
 
     @property
     def lobes(self) -> int:
@@ -264,10 +264,13 @@ def _fold_cranks(data: dict[str, Any]) -> None:
 
 def _fold_held_pins(data: dict[str, Any]) -> None:
     """Adds the inertia of pins that the output holds to it: the law moves what turns them there."""
-    gear, mass = data.get("gear", {}), data.get("mass", {})
-    if not gear.get("internal_sleeves_turn", True):
-        held = gear["internal_sleeves"] * mass["internal_sleeve"]["moment_kg_m2"]
-        mass["output_shaft"]["moment_kg_m2"] += held
+    gear = data.get("gear")
+    if isinstance(gear, dict) and not gear.get("internal_sleeves_turn", True):
+        mass = data["mass"]
+        mass["output_shaft"]["moment_kg_m2"] += gear["internal_sleeves"] * mass["internal_sleeve"]["moment_kg_m2"]
+
+
+_COMPILED_ONLY = ("eccentric", "sleeve_friction_coefficient", "input_seal_n_m", "output_seal_n_m")
 
 
 def _compiled_only(data: dict[str, Any]) -> str:
@@ -278,9 +281,6 @@ def _compiled_only(data: dict[str, Any]) -> str:
         kinds = ("external_sleeves_turn", "internal_sleeves_turn")
         found += [f"gear.{key}" for key in kinds if not data.get("gear", {}).get(key, True)]
     return found[0] if found else ""
-
-
-_COMPILED_ONLY = ("eccentric", "sleeve_friction_coefficient", "input_seal_n_m", "output_seal_n_m")
 
 
 @dataclass(frozen=True)
