@@ -47,6 +47,7 @@ mod recorder;
 pub mod resolve;
 mod ring_frame;
 mod run_limits;
+mod slow_motion;
 pub mod statics;
 
 use pinwheel_scene::{self as scene, Layout, Sleeve, load_profile, speed_profile};
@@ -60,6 +61,7 @@ pub use gearbox::Gearbox;
 pub use geometry::Geometry;
 pub use pinwheel_timeseries::norms::{Distance, LoadFloor};
 pub use recorder::Recorder;
+pub use slow_motion::SlowMotion;
 
 /// Private items for the tests of this crate; not part of the interface.
 #[doc(hidden)]
