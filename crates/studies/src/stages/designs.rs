@@ -1,7 +1,7 @@
 //! Two models: the second one at the states of the first.
 
-use pinwheel_gearbox::Frequencies;
-use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::contacts::PairContact;
+use pinwheel_gearbox::{Frequencies, Gearbox};
 use pinwheel_mbs::OdeSystem as _;
 
 use super::forces::{Columns, rows};
@@ -26,19 +26,23 @@ pub fn between([a, b]: [&Gearbox; 2]) -> Option<Located> {
     let begun = first.start();
     let samples = numbered(&times, first.follow(0.0, &begun, &times)?);
     let written = rows(&mut first, &samples);
-    // A pin that turns in one alone stands still in the other.
-    let places = |y: &[f64], from: &[usize], to: &[usize]| -> Vec<f64> {
-        let half = y.len() / 2;
-        let of = |y: &[f64]| -> Vec<f64> {
+    // A pin that turns in one alone does there as at the start.
+    let places = |y: &[f64], from: &[usize], to: &[usize], otherwise: &[f64]| -> Vec<f64> {
+        let (of, other) = (y.len() / 2, otherwise.len() / 2);
+        let half = |y: &[f64], otherwise: &[f64]| -> Vec<f64> {
             let place = |body: &usize| from.iter().position(|other| other == body);
-            let turned = to.iter().map(|body| place(body).map_or(0.0, |k| y[k]));
+            let turned = to.iter().zip(otherwise);
+            let turned = turned.map(|(body, start)| place(body).map_or(*start, |k| y[k]));
             turned.chain(y[from.len()..].iter().copied()).collect()
         };
-        [of(&y[..half]), of(&y[half..])].concat()
+        let halves = [(0..of, 0..other), (of..2 * of, other..2 * other)];
+        halves
+            .map(|(of, other)| half(&y[of], &otherwise[other]))
+            .concat()
     };
     let (from, to) = (first.free().to_vec(), second.free().to_vec());
     let carried = |sample: &Sample| Sample {
-        y: places(&sample.y, &from, &to),
+        y: places(&sample.y, &from, &to, &second.start()),
         ..*sample
     };
     let carried: Vec<Sample> = samples.iter().map(carried).collect();
@@ -75,7 +79,7 @@ pub fn between([a, b]: [&Gearbox; 2]) -> Option<Located> {
             let mut of = [vec![0.0; own.y.len()], vec![0.0; other.y.len()]];
             first.derivative(own.time_s, &own.y, &mut of[0]);
             second.derivative(other.time_s, &other.y, &mut of[1]);
-            let [a, b] = [places(&of[0], &from, &to), of[1].clone()];
+            let [a, b] = [places(&of[0], &from, &to, &of[1]), of[1].clone()];
             let off = a.iter().zip(&b).skip(weights.len()).zip(&weights);
             let off = off
                 .map(|((a, b), weight)| ((a - b) * weight).powi(2))

@@ -249,7 +249,7 @@ pub(super) fn start(first: &[f64], native: &Model<'_>) -> Judged {
             (Layout::OUTPUT, true) => "the output's angle",
             (Layout::OUTPUT, false) => "the output's rate",
             (_, true) => "an angle of a disc",
-            (_, false) => "a rate of a disc",
+            (_, false) => "a rate of a disc or pin",
         },
     };
     let note = format!(

@@ -528,7 +528,7 @@ fn names_faults_in_an_engine() {
             "eccentricity",
             of(|s| s.scene = |s| s.gear.eccentricity_m *= 0.9999),
             Start,
-            &[("eccentricity", -1e-4, 1e-8)],
+            &[("eccentricity", -1e-4, 2e-7)],
         ),
         (
             "holes' angle",
