@@ -64,7 +64,7 @@ impl Cause {
 /// A cause with the changes of the model that are its parts.
 pub(super) type Found = (Cause, Vec<Change>);
 
-/// Native changes of a found cause.
+/// Changes of a cause, with their sizes.
 pub(super) fn changes((cause, changes): &Found) -> Changes<'_> {
     let sizes = cause.parts.iter().map(|part| part.size);
     changes.iter().zip(sizes).collect()
@@ -85,7 +85,7 @@ const FOLLOWED: usize = 6;
 const CLEAR: f64 = 10.0;
 
 /// Fits every suspect that is asked for to a run's values and the native ones, and returns the best that explains at least `least`.
-/// Where one explains too little and the step's own error is known, two may.
+/// Two may where one explains too little and the step's own error is known.
 pub(super) fn cause(
     gearbox: &Gearbox,
     [run, native]: [&[f64]; 2],

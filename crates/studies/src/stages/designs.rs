@@ -14,18 +14,34 @@ use super::states;
 /// Radians of the contacts' vibration from one sample to the next.
 const SAMPLE_RAD: f64 = 1.0;
 
-/// Judges each stage of one model by another, at the states of the first. `None`: the two have not the same bodies, or no reduced form.
+/// A native run of a model, at whose states others are judged.
+pub struct Course<'a> {
+    gearbox: &'a Gearbox,
+    samples: Vec<Sample>,
+}
+
+impl<'a> Course<'a> {
+    /// Follows a model from its start; `None` where it has no reduced form.
+    #[must_use]
+    pub fn of(gearbox: &'a Gearbox) -> Option<Self> {
+        let mut model = Model::new(gearbox, Vec::new())?;
+        let step = SAMPLE_RAD / Frequencies::of(&gearbox.scene).contact_rad_s;
+        let times: Vec<f64> = (0..SAMPLES).map(|k| k as f64 * step).collect();
+        let begun = model.start();
+        let samples = numbered(&times, model.follow(0.0, &begun, &times)?);
+        Some(Self { gearbox, samples })
+    }
+}
+
+/// Judges each stage of a model at the states of another. `None`: the two have not the same bodies, or no reduced form.
 #[must_use]
-pub fn between([a, b]: [&Gearbox; 2]) -> Option<Located> {
-    let [mut first, mut second] = [Model::new(a, Vec::new())?, Model::new(b, Vec::new())?];
+pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
+    let (a, samples) = (course.gearbox, &course.samples);
     if a.layout != b.layout || a.floats() != b.floats() {
         return None;
     }
-    let step = SAMPLE_RAD / Frequencies::of(&a.scene).contact_rad_s;
-    let times: Vec<f64> = (0..SAMPLES).map(|k| k as f64 * step).collect();
-    let begun = first.start();
-    let samples = numbered(&times, first.follow(0.0, &begun, &times)?);
-    let written = rows(&mut first, &samples);
+    let [mut first, mut second] = [Model::new(a, Vec::new())?, Model::new(b, Vec::new())?];
+    let written = rows(&mut first, samples);
     // A pin that turns in one alone does there as at the start.
     let places = |y: &[f64], from: &[usize], to: &[usize], otherwise: &[f64]| -> Vec<f64> {
         let (of, other) = (y.len() / 2, otherwise.len() / 2);

@@ -12,7 +12,7 @@ use super::model::Model;
 use super::suspects::Suspect;
 use super::{forces, motion, states};
 
-/// What was kept of a run from the scene's start.
+/// Figures kept of a run from the scene's start.
 pub(crate) struct Kept<'a> {
     /// Name of who ran.
     pub name: &'a str,
@@ -110,27 +110,15 @@ pub(super) fn of_record(gearbox: &Gearbox, name: &str, record: &TimeSeries) -> O
     let times = run.time_s().get(..run.len().min(SHOWN))?;
     (*times.first()? == 0.0).then_some(())?;
     // Torques and forces weigh the same.
-    let size = |column: &&[f64]| {
-        column
-            .iter()
-            .fold(f64::MIN_POSITIVE, |most, x| x.abs().max(most))
-    };
+    let size = |column: &&[f64]| column.iter().fold(0.0, |most: f64, x| x.abs().max(most));
     let sizes: Vec<f64> = of.iter().map(size).collect();
-    let sizes = [
-        sizes[0],
-        sizes[1],
-        sizes[2..].iter().copied().fold(0.0, f64::max),
-    ];
+    let force = sizes[forces::FORCES..].iter().copied().fold(0.0, f64::max);
     let figures = |run: &TimeSeries| -> Vec<f64> {
         let column = |(k, name): (usize, &String)| {
-            let values = run
-                .channel(name)
-                .unwrap_or_default()
-                .iter()
-                .take(times.len());
-            values
-                .map(|value| value / sizes[k.min(2)])
-                .collect::<Vec<_>>()
+            let size = if k < forces::FORCES { sizes[k] } else { force };
+            let values = run.channel(name).unwrap_or_default().iter();
+            let shares = values.take(times.len()).map(move |value| value / size);
+            shares.collect::<Vec<_>>()
         };
         names.iter().enumerate().flat_map(column).collect()
     };
