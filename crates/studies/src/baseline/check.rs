@@ -9,6 +9,7 @@ use super::file::{Baseline, CaseSnapshot, Made, SceneSnapshot};
 use super::judge::{self, CostCheck, QuantityCheck, Verdict};
 use super::moved;
 use super::runner::{RunResult, run_all};
+use super::snapshot::Quantity;
 use crate::StudyError;
 use crate::control::Control;
 
@@ -63,6 +64,8 @@ pub struct Answer {
 
 /// The most cases that a line names.
 const NAMED: usize = 3;
+/// The most cases of which the stage is sought.
+const LOCATED: usize = 1;
 
 impl Check {
     /// One line for each solver that joined, or for the baseline `name`.
@@ -168,8 +171,8 @@ pub fn check(
         let scene = accepted.0.name.as_str();
         let same = located.iter().find(|(name, _)| *name == scene);
         case.stage = same.map(|(_, stage)| stage.clone());
-        if case.stage.is_none() && located.len() < NAMED {
-            let (stage, is_of_model) = moved::stage(accepted.0, job, control)?;
+        if case.stage.is_none() && located.len() < LOCATED {
+            let (stage, is_of_model) = moved::stage(accepted.0, job, drifts, control)?;
             located.push((if is_of_model { scene } else { "" }, stage.clone()));
             case.stage = Some(stage);
         }

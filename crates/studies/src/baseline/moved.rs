@@ -2,12 +2,11 @@
 //!
 //! ```text
 //! our own solver    the accepted converged figures against those of the present model, with its suspected changes: the model;
-//!                   where they are the same: equations of the case's formulation, or its integration
+//!                   where they are the same: equations, if joints alone drift, or integration
 //! a solver's        its present run at its own states
 //! ```
 
 use pinwheel_engines::by_name;
-use pinwheel_scene::Formulation;
 use pinwheel_timeseries::TimeSeries;
 
 use super::file::SceneSnapshot;
@@ -15,18 +14,23 @@ use super::runner::Job;
 use super::snapshot::{Quantity, Statistics, WINDOWS, statistics};
 use crate::StudyError;
 use crate::control::{Control, compile};
-use crate::stages::{Kept, Stage, of_engine, of_kept};
+use crate::stages::{Kept, of_engine, of_kept};
 
 /// Least change of converged figures that is one of the model, without friction and with it: the flow's own error is below.
 const MOVED: [f64; 2] = [1e-6, 1e-3];
 
-/// Says in words which stage moved, and whether it is one of the model, which all solvers of the scene share.
+/// Windows that are followed, without friction, which makes a run dear, and with it.
+const FOLLOWED: [usize; 2] = [2, 1];
+
+/// Says in words which stage moved, and whether it is one of the model, which all solvers of the scene share. `drifts`: joints alone
+/// are worse.
 ///
 /// # Errors
 /// A stop, or a scene that cannot be modelled.
 pub(super) fn stage(
     accepted: &SceneSnapshot,
     job: &Job,
+    drifts: bool,
     control: &Control<'_>,
 ) -> Result<(String, bool), StudyError> {
     let gearbox = compile(&job.scene)?;
@@ -35,9 +39,8 @@ pub(super) fn stage(
         let is_kept = |of: &Quantity| !matches!(of, Quantity::Energy | Quantity::JointDrift);
         let kept = accepted.converged.iter().filter(|(of, _)| is_kept(of));
         let kept: Vec<_> = kept.collect();
-        // With friction a run is dear: the first window stands for it.
         let rubs = usize::from(gearbox.has_friction());
-        let windows = [WINDOWS, 1][rubs];
+        let windows = FOLLOWED[rubs];
         let share = |statistics: &Statistics, scale: f64| -> Vec<f64> {
             let lists = [&statistics.mean, &statistics.rms, &statistics.peak];
             let lists = lists.into_iter().flat_map(|list| list.iter().take(windows));
@@ -72,24 +75,18 @@ pub(super) fn stage(
             return Ok((stage + as_it_was, true));
         }
     }
-    let name = job.solver.as_deref().unwrap_or("native");
+    let Some(name) = &job.solver else {
+        let stage = match drifts {
+            true => "equations: joints drift, where forces are as accepted",
+            false => {
+                "integration: converged results are the accepted ones, the error of the method is not"
+            }
+        };
+        return Ok((stage.to_owned(), false));
+    };
     let engine = by_name(name, &gearbox.scene);
     let found = engine.map(|engine| of_engine(engine.as_ref(), &gearbox, 0.0, &control));
     let found = found.transpose()?.flatten();
-    let is_lagrange = gearbox.scene.solver.formulation == Formulation::Lagrange;
-    Ok(match found {
-        Some(found) if job.solver.is_some() => (found.words(), false),
-        Some(found) if is_lagrange && found.first() == Some(Stage::Equations) => {
-            (found.words(), false)
-        }
-        _ => {
-            let name = Stage::Integration.name();
-            (
-                format!(
-                    "{name}: converged results are the accepted ones, the error of the method is not"
-                ),
-                false,
-            )
-        }
-    })
+    let untold = || "not told: it does not run".to_owned();
+    Ok((found.map_or_else(untold, |found| found.words()), false))
 }

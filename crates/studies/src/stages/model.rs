@@ -34,6 +34,11 @@ pub(super) enum Change {
 }
 
 impl Change {
+    /// True if it acts on the motion.
+    pub(super) fn moves(&self) -> bool {
+        !matches!(self, Self::Column(..) | Self::DriverShare(_))
+    }
+
     fn is_step(&self) -> bool {
         matches!(self, Self::Step)
     }

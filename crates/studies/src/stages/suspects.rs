@@ -40,7 +40,7 @@ impl Suspect {
 
     /// True if it acts on the motion.
     pub(super) fn moves(&self) -> bool {
-        !matches!(self.change, Change::Column(..) | Change::DriverShare(_))
+        self.change.moves()
     }
 
     /// True if it acts on the motion where the forces are right.
