@@ -160,13 +160,12 @@ pub fn check(
         let adaptive = job.solver.is_some() || method(&integrator).is_some_and(|m| m.adaptive);
         let case = &mut cases[place];
         case.judge(accepted, result, adaptive);
-        if !case
-            .quantities
-            .iter()
-            .any(|it| it.verdict == Verdict::Worse)
-        {
+        let of = case.quantities.iter();
+        let worse: Vec<_> = of.filter(|it| it.verdict == Verdict::Worse).collect();
+        if worse.is_empty() {
             continue;
         }
+        let drifts = worse.iter().all(|it| it.quantity == Quantity::JointDrift);
         // What moved the model moved it for all solvers of a scene.
         let scene = accepted.0.name.as_str();
         let same = located.iter().find(|(name, _)| *name == scene);
