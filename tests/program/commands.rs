@@ -294,6 +294,9 @@ fn program_two_designs_side_by_side() {
         told.contains("gear.backlash_m") && told.contains("figures differ"),
         "{told}"
     );
+    // Ring pins that sit farther out are found at other depths.
+    assert!(told.contains("stage contact search: off by"), "{told}");
+    assert_eq!(found["changed"][0]["stage"], "contact-search");
     let wide = told.lines().map(|line| line.chars().count()).max();
     assert!(wide <= Some(80), "{wide:?}: {told}");
     for folder in ["design-1", "design-2"] {

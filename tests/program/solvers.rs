@@ -328,6 +328,15 @@ fn regress_a_record_merges_and_names_what_is_wrong() {
         "{}",
         both.stdout
     );
+    // What moved is named by its stage.
+    commit(folder.path(), "curvature");
+    let moved = ran("baseline check mine --junit k.xml --only paper");
+    let named = "stage law, likely curvature: curvature of the other sign in pits";
+    let said = moved.stdout.replace('\n', " ");
+    assert!(moved.code == Some(1) && said.contains(named), "{said}");
+    let junit = std::fs::read_to_string(folder.path().join("k.xml")).expect("junit");
+    assert!(junit.contains(named), "{junit}");
+    commit(folder.path(), "none");
     // Nothing is shown of a scene that is not in it, nor of one that is refused.
     for only in ["eleven-pins", "flores"] {
         let nothing = ran(&format!("baseline check mine --junit j.xml --only {only}"));

@@ -5,11 +5,11 @@ use pinwheel_tests::{run_in, words};
 
 use crate::solvers::{commit, faulty};
 
-/// A solver whose curvature has the other sign in pits, and one that is right.
+/// A solver whose curvature has the other sign in pits, and one that is right; contacts of an engine's own are never accused.
 #[test]
 fn crossval_a_comparison_names_the_stage() {
     let Some(folder) = faulty() else { return };
-    let compare = "compare paper --set solver.duration_s=0.01 --engines native-resolved,faulty --solver solver.toml --out out";
+    let compare = "compare paper --set solver.duration_s=0.01 --engines native-resolved,rapier-colliders,faulty --solver solver.toml --out out";
     for (fault, named) in [("curvature", "law, likely curvature"), ("none", "")] {
         commit(folder.path(), fault);
         let ran = run_in(folder.path(), words(compare));
@@ -33,5 +33,39 @@ fn crossval_a_comparison_names_the_stage() {
             !named.is_empty(),
             "{fault}"
         );
+    }
+}
+
+/// A record of another gear without states, and one of this gear.
+#[test]
+fn crossval_a_record_names_the_stage() {
+    let folder = tempfile::tempdir().expect("folder");
+    let ran = |line: &str| {
+        let ran = run_in(folder.path(), words(line));
+        (ran.stdout.replace('\n', " "), ran.stderr)
+    };
+    let columns = "[columns]\ninput_torque_n_m = \"input_torque_n_m\"\noutput_torque_n_m = \"output_torque_n_m\"\noutput_angle_rad = \
+                   \"output_angle_rad\"\n\"external_sleeve_force_n_*\" = \"external_sleeve_force_n_*\"\n\"internal_sleeve_force_n_*\" = \
+                   \"internal_sleeve_force_n_*\"\n";
+    std::fs::write(folder.path().join("map.toml"), columns).expect("written");
+    for (set, named) in [
+        ("drive.output_torque_n_m=22.0", None),
+        (
+            "drive.output_torque_n_m=44.0",
+            Some("equations, likely load: load twice"),
+        ),
+    ] {
+        ran(&format!(
+            "run paper --set solver.duration_s=0.01 --set {set} --out rig --force"
+        ));
+        let (said, wrong) = ran(
+            "compare paper --set solver.duration_s=0.01 --engines native-resolved --against rig/courses.csv --map map.toml",
+        );
+        assert_eq!(
+            said.contains("stage "),
+            named.is_some(),
+            "{set}: {said}{wrong}"
+        );
+        assert!(named.is_none_or(|named| said.contains(named)), "{said}");
     }
 }

@@ -28,7 +28,7 @@ use crate::control::of_scene;
 use crate::motion::{Motion, sampled};
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
-use crate::stages::{Located, Stage, between};
+use crate::stages::{Course, Located, Stage, between};
 use crate::{Control, Progress, StudyError, design, single};
 
 /// Inputs of the comparison of two designs.
@@ -153,11 +153,14 @@ pub fn run(input: &Input<'_>, control: &Control<'_>) -> Result<DesignDiff, Study
     for one in &mut motion {
         one.begin_s = 0.5 * duration;
     }
+    let course = Course::of(input.gearboxes[0]);
     Ok(DesignDiff {
         motion,
         engine: input.engine.name().to_owned(),
-        changed: changed(input.gearboxes)?,
-        stages: between(input.gearboxes),
+        changed: changed(scenes, course.as_ref())?,
+        stages: course
+            .as_ref()
+            .and_then(|course| between(course, input.gearboxes[1])),
         derived: derived(scenes, [&designs[0].dimensions, &designs[1].dimensions]),
         figures: figures(&designs),
         time_series: time_series(&alone),
@@ -226,8 +229,10 @@ fn shared(scenes: [&CheckedScene; 2]) -> Context {
 }
 
 /// Keys that differ. Names and descriptions always may, and what is recorded changes no result.
-fn changed(gearboxes: [&Gearbox; 2]) -> Result<Vec<KeyDiff>, StudyError> {
-    let scenes = gearboxes.map(|gearbox| &gearbox.scene);
+fn changed(
+    scenes: [&CheckedScene; 2],
+    course: Option<&Course<'_>>,
+) -> Result<Vec<KeyDiff>, StudyError> {
     fn flat(value: Value, at: String, put: &mut impl FnMut(String, Value)) {
         match value {
             Value::Object(keys) => {
@@ -256,7 +261,7 @@ fn changed(gearboxes: [&Gearbox; 2]) -> Result<Vec<KeyDiff>, StudyError> {
     let changed = changed.filter(|(key, [a, b])| a != b && counts(key));
     let change = |(key, values): (String, [Option<Value>; 2])| KeyDiff {
         follows: scenes.iter().all(|scene| by_formula(scene, &key)),
-        stage: stage(gearboxes[0], &key, &values[1]),
+        stage: course.and_then(|course| stage(course, scenes[0], &key, &values[1])),
         key,
         values,
     };
@@ -264,11 +269,16 @@ fn changed(gearboxes: [&Gearbox; 2]) -> Result<Vec<KeyDiff>, StudyError> {
 }
 
 /// First stage of a model that a key's value alone moves.
-fn stage(of: &Gearbox, key: &str, value: &Option<Value>) -> Option<Stage> {
+fn stage(
+    course: &Course<'_>,
+    of: &CheckedScene,
+    key: &str,
+    value: &Option<Value>,
+) -> Option<Stage> {
     if key.starts_with("solver.") {
         return Some(Stage::Integration);
     }
-    let mut scene = serde_json::to_value(&*of.scene).ok()?;
+    let mut scene = serde_json::to_value(of).ok()?;
     let (table, name) = key.rsplit_once('.').unwrap_or(("", key));
     let mut place = &mut scene;
     for part in table.split('.').filter(|part| !part.is_empty()) {
@@ -283,8 +293,8 @@ fn stage(of: &Gearbox, key: &str, value: &Option<Value>) -> Option<Stage> {
         None => place.remove(name),
     };
     let scene: Scene = serde_json::from_value(scene).ok()?;
-    let scene = of.scene.changed(|own| *own = scene).ok()?;
-    between([of, &Gearbox::new(&scene).ok()?])?.first()
+    let scene = of.changed(|own| *own = scene).ok()?;
+    between(course, &Gearbox::new(&scene).ok()?)?.first()
 }
 
 /// Definition by names, with the digits of a design's figures.

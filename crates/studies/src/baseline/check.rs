@@ -9,6 +9,7 @@ use super::file::{Baseline, CaseSnapshot, Made, SceneSnapshot};
 use super::judge::{self, CostCheck, QuantityCheck, Verdict};
 use super::moved;
 use super::runner::{RunResult, run_all};
+use super::snapshot::Quantity;
 use crate::StudyError;
 use crate::control::Control;
 
@@ -63,6 +64,8 @@ pub struct Answer {
 
 /// The most cases that a line names.
 const NAMED: usize = 3;
+/// The most cases of which the stage is sought.
+const LOCATED: usize = 1;
 
 impl Check {
     /// One line for each solver that joined, or for the baseline `name`.
@@ -157,19 +160,18 @@ pub fn check(
         let adaptive = job.solver.is_some() || method(&integrator).is_some_and(|m| m.adaptive);
         let case = &mut cases[place];
         case.judge(accepted, result, adaptive);
-        if !case
-            .quantities
-            .iter()
-            .any(|it| it.verdict == Verdict::Worse)
-        {
+        let of = case.quantities.iter();
+        let worse: Vec<_> = of.filter(|it| it.verdict == Verdict::Worse).collect();
+        if worse.is_empty() {
             continue;
         }
+        let drifts = worse.iter().all(|it| it.quantity == Quantity::JointDrift);
         // What moved the model moved it for all solvers of a scene.
         let scene = accepted.0.name.as_str();
         let same = located.iter().find(|(name, _)| *name == scene);
         case.stage = same.map(|(_, stage)| stage.clone());
-        if case.stage.is_none() && located.len() < NAMED {
-            let (stage, is_of_model) = moved::stage(accepted.0, job, control)?;
+        if case.stage.is_none() && located.len() < LOCATED {
+            let (stage, is_of_model) = moved::stage(accepted.0, job, drifts, control)?;
             located.push((if is_of_model { scene } else { "" }, stage.clone()));
             case.stage = Some(stage);
         }

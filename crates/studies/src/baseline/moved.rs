@@ -2,30 +2,35 @@
 //!
 //! ```text
 //! our own solver    the accepted converged figures against those of the present model, with its suspected changes: the model;
-//!                   where they are the same: equations of the case's formulation, or its integration
+//!                   where they are the same: equations, if joints alone drift, or integration
 //! a solver's        its present run at its own states
 //! ```
 
 use pinwheel_engines::by_name;
-use pinwheel_scene::Formulation;
+use pinwheel_timeseries::TimeSeries;
 
 use super::file::SceneSnapshot;
 use super::runner::Job;
-use super::snapshot::{Quantity, Statistics, statistics};
+use super::snapshot::{Quantity, Statistics, WINDOWS, statistics};
 use crate::StudyError;
 use crate::control::{Control, compile};
-use crate::stages::{Kept, Stage, of_engine, of_kept};
+use crate::stages::{Kept, of_engine, of_kept};
 
-/// Least change of converged figures that is one of the model: their rounding and the flow's own error are below.
-const MOVED: f64 = 1e-6;
+/// Least change of converged figures that is one of the model, without friction and with it: the flow's own error is below.
+const MOVED: [f64; 2] = [1e-6, 1e-3];
 
-/// Says in words which stage moved, and whether it is one of the model, which all solvers of the scene share.
+/// Windows that are followed, without friction, which makes a run dear, and with it.
+const FOLLOWED: [usize; 2] = [2, 1];
+
+/// Says in words which stage moved, and whether it is one of the model, which all solvers of the scene share. `drifts`: joints alone
+/// are worse.
 ///
 /// # Errors
 /// A stop, or a scene that cannot be modelled.
 pub(super) fn stage(
     accepted: &SceneSnapshot,
     job: &Job,
+    drifts: bool,
     control: &Control<'_>,
 ) -> Result<(String, bool), StudyError> {
     let gearbox = compile(&job.scene)?;
@@ -34,22 +39,31 @@ pub(super) fn stage(
         let is_kept = |of: &Quantity| !matches!(of, Quantity::Energy | Quantity::JointDrift);
         let kept = accepted.converged.iter().filter(|(of, _)| is_kept(of));
         let kept: Vec<_> = kept.collect();
+        let rubs = usize::from(gearbox.has_friction());
+        let windows = FOLLOWED[rubs];
         let share = |statistics: &Statistics, scale: f64| -> Vec<f64> {
-            statistics.all().map(|figure| figure / scale).collect()
+            let lists = [&statistics.mean, &statistics.rms, &statistics.peak];
+            let lists = lists.into_iter().flat_map(|list| list.iter().take(windows));
+            lists.map(|figure| figure / scale).collect()
         };
         let written = kept.iter().map(|(_, of)| share(&of.statistics, of.scale));
         let own = kept.iter().map(|(_, of)| of.own_error);
+        let times = gearbox.scene.solver.sample_times_s();
         let kept_of = Kept {
             name: &accepted.name,
-            times_s: &gearbox.scene.solver.sample_times_s(),
+            times_s: &times[..times.len() * windows / WINDOWS],
             written: &written.collect::<Vec<_>>().concat(),
-            bound: own.fold(MOVED, f64::max),
+            bound: own.fold(MOVED[rubs], f64::max),
         };
         let moved = of_kept(&gearbox, &kept_of, &|run| {
-            let now = statistics(&gearbox, run, None, None);
-            let of = kept
-                .iter()
-                .map(|(of, converged)| share(&now[of], converged.scale));
+            let mut whole = TimeSeries::new(times.clone()).unwrap_or_default();
+            for channel in run.channels() {
+                let mut values = channel.values.clone();
+                values.resize(times.len(), 0.0);
+                let _ = whole.push(channel.name.clone(), values);
+            }
+            let now = statistics(&gearbox, &whole, None, None);
+            let of = kept.iter().map(|(of, then)| share(&now[of], then.scale));
             of.collect::<Vec<_>>().concat()
         });
         if let Some(moved) = moved {
@@ -61,24 +75,18 @@ pub(super) fn stage(
             return Ok((stage + as_it_was, true));
         }
     }
-    let name = job.solver.as_deref().unwrap_or("native");
+    let Some(name) = &job.solver else {
+        let stage = match drifts {
+            true => "equations: joints drift, where forces are as accepted",
+            false => {
+                "integration: converged results are the accepted ones, the error of the method is not"
+            }
+        };
+        return Ok((stage.to_owned(), false));
+    };
     let engine = by_name(name, &gearbox.scene);
     let found = engine.map(|engine| of_engine(engine.as_ref(), &gearbox, 0.0, &control));
     let found = found.transpose()?.flatten();
-    let is_lagrange = gearbox.scene.solver.formulation == Formulation::Lagrange;
-    Ok(match found {
-        Some(found) if job.solver.is_some() => (found.words(), false),
-        Some(found) if is_lagrange && found.first() == Some(Stage::Equations) => {
-            (found.words(), false)
-        }
-        _ => {
-            let name = Stage::Integration.name();
-            (
-                format!(
-                    "{name}: converged results are the accepted ones, the error of the method is not"
-                ),
-                false,
-            )
-        }
-    })
+    let untold = || "not told: it does not run".to_owned();
+    Ok((found.map_or_else(untold, |found| found.words()), false))
 }

@@ -50,7 +50,7 @@ impl Quantity {
 }
 
 /// Windows of a course.
-const WINDOWS: usize = 4;
+pub(super) const WINDOWS: usize = 4;
 
 /// A quantity of one run, in its unit.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -92,7 +92,7 @@ impl Statistics {
         }
     }
 
-    pub(super) fn all(&self) -> impl Iterator<Item = f64> + '_ {
+    fn all(&self) -> impl Iterator<Item = f64> + '_ {
         let all = self.mean.iter().chain(&self.rms).chain(&self.peak);
         all.copied()
     }

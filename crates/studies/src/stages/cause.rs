@@ -64,7 +64,7 @@ impl Cause {
 /// A cause with the changes of the model that are its parts.
 pub(super) type Found = (Cause, Vec<Change>);
 
-/// Native changes of a found cause.
+/// Changes of a cause, with their sizes.
 pub(super) fn changes((cause, changes): &Found) -> Changes<'_> {
     let sizes = cause.parts.iter().map(|part| part.size);
     changes.iter().zip(sizes).collect()
@@ -77,14 +77,15 @@ pub(super) type Values<'a> = &'a dyn Fn(&mut Model<'_>) -> Option<Vec<f64>>;
 const ALIKE: f64 = 1e-4;
 /// Factor on a mass that is missing.
 const LIGHTEST: f64 = 1e-9;
-/// Share that a change explains linearly before it is followed further.
-const LEAST: f64 = 0.2;
-/// Pairs of changes that are followed, and the standard errors that each size of a pair is above 0.
-const PAIRS: usize = 6;
+/// Share that a change explains linearly before it is followed further: large ones are far from linear.
+const LEAST: f64 = 0.05;
+/// Changes, and pairs of changes, that are followed.
+const FOLLOWED: usize = 6;
+/// Standard errors that each size of a pair is above 0.
 const CLEAR: f64 = 10.0;
 
 /// Fits every suspect that is asked for to a run's values and the native ones, and returns the best that explains at least `least`.
-/// Where one explains too little and the step's own error is known, two may.
+/// Two may where one explains too little and the step's own error is known.
 pub(super) fn cause(
     gearbox: &Gearbox,
     [run, native]: [&[f64]; 2],
@@ -146,23 +147,27 @@ pub(super) fn cause(
         };
         alike.min_by_key(|found| Reverse(telling(found)))
     };
-    let singles = (0..slopes.len())
-        .map(|k| vec![k])
-        .filter(|set| share(set) > LEAST);
-    let found = best(singles.collect(), least).or_else(|| {
+    let nearest = |sets: Vec<Vec<usize>>| {
+        let mut sets: Vec<(f64, Vec<usize>)> =
+            sets.into_iter().map(|set| (share(&set), set)).collect();
+        sets.retain(|(share, _)| *share > LEAST);
+        sets.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        // Those that look alike belong together.
+        let last = sets
+            .iter()
+            .map(|(share, _)| share - ALIKE)
+            .nth(FOLLOWED - 1);
+        sets.retain(|(share, _)| last.is_none_or(|last| *share >= last));
+        let mut sets: Vec<Vec<usize>> = sets.into_iter().map(|(_, set)| set).collect();
+        sets.sort_unstable();
+        sets
+    };
+    let singles = (0..slopes.len()).map(|k| vec![k]).collect();
+    let mut found = best(nearest(singles), least);
+    if found.is_none() && least <= EXPLAINED {
         let pairs = (0..slopes.len()).flat_map(|i| (0..i).map(move |j| vec![j, i]));
-        let mut pairs: Vec<(f64, Vec<usize>)> = pairs.map(|pair| (share(&pair), pair)).collect();
-        pairs.retain(|(share, _)| *share > LEAST && least <= EXPLAINED);
-        pairs.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-        best(
-            pairs
-                .into_iter()
-                .take(PAIRS)
-                .map(|(_, pair)| pair)
-                .collect(),
-            SURE,
-        )
-    });
+        found = best(nearest(pairs.collect()), SURE);
+    }
     let (of, fit) = found?;
     let part = |(&k, &[size, plus_minus]): (&usize, &[f64; 2])| {
         let Suspect {

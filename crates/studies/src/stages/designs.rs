@@ -1,7 +1,7 @@
 //! Two models: the second one at the states of the first.
 
-use pinwheel_gearbox::Frequencies;
-use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::contacts::PairContact;
+use pinwheel_gearbox::{Frequencies, Gearbox};
 use pinwheel_mbs::OdeSystem as _;
 
 use super::forces::{Columns, rows};
@@ -14,31 +14,51 @@ use super::states;
 /// Radians of the contacts' vibration from one sample to the next.
 const SAMPLE_RAD: f64 = 1.0;
 
-/// Judges each stage of one model by another, at the states of the first. `None`: the two have not the same bodies, or no reduced form.
+/// A native run of a model, at whose states others are judged.
+pub struct Course<'a> {
+    gearbox: &'a Gearbox,
+    samples: Vec<Sample>,
+}
+
+impl<'a> Course<'a> {
+    /// Follows a model from its start; `None` where it has no reduced form.
+    #[must_use]
+    pub fn of(gearbox: &'a Gearbox) -> Option<Self> {
+        let mut model = Model::new(gearbox, Vec::new())?;
+        let step = SAMPLE_RAD / Frequencies::of(&gearbox.scene).contact_rad_s;
+        let times: Vec<f64> = (0..SAMPLES).map(|k| k as f64 * step).collect();
+        let begun = model.start();
+        let samples = numbered(&times, model.follow(0.0, &begun, &times)?);
+        Some(Self { gearbox, samples })
+    }
+}
+
+/// Judges each stage of a model at the states of another. `None`: the two have not the same bodies, or no reduced form.
 #[must_use]
-pub fn between([a, b]: [&Gearbox; 2]) -> Option<Located> {
-    let [mut first, mut second] = [Model::new(a, Vec::new())?, Model::new(b, Vec::new())?];
+pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
+    let (a, samples) = (course.gearbox, &course.samples);
     if a.layout != b.layout || a.floats() != b.floats() {
         return None;
     }
-    let step = SAMPLE_RAD / Frequencies::of(&a.scene).contact_rad_s;
-    let times: Vec<f64> = (0..SAMPLES).map(|k| k as f64 * step).collect();
-    let begun = first.start();
-    let samples = numbered(&times, first.follow(0.0, &begun, &times)?);
-    let written = rows(&mut first, &samples);
-    // A pin that turns in one alone stands still in the other.
-    let places = |y: &[f64], from: &[usize], to: &[usize]| -> Vec<f64> {
-        let half = y.len() / 2;
-        let of = |y: &[f64]| -> Vec<f64> {
+    let [mut first, mut second] = [Model::new(a, Vec::new())?, Model::new(b, Vec::new())?];
+    let written = rows(&mut first, samples);
+    // A pin that turns in one alone does there as at the start.
+    let places = |y: &[f64], from: &[usize], to: &[usize], otherwise: &[f64]| -> Vec<f64> {
+        let (of, other) = (y.len() / 2, otherwise.len() / 2);
+        let half = |y: &[f64], otherwise: &[f64]| -> Vec<f64> {
             let place = |body: &usize| from.iter().position(|other| other == body);
-            let turned = to.iter().map(|body| place(body).map_or(0.0, |k| y[k]));
+            let turned = to.iter().zip(otherwise);
+            let turned = turned.map(|(body, start)| place(body).map_or(*start, |k| y[k]));
             turned.chain(y[from.len()..].iter().copied()).collect()
         };
-        [of(&y[..half]), of(&y[half..])].concat()
+        let halves = [(0..of, 0..other), (of..2 * of, other..2 * other)];
+        halves
+            .map(|(of, other)| half(&y[of], &otherwise[other]))
+            .concat()
     };
     let (from, to) = (first.free().to_vec(), second.free().to_vec());
     let carried = |sample: &Sample| Sample {
-        y: places(&sample.y, &from, &to),
+        y: places(&sample.y, &from, &to, &second.start()),
         ..*sample
     };
     let carried: Vec<Sample> = samples.iter().map(carried).collect();
@@ -75,7 +95,7 @@ pub fn between([a, b]: [&Gearbox; 2]) -> Option<Located> {
             let mut of = [vec![0.0; own.y.len()], vec![0.0; other.y.len()]];
             first.derivative(own.time_s, &own.y, &mut of[0]);
             second.derivative(other.time_s, &other.y, &mut of[1]);
-            let [a, b] = [places(&of[0], &from, &to), of[1].clone()];
+            let [a, b] = [places(&of[0], &from, &to, &of[1]), of[1].clone()];
             let off = a.iter().zip(&b).skip(weights.len()).zip(&weights);
             let off = off
                 .map(|((a, b), weight)| ((a - b) * weight).powi(2))

@@ -1,8 +1,7 @@
 //! An engine's run with its states, and one with a smaller step.
 
-use pinwheel_engines::{AccuracySetting, Cancelled, Control, Engine, Refinement};
+use pinwheel_engines::{AccuracySetting, Cancelled, Control, Engine};
 use pinwheel_gearbox::{Frequencies, Gearbox};
-use pinwheel_mbs::integrators::method;
 use pinwheel_timeseries::TimeSeries;
 
 use super::judged::{ORDER_MARGIN, Stage};
@@ -54,14 +53,7 @@ pub fn of_engine(
         let name = engine.name();
         locate(gearbox, Runs { name, run, finer })
     };
-    let solver = &gearbox.scene.solver;
-    // The native solver is refined by the setting of the scene's method.
-    let native = method(&solver.integrator).filter(|_| engine.info().form.is_some());
-    let native = native.map(|method| Refinement {
-        knob: AccuracySetting::of(method.name),
-        order: f64::from(method.order),
-    });
-    let Some(refinement) = engine.info().refinement.or(native) else {
+    let Some(refinement) = engine.info().refinement else {
         return Ok(judge(&own, None));
     };
     let (by, falls) = match refinement.knob {

@@ -12,7 +12,7 @@ use super::model::Model;
 use super::suspects::Suspect;
 use super::{forces, motion, states};
 
-/// What was kept of a run from the scene's start.
+/// Figures kept of a run from the scene's start.
 pub(crate) struct Kept<'a> {
     /// Name of who ran.
     pub name: &'a str,
@@ -89,6 +89,9 @@ fn followed(
     Some(run)
 }
 
+/// Change of a record's columns that is none, as a share of their largest: records are rounded and interpolated.
+const RECORD: f64 = 1e-3;
+
 /// Judges a record that has all columns of a gear, by its states where it has them; only a known cause names a stage.
 pub(super) fn of_record(gearbox: &Gearbox, name: &str, record: &TimeSeries) -> Option<Located> {
     let states = states::Columns::of(gearbox, Model::new(gearbox, Vec::new())?.free());
@@ -98,45 +101,33 @@ pub(super) fn of_record(gearbox: &Gearbox, name: &str, record: &TimeSeries) -> O
     let is_known = |row: &usize| of.iter().all(|column| column[*row].is_finite());
     let rows: Vec<usize> = (0..record.len()).filter(is_known).collect();
     let run = record.select(&rows);
-    let located = if states.missing(&run).is_empty() {
+    if states.missing(&run).is_empty() {
         let (run, finer) = (&run, None);
-        locate(gearbox, Runs { name, run, finer })
-    } else {
-        let times = run.time_s().get(..run.len().min(SHOWN))?;
-        (*times.first()? == 0.0).then_some(())?;
-        // Torques and forces weigh the same.
-        let size = |column: &&[f64]| {
-            column
-                .iter()
-                .fold(f64::MIN_POSITIVE, |most, x| x.abs().max(most))
+        let found = locate(gearbox, Runs { name, run, finer })?;
+        let mut cause = found.cause.iter();
+        return cause.any(|cause| cause.explained >= SURE).then_some(found);
+    }
+    let times = run.time_s().get(..run.len().min(SHOWN))?;
+    (*times.first()? == 0.0).then_some(())?;
+    // Torques and forces weigh the same.
+    let size = |column: &&[f64]| column.iter().fold(0.0, |most: f64, x| x.abs().max(most));
+    let sizes: Vec<f64> = of.iter().map(size).collect();
+    let force = sizes[forces::FORCES..].iter().copied().fold(0.0, f64::max);
+    let figures = |run: &TimeSeries| -> Vec<f64> {
+        let column = |(k, name): (usize, &String)| {
+            let size = if k < forces::FORCES { sizes[k] } else { force };
+            let values = run.channel(name).unwrap_or_default().iter();
+            let shares = values.take(times.len()).map(move |value| value / size);
+            shares.collect::<Vec<_>>()
         };
-        let sizes: Vec<f64> = of.iter().map(size).collect();
-        let sizes = [
-            sizes[0],
-            sizes[1],
-            sizes[2..].iter().copied().fold(0.0, f64::max),
-        ];
-        let figures = |run: &TimeSeries| -> Vec<f64> {
-            let column = |(k, name): (usize, &String)| {
-                let values = run
-                    .channel(name)
-                    .unwrap_or_default()
-                    .iter()
-                    .take(times.len());
-                values
-                    .map(|value| value / sizes[k.min(2)])
-                    .collect::<Vec<_>>()
-            };
-            names.iter().enumerate().flat_map(column).collect()
-        };
-        let (written, bound) = (&figures(&run)[..], 0.0);
-        let kept = Kept {
-            name,
-            times_s: times,
-            written,
-            bound,
-        };
-        of_kept(gearbox, &kept, &figures)
+        names.iter().enumerate().flat_map(column).collect()
     };
-    located.filter(|found| found.cause.is_some() || found.first().is_none())
+    let (written, bound) = (&figures(&run)[..], RECORD);
+    let kept = Kept {
+        name,
+        times_s: times,
+        written,
+        bound,
+    };
+    of_kept(gearbox, &kept, &figures)
 }

@@ -88,8 +88,8 @@ impl Located {
 
 /// Distance of a run from a native one, relative, of which nothing has to be explained.
 const NEAR: f64 = 1e-5;
-/// One of so many intervals is fitted by changes of the model, each of which costs two flows or more.
-const FITTED: usize = 3;
+/// One of so many intervals is fitted by changes of the model, each of which costs two flows or more; without friction and with it.
+const FITTED: [usize; 2] = [3, 1];
 /// Samples of the native run that shows a cause.
 pub(super) const SHOWN: usize = 60;
 
@@ -177,7 +177,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             .stages
             .extend(fine.judged(rough.as_ref().map(|(rough, falls)| (rough, *falls))));
         if fine.size() > FLOW && (rough.is_none() || off(&located, &[Stage::Equations])) {
-            let few = fine.one_of(FITTED);
+            let few = fine.one_of(FITTED[usize::from(gearbox.has_friction())]);
             let [reached, base] = [&few.reached, &few.flowed].map(|states| few.stacked(states));
             let sure = if rough.is_some() { EXPLAINED } else { SURE };
             let both = [&reached[..], &base[..]];
@@ -202,9 +202,17 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         }
     }
     located.stages.sort_by_key(|judged| judged.stage);
-    let shown = found.map(|found| Cause {
-        distance: distance(gearbox, changes(&found), &states, best),
-        ..found.0
+    let shown = found.map(|found| {
+        let changes = changes(&found);
+        // What is written otherwise moves nothing.
+        let moves = changes.iter().any(|(change, _)| change.moves());
+        let distance = moves
+            .then(|| distance(gearbox, changes, &states, best))
+            .flatten();
+        Cause {
+            distance,
+            ..found.0
+        }
     });
     // A native run has to come nearer with it, unless it was there.
     located.cause = shown.filter(|cause| {
@@ -249,7 +257,7 @@ pub(super) fn start(first: &[f64], native: &Model<'_>) -> Judged {
             (Layout::OUTPUT, true) => "the output's angle",
             (Layout::OUTPUT, false) => "the output's rate",
             (_, true) => "an angle of a disc",
-            (_, false) => "a rate of a disc",
+            (_, false) => "a rate of a disc or pin",
         },
     };
     let note = format!(

@@ -26,7 +26,7 @@ mod states;
 mod suspects;
 
 pub use cause::{Cause, Part};
-pub use designs::between;
+pub use designs::{Course, between};
 pub use engine::of_engine;
 pub use judged::{Depth, Judged, Stage};
 pub(crate) use kept::{Kept, of_kept};

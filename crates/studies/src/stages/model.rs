@@ -34,6 +34,11 @@ pub(super) enum Change {
 }
 
 impl Change {
+    /// True if it acts on the motion.
+    pub(super) fn moves(&self) -> bool {
+        !matches!(self, Self::Column(..) | Self::DriverShare(_))
+    }
+
     fn is_step(&self) -> bool {
         matches!(self, Self::Step)
     }
@@ -123,6 +128,8 @@ pub(super) struct Model<'a> {
 
 /// Error of a step of the flow, as a share of the twist under load: without friction and with it.
 const TOLERANCES: [f64; 2] = [1e-10, 1e-8];
+/// Factor on it where a run is followed over many samples, of which no stage is judged to so many digits.
+const RUN: f64 = 100.0;
 /// Steps of the flow over one interval; more are no flow.
 const STEPS: usize = 4000;
 
@@ -230,7 +237,7 @@ impl<'a> Model<'a> {
         let rough = self.gearbox.has_friction();
         let settings = StepSettings {
             step: 0.1 * (first - from).max((last - from) / times.len() as f64),
-            tolerance: TOLERANCES[usize::from(rough)],
+            tolerance: TOLERANCES[usize::from(rough)] * if times.len() > 1 { RUN } else { 1.0 },
         };
         let mut breaks = load_profile::breaks(&self.gearbox.scene.drive);
         breaks.retain(|&time| time < last);

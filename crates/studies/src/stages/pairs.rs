@@ -45,7 +45,9 @@ pub fn of_comparison(
         let asked =
             |verdict| verdict == Verdict::Differ || verdict == Verdict::Inconclusive && brought;
         let mut pairs = comparison.pairs.iter().filter(is_of);
+        // A record without limits has no verdict.
         let differs = one.status.is_broken()
+            || one.track == SharedModel::Measured
             || pairs.any(|pair| pair.entries.iter().any(|entry| asked(entry.result.verdict)));
         let found = match (one.track, engine) {
             _ if !differs => None,

@@ -4,7 +4,6 @@ use std::ops::Range;
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::contacts::PairContact;
-use pinwheel_mbs::Mechanism;
 use pinwheel_scene::scales::hertz;
 use pinwheel_scene::{Layout, Scene, Sleeve};
 
@@ -41,7 +40,7 @@ impl Suspect {
 
     /// True if it acts on the motion.
     pub(super) fn moves(&self) -> bool {
-        !matches!(self.change, Change::Column(..) | Change::DriverShare(_))
+        self.change.moves()
     }
 
     /// True if it acts on the motion where the forces are right.
@@ -161,29 +160,21 @@ pub(super) fn of(gearbox: &Gearbox) -> Vec<Suspect> {
     let frozen = Change::Frozen(gearbox.initial_states());
     add(Assembly, "lever", what, Switch, frozen);
     let (external, internal) = (layout.external_bodies(), layout.internal_bodies());
-    let pins = internal.clone();
-    let output = move |mechanism: &mut Mechanism, p: f64| {
-        mechanism.bodies[Layout::OUTPUT].moment *= 1.0 + p;
-        heavier(mechanism, pins.clone(), p);
-    };
-    let pins = internal.clone();
-    let on_output = move |mechanism: &mut Mechanism, p| heavier(mechanism, pins.clone(), p);
     let discs = layout.wheel_bodies();
-    let of_discs = move |mechanism: &mut Mechanism, p| heavier(mechanism, discs.clone(), p);
     for (what, change) in [
         (
             "mass of the output pins on the output shaft",
-            Change::Mass(Box::new(on_output)),
+            heavier(internal.clone(), None),
         ),
         (
             "inertia of the output with its pins",
-            Change::Mass(Box::new(output)),
+            heavier(internal.clone(), Some(Layout::OUTPUT)),
         ),
         ("inertia of the discs", turning(layout.wheel_bodies())),
         ("inertia of the pins", turning(external.start..internal.end)),
         ("inertia of the ring pins", turning(external)),
         ("inertia of the output pins", turning(internal)),
-        ("mass of the discs", Change::Mass(Box::new(of_discs))),
+        ("mass of the discs", heavier(discs, None)),
     ] {
         add(Equations, "inertia", what, Factor, change);
     }
@@ -245,10 +236,14 @@ fn turning(bodies: Range<usize>) -> Change {
     }))
 }
 
-/// Factor on masses.
-fn heavier(mechanism: &mut Mechanism, bodies: Range<usize>, p: f64) {
-    let bodies = &mut mechanism.bodies[bodies];
-    bodies.iter_mut().for_each(|body| body.mass *= 1.0 + p);
+/// Factor on masses, and on the moment of inertia of a body.
+fn heavier(bodies: Range<usize>, turning: Option<usize>) -> Change {
+    Change::Mass(Box::new(move |mechanism, p| {
+        let masses = &mut mechanism.bodies[bodies.clone()];
+        masses.iter_mut().for_each(|body| body.mass *= 1.0 + p);
+        let moments = turning.map(|body| &mut mechanism.bodies[body].moment);
+        moments.into_iter().for_each(|moment| *moment *= 1.0 + p);
+    }))
 }
 
 /// Forces of a pair with so much more normal force, N, and its share of the friction.

@@ -15,7 +15,7 @@ use pinwheel_mbs::{
     BodyState, Forces, Formulation as _, Mechanism, OdeSystem as _, Reduced, Wrench,
 };
 use pinwheel_scene::{CheckedScene, Layout, Scene, load_profile};
-use pinwheel_studies::stages::{Located, Runs, Stage, between, locate, of_engine};
+use pinwheel_studies::stages::{Course, Located, Runs, Stage, between, locate, of_engine};
 use pinwheel_timeseries::TimeSeries;
 
 use crate::gears::gear;
@@ -529,7 +529,7 @@ fn names_faults_in_an_engine() {
             "eccentricity",
             of(|s| s.scene = |s| s.gear.eccentricity_m *= 0.9999),
             Start,
-            &[("eccentricity", -1e-4, 1e-8)],
+            &[("eccentricity", -1e-4, 2e-7)],
         ),
         (
             "holes' angle",
@@ -677,14 +677,13 @@ fn accuse_none(pairs: impl Fn(usize, usize) -> bool) -> usize {
         "rv-320",
         "toleranced",
     ];
-    const ENGINES: [&str; 7] = [
+    const ENGINES: [&str; 6] = [
         "rapier-shared-law",
         "exudyn-shared-law-constrained",
         "exudyn-shared-law-explicit",
         "mujoco-shared-law",
         "ida-shared-law",
         "simbody-shared-law",
-        "simbody-shared-law-implicit",
     ];
     let mut judged = 0;
     for (i, preset) in PRESETS.into_iter().enumerate() {
@@ -725,7 +724,7 @@ fn accuses_no_engine() {
 fn accuses_no_engine_in_any_scene() {
     let judged = accuse_none(|_, _| true);
     println!("{judged} right pairs");
-    // Machines lack engines.
+    // Engines that a machine lacks are not judged.
     assert!(judged >= 9, "{judged}");
 }
 
@@ -760,9 +759,10 @@ fn names_the_stage_of_a_key() {
         ("solver.step_s=2e-6", None),
     ] {
         for both in [[&own, &of(&[set])], [&of(&[set]), &own]] {
-            let found = between(both).unwrap();
+            let found = between(&Course::of(both[0]).unwrap(), both[1]).unwrap();
             assert_eq!(found.first(), stage, "{set}: {}", found.sentence());
         }
     }
-    assert_eq!(between([&own, &of(&["gear.wheels=1"])]), None);
+    let other = of(&["gear.wheels=1"]);
+    assert_eq!(between(&Course::of(&own).unwrap(), &other), None);
 }
