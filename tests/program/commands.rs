@@ -850,3 +850,48 @@ fn program_speaks_as_it_is_asked() {
     let both = run_in(dir.path(), words("compare paper -q -v"));
     assert_eq!(both.code, Some(2), "{both:?}");
 }
+
+/// The way of a newcomer: a catalogue, then what each command says next, to figures by fit, drawings and a study of tolerances that
+/// runs at the first try.
+#[test]
+fn program_from_a_catalogue_to_its_tolerances() {
+    let dir = tempfile::tempdir().unwrap();
+    let catalogue = "--ratio 11 --pin-circle-diameter-mm 60 --torque-n-m 20 --speed-rpm 500";
+    let told = done(run_in(
+        dir.path(),
+        words(&format!("init mine.toml {catalogue}")),
+    ));
+    let commands: Vec<&str> = told
+        .lines()
+        .filter_map(|line| line.split_once(" pinwheel "))
+        .map(|(_, next)| next)
+        .collect();
+    assert_eq!(commands, ["design mine.toml", "sweep mine.tolerances.toml"]);
+    let found = done(run_in(dir.path(), words("design mine.toml --statics")));
+    assert!(
+        found.contains("tighten this first") && found.contains("By fit"),
+        "{found}"
+    );
+    let summary = json(dir.path().join("out/mine-design/summary.json"));
+    let lost = &summary["figures"][0];
+    let [low, high] = [0, 1].map(|end| lost["by_fit"][end].as_f64().unwrap());
+    let value = lost["value"].as_f64().unwrap();
+    assert!(
+        lost["key"] == "lost_motion_arcmin" && low < value && value < high,
+        "{lost}"
+    );
+    assert!(dir.path().join("out/mine-design/disc_1.dxf").exists());
+    let study = dir.path().join("mine.tolerances.toml");
+    let text = std::fs::read_to_string(&study)
+        .unwrap()
+        .replace("points = 64", "points = 4");
+    std::fs::write(&study, text).unwrap();
+    assert!(done(run_in(dir.path(), words(commands[1]))).contains("4 finished"));
+    // Nothing of a user's is replaced: neither scene nor study.
+    std::fs::remove_file(dir.path().join("mine.toml")).unwrap();
+    assert_eq!(
+        run_in(dir.path(), words(&format!("init mine.toml {catalogue}"))).code,
+        Some(2)
+    );
+    assert!(!dir.path().join("mine.toml").exists());
+}

@@ -17,9 +17,8 @@ use std::f64::consts::PI;
 
 use crate::bearings::of_rollers;
 use crate::body::bore_radius_m;
-use crate::catalogue::{Catalogue, Material, rounded_down};
 use crate::model::Gear;
-use crate::number::{nearest, written};
+use crate::number::{nearest, rounded_down, written};
 pub(crate) use crate::uncertain::UNCERTAIN;
 
 /// A process by which discs are made.
@@ -127,8 +126,6 @@ const NEEDLES: [f64; 2] = [0.85, 0.9];
 const CORE: f64 = 0.7;
 /// Thickness of a disc with the gap beside it, as a share of the disc's.
 const PITCH: f64 = 1.1;
-/// Young's modulus below which a disc is of plastic, Pa.
-const PLASTIC_PA: f64 = 2e10;
 
 /// Needles of a bearing, which are as many in every bearing of these proportions, and their length on a disc of this thickness, m.
 pub(crate) fn needles(face_width_m: f64) -> (f64, f64) {
@@ -137,32 +134,23 @@ pub(crate) fn needles(face_width_m: f64) -> (f64, f64) {
     (count, rounded_down(along * face_width_m))
 }
 
-impl Catalogue {
-    /// Process of the discs: the one given, or the usual one of the material; `None` of an ideal gear.
-    pub(crate) fn process(&self) -> Option<&'static Process> {
-        let usual = match self.material.name {
-            "pla" | "nylon" => "printed",
-            "pom" => "milled",
-            _ => "ground",
-        };
-        let process = self.process.or_else(|| process(usual));
-        process.filter(|_| !self.ideal)
-    }
+/// Data of a catalogue that a gear as built follows from.
+pub(crate) struct Basis {
+    pub(crate) process: &'static Process,
+    /// Young's modulus of the pins, Pa.
+    pub(crate) pin_young_pa: f64,
+    /// Discs are of plastic and run dry.
+    pub(crate) is_plastic: bool,
+    pub(crate) friction_coefficient: Option<f64>,
+    /// Backlash of the ring pins is given.
+    pub(crate) has_backlash: bool,
+    pub(crate) cranks: Option<usize>,
+    pub(crate) torque_n_m: f64,
+}
 
-    /// Material of the pins: the one given, or steel; of an ideal gear that of the discs.
-    pub(crate) fn pins(&self) -> Material {
-        let usual = match self.ideal {
-            true => self.material,
-            false => crate::catalogue::MATERIALS[0],
-        };
-        self.pin_material.unwrap_or(usual)
-    }
-
-    /// Lines of a gear as built, `key = value # reason`, and the halves of the intervals of its clearances; none of an ideal gear.
-    pub(crate) fn as_built(&self, gear: &Gear) -> String {
-        let Some(process) = self.process() else {
-            return String::new();
-        };
+impl Basis {
+    /// Lines of a gear as built, `key = value # reason`, and the halves of the intervals of its clearances.
+    pub(crate) fn lines(&self, gear: &Gear) -> String {
         let m = written;
         let face = gear.face_width_m.unwrap_or_default();
         let (rollers, length) = needles(face);
@@ -171,17 +159,17 @@ impl Catalogue {
             .map_or_else(|| bore_radius_m(gear), |_| gear.hole_radius_m);
         let raceway = nearest(2.0 * outer * (1.0 - 2.0 * NEEDLE), 4);
         let radii = [gear.external_sleeve_radius_m, gear.hole_radius_m];
-        let [ring, hole] = radii.map(|radius| process.fit(2.0 * radius));
-        let bearing = process.bearing(raceway);
-        let Process { name, grade, .. } = process;
+        let [ring, hole] = radii.map(|radius| self.process.fit(2.0 * radius));
+        let bearing = self.process.bearing(raceway);
+        let Process { name, grade, .. } = self.process;
         let fit = format!("H{grade}/g{} of ISO 286-1, {name}", grade - 1);
-        let (usual, state) = match self.material.young_pa < PLASTIC_PA {
+        let (usual, state) = match self.is_plastic {
             true => (0.2, "0.1 to 0.2 dry"),
             false => (0.02, "0.01 to 0.02 in oil"),
         };
         let (mu, young) = (
             self.friction_coefficient.unwrap_or(usual),
-            self.pins().young_pa,
+            self.pin_young_pa,
         );
         let inertia = |diameter: f64| PI / 64.0 * diameter.powi(4);
         let mut text = format!(
@@ -193,7 +181,7 @@ impl Catalogue {
             m(raceway),
         );
         let mut fits = vec![("bearings.eccentric.clearance_m", bearing)];
-        if self.backlash_m.is_none() {
+        if !self.has_backlash {
             fits.push(("gear.modification.equidistant_m", ring));
             let cut = m(ring.usual_m);
             text += &format!(

@@ -12,11 +12,13 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 
-use crate::as_built::{self, Process, UNCERTAIN, needles, section};
+use crate::as_built::{self, Basis, Process, UNCERTAIN, needles, section};
 use crate::checked::CheckedScene;
 use crate::error::{Fault, SceneError};
 use crate::model::{Gear, Scene};
-use crate::number::{nearest, short, written};
+#[doc(hidden)]
+pub use crate::number::rounded_down;
+use crate::number::{short, written};
 use crate::profile::Profile;
 
 /// A material: name as typed, E (Pa), Poisson's ratio, density (kg/m^3).
@@ -145,6 +147,8 @@ pub const ARGUMENTS: &[(&str, &str)] = &[
     ("contact.friction_coefficient", "friction"),
 ];
 
+/// Young's modulus below which a disc is of plastic, Pa.
+const PLASTIC_PA: f64 = 2e10;
 /// Bound of a circle of pins, m; a smaller one was typed in metres where millimetres were asked for.
 const IN_METRES: f64 = 3e-3;
 /// Shortening coefficient that is suggested, and the least one.
@@ -334,6 +338,41 @@ impl Catalogue {
             suggested,
             toleranced: section(&as_built, UNCERTAIN, false),
         })
+    }
+
+    /// Process of the discs: the one given, or the usual one of the material; `None` of an ideal gear.
+    fn process(&self) -> Option<&'static Process> {
+        let usual = match self.material.name {
+            "pla" | "nylon" => "printed",
+            "pom" => "milled",
+            _ => "ground",
+        };
+        let process = self.process.or_else(|| as_built::process(usual));
+        process.filter(|_| !self.ideal)
+    }
+
+    /// Material of the pins: the one given, or steel; of an ideal gear that of the discs.
+    fn pins(&self) -> Material {
+        let usual = if self.ideal {
+            self.material
+        } else {
+            MATERIALS[0]
+        };
+        self.pin_material.unwrap_or(usual)
+    }
+
+    /// Lines of a gear as built; none of an ideal gear.
+    fn as_built(&self, gear: &Gear) -> String {
+        let basis = self.process().map(|process| Basis {
+            process,
+            pin_young_pa: self.pins().young_pa,
+            is_plastic: self.material.young_pa < PLASTIC_PA,
+            friction_coefficient: self.friction_coefficient,
+            has_backlash: self.backlash_m.is_some(),
+            cranks: self.cranks,
+            torque_n_m: self.torque_n_m,
+        });
+        basis.map_or_else(String::new, |basis| basis.lines(gear))
     }
 
     fn first_stage(&self) -> Result<FirstStage, Fault> {
@@ -673,19 +712,6 @@ fn with_what_follows(mut text: String, scene: &CheckedScene) -> String {
         short(mass.output_shaft.mass_kg),
     );
     text
-}
-
-/// Two significant digits, downwards, of a length in millimetres: what one puts on a drawing. m.
-#[doc(hidden)]
-pub fn rounded_down(length_m: f64) -> f64 {
-    let mm = 1e3 * length_m;
-    if !(mm > 0.0 && mm.is_finite()) {
-        return length_m;
-    }
-    let unit = 10_f64.powi(mm.log10().floor() as i32 - 1);
-    // A number that is one of two digits already stays it, whatever its last bit.
-    let digits = (mm / unit + 1e-9).floor();
-    nearest(digits * unit * 1e-3, 12)
 }
 
 fn millimetres(length_m: f64) -> String {

@@ -42,3 +42,15 @@ pub(crate) fn nearest(value: f64, digits: i32) -> f64 {
     let text = format!("{value:.*e}", (digits - 1) as usize);
     text.parse().unwrap_or(value)
 }
+
+/// Two significant digits, downwards, of a length in millimetres: what one puts on a drawing. m.
+pub fn rounded_down(length_m: f64) -> f64 {
+    let mm = 1e3 * length_m;
+    if !(mm > 0.0 && mm.is_finite()) {
+        return length_m;
+    }
+    let unit = 10_f64.powi(mm.log10().floor() as i32 - 1);
+    // A number that is one of two digits already stays it, whatever its last bit.
+    let digits = (mm / unit + 1e-9).floor();
+    nearest(digits * unit * 1e-3, 12)
+}

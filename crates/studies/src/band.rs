@@ -380,7 +380,10 @@ fn over_fits(
         });
     }
     let mut together: Vec<Vec<f64>> = Vec::new();
-    for def in LEADING {
+    for def in LEADING.into_iter().filter(|_| intervals.len() > 1) {
+        if fits.first(def).is_none() {
+            continue;
+        }
         let up: Vec<f64> = fits
             .keys
             .iter()
@@ -388,7 +391,7 @@ fn over_fits(
             .collect();
         let down = up.iter().map(|end| -end).collect();
         for ends in [up, down] {
-            if intervals.len() > 1 && !together.contains(&ends) {
+            if !together.contains(&ends) {
                 at(&ends, &mut fits)?;
                 together.push(ends);
             }

@@ -62,7 +62,7 @@ pub(crate) struct InitArgs {
     /// Radial backlash at the pins.
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
     backlash_mm: Option<f64>,
-    /// Coefficient of friction.
+    /// Coefficient of friction, of contacts and of sleeves on their pins.
     #[arg(long, value_name = "MU")]
     friction: Option<f64>,
     /// Material of the discs.
