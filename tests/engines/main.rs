@@ -6,6 +6,7 @@ mod crossval_parry;
 mod crossval_rapier;
 mod dependencies;
 mod hard;
+mod instructions;
 mod loops;
 mod own_gears;
 mod random_gears;
