@@ -6,6 +6,7 @@ mod crossval_parry;
 mod crossval_rapier;
 mod dependencies;
 mod hard;
+mod instructions;
 mod layout;
 mod loops;
 mod own_gears;

@@ -29,8 +29,7 @@ use crate::Layout;
 use crate::carrier::Carrier;
 use crate::contacts::{ContactField, PairContact};
 use crate::{Gearbox, GearboxError, load_profile};
-use newton::{GOAL, TRACKED};
-use problem::{Balanced, Free, LEFT, OF_A_DISC, Problem, Size};
+use problem::{Balanced, Free, GOAL, LEFT, OF_A_DISC, Problem, Size, TRACKED};
 
 /// Elastic twist allowed beyond the free play, in pitches (2 pi/zs): the guard of dynamic runs is 0.25.
 const PITCHES: f64 = 0.2;

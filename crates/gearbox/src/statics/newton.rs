@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Statics;
-use super::problem::{Balanced, Free, LEFT, Problem};
+use super::problem::{Balanced, Free, LEFT, Problem, TRACKED};
 
 /// Largest numbers of Newton steps and of halvings of one step.
 const STEPS: usize = 60;
@@ -16,8 +16,9 @@ const HALVINGS: usize = 12;
 const SERVES: f64 = 8.0;
 const SERVES_ANGLES: f64 = 5.0;
 /// Largest ratio of residuals after and before a step at which a tracked balance takes the next one unseen, if it would reach
-/// the goal at this rate.
+/// the goal at this rate, and the largest length of that step, relative to the contacts' depths and twists.
 const SURE: f64 = 0.1;
+const UNSEEN: f64 = 1e-5;
 /// Length of steps of discs on eccentrics and output, relative to the twists of contacts, at which no contact restores them:
 /// Newton's method is abandoned.
 const LOST: f64 = 1e5;
@@ -33,10 +34,7 @@ const FARTHEST: f64 = 0.1;
 /// relative to the contacts' depths and twists.
 const ROUNDED: f64 = 1e-7;
 const STILL: f64 = 1e-8;
-/// Residuals at which Newton's method ends: at once below `GOAL`, and below `BALANCED` as soon as a step gains nothing.
-/// Figures of poses over a mesh need no more than `TRACKED`, which is a tenth of the rounding that they are given.
-pub(super) const GOAL: f64 = 1e-12;
-pub(super) const TRACKED: f64 = 1e-10;
+/// Residual at which Newton's method ends as soon as a step gains nothing.
 const BALANCED: f64 = 1e-10;
 /// Weak spring to the last iterate, relative to a contact's stiffness, for directions without stiffness.
 const WEAK: f64 = 1e-9;
@@ -129,11 +127,14 @@ impl Statics<'_> {
             }
             let rate = most / before;
             if problem.goal >= TRACKED && rate < SURE && rate * most < problem.goal {
-                let step = inverse.as_ref()? * &here;
-                *u = beyond(u, -1.0, &step);
-                most *= rate;
-                here *= rate;
-                break;
+                let step = -(inverse.as_ref()? * &here);
+                // A disc in its clearance moves far under next to no force, and may touch there.
+                if problem.moved(step.iter().copied()) < UNSEEN {
+                    *u = beyond(u, 1.0, &step);
+                    most *= rate;
+                    here *= rate;
+                    break;
+                }
             }
             let left = (most / problem.goal).ln() / -rate.ln();
             if rate >= 1.0 || left > serves {

@@ -15,6 +15,11 @@ pub(super) const OF_A_DISC: usize = 3;
 /// Permitted residual, relative to the load's size.
 pub(super) const LEFT: f64 = 1e-9;
 
+/// Residuals at which Newton's method ends at once, relative to the load's size. Figures of poses over a mesh need no more than
+/// `TRACKED`, which is the rounding that they are given.
+pub(super) const GOAL: f64 = 1e-12;
+pub(super) const TRACKED: f64 = 1e-9;
+
 /// Residual of a balance, and the inverse of the Jacobian that led there.
 pub(super) type Balanced = (DVector<f64>, Option<DMatrix<f64>>);
 

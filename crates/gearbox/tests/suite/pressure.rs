@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use pinwheel_contact::Complex;
 use pinwheel_gearbox::Gearbox;
-use pinwheel_gearbox::pressure::{LinePressure, curvature};
+use pinwheel_gearbox::pressure::{LinePressure, curvature, curvature_at_foot};
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_scene::{Override, Scene, Sleeve};
 
@@ -107,4 +107,33 @@ fn turned_flanks_have_their_own_curvature() {
         });
     }
     assert!(seen > 4, "{seen}");
+}
+
+/// The closed form of the curvature at a contact gives that of the search for the foot, on discs that float too.
+#[test]
+fn the_curvature_at_a_contact_is_that_of_its_foot() {
+    for preset in ["paper", "needle-bearings", "toleranced", "rv-40e-like"] {
+        let gearbox = Gearbox::new(&Scene::load(preset, &[]).unwrap()).unwrap();
+        let load = gearbox.scene.drive.output_torque_n_m;
+        let at = Statics::new(&gearbox).unwrap().solve(0.3, load).unwrap();
+        let geometry = &gearbox.geometry;
+        let mut seen = 0;
+        let mut field = gearbox.contact_field().unwrap();
+        field.touching(&at.bodies, &mut |pair| {
+            let disc = at.bodies[gearbox.layout.wheel_bodies().start + pair.wheel];
+            let centre = [disc.x, disc.y];
+            if let Sleeve::External(_) = pair.sleeve {
+                seen += 1;
+                let searched = curvature(geometry, pair, centre, disc.angle);
+                let found = curvature_at_foot(geometry, pair, centre);
+                let of = searched.abs() + geometry.curve.pitch_radius().recip();
+                // 1.1e-11 in the pits of `rv-40e-like`, whose radius is 0.26 mm.
+                assert!(
+                    (found - searched).abs() < 1e-10 * of,
+                    "{preset}: {found} {searched}"
+                );
+            }
+        });
+        assert!(seen > 4, "{preset}: {seen}");
+    }
 }

@@ -66,14 +66,16 @@ impl Poses {
     }
 
     /// Numbers of all poses, in an order in which pins of both kinds stand nearly as at the one before: a balance begins at
-    /// the last.
+    /// the last. Pins with errors of their own stand as themselves.
     pub fn walk(&self) -> impl Iterator<Item = usize> + use<> {
         let count = self.angles.len();
         let moved = |stride: usize| {
             let of = |mesh: usize| stride * mesh % count;
             self.meshes.map(|mesh| of(mesh).min(count - of(mesh)))
         };
-        let stride = (1..count)
+        // Passages have a common factor where pins have errors.
+        let own = gcd(self.meshes[0], self.meshes[1]) > 1;
+        let stride = (1..if own { 2 } else { count })
             .filter(|stride| gcd(*stride, count) == 1)
             .min_by_key(|stride| moved(*stride).into_iter().max())
             .unwrap_or(1);

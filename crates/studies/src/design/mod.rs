@@ -27,6 +27,7 @@ pub(crate) mod joint;
 use std::path::Path;
 
 use pinwheel_engines::Native;
+use pinwheel_gearbox::auto::AUTO;
 use pinwheel_gearbox::statics::Statics;
 use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError, SlowMotion};
 use pinwheel_scene::{CheckedScene, Derived, Scene, derived, speed_profile};
@@ -175,7 +176,10 @@ pub fn run(
     control: &Control<'_>,
 ) -> Result<DesignResult, StudyError> {
     let mut found = answers(gearbox, runs, control)?;
-    found.motion = Motion::of(gearbox, control)?;
+    // A picture needs no more than the cheapest method that follows the forces.
+    let cheap = gearbox.with_solver(|solver| AUTO.clone_into(&mut solver.integrator));
+    let cheap = cheap.map_err(|source| of_scene(&gearbox.scene, source.into()))?;
+    found.motion = Motion::of(&cheap, control)?;
     Ok(found)
 }
 

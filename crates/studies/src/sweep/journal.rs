@@ -54,8 +54,8 @@ pub struct Journal {
     folder: PathBuf,
     /// Keeps other processes from writing the same runs.
     owner: Lock,
-    /// Where each identity's record and time series stand.
-    known: Mutex<HashMap<String, (RunRecord, PathBuf)>>,
+    /// Files of the records, by the hash of their identity; the records of a large sweep would fill the memory.
+    known: Mutex<HashMap<u64, PathBuf>>,
 }
 
 impl Journal {
@@ -103,7 +103,7 @@ impl Journal {
     fn read(
         own: &Path,
         earlier: Option<&Path>,
-    ) -> Result<Mutex<HashMap<String, (RunRecord, PathBuf)>>, SweepError> {
+    ) -> Result<Mutex<HashMap<u64, PathBuf>>, SweepError> {
         let mut known = HashMap::new();
         let earlier = earlier.filter(|place| place.is_dir());
         for place in earlier.into_iter().chain([own]) {
@@ -114,7 +114,7 @@ impl Journal {
                 } else if name.starts_with(PREFIX) && name.ends_with(".json") {
                     let bytes = fs::read(&path).map_err(at(&path))?;
                     if let Some(record) = record(&bytes).filter(|r| !r.ending.may_pass()) {
-                        known.insert(record.identity(), (record, path));
+                        known.insert(hash_of(&record.identity()), path);
                     }
                 }
             }
@@ -131,7 +131,7 @@ impl Journal {
     /// Runs in its own folder, those of an earlier output not counted.
     #[must_use]
     pub fn in_its_folder(&self) -> usize {
-        let own = |(_, path): &&(RunRecord, PathBuf)| path.starts_with(&self.folder);
+        let own = |path: &&PathBuf| path.starts_with(&self.folder);
         pool::lock(&self.known).values().filter(own).count()
     }
 
@@ -140,7 +140,7 @@ impl Journal {
     /// # Errors
     /// A file cannot be removed.
     pub fn clear(&self) -> Result<(), SweepError> {
-        pool::lock(&self.known).retain(|_, (_, path)| !path.starts_with(&self.folder));
+        pool::lock(&self.known).retain(|_, path| !path.starts_with(&self.folder));
         for path in entries(&self.folder)? {
             let name = name_of(&path);
             if name.starts_with(PREFIX) || name.starts_with(UNFINISHED) {
@@ -162,7 +162,8 @@ impl Journal {
 
     /// The record of an identity, if its time series are kept as wanted and are what was written.
     pub(crate) fn find(&self, identity: &str, time_series: KeepTimeSeries) -> Option<RunRecord> {
-        let (record, path) = pool::lock(&self.known).get(identity)?.clone();
+        let path = pool::lock(&self.known).get(&hash_of(identity))?.clone();
+        let record = record(&fs::read(&path).ok()?).filter(|r| r.identity() == identity)?;
         let file = extension(time_series).map(|extension| path.with_extension(extension));
         let written = &record.time_series;
         let whole = |file: PathBuf| written.is_some() && Written::of(&file).ok() == *written;
@@ -183,7 +184,7 @@ impl Journal {
         // A file of its own: what stood there may have another name in an output.
         let _ = fs::remove_file(&path);
         fs::write(&path, json(record)).map_err(at(&path))?;
-        pool::lock(&self.known).insert(identity, (record.clone(), path));
+        pool::lock(&self.known).insert(hash_of(&identity), path);
         Ok(())
     }
 
@@ -200,8 +201,8 @@ impl Journal {
     ) -> Result<(), SweepError> {
         let target = folder.join(format!("{PREFIX}{number:04}.json"));
         let place = pool::lock(&self.known)
-            .get(&record.identity())
-            .map(|(_, path)| path.clone());
+            .get(&hash_of(&record.identity()))
+            .cloned();
         let Some(path) = place else {
             return fs::write(&target, json(record)).map_err(at(&target));
         };
@@ -264,9 +265,13 @@ fn record(bytes: &[u8]) -> Option<RunRecord> {
     (written == hash(&value)).then(|| serde_json::from_value(value).ok())?
 }
 
+fn hash_of(identity: &str) -> u64 {
+    fnv(identity.bytes())
+}
+
 /// The file of a run in a journal's folder.
 fn place(folder: &Path, identity: &str, extension: &str) -> PathBuf {
-    let hash = fnv(identity.bytes());
+    let hash = hash_of(identity);
     folder.join(format!("{PREFIX}{hash:016x}.{extension}"))
 }
 

@@ -434,3 +434,81 @@ fn regress_efficiency_does_not_hang_on_samples() {
     let [coarse, fine] = [0, 1].map(|k| found[k].efficiency_accounted.unwrap());
     assert!((coarse - fine).abs() < 1e-4, "{coarse} {fine}");
 }
+
+/// Figures of balances, each within the uncertainty that `design` gives it, as a program found them whose balances all began at the
+/// one before and ended at a residual of 1e-12. The third gear has discs in so much play that a step under next to no force takes them far;
+/// pressed against pins there, they passed for preloaded.
+#[test]
+fn regress_balances_of_a_lot_of_gears() {
+    let keys = [
+        "lost_motion_arcmin",
+        "torsional_stiffness_n_m_per_arcmin",
+        "transmission_error_rated_arcmin",
+        "external_force_n",
+    ];
+    for (scene, set, accepted) in [
+        (
+            "steel",
+            "",
+            [
+                (0.4945450569, 4.8e-4),
+                (45.34063831, 1.2e-5),
+                (0.01207685244, 2.3e-3),
+                (105.5470296, 1.9e-2),
+            ],
+        ),
+        (
+            "needle-bearings",
+            "",
+            [
+                (0.1703288447, 1.7e-5),
+                (92.4733512, 2.6e-4),
+                (0.01630931177, 2.0e-5),
+                (338.8652546, 1.4e-1),
+            ],
+        ),
+        (
+            "needle-bearings",
+            "[set]\ngear.backlash_m = 3e-5\ngear.wheels = 3\n",
+            [
+                (5.022346813, 1.7e-4),
+                (100.0786999, 2.5e-3),
+                (0.001599081237, 2.5e-4),
+                (671.3099998, 9.0e-1),
+            ],
+        ),
+        (
+            "rv-40e-like",
+            "",
+            [
+                (0.09834642552, 4.7e-5),
+                (324.1358743, 3.5e-4),
+                (0.01868752347, 1.0e-4),
+                (575.3434089, 1.3),
+            ],
+        ),
+    ] {
+        let plan = plan(&format!(
+            "scene = \"{scene}\"\nengines = [\"statics\"]\n{set}"
+        ));
+        let folder = tempfile::tempdir().unwrap();
+        let journal = Journal::open(folder.path(), None, "a test").unwrap();
+        let [record] = &run(&plan, &journal, 1)[..] else {
+            panic!("one run")
+        };
+        println!(
+            "{scene}: {} balances, {} evaluations",
+            record.steps, record.rhs_calls
+        );
+        assert!(record.rhs_calls < 4 * record.steps, "{scene}");
+        for (key, (value, uncertainty)) in keys.iter().zip(accepted) {
+            let found = record.balances.get(*key);
+            let apart = found.map_or(f64::NAN, |found| (found - value).abs());
+            assert!(
+                apart <= uncertainty,
+                "{scene}, {key}: {found:?}, {value}, {}",
+                record.reason()
+            );
+        }
+    }
+}

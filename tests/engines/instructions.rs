@@ -1,0 +1,228 @@
+//! Instructions of a run, an evaluation, balances, and of writing and reading time series, against accepted counts.
+//!
+//! Times depend on the machine and on what else it does. Instructions of our own code hardly do: callgrind counts them on a
+//! processor of its own, which has AVX2 and never AVX-512. Libraries of the system are left out. Where a change of counts is
+//! meant, this renews them:
+//!
+//! ```text
+//! PINWHEEL_RENEW_COUNTS=1 cargo test --features crossval --test engines instructions
+//! ```
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+
+use pinwheel_gearbox::contacts::Kernel;
+use pinwheel_gearbox::statics::Statics;
+use pinwheel_gearbox::{Gearbox, native};
+use pinwheel_scene::{Override, Scene};
+use pinwheel_tests::repository;
+use pinwheel_timeseries::TimeSeries;
+
+/// Accepted instructions of one unit of each piece of work.
+const COUNTS: &str = "tests/data/instructions.toml";
+/// Change of a count that fails, up or down: two runs differ by 1e-5, a build of the same sources by nothing.
+const MOST: f64 = 0.01;
+/// Units of a piece of work.
+const EVALUATIONS: u32 = 1000;
+const BALANCES: u32 = 60;
+
+/// What is counted: functions of their own, each called once.
+mod work {
+    use super::*;
+
+    #[inline(never)]
+    pub(super) fn run(gearbox: &Gearbox) -> TimeSeries {
+        native::run(gearbox, &mut |_| false)
+            .expect("a run")
+            .time_series
+    }
+
+    #[inline(never)]
+    pub(super) fn evaluations(statics: &mut Statics<'_>) {
+        let gearbox = statics.gearbox();
+        let bodies = gearbox.kinematic_states();
+        let mut loads = vec![Default::default(); bodies.len()];
+        for _ in 0..EVALUATIONS {
+            statics.field.add_loads(&bodies, &mut loads);
+        }
+    }
+
+    #[inline(never)]
+    pub(super) fn balances_rigid(statics: &mut Statics<'_>) {
+        balances(statics);
+    }
+
+    #[inline(never)]
+    pub(super) fn balances_floating(statics: &mut Statics<'_>) {
+        balances(statics);
+    }
+
+    #[inline(never)]
+    pub(super) fn balances_on_cranks(statics: &mut Statics<'_>) {
+        balances(statics);
+    }
+
+    fn balances(statics: &mut Statics<'_>) {
+        let load = statics.gearbox().scene.drive.output_torque_n_m;
+        let mut last = None;
+        for k in 0..BALANCES {
+            let found = statics.track(&mut last, 0.01 * f64::from(k), load);
+            found.expect("a balance");
+        }
+    }
+
+    #[inline(never)]
+    pub(super) fn write(series: &TimeSeries) -> Vec<u8> {
+        let mut text = Vec::new();
+        series.write_csv(&mut text).expect("text");
+        text
+    }
+
+    #[inline(never)]
+    pub(super) fn read(text: &[u8]) -> TimeSeries {
+        TimeSeries::read_csv(text).expect("time series")
+    }
+}
+
+fn gearbox(preset: &str, sets: &[Override]) -> Gearbox {
+    Gearbox::new(&Scene::load(preset, sets).expect("a preset")).expect("a gearbox")
+}
+
+#[test]
+#[ignore = "work for the test below, which has it counted"]
+fn the_work() {
+    println!("vectors: {}", Kernel::Lanes.vectors());
+    let paper = gearbox("paper", &[Override::new("solver.duration_s", "0.03")]);
+    let series = work::run(&paper);
+    let text = work::write(&series);
+    assert_eq!(work::read(&text), series, "read back to the bit");
+    let [floating, cranks] = ["needle-bearings", "rv-40e-like"].map(|name| gearbox(name, &[]));
+    let mut rigid = Statics::new(&paper).expect("statics");
+    work::evaluations(&mut rigid);
+    work::balances_rigid(&mut rigid);
+    work::balances_floating(&mut Statics::new(&floating).expect("statics"));
+    work::balances_on_cranks(&mut Statics::new(&cranks).expect("statics"));
+}
+
+/// Instructions in a file of callgrind that the code of one program took itself.
+fn own(text: &str, program: &Path) -> f64 {
+    let mut names = BTreeMap::new();
+    let (mut is_own, mut of_callee, mut sum) = (false, false, 0.0);
+    for line in text.lines() {
+        let object = line.strip_prefix("ob=").or(line.strip_prefix("cob="));
+        if let Some(object) = object {
+            let (number, name) = object.split_once(' ').unwrap_or((object, ""));
+            if !name.is_empty() {
+                names.insert(number, Path::new(name) == program);
+            }
+            if line.starts_with('o') {
+                is_own = names[number];
+            }
+        } else if line.starts_with("calls=") {
+            of_callee = true;
+        } else if line.starts_with(|c: char| c.is_ascii_digit() || "+-*".contains(c)) {
+            let cost = line
+                .split_whitespace()
+                .nth(1)
+                .map_or(0.0, |n| n.parse().expect("a count"));
+            if is_own && !of_callee {
+                sum += cost;
+            }
+            of_callee = false;
+        }
+    }
+    sum
+}
+
+/// Instructions of one unit of each piece of work; `Err`: why they cannot be counted here.
+fn counted() -> Result<BTreeMap<String, f64>, String> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = std::env::current_exe().expect("this program");
+    let all = "*instructions::work::*";
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=counts"])
+        .args([
+            format!("--dump-before={all}"),
+            format!("--dump-after={all}"),
+        ])
+        .arg(&program)
+        .args([
+            "--ignored",
+            "--exact",
+            "instructions::the_work",
+            "--nocapture",
+        ])
+        .current_dir(folder.path())
+        .output()
+        .map_err(|error| format!("valgrind does not start: {error}"))?;
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(
+        output.status.success(),
+        "{told}{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    if !told.contains("vectors: avx2") {
+        return Err("this processor has no AVX2, for which the accepted counts are".to_owned());
+    }
+    let mut counts = BTreeMap::new();
+    for entry in std::fs::read_dir(folder.path()).expect("files") {
+        let text = std::fs::read_to_string(entry.expect("a file").path()).expect("text");
+        let after = text
+            .lines()
+            .find_map(|line| line.split_once("--dump-after=")?.1.rsplit("::").next());
+        let Some(name) = after else { continue };
+        let units = match name {
+            "evaluations" => EVALUATIONS,
+            name if name.starts_with("balances") => BALANCES,
+            _ => 1,
+        };
+        let count = own(&text, &program) / f64::from(units);
+        *counts.entry(name.to_owned()).or_insert(0.0) += count.round();
+    }
+    Ok(counts)
+}
+
+#[test]
+fn regress_instructions_stay() {
+    let counts = match counted() {
+        Ok(counts) => counts,
+        Err(why) if std::env::var_os("PINWHEEL_REQUIRE_VALGRIND").is_none() => {
+            println!("skipped: {why}");
+            return;
+        }
+        Err(why) => panic!("{why}"),
+    };
+    let path = repository(COUNTS);
+    if std::env::var_os("PINWHEEL_RENEW_COUNTS").is_some() {
+        let lines = counts
+            .iter()
+            .map(|(name, count)| format!("{name} = {count:.0}\n"));
+        std::fs::write(&path, lines.collect::<String>()).expect("a file");
+    }
+    let text = std::fs::read_to_string(&path).expect("accepted counts");
+    let accepted: BTreeMap<String, f64> = text
+        .parse::<toml::Table>()
+        .expect("TOML")
+        .into_iter()
+        .map(|(name, count)| (name, count.as_integer().expect("a count") as f64))
+        .collect();
+    let moved = counts.iter().filter_map(|(name, count)| {
+        let before = accepted.get(name).copied().unwrap_or(f64::NAN);
+        let share = count / before - 1.0;
+        println!(
+            "{name}: {count:.0} instructions, accepted {before:.0}, {:+.2} %",
+            100.0 * share
+        );
+        (share.is_nan() || share.abs() > MOST).then(|| format!("{name} {:+.1} %", 100.0 * share))
+    });
+    let moved: Vec<String> = moved.collect();
+    assert_eq!(counts.len(), accepted.len(), "pieces of work: {counts:?}");
+    assert!(
+        moved.is_empty(),
+        "instructions moved by more than {} %: {}. If this is meant: PINWHEEL_RENEW_COUNTS=1 cargo test --features \
+         crossval --test engines instructions",
+        100.0 * MOST,
+        moved.join(", ")
+    );
+}
