@@ -30,7 +30,9 @@ pub fn pinwheel() -> Command {
         // Each test says itself whether runs are kept, and where.
         Some(program) => {
             let mut command = Command::new(program);
-            command.env("PINWHEEL_RUNS", "").env_remove("GITHUB_ACTIONS"); // no annotations on stderr
+            command
+                .env("PINWHEEL_RUNS", "")
+                .env_remove("GITHUB_ACTIONS"); // no annotations on stderr
             command
         }
         None => panic!(
