@@ -67,7 +67,7 @@ class Keys(TypedDict, total=False):
     sleeve_bore_m: float
     """bore d of the pins, for that moment; thinner rollers turn in grooves, on their own diameter (m)"""
     sleeve_friction_coefficient: float
-    """friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; absent: 0; in runs where contacts have none"""
+    """friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; where that is more than the contact's own friction, the disc slides on the sleeve; absent: sleeves turn freely"""
     band_laws: str | Sequence[str]
     """laws that may be right for these rollers, whose spread is the band of a figure; absent: those for the materials; []: no band"""
     constant_stiffness_n_m15: float
@@ -168,12 +168,16 @@ class Keys(TypedDict, total=False):
     """of each disc, how far its eccentric stands counter-clockwise of its place (rad)"""
     external_sleeves: int
     """zk: pins on the housing; a disc has one lobe less"""
+    external_sleeves_turn: bool
+    """ring pins are sleeves that turn; false: the disc slides on pins that stand still; absent: true"""
     face_width_m: float
     """thickness of a disc; for masses that are left out (m)"""
     internal_circle_radius_m: float
     """circle the output pins sit on (m); if left out: cranks.circle_radius_m"""
     internal_sleeves: int
     """zi: pins on the output shaft; if left out: cranks.count: cranks stand in the place of output pins"""
+    internal_sleeves_turn: bool
+    """output pins are sleeves that turn; false: they turn with the output alone; absent: true"""
     equidistant_m: float
     """the generating pin's radius is larger than q by this: above 0 the disc's whole edge lies that much further in (m)"""
     radial_m: float
@@ -279,9 +283,11 @@ Vary = TypedDict(
         "internal_sleeve_tangential_m": Axis,
         "phase_rad": Axis,
         "external_sleeves": Axis,
+        "external_sleeves_turn": Axis,
         "face_width_m": Axis,
         "internal_circle_radius_m": Axis,
         "internal_sleeves": Axis,
+        "internal_sleeves_turn": Axis,
         "equidistant_m": Axis,
         "radial_m": Axis,
         "rotational_rad": Axis,
@@ -366,11 +372,13 @@ Vary = TypedDict(
         "gear.errors.phase_rad": Axis,
         "gear.external_sleeve_radius_m": Axis,
         "gear.external_sleeves": Axis,
+        "gear.external_sleeves_turn": Axis,
         "gear.face_width_m": Axis,
         "gear.hole_radius_m": Axis,
         "gear.internal_circle_radius_m": Axis,
         "gear.internal_sleeve_radius_m": Axis,
         "gear.internal_sleeves": Axis,
+        "gear.internal_sleeves_turn": Axis,
         "gear.modification.equidistant_m": Axis,
         "gear.modification.radial_m": Axis,
         "gear.modification.rotational_rad": Axis,

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from pinwheel_engines.layout import Kinematics, Layout
+from pinwheel_engines.layout import OUTPUT, Kinematics, Layout
 from pinwheel_engines.scene import Scene
 
 Floats = npt.NDArray[np.float64]
@@ -70,8 +70,8 @@ def column_names(scene: Scene) -> list[str]:
     return names
 
 
-def state_columns(layout: Layout) -> dict[str, tuple[int, int]]:
-    """Columns of the bodies' states: body, and component of x y angle vx vy rate."""
+def state_columns(layout: Layout, held_on_output: bool = False) -> dict[str, tuple[int, int]]:
+    """Columns of the bodies' states: body, and component of x y angle vx vy rate. Held output pins turn as the output."""
     wheels = range(layout.bodies)[layout.wheel_bodies]
     names = {"output_rate_rad_s": (1, 5)}
     components = ["x_m", "y_m", "angle_rad", "velocity_x_m_s", "velocity_y_m_s", "rate_rad_s"]
@@ -79,7 +79,8 @@ def state_columns(layout: Layout) -> dict[str, tuple[int, int]]:
         names |= {f"wheel_{name}_{i}": (body, component) for i, body in enumerate(wheels)}
     for kind, bodies in [("external", layout.external_bodies), ("internal", layout.internal_bodies)]:
         sleeves = enumerate(range(layout.bodies)[bodies])
-        names |= {f"{kind}_sleeve_rate_rad_s_{i}": (body, 5) for i, body in sleeves}
+        held = held_on_output and kind == "internal"
+        names |= {f"{kind}_sleeve_rate_rad_s_{i}": (OUTPUT if held else body, 5) for i, body in sleeves}
     return names
 
 
@@ -91,7 +92,7 @@ class Recorder:
         self.times_s = scene.solver.sample_times_s()
         self.names = column_names(scene)
         self.table = np.zeros((self.times_s.size, len(self.names)))
-        known = state_columns(kinematics.layout)
+        known = state_columns(kinematics.layout, not scene.gear.sleeves_turn[1])
         asked = [name for name in known if any(fnmatchcase(name, pattern) for pattern in scene.channels)]
         self.places = {name: known[name] for name in asked}
         self.states = np.zeros((self.times_s.size, len(asked)))

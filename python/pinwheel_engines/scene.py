@@ -47,6 +47,11 @@ class Gear(Table):
     """Geometry (Tab. 1 and Fig. 3 of the paper)."""
 
     @property
+    def sleeves_turn(self) -> tuple[bool, bool]:
+        """True for ring and for output pins that are sleeves that turn."""
+        return bool(self._keys.get("external_sleeves_turn", True)), bool(self._keys.get("internal_sleeves_turn", True))
+
+    @property
     def lobes(self) -> int:
         """zs, lobes of a disc."""
         return int(self.external_sleeves) - 1
@@ -257,7 +262,25 @@ def _fold_cranks(data: dict[str, Any]) -> None:
     mass["output_shaft"]["moment_kg_m2"] += (1.0 + rho) ** 2 * turning
 
 
+def _fold_held_pins(data: dict[str, Any]) -> None:
+    """Adds the inertia of pins that the output holds to it: the law moves what turns them there."""
+    gear = data.get("gear")
+    if isinstance(gear, dict) and not gear.get("internal_sleeves_turn", True):
+        mass = data["mass"]
+        mass["output_shaft"]["moment_kg_m2"] += gear["internal_sleeves"] * mass["internal_sleeve"]["moment_kg_m2"]
+
+
 _COMPILED_ONLY = ("eccentric", "sleeve_friction_coefficient", "input_seal_n_m", "output_seal_n_m")
+
+
+def _compiled_only(data: dict[str, Any]) -> str:
+    """The first key of what the compiled law alone has; empty: none."""
+    bearings = data.get("bearings", {})
+    found = [f"bearings.{key}" for key in _COMPILED_ONLY if bearings.get(key)]
+    if data.get("contact", {}).get("friction_coefficient"):
+        kinds = ("external_sleeves_turn", "internal_sleeves_turn")
+        found += [f"gear.{key}" for key in kinds if not data.get("gear", {}).get(key, True)]
+    return found[0] if found else ""
 
 
 @dataclass(frozen=True)
@@ -296,6 +319,7 @@ class Scene:
             raise SceneError(f"the scene is not valid TOML: {error}") from error
 
         _fold_cranks(data)
+        _fold_held_pins(data)
 
         def keys(table: str) -> tuple[dict[str, Any], str]:
             found = data.get(table, {})
@@ -314,7 +338,7 @@ class Scene:
             keys("bearings")[0].get("internal_sleeve_stiffness_n_m"),
             keys("bearings")[0].get("sleeve_friction_coefficient", 0.0),
             keys("bearings")[0].get("sleeve_bore_m", 0.0),
-            next((f"bearings.{key}" for key in _COMPILED_ONLY if keys("bearings")[0].get(key)), ""),
+            _compiled_only(data),
             tuple(keys("output")[0].get("channels", ())),
         )
 

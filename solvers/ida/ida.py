@@ -217,7 +217,7 @@ class Mechanism:
 class Courses:
     """The contract's courses, one row a sample."""
 
-    def __init__(self, mechanism: Mechanism, path: Path) -> None:
+    def __init__(self, mechanism: Mechanism, path: Path, turn: bool) -> None:
         self.external = np.nonzero(mechanism.carriers[OUTPUT + 1 :] == HOUSING)[0] + OUTPUT + 1
         self.internal = np.nonzero(mechanism.carriers == OUTPUT)[0]
         self.sleeves = np.concatenate([self.external, self.internal])
@@ -229,7 +229,9 @@ class Courses:
         kinds = ["x_m", "y_m", "angle_rad", "velocity_x_m_s", "velocity_y_m_s", "rate_rad_s"]
         wheels = [(f"wheel_{name}_{k}", body, place) for place, name in enumerate(kinds) for k, body in enumerate(moving)]
         rates = [(f"external_sleeve_rate_rad_s_{k}", body, 5) for k, body in enumerate(self.external)]
-        rates += [(f"internal_sleeve_rate_rad_s_{k}", body, 5) for k, body in enumerate(self.internal)]
+        # Held output pins turn as the output.
+        turned = self.internal if turn else [OUTPUT] * self.internal.size
+        rates += [(f"internal_sleeve_rate_rad_s_{k}", body, 5) for k, body in enumerate(turned)]
         states = [("output_rate_rad_s", OUTPUT, 5), *wheels, *rates]
         columns += [name for name, _, _ in states]
         self.places = [(body, place) for _, body, place in states]
@@ -284,7 +286,7 @@ def run(job: Path, library: str) -> None:
 
     y, yp = np.zeros(mechanism.size), np.zeros(mechanism.size)
     y[iq], y[iv] = mechanism.start[:, :3].ravel(), mechanism.start[:, 3:].ravel()
-    courses = Courses(mechanism, job / "courses.csv")
+    courses = Courses(mechanism, job / "courses.csv", scene["gear"].get("internal_sleeves_turn", True))
     wanted, drift = set(samples), 0.0
 
     def sample(time_s: float) -> None:

@@ -369,6 +369,13 @@ fn crossval_rapier_refuses_what_it_cannot_honour() {
                 &[("bearings.input_seal_n_m", "0.1")],
                 "bearings.input_seal_n_m",
             ),
+            (
+                &[
+                    ("contact.friction_coefficient", "0.1"),
+                    ("gear.internal_sleeves_turn", "false"),
+                ],
+                "gear.internal_sleeves_turn",
+            ),
         ] {
             assert!(reason(engine, &scene("paper", keys)).contains(named));
         }

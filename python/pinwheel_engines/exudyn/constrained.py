@@ -217,8 +217,10 @@ def _held(scene: Scene, kinematics: Kinematics) -> list[int]:
 def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
     """The contact object's user Jacobian: minus the derivative of its force, friction's velocities only."""
     size = 3 * count
-    on_pins = scene.contact.friction_coefficient == 0.0
-    if on_pins and scene.sleeve_friction_coefficient == 0.0:
+    own, on_pin = scene.contact.friction_coefficient, scene.sleeve_friction_coefficient
+    # Sleeves with a stated friction roll; on other pins the disc slides.
+    rolls = np.array([on_pin > 0.0 and turns for turns in scene.gear.sleeves_turn])
+    if own == 0.0 and not rolls.any():
         nothing = np.zeros((size, size))
         return lambda *_arguments: nothing
     # Any law's friction has this form; of a law that numpy does not know the exact paper law is near enough for a Newton
@@ -229,25 +231,30 @@ def _jacobian(scene: Scene, count: int) -> Callable[..., Floats]:
     # Cranks roll in their bores.
     rubbing = count if scene.gear.eccentric_per_input == 1.0 else law.layout.internal_bodies.start
     carriers = np.array(law.layout.carriers)
+    sleeves = slice(law.layout.external_bodies.start, count)
+    is_output_pin = np.arange(count) >= law.layout.internal_bodies.start
+    rolling = rolls[is_output_pin.astype(int)]
+    held = ~np.array(scene.gear.sleeves_turn)[is_output_pin.astype(int)]
     # Body that moves the rubbing side of a sleeve: the sleeve itself, or the body that holds its pin.
-    turned_by = carriers if on_pins else np.arange(count)
+    turned_by = np.where(rolling | held, carriers, np.arange(count))
 
     def friction(
         _system: Any, _time: float, _item: int, q: Floats, q_t: Floats, _f_position: float, f_velocity: float
     ) -> Floats:
         states = np.hstack([np.asarray(q).reshape(count, 3), np.asarray(q_t).reshape(count, 3)])
-        if on_pins:
-            sleeves = slice(law.layout.external_bodies.start, count)
-            held_by = carriers[sleeves]
-            states[sleeves, 5] = np.where(held_by < 0, 0.0, states[held_by, 5])
+        by = turned_by[sleeves]
+        states[sleeves, 5] = np.where(by < 0, 0.0, states[by, 5])
         found = law.contacts(states[None])
-        coefficient, ramp = contact.friction_coefficient, contact.friction_ramp_m_s
-        if on_pins:
+        speed = np.abs(found.tangential_rate_m_s)
+        share = own / np.maximum(speed, contact.friction_ramp_m_s)
+        if rolls.any():
             radius = np.abs(found.point_m - (states[found.sleeve, 0] + 1j * states[found.sleeve, 1]))
-            coefficient = scene.sleeve_friction_coefficient * np.minimum(0.5 * scene.sleeve_bore_m / radius, 1.0)
-            ramp = radius * SLOW_RAD_S
-        speed = np.maximum(np.abs(found.tangential_rate_m_s), ramp)
-        slope = np.where(found.sleeve < rubbing, coefficient * found.normal_force_n / speed, 0.0)
+            turning = on_pin * np.minimum(0.5 * scene.sleeve_bore_m / radius, 1.0)
+            turning /= np.maximum(speed, radius * SLOW_RAD_S)
+            # The smaller moment holds.
+            smaller = np.minimum(turning, share) if own > 0.0 else turning
+            share = np.where(rolling[found.sleeve], smaller, share)
+        slope = np.where(found.sleeve < rubbing, share * found.normal_force_n, 0.0)
         tangent = 1j * found.normal
         # v_t = rows . velocities, one row a pair: the pin's part and the disc's.
         rows = np.zeros((slope.size, size))

@@ -30,13 +30,11 @@ impl Forces for Contacts {
 fn reduced(gearbox: &Gearbox) -> Reduced<Contacts> {
     let layout = gearbox.layout;
     let sleeves: Vec<usize> = (layout.external_bodies().start..layout.bodies()).collect();
-    let turned = match (gearbox.has_friction(), gearbox.scene.cranks) {
-        (false, _) => 0,
-        (true, Some(_)) => layout.external_sleeves,
-        (true, None) => sleeves.len(),
-    };
+    let spinning = gearbox.spinning();
+    let mut idle = sleeves.clone();
+    idle.retain(|sleeve| !spinning.contains(sleeve));
     let forces = Contacts(gearbox.contact_field().unwrap());
-    let system = Reduced::new(gearbox.mechanism(), forces, &sleeves[turned..]).unwrap();
+    let system = Reduced::new(gearbox.mechanism(), forces, &idle).unwrap();
     system.with_leaves(&sleeves)
 }
 
@@ -280,10 +278,11 @@ proptest! {
         backlash in prop_oneof![Just(0.0), 0.0..3e-4], t in 0.0..0.5_f64, twist in 1e-3..6e-3_f64,
         noise in prop::array::uniform16(prop_oneof![-1.0..-0.1_f64, 0.1..1.0]), deviates: bool,
         pin in prop::option::of(4.0..9.0_f64), bearing in 0..BEARINGS.len(),
-        cut in prop_oneof![Just(0.0), 1e-7..1e-4_f64],
+        cut in prop_oneof![Just(0.0), 1e-7..1e-4_f64], turn: [bool; 2],
     ) {
         let mut scene = gear(shape, backlash);
         scene.gear.modification.equidistant_m = cut;
+        [scene.gear.external_sleeves_turn, scene.gear.internal_sleeves_turn] = turn;
         scene.bearings.eccentric = BEARINGS[bearing].map(|bearing| toml::from_str(bearing).unwrap());
         scene.bearings.internal_sleeve_stiffness_n_m = pin.map(|digits| 10f64.powf(digits));
         scene.contact.law = LAWS[law].to_owned();

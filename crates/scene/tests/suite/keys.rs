@@ -32,6 +32,8 @@ fn rows_are_the_model() {
     }
     let mut scene = pinwheel_scene::Scene::paper();
     scene.gear.face_width_m = Some(0.01);
+    scene.gear.external_sleeves_turn = false;
+    scene.gear.internal_sleeves_turn = false;
     scene.mass.density_kg_m3 = Some(7850.0);
     scene.contact.pin_young_pa = Some(2e11);
     scene.contact.pin_poisson = Some(0.3);
