@@ -101,6 +101,33 @@ fn agree(gears: &[(&str, &[(&str, &str)])]) {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// Ring pins that do not turn beside sleeves with both frictions, on discs that float; and output pins that do not turn.
+const PINS: &[(&str, &[(&str, &str)])] = &[
+    (
+        "needle-bearings",
+        &[
+            ("gear.external_sleeves_turn", "false"),
+            ("contact.friction_coefficient", "0.02"),
+            ("contact.friction_ramp_m_s", "0.05"),
+            ("solver.duration_s", "0.0003"),
+        ],
+    ),
+    (
+        "paper-bearings",
+        &[
+            ("gear.internal_sleeves_turn", "false"),
+            ("contact.friction_coefficient", "0.1"),
+            ("contact.friction_ramp_m_s", "0.05"),
+            ("solver.duration_s", "0.0003"),
+        ],
+    ),
+];
+
+#[test]
+fn crossval_pins_that_do_not_turn() {
+    agree(PINS);
+}
+
 #[test]
 fn crossval_floating_discs() {
     agree(&GEARS[..OFTEN]);

@@ -40,18 +40,27 @@ impl Bearings {
     pub(crate) fn is_none(&self) -> bool {
         *self == Self::default()
     }
-
-    /// Friction of a rolling pin of this radius, as a share of the force on it: mu d/(2 r); `None`: it has no
-    /// friction. A roller thinner than the bore d turns in a groove and rubs on its own diameter, so that this is mu at
-    /// most.
-    #[must_use]
-    pub fn sleeve_drag(&self, radius_m: f64) -> Option<f64> {
-        let on_bore = 0.5 * self.sleeve_bore_m? / radius_m;
-        Some(self.sleeve_friction_coefficient? * on_bore.min(1.0))
-    }
 }
 
 impl Scene {
+    /// Returns the friction of sleeves of ring and of output pins as a share of the force on them: mu d/(2 r), or that of the contact
+    /// if it is stated and less; 0 of pins that are held. `None`: sleeves have no friction. A roller thinner than the bore d
+    /// turns in a groove and rubs on its own diameter, so that this is mu at most.
+    #[must_use]
+    pub fn sleeve_drag(&self) -> Option<[f64; 2]> {
+        let (bearings, contact) = (&self.bearings, self.contact.friction_coefficient);
+        let friction = bearings.sleeve_friction_coefficient?;
+        let bore = bearings.sleeve_bore_m?;
+        let gear = &self.gear;
+        let radii = [gear.external_sleeve_radius_m, gear.internal_sleeve_radius_m];
+        let most = if contact > 0.0 { contact } else { 1.0 };
+        let rolls = self.rolling();
+        rolls.contains(&true).then(|| {
+            let drag = |side: usize| (friction * (0.5 * bore / radii[side]).min(1.0)).min(most);
+            [0, 1].map(|side| if rolls[side] { drag(side) } else { 0.0 })
+        })
+    }
+
     /// True if anything rubs, so that more is lost than by the contacts' damping.
     ///
     /// ```

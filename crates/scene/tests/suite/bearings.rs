@@ -38,16 +38,23 @@ fn nothing_within_the_clearance_and_never_a_pull() {
     assert!((law.stored(7e-6) / (0.5e8 * 4e-12) - 1.0).abs() < 1e-9);
 }
 
-/// By hand: a pin of 12 mm in a sleeve of 20 mm, and in the groove of a roller of 5.3 mm.
+/// By hand: a pin of 12 mm in a sleeve of 20 mm, and in the groove of a roller of 5.3 mm. The disc slides on a sleeve whose contact
+/// has less friction, and on a pin that is held.
 #[test]
-fn regress_a_roller_rubs_on_no_more_than_itself() {
+fn regress_a_roller_rubs_on_no_more_than_itself_nor_than_the_disc_on_it() {
     let mut scene = Scene::paper();
-    assert_eq!(scene.bearings.sleeve_drag(0.01), None);
+    assert_eq!(scene.sleeve_drag(), None);
+    let gear = &mut scene.gear;
+    (gear.external_sleeve_radius_m, gear.internal_sleeve_radius_m) = (0.01, 0.00265);
     scene.bearings.sleeve_friction_coefficient = Some(0.05);
     scene.bearings.sleeve_bore_m = Some(0.012);
-    let drag = |radius| scene.bearings.sleeve_drag(radius).unwrap();
-    assert!((drag(0.01) - 0.03).abs() < 1e-15);
-    assert_eq!(drag(0.00265), 0.05);
+    let [external, internal] = scene.sleeve_drag().unwrap();
+    assert!((external - 0.03).abs() < 1e-15);
+    assert_eq!(internal, 0.05);
+    scene.contact.friction_coefficient = 0.04;
+    assert_eq!(scene.sleeve_drag().unwrap(), [external, 0.04]);
+    scene.gear.external_sleeves_turn = false;
+    assert_eq!(scene.sleeve_drag().unwrap(), [0.0, 0.04]);
 }
 
 #[test]

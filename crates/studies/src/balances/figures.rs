@@ -4,8 +4,8 @@
 //! each part of them, which meet the mesh at other places: the largest change is its numerical uncertainty. A figure of a
 //! run is as uncertain as the run says. What other contact laws would give is apart ([`Band`](crate::band::Bands)).
 
+use pinwheel_scene::Scene;
 use pinwheel_scene::bearings::BearingLaw;
-use pinwheel_scene::{Scene, Sleeve};
 use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 
 use super::mesh::{Bearing, Pair, Pose, Pressure, Sharing, Stage};
@@ -95,16 +95,8 @@ fn bearing_loss(carried: &[Vec<f64>], scene: &Scene) -> Option<Figure> {
 
 /// Loss by the friction of all sleeves on their pins at the rated speed and load, if they roll on the discs.
 fn sleeve_loss<'a>(poses: impl Iterator<Item = &'a Pose>, scene: &Scene) -> Option<Figure> {
-    let (bearings, gear) = (&scene.bearings, &scene.gear);
-    let external = bearings.sleeve_drag(gear.external_sleeve_radius_m)?;
-    let internal = bearings.sleeve_drag(gear.internal_sleeve_radius_m)?;
-    let lost = |pair: &Pair| {
-        let drag = match pair.sleeve {
-            Sleeve::External(_) => external,
-            Sleeve::Internal(_) => internal,
-        };
-        drag * pair.force_n * pair.sliding_m_s
-    };
+    let drag = scene.sleeve_drag()?;
+    let lost = |pair: &Pair| drag[pair.sleeve.side()] * pair.force_n * pair.sliding_m_s;
     let mean = Spread::of(poses.map(|pose| pose.pairs.iter().map(lost).sum())).mean;
     Some(balanced(&defs::SLEEVE_LOSS, 100.0 * mean / rated_w(scene)))
 }

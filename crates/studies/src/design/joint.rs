@@ -219,6 +219,17 @@ impl Joint {
                 figure.def.label, figure.def.how
             ));
         }
+        if let Some(friction) = self.friction {
+            // Motor and load both press on the gear, and the motor's torque holds the friction.
+            let share = friction.of_rated_load_n_m / self.rated_n_m;
+            let of_load = share / (2.0 + share);
+            let [base, viscous] = [friction.constant_n_m, friction.viscous_n_m_s_per_rad]
+                .map(|part| part * (1.0 - of_load));
+            line(&format!(
+                "Friction as BAM's load-dependent model m3 (arXiv:2410.08650): friction_base {base:.6e} N m, \
+                 load_friction_base {of_load:.6e}, friction_viscous {viscous:.6e} N m s/rad"
+            ));
+        }
         line(match self.friction {
             Some(_) => {
                 "Friction below is that under the rated load; at part of it less, see above."

@@ -28,10 +28,12 @@ use std::path::Path;
 
 use pinwheel_engines::Native;
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError};
+use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError, SlowMotion};
 use pinwheel_scene::{CheckedScene, Derived, Scene, derived};
 use pinwheel_timeseries::figure::Figure;
-use pinwheel_timeseries::figure::definitions::{EFFICIENCY, LOOP_WIDTH, LOST_MOTION_RUN};
+use pinwheel_timeseries::figure::definitions::{
+    EFFICIENCY, EFFICIENCY_SLOW, LOOP_WIDTH, LOST_MOTION_RUN,
+};
 use pinwheel_timeseries::table::{Column, Table};
 use serde::Serialize;
 
@@ -51,7 +53,7 @@ pub use cycle::Cycle;
 pub use drawing::{CHORD_M, Drawing};
 pub use joint::{Friction, Joint, Spring};
 
-use crate::balances::figures::{LOST, withhold_lost_motion};
+use crate::balances::figures::{LOST, parted, withhold_lost_motion};
 use crate::balances::orders;
 use crate::balances::poses::Poses;
 use crate::balances::solve::{NO_LOAD, balances, is_mirrored, twist, working_load};
@@ -282,6 +284,7 @@ fn figures_by(
     }
     let mut figures = balances.figures();
     figures.extend(of_runs(cycle.as_ref(), &efficiency));
+    figures.extend(slow(statics, &poses, working).map_err(of_scene)?);
     let preloaded = balances.preloaded();
     let is_loose = preloaded.is_none();
     withhold_lost_motion(&mut figures, preloaded.as_ref());
@@ -319,6 +322,34 @@ fn figures_by(
         balances: [0; 2],
         motion: None,
     })
+}
+
+/// The efficiency of slow motion by statics; none of a gear at rest or without friction.
+fn slow(
+    statics: &mut Statics<'_>,
+    poses: &Poses,
+    working: f64,
+) -> Result<Vec<Figure>, GearboxError> {
+    let gearbox = statics.gearbox();
+    if gearbox.scene.drive.input_speed_rad_s == 0.0 || !gearbox.scene.rubs() {
+        return Ok(Vec::new());
+    }
+    let mut motion = SlowMotion::new(gearbox, working)?;
+    let (mut last, mut torques) = (None, vec![None; poses.angles.len()]);
+    for number in poses.walk() {
+        let phi = poses.angles[number];
+        let at = statics.track(&mut last, phi, working)?;
+        torques[number] = motion.driver_torque(phi, &at.bodies);
+    }
+    let Some(torques) = torques.into_iter().collect::<Option<Vec<f64>>>() else {
+        let why = "friction leaves no balance near the one without it".to_owned();
+        return Ok(vec![EFFICIENCY_SLOW.of(None, None).withheld(why)]);
+    };
+    Ok(parted(poses.parts, |every, of| {
+        let mean = Spread::of(torques.iter().skip(of).step_by(every).copied()).mean;
+        let percent = 100.0 * motion.efficiency(mean).max(0.0);
+        vec![EFFICIENCY_SLOW.of(percent, 0.0)]
+    }))
 }
 
 /// The figures of runs.

@@ -1,8 +1,9 @@
 //! Losses by friction, by cause: in the energy account of a run and in `design`.
 
 use pinwheel_engines::Native;
-use pinwheel_gearbox::Gearbox;
-use pinwheel_scene::Scene;
+use pinwheel_gearbox::statics::Statics;
+use pinwheel_gearbox::{Efficiency, Gearbox, SlowMotion};
+use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::{Control, design, single};
 use pinwheel_timeseries::EnergyAudit;
 
@@ -85,3 +86,124 @@ fn a_gear_without_losses_has_no_line_of_them() {
         assert!(!written.contains("_friction_j"), "{written}");
     }
 }
+
+/// A printed 11:1 gear whose ring pins are held.
+const PRINTED: &str = r#"
+[gear]
+pin_circle_radius_m = 0.0415
+external_sleeve_radius_m = 0.0045
+eccentricity_m = 0.002025
+external_sleeves = 12
+external_sleeves_turn = false
+wheels = 2
+face_width_m = 0.008
+internal_sleeves = 6
+internal_sleeve_radius_m = 0.0045
+internal_circle_radius_m = 0.02605
+[drive]
+input_speed_rad_s = 100.0
+output_torque_n_m = 20.0
+[contact]
+law = "linear"
+young_pa = 2.4e9
+poisson = 0.36
+pin_young_pa = 2.06e11
+pin_poisson = 0.3
+friction_coefficient = 0.15
+[mass]
+density_kg_m3 = 1240.0
+"#;
+
+/// Efficiency of a run, with its uncertainty, and by statics, %.
+fn efficiencies(gearbox: &Gearbox) -> [f64; 3] {
+    let run = single::run(gearbox, &Native::REDUCED, false, &Control::quiet()).unwrap();
+    let error = run.run.uncertainty.as_ref().and_then(|u| u.error).unwrap();
+    let late = run.run.stats.energy.last().unwrap();
+    let by_run = 100.0 * Efficiency::of(late).unwrap().of_losses;
+    let load = gearbox.scene.drive.output_torque_n_m;
+    let mut statics = Statics::new(gearbox).unwrap();
+    let mut motion = SlowMotion::new(gearbox, load).unwrap();
+    let gear = &gearbox.scene.gear;
+    let period = std::f64::consts::TAU * gear.lobes() as f64 / gear.external_sleeves as f64;
+    let mut last = None;
+    let torques = (0..POSES).map(|k| {
+        let phi = period * k as f64 / POSES as f64 / gearbox.scene.eccentric_per_input().abs();
+        let at = statics.track(&mut last, phi, load).unwrap();
+        motion.driver_torque(phi, &at.bodies).unwrap()
+    });
+    let mean = torques.sum::<f64>() / POSES as f64;
+    let by_statics = 100.0 * motion.efficiency(mean);
+    [by_run, by_run * error.driver_torque, by_statics]
+}
+
+/// Poses over a period of the mesh, no multiple of any gear's pins.
+const POSES: usize = 97;
+
+/// Statics with friction of the ideal mesh's sliding against runs of gears whose pins turn and do not, with one friction and both, on
+/// floating discs and on cranks. Last column: rigid statics with Coulomb friction by another program.
+///
+/// Measured, run less statics: see the table; times 2.
+#[test]
+fn regress_efficiency_by_statics_is_that_of_a_run() {
+    let gears: [(&str, &[&str], f64, Option<f64>); 8] = [
+        ("printed", &[], LIMIT, Some(69.50)),
+        (
+            "printed",
+            &["contact.friction_coefficient=0.015"],
+            LIMIT,
+            Some(96.84),
+        ),
+        (
+            "printed",
+            &["gear.internal_sleeves_turn=false"],
+            LIMIT,
+            Some(61.80),
+        ),
+        ("paper-friction", &["contact.law=line-hertz"], LIMIT, None),
+        ("needle-bearings", &["solver.duration_s=0.1"], LIMIT, None),
+        (
+            "needle-bearings",
+            &["solver.duration_s=0.1", "contact.friction_coefficient=0.01"],
+            LIMIT,
+            None,
+        ),
+        (
+            "needle-bearings",
+            &[
+                "solver.duration_s=0.1",
+                "contact.friction_coefficient=0.1",
+                "gear.external_sleeves_turn=false",
+            ],
+            LIMIT,
+            None,
+        ),
+        (
+            "rv-40e-like",
+            &[
+                "contact.friction_coefficient=0.05",
+                "gear.external_sleeves_turn=false",
+            ],
+            LIMIT,
+            None,
+        ),
+    ];
+    for (name, sets, limit, published) in gears {
+        let sets: Vec<Override> = sets.iter().map(|set| set.parse().unwrap()).collect();
+        let scene = match name {
+            "printed" => Scene::from_toml(PRINTED, "printed", &sets).unwrap(),
+            preset => Scene::load(preset, &sets).unwrap(),
+        };
+        let gearbox = Gearbox::new(&scene).unwrap();
+        let [by_run, off, by_statics] = efficiencies(&gearbox);
+        println!(
+            "{name} {sets:?}: run {by_run:.3} +- {off:.3} %, statics {by_statics:.3} %, {published:?}"
+        );
+        assert!((by_run - by_statics).abs() < off + limit, "{name} {sets:?}");
+        if let Some(published) = published {
+            assert!((by_statics - published).abs() < 0.15, "{name} {by_statics}");
+        }
+    }
+}
+
+/// Largest difference of run and statics beyond the run's uncertainty, %.
+const LIMIT: f64 = 0.3;

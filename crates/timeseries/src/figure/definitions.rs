@@ -58,6 +58,8 @@ definitions! { DIGITS;
         "what friction holds back, and what swings";
     EFFICIENCY = "efficiency_rated_percent", "efficiency, rated", "%",
         "by what a run loses";
+    EFFICIENCY_SLOW = "efficiency_slow_percent", "efficiency, slow motion", "%",
+        "by statics: all that rubs slides as in the ideal mesh, at the rated load; 0 where it locks";
 
     JOINT_BACKLASH = "joint_backlash_arcmin", "free play", "arcmin",
         "between both directions at a ten-thousandth of the rated torque, mean; without play what the first contacts give way";
