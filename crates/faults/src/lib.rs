@@ -21,8 +21,6 @@ pub enum Fault {
     Stiffness,
     /// The last disc's eccentric is 0.1 mrad out of phase with its holes and its teeth.
     WheelPhase,
-    /// Implicit friction is content with its first Newton step.
-    LooseFriction,
     /// An engine in Python gets contact loads that hold their value over four calls (MuJoCo only).
     FrozenLoads,
     /// An engine in Python gets loads that are not numbers, after a while.

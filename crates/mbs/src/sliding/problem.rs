@@ -9,8 +9,6 @@
 //! minimum exactly. A line search makes the earlier steps descend ([Qi, Sun 1993], [Hintermueller, Ito, Kunisch 2002] for the
 //! semi-smooth Newton method).
 
-use pinwheel_faults::{Fault, factor};
-
 use super::arrowhead::Arrowhead;
 use super::contact::Row;
 
@@ -116,8 +114,7 @@ impl SlidingProblem {
             for (rate, slip) in self.rates.iter_mut().zip(slips) {
                 let before = rate[0];
                 rate[0] = slip.rate.value(v);
-                let digits = RATE_SHARE * slip.ramp * factor(Fault::LooseFriction, f64::INFINITY);
-                let moved = (rate[0] - before).abs();
+                let (moved, digits) = ((rate[0] - before).abs(), RATE_SHARE * slip.ramp);
                 let same =
                     slip.state(before) == slip.state(rate[0]) && f64::EPSILON * moved <= digits;
                 settled &= same || moved <= digits;

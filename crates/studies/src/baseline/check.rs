@@ -160,12 +160,11 @@ pub fn check(
         let adaptive = job.solver.is_some() || method(&integrator).is_some_and(|m| m.adaptive);
         let case = &mut cases[place];
         case.judge(accepted, result, adaptive);
-        let of = case.quantities.iter();
-        let worse: Vec<_> = of.filter(|it| it.verdict == Verdict::Worse).collect();
-        if worse.is_empty() {
+        let most = case.moved_most();
+        let Some(most) = most.filter(|most| most.verdict == Verdict::Worse) else {
             continue;
-        }
-        let drifts = worse.iter().all(|it| it.quantity == Quantity::JointDrift);
+        };
+        let drifts = most.quantity == Quantity::JointDrift;
         // What moved the model moved it for all solvers of a scene.
         let scene = accepted.0.name.as_str();
         let same = located.iter().find(|(name, _)| *name == scene);

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! our own solver    the accepted converged figures against those of the present model, with its suspected changes: the model;
-//!                   where they are the same: equations, if joints alone drift, or integration
+//!                   where they are the same: equations, if joints moved most, or integration
 //! a solver's        its present run at its own states
 //! ```
 
@@ -22,8 +22,8 @@ const MOVED: [f64; 2] = [1e-6, 1e-3];
 /// Windows that are followed, without friction, which makes a run dear, and with it.
 const FOLLOWED: [usize; 2] = [2, 1];
 
-/// Says in words which stage moved, and whether it is one of the model, which all solvers of the scene share. `drifts`: joints alone
-/// are worse.
+/// Says in words which stage moved, and whether it is one of the model, which all solvers of the scene share. `drifts`: joints
+/// moved most.
 ///
 /// # Errors
 /// A stop, or a scene that cannot be modelled.
@@ -77,7 +77,7 @@ pub(super) fn stage(
     }
     let Some(name) = &job.solver else {
         let stage = match drifts {
-            true => "equations: joints drift, where forces are as accepted",
+            true => "equations: joints drift; converged forces are the accepted ones",
             false => {
                 "integration: converged results are the accepted ones, the error of the method is not"
             }
