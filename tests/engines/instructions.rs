@@ -26,62 +26,25 @@ const MOST: f64 = 0.01;
 /// Units of a piece of work.
 const EVALUATIONS: u32 = 1000;
 const BALANCES: u32 = 60;
+/// What is counted, piece after piece, with the units of each.
+const WORK: [(&str, u32); 7] = [
+    ("run", 1),
+    ("write", 1),
+    ("read", 1),
+    ("evaluation", EVALUATIONS),
+    ("balance_rigid", BALANCES),
+    ("balance_floating", BALANCES),
+    ("balance_on_cranks", BALANCES),
+];
+/// Variable with the number of pieces to be done.
+const PIECES: &str = "PINWHEEL_PIECES";
 
-/// What is counted: functions of their own, each called once.
-mod work {
-    use super::*;
-
-    #[inline(never)]
-    pub(super) fn run(gearbox: &Gearbox) -> TimeSeries {
-        native::run(gearbox, &mut |_| false)
-            .expect("a run")
-            .time_series
-    }
-
-    #[inline(never)]
-    pub(super) fn evaluations(statics: &mut Statics<'_>) {
-        let gearbox = statics.gearbox();
-        let bodies = gearbox.kinematic_states();
-        let mut loads = vec![Default::default(); bodies.len()];
-        for _ in 0..EVALUATIONS {
-            statics.field.add_loads(&bodies, &mut loads);
-        }
-    }
-
-    #[inline(never)]
-    pub(super) fn balances_rigid(statics: &mut Statics<'_>) {
-        balances(statics);
-    }
-
-    #[inline(never)]
-    pub(super) fn balances_floating(statics: &mut Statics<'_>) {
-        balances(statics);
-    }
-
-    #[inline(never)]
-    pub(super) fn balances_on_cranks(statics: &mut Statics<'_>) {
-        balances(statics);
-    }
-
-    fn balances(statics: &mut Statics<'_>) {
-        let load = statics.gearbox().scene.drive.output_torque_n_m;
-        let mut last = None;
-        for k in 0..BALANCES {
-            let found = statics.track(&mut last, 0.01 * f64::from(k), load);
-            found.expect("a balance");
-        }
-    }
-
-    #[inline(never)]
-    pub(super) fn write(series: &TimeSeries) -> Vec<u8> {
-        let mut text = Vec::new();
-        series.write_csv(&mut text).expect("text");
-        text
-    }
-
-    #[inline(never)]
-    pub(super) fn read(text: &[u8]) -> TimeSeries {
-        TimeSeries::read_csv(text).expect("time series")
+fn balances(statics: &mut Statics<'_>) {
+    let load = statics.gearbox().scene.drive.output_torque_n_m;
+    let mut last = None;
+    for k in 0..BALANCES {
+        let found = statics.track(&mut last, 0.01 * f64::from(k), load);
+        found.expect("a balance");
     }
 }
 
@@ -93,16 +56,35 @@ fn gearbox(preset: &str, sets: &[Override]) -> Gearbox {
 #[ignore = "work for the test below, which has it counted"]
 fn the_work() {
     println!("vectors: {}", Kernel::Lanes.vectors());
+    let pieces = std::env::var(PIECES).map_or(WORK.len(), |n| n.parse().expect("a number"));
     let paper = gearbox("paper", &[Override::new("solver.duration_s", "0.03")]);
-    let series = work::run(&paper);
-    let text = work::write(&series);
-    assert_eq!(work::read(&text), series, "read back to the bit");
-    let [floating, cranks] = ["needle-bearings", "rv-40e-like"].map(|name| gearbox(name, &[]));
+    let others = ["needle-bearings", "rv-40e-like"].map(|name| gearbox(name, &[]));
     let mut rigid = Statics::new(&paper).expect("statics");
-    work::evaluations(&mut rigid);
-    work::balances_rigid(&mut rigid);
-    work::balances_floating(&mut Statics::new(&floating).expect("statics"));
-    work::balances_on_cranks(&mut Statics::new(&cranks).expect("statics"));
+    let [mut floating, mut cranks] = others
+        .each_ref()
+        .map(|one| Statics::new(one).expect("statics"));
+    let (mut series, mut text) = (TimeSeries::default(), Vec::new());
+    for (piece, _) in &WORK[..pieces] {
+        match *piece {
+            "run" => {
+                series = native::run(&paper, &mut |_| false)
+                    .expect("a run")
+                    .time_series
+            }
+            "write" => series.write_csv(&mut text).expect("text"),
+            "read" => drop(TimeSeries::read_csv(&text[..]).expect("time series")),
+            "evaluation" => {
+                let bodies = paper.kinematic_states();
+                let mut loads = vec![Default::default(); bodies.len()];
+                for _ in 0..EVALUATIONS {
+                    rigid.field.add_loads(&bodies, &mut loads);
+                }
+            }
+            "balance_rigid" => balances(&mut rigid),
+            "balance_floating" => balances(&mut floating),
+            _ => balances(&mut cranks),
+        }
+    }
 }
 
 /// Instructions in a file of callgrind that the code of one program took itself.
@@ -135,17 +117,14 @@ fn own(text: &str, program: &Path) -> f64 {
     sum
 }
 
-/// Instructions of one unit of each piece of work; `Err`: why they cannot be counted here.
-fn counted() -> Result<BTreeMap<String, f64>, String> {
+/// Instructions of the first so many pieces of work and of what they are given; `Err`: why they cannot be counted here.
+fn counted_until(pieces: usize) -> Result<f64, String> {
     let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("counts");
     let program = std::env::current_exe().expect("this program");
-    let all = "*instructions::work::*";
     let output = Command::new("valgrind")
-        .args(["--tool=callgrind", "--callgrind-out-file=counts"])
-        .args([
-            format!("--dump-before={all}"),
-            format!("--dump-after={all}"),
-        ])
+        .arg("--tool=callgrind")
+        .arg(format!("--callgrind-out-file={}", file.display()))
         .arg(&program)
         .args([
             "--ignored",
@@ -153,10 +132,10 @@ fn counted() -> Result<BTreeMap<String, f64>, String> {
             "instructions::the_work",
             "--nocapture",
         ])
-        .current_dir(folder.path())
+        .env(PIECES, pieces.to_string())
         .output()
         .map_err(|error| format!("valgrind does not start: {error}"))?;
-    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    let told = String::from_utf8_lossy(&output.stdout);
     assert!(
         output.status.success(),
         "{told}{}",
@@ -165,22 +144,21 @@ fn counted() -> Result<BTreeMap<String, f64>, String> {
     if !told.contains("vectors: avx2") {
         return Err("this processor has no AVX2, for which the accepted counts are".to_owned());
     }
-    let mut counts = BTreeMap::new();
-    for entry in std::fs::read_dir(folder.path()).expect("files") {
-        let text = std::fs::read_to_string(entry.expect("a file").path()).expect("text");
-        let after = text
-            .lines()
-            .find_map(|line| line.split_once("--dump-after=")?.1.rsplit("::").next());
-        let Some(name) = after else { continue };
-        let units = match name {
-            "evaluations" => EVALUATIONS,
-            name if name.starts_with("balances") => BALANCES,
-            _ => 1,
-        };
-        let count = own(&text, &program) / f64::from(units);
-        *counts.entry(name.to_owned()).or_insert(0.0) += count.round();
-    }
-    Ok(counts)
+    Ok(own(
+        &std::fs::read_to_string(file).expect("counts"),
+        &program,
+    ))
+}
+
+/// Instructions of one unit of each piece of work.
+fn counted() -> Result<BTreeMap<String, f64>, String> {
+    let mut before = counted_until(0)?;
+    let each = WORK.iter().enumerate().map(|(k, (name, units))| {
+        let until = counted_until(k + 1)?;
+        let own = until - std::mem::replace(&mut before, until);
+        Ok(((*name).to_owned(), (own / f64::from(*units)).round()))
+    });
+    each.collect()
 }
 
 #[test]

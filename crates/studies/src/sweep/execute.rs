@@ -28,8 +28,7 @@ struct Shared<'a> {
     simulated_us: AtomicU64,
 }
 
-/// Runs what the journal does not hold, on `jobs` threads; the records are in the plan's order, without their scenes, which the
-/// plan has.
+/// Runs what the journal does not hold, on `jobs` threads; the records are in the plan's order.
 ///
 /// # Errors
 /// [`SweepError::Stopped`] when cancelled, with the finished runs in the journal; a journal that cannot
@@ -51,8 +50,7 @@ pub fn execute(
     };
     // No error but none when cancelled.
     let run = |last: &mut Option<Gearbox>, k: usize| {
-        let mut record = shared.one(last, &plan.runs[k])?.ok_or(None)?;
-        record.scene = String::new();
+        let record = shared.one(last, &plan.runs[k])?.ok_or(None)?;
         shared.finished.fetch_add(1, Ordering::Relaxed);
         shared.report();
         Ok(record)

@@ -5,9 +5,7 @@ use std::path::Path;
 use pinwheel_timeseries::table::Table;
 use serde::Serialize;
 
-use super::{
-    Journal, Limit, Plan, RunRecord, SampleResult, SweepError, costs, idle, tolerances, wanted_of,
-};
+use super::{Journal, Limit, Plan, RunRecord, SampleResult, SweepError, costs, idle, tolerances};
 use crate::output::{self, write_text, write_with};
 use crate::provenance::{Provenance, Summary};
 
@@ -57,11 +55,6 @@ pub fn write(
     write_text(&dir.join("sweep.toml"), &plan.sweep.text)?;
     let runs = output::folder(dir, "runs")?;
     for (run, record) in plan.runs.iter().zip(records) {
-        let (scene, _) = wanted_of(plan, run)?;
-        let record = &RunRecord {
-            scene,
-            ..record.clone()
-        };
         journal.copy(record, plan.sweep.time_series, run.number, &runs)?;
     }
     let sweep = &plan.sweep;
