@@ -49,6 +49,7 @@ pub mod keys;
 mod layout;
 mod load;
 pub mod load_profile;
+mod materials;
 mod model;
 pub mod names;
 mod number;
@@ -65,7 +66,9 @@ mod uncertain;
 mod wall;
 
 pub use assumptions::{Assumption, assumptions};
+pub use body::bore_radius_m;
 pub use catalogue::Catalogue;
+pub use check::doubts;
 pub use checked::{CheckedScene, Origin, Source};
 pub use derived::{Derived, Frequency, Line, Walls, derived};
 pub use error::{Fault, Location, SceneError};
@@ -75,8 +78,8 @@ pub use layout::{Layout, Sleeve};
 
 pub use model::{
     Bearings, BodyMass, Contact, Cranks, Detection, Drive, EccentricBearing, Errors, Formulation,
-    FrictionLaw, Gear, LoadChange, Masses, Modification, Output, PlusMinus, Scene, Solver,
-    Stabilisation, Start,
+    FrictionLaw, Gear, Held, Limits, LoadChange, Masses, Modification, Output, PlusMinus, Scene,
+    Solver, Stabilisation, Start,
 };
 pub use outline::Outline;
 pub use parse::{Draft, Override, edited};

@@ -13,6 +13,7 @@ mod drawing;
 mod front;
 mod joint;
 mod judge;
+mod limits;
 mod load_changes;
 mod losses;
 mod norms;
