@@ -75,7 +75,7 @@ fn limits_count_the_worse_end() {
         (limits.bears_its_load, limits.margin),
         (Answer::NotJudged, None)
     );
-    let limit = get(&limits, &defs::EXTERNAL_PRESSURE, "at rest");
+    let limit = get(&limits, &defs::EXTERNAL_PRESSURE, "");
     assert_eq!(
         limit.source,
         "state contact.material, or limits.pressure_pa"
