@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from pinwheel._bench import Bench, bench
     from pinwheel._columns import Columns
     from pinwheel._compare import Comparison, Verdict, compare
-    from pinwheel._design import Design, Figure, design, fmu, gear, statics
+    from pinwheel._design import Design, Figure, Limit, design, fmu, gear, statics
     from pinwheel._engine import Engine, EngineInfo, Job, engine, engines
     from pinwheel._explain import Explanation, explain
     from pinwheel._explore import Explorer, explore
@@ -50,7 +50,7 @@ else:
         "_bench": ("Bench", "bench"),
         "_columns": ("Columns",),
         "_compare": ("Comparison", "Verdict", "compare"),
-        "_design": ("Design", "Figure", "design", "fmu", "gear", "statics"),
+        "_design": ("Design", "Figure", "Limit", "design", "fmu", "gear", "statics"),
         "_engine": ("Engine", "EngineInfo", "Job", "engine", "engines"),
         "_explain": ("Explanation", "explain"),
         "_explore": ("Explorer", "explore"),
@@ -88,6 +88,7 @@ __all__ = [
     "Job",
     "Law",
     "LawInfo",
+    "Limit",
     "Missing",
     "NoEngine",
     "PinwheelError",

@@ -123,11 +123,43 @@ class Figure:
         return " ".join(filter(None, (f"{self.what}:", self.shown, self.unit, bounds)))
 
 
+@dataclass(frozen=True)
+class Limit:
+    """A load of a part against what it may bear.
+
+    Attributes:
+        key: name of the limited figure
+        what: the figure, in words
+        of: the part, or the kind of limit
+        unit: of the values
+        value: of the figure; None where it is not known
+        worst: the value with its uncertainty, at the worse end of its bands
+        permissible: what is allowed; None where it is not known
+        margin: above 1 the limit holds; None: not judged
+        source: where the limit is from, or what to state
+        is_stated: you stated it
+
+    """
+
+    key: str
+    what: str
+    of: str
+    unit: str
+    value: float | None
+    worst: float | None
+    permissible: float | None
+    margin: float | None
+    source: str
+    is_stated: bool
+
+
 class Design(Paged, Mapping[str, Figure]):
     """Figures of a gear by their names: `design["lost_motion_arcmin"].value`.
 
     Attributes:
         scene: the gear's
+        limits: loads of the parts against what they may bear
+        bears_its_load: the answer of the limits in words, `yes, by 1.9`
         data: all that was found, with courses over the mesh: the program's `design.json`
 
     """
@@ -136,6 +168,10 @@ class Design(Paged, Mapping[str, Figure]):
         self.scene = scene
         self.data: dict[str, Any] = json.loads(core.json())
         self._page, self._text, self._dxf = core.page, plain(core.text()), core.dxf()
+        self.bears_its_load, _ = core.bears()
+        names = [field.name for field in fields(Limit)]
+        each_limit = self.data["limits"]["each"]
+        self.limits = [Limit(**{name: found[name] for name in names}) for found in each_limit]
         each = zip(self.data["figures"], core.words(), strict=True)
         self._figures = {found["key"]: _figure(found, *words) for found, words in each}
 
@@ -166,9 +202,9 @@ class Design(Paged, Mapping[str, Figure]):
         return wanted("pandas", "frames").DataFrame(rows).set_index("key")
 
     def save_dxf(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Writes the outline of every disc as `disc_N.dxf`, lengths in mm; the files."""
-        files = [Path(folder) / f"disc_{number}.dxf" for number in range(len(self._dxf))]
-        for file, text in zip(files, self._dxf, strict=True):
+        """Writes the drawing of every disc as `disc_N.dxf`, lengths in mm, of discs that are one part one; the files."""
+        files = [Path(folder) / f"disc_{number}.dxf" for number, _ in self._dxf]
+        for file, (_, text) in zip(files, self._dxf, strict=True):
             _core.write(file, text.encode(), "cycloidal disc, millimetres")
         return files
 

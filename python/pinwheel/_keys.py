@@ -34,6 +34,7 @@ class Keys(TypedDict, total=False):
     contact: Mapping[str, Any]
     bearings: Mapping[str, Any]
     cranks: Mapping[str, Any]
+    limits: Mapping[str, Any]
     solver: Mapping[str, Any]
     output: Mapping[str, Any]
     base: str
@@ -50,6 +51,8 @@ class Keys(TypedDict, total=False):
     """p of its force K d^p; absent: 1, or 10/9 of rollers"""
     friction_coefficient: float
     """mu; 0: no friction; if left out 0.0: no friction"""
+    roller_diameter_m: float
+    """diameter of these rollers, for its ratings after ISO 76 and ISO 281 (m)"""
     roller_length_m: float
     """length of these rollers (m)"""
     rollers: int
@@ -58,8 +61,12 @@ class Keys(TypedDict, total=False):
     """K of the bearing that carries a disc on its eccentric; or give rollers (N/m)"""
     input_seal_n_m: float
     """torque of the input shaft's seal against its turning; absent: 0 (N m)"""
+    internal_sleeve_gap_m: float
+    """gap between discs, and from the outer ones to what holds the output pins; absent: 0 (m)"""
     internal_sleeve_stiffness_n_m: float
     """stiffness of an output pin against bending, in series with its contacts; absent: rigid (N/m)"""
+    internal_sleeves_held: Literal["one-end", "both-ends"]
+    """ends at which the output pins are held, for their bending; absent: not judged"""
     output_seal_n_m: float
     """torque of the output shaft's seal against its turning; absent: 0 (N m)"""
     output_torsion_n_m_rad: float
@@ -98,6 +105,10 @@ class Keys(TypedDict, total=False):
     """normal law; if left out 'line-hertz': rollers on a line, both bodies elastic; creates no energy"""
     line_length_m: float
     """length of a line contact (m); if left out: the face width, or 0.15 R; used by laws of rollers and for pressures"""
+    material: Literal["steel", "cast-iron", "bronze", "aluminium", "pom", "nylon", "pla"]
+    """material of the discs, for their limits; steel: hardened as rolling bearings are; absent: not known"""
+    pin_material: Literal["steel", "cast-iron", "bronze", "aluminium", "pom", "nylon", "pla"]
+    """material of the pins; absent: that of the discs"""
     pin_poisson: float
     """Poisson's ratio of the pins; absent: that of the discs"""
     pin_young_pa: float
@@ -144,6 +155,8 @@ class Keys(TypedDict, total=False):
     """state at t = 0; if left out 'kinematic': rates of the ideal mesh, load at once"""
     backlash_m: float
     """d: ring pins sit at R + d (m); if left out 0.0: no backlash"""
+    eccentric_bore_radius_m: float
+    """a disc's bore for the bearing on its eccentric; absent: 0.6 (internal circle - hole radius) (m)"""
     eccentricity_m: float
     """e (m)"""
     crank_phase_rad: Sequence[float] | npt.NDArray[np.float64]
@@ -198,6 +211,18 @@ class Keys(TypedDict, total=False):
     """m: shortening coefficient e zk/R; if left out: e zk/R with R = gear.pin_circle_radius_m"""
     wheels: int
     """discs, evenly phased on the eccentric"""
+    bending_pa: float
+    """largest bending stress of an output pin; absent: the yield strength of its material (Pa)"""
+    life_h: float
+    """least basic rating life of that bearing; absent: not judged (h)"""
+    pressure_pa: float
+    """largest pressure p0 of a contact; absent: that of the material (Pa)"""
+    pressure_sliding_w_m2: float
+    """largest pressure on the projected area times sliding speed (pv) of a sleeve; absent: that of the material (W/m^2)"""
+    static_safety: float
+    """least static safety of the bearing that carries a disc; absent: 1"""
+    wall_m: float
+    """least wall of a disc between holes, edge and bore; absent: by the shear stress there (m)"""
     density_kg_m3: float
     """density of all bodies; for masses that are left out (kg/m^3)"""
     name: str
@@ -232,11 +257,14 @@ Vary = TypedDict(
         "dynamic_rating_n": Axis,
         "exponent": Axis,
         "friction_coefficient": Axis,
+        "roller_diameter_m": Axis,
         "roller_length_m": Axis,
         "rollers": Axis,
         "stiffness_n_m": Axis,
         "input_seal_n_m": Axis,
+        "internal_sleeve_gap_m": Axis,
         "internal_sleeve_stiffness_n_m": Axis,
+        "internal_sleeves_held": Axis,
         "output_seal_n_m": Axis,
         "output_torsion_n_m_rad": Axis,
         "sleeve_bore_m": Axis,
@@ -256,6 +284,8 @@ Vary = TypedDict(
         "internal_stiffness_multiplier": Axis,
         "law": Axis,
         "line_length_m": Axis,
+        "material": Axis,
+        "pin_material": Axis,
         "pin_poisson": Axis,
         "pin_young_pa": Axis,
         "poisson": Axis,
@@ -279,6 +309,7 @@ Vary = TypedDict(
         "speed_changes": Axis,
         "start": Axis,
         "backlash_m": Axis,
+        "eccentric_bore_radius_m": Axis,
         "eccentricity_m": Axis,
         "crank_phase_rad": Axis,
         "external_sleeve_radial_m": Axis,
@@ -306,6 +337,12 @@ Vary = TypedDict(
         "pin_circle_radius_m": Axis,
         "shortening": Axis,
         "wheels": Axis,
+        "bending_pa": Axis,
+        "life_h": Axis,
+        "pressure_pa": Axis,
+        "pressure_sliding_w_m2": Axis,
+        "static_safety": Axis,
+        "wall_m": Axis,
         "density_kg_m3": Axis,
         "name": Axis,
         "channels": Axis,
@@ -322,11 +359,14 @@ Vary = TypedDict(
         "bearings.eccentric.dynamic_rating_n": Axis,
         "bearings.eccentric.exponent": Axis,
         "bearings.eccentric.friction_coefficient": Axis,
+        "bearings.eccentric.roller_diameter_m": Axis,
         "bearings.eccentric.roller_length_m": Axis,
         "bearings.eccentric.rollers": Axis,
         "bearings.eccentric.stiffness_n_m": Axis,
         "bearings.input_seal_n_m": Axis,
+        "bearings.internal_sleeve_gap_m": Axis,
         "bearings.internal_sleeve_stiffness_n_m": Axis,
+        "bearings.internal_sleeves_held": Axis,
         "bearings.output_seal_n_m": Axis,
         "bearings.output_torsion_n_m_rad": Axis,
         "bearings.sleeve_bore_m": Axis,
@@ -348,6 +388,8 @@ Vary = TypedDict(
         "contact.internal_stiffness_multiplier": Axis,
         "contact.law": Axis,
         "contact.line_length_m": Axis,
+        "contact.material": Axis,
+        "contact.pin_material": Axis,
         "contact.pin_poisson": Axis,
         "contact.pin_young_pa": Axis,
         "contact.poisson": Axis,
@@ -371,6 +413,7 @@ Vary = TypedDict(
         "drive.speed_changes": Axis,
         "drive.start": Axis,
         "gear.backlash_m": Axis,
+        "gear.eccentric_bore_radius_m": Axis,
         "gear.eccentricity_m": Axis,
         "gear.errors.crank_phase_rad": Axis,
         "gear.errors.eccentricity_m": Axis,
@@ -402,6 +445,12 @@ Vary = TypedDict(
         "gear.pin_circle_radius_m": Axis,
         "gear.shortening": Axis,
         "gear.wheels": Axis,
+        "limits.bending_pa": Axis,
+        "limits.life_h": Axis,
+        "limits.pressure_pa": Axis,
+        "limits.pressure_sliding_w_m2": Axis,
+        "limits.static_safety": Axis,
+        "limits.wall_m": Axis,
         "mass.density_kg_m3": Axis,
         "mass.external_sleeve.mass_kg": Axis,
         "mass.external_sleeve.moment_kg_m2": Axis,

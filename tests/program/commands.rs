@@ -340,6 +340,50 @@ fn program_two_designs_side_by_side() {
     assert!(told.contains("No difference was shown"), "{told}");
 }
 
+/// A default limit that is exceeded is words, a stated one is status 1; what is hard to believe is a line.
+#[test]
+fn program_design_says_whether_the_gear_bears_its_load() {
+    let dir = tempfile::tempdir().unwrap();
+    let init =
+        "init g.toml --ratio 39 --pin-circle-diameter-mm 104 --torque-n-m 200 --speed-rpm 1500";
+    assert_eq!(run_in(dir.path(), words(init)).code, Some(0));
+    for (sets, code, said) in [
+        ("", 0, "as far as judged"),
+        ("--set limits.pressure_pa=9e8", 1, "no: "),
+        ("--set drive.output_torque_n_m=200e3", 0, "no: "),
+    ] {
+        let command = format!("design g.toml --statics --force --out r {sets}");
+        let outcome = run_in(dir.path(), words(command.trim_end()));
+        assert_eq!(outcome.code, Some(code), "{outcome:?}");
+        let line = outcome
+            .stdout
+            .lines()
+            .find(|line| line.starts_with("bears its load"));
+        assert!(
+            line.is_some_and(|line| line.contains(said)),
+            "{}",
+            outcome.stdout
+        );
+        assert_eq!(
+            outcome.stdout.contains("typed in N mm?"),
+            sets.contains("200e3"),
+            "{}",
+            outcome.stdout
+        );
+        let limits = &json(dir.path().join("r/summary.json"))["limits"];
+        assert_eq!(
+            limits["bears_its_load"] == "no",
+            said == "no: ",
+            "{limits:#}"
+        );
+        assert_eq!(limits["margin"].as_f64().unwrap() < 1.0, said == "no: ");
+    }
+    assert!(
+        !dir.path().join("r/disc_1.dxf").exists(),
+        "both discs are one part"
+    );
+}
+
 /// The largest U of what agrees, over all pairs.
 fn bluntest(summary: &Value) -> f64 {
     let pairs = summary["pairs"].as_array().unwrap();

@@ -50,6 +50,7 @@ fn keep_freed_memory() {
 fn dispatch(command: &Command) -> Result<u8, Failure> {
     let done = match command {
         Command::Compare(args) => return commands::compare::compare(args),
+        Command::Design(args) => return commands::design::design(args),
         Command::Solver(args) => return commands::solver::solver(args),
         Command::Baseline(args) => return commands::baseline::baseline(args),
         Command::Stability(args) => return commands::stability::stability(args),
@@ -59,7 +60,6 @@ fn dispatch(command: &Command) -> Result<u8, Failure> {
         Command::Sweep(args) => commands::sweep::sweep(args),
         Command::Explain(args) => commands::tell::explain(args),
         Command::Init(args) => commands::design::init(args),
-        Command::Design(args) => commands::design::design(args),
         Command::Explore(args) => commands::explore::explore(args),
         Command::Fmu(args) => commands::fmu::fmu(args),
         Command::Engines(_) => commands::tell::engines(),

@@ -9,7 +9,7 @@ use pinwheel::report::figure::shown;
 use pinwheel::scene::as_built::PROCESSES;
 use pinwheel::scene::catalogue::{ARGUMENTS, Catalogue, MATERIALS};
 use pinwheel::scene::did_you_mean;
-use pinwheel::studies::design::{self as designs, Drawing};
+use pinwheel::studies::design as designs;
 use pyo3::conversion::FromPyObjectOwned;
 use pyo3::prelude::*;
 
@@ -109,9 +109,15 @@ impl Designed {
         pages::design::text(&self.found, true)
     }
 
-    /// Drawing of every disc, DXF.
-    fn dxf(&self) -> Vec<String> {
-        self.found.discs.iter().map(Drawing::dxf).collect()
+    /// Drawing of every disc that is a part of its own, DXF, with its number.
+    fn dxf(&self) -> Vec<(usize, String)> {
+        let discs = self.found.discs.iter();
+        discs.map(|disc| (disc.number(), disc.dxf())).collect()
+    }
+
+    /// Answer of the limits, and what decides it, in words.
+    fn bears(&self) -> (String, String) {
+        pages::design::answer(&self.found.limits)
     }
 }
 

@@ -120,7 +120,7 @@ impl Process {
 
 /// Radius of a needle as a share of its bearing's outer raceway, how much of the way around needles take, and how much of the
 /// disc's thickness.
-const NEEDLE: f64 = 0.12;
+pub(crate) const NEEDLE: f64 = 0.12;
 const NEEDLES: [f64; 2] = [0.85, 0.9];
 /// Diameter of an output pin as a share of its sleeve's.
 const CORE: f64 = 0.7;
@@ -216,11 +216,18 @@ impl Basis {
             "gear.hole_radius_m = {} # pin + e + {:.1} um: {fit}\n\
              bearings.eccentric.rollers = {rollers} # needles in a disc's bore\n\
              bearings.eccentric.roller_length_m = {} # 0.9 of a disc\n\
+             bearings.eccentric.roller_diameter_m = {} # for its ratings\n\
+             gear.eccentric_bore_radius_m = {} # of a disc\n\
+             bearings.internal_sleeves_held = \"one-end\" # output pins, for their bending\n\
+             bearings.internal_sleeve_gap_m = {} # beside each disc\n\
              bearings.sleeve_bore_m = {} # output pins, 0.7 of their sleeves; thinner ring pins turn in grooves\n\
              bearings.internal_sleeve_stiffness_n_m = {bending:.1e} # output pins held at one end: 3 E I/l^3, mean of the discs\n{}",
             m(gear.hole_radius_m),
             1e6 * hole.usual_m,
             m(length),
+            m(rounded_down(2.0 * NEEDLE * outer)),
+            m(rounded_down(outer)),
+            m(rounded_down((PITCH - 1.0) * face)),
             m(pin),
             toleranced(&fits)
         )

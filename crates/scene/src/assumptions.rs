@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use pinwheel_contact::laws::{LAWS, LawInfo};
 use toml::Value;
 
+use crate::check::doubts;
 use crate::checked::{CheckedScene, Origin, Source};
 use crate::keys::{Key, key};
 use crate::model::{Detection, Formulation, FrictionLaw, Gear, Scene};
@@ -21,13 +22,14 @@ pub struct Assumption {
     pub reason: String,
 }
 
-/// The assumptions behind a scene: the base it takes values from, every value that was filled in, with its formula or
+/// The assumptions behind a scene: what is hard to believe, the base it takes values from, every value that was filled in, with its formula or
 /// the reason why it is usual, and what the published gear's source leaves open (the dimensions of its missing Fig. 3,
 /// the friction coefficient, Tab. 2's moments of inertia).
 #[must_use]
 pub fn assumptions(scene: &CheckedScene) -> Vec<Assumption> {
     let gear = &scene.gear;
-    let mut list = filled_in(scene);
+    let mut list = doubts(scene);
+    list.extend(filled_in(scene));
     let mut add = |key: &str, value: String, reason: &str| {
         list.push(Assumption {
             key: key.to_owned(),

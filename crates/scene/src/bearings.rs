@@ -10,6 +10,7 @@ use pinwheel_contact::{Real, Scalar};
 
 use crate::error::Fault;
 use crate::model::{Bearings, EccentricBearing, Scene};
+use crate::number::short;
 use crate::springs::wheel_torque_n_m;
 
 /// Speed below which the friction of a bearing, or of a roller on its pin, fades to zero, rad/s.
@@ -132,6 +133,32 @@ impl Scene {
             [bearings.input_seal_n_m, bearings.output_seal_n_m],
         ]
         .map(|sizes| sizes.into_iter().flatten().any(|size| size > 0.0))
+    }
+}
+
+impl Scene {
+    /// Basic static and dynamic ratings of the bearing that carries a disc, N, by its rollers and the bore they run in; `None`
+    /// where these are not stated.
+    ///
+    /// ISO 76: C0 = 44 (1 - g) Z L D with g = D/(pitch diameter), N and mm, which is 4000 MPa under a roller's 5 F/Z. ISO 281:
+    /// C = f L^(7/9) Z^(3/4) D^(29/27), f by the formula of its table 7 (ISO/TR 1281-1), raceways as those of drawn cups.
+    #[must_use]
+    pub fn roller_ratings_n(&self) -> Option<[f64; 2]> {
+        let bearing = self.bearings.eccentric?;
+        let of_crank = self.cranks.map(|cranks| cranks.bore_radius_m);
+        let bore_mm = 2e3 * of_crank.or(self.gear.eccentric_bore_radius_m)?;
+        let (length, roller) = (
+            1e3 * bearing.roller_length_m?,
+            1e3 * bearing.roller_diameter_m?,
+        );
+        let rollers = bearing.rollers? as f64;
+        let g = roller / (bore_mm - roller);
+        let rings = 1.04 * ((1.0 - g) / (1.0 + g)).powf(143.0 / 108.0);
+        let f = 207.9 * 0.83 * g.powf(2.0 / 9.0) * (1.0 - g).powf(29.0 / 27.0)
+            / (1.0 + g).powf(0.25)
+            / (1.0 + rings.powf(4.5)).powf(2.0 / 9.0);
+        let dynamic = f * length.powf(7.0 / 9.0) * rollers.powf(0.75) * roller.powf(29.0 / 27.0);
+        Some([44.0 * (1.0 - g) * rollers * length * roller, dynamic])
     }
 }
 
@@ -263,6 +290,29 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
     let Some(bearing) = scene.bearings.eccentric else {
         return Ok(());
     };
+    let of_crank = scene.cranks.map(|cranks| cranks.bore_radius_m);
+    if let (Some(roller), Some(bore)) = (
+        bearing.roller_diameter_m,
+        of_crank.or(scene.gear.eccentric_bore_radius_m),
+    ) {
+        // Rollers beside each other on their pitch circle, whose chord is longer than a roller.
+        let around = std::f64::consts::PI / bearing.rollers.unwrap_or(2) as f64;
+        let most = 2.0 * bore * around.sin() / (1.0 + around.sin());
+        if roller > most {
+            return Err(Fault::new(
+                &[
+                    "bearings.eccentric.roller_diameter_m",
+                    "bearings.eccentric.rollers",
+                ],
+                format!(
+                    "is {} m, so that these rollers do not fit into a bore of {} m",
+                    short(roller),
+                    short(2.0 * bore)
+                ),
+                format!("give at most {} m", crate::number::below(most)),
+            ));
+        }
+    }
     let key = "bearings.eccentric.stiffness_n_m";
     if bearing.friction_coefficient.is_some() != bearing.bore_m.is_some() {
         return Err(Fault::new(

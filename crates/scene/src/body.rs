@@ -67,7 +67,9 @@ impl Shape {
     }
 }
 
-/// The bore for the eccentric's bearing, m: 0.6 of what the holes leave free.
-pub(crate) fn bore_radius_m(gear: &Gear) -> f64 {
-    0.6 * (gear.internal_circle_radius_m - gear.hole_radius_m).max(0.0)
+/// Radius of a disc's bore for the bearing on its eccentric, m: 0.6 of what the holes leave free, where none is stated.
+#[must_use]
+pub fn bore_radius_m(gear: &Gear) -> f64 {
+    let free = (gear.internal_circle_radius_m - gear.hole_radius_m).max(0.0);
+    gear.eccentric_bore_radius_m.unwrap_or(0.6 * free)
 }

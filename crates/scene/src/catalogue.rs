@@ -6,13 +6,13 @@
 //!
 //! Suggestions follow three rules. The shortening coefficient e zk/R is 0.65, less where the pins would undercut the disc:
 //! high values carry more and bend the profile sharply. Pins leave a third of their pitch free. Holes leave walls of a
-//! tenth of their radius, and the largest pins that fit are taken. They are where a design starts, not where it ends.
+//! tenth of their radius, and of 3 % of the pin circle's diameter between them, and the largest pins that fit are taken. They are where a design starts, not where it ends.
 
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 
-use crate::as_built::{self, Basis, Process, UNCERTAIN, needles, section};
+use crate::as_built::{self, Basis, NEEDLE, Process, UNCERTAIN, needles, section};
 use crate::checked::CheckedScene;
 use crate::error::{Fault, SceneError};
 use crate::model::{Gear, Scene};
@@ -21,36 +21,7 @@ pub use crate::number::rounded_down;
 use crate::number::{short, written};
 use crate::profile::Profile;
 
-/// A material: name as typed, E (Pa), Poisson's ratio, density (kg/m^3).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Material {
-    /// Name as typed.
-    pub name: &'static str,
-    /// Young's modulus, Pa.
-    pub young_pa: f64,
-    /// Poisson's ratio.
-    pub poisson: f64,
-    /// Density, kg/m^3.
-    pub density_kg_m3: f64,
-}
-
-macro_rules! materials {
-    ($($name:literal $young:literal, $poisson:literal, $density:literal;)*) => {
-        &[$(Material { name: $name, young_pa: $young, poisson: $poisson, density_kg_m3: $density }),*]
-    };
-}
-
-/// Materials that a catalogue can name. Round values within the ranges of M. F. Ashby, Materials Selection in Mechanical
-/// Design, 4th ed. (2011), appendix A; printed parts have less than the plastic they are printed of.
-pub const MATERIALS: &[Material] = materials! {
-    "steel" 2.1e11, 0.30, 7850.0;
-    "cast-iron" 1.7e11, 0.27, 7150.0;
-    "bronze" 1.1e11, 0.34, 8800.0;
-    "aluminium" 7.0e10, 0.33, 2700.0;
-    "pom" 3.0e9, 0.35, 1410.0;
-    "nylon" 2.8e9, 0.40, 1140.0;
-    "pla" 3.5e9, 0.36, 1240.0;
-};
+pub use crate::materials::{MATERIALS, Material, material};
 
 /// The data of a catalogue. Lengths are diameters, as catalogues give them; what is `None` is suggested.
 #[derive(Debug, Clone, PartialEq)]
@@ -155,8 +126,9 @@ const IN_METRES: f64 = 3e-3;
 const SHORTENING: [f64; 2] = [0.65, 0.35];
 /// Largest pin as a share of half the pitch, and of the radius at which the disc is undercut.
 const PIN: [f64; 2] = [0.65, 0.8];
-/// Wall beside a hole as a share of its radius, at the least.
+/// Wall beside a hole as a share of its radius, at the least, and between two holes as a share of R.
 const WALL: f64 = 0.1;
+const BETWEEN: f64 = 0.06;
 /// Circle of the output pins as a share of the pits' radius that is tried first.
 const CIRCLE: f64 = 0.62;
 /// Largest hole as a share of its circle: the rest is for the eccentric's bearing.
@@ -171,12 +143,13 @@ const RV_PINS: [usize; 3] = [40, 20, 80];
 const SUN: RangeInclusive<usize> = 12..=30;
 const TEETH: RangeInclusive<usize> = 1..=6;
 /// Keys of an RV gear's cranks that are always suggested.
-const OF_CRANKS: [&str; 5] = [
+const OF_CRANKS: [&str; 6] = [
     "cranks.bore_radius_m",
     "cranks.sun_teeth",
     "cranks.planet_teeth",
     "bearings.eccentric.rollers",
     "bearings.eccentric.roller_length_m",
+    "bearings.eccentric.roller_diameter_m",
 ];
 /// Largest bore for a crank as a share of the cranks' circle.
 const BORE: f64 = 0.3;
@@ -485,6 +458,7 @@ impl Catalogue {
         suggested: &mut Vec<&'static str>,
     ) -> Result<(), Fault> {
         let pit = Profile::of(gear).pit_radius();
+        let radius = 0.5 * self.pin_circle_diameter_m;
         let counts = (self.cranks.or(self.output_pins)).map_or(OUTPUT_PINS.to_vec(), |n| vec![n]);
         let inwards = if self.cranks.is_some() { BORE } else { INWARDS };
         let circles: Vec<f64> = match self.output_circle_diameter_m {
@@ -505,7 +479,7 @@ impl Catalogue {
         'search: for &count in &counts {
             for &circle in &circles {
                 let most = ((pit - circle) / (1.0 + WALL))
-                    .min(circle * (PI / count as f64).sin() / (1.0 + 0.5 * WALL))
+                    .min(circle * (PI / count as f64).sin() - 0.5 * BETWEEN * radius)
                     .min(inwards * circle);
                 let sleeve = match self.output_pin_diameter_m {
                     Some(pin) => 0.5 * pin,
@@ -634,11 +608,13 @@ impl Catalogue {
                  planet_teeth = {planet:<29} # suggested\n\
                  {supports}\n[bearings.eccentric]\n\
                  rollers = {needles:<34} # suggested: needles in a bore\n\
-                 roller_length_m = {:<26} # suggested\n{play}",
+                 roller_length_m = {:<26} # suggested\n\
+                 roller_diameter_m = {:<24} # suggested, for its ratings\n{play}",
                 gear.internal_sleeves,
                 mark("cranks.circle_radius_m"),
                 m(bore),
                 m(length),
+                m(rounded_down(2.0 * NEEDLE * bore)),
             );
         }
         for name in ["gear.modification", "bearings", UNCERTAIN] {
@@ -662,6 +638,7 @@ impl Catalogue {
             young_pa,
             poisson,
             density_kg_m3,
+            ..
         } = self.material;
         let young = format!("{young_pa:e}");
         let density = written(density_kg_m3);
@@ -676,9 +653,10 @@ impl Catalogue {
                 young_pa,
                 poisson,
                 density_kg_m3,
+                ..
             } = self.pins();
             pins = format!(
-                "pin_young_pa = {young_pa:<29e} # {given}pins of {name}\npin_poisson = {poisson}\n"
+                "pin_material = {name:?}\npin_young_pa = {young_pa:<29e} # {given}pins of {name}\npin_poisson = {poisson}\n"
             );
             let length = gear.wheels as f64 * gear.face_width_m.unwrap_or_default();
             let cylinder = |radius: f64| {
@@ -693,8 +671,9 @@ impl Catalogue {
         let _ = write!(
             text,
             "\n[drive]\ninput_speed_rad_s = {speed:<24} # {rpm} rpm\noutput_torque_n_m = {torque}\n\
-             \n[contact]\nlaw = \"line-hertz\"                         # rollers on a line; `pinwheel laws` lists others\nyoung_pa = {young:<33} # {name}\npoisson = {poisson}\n{pins}{friction}\
-             \n[mass]\ndensity_kg_m3 = {density:<28} # {name}\n{masses}"
+             \n[contact]\nlaw = \"line-hertz\"                         # rollers on a line; `pinwheel laws` lists others\nmaterial = {:<33} # for its limits\nyoung_pa = {young:<33} # {name}\npoisson = {poisson}\n{pins}{friction}\
+             \n[mass]\ndensity_kg_m3 = {density:<28} # {name}\n{masses}",
+            format!("{name:?}")
         );
         text
     }

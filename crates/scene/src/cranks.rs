@@ -205,6 +205,14 @@ pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {
             "bearings.internal_sleeve_stiffness_n_m",
             bearings.internal_sleeve_stiffness_n_m.is_some(),
         ),
+        (
+            "bearings.internal_sleeves_held",
+            bearings.internal_sleeves_held.is_some(),
+        ),
+        (
+            "bearings.internal_sleeve_gap_m",
+            bearings.internal_sleeve_gap_m.is_some(),
+        ),
     ];
     if let Some((key, _)) = of_sleeves.iter().find(|(_, is_given)| *is_given) {
         return Err(Fault::new(

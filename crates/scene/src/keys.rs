@@ -107,7 +107,7 @@ impl Key {
     /// The unit that ends its name, as one writes it; empty for counts, names and plain numbers.
     #[must_use]
     pub fn unit(&self) -> &'static str {
-        const UNITS: [(&str, &str); 16] = [
+        const UNITS: [(&str, &str); 18] = [
             ("stiffness_n_m", "N/m"),
             ("spring_n_m", "N/m"),
             ("_n_m_rad", "N m/rad"),
@@ -119,6 +119,8 @@ impl Key {
             ("_n_m", "N m"),
             ("_m_s", "m/s"),
             ("_kg", "kg"),
+            ("_w_m2", "W/m^2"),
+            ("_h", "h"),
             ("_pa", "Pa"),
             ("_m", "m"),
             ("_s", "s"),
@@ -220,6 +222,8 @@ pub const KEYS: &[Key] = keys! {
     "gear.internal_sleeves_turn" Flag, Nothing, "output pins are sleeves that turn; false: they turn with the output alone; absent: true", TURNS;
     "gear.face_width_m" LENGTH, Nothing, "thickness of a disc; for masses that are left out", METRES;
 
+    "gear.eccentric_bore_radius_m" LENGTH, Nothing, "a disc's bore for the bearing on its eccentric; absent: 0.6 (internal circle - hole radius)", METRES;
+
     "gear.modification.equidistant_m" Number(DEVIATION), Nothing, "the generating pin's radius is larger than q by this: above 0 the disc's whole edge lies that much further in", METRES;
     "gear.modification.radial_m" Number(DEVIATION), Nothing, "the generating circle is larger than R by this: below 0 the disc is smaller", METRES;
     "gear.modification.rotational_rad" Number(From(0.0, 1.0)), Nothing, "both flanks of a lobe are turned towards its middle by this", RADIANS;
@@ -249,6 +253,8 @@ pub const KEYS: &[Key] = keys! {
 
     "contact.law" Choice("contact law", names::laws), Constant("\"line-hertz\"", "rollers on a line, both bodies elastic; creates no energy"), "normal law", "see `pinwheel laws`";
     "contact.band_laws" Choices("contact law", names::laws), Nothing, "laws that may be right for these rollers, whose spread is the band of a figure; absent: those for the materials; []: no band", "see `pinwheel laws`";
+    "contact.material" Choice("material", names::materials), Nothing, "material of the discs, for their limits; steel: hardened as rolling bearings are; absent: not known", "say limits of another in [limits]";
+    "contact.pin_material" Choice("material", names::materials), Nothing, "material of the pins; absent: that of the discs", "say limits of another in [limits]";
     "contact.young_pa" Number(From(1e5, 1e13)), Constant("2.1e11", "steel"), "E of the discs", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
     "contact.poisson" Number(Between(-1.0, 0.5)), Constant("0.3", "steel"), "Poisson's ratio of the discs", "steel has 0.3; outside these bounds no isotropic material is stable";
     "contact.pin_young_pa" Number(From(1e5, 1e13)), Nothing, "E of the pins; absent: that of the discs", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
@@ -286,12 +292,15 @@ pub const KEYS: &[Key] = keys! {
     "bearings.eccentric.exponent" Number(From(1.0, 3.0)), Nothing, "p of its force K d^p; absent: 1, or 10/9 of rollers", "rollers have 10/9, balls 3/2";
     "bearings.eccentric.rollers" Count(3, 10_000), Nothing, "its rollers, where they give K after Palmgren", "count the rollers of one row";
     "bearings.eccentric.roller_length_m" LENGTH, Nothing, "length of these rollers", METRES;
+    "bearings.eccentric.roller_diameter_m" LENGTH, Nothing, "diameter of these rollers, for its ratings after ISO 76 and ISO 281", METRES;
     "bearings.eccentric.clearance_m" Number(From(0.0, 1e-2)), Nothing, "its radial clearance; absent: 0", "half of the play across the diameter: 5 micrometres are 5e-6";
     "bearings.eccentric.damping_n_s_m" Number(From(0.0, 1e9)), Nothing, "its damping; absent: 5 % of critical of a disc on it", "rolling bearings have a few per cent of critical damping";
     "bearings.eccentric.friction_coefficient" Number(From(0.0, 1.0)), Nothing, "its friction mu, of the moment mu F d/2 against its turning; absent: 0", "needles have 0.002, cylindrical rollers 0.0011";
     "bearings.eccentric.bore_m" LENGTH, Nothing, "its bore d, for that moment", METRES;
     "bearings.eccentric.dynamic_rating_n" Number(From(1.0, 1e9)), Nothing, "its basic dynamic rating C, for its life after ISO 281", "bearing catalogues give it in kN: 20 kN is 20000";
     "bearings.internal_sleeve_stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "stiffness of an output pin against bending, in series with its contacts; absent: rigid", "a pin held at one end has 3 E I/l^3 at the length l";
+    "bearings.internal_sleeves_held" Choice("way to hold pins", || vec!["one-end", "both-ends"]), Nothing, "ends at which the output pins are held, for their bending; absent: not judged", "\"one-end\" or \"both-ends\"";
+    "bearings.internal_sleeve_gap_m" Number(From(0.0, 1.0)), Nothing, "gap between discs, and from the outer ones to what holds the output pins; absent: 0", METRES;
     "bearings.output_torsion_n_m_rad" Number(From(1e-3, 1e15)), Nothing, "torsional stiffness of carrier and flange; absent: rigid; counts in `design` alone", "1 N m/arcmin is 3437.7 N m/rad";
     "bearings.sleeve_friction_coefficient" Number(From(0.0, 1.0)), Nothing, "friction mu of a sleeve on its pin, of the moment mu F d/2 as it rolls; where that is more than the contact's own friction, the disc slides on the sleeve; absent: sleeves turn freely", "needles have 0.002, oiled bronze 0.05 to 0.1";
     "bearings.sleeve_bore_m" LENGTH, Nothing, "bore d of the pins, for that moment; thinner rollers turn in grooves, on their own diameter", METRES;
@@ -305,8 +314,15 @@ pub const KEYS: &[Key] = keys! {
     "cranks.support_stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "stiffness of what holds a crank in the output; absent: rigid", "a pair of tapered roller bearings has 4e8 to 1e9 N/m";
     "cranks.mesh_stiffness_n_m" Number(From(1e3, 1e15)), Nothing, "stiffness of the mesh of the sun with a planet along the line of action, without mass; absent: rigid", "about 1.4e10 N/m by metre of face width (ISO 6336)";
     "contact.detection" Choice("detection", || vec!["exact", "points"]), Constant("\"exact\"", "the closest point of the curve"), "how the contact point is found", "\"exact\" or \"points\"";
-    "contact.wheel_points" Count(24, 1_000_000), Formula(formulas::wheel_points, "100 a lobe, at least 4000; used by detection points only"), "points on a disc's profile", "the paper uses 600 and 4000; more than a million costs memory and gains nothing over detection = \"exact\"";
-    "contact.hole_points" Count(8, 1_000_000), Constant("100", "used by detection points only"), "points on a hole", "the paper uses 20 to 100; more than a million costs memory and gains nothing over detection = \"exact\"";
+    "contact.wheel_points" Count(24, 1_000_000), Formula(formulas::wheel_points, "100 a lobe, at least 4000; used by detection points only"), "points on a disc's profile", "the paper uses 600 and 4000; more than a million costs memory and gains nothing over the exact closest point";
+    "contact.hole_points" Count(8, 1_000_000), Constant("100", "used by detection points only"), "points on a hole", "the paper uses 20 to 100; more than a million costs memory and gains nothing over the exact closest point";
+
+    "limits.pressure_pa" Number(From(1.0, 1e12)), Nothing, "largest pressure p0 of a contact; absent: that of the material", "pressures are in pascal: 1500 MPa is 1.5e9";
+    "limits.bending_pa" Number(From(1.0, 1e12)), Nothing, "largest bending stress of an output pin; absent: the yield strength of its material", "stresses are in pascal: 300 MPa is 3e8";
+    "limits.pressure_sliding_w_m2" Number(From(1.0, 1e12)), Nothing, "largest pressure on the projected area times sliding speed (pv) of a sleeve; absent: that of the material", "1 MPa m/s is 1e6";
+    "limits.static_safety" Number(From(0.1, 100.0)), Nothing, "least static safety of the bearing that carries a disc; absent: 1", "1 to 2 for quiet running";
+    "limits.life_h" Number(From(1.0, 1e9)), Nothing, "least basic rating life of that bearing; absent: not judged", "RV reducers are rated for 6000 h";
+    "limits.wall_m" LENGTH, Nothing, "least wall of a disc between holes, edge and bore; absent: by the shear stress there", METRES;
 
     "solver.formulation" Choice("formulation", || vec!["reduced", "lagrange"]), Constant("\"reduced\"", "centre-pinned bodies eliminated exactly"), "which equations are integrated", "\"reduced\" or \"lagrange\"";
     "solver.integrator" Choice("integrator", names::integrators), Constant("\"auto\"", "the method that the scene's forces ask for"), "name of the integrator", "\"auto\" takes the method that the scene asks for";

@@ -50,6 +50,7 @@ pub mod keys;
 mod layout;
 mod load;
 pub mod load_profile;
+mod materials;
 mod model;
 pub mod names;
 mod number;
@@ -67,7 +68,9 @@ mod uncertain;
 mod wall;
 
 pub use assumptions::{Assumption, assumptions};
+pub use body::bore_radius_m;
 pub use catalogue::Catalogue;
+pub use check::doubts;
 pub use checked::{CheckedScene, Origin, Source};
 pub use derived::{Derived, Frequency, Line, Walls, derived};
 pub use error::{Fault, Location, SceneError};
@@ -77,8 +80,8 @@ pub use layout::{Layout, Sleeve};
 
 pub use model::{
     Bearings, BodyMass, Contact, Cranks, Detection, Drive, EccentricBearing, Errors, Formulation,
-    FrictionLaw, Gear, LoadChange, Masses, Modification, NormalOffset, Output, OutputPart,
-    PlusMinus, Scene, Solver, SpeedChange, Stabilisation, Start,
+    FrictionLaw, Gear, Held, Limits, LoadChange, Masses, Modification, NormalOffset, Output,
+    OutputPart, PlusMinus, Scene, Solver, SpeedChange, Stabilisation, Start,
 };
 pub use outline::Outline;
 pub use parse::{Draft, Override, edited};

@@ -35,6 +35,9 @@ pub struct Scene {
     /// Channels that are recorded beyond the contract's columns.
     #[serde(default, skip_serializing_if = "Output::is_default")]
     pub output: Output,
+    /// Limits of the parts; without one the materials' own stand, where they are known.
+    #[serde(default, skip_serializing_if = "Limits::is_none")]
+    pub limits: Limits,
     /// Half-widths of uncertain values, by key: for intervals by fit and comparisons with measured data.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub uncertain: BTreeMap<String, PlusMinus>,
@@ -73,6 +76,9 @@ pub struct Gear {
     /// Thickness of a disc, m; only masses that a scene leaves out need it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub face_width_m: Option<f64>,
+    /// Radius of a disc's bore for the bearing on its eccentric, m; `None`: 0.6 of what the holes leave free.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub eccentric_bore_radius_m: Option<f64>,
     /// Modification of the discs' profile against the one that fits the ring.
     #[serde(default, skip_serializing_if = "Modification::is_none")]
     pub modification: Modification,
@@ -219,6 +225,12 @@ pub struct Contact {
     /// Names of the laws whose spread is the band of a figure; `None`: those that may be right for the materials.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band_laws: Option<Vec<String>>,
+    /// Name of the discs' material, of [`crate::catalogue::MATERIALS`]; its limits are theirs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub material: Option<String>,
+    /// Name of the pins' material; `None`: the discs'.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pin_material: Option<String>,
     /// E of the discs, Pa.
     pub young_pa: f64,
     /// Poisson's ratio of the discs.
@@ -283,6 +295,12 @@ pub struct Bearings {
     /// Stiffness of an output pin against bending at its pin, N/m; `None`: rigid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub internal_sleeve_stiffness_n_m: Option<f64>,
+    /// Ends at which the output pins are held; `None`: not known, and their bending is not judged.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub internal_sleeves_held: Option<Held>,
+    /// Gap between discs, and between a disc and what holds the pins beside it, m; `None`: 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub internal_sleeve_gap_m: Option<f64>,
     /// Torsional stiffness of carrier and flange beyond the output pins, N m/rad; `None`: rigid.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub output_torsion_n_m_rad: Option<f64>,
@@ -298,6 +316,46 @@ pub struct Bearings {
     /// Torque of the seal on the output shaft, N m; `None`: none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub output_seal_n_m: Option<f64>,
+}
+
+/// Ends at which output pins are held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Held {
+    /// In one flange, rigidly.
+    OneEnd,
+    /// In a flange on either side of the discs, free to turn there.
+    BothEnds,
+}
+
+/// Limits that a user states; one that is exceeded ends a design with status 1.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Limits {
+    /// Largest p0 of a contact, Pa.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure_pa: Option<f64>,
+    /// Largest bending stress of an output pin, Pa.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bending_pa: Option<f64>,
+    /// Largest product of pressure on the projected area and sliding speed of a sleeve, W/m^2.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pressure_sliding_w_m2: Option<f64>,
+    /// Least static safety of a bearing that carries a disc.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub static_safety: Option<f64>,
+    /// Least basic rating life of that bearing, h.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub life_h: Option<f64>,
+    /// Least wall of a disc between its holes, or from one to edge or bore, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wall_m: Option<f64>,
+}
+
+impl Limits {
+    fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 /// The elastic bearing between an eccentric and its disc: F = K max(0, d - g)^p along the offset d of their centres, and
@@ -317,6 +375,9 @@ pub struct EccentricBearing {
     /// Length of the rollers, m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub roller_length_m: Option<f64>,
+    /// Diameter of the rollers, m; for the bearing's ratings.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub roller_diameter_m: Option<f64>,
     /// g, radial clearance, m; `None`: 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clearance_m: Option<f64>,

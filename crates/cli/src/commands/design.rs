@@ -10,7 +10,7 @@ use pinwheel::studies::design;
 
 use super::idle;
 use crate::args::{DesignArgs, InitArgs, quoted};
-use crate::failure::Failure;
+use crate::failure::{DIFFER, Failure};
 use crate::folder::{self, Folder};
 use crate::progress::watched;
 use crate::screen;
@@ -83,7 +83,7 @@ fn by_flag(fault: &Fault) -> Failure {
     Failure::input(text)
 }
 
-pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
+pub(crate) fn design(args: &DesignArgs) -> Result<u8, Failure> {
     let gearbox = args.scene.load()?;
     let folder = Folder::of_scenes(&args.out, &[&args.scene.scene], "design")?;
     let begun = Instant::now();
@@ -101,5 +101,6 @@ pub(crate) fn design(args: &DesignArgs) -> Result<(), Failure> {
         settings.idle_in_design(&found, took, control, |other| {
             pages::design::page(other, &made) == html
         })
-    })
+    })?;
+    Ok(found.limits.exceeded().map_or(0, |_| DIFFER))
 }

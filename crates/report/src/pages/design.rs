@@ -15,11 +15,13 @@ use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 use pinwheel_timeseries::table::{Shown, Table};
 
 mod curves;
+mod limits;
 mod loads;
 
+pub use limits::answer;
 pub(crate) use loads::{bearing_chart, sharing_charts};
 
-use crate::pages::{animation, band};
+use crate::pages::{DOUBT, animation, band, doubts};
 use curves::{Drawn, chart, degrees, line, of_design};
 use loads::{bearings, sharing};
 
@@ -76,6 +78,7 @@ pub fn page(found: &DesignResult, made: &Provenance) -> String {
     }
     let mut sections = vec![
         first,
+        limits::section(&found.limits),
         torsion(found),
         transmission(found),
         sharing(found),
@@ -101,11 +104,15 @@ pub fn page(found: &DesignResult, made: &Provenance) -> String {
         tiles: {
             let figures = found.figures.iter();
             let headlines = figures.filter(|one| is_headline(&one.def));
-            headlines.map(figure::tile).collect()
+            let bears = limits::tile(&found.limits);
+            [bears]
+                .into_iter()
+                .chain(headlines.map(figure::tile))
+                .collect()
         },
         below: vec![
             Block::heading("May I use them, and what next?"),
-            Block::Facts(notes(found).into_iter().map(fact).collect()),
+            Block::Facts(facts(found)),
             Block::Html(files(found)),
         ],
         aside: animation::aside(found.motion.as_ref()),
@@ -118,7 +125,8 @@ pub fn page(found: &DesignResult, made: &Provenance) -> String {
 /// Links to the files that stand beside the page.
 fn files(found: &DesignResult) -> String {
     let link = |name: &str| format!("<a href=\"{name}\">{name}</a>");
-    let discs = (0..found.discs.len()).map(|number| link(&format!("disc_{number}.dxf")));
+    let discs = found.discs.iter();
+    let discs = discs.map(|disc| link(&format!("disc_{}.dxf", disc.number())));
     let joint = found.joint.iter().map(|_| link("joint.urdf"));
     let links = joined(", ", discs.chain(joint));
     format!("<p class=\"about\">Drawings beside this page: {links}</p>")
@@ -127,7 +135,12 @@ fn files(found: &DesignResult) -> String {
 /// Notes on the figures before they are used, and on the next step.
 fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
     let mut notes = vec![given_way(found)];
-    notes.extend(found.rest.as_ref().map(|rest| ("fit", fitted(rest))));
+    notes.extend(
+        found
+            .rest
+            .as_ref()
+            .map(|rest| ("stated stiffness", fitted(rest))),
+    );
     let most = found
         .budget
         .iter()
@@ -153,8 +166,27 @@ fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
     notes
 }
 
+/// The answer of the limits, what is hard to believe, and the notes.
+fn facts(found: &DesignResult) -> Vec<Fact> {
+    let limits = &found.limits;
+    let bears = Fact::new(
+        limits::QUESTION,
+        limits::mark(limits),
+        limits::sentence(limits),
+    );
+    let notes = unsure(found).into_iter().chain(notes(found));
+    [bears].into_iter().chain(notes.map(fact)).collect()
+}
+
+/// Rows on what is hard to believe, and on limits that were not judged.
+fn unsure(found: &DesignResult) -> Vec<(&'static str, String)> {
+    let mut rows = doubts(&found.scene);
+    rows.extend(limits::unjudged(&found.limits).map(|open| ("not judged", open)));
+    rows
+}
+
 fn fact((label, text): (&str, String)) -> Fact {
-    let is_warning = [CONTACTS, band::OUTSIDE].contains(&label);
+    let is_warning = [CONTACTS, band::OUTSIDE, DOUBT].contains(&label);
     let mark = if is_warning { Mark::Warn } else { Mark::None };
     Fact::new(label, mark, text)
 }
@@ -163,7 +195,8 @@ fn fact((label, text): (&str, String)) -> Fact {
 #[must_use]
 pub fn text(found: &DesignResult, whole: bool) -> String {
     let mut table = table("", &found.figures, |one| how(found, one));
-    let mut rows = Vec::new();
+    let mut rows = vec![(limits::QUESTION, limits::sentence(&found.limits))];
+    rows.extend(unsure(found));
     if !whole {
         table.columns.pop();
         // What a figure is not told for is no detail.
@@ -175,11 +208,14 @@ pub fn text(found: &DesignResult, whole: bool) -> String {
     }
     rows.extend(notes(found));
     if !whole {
-        let verbose = "how each figure is: --verbose, or the page";
+        let verbose = "how each figure is, and every limit: --verbose, or the page";
         rows.push(("counted", verbose.to_owned()));
     }
+    let limits = &found.limits;
+    let limits = whole.then(|| terminal::table(&limits::table(limits)) + "\n");
     let table = terminal::table(&table) + "\n";
-    titled(&found.scene.name, [table, terminal::pairs(rows)])
+    let parts = [table, limits.unwrap_or_default(), terminal::pairs(rows)];
+    titled(&found.scene.name, parts)
 }
 
 /// Text for a terminal on a scene made of a catalogue's data.
@@ -367,7 +403,7 @@ fn budget(found: &DesignResult) -> Table {
 fn fitted(rest: &Rest) -> String {
     format!(
         "A fit, not a prediction: with bearings.output_torsion_n_m_rad={} the gear has the stated {} N m/arcmin. The rest is then {} % \
-         of the compliance; nothing here says what it is made of.",
+         of the compliance; nothing here says what it is made of. Figures stay without it until the scene has that key.",
         significant(rest.output_torsion_n_m_rad, 4),
         number(rest.stated_n_m_per_arcmin),
         significant(100.0 * rest.share, 2)

@@ -37,7 +37,7 @@ pub mod sweep;
 mod time_series;
 
 use crate::study::{self, Study};
-use pinwheel_scene::Scene;
+use pinwheel_scene::{Assumption, CheckedScene, Scene};
 use pinwheel_studies::Provenance;
 
 /// A page with what made it: the command, versions beside those that the study names, the machine.
@@ -60,4 +60,14 @@ pub fn title(scene: &Scene) -> String {
     } else {
         format!("{}: {}", scene.name, scene.description)
     }
+}
+
+/// Label of what is hard to believe, or has no effect.
+const DOUBT: &str = "doubt";
+
+/// Rows on what is hard to believe of a scene.
+fn doubts(scene: &CheckedScene) -> Vec<(&'static str, String)> {
+    let doubts = pinwheel_scene::doubts(scene).into_iter();
+    let said = |a: Assumption| (DOUBT, format!("{} = {} is {}", a.key, a.value, a.reason));
+    doubts.map(said).collect()
 }

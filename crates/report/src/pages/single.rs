@@ -9,7 +9,7 @@ use pinwheel_timeseries::columns;
 use pinwheel_timeseries::figure::Figure;
 use pinwheel_timeseries::figure::definitions::{FRICTION, SHARE_DELIVERED};
 
-use crate::pages::band;
+use crate::pages::{band, doubts};
 
 /// Results of a run, in words.
 fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
@@ -73,6 +73,7 @@ pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
     let bands = found.bands.as_ref();
     let mut rows = results(&found.results(), found.resolution.is_some());
     rows.extend(bands.into_iter().flat_map(band::rows));
+    rows.extend(doubts(&found.scene));
     let track = found.track.as_str();
     let (samples, end_s) = (found.run.time_series.len(), found.scene.solver.duration_s);
     let time = format!("{:.3} s wall, {:.3} s CPU", stats.wall_s, stats.cpu_s);

@@ -3,6 +3,7 @@
 //! Order matters: geometry is only computed from numbers that are finite and within bounds, and
 //! nothing here allocates in proportion to a value of the scene.
 
+mod believable;
 mod budget;
 mod combinations;
 mod geometry;
@@ -56,5 +57,6 @@ pub(crate) fn gear(gear: &Gear, gives_circle: bool) -> Result<(), Fault> {
     geometry::whole(gear).map_err(|fault| units::guess(gear).unwrap_or_else(|| tried(fault)))
 }
 
+pub use believable::doubts;
 pub use geometry::{external_sleeves, holes_inside_the_wheel, profile};
 pub(crate) use ranges::check as ranges;

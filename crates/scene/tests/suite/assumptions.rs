@@ -1,6 +1,6 @@
 //! What a scene assumes.
 
-use pinwheel_scene::{Scene, assumptions};
+use pinwheel_scene::{Override, PRESETS, Scene, assumptions, doubts};
 
 fn keys(scene: Scene) -> Vec<String> {
     let scene = scene.check().unwrap();
@@ -32,4 +32,73 @@ fn a_base_is_one_entry() {
         ("base", "forty-pins")
     );
     assert!(list[0].reason.contains("gear.wheels"));
+}
+
+/// What a mistake in one key of a gear by `init` is taken for.
+#[test]
+fn bad_input_that_is_hard_to_believe() {
+    let gear = crate::catalogue::catalogue(39, 104.0).draft().unwrap();
+    let said = |sets: &[(&str, &str)]| {
+        let sets: Vec<String> = sets
+            .iter()
+            .map(|(key, value)| format!("{key}={value}"))
+            .collect();
+        let sets: Vec<Override> = sets.iter().map(|set| set.parse().unwrap()).collect();
+        let scene = Scene::from_toml(&gear.text, "mine.toml", &sets).unwrap();
+        let each = doubts(&scene).into_iter();
+        each.map(|one| format!("{}: {}", one.key, one.reason))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(said(&[]), [""; 0]);
+    for (key, value, meant) in [
+        ("gear.face_width_m", "7.8", "typed in mm? that is 0.0078 m"),
+        (
+            "drive.input_speed_rad_s",
+            "15000",
+            "typed in rpm? that is 1570.8 rad/s",
+        ),
+        (
+            "mass.density_kg_m3",
+            "7.85",
+            "typed in g/cm^3? that is 7850 kg/m^3",
+        ),
+        (
+            "drive.output_torque_n_m",
+            "200e3",
+            "typed in N mm? that is 200 N m",
+        ),
+        (
+            "contact.material",
+            "\"pla\"",
+            "more than pla has, half to twice",
+        ),
+        (
+            "solver.step_s",
+            "1e-6",
+            "chooses its steps by solver.tolerance",
+        ),
+    ] {
+        let said = said(&[(key, value)]);
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(said[0].contains(meant), "{said:?}");
+    }
+    // As large as they may be.
+    let near = [
+        ("gear.face_width_m", "0.2"),
+        ("drive.input_speed_rad_s", "3000"),
+        ("mass.density_kg_m3", "19300"),
+    ];
+    assert_eq!(said(&near), [""; 0]);
+    assert_eq!(
+        said(&[("solver.integrator", "\"rk4\""), ("solver.step_s", "1e-6")]),
+        [""; 0]
+    );
+}
+
+#[test]
+fn every_preset_is_believed() {
+    for preset in PRESETS {
+        let scene = Scene::load(preset.name, &[]).unwrap();
+        assert_eq!(doubts(&scene), [], "{}", preset.name);
+    }
 }

@@ -75,3 +75,40 @@ fn bad_input_half_a_bearing_says_what_it_lacks() {
     }
     assert!(with("stiffness_n_m = 1e8").check().is_ok());
 }
+
+/// Rollers so thin that g is nearly the share asked for: ratings by their formulas' own sources.
+#[test]
+fn published_ratings_of_rollers() {
+    // Factor f of table 7 of ISO 281:2007.
+    for (g, factor) in [(0.01, 52.1), (0.02, 60.8), (0.1, 84.2), (0.3, 83.8)] {
+        let roller = 0.01;
+        let mut scene = with(&format!(
+            "rollers = 10\nroller_length_m = 0.02\nroller_diameter_m = {roller}"
+        ));
+        scene.gear.eccentric_bore_radius_m = Some(0.5 * (roller / g + roller));
+        let [still, turning] = scene.roller_ratings_n().unwrap();
+        let by_table = factor * 20f64.powf(7.0 / 9.0) * 10f64.powf(0.75) * 10f64.powf(29.0 / 27.0);
+        let off = turning / by_table - 1.0;
+        assert!(off.abs() < 0.05 / factor * 1.01, "{g}: {off}");
+        // 4000 MPa on the inner ring under 5 F/Z, by Hertz, steel of 207 GPa as in ISO/TR 10657.
+        let (modulus, pressure) = (2.07e11 / (2.0 * 0.91), 4e9_f64);
+        let curvature = 2.0 / roller + 2.0 / (roller / g - roller);
+        let carried = pressure * pressure * std::f64::consts::PI * 0.02 / (modulus * curvature);
+        let off = still / (10.0 / 5.0 * carried) - 1.0;
+        assert!(off.abs() < 5e-3, "{g}: {off}");
+    }
+    assert_eq!(with("stiffness_n_m = 1e8").roller_ratings_n(), None);
+}
+
+#[test]
+fn bad_input_rollers_that_do_not_fit() {
+    let with = |roller: f64| {
+        let text = format!("rollers = 19\nroller_length_m = 0.009\nroller_diameter_m = {roller}");
+        let mut scene = with(&text);
+        scene.gear.eccentric_bore_radius_m = Some(0.0165);
+        scene.check()
+    };
+    let said = with(0.0047).unwrap_err().to_string();
+    assert!(said.contains("give at most 0.004663 m"), "{said}");
+    with(0.004_663).unwrap();
+}

@@ -2,9 +2,9 @@
 
 use proptest::prelude::*;
 
-use pinwheel_scene::Scene;
 use pinwheel_scene::as_built::tolerance_m;
 use pinwheel_scene::catalogue::*;
+use pinwheel_scene::{Scene, derived};
 
 /// Catalogue of a gear of steel, with a load that goes with its size; all else is left out.
 pub(crate) fn catalogue(ratio: impl Into<f64>, diameter_mm: f64) -> Catalogue {
@@ -282,5 +282,15 @@ proptest! {
         let walls = pinwheel_scene::derived(&draft.scene).walls;
         let hole = draft.scene.gear.hole_radius_m;
         prop_assert!(walls.hole_to_profile_m > 0.09 * hole && walls.hole_to_hole_m > 0.09 * hole);
+    }
+}
+
+/// Holes leave 3 % of the pin circle's diameter between them, whatever the number of pins.
+#[test]
+fn walls_between_holes_are_sound() {
+    for (ratio, diameter_mm) in [(19, 60.0), (39, 104.0), (87, 250.0)] {
+        let scene = catalogue(ratio, diameter_mm).draft().unwrap().scene;
+        let wall = derived(&scene).walls.hole_to_hole_m;
+        assert!(wall >= 0.03 * 1e-3 * diameter_mm, "{ratio}: {wall}");
     }
 }

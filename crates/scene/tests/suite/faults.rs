@@ -10,10 +10,59 @@ fn overrides(texts: &[&str]) -> Vec<Override> {
 fn refused(texts: &[&str]) -> String {
     let error = Scene::load("paper", &overrides(texts)).expect_err(&texts.join(" "));
     assert!(matches!(error, SceneError::Key { .. }), "{error:?}");
+    followed(texts, &error);
     let line = error.to_string();
     assert!(!line.contains('\n'), "{line}");
     assert!(line.contains("; "), "no remedy: {line}");
     line
+}
+
+/// Settings that a remedy names, each a way of its own: `key = value`, a value that was meant, a bound, another key.
+fn ways(key: &str, remedy: &str) -> Vec<String> {
+    let table = key.rsplit_once('.').map_or("", |(table, _)| table);
+    let mut ways = Vec::new();
+    let words: Vec<&str> = remedy.split_whitespace().collect();
+    let bare = |word: &str| word.trim_matches([',', '?', ';', ':']).to_owned();
+    for (k, word) in words.iter().enumerate() {
+        let before = |n: usize| k.checked_sub(n).map_or("", |k| words[k]);
+        let said = bare(word);
+        let is_number = said.parse::<f64>().is_ok();
+        if before(1) == "=" && (is_number || said.starts_with('"')) {
+            let of = before(2);
+            let dot = if of.contains('.') || table.is_empty() {
+                ""
+            } else {
+                "."
+            };
+            let table = if dot.is_empty() { "" } else { table };
+            ways.push(format!("{table}{dot}{of}={said}"));
+        } else if is_number && ["give", "least", "most", "mean"].contains(&before(1)) {
+            ways.push(format!("{key}={said}"));
+        }
+    }
+    ways
+}
+
+/// Follows a remedy to the letter: what it names must pass the check that refused.
+fn followed(texts: &[&str], error: &SceneError) {
+    let SceneError::Key {
+        key, what, remedy, ..
+    } = error
+    else {
+        return;
+    };
+    for way in ways(key, remedy) {
+        let all: Vec<&str> = texts.iter().copied().chain([way.as_str()]).collect();
+        if let Err(SceneError::Key {
+            key: again,
+            what: still,
+            ..
+        }) = Scene::load("paper", &overrides(&all))
+        {
+            let is_other = again != *key || still.split(", ").last() != what.split(", ").last();
+            assert!(is_other, "{error}\nfollowed by {way}: {again} {still}");
+        }
+    }
 }
 
 /// The error of this text, read as `mine.toml`.

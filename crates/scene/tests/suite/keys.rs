@@ -34,6 +34,13 @@ fn rows_are_the_model() {
     scene.gear.face_width_m = Some(0.01);
     scene.gear.external_sleeves_turn = false;
     scene.gear.internal_sleeves_turn = false;
+    scene.gear.eccentric_bore_radius_m = Some(0.01);
+    scene.contact.material = Some("steel".to_owned());
+    scene.contact.pin_material = Some("bronze".to_owned());
+    scene.limits = toml::from_str(
+        "pressure_pa = 1e9\nbending_pa = 3e8\npressure_sliding_w_m2 = 1e6\nstatic_safety = 1.5\nlife_h = 6e3\nwall_m = 1e-3",
+    )
+    .unwrap();
     scene.mass.density_kg_m3 = Some(7850.0);
     scene.contact.pin_young_pa = Some(2e11);
     scene.contact.pin_poisson = Some(0.3);
@@ -44,9 +51,11 @@ fn rows_are_the_model() {
     scene.contact.internal_spring_n_m = Some(1e8);
     scene.bearings = toml::from_str(
         "output_torsion_n_m_rad = 1e5\ninternal_sleeve_stiffness_n_m = 5e7\n\
+         internal_sleeves_held = \"one-end\"\ninternal_sleeve_gap_m = 1e-3\n\
          sleeve_friction_coefficient = 0.002\nsleeve_bore_m = 0.01\ninput_seal_n_m = 0.1\noutput_seal_n_m = 0.1\n\
          [eccentric]\nstiffness_n_m = 1e8\nexponent = 1.0\nrollers = 9\n\
          roller_length_m = 0.01\nclearance_m = 0.0\ndamping_n_s_m = 1.0\ndynamic_rating_n = 2e4\n\
+         roller_diameter_m = 3e-3\n\
          friction_coefficient = 0.002\nbore_m = 0.02",
     )
     .unwrap();

@@ -69,7 +69,8 @@ fn rated_w(scene: &Scene) -> f64 {
 /// 10/3 of rollers and 3 of balls, which an exponent of 3/2 tells.
 fn life(carried: &[Vec<f64>], scene: &Scene) -> Option<Figure> {
     let bearing = scene.bearings.eccentric?;
-    let rating_n = bearing.dynamic_rating_n?;
+    let by_rollers = || scene.roller_ratings_n().map(|[_, dynamic]| dynamic);
+    let rating_n = bearing.dynamic_rating_n.or_else(by_rollers)?;
     let power = if bearing.exponent == Some(1.5) {
         3.0
     } else {
@@ -164,7 +165,7 @@ impl Balances {
 
     /// Forces of each disc's bearing over some of the poses, N. On cranks those of all: in the next period each crank
     /// stands where its neighbour does in this one.
-    fn carried(&self, scene: &Scene, every: usize, of: usize) -> Vec<Vec<f64>> {
+    pub(crate) fn carried(&self, scene: &Scene, every: usize, of: usize) -> Vec<Vec<f64>> {
         let poses = self.loaded.iter().skip(of).step_by(every);
         let Some(cranks) = scene.cranks else {
             let bearings = Bearing::all(&poses.collect::<Vec<_>>()).into_iter();
@@ -224,7 +225,7 @@ impl Balances {
 }
 
 /// The figure of a value that balances give.
-fn balanced(def: &FigureDef, value: f64) -> Figure {
+pub(crate) fn balanced(def: &FigureDef, value: f64) -> Figure {
     def.of(value, ROUNDING * value.abs())
 }
 

@@ -1,12 +1,18 @@
-//! The discs as drawings: DXF in millimetres for CAD, CSV in metres for programs.
+//! The discs as drawings, in millimetres: DXF for CAD, CSV for programs.
 //!
-//! The DXF is AutoCAD's of release 12, ASCII, which everything reads: a closed polyline on the layer `edge`, circles on `holes`.
-//! Source of the group codes: Autodesk, DXF Reference, sections POLYLINE, VERTEX, CIRCLE.
+//! The DXF is AutoCAD's of release 12, ASCII, which everything reads: a closed polyline on the layer `edge`, circles on `holes`, `bore`
+//! (of the bearing on the eccentric), and, where they mesh with the disc at the input angle 0, `ring_pins` and `output_pins`.
+//! Source of the group codes: Autodesk, DXF Reference, sections HEADER, POLYLINE, VERTEX, CIRCLE.
+//!
+//! Discs that are one part are one drawing. Disc i of n is the first one with its holes turned by 2 pi i/(n zs) against its lobes,
+//! which is the same part if that is a/zs + b/zi turns for whole a and b: if gcd(zs, zi) divides i zi/n. Two discs are one part
+//! where zs is odd and zi even.
 
+use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 use std::path::Path;
 
-use pinwheel_scene::{CheckedScene, Outline};
+use pinwheel_scene::{CheckedScene, Gear, Outline, bore_radius_m};
 use pinwheel_timeseries::table::Table;
 use serde::Serialize;
 
@@ -16,18 +22,29 @@ use crate::output::{OutputError, write_text, write_with};
 /// Largest distance of the drawn edge from the true one, m.
 pub const CHORD_M: f64 = 1e-6;
 
+/// Distance of two holes that are at one place, as a share of their circle's radius.
+const SAME: f64 = 1e-9;
+
+/// A circle: its centre and radius, m.
+type Circle = ([f64; 2], f64);
+
 /// Drawing of one disc.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Drawing {
+    /// Discs that are this part.
+    pub wheels: Vec<usize>,
     /// Corners of the edge.
     pub corners: usize,
     /// Largest distance of the edge from its chords that was found, m.
     pub chord_error_m: f64,
     #[serde(skip)]
     outline: Outline,
+    /// Layers beside edge and holes.
+    #[serde(skip)]
+    others: [(&'static str, Vec<Circle>); 3],
 }
 
-/// Draws every disc.
+/// Draws every disc, those that are one part once.
 ///
 /// # Errors
 /// A disc so large that the chord error is next to nothing.
@@ -35,30 +52,104 @@ pub fn discs(scene: &CheckedScene) -> Result<Vec<Drawing>, StudyError> {
     let gear = &scene.gear;
     // Of a large gear, what a micrometre is to the paper's.
     let chord_m = CHORD_M.max(1e-6 * gear.pitch_radius_m());
-    let disc = |wheel| {
+    let mut drawings: Vec<Drawing> = Vec::new();
+    for wheel in 0..gear.wheels {
         let outline = gear.outline(wheel, chord_m);
         let outline = outline.map_err(|fault| StudyError::Input(fault.to_string()))?;
-        Ok(Drawing {
+        let one_part = |drawing: &&mut Drawing| is_one_part(gear, &drawing.outline, &outline);
+        if let Some(drawing) = drawings.iter_mut().find(one_part) {
+            drawing.wheels.push(wheel);
+            continue;
+        }
+        drawings.push(Drawing {
+            wheels: vec![wheel],
             corners: outline.edge_m.len(),
             chord_error_m: outline.chord_error_m,
             outline,
+            others: others(scene, wheel),
+        });
+    }
+    Ok(drawings)
+}
+
+fn turned([x, y]: [f64; 2], angle: f64) -> [f64; 2] {
+    let (sin, cos) = angle.sin_cos();
+    [x * cos - y * sin, x * sin + y * cos]
+}
+
+/// True if a disc is the other one turned by some of its lobes: all edges are alike, holes may differ.
+fn is_one_part(gear: &Gear, one: &Outline, other: &Outline) -> bool {
+    let same = SAME * gear.internal_circle_radius_m;
+    let lobes = gear.lobes();
+    (0..lobes).any(|lobe| {
+        let turn = TAU * lobe as f64 / lobes as f64;
+        one.holes_m.iter().all(|(at, radius)| {
+            let [x, y] = turned(*at, turn);
+            other
+                .holes_m
+                .iter()
+                .any(|([u, v], other)| (x - u).hypot(y - v) < same && (radius - other).abs() < same)
         })
+    })
+}
+
+/// Bore, ring pins and output pins of a disc, in its own frame, at the input angle 0; cranks have no output pins.
+fn others(scene: &CheckedScene, wheel: usize) -> [(&'static str, Vec<Circle>); 3] {
+    let gear = &scene.gear;
+    let phase = TAU * wheel as f64 / gear.wheels as f64;
+    let start = (PI - phase) / gear.lobes() as f64;
+    let [ex, ey] = turned([gear.eccentricity_m, 0.0], phase);
+    let seen = |[x, y]: [f64; 2]| turned([x - ex, y - ey], -start);
+    let ring = |j| {
+        (
+            seen(gear.external_sleeve_m(j)),
+            gear.external_sleeve_radius_of_m(j),
+        )
     };
-    (0..gear.wheels).map(disc).collect()
+    let output = |k| {
+        (
+            seen(gear.internal_sleeve_m(k)),
+            gear.internal_sleeve_radius_of_m(k),
+        )
+    };
+    let outputs = if scene.cranks.is_some() {
+        0
+    } else {
+        gear.internal_sleeves
+    };
+    [
+        ("bore", vec![([0.0; 2], bore_radius_m(gear))]),
+        ("ring_pins", (0..gear.external_sleeves).map(ring).collect()),
+        ("output_pins", (0..outputs).map(output).collect()),
+    ]
 }
 
 impl Drawing {
+    /// Number of the first disc that is this part: its files are `disc_<number>.dxf` and `.csv`.
+    #[must_use]
+    pub fn number(&self) -> usize {
+        self.wheels.first().copied().unwrap_or_default()
+    }
+
+    /// Circles by layer.
+    fn circles(&self) -> impl Iterator<Item = (&'static str, &Circle)> {
+        let holes = self.outline.holes_m.iter().map(|circle| ("holes", circle));
+        let others = self.others.iter();
+        holes.chain(others.flat_map(|(layer, all)| all.iter().map(|circle| (*layer, circle))))
+    }
+
     /// Writes `disc_<number>.dxf` and `disc_<number>.csv`.
-    pub(super) fn write(&self, dir: &Path, number: usize) -> Result<(), OutputError> {
+    pub(super) fn write(&self, dir: &Path) -> Result<(), OutputError> {
+        let number = self.number();
         write_text(&dir.join(format!("disc_{number}.dxf")), &self.dxf())?;
         let edge = self.outline.edge_m.iter().map(|at| ("edge", at, None));
-        let holes = self.outline.holes_m.iter();
-        let holes = holes.map(|(at, radius)| ("hole", at, Some(*radius)));
-        let table = Table::of("", edge.chain(holes))
-            .text("part", "", |part| part.0)
-            .number("x_m", "", |part| part.1[0])
-            .number("y_m", "", |part| part.1[1])
-            .number("radius_m", "", |part| part.2)
+        let circles = self.circles();
+        let circles = circles.map(|(layer, (at, radius))| (layer, at, Some(*radius)));
+        let table = Table::of("", edge.chain(circles))
+            .text("layer", "", |part| part.0)
+            .number("x_mm", "", |part| 1e3 * part.1[0])
+            .number("y_mm", "", |part| 1e3 * part.1[1])
+            .number("radius_mm", "", |part| part.2.map(|radius| 1e3 * radius))
             .done();
         write_with(dir, &format!("disc_{number}.csv"), |sink| {
             table.write_csv(sink)
@@ -81,8 +172,22 @@ impl Drawing {
                 1e3 * self.chord_error_m
             ),
         );
-        put(0, "SECTION");
-        put(2, "ENTITIES");
+        // Millimetres: 4.
+        for (code, value) in [
+            (0, "SECTION"),
+            (2, "HEADER"),
+            (9, "$ACADVER"),
+            (1, "AC1009"),
+            (9, "$INSUNITS"),
+            (70, "4"),
+            (9, "$MEASUREMENT"),
+            (70, "1"),
+            (0, "ENDSEC"),
+            (0, "SECTION"),
+            (2, "ENTITIES"),
+        ] {
+            put(code, value);
+        }
         put(0, "POLYLINE");
         put(8, "edge");
         put(66, "1");
@@ -98,9 +203,9 @@ impl Drawing {
             put(30, "0.0");
         }
         put(0, "SEQEND");
-        for &([x, y], radius) in &self.outline.holes_m {
+        for (layer, &([x, y], radius)) in self.circles() {
             put(0, "CIRCLE");
-            put(8, "holes");
+            put(8, layer);
             put(10, &mm(x));
             put(20, &mm(y));
             put(30, "0.0");

@@ -23,6 +23,7 @@ mod budget;
 mod cycle;
 pub(crate) mod drawing;
 pub(crate) mod joint;
+mod limits;
 
 use std::path::Path;
 
@@ -53,6 +54,7 @@ pub use budget::{Rest, Share};
 pub use cycle::Cycle;
 pub use drawing::{CHORD_M, Drawing};
 pub use joint::{Friction, Joint, Spring};
+pub use limits::{Answer, Limit, Limits};
 
 use crate::balances::figures::{LOST, parted, withhold_lost_motion};
 use crate::balances::orders;
@@ -130,6 +132,8 @@ pub struct DesignResult {
     pub figures: Vec<Figure>,
     /// Other contact laws and fits beside the scene's; `None`: there is nothing to compare.
     pub bands: Option<Bands>,
+    /// Loads of the parts against what they may bear.
+    pub limits: Limits,
     /// Quantities that follow from the dimensions.
     pub dimensions: Derived,
     /// Lost motion and stiffness.
@@ -215,6 +219,7 @@ pub(crate) fn answers(
             bands.bound(figure, &def);
         }
     }
+    found.limits = Limits::of(&gearbox.scene, &found.figures);
     Ok(found)
 }
 
@@ -286,6 +291,7 @@ fn figures_by(
     let is_loose = preloaded.is_none();
     withhold_lost_motion(&mut figures, preloaded.as_ref());
     figures.extend(balances.of_bearings(scene));
+    figures.extend(limits::figures(&balances, scene));
 
     let mut bearings = Bearing::all(&balances.loaded.iter().collect::<Vec<_>>());
     for bearing in &mut bearings {
@@ -297,6 +303,7 @@ fn figures_by(
         preloaded,
         figures,
         bands: None,
+        limits: Limits::default(),
         dimensions: derived(scene),
         torsion: Torsion {
             lost_motion_arcmin: is_loose.then_some(summed.lost),
@@ -470,6 +477,7 @@ impl DesignResult {
             scene: own.scene,
             figures: own.figures,
             bands: own.bands,
+            limits: own.limits,
             cycle: own.cycle,
             efficiency: own.efficiency,
             joint: own.joint,
@@ -567,8 +575,8 @@ impl DesignResult {
         if let Some(joint) = &self.joint {
             joint.write(dir)?;
         }
-        for (number, disc) in self.discs.iter().enumerate() {
-            disc.write(dir, number)?;
+        for disc in &self.discs {
+            disc.write(dir)?;
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Drawings of discs.
 
 use pinwheel_contact::{Complex, Epitrochoid};
-use pinwheel_scene::Scene;
+use pinwheel_scene::{CheckedScene, Modification, Scene, bore_radius_m};
 use pinwheel_studies::design::CHORD_M;
 use pinwheel_studies::internals::discs;
 
@@ -30,7 +30,7 @@ fn drawings_lie_on_the_edge() {
         modification.radial_m = radial_m;
         modification.rotational_rad = rotational_rad;
         let scene = scene.check().unwrap();
-        let drawing = &discs(&scene).unwrap()[1];
+        let drawing = &discs(&scene).unwrap()[0];
         assert!(drawing.chord_error_m <= CHORD_M, "{drawing:?}");
         let gear = &scene.gear;
         let curve = Epitrochoid::new(
@@ -48,11 +48,12 @@ fn drawings_lie_on_the_edge() {
         let dxf = drawing.dxf();
         let pairs = read(&dxf);
         let numbers = |wanted: u32, layer: &str| {
-            let mut inside = false;
+            let (mut inside, mut at) = (false, "");
             let mut found = Vec::new();
             for &(code, value) in &pairs {
                 match code {
-                    0 => inside = value == if layer == "edge" { "VERTEX" } else { "CIRCLE" },
+                    0 => at = value,
+                    8 => inside = value == layer && (layer != "edge" || at == "VERTEX"),
                     _ if inside && code == wanted => {
                         found.push(1e-3 * value.parse::<f64>().unwrap());
                     }
@@ -75,8 +76,62 @@ fn drawings_lie_on_the_edge() {
             "{worst} of {}",
             drawing.chord_error_m
         );
+        assert!(
+            pairs
+                .windows(2)
+                .any(|two| two == [(9, "$INSUNITS"), (70, "4")])
+        );
+        let radius = |layer: &str| numbers(40, layer)[0];
+        assert!((radius("bore") - bore_radius_m(gear)).abs() < 1e-12);
+        assert_eq!(numbers(40, "output_pins").len(), gear.internal_sleeves);
+        // At the input angle 0 every ring pin touches the edge of a disc that is not modified.
+        let (x, y) = (numbers(10, "ring_pins"), numbers(20, "ring_pins"));
+        assert_eq!(x.len(), gear.external_sleeves);
+        for at in x
+            .into_iter()
+            .zip(y)
+            .filter(|_| gear.modification == Modification::default())
+        {
+            let apart = outside(Complex::new(at.0, at.1)) - radius("ring_pins");
+            assert!(apart.abs() < 1e-11, "{at:?}: {apart}");
+        }
         let radii = numbers(40, "holes");
         assert_eq!(radii.len(), gear.internal_sleeves);
         assert!((radii[0] - gear.hole_radius_m).abs() < 1e-12);
+    }
+}
+
+/// Two discs are one part where zs is odd and zi even, and else by the rule of common divisors: shown by turning one onto the
+/// other. A hole that is off makes them two.
+#[test]
+fn discs_that_are_one_part_are_one_drawing() {
+    let divisor = |mut a: usize, mut b: usize| {
+        while b > 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    for zk in [16, 17, 13, 11] {
+        for (zi, wheels) in [(8, 2), (6, 2), (5, 2), (6, 3), (8, 4)] {
+            let mut scene = Scene::paper();
+            let gear = &mut scene.gear;
+            gear.external_sleeves = zk;
+            gear.eccentricity_m = 0.0028 * 16.0 / zk as f64;
+            (gear.internal_sleeves, gear.wheels) = (zi, wheels);
+            let (lobes, mut apart) = (zk - 1, scene.clone());
+            let drawings = discs(&CheckedScene::unchecked(scene)).unwrap();
+            let g = divisor(lobes, zi);
+            let is_first =
+                |i: &usize| (i * zi).is_multiple_of(wheels) && (i * zi / wheels).is_multiple_of(g);
+            let alike: Vec<usize> = (0..wheels).filter(is_first).collect();
+            assert_eq!(drawings[0].wheels, alike, "{lobes} lobes, {zi} pins");
+            if lobes % 2 == 1 && zi % 2 == 0 && wheels == 2 {
+                assert_eq!(drawings.len(), 1, "{lobes} lobes, {zi} pins");
+            }
+            apart.gear.errors.hole_radial_m = vec![0.0; zi * wheels];
+            apart.gear.errors.hole_radial_m[zi] = 1e-6;
+            let drawings = discs(&CheckedScene::unchecked(apart)).unwrap();
+            assert!(!drawings[0].wheels.contains(&1), "{lobes} lobes, {zi} pins");
+        }
     }
 }

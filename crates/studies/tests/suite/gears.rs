@@ -74,6 +74,7 @@ fn geometry(rng: &mut Rng) -> Gear {
     };
     let internal = rng.between(0.5, 0.95) * (most - eccentricity - clearance);
     Gear {
+        eccentric_bore_radius_m: None,
         eccentricity_m: eccentricity,
         external_sleeves: zk,
         shortening,

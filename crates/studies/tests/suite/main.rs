@@ -15,6 +15,7 @@ mod gears;
 mod joint;
 mod judge;
 mod lanes;
+mod limits;
 mod load_changes;
 mod losses;
 mod norms;

@@ -44,6 +44,16 @@ definitions! { DIGITS;
     BEARING_LIFE = "eccentric_bearing_life_h", "eccentric bearing, basic rating life", "h",
         "L10h after ISO 281 of the most loaded disc, rated speed and load throughout";
 
+    STATIC_SAFETY = "eccentric_bearing_static_safety", "eccentric bearing, static safety", "",
+        "C0/F of the largest force, C0 by its rollers after ISO 76";
+    PIN_BENDING = "output_pin_bending_mpa", "bending of output pins", "MPa",
+        "32 M/(pi d^3) of a round pin, its discs' forces in one plane, in the worse order";
+    PROJECTED_SLIDING = "sleeve_pressure_sliding_mpa_m_s", "pressure times sliding of a sleeve", "MPa m/s",
+        "F v/(d L) of the sleeve on its pin, or of the disc on a pin that does not turn: both are the same";
+    WALL = "wall_mm", "thinnest wall of a disc", "mm", "between holes, or from one to edge or bore";
+    WALL_SHEAR = "wall_shear_mpa", "shear of that wall", "MPa",
+        "F/(2 t b): a pin that presses on a wall of t tears it out along two planes";
+
     BEARING_LOSS = "eccentric_bearing_loss_percent", "eccentric bearings, friction loss", "%",
         "mu F d/2 against their turning, of the rated output power";
 

@@ -1,0 +1,115 @@
+//! Does the gear bear its load? The answer in words, and every limit in a table.
+
+use crate::figure::number;
+use crate::format::{NONE, joined, significant};
+use crate::study::{Block, Mark, Section, Tile};
+use pinwheel_studies::design::{Answer, Limit, Limits};
+use pinwheel_timeseries::table::Table;
+
+/// Question that the limits answer.
+pub(super) const QUESTION: &str = "bears its load";
+
+/// A value with the unit of a limit.
+fn with_unit(limit: &Limit, value: Option<f64>) -> String {
+    let value = value.map_or_else(|| NONE.to_owned(), number);
+    format!("{value} {}", limit.def.unit).trim_end().to_owned()
+}
+
+/// Name of a limit: its figure, and the kind where it has two.
+fn named(limit: &Limit) -> String {
+    joined(
+        ", ",
+        [&*limit.def.label, limit.of]
+            .into_iter()
+            .filter(|part| !part.is_empty()),
+    )
+}
+
+/// The answer, and what decides it.
+#[must_use]
+pub fn answer(limits: &Limits) -> (String, String) {
+    let Some((limit, margin)) = limits.tightest().zip(limits.margin) else {
+        return ("not judged".to_owned(), String::new());
+    };
+    let by = significant(margin, 2);
+    let said = match limits.bears_its_load {
+        Answer::Yes => format!("yes, by {by}"),
+        Answer::No => format!("no: {}", with_unit(limit, limit.worst)),
+        _ => format!("by {by}, as far as judged"),
+    };
+    let allowed = with_unit(limit, limit.permissible);
+    (
+        said,
+        format!("{}: {allowed} by {}", named(limit), limit.source),
+    )
+}
+
+/// The answer in a sentence.
+pub(super) fn sentence(limits: &Limits) -> String {
+    let (said, why) = answer(limits);
+    joined(
+        "; ",
+        [said, why].into_iter().filter(|part| !part.is_empty()),
+    )
+}
+
+/// Limits that were not judged, with what to state for each.
+pub(super) fn unjudged(limits: &Limits) -> Option<String> {
+    let open = limits.each.iter().filter(|limit| limit.margin.is_none());
+    let open = open.map(|limit| format!("{} ({})", named(limit), limit.source));
+    Some(joined("; ", open)).filter(|open| !open.is_empty())
+}
+
+/// Mark of the answer: nothing that was not judged is good.
+pub(super) fn mark(limits: &Limits) -> Mark {
+    match limits.bears_its_load {
+        Answer::Yes => Mark::Good,
+        Answer::No if limits.exceeded().is_some() => Mark::Bad,
+        Answer::No => Mark::Warn,
+        _ => Mark::None,
+    }
+}
+
+pub(super) fn tile(limits: &Limits) -> Tile {
+    let (said, why) = answer(limits);
+    let open = limits.each.iter().filter(|limit| limit.margin.is_none());
+    let open = match open.count() {
+        0 => String::new(),
+        open => format!("; {open} of {} not judged", limits.each.len()),
+    };
+    Tile::new(
+        QUESTION,
+        said,
+        format!("{why}{open}").trim_start_matches("; "),
+    )
+}
+
+/// Table of every limit.
+pub(super) fn table(limits: &Limits) -> Table {
+    let of = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), number);
+    Table::of("", &limits.each)
+        .text("", "Limit", |limit| named(limit))
+        .number("", "At worst", |limit| limit.worst)
+        .said(move |limit| of(limit.worst))
+        .number("", "Allowed", |limit| limit.permissible)
+        .said(move |limit| of(limit.permissible))
+        .text("", "Unit", |limit| &*limit.def.unit)
+        .number("", "Margin", |limit| limit.margin)
+        .said(|limit| {
+            limit
+                .margin
+                .map_or_else(|| NONE.to_owned(), |m| significant(m, 2))
+        })
+        .text("", "By", |limit| &*limit.source)
+        .done()
+}
+
+pub(super) fn section(limits: &Limits) -> Section {
+    Section::new("limits", "Limits")
+        .with(
+            "Loads of the parts at the rated load against what they may bear. A value counts with its numerical uncertainty and the worse end \
+             of its bands. Fatigue of pins and discs, impacts, oil and heat are left out. `[limits]` states limits of yours: \
+             one that is exceeded ends the command with status 1.",
+        )
+        .with(Block::Table(table(limits)))
+}
