@@ -62,7 +62,7 @@ fn crossval_a_record_names_the_stage() {
             "compare paper --set solver.duration_s=0.01 --engines native-resolved --against rig/courses.csv --map map.toml",
         );
         assert_eq!(
-            said.contains("stage "),
+            said.contains("likely"),
             named.is_some(),
             "{set}: {said}{wrong}"
         );

@@ -78,6 +78,7 @@ fn check(args: &CheckArgs) -> Result<u8, Failure> {
         threads: args.running.jobs.into(),
         only: args.running.only.clone(),
         solvers: args.running.solvers.join()?,
+        stages: true,
     };
     let here = made(options.kernel);
     let found = watched(|control| baseline::check(&accepted, here, &options, control))?;

@@ -161,7 +161,8 @@ pub fn check(
         let case = &mut cases[place];
         case.judge(accepted, result, adaptive);
         let most = case.moved_most();
-        let Some(most) = most.filter(|most| most.verdict == Verdict::Worse) else {
+        let is_sought = |most: &&QuantityCheck| options.stages && most.verdict == Verdict::Worse;
+        let Some(most) = most.filter(is_sought) else {
             continue;
         };
         let drifts = most.quantity == Quantity::JointDrift;

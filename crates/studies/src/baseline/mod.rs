@@ -50,6 +50,8 @@ pub struct Options {
     pub only: Vec<String>,
     /// Solvers that joined; with any, they are run instead of our own, at the scenes' steps and tolerances.
     pub solvers: Vec<String>,
+    /// True if the stage that moved is sought where the error of a case rose.
+    pub stages: bool,
 }
 
 impl Default for Options {
@@ -59,6 +61,7 @@ impl Default for Options {
             threads: 1,
             only: Vec::new(),
             solvers: Vec::new(),
+            stages: true,
         }
     }
 }

@@ -180,7 +180,7 @@ pub(super) fn cause(
         let what = kind.words(what, size, plus_minus);
         Part {
             stage: *stage,
-            word: *cause,
+            word: cause,
             what,
             size,
             plus_minus,

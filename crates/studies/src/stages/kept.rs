@@ -129,5 +129,5 @@ pub(super) fn of_record(gearbox: &Gearbox, name: &str, record: &TimeSeries) -> O
         written,
         bound,
     };
-    of_kept(gearbox, &kept, &figures)
+    of_kept(gearbox, &kept, &figures).filter(|found| found.cause.is_some())
 }

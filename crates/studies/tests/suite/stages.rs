@@ -534,13 +534,13 @@ fn names_faults_in_an_engine() {
             "driver's sign",
             of(|s| s.column = |k| if k == 0 { -1.0 } else { 1.0 }),
             Driver,
-            &[("torque", -2.0, 1e-7)],
+            &[("torque", -2.0, 1e-6)],
         ),
         (
             "output's torque as written",
             of(|s| s.column = |k| if k == 1 { 1.02 } else { 1.0 }),
             Assembly,
-            &[("torque", 0.02, 1e-7)],
+            &[("torque", 0.02, 1e-5)],
         ),
         (
             "stale foot",
