@@ -207,10 +207,11 @@ def test_units_typed_with_numbers():
 
 def test_remedies_of_a_text_are_ways_of_python(tmp_path):
     texts = []
+    ideal = pinwheel.gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500, ideal=True)
     for scene, engines in (
         (SHORT, ["native", "native-lagrange"]),
         ("steel", ["native", my_euler]),
-        (pinwheel.gear(ratio=39, pin_circle_diameter_mm=104, torque_n_m=200, speed_rpm=1500, ideal=True).with_(duration_s=0.004), ()),
+        (ideal.with_(duration_s=0.004), ()),
     ):
         found = pinwheel.compare(scene, engines, longest_s=0.5)
         texts.append(str(found))

@@ -143,7 +143,7 @@ fn browser_shows_measured_data() {
 fn browser_shows_a_design() {
     browse(|browser, dir| {
         let typed = "design paper-friction --set solver.duration_s=0.02";
-        flawless(browser, &page(dir, typed), [7, 1, 2]);
+        flawless(browser, &page(dir, typed), [7, 1, 3]);
         // Names in backticks are code, in the lead too.
         let lead = browser.text("document.querySelector('.lead').innerHTML");
         assert!(lead.contains("<code>") && !lead.contains('`'), "{lead}");

@@ -489,25 +489,27 @@ impl Scene {
         PAPER.clone()
     }
 
-    /// Moment of inertia of the output shaft with what it carries on its circle, output pins, cranks or ring pins, kg m^2.
+    /// Moment of inertia of the output shaft with what it carries on its circle, output pins, cranks or ring pins, kg m^2. Pins that
+    /// do not turn by themselves turn with the output.
     #[must_use]
     pub fn output_inertia_kg_m2(&self) -> f64 {
         let (gear, mass) = (&self.gear, &self.mass);
-        let (count, mass_kg, radius) = match self.drive.output {
-            OutputPart::Carrier => {
-                let mass_kg = mass.internal_sleeve.mass_kg;
-                (
-                    gear.internal_sleeves,
-                    mass_kg,
-                    gear.internal_circle_radius_m,
-                )
-            }
-            OutputPart::Ring => {
-                let mass_kg = mass.external_sleeve.mass_kg;
-                (gear.external_sleeves, mass_kg, gear.pitch_radius_m())
-            }
+        let (count, pin, radius, turns) = match self.drive.output {
+            OutputPart::Carrier => (
+                gear.internal_sleeves,
+                mass.internal_sleeve,
+                gear.internal_circle_radius_m,
+                gear.internal_sleeves_turn,
+            ),
+            OutputPart::Ring => (
+                gear.external_sleeves,
+                mass.external_sleeve,
+                gear.pitch_radius_m(),
+                gear.external_sleeves_turn,
+            ),
         };
-        self.output_shaft().moment_kg_m2 + count as f64 * mass_kg * radius.powi(2)
+        let own = if turns { 0.0 } else { pin.moment_kg_m2 };
+        self.output_shaft().moment_kg_m2 + count as f64 * (pin.mass_kg * radius.powi(2) + own)
     }
 }
 

@@ -251,7 +251,9 @@ fn what_cannot_be_reduced_is_said() {
             m.revolutes.retain(|revolute| revolute.child != driven);
         }),
         ("carrier of `b`", |m| m.revolutes[2].parent = Some(1)),
-        ("between two bodies", |m| m.drivers[0].parent = Some(3)),
+        ("moves a body against another", |m| {
+            m.drivers[0].parent = Some(3)
+        }),
     ];
     for (said, change) in changes {
         let mut m = carousel(true);
