@@ -271,7 +271,7 @@ def motions(drive: dict[str, Any]) -> list[tuple[float, float, float, float]]:
 
 
 def legs(drive: dict[str, Any], samples: list[float]) -> list[tuple[float, float]]:
-    """Returns the times of cuts of the run: jumps and kinks of load and speed and its end, by the load's clock and the solver's.
+    """Returns the times of cuts of the run, jumps and kinks of load and speed and its end, by both clocks.
 
     A sample there is the same moment but for rounding.
     """

@@ -379,7 +379,7 @@ fn program_design_says_whether_the_gear_bears_its_load() {
         assert_eq!(limits["margin"].as_f64().unwrap() < 1.0, said == "no: ");
     }
     assert!(
-        !dir.path().join("r/disc_0.dxf").exists(),
+        !dir.path().join("r/disc_1.dxf").exists(),
         "both discs are one part"
     );
 }
@@ -924,7 +924,7 @@ fn program_from_a_catalogue_to_its_tolerances() {
         lost["key"] == "lost_motion_arcmin" && low < value && value < high,
         "{lost}"
     );
-    assert!(dir.path().join("out/mine-design/disc_1.dxf").exists());
+    assert!(dir.path().join("out/mine-design/disc_0.dxf").exists());
     let study = dir.path().join("mine.tolerances.toml");
     let text = std::fs::read_to_string(&study)
         .unwrap()

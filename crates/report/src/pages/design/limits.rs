@@ -87,7 +87,7 @@ pub(super) fn tile(limits: &Limits) -> Tile {
 /// Table of every limit.
 pub(super) fn table(limits: &Limits) -> Table {
     let of = |value: Option<f64>| value.map_or_else(|| NONE.to_owned(), number);
-    Table::of("", &limits.each)
+    Table::of("Limits", &limits.each)
         .text("", "Limit", |limit| named(limit))
         .number("", "At worst", |limit| limit.worst)
         .said(move |limit| of(limit.worst))
