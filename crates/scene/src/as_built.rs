@@ -1,4 +1,4 @@
-//! What a gear has that can be assembled: clearances by fits, bearings, pins that bend, friction. Suggested, each with its reason.
+//! Suggestions for a gear that can be assembled: clearances by fits, bearings, pins that bend and friction, each with its reason.
 //!
 //! ```text
 //!  clearance across the diameter: least  = g of ISO 286-1, 2.5 D^0.34 um (D in mm)

@@ -4,19 +4,16 @@
 //! this frame, and one transforms the sum of forces back. Forces of a pair act at W on both bodies, so that action and reaction
 //! balance in force and in moment.
 
-use pinwheel_contact::{
-    AdamsFriction, Complex, Dual, Friction, NormalLaw, OnPin, PinLaw, RegularisedCoulomb, Scalar,
-};
-use pinwheel_faults::{Fault, factor};
+use pinwheel_contact::{Complex, Dual, Friction, NormalLaw, OnPin, PinLaw, Scalar};
 use pinwheel_mbs::{BodyState, Derivatives, Evaluation, Wrench};
 
 use super::detection::{Detection, Exact, Touch};
 use super::flanks::{Flanks, Seat};
 use super::motion::{self, Motion};
 use super::pair::{PairContact, PairField};
-use super::pin_friction::PinFriction;
+use super::pin_friction::{PinFriction, friction};
 use crate::geometry::Geometry;
-use crate::scene::{self, FrictionLaw, Scene};
+use crate::scene::Scene;
 use crate::{Layout, Sleeve};
 
 /// Contact field of one detection.
@@ -118,22 +115,6 @@ impl Loaded {
             along_force_n: self.along_force,
             centre: ground(self.touch.point - self.arm),
         }
-    }
-}
-
-/// Returns the friction of a scene with this coefficient.
-pub(super) fn friction(contact: &scene::Contact, coefficient: f64) -> Friction {
-    match contact.friction_law {
-        FrictionLaw::Regularised => Friction::Regularised(RegularisedCoulomb {
-            coefficient,
-            ramp: contact.friction_ramp_m_s * factor(Fault::FrictionSign, -1.0),
-        }),
-        FrictionLaw::Adams => Friction::Adams(AdamsFriction {
-            static_coefficient: coefficient,
-            dynamic_coefficient: contact.friction_dynamic_coefficient.min(coefficient),
-            static_speed: contact.friction_ramp_m_s,
-            dynamic_speed: contact.friction_dynamic_speed_m_s,
-        }),
     }
 }
 

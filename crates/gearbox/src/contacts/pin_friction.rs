@@ -9,13 +9,13 @@
 //! disc. The couple T r on the pin acts on the pin's carrier. A roller thinner than d turns in a groove, on its own diameter.
 //! slow = 1 rad/s. Derivatives omit T, which is some thousandths of F_n.
 
-use pinwheel_contact::{Friction, Real};
+use pinwheel_contact::{AdamsFriction, Friction, Real, RegularisedCoulomb};
+use pinwheel_faults::{Fault, factor};
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::bearings::SLOW_RAD_S;
 
 use super::pair::PairContact;
-use super::pairs::friction;
-use crate::scene::Scene;
+use crate::scene::{self, FrictionLaw, Scene};
 use crate::{Layout, Sleeve};
 
 /// Friction of sleeves on their pins.
@@ -35,6 +35,22 @@ pub(crate) struct Drag {
     /// Couple on the pin, N m.
     couple: f64,
     pub(super) lost_w: f64,
+}
+
+/// Returns the friction of a scene with this coefficient.
+pub(super) fn friction(contact: &scene::Contact, coefficient: f64) -> Friction {
+    match contact.friction_law {
+        FrictionLaw::Regularised => Friction::Regularised(RegularisedCoulomb {
+            coefficient,
+            ramp: contact.friction_ramp_m_s * factor(Fault::FrictionSign, -1.0),
+        }),
+        FrictionLaw::Adams => Friction::Adams(AdamsFriction {
+            static_coefficient: coefficient,
+            dynamic_coefficient: contact.friction_dynamic_coefficient.min(coefficient),
+            static_speed: contact.friction_ramp_m_s,
+            dynamic_speed: contact.friction_dynamic_speed_m_s,
+        }),
+    }
 }
 
 impl PinFriction {
