@@ -613,7 +613,7 @@ impl<'a> Statics<'a> {
     fn continue_from(&mut self, near: &Equilibrium, phi: f64, load: f64) -> Option<Equilibrium> {
         let problem = self.problem(phi, load, &self.carrier);
         let free = problem.free;
-        let mut u = self.from_mesh(free, phi, ahead(&near.path, near.order));
+        let mut u = self.out_of_mesh(free, phi, ahead(&near.path, near.order));
         let turned = self.eccentric(phi) * self.eccentric(near.input).conj();
         let inverse = near.inverse.clone();
         let inverse = inverse.map(|inverse| turned_inverse(free, inverse, turned));
@@ -636,7 +636,7 @@ impl<'a> Statics<'a> {
     }
 
     /// Returns the unknowns from those in the frame of the ideal mesh, the inverse of [`in_mesh`](Self::in_mesh).
-    fn from_mesh(&self, free: Free, phi: f64, own: impl Iterator<Item = f64>) -> Vec<f64> {
+    fn out_of_mesh(&self, free: Free, phi: f64, own: impl Iterator<Item = f64>) -> Vec<f64> {
         let mut u: Vec<f64> = own.collect();
         turn_places(free, &mut u, || self.eccentric(phi));
         let ideal = self.ideal(free, phi);

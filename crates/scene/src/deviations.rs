@@ -173,7 +173,6 @@ impl Gear {
     }
 
     /// Returns the disc's edge as a function of the generating curve's parameter, m; without turned flanks.
-    #[must_use]
     pub fn edge_m(&self) -> impl Fn(f64) -> [f64; 2] {
         let profile = crate::profile::Profile::of(self);
         move |a| profile.offset_point(a)

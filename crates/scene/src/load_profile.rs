@@ -147,8 +147,8 @@ pub fn last_change_s(scene: &Scene) -> Option<f64> {
     let end = scene.solver.duration_s;
     let began = pieces(&scene.drive).skip(1).filter(|p| p.from_s < end);
     let load = began.last().map(|piece| piece.settled_s().min(end));
-    let ramps = scene.drive.speed_changes.iter().filter(|c| c.time_s < end);
-    let speed = ramps.last().map(|c| (c.time_s + c.ramp_s).min(end));
+    let mut ramps = scene.drive.speed_changes.iter().filter(|c| c.time_s < end);
+    let speed = ramps.next_back().map(|c| (c.time_s + c.ramp_s).min(end));
     load.into_iter().chain(speed).reduce(f64::max)
 }
 

@@ -14,7 +14,7 @@
 //!
 //! A profile that is cut all round for play moves forces more than all of these, so two such cuts are told beside them. A gear whose
 //! fits are stated (`[uncertain]`) has an interval *by fit* instead: balances with each toleranced key alone at either end, and with all of
-//! them at the ends that together raise or lower one of the figures of [`LEADING`]. What lies between the ends may go beyond. Ends at which
+//! them at the ends that together raise or lower one of the figures of `LEADING`. What lies between the ends may go beyond. Ends at which
 //! there is no gear are named ([`Fits::refused`]).
 
 use std::sync::atomic::AtomicBool;

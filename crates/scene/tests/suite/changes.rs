@@ -128,7 +128,7 @@ fn bad_input_changes_of_the_speed() {
         [0.1, 0.12000000000000001, 0.2, 0.30000000000000004]
     );
     assert_eq!(speed_profile::fastest_rad_s(drive), 80.0);
-    assert_eq!(speed_profile::final_rad_s(&scene.as_ref().unwrap()), -10.0);
+    assert_eq!(speed_profile::final_rad_s(scene.as_ref().unwrap()), -10.0);
     for pair in speed_profile::motions(drive).windows(2) {
         let (before, after) = (pair[0].at(pair[1].from_s), pair[1]);
         assert!((before.0 - after.angle).abs() < 1e-12 && (before.1 - after.rate).abs() < 1e-12);

@@ -23,7 +23,7 @@ pub const FILE: &str = "baseline.toml";
 /// An accepted state of the solver.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Baseline {
-    /// Version of the layout: [`FORMAT`].
+    /// Version of the layout, `FORMAT`.
     pub format: u32,
     /// Manifests of the solvers that made the baseline; empty: the native solver.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

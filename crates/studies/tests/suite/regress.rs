@@ -1,5 +1,7 @@
 //! The solver against its own accepted results, and proof that the check would find what it is for.
 
+#![allow(clippy::print_stdout, reason = "measured figures")]
+
 use std::path::{Path, PathBuf};
 
 use pinwheel_faults::{Armed, Fault};
