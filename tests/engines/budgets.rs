@@ -7,9 +7,9 @@ use pinwheel_tests::repository;
 use crate::loops::sources;
 
 /// Lines of the crates without blanks, comments and tests.
-const CODE: usize = 68_384;
+const CODE: usize = 68_383;
 /// Lines of all tests without blanks and comments.
-const TESTS: usize = 41_035;
+const TESTS: usize = 41_036;
 /// Packages of the workspace.
 const PACKAGES: usize = 19;
 /// Programs that `cargo test` links: those of tests, and a library once more for each crate with tests inside.
