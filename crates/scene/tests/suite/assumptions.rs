@@ -34,7 +34,7 @@ fn a_base_is_one_entry() {
     assert!(list[0].reason.contains("gear.wheels"));
 }
 
-/// What a mistake in one key of a gear by `init` is taken for.
+/// Likely mistakes in one key of a gear by `init`.
 #[test]
 fn bad_input_that_is_hard_to_believe() {
     let gear = crate::catalogue::catalogue(39, 104.0).draft().unwrap();
