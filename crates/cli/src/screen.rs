@@ -92,14 +92,18 @@ pub(crate) fn show_with_page(text: &str, page: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes a value as JSON for other programs.
-pub(crate) fn show_json(value: &impl serde::Serialize) -> Result<(), Failure> {
-    let text = serde_json::to_string_pretty(value).map_err(|error| {
+/// Returns a value as JSON for other programs.
+pub(crate) fn as_json(value: &impl serde::Serialize) -> Result<String, Failure> {
+    serde_json::to_string_pretty(value).map_err(|error| {
         Failure::input(format!(
             "the results cannot be written as JSON: {error}; leave out --json"
         ))
-    })?;
-    show(&text)
+    })
+}
+
+/// Writes a value as JSON for other programs.
+pub(crate) fn show_json(value: &impl serde::Serialize) -> Result<(), Failure> {
+    show(&as_json(value)?)
 }
 
 /// Writes a value as JSON where that is asked for, and as a text otherwise.

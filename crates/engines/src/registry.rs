@@ -36,7 +36,23 @@ pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
     if let Some(pin) = crate::python::requirement(info.package) {
         return Some(format!("pip install {pin}"));
     }
-    Some(format!("build with --features {feature}"))
+    Some(format!(
+        "in Pinwheel's folder: `cargo install --path crates/cli --features {feature}`"
+    ))
+}
+
+/// Returns what an engine of this build still needs on this machine, with the command that installs it; `None` if it runs now.
+#[must_use]
+pub fn needs(info: &EngineInfo<'_>) -> Option<String> {
+    match info.family() {
+        #[cfg(feature = "crossval")]
+        "mujoco" | "exudyn" => crate::python::ENGINES.needs(),
+        #[cfg(feature = "crossval")]
+        "ida" => crate::solvers::IDA.needs(),
+        #[cfg(feature = "crossval")]
+        "simbody" => crate::solvers::simbody_needs(),
+        _ => None,
+    }
 }
 
 /// Returns all engines of this build, native first, then the solvers that joined ([`admit`](crate::external::admit)).

@@ -163,17 +163,19 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     let constraints = mechanism.constraints();
     let mut modelled = Statements::default();
     let mut left_out = Statements::default();
+    // Read last: what the gear is comes before how it is computed.
+    let mut equations = Statements::default();
 
     let revolutes = mechanism.revolutes.len();
     let (free, speed) = (coordinates - constraints, scene.drive.input_speed_rad_s);
-    modelled.add(
+    equations.add(
         format!("{bodies} planar bodies on {revolutes} revolutes and a driver"),
         format!(
             "{coordinates} coordinates less {constraints} constraints leave {free} degrees of freedom; the driver turns the input at {speed} rad/s"
         ),
     );
     if lagrange {
-        modelled.add(
+        equations.add(
             format!("all {bodies} bodies with 3 coordinates each, {joints} joints by multipliers"),
             "solver.formulation = \"lagrange\": the paper's Eq. 2",
         );
@@ -191,13 +193,13 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
                 "keeps every joint closed to rounding, in every stage",
             ),
         };
-        modelled.add(format!("joint stabilisation: {name}"), effect);
+        equations.add(format!("joint stabilisation: {name}"), effect);
     } else {
         let spins = match spins {
             0 => String::new(),
             spins => format!(", {spins} pin spins"),
         };
-        modelled.add(
+        equations.add(
             match gearbox.floats() {
                 true => format!(
                     "{} discs' places and angles, the output angle{spins}",
@@ -349,6 +351,7 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     for family in pinwheel_scene::channels::FAMILIES {
         channels_available.add(family.pattern, family.about);
     }
+    modelled.0.extend(equations.0);
     Explanation {
         bodies,
         joints,

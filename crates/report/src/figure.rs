@@ -41,18 +41,23 @@ pub fn shown(one: &Figure) -> (String, String) {
     let off = (!off.is_empty()).then(|| format!("{off} {cause}"));
     let bounds = joined("; ", bands.chain(off));
     (
-        one.band().map_or(shown, |band| rounded(value, band)),
+        narrowest(one).map_or(shown, |band| rounded(value, band)),
         bounds,
     )
 }
 
-/// A value in a table: with the digits that its band leaves it, and how far it may be off numerically.
+/// The interval that sets a value's digits: the narrowest, so that the value as shown lies in each as shown.
+fn narrowest(one: &Figure) -> Option<[f64; 2]> {
+    one.bands().last().map(|(_, band)| *band)
+}
+
+/// A value in a table: with the digits that its narrowest band leaves it, and how far it may be off numerically.
 #[must_use]
 pub fn cell(one: &Figure) -> String {
     let Some(value) = one.value else {
         return NONE.to_owned();
     };
-    let (shown, off) = match one.band() {
+    let (shown, off) = match narrowest(one) {
         None => known(value, one.uncertainty, one.def.digits),
         Some(band) => {
             let shown = rounded(value, band);

@@ -359,15 +359,6 @@ pub(crate) fn check(gear: &Gear) -> Result<(), Fault> {
     let shortening = gear.generating_shortening();
     if shortening >= 1.0 {
         let [radius, shortening] = [gear.generating_radius_m(), shortening].map(short);
-        if change.radial_m == 0.0 {
-            return Err(Fault::new(
-                &["gear.eccentricity_m", "gear.pin_circle_radius_m"],
-                format!(
-                    "is so large that the disc's profile crosses itself: e zk/R is {shortening} on a circle of {radius} m"
-                ),
-                "make it smaller, or the circle larger",
-            ));
-        }
         return Err(Fault::new(
             &["gear.modification.radial_m"],
             format!(

@@ -255,9 +255,9 @@ pub const KEYS: &[Key] = keys! {
     "contact.band_laws" Choices("contact law", names::laws), Nothing, "laws that may be right for these rollers, whose spread is the band of a figure; absent: those for the materials; []: no band", "see `pinwheel laws`";
     "contact.material" Choice("material", names::materials), Nothing, "material of the discs, for their limits; steel: hardened as rolling bearings are; absent: not known", "say limits of another in [limits]";
     "contact.pin_material" Choice("material", names::materials), Nothing, "material of the pins; absent: that of the discs", "say limits of another in [limits]";
-    "contact.young_pa" Number(From(1e5, 1e13)), Constant("2.1e11", "steel"), "E of the discs", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
+    "contact.young_pa" Number(From(1e6, 1e13)), Constant("2.1e11", "steel"), "E of the discs", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
     "contact.poisson" Number(Between(-1.0, 0.5)), Constant("0.3", "steel"), "Poisson's ratio of the discs", "steel has 0.3; outside these bounds no isotropic material is stable";
-    "contact.pin_young_pa" Number(From(1e5, 1e13)), Nothing, "E of the pins; absent: that of the discs", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
+    "contact.pin_young_pa" Number(From(1e6, 1e13)), Nothing, "E of the pins; absent: that of the discs", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
     "contact.pin_poisson" Number(Between(-1.0, 0.5)), Nothing, "Poisson's ratio of the pins; absent: that of the discs", "steel has 0.3; outside these bounds no isotropic material is stable";
     "contact.stiffness_multiplier" Number(From(1e-9, 1e6)), Constant("1.0", "the full stiffness after Hertz"), "H: factor on the stiffness after Hertz", "1 is the Hertzian stiffness, the paper uses 0.01";
     "contact.internal_stiffness_multiplier" Number(From(1e-9, 1e6)), Nothing, "H of internal contacts, of laws of balls; absent: that of all", "1 is the Hertzian stiffness";

@@ -4,6 +4,9 @@ use serde_json::{Map, Value, json};
 
 use crate::keys::{DefaultValue, KEYS, Key, Kind, Range};
 
+/// Title of the schema.
+pub const TITLE: &str = "A scene of pinwheel";
+
 /// JSON schema (draft 2020-12) of a scene file.
 ///
 /// ```
@@ -32,7 +35,7 @@ pub fn schema() -> Value {
         "description": "how well values are known, by key: gear.backlash_m = { plus_minus = 5e-6 }",
     });
     root["$schema"] = json!("https://json-schema.org/draft/2020-12/schema");
-    root["title"] = json!("A scene of pinwheel");
+    root["title"] = json!(TITLE);
     root["properties"]["base"] = json!({
         "type": "string",
         "description": "preset or scene file from which everything is taken that is left out here",

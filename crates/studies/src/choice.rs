@@ -1,7 +1,7 @@
 //! Engines by their names.
 
 use pinwheel_engines::{
-    Engine, SharedModel, by_name, family, full_name, known, recorded, registry, remedy,
+    Engine, SharedModel, by_name, family, full_name, known, needs, recorded, registry, remedy,
 };
 use pinwheel_scene::{Scene, did_you_mean};
 
@@ -98,6 +98,9 @@ pub struct Listed {
     pub summary: String,
     /// Differences from the native solver.
     pub differences: String,
+    /// What it takes to run it here; nothing if it runs now.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub needs: Option<String>,
 }
 
 /// Returns the engines of this build.
@@ -111,6 +114,7 @@ pub fn listed() -> Vec<Listed> {
             version: engine.version(),
             summary: info.summary.to_owned(),
             differences: info.differences.to_owned(),
+            needs: needs(&info),
         }
     };
     registry().iter().map(|engine| one(&**engine)).collect()

@@ -158,7 +158,7 @@ pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
     /// A second scene: two designs by one engine instead of one by several [default engine: native].
-    #[arg(conflicts_with_all = ["junit", "against"])]
+    #[arg(conflicts_with_all = ["junit", "against", "jobs", "fresh"])]
     pub(crate) other: Option<String>,
     /// Engines to compare, separated by commas [default: all that can run the scene].
     #[arg(long, value_name = "A,B,C", value_delimiter = ',')]

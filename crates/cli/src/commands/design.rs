@@ -4,8 +4,8 @@ use std::path::Path;
 use std::time::Instant;
 
 use pinwheel::pages;
-use pinwheel::scene::Fault;
 use pinwheel::scene::catalogue::ARGUMENTS;
+use pinwheel::scene::{Fault, schema};
 use pinwheel::studies::design;
 
 use super::idle;
@@ -29,8 +29,12 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
     let name = args.file.file_name().unwrap_or_default().to_string_lossy();
     let study = draft.study(&name);
     let place = args.file.with_extension("tolerances.toml");
-    let mut files: Vec<(&Path, &str, fn(&[u8]) -> bool)> =
-        vec![(&args.file, &draft.text, is_scene)];
+    let scene = format!("#:schema ./{SCHEMA}\n{}", draft.text);
+    let schema = (
+        args.file.with_file_name(SCHEMA),
+        screen::as_json(&schema::schema())?,
+    );
+    let mut files: Vec<(&Path, &str, fn(&[u8]) -> bool)> = vec![(&args.file, &scene, is_scene)];
     files.extend(
         study
             .iter()
@@ -45,6 +49,8 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
             )));
         }
     }
+    files.push((&schema.0, &schema.1, is_schema));
+    folder::check(&schema.0, &is_schema)?;
     for (path, text, ours) in &files {
         folder::replace(path, text.as_bytes(), ours)?;
     }
@@ -58,6 +64,14 @@ pub(crate) fn init(args: &InitArgs) -> Result<(), Failure> {
         args.file.display(),
         shown(&args.file)
     ))
+}
+
+/// File beside a scene, by which editors complete and check it.
+const SCHEMA: &str = "scene.schema.json";
+
+/// Returns true for a schema of scenes, of this version or another.
+fn is_schema(content: &[u8]) -> bool {
+    String::from_utf8_lossy(content).contains(schema::TITLE)
 }
 
 /// Returns true for the text of a study of tolerances, right or wrong.

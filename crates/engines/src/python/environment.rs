@@ -66,6 +66,27 @@ pub struct Environment {
     pub packages: PathBuf,
 }
 
+impl Requirements {
+    /// Says what the packages still need on this machine, without making anything; `None` if they are there.
+    pub(crate) fn needs(self) -> Option<String> {
+        let why = |halt: Halt| Some(halt.to_string());
+        let interpreter = match interpreter() {
+            Ok(interpreter) => interpreter,
+            Err(halt) => return why(halt),
+        };
+        if let Some(folder) = variable(ENVIRONMENT) {
+            let named = named(Path::new(&folder), &interpreter, &AtomicBool::new(false));
+            return named.err().and_then(why);
+        }
+        let made = cache::folder().map(|cache| cache.join(name_of(self, &interpreter)));
+        match made {
+            Err(halt) => why(halt),
+            Ok(made) if made.join(MARKER).is_file() => None,
+            Ok(_) => Some("its packages are installed at the first use, by pip".to_owned()),
+        }
+    }
+}
+
 /// The environment with the given packages, made if need be; `ENVIRONMENT` and `WHEELS` are heeded.
 ///
 /// # Errors

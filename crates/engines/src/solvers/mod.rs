@@ -8,4 +8,6 @@ mod ready;
 mod shipped;
 mod simbody;
 
+pub(crate) use ida::REQUIREMENTS as IDA;
 pub(crate) use shipped::engine;
+pub(crate) use simbody::needs as simbody_needs;

@@ -85,10 +85,15 @@ pub(super) fn version() -> String {
     }
 }
 
+/// Says what is missing, and how it is installed.
+pub(crate) fn needs() -> Option<String> {
+    let missing = || format!("Simbody is not installed; install it ({REMEDY})");
+    installed().is_none().then(missing)
+}
+
 /// Compiles its program if need be.
 pub(super) fn ready(cancel: &AtomicBool) -> Result<Ready, Halt> {
-    let not_installed =
-        || Ending::absent(format!("Simbody is not installed; install it ({REMEDY})"));
+    let not_installed = || Ending::absent(needs().unwrap_or_default());
     let installed = installed().ok_or_else(not_installed)?;
     let compiler = PathBuf::from(env::var_os("CXX").unwrap_or_else(|| "c++".into()));
     let described = call(&compiler, ["--version"], None, cancel).map_err(|reason| {

@@ -6,29 +6,43 @@ use crate::format::joined;
 use crate::terminal::{self, paragraph};
 use pinwheel_engines::{family, lacking, remedy};
 use pinwheel_studies::choice::Listed;
-use pinwheel_timeseries::table::Table;
+use pinwheel_timeseries::table::{Mark, Table};
 
-/// The engines by track, and what tracks mean.
+/// The engines by track, which of them run here and now, what the others need, and what tracks mean.
 #[must_use]
 pub fn text(listed: &[Listed]) -> String {
-    let mut listed: Vec<&Listed> = listed.iter().collect();
-    listed.sort_by_key(|engine| engine.track);
-    let table = Table::of("", listed)
-        .text("", "engine", |engine| &engine.name)
-        .text("", "shares", |engine| engine.track.shares())
-        .text("", "what it is", |engine| {
-            format!("{}: {}", engine.version, engine.summary)
-        });
-    let mut lacks: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
-    for info in lacking() {
-        let of = remedy(info).unwrap_or_default();
-        lacks.entry(of).or_default().insert(family(info.name));
+    let mut needs: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
+    let mut rows = Vec::new();
+    for engine in listed {
+        let here = match &engine.needs {
+            Some(_) => "no",
+            None => "yes",
+        };
+        let about = format!("{}: {}", engine.version, engine.summary);
+        rows.push((engine.track, &*engine.name, here, about));
+        if let Some(what) = &engine.needs {
+            let of = needs.entry(what.clone()).or_default();
+            of.insert(family(&engine.name));
+        }
     }
-    let lacks = lacks.into_iter().map(|(remedy, families)| {
+    for info in lacking() {
+        rows.push((info.track, info.name, "no", info.summary.to_owned()));
+        let what = remedy(info).unwrap_or_default();
+        needs.entry(what).or_default().insert(family(info.name));
+    }
+    rows.sort_by_key(|(track, ..)| *track);
+    let table = Table::of("", rows)
+        .text("", "engine", |(_, name, ..)| *name)
+        .text("", "here", |(.., here, _)| *here)
+        .marked(|(.., here, _)| Mark::warn(*here == "no"))
+        .text("", "shares", |(track, ..)| track.shares())
+        .text("", "what it is", |(.., about)| about.clone());
+    let needs = needs.into_iter().map(|(what, families)| {
         let families = joined(", ", families);
-        paragraph(&format!("{families}: not here; {remedy}."))
+        paragraph(&format!("{families}, not here yet: {what}.")) + "\n"
     });
     let tracks = [
+        "Take `native-resolved`: it refines its own step until that no longer matters.",
         "`native` stands for the native engine in the formulation that the scene asks for.",
         "shared-law engines share the contact law and check the multibody side to many digits;",
         "own-contact engines find contact themselves and check geometry and law to a few per cent.",
@@ -36,7 +50,7 @@ pub fn text(listed: &[Listed]) -> String {
     format!(
         "{}\n{}{}",
         terminal::table(&table.done()),
-        joined("", lacks),
+        joined("", needs),
         paragraph(&tracks.join(" "))
     )
 }

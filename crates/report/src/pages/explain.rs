@@ -1,7 +1,8 @@
 //! Pages on a scene's model, its assumptions and its expected figures.
 
+use crate::figure::number;
 use crate::terminal::{TITLE, list, pairs, paragraph, styled};
-use pinwheel_scene::Line;
+use pinwheel_scene::{Line, Scene};
 use pinwheel_studies::explained::Explanation;
 
 /// Text for a terminal.
@@ -14,13 +15,14 @@ pub fn text(explanation: &Explanation<'_>) -> String {
             text.push_str(&format!("\n{}\n{rows}", styled(TITLE, title)));
         }
     };
+    section("Gear", pairs(gear(explanation.scene)));
+    section("To be expected", list(expected(explanation)));
     let model = &explanation.model;
     for (title, facts) in [("Modelled", &model.modelled), ("Left out", &model.left_out)] {
         section(title, pairs(facts.iter().map(|s| (&s.what, &s.why))));
     }
     let sizes = list(figures(explanation, false));
     section("What follows from the dimensions", sizes);
-    section("To be expected", list(expected(explanation)));
     let frequencies = explanation.derived.frequencies.iter().map(|of| {
         let order = format!("order {:.4} of the input", of.order);
         [of.what.to_owned(), format!("{:.3} Hz", of.hertz), order]
@@ -30,6 +32,37 @@ pub fn text(explanation: &Explanation<'_>) -> String {
     let assumptions = assumptions.map(|a| [&a.key, &a.value, &a.reason].map(|x| x.to_string()));
     section("Assumptions", list(assumptions));
     text
+}
+
+/// The gear and its load in the words of a data sheet.
+fn gear(scene: &Scene) -> [(&'static str, String); 3] {
+    let (gear, drive) = (&scene.gear, &scene.drive);
+    let inner = match &scene.cranks {
+        Some(cranks) => format!("{} cranks", cranks.count),
+        None => format!("{} output pins", gear.internal_sleeves),
+    };
+    let discs = if gear.wheels == 1 { "disc" } else { "discs" };
+    let rpm = 30.0 * drive.input_speed_rad_s / std::f64::consts::PI;
+    [
+        ("ratio", format!("{} : 1", number(scene.ratio()))),
+        (
+            "parts",
+            format!(
+                "{} {discs}, {} ring pins on a radius of {} mm, {inner}",
+                gear.wheels,
+                gear.external_sleeves,
+                number(1e3 * gear.pitch_radius_m())
+            ),
+        ),
+        (
+            "drive",
+            format!(
+                "input at {} rpm, load of {} N m",
+                number(rpm),
+                number(drive.output_torque_n_m)
+            ),
+        ),
+    ]
 }
 
 /// A figure in the unit that people use for it.

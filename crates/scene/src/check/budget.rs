@@ -36,16 +36,16 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
     }
 
     let duration = solver.duration_s;
-    for (key, length, remedy) in [
-        ("solver.step_s", solver.step_s, "make the step smaller"),
-        ("solver.sample_s", solver.sample_s, "sample more often"),
+    for (key, length) in [
+        ("solver.step_s", solver.step_s),
+        ("solver.sample_s", solver.sample_s),
     ] {
         if length > duration {
             let [length, whole] = [length, duration].map(short);
             return Err(Fault::new(
                 &[key, "solver.duration_s"],
                 format!("is {length} s, longer than the whole run of {whole} s"),
-                format!("{remedy} or make solver.duration_s longer"),
+                format!("give at most {whole} s, or a longer solver.duration_s"),
             ));
         }
     }

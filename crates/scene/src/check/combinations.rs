@@ -55,7 +55,7 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
                 "contact.friction_coefficient",
             ],
             format!("is {dynamic}, more than the static {still}"),
-            "the static coefficient is the larger one",
+            format!("give at most {still}"),
         ));
     }
     let speeds = [
@@ -70,7 +70,10 @@ pub(super) fn check(scene: &Scene) -> Result<(), Fault> {
                 "contact.friction_ramp_m_s",
             ],
             format!("is {dynamic} m/s, not above the speed of the static coefficient, {still} m/s"),
-            "give a larger speed",
+            format!(
+                "give more than {still} m/s, such as {}",
+                short(2.0 * speeds[1])
+            ),
         ));
     }
     let split = method(&scene.solver.integrator)

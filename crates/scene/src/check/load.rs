@@ -53,7 +53,8 @@ fn in_order(list: &'static str, first_ramp_s: f64, changes: &[(f64, f64)]) -> Re
         let what = format!(
             "is {time} s, within the ramp of drive.load_ramp_s = {ramp} s with which the load begins"
         );
-        let remedy = "let the change come later or the ramp be shorter".to_owned();
+        let remedy =
+            format!("let the change come at {ramp} s or later, or the ramp be at most {time} s");
         return fault(0, &["time_s"], what, remedy);
     }
     for (number, pair) in changes.windows(2).enumerate() {

@@ -53,7 +53,7 @@ fn one(row: &Key, key: Cow<'static, str>, value: &Value) -> Result<(), Fault> {
                 short(*number),
                 range.words()
             );
-            Err(fault(what, thousandth(row, range, *number)))
+            Err(fault(what, meant(row, range, *number)))
         }
         (Kind::Count(low, high), Value::Integer(whole)) => {
             let inside = usize::try_from(*whole).is_ok_and(|whole| (low..=high).contains(&whole));
@@ -124,11 +124,23 @@ fn one(row: &Key, key: Cow<'static, str>, value: &Value) -> Result<(), Fault> {
     }
 }
 
-/// The row's hint, with what was meant where a thousandth would do: a length in millimetres.
-fn thousandth(row: &Key, range: Range, number: f64) -> String {
-    if row.unit() == "m" && number > 0.0 && range.holds(1e-3 * number) {
-        format!("did you mean {}? {}", short(1e-3 * number), row.hint)
-    } else {
-        row.hint.to_owned()
-    }
+/// Young's moduli of what gears are made of, Pa.
+const SOLID_PA: std::ops::RangeInclusive<f64> = 1e9..=1.3e12;
+
+/// The row's hint, with what was meant where another unit would do: a length in millimetres, a modulus in GPa or MPa.
+fn meant(row: &Key, range: Range, number: f64) -> String {
+    let factors: &[f64] = match row.unit() {
+        "m" => &[1e-3],
+        "Pa" => &[1e9, 1e6],
+        _ => &[],
+    };
+    let fits = |meant: &f64| {
+        let is_likely = row.unit() == "m" || SOLID_PA.contains(meant);
+        *meant > 0.0 && range.holds(*meant) && is_likely
+    };
+    let meant = factors.iter().map(|factor| factor * number).find(fits);
+    meant.map_or_else(
+        || row.hint.to_owned(),
+        |meant| format!("did you mean {}? {}", short(meant), row.hint),
+    )
 }

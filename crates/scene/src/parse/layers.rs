@@ -173,7 +173,7 @@ impl Layers {
                     let value = self.value(row, &key, &item.node, &place, place_at)?;
                     insert(&mut self.table, &row.path(), value);
                     self.inherited.remove(&key);
-                    self.drop_inherited_twin(&key);
+                    self.drop_earlier_twin(&key, &place);
                 } else {
                     let half = PlusMinus::deserialize(item.node.value()).map_err(|_| {
                         SceneError::key(&place, &full, "says not by how much", EXAMPLE)
@@ -215,14 +215,16 @@ impl Layers {
         }
     }
 
-    /// Removes what the base gives for a key that follows from this one: the file's own replaces it.
-    fn drop_inherited_twin(&mut self, key: &str) {
+    /// Removes what the base, or under an override the file, gives for a key that follows from this one at `place`.
+    fn drop_earlier_twin(&mut self, key: &str, place: &Location) {
         let twin = match key {
             PITCH => SHORTENING,
             SHORTENING => PITCH,
             _ => return,
         };
-        if self.inherited.remove(twin).is_some() {
+        let is_set = |place: Option<&Location>| matches!(place, Some(Location::Set(_)));
+        let is_over = is_set(Some(place)) && !is_set(self.places.get(twin));
+        if self.inherited.remove(twin).is_some() || is_over {
             self.places.remove(twin);
             if let Some(Value::Table(gear)) = self.table.get_mut("gear") {
                 gear.remove(twin.trim_start_matches("gear."));

@@ -1,11 +1,11 @@
 //! The study on a terminal: what each method gets right. The page has the map of scenes.
 
-use crate::format::{self, joined};
+use crate::format::{joined, significant};
 use crate::terminal::{self, paragraphs, titled};
 use pinwheel_studies::stability::Atlas;
 use pinwheel_timeseries::table::{Mark, Table};
 
-/// Number of scenes in which each method gives the right picture, and its smallest step; without the place of the page.
+/// Number of scenes in which each method gives the right picture, its smallest step or largest error; without the place of the page.
 #[must_use]
 pub fn text(atlas: &Atlas) -> String {
     let scenes: Vec<_> = atlas.done().filter(|row| row.refused.is_none()).collect();
@@ -20,22 +20,20 @@ pub fn text(atlas: &Atlas) -> String {
             let count = cells(*k).filter(|(_, cell)| cell.is_right()).count();
             format!("{count} of {}", scenes.len())
         })
-        .text(
-            "",
-            "its smallest step, or largest error of forces",
-            |(k, _)| {
-                let step =
-                    cells(*k).filter_map(|(scene, cell)| Some((scene, cell.largest_step_s?)));
-                let step = step.min_by(|a, b| a.1.total_cmp(&b.1));
-                let error = cells(*k).filter_map(|(scene, cell)| Some((scene, cell.right_to()?)));
-                let error = error.max_by(|a, b| a.1.total_cmp(&b.1));
-                match (step, error) {
-                    (Some((scene, step)), _) => format!("{}, {scene}", format::seconds(step)),
-                    (None, Some((scene, error))) => format!("{}, {scene}", format::relative(error)),
-                    (None, None) => String::new(),
-                }
-            },
-        )
+        .text("", "smallest step, \u{b5}s", |(k, _)| {
+            let step = cells(*k).filter_map(|(scene, cell)| Some((scene, cell.largest_step_s?)));
+            let step = step.min_by(|a, b| a.1.total_cmp(&b.1));
+            step.map_or_else(String::new, |(scene, step)| {
+                format!("{}, {scene}", significant(1e6 * step, 3))
+            })
+        })
+        .text("", "largest error, %", |(k, _)| {
+            let error = cells(*k).filter_map(|(scene, cell)| Some((scene, cell.right_to()?)));
+            let error = error.max_by(|a, b| a.1.total_cmp(&b.1));
+            error.map_or_else(String::new, |(scene, error)| {
+                format!("{}, {scene}", significant(100.0 * error, 2))
+            })
+        })
         .text("", "fails in", |(k, _)| {
             let wrong = cells(*k).filter(|(_, cell)| !cell.is_right());
             joined(", ", wrong.map(|(scene, _)| scene))
