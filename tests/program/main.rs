@@ -9,6 +9,7 @@ mod explore;
 mod fmu;
 mod foreign;
 mod kept;
+mod remedies;
 mod safety;
 mod solvers;
 mod stability;

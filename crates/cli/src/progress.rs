@@ -1,8 +1,9 @@
 //! Progress: on a terminal a bar with the piece, the clock, and the time left where it is known; elsewhere a line a minute.
 
 use std::io::IsTerminal as _;
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -27,10 +28,23 @@ pub(crate) fn watched<T, E>(work: impl FnOnce(&Control<'_>) -> Result<T, E>) -> 
         visible: !screen::manner().quiet,
         terminal: std::io::stderr().is_terminal(),
         drawn_ms: AtomicU64::new(0),
+        said: Mutex::default(),
         bar: OnceLock::new(),
     };
     let report = |progress: Progress<'_>| bar.show(progress);
-    let found = work(&Control::new(interrupt::flag(), &report));
+    let found = std::thread::scope(|scope| {
+        // Dropped when the work is done, also by a panic.
+        let (_working, ended) = mpsc::channel::<()>();
+        if bar.visible && !bar.terminal {
+            let bar = &bar;
+            scope.spawn(move || {
+                while ended.recv_timeout(LINE) == Err(RecvTimeoutError::Timeout) {
+                    bar.tell();
+                }
+            });
+        }
+        work(&Control::new(interrupt::flag(), &report))
+    });
     if let Some(bar) = bar.bar.get() {
         bar.finish_and_clear();
     }
@@ -43,6 +57,8 @@ struct Bar {
     visible: bool,
     terminal: bool,
     drawn_ms: AtomicU64,
+    /// Sentence of the last report, where there is no terminal.
+    said: Mutex<String>,
     bar: OnceLock<ProgressBar>,
 }
 
@@ -53,25 +69,18 @@ impl Bar {
         }
         let elapsed = self.started.elapsed();
         let now_ms = u64::try_from(elapsed.as_millis()).unwrap_or(u64::MAX);
-        if !self.terminal {
-            let last = self.drawn_ms.load(Ordering::Relaxed);
-            let due = now_ms >= last + LINE.as_millis() as u64;
-            let mine = |_| {
-                self.drawn_ms
-                    .compare_exchange(last, now_ms, Ordering::Relaxed, Ordering::Relaxed)
-                    .is_ok()
-            };
-            if due.then_some(()).is_some_and(mine) {
-                screen::show_on_stderr(&line(screen::manner().command, progress, elapsed));
-            }
-            return;
-        }
         let due = now_ms.saturating_sub(self.drawn_ms.load(Ordering::Relaxed)) >= REDRAW_MS;
         // The beginning of a piece is always drawn: the next report can be long in coming.
         if progress.simulated_s.is_some() && (elapsed < PATIENCE || !due) {
             return;
         }
         self.drawn_ms.store(now_ms, Ordering::Relaxed);
+        if !self.terminal {
+            if let Ok(mut said) = self.said.lock() {
+                *said = progress.sentence(elapsed.as_secs_f64());
+            }
+            return;
+        }
         let bar = self.bar.get_or_init(|| {
             let bar = ProgressBar::new(PARTS);
             if let Ok(style) =
@@ -92,15 +101,25 @@ impl Bar {
         bar.set_position((share * PARTS as f64) as u64);
         bar.set_message(progress.sentence(elapsed.as_secs_f64()));
     }
+
+    /// Writes where the work is, also while nothing is reported.
+    fn tell(&self) {
+        let said = self.said.lock().map(|said| said.clone());
+        let command = screen::manner().command;
+        screen::show_on_stderr(&line(
+            command,
+            &said.unwrap_or_default(),
+            self.started.elapsed(),
+        ));
+    }
 }
 
 /// `compare, 2 min: 3 of 14, exudyn-explicit, 40 s left`.
-fn line(command: &str, progress: Progress<'_>, elapsed: Duration) -> String {
+fn line(command: &str, said: &str, elapsed: Duration) -> String {
     let minutes = elapsed.as_secs() / 60;
-    format!(
-        "{command}, {minutes} min: {}",
-        progress.sentence(elapsed.as_secs_f64())
-    )
+    format!("{command}, {minutes} min: {said}")
+        .trim_end_matches([':', ' '])
+        .to_owned()
 }
 
 #[cfg(test)]
@@ -113,12 +132,14 @@ mod tests {
             left_s: Some(40.0),
             ..Progress::new(2, 14, "rapier-shared-law, exudyn-own-contact")
         };
-        let said = line("compare", at, Duration::from_secs(130));
+        let said =
+            |at: Progress<'_>| line("compare", &at.sentence(130.0), Duration::from_secs(130));
         assert_eq!(
-            said,
+            said(at),
             "compare, 2 min: 3 of 14, rapier-shared-law, exudyn-own-contact, 40 s left"
         );
         let unknown = Progress { left_s: None, ..at };
-        assert!(!line("compare", unknown, Duration::from_secs(130)).contains("left"));
+        assert!(!said(unknown).contains("left"));
+        assert_eq!(line("run", "", Duration::from_secs(60)), "run, 1 min");
     }
 }

@@ -21,7 +21,7 @@ pub(crate) struct InitArgs {
     /// Scene file to write; `-` for standard output.
     pub(crate) file: PathBuf,
     /// Input turns per output turn, the housing fixed: the number of lobes, and of an RV gear such as 118.5.
-    #[arg(long, allow_negative_numbers = true, value_parser = ratio)]
+    #[arg(long, value_parser = ratio)]
     ratio: f64,
     /// `cycloidal`: one eccentric and output pins; `rv`: a sun, planets and cranks, ratio 1 + pins planet/sun.
     #[arg(long, default_value = "cycloidal", value_parser = ["cycloidal", "rv"])]
@@ -30,19 +30,19 @@ pub(crate) struct InitArgs {
     #[arg(long, value_parser = clap::value_parser!(u16).range(2..=12))]
     cranks: Option<u16>,
     /// Diameter of the circle on which the pins stand.
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
+    #[arg(long, value_name = "MM", value_parser = millimetres)]
     pin_circle_diameter_mm: f64,
     /// Rated torque of the output.
-    #[arg(long, value_name = "NM", allow_negative_numbers = true, value_parser = newton_metres)]
+    #[arg(long, value_name = "NM", value_parser = newton_metres)]
     torque_n_m: f64,
     /// Rated speed of the input.
-    #[arg(long, value_name = "RPM", allow_negative_numbers = true, value_parser = turns_a_minute)]
+    #[arg(long, value_name = "RPM", value_parser = turns_a_minute)]
     speed_rpm: f64,
     /// Diameter of a pin with its sleeve.
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
+    #[arg(long, value_name = "MM", value_parser = millimetres)]
     pin_diameter_mm: Option<f64>,
     /// Eccentricity.
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
+    #[arg(long, value_name = "MM", value_parser = millimetres)]
     eccentricity_mm: Option<f64>,
     /// Cycloidal discs.
     #[arg(long, visible_alias = "discs", value_parser = clap::value_parser!(u16).range(1..=64))]
@@ -51,16 +51,16 @@ pub(crate) struct InitArgs {
     #[arg(long, value_parser = clap::value_parser!(u16).range(3..=1000))]
     output_pins: Option<u16>,
     /// Diameter of an output pin with its pin; holes are larger by twice the eccentricity.
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
+    #[arg(long, value_name = "MM", value_parser = millimetres)]
     output_pin_diameter_mm: Option<f64>,
     /// Diameter of the circle on which the output pins stand.
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
+    #[arg(long, value_name = "MM", value_parser = millimetres)]
     output_circle_diameter_mm: Option<f64>,
     /// Thickness of a disc.
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
+    #[arg(long, value_name = "MM", value_parser = millimetres)]
     face_width_mm: Option<f64>,
     /// Radial backlash at the pins.
-    #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = millimetres)]
+    #[arg(long, value_name = "MM", value_parser = millimetres)]
     backlash_mm: Option<f64>,
     /// Coefficient of friction, of contacts and of sleeves on their pins.
     #[arg(long, value_name = "MU")]
@@ -166,7 +166,7 @@ pub(crate) struct DesignArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
     /// Fit all that the scene leaves rigid to a stiffness that a catalogue or a measurement states.
-    #[arg(long, value_name = "NM", allow_negative_numbers = true)]
+    #[arg(long, value_name = "NM")]
     pub(crate) stated_stiffness_n_m_arcmin: Option<f64>,
     /// Leave out what takes runs: hysteresis and efficiency.
     #[arg(long)]

@@ -114,7 +114,7 @@ pub(crate) enum Command {
 pub(crate) struct SceneArgs {
     /// Scene file (TOML) or preset name.
     pub(crate) scene: String,
-    /// Override a key of the scene, e.g. --set gear.backlash_m=0.0006; may be repeated.
+    /// Override a key, e.g. gear.backlash_m=0.0006; repeatable.
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
 }
@@ -122,13 +122,13 @@ pub(crate) struct SceneArgs {
 /// Where results go.
 #[derive(Debug, Args)]
 pub(crate) struct OutArgs {
-    /// Output folder; an earlier output there is replaced as a whole [default: in out/, by the file's or preset's name].
+    /// Output folder, replaced as a whole [default: one in out/].
     #[arg(long, short, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
-    /// Replace an earlier output even if its files were changed, or are of another scene; foreign files stay.
+    /// Replace an output that was changed, or of another scene.
     #[arg(long)]
     pub(crate) force: bool,
-    /// Write the results as JSON to stdout in place of the text.
+    /// Results as JSON on stdout.
     #[arg(long, conflicts_with = "quiet")]
     json: bool,
 }
@@ -278,6 +278,11 @@ fn by_groups(program: &clap::Command) -> String {
     text.trim_end().to_owned() + "\n\n{before-help}{after-help}"
 }
 
+/// Both of them in the help of a command.
+const COMMON: &str = "\
+Every command: -q, --quiet; -v, --verbose; --color auto, always or never; --help.
+Status: 0 done, 1 differs, 2 input, 3 engine, 4 not shown: `pinwheel --help`.";
+
 /// Options of every command, in place of a paragraph for each in every help.
 const EVERYWHERE: &str = "\
 Every command: -q, --quiet (no progress); -v, --verbose (files written, figures
@@ -295,11 +300,21 @@ fn examples_first(command: clap::Command) -> clap::Command {
     } else {
         "{before-help}"
     };
-    for part in [EVERYWHERE, STATUS] {
+    let parts = match command.get_name() {
+        "pinwheel" => [EVERYWHERE, STATUS].as_slice(),
+        _ => &[COMMON],
+    };
+    for part in parts {
         let gap = if rest.is_empty() { "" } else { "\n\n" };
         let _ = write!(rest, "{gap}{part}");
     }
+    // A negative number is a wrong value, and no unknown option.
+    let is_valued = |arg: &clap::Arg| arg.get_action().takes_values() && !arg.is_positional();
     command
+        .mut_args(|arg| {
+            let valued = is_valued(&arg);
+            arg.allow_negative_numbers(valued)
+        })
         .mut_subcommands(examples_first)
         .before_help(examples.trim_end().to_owned())
         .help_template(format!(

@@ -15,7 +15,7 @@ use crate::failure::Failure;
 /// Solvers of the user's that join the engines.
 #[derive(Debug, Args)]
 pub(crate) struct Solvers {
-    /// Manifest of a solver of your own that joins, see docs/solvers.md; may be repeated. It is a program that is run.
+    /// Manifest of your own solver, which is run; repeatable.
     #[arg(long = "solver", id = "solver", value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
 }
@@ -84,6 +84,7 @@ pub(crate) enum SolverAction {
         out: OutArgs,
     },
     /// Write the job folder of a scene, to try a solver by hand.
+    #[command(after_help = include_str!("../../help/solver-job.txt"))]
     Job {
         #[command(flatten)]
         scene: SceneArgs,
@@ -91,5 +92,6 @@ pub(crate) enum SolverAction {
         folder: PathBuf,
     },
     /// Print the folder of libpinwheel_law, for the linker.
+    #[command(after_help = include_str!("../../help/solver-library.txt"))]
     Library,
 }

@@ -12,7 +12,7 @@ use super::OutArgs;
 pub(crate) struct SweepArgs {
     /// Sweep file (TOML); see docs/sweeps.md.
     pub(crate) file: PathBuf,
-    /// Override a key of every run's scene, e.g. --set solver.duration_s=0.1; may be repeated.
+    /// Override a key of every run, e.g. solver.duration_s=0.1.
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
     /// Engines instead of the file's, separated by commas.

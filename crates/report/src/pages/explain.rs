@@ -44,7 +44,7 @@ fn gear(scene: &Scene) -> [(&'static str, String); 3] {
     let discs = if gear.wheels == 1 { "disc" } else { "discs" };
     let rpm = 30.0 * drive.input_speed_rad_s / std::f64::consts::PI;
     [
-        ("ratio", format!("{} : 1", number(scene.ratio()))),
+        ("ratio", format!("{} : 1", scene.ratio())),
         (
             "parts",
             format!(
@@ -59,7 +59,7 @@ fn gear(scene: &Scene) -> [(&'static str, String); 3] {
             format!(
                 "input at {} rpm, load of {} N m",
                 number(rpm),
-                number(drive.output_torque_n_m)
+                drive.output_torque_n_m
             ),
         ),
     ]

@@ -253,15 +253,6 @@ fn internal_sleeves(gear: &Gear) -> Result<(), Fault> {
             format!("make the holes smaller than {most} m, fewer, or their circle larger"),
         ));
     }
-    if hole >= circle {
-        return Err(Fault::new(
-            &["gear.hole_radius_m", "gear.internal_circle_radius_m"],
-            format!(
-                "is {shown} m, so that the holes on a circle of {shown_circle} m reach the disc's centre"
-            ),
-            "make the holes smaller or their circle larger",
-        ));
-    }
     Ok(())
 }
 
