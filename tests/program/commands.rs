@@ -544,7 +544,8 @@ fn program_lists_engines_and_explains_for_people_and_programs() {
             ["native", "shared-law", "own-contact"].contains(&engine["track"].as_str().unwrap())
         );
     }
-    let words = done(run_in(dir.path(), ["explain", "paper"]));
+    assert!(words.contains("  here  shares  "), "{words}");
+    let explained = done(run_in(dir.path(), ["explain", "paper"]));
     for part in [
         "28 planar bodies",
         "27 degrees of freedom",
@@ -552,15 +553,29 @@ fn program_lists_engines_and_explains_for_people_and_programs() {
         "13.1226 mm",
         "Fig. 3",
     ] {
-        let squeezed: String = words.split_whitespace().collect();
+        let squeezed: String = explained.split_whitespace().collect();
         let part: String = part.split_whitespace().collect();
-        assert!(squeezed.contains(&part), "{part} is not in:\n{words}");
+        assert!(squeezed.contains(&part), "{part} is not in:\n{explained}");
     }
     let said: Value =
         serde_json::from_str(&done(run_in(dir.path(), ["explain", "paper", "--json"]))).unwrap();
     assert_eq!(said["derived"]["lobes"], 15);
     assert_eq!(said["scene"]["name"], "paper");
     assert!(names_in(dir.path()).is_empty(), "explaining writes nothing");
+    // A reader's questions come before the equations.
+    let order = [
+        "ratio  15 : 1",
+        "To be expected",
+        "Modelled",
+        "28 planar bodies",
+        "Left out",
+    ];
+    let places = order.map(|part| {
+        explained
+            .find(part)
+            .unwrap_or_else(|| panic!("{part}: {explained}"))
+    });
+    assert!(places.is_sorted(), "{places:?}");
 }
 
 /// No escape codes outside terminals, help included.
@@ -911,6 +926,15 @@ fn program_from_a_catalogue_to_its_tolerances() {
         .map(|(_, next)| next)
         .collect();
     assert_eq!(commands, ["design mine.toml", "sweep mine.tolerances.toml"]);
+    let scene = std::fs::read_to_string(dir.path().join("mine.toml")).unwrap();
+    assert!(
+        scene.starts_with("#:schema ./scene.schema.json\n"),
+        "{scene}"
+    );
+    assert_eq!(
+        json(dir.path().join("scene.schema.json")),
+        pinwheel_scene::schema::schema()
+    );
     let found = done(run_in(dir.path(), words("design mine.toml --statics")));
     assert!(
         found.contains("tighten this first") && found.contains("By fit"),

@@ -174,6 +174,49 @@ lists!(
     bad_input_remedies_of_commands "program.txt"
 );
 
+/// Examples in the help of the quick commands, as they stand there: each runs.
+#[test]
+fn program_examples_run() {
+    let dir = tempfile::tempdir().unwrap();
+    let mine = "base = \"paper\"\n";
+    std::fs::write(dir.path().join("my-gear.toml"), mine).unwrap();
+    let mut count = 0;
+    for command in [
+        "engines",
+        "laws",
+        "schema",
+        "explain",
+        "init",
+        "solver new",
+        "solver job",
+    ] {
+        let (_, help) = ran(dir.path(), &format!("{command} --help"));
+        assert!(help.contains("Example"), "{command}");
+        let mut program = pinwheel();
+        let help = program.args(typed(command)).arg("--help").output().unwrap();
+        let help = String::from_utf8(help.stdout)
+            .unwrap()
+            .replace("\\\n      ", "");
+        for example in help
+            .lines()
+            .filter_map(|line| line.strip_prefix("  pinwheel "))
+        {
+            let words = example
+                .split("   ")
+                .next()
+                .unwrap()
+                .split(" > ")
+                .next()
+                .unwrap();
+            let words = words.split("  #").next().unwrap();
+            let (status, said) = ran(dir.path(), words);
+            assert_eq!(status, 0, "{words}: {said}");
+            count += 1;
+        }
+    }
+    assert!(count > 11, "{count}");
+}
+
 /// First words of a remedy.
 const VERBS: &str = "give use make write leave choose name did try see install build put take set add keep let list state look say \
                      open go begin map remove raise lower shorten check describe record call pip";

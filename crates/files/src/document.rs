@@ -78,7 +78,10 @@ fn broken(error: &Error, text: &str, file: &str, remedy: &str) -> FileError {
             .unwrap_or_default()
             .trim()
             .replacen(',', ".", 1);
-        format!("write a decimal point: {point}")
+        match point.strip_suffix('.') {
+            Some(number) => format!("leave the comma out: {number}"),
+            None => format!("write a decimal point: {point}"),
+        }
     } else {
         "write the number alone: its unit is the one that ends the key".to_owned()
     };

@@ -176,7 +176,26 @@ pub fn interval(band: [f64; 2]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use pinwheel_timeseries::figure::FigureDef;
+
     use super::*;
+
+    #[test]
+    fn a_value_lies_in_each_of_its_intervals_as_shown() {
+        let def = FigureDef::named("a", "a", "N");
+        let one = Figure {
+            by_contact_law: Some([5.2321, 5.2634]),
+            by_fit: Some([2.13, 8.27]),
+            ..def.of(5.2479, Some(1e-3))
+        };
+        assert_eq!(cell(&one), "5.248 \u{b1} 0.001");
+        let (value, bounds) = shown(&one);
+        assert_eq!(value, "5.248");
+        assert!(
+            bounds.starts_with("2 to 8 by fit; 5.232 to 5.263 by contact law"),
+            "{bounds}"
+        );
+    }
 
     #[test]
     fn digits_are_those_that_the_band_leaves() {

@@ -222,6 +222,17 @@ impl Catalogue {
                 format!("did you type metres? {meant}"),
             );
         }
+        let lighter = Self {
+            torque_n_m: 1e-3 * self.torque_n_m,
+            ..self.clone()
+        };
+        if lighter.attempt().is_ok() {
+            return Fault::new(
+                &["drive.output_torque_n_m"],
+                format!("is {} N m, more than such a gear bears", self.torque_n_m),
+                format!("did you type N mm? {}", lighter.torque_n_m),
+            );
+        }
         let first = fault.keys.first().map_or("the gear", AsRef::as_ref);
         let all = self.without_one();
         for (key, given, without) in &all {

@@ -97,7 +97,11 @@ fn millimetres(typed: &str) -> Result<f64, String> {
 }
 
 fn newton_metres(typed: &str) -> Result<f64, String> {
-    number(typed, "n_m", "newton metres")
+    let torque = number(typed, "n_m", "newton metres")?;
+    match torque == 0.0 {
+        true => Err("write the rated torque, such as 104".to_owned()),
+        false => Ok(torque),
+    }
 }
 
 fn turns_a_minute(typed: &str) -> Result<f64, String> {

@@ -63,7 +63,7 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
     for line in store.iter().flat_map(|store| store.said()) {
         screen::warn(&line);
     }
-    let mut found = found.map_err(|error| stopped(error, store.as_deref()))?;
+    let mut found = found.map_err(|error| stopped(error, store.as_deref(), args.fresh))?;
     // An engine that was asked for by name and is left out ends in an error.
     found.comparison.passed &= found.broken(asked_by_name).is_none();
     let made = folder.write(|dir, made| found.write(dir, made))?;
@@ -87,11 +87,14 @@ pub(crate) fn compare(args: &CompareArgs) -> Result<u8, Failure> {
 }
 
 /// The failure of a comparison, and how it goes on if it was stopped.
-fn stopped(error: StudyError, store: Option<&Store>) -> Failure {
+fn stopped(error: StudyError, store: Option<&Store>, fresh: bool) -> Failure {
     let made = store.map_or(0, Store::made);
     match error {
         StudyError::Cancelled if made > 0 => {
-            let kept = format!("stopped; {made} runs are kept: the same command goes on with them");
+            let without = if fresh { " without --fresh" } else { "" };
+            let kept = format!(
+                "stopped; {made} runs are kept: the same command{without} goes on with them"
+            );
             Failure::new(STOPPED, kept)
         }
         error => error.into(),

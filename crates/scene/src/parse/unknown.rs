@@ -78,6 +78,10 @@ const OUT_OF_SCOPE: &[(&str, &str)] = &[
         "a disc has one lobe less than there are ring pins, give these as gear.external_sleeves; two lobes less are not modelled",
     ),
     (
+        "scene",
+        "a sweep names a scene; `pinwheel sweep FILE` runs it, and a scene begins with base = \"paper\"",
+    ),
+    (
         "hypo",
         "ring pins on an epitrochoid disc are modelled, not a ring with a hypotrochoid for its edge; give gear.external_sleeves",
     ),
