@@ -243,7 +243,7 @@ pub(crate) struct OpenArgs {
     pub(crate) print: bool,
 }
 
-/// Meaning of the exit status, in the words of every `--help`, the README and docs/verdicts.md.
+/// Meaning of the exit status, in the words of `pinwheel --help`, the README and docs/verdicts.md.
 pub(crate) const STATUS: &str = "\
 Exit status: 0 done, and something was shown of each thing that you brought (a
 solver, a record, a limit, a baseline; without any, a pair of engines agrees),
@@ -278,9 +278,9 @@ fn by_groups(program: &clap::Command) -> String {
     text.trim_end().to_owned() + "\n\n{before-help}{after-help}"
 }
 
-/// Both of them in the help of a command.
+/// Options of every command and the exit status, as the help of one command has them.
 const COMMON: &str = "\
-Every command: -q, --quiet; -v, --verbose; --color auto, always or never; --help.
+Every command: -q, --quiet; -v, --verbose; --color auto, always or never; -h.
 Status: 0 done, 1 differs, 2 input, 3 engine, 4 not shown: `pinwheel --help`.";
 
 /// Options of every command, in place of a paragraph for each in every help.
