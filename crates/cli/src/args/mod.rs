@@ -309,12 +309,12 @@ fn examples_first(command: clap::Command) -> clap::Command {
         let _ = write!(rest, "{gap}{part}");
     }
     // A negative number is a wrong value, and no unknown option.
-    let is_valued = |arg: &clap::Arg| arg.get_action().takes_values() && !arg.is_positional();
+    let with_negative = |arg: clap::Arg| {
+        let takes = arg.get_action().takes_values() && !arg.is_positional();
+        arg.allow_negative_numbers(takes)
+    };
     command
-        .mut_args(|arg| {
-            let valued = is_valued(&arg);
-            arg.allow_negative_numbers(valued)
-        })
+        .mut_args(with_negative)
         .mut_subcommands(examples_first)
         .before_help(examples.trim_end().to_owned())
         .help_template(format!(
