@@ -252,6 +252,7 @@ class EngineInfo:
     version: str
     summary: str
     differences: str
+    needs: str | None = None
 
 
 def engines() -> list[EngineInfo]:
