@@ -245,6 +245,20 @@ fn texts(code: &str) -> Vec<String> {
     texts
 }
 
+/// A text of `format!` with `{x}` for whatever is put in.
+fn plain(text: &str) -> String {
+    let text = text.replace("{{", "\0").replace("}}", "\u{1}");
+    let mut parts = text.split('{');
+    let mut plain = parts.next().unwrap().to_owned();
+    for part in parts {
+        match part.split_once('}').filter(|(name, _)| !name.contains(' ')) {
+            Some((_, after)) => plain.extend(["{x}", after]),
+            None => plain.extend(["{", part]),
+        }
+    }
+    plain.replace('\0', "{").replace('\u{1}', "}")
+}
+
 /// Remedy at the end of a text: from its last part that begins with a verb of remedies on.
 fn remedy(text: &str) -> Option<&str> {
     let begins = |part: &str| {
@@ -301,7 +315,7 @@ fn every_remedy_of_the_sources_is_in_a_list() {
     let (mut missing, mut known) = (Vec::new(), 0);
     for path in all {
         for text in texts(&std::fs::read_to_string(&path).unwrap()) {
-            let text = text.replace("{{", "{").replace("}}", "}");
+            let text = plain(&text);
             let Some(remedy) = remedy(&text) else {
                 continue;
             };

@@ -226,7 +226,11 @@ impl Catalogue {
             torque_n_m: 1e-3 * self.torque_n_m,
             ..self.clone()
         };
-        if lighter.attempt().is_ok() {
+        let is_load = fault
+            .keys
+            .first()
+            .is_some_and(|key| key == "contact.ramp_m");
+        if is_load && lighter.attempt().is_ok() {
             return Fault::new(
                 &["drive.output_torque_n_m"],
                 format!("is {} N m, more than such a gear bears", self.torque_n_m),
