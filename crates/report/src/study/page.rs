@@ -45,6 +45,7 @@ pub fn render(study: &Study) -> String {
         lead = inline(&study.lead),
         banner = study.verdict.as_ref().map_or_else(String::new, banner),
         top = top,
+        decision = tile_list("tiles decision", &study.decision),
         tiles = tiles(study),
         below = below,
         no_script = match drawn.charts.as_slice() {
@@ -126,16 +127,24 @@ fn tiles(study: &Study) -> String {
             escape(title)
         ),
     };
+    title + &tile_list("tiles", &study.tiles)
+}
+
+/// Tiles side by side; nothing without any.
+fn tile_list(class: &str, list: &[Tile]) -> String {
     let tile = |tile: &Tile| {
-        let [label, value, unit, detail] =
-            [&tile.label, &tile.value, &tile.unit, &tile.detail].map(|text| escape(text));
+        let [label, unit] = [&tile.label, &tile.unit].map(|text| escape(text));
+        let [value, detail] = [&tile.value, &tile.detail].map(|text| inline(text));
+        let (mark, sign) = sign(tile.mark);
         format!(
-            "<div class=\"tile\"><p class=\"label\">{label}</p><p class=\"value\">{value} <span class=\"unit\">{unit}</span></p>\
+            "<div class=\"tile {mark}\"><p class=\"label\">{label}</p><p class=\"value\">{sign}{value} <span class=\"unit\">{unit}</span></p>\
              <p class=\"detail\">{detail}</p></div>\n"
         )
     };
-    let tiles = each(&study.tiles, tile);
-    format!("{title}<div class=\"tiles\">\n{tiles}</div>")
+    match list {
+        [] => String::new(),
+        list => format!("<div class=\"{class}\">\n{}</div>", each(list, tile)),
+    }
 }
 
 /// Names and values below a title; nothing without any.

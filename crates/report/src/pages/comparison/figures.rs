@@ -3,6 +3,7 @@
 use pinwheel_compare::comparison::EngineSummary;
 use pinwheel_compare::uncertainty::Norm;
 use pinwheel_compare::{Comparison, Quantity, SharedModel, WindowKind, quantities};
+use pinwheel_engines::{Form, info};
 use pinwheel_studies::comparison::Outcome;
 use pinwheel_timeseries::figure::{Figure, FigureDef};
 
@@ -13,7 +14,7 @@ pub(super) fn window(comparison: &Comparison) -> Option<WindowKind> {
 }
 
 /// Engine that speaks for all, with the window of its figures: of those that share the contact law, or of all if none does, one
-/// that is not recorded, and of those the one of the smallest uncertainty.
+/// that is not recorded, and of those with a known uncertainty the resolved one, or else the one of the smallest.
 pub(super) fn best(comparison: &Comparison) -> Option<(&EngineSummary, WindowKind)> {
     let window = window(comparison)?;
     let is_sharing =
@@ -27,7 +28,9 @@ pub(super) fn best(comparison: &Comparison) -> Option<(&EngineSummary, WindowKin
     let engines = engines.filter(|e| e.figures_in(window).is_some());
     let rank = |e: &EngineSummary| {
         let off = numerical(comparison, e, window).unwrap_or(f64::INFINITY);
-        (e.cost.recorded.is_some(), off)
+        let is_resolved = info(&e.name).and_then(|info| info.form) == Some(Form::Resolved);
+        let last = [e.cost.recorded.is_some(), off.is_infinite(), !is_resolved];
+        (last, off)
     };
     let best = engines.min_by(|a, b| {
         let (a, b) = (rank(a), rank(b));
