@@ -123,12 +123,18 @@ fn headlines(found: &DesignResult) -> impl Iterator<Item = &Figure> {
 }
 
 fn decision(found: &DesignResult, made: &Provenance) -> Vec<Tile> {
-    let run = found.cycle.as_ref().and_then(|cycle| cycle.lost_motion_arcmin);
+    let run = found
+        .cycle
+        .as_ref()
+        .and_then(|cycle| cycle.lost_motion_arcmin);
     let both = found.torsion.lost_motion_at_0_arcmin.zip(run);
     let (said, why) = match both.filter(|(statics, _)| *statics != 0.0) {
         Some((statics, run)) => {
             let off = format::relative((run / statics - 1.0).abs());
-            (format!("two ways, {off} apart"), "lost motion by statics and by a run; no other program")
+            (
+                format!("two ways, {off} apart"),
+                "lost motion by statics and by a run; no other program",
+            )
         }
         None => ("one way".to_owned(), "statics alone; no other program"),
     };
@@ -186,7 +192,10 @@ fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
 /// What is hard to believe, and the notes but for the next step, which is a tile.
 fn facts(found: &DesignResult) -> Vec<Fact> {
     let notes = unsure(found).into_iter().chain(notes(found));
-    notes.filter(|(label, _)| *label != NEXT).map(fact).collect()
+    notes
+        .filter(|(label, _)| *label != NEXT)
+        .map(fact)
+        .collect()
 }
 
 /// Label of the next step.

@@ -87,7 +87,9 @@ fn sure<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> Option<Tile> {
         let widest = ends.map(|end| (end / value - 1.0).abs());
         widest.reduce(f64::max)
     };
-    let known = figures.into_iter().filter_map(|one| Some((width(&one)?, one)));
+    let known = figures
+        .into_iter()
+        .filter_map(|one| Some((width(&one)?, one)));
     let (width, widest) = known.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let mark = Mark::warn(widest.bands().is_empty());
     let why = format!("{}: {}", widest.def.label, shown(widest).1);

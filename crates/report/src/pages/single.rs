@@ -85,10 +85,19 @@ pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
 pub fn page(found: &Outcome, made: &Provenance) -> String {
     let results = found.results();
     let heads = ["mean_input", "peak_", SHARE_DELIVERED.key.as_ref()];
-    let heads = results.figures.iter().filter(|one| heads.iter().any(|key| one.def.key.starts_with(key)));
-    let facts = settings(found).into_iter().filter(|(_, said)| !said.is_empty());
+    let heads = results
+        .figures
+        .iter()
+        .filter(|one| heads.iter().any(|key| one.def.key.starts_with(key)));
+    let facts = settings(found)
+        .into_iter()
+        .filter(|(_, said)| !said.is_empty());
     let facts = facts.map(|(label, said)| Fact::new(label, Mark::warn(label == DOUBT), said));
-    let every = figure::table("Figures, with how far each may be off", &results.figures, figure::how);
+    let every = figure::table(
+        "Figures, with how far each may be off",
+        &results.figures,
+        figure::how,
+    );
     let mut sections: Vec<Section> = time_series(found)
         .map(|drawn| Section::new("courses", "Over time").with(drawn))
         .into_iter()
@@ -109,7 +118,10 @@ pub fn page(found: &Outcome, made: &Provenance) -> String {
         decision: decision(found, heads.clone(), made),
         tiles_title: format!("from {} s on", format::plain(results.from_s)),
         tiles: heads.map(figure::tile).collect(),
-        below: vec![Block::heading("How it was computed"), Block::Facts(facts.collect())],
+        below: vec![
+            Block::heading("How it was computed"),
+            Block::Facts(facts.collect()),
+        ],
         aside: animation::aside(found.motion.as_ref()),
         sections,
         ..Study::default()

@@ -130,12 +130,7 @@ pub enum Question {
 impl Question {
     /// The tile of an answer: a word or two, or a command in backticks, and its reason.
     #[must_use]
-    pub fn answered(
-        self,
-        mark: Mark,
-        value: impl Into<String>,
-        detail: impl Into<String>,
-    ) -> Tile {
+    pub fn answered(self, mark: Mark, value: impl Into<String>, detail: impl Into<String>) -> Tile {
         let label = match self {
             Self::Right => "Is it right?",
             Self::Bears => "Will it bear?",

@@ -87,6 +87,7 @@ impl Drawn<'_> {
         }
         if self.grids || !self.live.is_empty() || !self.charts.is_empty() {
             all += &script::code(include_str!("../../assets/vendor/uplot/uPlot.iife.min.js"));
+            all += &script::code(include_str!("../../assets/export.js"));
             all += &script::code(include_str!("../../assets/charts.js"));
         }
         if self.grids {

@@ -1,9 +1,10 @@
 //! The page of `pinwheel bench`: headline, what errors cost, the reference, what is unequal, all runs.
 
-use crate::format::{limit, significant};
-use crate::study::{Section, Study, Tone, Verdict};
+use crate::format::{self, limit, significant};
+use crate::study::{Mark, Question, Section, Study, Tile, Tone, Verdict};
+use pinwheel_engines::SharedModel;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::bench::{Ranking, WorkPrecision};
+use pinwheel_studies::bench::{CostAt, Ranking, WorkPrecision};
 
 mod figures;
 mod sections;
@@ -28,6 +29,7 @@ pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
             scene.name, scene.solver.duration_s
         ),
         verdict: rankings.first().and_then(|first| verdict(measured, first)),
+        decision: decision(measured, rankings.first(), made),
         sections: sections::all(measured, rankings),
         versions: versions.collect(),
         ..Study::default()
@@ -39,6 +41,30 @@ pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
         study.sections.insert(0, stopped);
     }
     crate::pages::render(study, made)
+}
+
+fn decision(study: &WorkPrecision, ranking: Option<&Ranking>, made: &Provenance) -> Vec<Tile> {
+    let entries = ranking.into_iter().flat_map(|ranking| &ranking.entries);
+    let peers = entries.filter(|entry| entry.track != SharedModel::Native);
+    let (there, all) = peers.fold((0, 0), |(there, all), entry| {
+        let is_there = entry.cpu_s.is_some_and(CostAt::reached);
+        (there + usize::from(is_there), all + 1)
+    });
+    let off = limit(study.options.target);
+    let why = format!("engines of other projects that come within {off} of our converged run");
+    let mark = if there > 0 { Mark::Good } else { Mark::Warn };
+    let apart = format::relative(study.reference.apart.forces);
+    let why_sure = "of forces: the converged run, from a second one by another method";
+    [
+        Question::Right.answered(mark, format!("{there} of {all} peers reach it"), why),
+        Question::Sure.answered(Mark::None, format!("to {apart}"), why_sure),
+        crate::pages::next(
+            made,
+            "compare",
+            "whether the engines agree, beside what they cost",
+        ),
+    ]
+    .into()
 }
 
 fn verdict(study: &WorkPrecision, ranking: &Ranking) -> Option<Verdict> {

@@ -1,11 +1,15 @@
 //! A sweep's page: figures over what was varied, and every run in a table.
 
-use crate::format::{count, joined, plain, readable_unit, seconds, significant};
-use crate::study::{Block, Grid, GridAxis, GridFigure, Section, Study, Tile, Tone, Verdict};
+use crate::format::{count, joined, plain, readable_unit, relative, seconds, significant};
+use crate::study::{
+    Block, Grid, GridAxis, GridFigure, Mark, Question, Section, Study, Tile, Tone, Verdict,
+};
 use crate::table::named;
 use pinwheel_compare::quantities;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::sweep::{self, Axis, Plan, RunRecord, STATICS, Value, definition};
+use pinwheel_studies::sweep::{
+    self, Axis, Plan, RunRecord, STATICS, SampleResult, Value, definition,
+};
 use pinwheel_timeseries::figure::FigureDef;
 use pinwheel_timeseries::table::{Column, Table, Values};
 
@@ -16,6 +20,8 @@ pub use text::{list, text};
 
 /// Rows of the table of runs at most; the CSV has all.
 const MOST_ROWS: usize = 500;
+/// Keys of a run that the next command sets at most.
+const MOST_SET: usize = 3;
 /// Figures to choose from at most.
 const MOST_FIGURES: usize = 40;
 
@@ -47,6 +53,7 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
     }
     let grid = grid(plan, records, table);
     let answer = answer(&grid, plan);
+    let decision = decision(plan, &sampled, grid.figures.first());
     // Over random values there is no line to draw.
     if sampled.is_empty()
         && !grid.figures.is_empty()
@@ -77,6 +84,7 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
         eyebrow: "Sweep".to_owned(),
         lead,
         verdict: lost.or_else(|| tolerances::verdict(&sampled)).or(answer),
+        decision,
         tiles: vec![
             Tile::new("Runs", count(runs_done as u64), sweep.engines.join(", ")),
             Tile::new("Varied", varied.len().to_string(), varied.join(", ")),
@@ -88,6 +96,60 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
         ..Study::default()
     };
     crate::pages::render(study, made)
+}
+
+fn decision(plan: &Plan, sampled: &[SampleResult], first: Option<&GridFigure>) -> Vec<Tile> {
+    let sweep = &plan.sweep;
+    let right = match sweep.engines.as_slice() {
+        [one] => Question::Right.answered(Mark::Warn, "one engine", one),
+        all => Question::Right.answered(
+            Mark::None,
+            format!("{} engines", all.len()),
+            "side by side in the table of runs",
+        ),
+    };
+    let bears = tolerances::bears(sampled);
+    let sure = first.map(|figure| {
+        let known = figure.values.iter().zip(&figure.uncertainty);
+        let shares = known.filter_map(|(value, off)| Some(off.as_ref()? / value.as_ref()?.abs()));
+        match shares.filter(|share| share.is_finite()).reduce(f64::max) {
+            Some(widest) => {
+                let said = format!("to {}", relative(widest));
+                Question::Sure.answered(Mark::None, said, format!("{}, numerical", figure.label))
+            }
+            None => {
+                let why = "`solver.integrator = \"auto\"` verifies every run";
+                Question::Sure.answered(Mark::Warn, "not known", why)
+            }
+        }
+    });
+    // Largest of the first figure: where one looks closer.
+    let largest = first.and_then(|figure| {
+        let there = figure.values.iter().enumerate();
+        let there = there.filter_map(|(run, value)| Some((run, (*value)?)));
+        there.max_by(|a, b| a.1.total_cmp(&b.1))
+    });
+    let run = largest.and_then(|(run, _)| plan.runs.get(run));
+    let few = run.filter(|run| run.values.len() <= MOST_SET);
+    let values = few.into_iter().flat_map(|run| &run.values);
+    let values = values.map(|(key, value)| format!(" --set {key}={value}"));
+    let sets = sweep
+        .set
+        .iter()
+        .map(|set| format!(" --set {}={}", set.key(), set.value()));
+    let command = joined(
+        "",
+        [format!("pinwheel compare {}", sweep.scene)]
+            .into_iter()
+            .chain(sets)
+            .chain(values),
+    );
+    let why = "whether other engines agree where the figure is largest";
+    let next = Question::Next.answered(Mark::None, format!("`{command}`"), why);
+    [Some(right), bears, sure, Some(next)]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Range of the first figure over the runs with its uncertainty, or the statement that there is no trend beyond it.
