@@ -53,8 +53,9 @@ document.addEventListener('DOMContentLoaded', () => {
     const input = make('input', { type: 'range', id, min: slider.from, max: slider.to, step: 'any' });
     const typed = make('input', { type: 'text', inputmode: 'decimal', autocomplete: 'off', 'aria-label': `${slider.label} (${slider.unit || 'number'})` });
     const reason = make('p', { class: 'reason', role: 'alert' });
+    const short = (value) => (Math.abs(value) < 1e6 ? String(value) : value.toExponential());
     const told = (value) => {
-      typed.value = value === rigid ? rigid : String(Number(value.toPrecision(5)));
+      typed.value = value === rigid ? rigid : short(Number(value.toPrecision(5)));
       input.setAttribute('aria-valuetext', `${typed.value} ${slider.unit}`);
     };
     // Position of the thumb for a value, and the value for a position.

@@ -161,25 +161,29 @@ fn in_words(key: &str, what: &str, remedy: &str) -> String {
         text.replace(&format!("`{}`", slider.key), &label)
             .replace(slider.key, &label)
     });
+    let number = |word: &str| word.trim_start_matches('(').parse::<f64>().ok();
+    let old: Vec<&str> = text.split(' ').collect();
     // From the right: a unit is that of the number before it, and of those that `to` or `and` joins with that.
-    let mut scale = None;
-    let mut words: Vec<String> = Vec::new();
-    for word in text.split(' ').rev() {
+    let (mut scale, mut words) = (None, Vec::new());
+    for (place, word) in old.iter().enumerate().rev() {
         let bare = word.trim_end_matches([',', ';', ':', ')']);
-        let unit = units.iter().find(|(unit, _)| *unit == bare);
-        let number = bare.trim_start_matches('(').parse::<f64>();
-        words.push(match (unit, number, scale) {
+        let before = place.checked_sub(1).and_then(|before| number(old[before]));
+        let unit = units
+            .iter()
+            .find(|(unit, _)| before.is_some() && *unit == bare);
+        words.push(match (unit, number(bare), scale) {
             (Some((_, unit)), ..) => {
                 scale = Some(unit.1);
                 word.replacen(bare, unit.0, 1)
             }
-            (None, Ok(value), Some(factor)) => {
-                let value: f64 = format!("{:.5e}", value * factor).parse().unwrap_or(value);
-                word.replacen(bare.trim_start_matches('('), &value.to_string(), 1)
+            (None, Some(value), Some(factor)) => {
+                let value = format!("{:.5e}", value * factor).parse::<f64>();
+                let value = value.unwrap_or_default().to_string();
+                word.replacen(bare.trim_start_matches('('), &value, 1)
             }
             _ => {
-                scale = scale.filter(|_| ["to", "and"].contains(&word));
-                word.to_owned()
+                scale = scale.filter(|_| ["to", "and"].contains(word));
+                (*word).to_owned()
             }
         });
     }

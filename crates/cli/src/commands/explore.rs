@@ -103,7 +103,7 @@ impl Entry {
             }
             Self::Browser { token, cookie, key } => {
                 let given = path.strip_prefix("/?token=");
-                if given == Some(token) {
+                if given == Some(token.as_str()) {
                     let cookie = format!("{cookie}; HttpOnly; SameSite=Strict; Path=/");
                     let key = format!(include_str!("../../templates/entered.html"), key = key);
                     return Err(page(key).with("Set-Cookie", cookie));

@@ -300,7 +300,8 @@ fn table_html(table: &Table) -> String {
     });
     format!(
         "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table class=\"data sortable study-table\">\n\
-         <caption>{caption}</caption>\n<thead><tr class=\"keys\">{headings}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n</div>",
+         <caption>{}</caption>\n<thead><tr class=\"keys\">{headings}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n</div>",
+        inline(&table.caption),
         rows.collect::<String>()
     )
 }
