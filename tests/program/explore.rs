@@ -331,7 +331,6 @@ fn explore_answers_its_own_page_alone() {
     assert_eq!(run_in(dir.path(), words(init)).code, Some(0));
     let served = Served::of(dir.path(), "gear.toml", "0");
     let host = format!("127.0.0.1:{}", served.port());
-    let path = served.1.rsplit('/').next().unwrap();
     let ask = |request: &str, more: &str, body: &str| asked(&served, request, more, body);
     assert_eq!(ask("GET /", "", "").0, "403", "without a token");
     assert_eq!(ask("GET /?token=00", "", "").0, "403", "a wrong token");

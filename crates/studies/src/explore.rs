@@ -20,7 +20,6 @@ use crate::design::Limits;
 use crate::motion::Motion;
 use crate::rng::Rng;
 use crate::sampling::hypercube;
-use crate::sweep::Yield;
 use crate::sweep::tolerance::clopper_pearson;
 use crate::{Control, StudyError, band, design};
 
@@ -313,16 +312,16 @@ pub fn figures(
     Ok((figures, limits))
 }
 
-/// Gears of the sample of tolerances, and its seed.
-const GEARS: usize = 40;
+/// Gears of the sample of tolerances.
+pub const GEARS: usize = 40;
 const SEED: u64 = 1;
 
 /// Of a fixed sample of gears within the tolerances of a scene (`[uncertain]`, uniform), those that can be assembled and bear their
-/// load as far as that is judged. `None` of a scene without tolerances or limits.
+/// load as far as that is judged: their share, and its ends with 95 % confidence. `None` of a scene without tolerances or limits.
 ///
 /// # Errors
 /// Cancelled.
-pub fn sample(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<Yield>, StudyError> {
+pub fn sample(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<[f64; 3]>, StudyError> {
     let scene = &gearbox.scene;
     let intervals = band::intervals(scene);
     let own = Limits::of_gear(gearbox, None, cancel)?;
@@ -346,13 +345,8 @@ pub fn sample(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<Yield>, S
             kept += usize::from(margin.is_some_and(|margin| margin >= 1.0));
         }
     }
-    Ok(Some(Yield {
-        kept,
-        runs: GEARS,
-        share: kept as f64 / GEARS as f64,
-        interval: clopper_pearson(kept, GEARS),
-        alone: Vec::new(),
-    }))
+    let [low, high] = clopper_pearson(kept, GEARS);
+    Ok(Some([kept as f64 / GEARS as f64, low, high]))
 }
 
 /// The scene that a state begins with: settled under its load, if its load is constant.

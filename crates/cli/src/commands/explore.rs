@@ -152,7 +152,7 @@ fn balances_beside() -> mpsc::Sender<Beside> {
 /// Figures of a state's balances, with their bands, or those of a sample, as the page reads them.
 fn balances(gearbox: &Gearbox, path: &str, stop: &AtomicBool) -> Result<Value, StudyError> {
     if path == "/sample" {
-        return Ok(live::sample(states::sample(gearbox, stop)?.as_ref()));
+        return Ok(live::sample(states::sample(gearbox, stop)?));
     }
     let (found, limits) = states::figures(gearbox, path == "/bands", stop)?;
     Ok(live::balances(&found, limits.as_ref(), &gearbox.scene))

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::figure::{self, number, table};
 use crate::format::{self, joined, significant};
 use crate::stack::stack;
-use crate::study::{Axis, Block, Chart, Fact, Mark, Question, Section, Study, Style, Tile};
+use crate::study::{Axis, Block, Chart, Decision, Fact, Mark, Question, Section, Study, Style};
 use crate::terminal::{self, list, titled};
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
@@ -122,7 +122,7 @@ fn headlines(found: &DesignResult) -> impl Iterator<Item = &Figure> {
     figures.filter(|one| is_headline(&one.def))
 }
 
-fn decision(found: &DesignResult, made: &Provenance) -> Vec<Tile> {
+fn decision(found: &DesignResult, made: &Provenance) -> Decision {
     let run = found
         .cycle
         .as_ref()
@@ -141,8 +141,7 @@ fn decision(found: &DesignResult, made: &Provenance) -> Vec<Tile> {
     let right = Question::Right.answered(Mark::Warn, said, why);
     let sure = crate::pages::sure(headlines(found));
     let next = crate::pages::next(made, "compare", "whether other engines confirm the forces");
-    let bears = [Some(right), Some(bears(&found.limits)), sure, Some(next)];
-    bears.into_iter().flatten().collect()
+    [Some(right), Some(bears(&found.limits)), sure, Some(next)]
 }
 
 /// Links to the files that stand beside the page.

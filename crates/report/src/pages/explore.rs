@@ -9,9 +9,8 @@ use crate::{figure, script};
 use pinwheel_contact::laws::LAWS;
 use pinwheel_scene::Scene;
 use pinwheel_studies::design::Limits;
-use pinwheel_studies::explore::{RIGID, sliders};
+use pinwheel_studies::explore::{GEARS, RIGID, sliders};
 use pinwheel_studies::motion::Motion;
-use pinwheel_studies::sweep::Yield;
 use pinwheel_studies::{Provenance, band};
 use pinwheel_timeseries::columns;
 use pinwheel_timeseries::figure::Figure;
@@ -92,15 +91,12 @@ pub fn balances(figures: &[Figure], limits: Option<&Limits>, scene: &Scene) -> V
     json!({"figures": told, "why": why})
 }
 
-/// The sample of a state's tolerances, as the page's script reads it.
+/// The sample of a state's tolerances, as the page's script reads it: a share and its ends.
 #[must_use]
-pub fn sample(found: Option<&Yield>) -> Value {
+pub fn sample(found: Option<[f64; 3]>) -> Value {
     let row = found.map(|found| {
-        let [share, low, high] = [found.share, found.interval[0], found.interval[1]].map(|x| 100.0 * x);
-        let how = format!(
-            "of {} gears within `[uncertain]`, those within limits; {low:.0} to {high:.0} % with 95 % confidence",
-            found.runs
-        );
+        let [share, low, high] = found.map(|share| 100.0 * share);
+        let how = format!("of {GEARS} gears within [uncertain], those within limits; {low:.0} to {high:.0} % with 95 % confidence");
         json!(["yield", share, "%", format!("{share:.0}"), how, 0.5 * (high - low)])
     });
     json!({"figures": row.into_iter().collect::<Vec<_>>()})

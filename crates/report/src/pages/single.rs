@@ -2,7 +2,7 @@
 
 use crate::figure::{self, cell, sentence};
 use crate::format::{self, NONE, joined};
-use crate::study::{Block, Fact, Mark, Question, Section, Study, Tile, Tone, Verdict};
+use crate::study::{Block, Decision, Fact, Mark, Question, Section, Study, Tone, Verdict};
 use crate::terminal::{pairs, titled};
 use pinwheel_compare::{Context, Cost, Participant, Rules, Status, compare};
 use pinwheel_studies::Provenance;
@@ -93,19 +93,12 @@ pub fn page(found: &Outcome, made: &Provenance) -> String {
         .into_iter()
         .filter(|(_, said)| !said.is_empty());
     let facts = facts.map(|(label, said)| Fact::new(label, Mark::warn(label == DOUBT), said));
-    let every = figure::table(
-        "Figures, with how far each may be off",
-        &results.figures,
-        figure::how,
-    );
-    let mut sections: Vec<Section> = time_series(found)
-        .map(|drawn| Section::new("courses", "Over time").with(drawn))
-        .into_iter()
-        .collect();
-    sections.push(Section::new("figures", "Figures").with(every));
-    if let Some(bands) = &found.bands {
-        sections.push(Section::new("models", "Models").with(band::blocks(bands)));
-    }
+    let over_time = time_series(found);
+    let over_time = over_time.map(|drawn| Section::new("courses", "Over time").with(drawn));
+    let every = figure::table("Figures", &results.figures, figure::how);
+    let bands = found.bands.iter().flat_map(band::blocks);
+    let figures = Section::new("figures", "Figures").with(every);
+    let figures = figures.with(bands.collect::<Vec<_>>());
     let study = Study {
         title: found.scene.name.clone(),
         eyebrow: format!("Pinwheel run, by {}", found.engine),
@@ -123,7 +116,7 @@ pub fn page(found: &Outcome, made: &Provenance) -> String {
             Block::Facts(facts.collect()),
         ],
         aside: animation::aside(found.motion.as_ref()),
-        sections,
+        sections: over_time.into_iter().chain([figures]).collect(),
         ..Study::default()
     };
     crate::pages::render(study, made)
@@ -133,7 +126,7 @@ fn decision<'a>(
     found: &Outcome,
     heads: impl Iterator<Item = &'a Figure>,
     made: &Provenance,
-) -> Vec<Tile> {
+) -> Decision {
     let right = match &found.resolution {
         Some(resolution) => (Mark::warn(!resolution.holds()), resolution.sentence()),
         None => (Mark::Warn, "no engine beside it".to_owned()),
@@ -141,8 +134,7 @@ fn decision<'a>(
     let right = Question::Right.answered(right.0, "one engine alone", right.1);
     let bears = found.limits.as_ref().map(bears);
     let next = crate::pages::next(made, "compare", "whether other engines agree");
-    let all = [Some(right), bears, crate::pages::sure(heads), Some(next)];
-    all.into_iter().flatten().collect()
+    [Some(right), bears, crate::pages::sure(heads), Some(next)]
 }
 
 /// The time series, as those of a comparison of one engine.

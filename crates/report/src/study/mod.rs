@@ -41,8 +41,8 @@ pub struct Study {
     pub lead: String,
     /// The answer in one line, if the study has one.
     pub verdict: Option<Verdict>,
-    /// Answers to the questions of a decision ([`Question`]).
-    pub decision: Vec<Tile>,
+    /// Answers to the questions of a decision ([`Question`]), as far as the study has them.
+    pub decision: Decision,
     /// Blocks between the answer and the figures.
     pub top: Vec<Block>,
     /// Title of the figures; may be empty.
@@ -113,6 +113,9 @@ pub struct Tile {
     /// Mark of the figure.
     pub mark: Mark,
 }
+
+/// Answers to the four questions of a decision.
+pub type Decision = [Option<Tile>; 4];
 
 /// Questions of who has to decide, answered by every first screen in this order; a study that cannot answer one leaves it out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -45,7 +45,7 @@ pub fn render(study: &Study) -> String {
         lead = inline(&study.lead),
         banner = study.verdict.as_ref().map_or_else(String::new, banner),
         top = top,
-        decision = tile_list("tiles decision", &study.decision),
+        decision = tile_list("tiles decision", study.decision.iter().flatten()),
         tiles = tiles(study),
         below = below,
         no_script = match drawn.charts.as_slice() {
@@ -132,7 +132,7 @@ fn tiles(study: &Study) -> String {
 }
 
 /// Tiles side by side; nothing without any.
-fn tile_list(class: &str, list: &[Tile]) -> String {
+fn tile_list<'a>(class: &str, list: impl IntoIterator<Item = &'a Tile>) -> String {
     let tile = |tile: &Tile| {
         let [label, unit] = [&tile.label, &tile.unit].map(|text| escape(text));
         let [value, detail] = [&tile.value, &tile.detail].map(|text| inline(text));
@@ -142,9 +142,9 @@ fn tile_list(class: &str, list: &[Tile]) -> String {
              <p class=\"detail\">{detail}</p></div>\n"
         )
     };
-    match list {
-        [] => String::new(),
-        list => format!("<div class=\"{class}\">\n{}</div>", each(list, tile)),
+    match list.into_iter().map(tile).collect::<String>().as_str() {
+        "" => String::new(),
+        tiles => format!("<div class=\"{class}\">\n{tiles}</div>"),
     }
 }
 

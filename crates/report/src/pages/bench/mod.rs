@@ -1,7 +1,7 @@
 //! The page of `pinwheel bench`: headline, what errors cost, the reference, what is unequal, all runs.
 
 use crate::format::{self, limit, significant};
-use crate::study::{Mark, Question, Section, Study, Tile, Tone, Verdict};
+use crate::study::{Decision, Mark, Question, Section, Study, Tone, Verdict};
 use pinwheel_engines::SharedModel;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::bench::{CostAt, Ranking, WorkPrecision};
@@ -43,28 +43,21 @@ pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
     crate::pages::render(study, made)
 }
 
-fn decision(study: &WorkPrecision, ranking: Option<&Ranking>, made: &Provenance) -> Vec<Tile> {
+fn decision(study: &WorkPrecision, ranking: Option<&Ranking>, made: &Provenance) -> Decision {
     let entries = ranking.into_iter().flat_map(|ranking| &ranking.entries);
-    let peers = entries.filter(|entry| entry.track != SharedModel::Native);
-    let (there, all) = peers.fold((0, 0), |(there, all), entry| {
-        let is_there = entry.cpu_s.is_some_and(CostAt::reached);
-        (there + usize::from(is_there), all + 1)
+    let there = entries.filter(|entry| {
+        entry.track != SharedModel::Native && entry.cpu_s.is_some_and(CostAt::reached)
     });
+    let there = there.count();
     let off = limit(study.options.target);
-    let why = format!("engines of other projects that come within {off} of our converged run");
+    let why = format!("within {off} of our converged run");
     let mark = if there > 0 { Mark::Good } else { Mark::Warn };
     let apart = format::relative(study.reference.apart.forces);
-    let why_sure = "of forces: the converged run, from a second one by another method";
-    [
-        Question::Right.answered(mark, format!("{there} of {all} peers reach it"), why),
-        Question::Sure.answered(Mark::None, format!("to {apart}"), why_sure),
-        crate::pages::next(
-            made,
-            "compare",
-            "whether the engines agree, beside what they cost",
-        ),
-    ]
-    .into()
+    let second = "of forces: the converged run, from a second one by another method";
+    let right = Question::Right.answered(mark, format!("{there} peers agree"), why);
+    let sure = Question::Sure.answered(Mark::None, format!("to {apart}"), second);
+    let next = crate::pages::next(made, "compare", "whether engines agree on this scene");
+    [Some(right), None, Some(sure), Some(next)]
 }
 
 fn verdict(study: &WorkPrecision, ranking: &Ranking) -> Option<Verdict> {

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::figure::shown;
 use crate::format::{joined, significant};
-use crate::study::{Fact, Mark, Question, Tile, Tone, Verdict};
+use crate::study::{Decision, Fact, Mark, Question, Tone, Verdict};
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::shown::{Finding, Kind, Shown};
 use pinwheel_compare::{
@@ -187,7 +187,7 @@ impl<'a> Answer<'a> {
     }
 
     /// Tiles of the decision; `made`: the command that the next one follows.
-    pub(super) fn decision(&self, made: &Provenance) -> Vec<Tile> {
+    pub(super) fn decision(&self, made: &Provenance) -> Decision {
         let (tone, ..) = self.judged();
         let mark = match tone {
             Tone::Good => Mark::Good,
@@ -204,8 +204,7 @@ impl<'a> Answer<'a> {
         };
         let bears = self.found.limits.as_ref().map(pages::design::bears);
         let sure = pages::sure(&figures(self.found));
-        let all = [Some(right), bears, sure, Some(next)];
-        all.into_iter().flatten().collect()
+        [Some(right), bears, sure, Some(next)]
     }
 
     /// Can I trust it: equations, integration, contacts, law, fit, measurement and what was done to its data.

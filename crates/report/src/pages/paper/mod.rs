@@ -45,22 +45,15 @@ pub fn page(found: &PaperResult, made: &Provenance) -> String {
         lead: "Each figure from our own runs in the paper's axes and units: what the paper says it shows, whether ours \
                shows it, and by which number. Figures of the paper are not reproduced here; the words are a summary."
             .into(),
-        decision: vec![
-            Question::Right.answered(
-                Mark::Warn,
-                "one program",
-                "our solver alone; the next command asks the others",
-            ),
-            Question::Sure.answered(
-                Mark::None,
-                "number by number",
-                "each verdict stands beside the number that it rests on",
-            ),
-            Question::Next.answered(
+        decision: [
+            Some(Question::Right.answered(Mark::Warn, "one program", "our solver alone")),
+            None,
+            None,
+            Some(Question::Next.answered(
                 Mark::None,
                 "`pinwheel compare paper`",
                 "whether other engines agree on the paper's gear",
-            ),
+            )),
         ],
         // A claim that does not hold is a finding, not a failure.
         verdict: Some(study::Verdict {

@@ -6,7 +6,7 @@ mod text;
 pub use text::text;
 
 use crate::format;
-use crate::study::{Block, Question, Section, Study, Tile, Tone, Verdict};
+use crate::study::{Block, Decision, Question, Section, Study, Tile, Tone, Verdict};
 use pinwheel_scene::Formulation;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::stability::{Atlas, Cell, SERVED, SceneRow};
@@ -59,7 +59,7 @@ fn verdict(atlas: &Atlas) -> Verdict {
     }
 }
 
-fn decision(atlas: &Atlas) -> Vec<Tile> {
+fn decision(atlas: &Atlas) -> Decision {
     let references = atlas.done().filter_map(|row| row.reference.as_ref());
     let apart = references.map(|run| run.apart.forces).reduce(f64::max);
     let sure = apart.map(|apart| {
@@ -76,7 +76,7 @@ fn decision(atlas: &Atlas) -> Vec<Tile> {
             "whether other engines agree on the hardest scene",
         )
     });
-    [Some(right), sure, next].into_iter().flatten().collect()
+    [Some(right), None, sure, next]
 }
 
 /// Scene whose best method has the largest error of the forces.

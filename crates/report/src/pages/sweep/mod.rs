@@ -2,7 +2,8 @@
 
 use crate::format::{count, joined, plain, readable_unit, relative, seconds, significant};
 use crate::study::{
-    Block, Grid, GridAxis, GridFigure, Mark, Question, Section, Study, Tile, Tone, Verdict,
+    Block, Decision, Grid, GridAxis, GridFigure, Mark, Question, Section, Study, Tile, Tone,
+    Verdict,
 };
 use crate::table::named;
 use pinwheel_compare::quantities;
@@ -98,30 +99,24 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
     crate::pages::render(study, made)
 }
 
-fn decision(plan: &Plan, sampled: &[SampleResult], first: Option<&GridFigure>) -> Vec<Tile> {
+fn decision(plan: &Plan, sampled: &[SampleResult], first: Option<&GridFigure>) -> Decision {
     let sweep = &plan.sweep;
-    let right = match sweep.engines.as_slice() {
-        [one] => Question::Right.answered(Mark::Warn, "one engine", one),
-        all => Question::Right.answered(
-            Mark::None,
-            format!("{} engines", all.len()),
-            "side by side in the table of runs",
-        ),
-    };
+    let engines = sweep.engines.len();
+    let said = count(engines as u64) + if engines == 1 { " engine" } else { " engines" };
+    let right = Question::Right.answered(Mark::warn(engines == 1), said, sweep.engines.join(", "));
     let bears = tolerances::bears(sampled);
     let sure = first.map(|figure| {
         let known = figure.values.iter().zip(&figure.uncertainty);
         let shares = known.filter_map(|(value, off)| Some(off.as_ref()? / value.as_ref()?.abs()));
-        match shares.filter(|share| share.is_finite()).reduce(f64::max) {
-            Some(widest) => {
-                let said = format!("to {}", relative(widest));
-                Question::Sure.answered(Mark::None, said, format!("{}, numerical", figure.label))
-            }
-            None => {
-                let why = "`solver.integrator = \"auto\"` verifies every run";
-                Question::Sure.answered(Mark::Warn, "not known", why)
-            }
-        }
+        let widest = shares.filter(|share| share.is_finite()).reduce(f64::max);
+        let said = widest.map_or("not known".to_owned(), |widest| {
+            format!("to {}", relative(widest))
+        });
+        Question::Sure.answered(
+            Mark::warn(widest.is_none()),
+            said,
+            format!("{}, numerical", figure.label),
+        )
     });
     // Largest of the first figure: where one looks closer.
     let largest = first.and_then(|figure| {
@@ -147,9 +142,6 @@ fn decision(plan: &Plan, sampled: &[SampleResult], first: Option<&GridFigure>) -
     let why = "whether other engines agree where the figure is largest";
     let next = Question::Next.answered(Mark::None, format!("`{command}`"), why);
     [Some(right), bears, sure, Some(next)]
-        .into_iter()
-        .flatten()
-        .collect()
 }
 
 /// Range of the first figure over the runs with its uncertainty, or the statement that there is no trend beyond it.
