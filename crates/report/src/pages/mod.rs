@@ -68,12 +68,13 @@ fn next(made: &Provenance, verb: &str, why: &str) -> Tile {
         _ => "SCENE",
     };
     let mut command = format!("pinwheel {verb} {scene}");
-    for (before, word) in words.iter().zip(&words[1..]) {
-        if *before == "--set" {
-            command += &format!(" --set {word}");
-        } else if word.starts_with("--set=") {
-            command += &format!(" {word}");
-        }
+    // How it was computed is no part of the question.
+    let sets = words
+        .iter()
+        .zip(&words[1..])
+        .filter(|(before, word)| **before == "--set" && !word.starts_with("solver."));
+    for (_, word) in sets {
+        command += &format!(" --set {word}");
     }
     Question::Next.answered(Mark::None, format!("`{command}`"), why)
 }

@@ -24,8 +24,7 @@ pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
         title: scene.name.clone(),
         eyebrow: "Speed against error".to_owned(),
         lead: format!(
-            "What accuracy costs: every engine, integrator and step on the scene {} over {} s, against a converged run. \
-             All runs were made in one session on one machine.",
+            "Every engine, integrator and step on the scene {} over {} s, against a converged run, in one session on one machine.",
             scene.name, scene.solver.duration_s
         ),
         verdict: rankings.first().and_then(|first| verdict(measured, first)),

@@ -73,10 +73,10 @@ fn mark(limits: &Limits) -> Mark {
 pub(crate) fn tile(limits: &Limits) -> Tile {
     let (said, why) = answer(limits);
     let open = || limits.each.iter().filter(|limit| limit.margin.is_none());
-    let why = match (open().count(), open().next()) {
-        (open, Some(first)) if open == limits.each.len() => first.source.clone(),
-        (0, _) => why,
-        (open, _) => format!("{why}; {open} of {} not judged", limits.each.len()),
+    let why = match open().next() {
+        Some(first) if open().count() == limits.each.len() => first.source.clone(),
+        // Its source stands in the table.
+        _ => why.split(" by ").next().unwrap_or_default().to_owned(),
     };
     Question::Bears.answered(mark(limits), said, why)
 }
