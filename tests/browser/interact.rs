@@ -100,6 +100,41 @@ pub(crate) fn charts_answer(browser: &mut Chromium, page: &Path) {
     browser.assert_quiet();
 }
 
+/// A chart by its menu: the picture as SVG and PNG, the values as CSV.
+pub(crate) fn charts_are_saved(browser: &mut Chromium, page: &Path) {
+    browser.open(page, DESK);
+    browser.evaluate(DRAWN);
+    browser.evaluate("window.files = []; URL.createObjectURL = (blob) => { files.push(blob); return '#'; }; HTMLAnchorElement.prototype.click = function () { files.at(-1).named = this.download; }; 0");
+    for k in 0..3 {
+        click(browser, "document.querySelector('#chart .export summary')");
+        let button = format!("document.querySelectorAll('#chart .export button')[{k}]");
+        click(browser, &button);
+    }
+    let saved = browser.evaluate(
+        "(async () => { for (let k = 0; k < 100 && files.length < 3; k += 1) await new Promise((r) => setTimeout(r, 50)); \
+         const [svg, png, csv] = ['svg', 'png', 'csv'].map((kind) => files.find((file) => file.named.endsWith(kind))); const image = await createImageBitmap(png); \
+         const picture = new DOMParser().parseFromString(await svg.text(), 'image/svg+xml'); \
+         const curves = [...picture.querySelectorAll('g > g > path')].map((path) => path.getAttribute('d').length > 200); \
+         return { curves, wide: [picture.documentElement.getAttribute('width') * 3, image.width], \
+         texts: picture.querySelectorAll('text').length, csv: (await csv.text()).split('\\n') }; })()",
+    );
+    assert_eq!(saved["curves"], json!([true, true]), "{saved}");
+    assert_eq!(saved["wide"][0], saved["wide"][1]);
+    assert!(saved["texts"].as_u64().unwrap() > 10, "{saved}");
+    let head = "Time (s),native-reduced: Ring pin force (N),native-lagrange: Ring pin force (N)";
+    assert_eq!(saved["csv"][0], head);
+    let rows = saved["csv"].as_array().unwrap();
+    let whole = |row: &Value| {
+        let cells = row.as_str().unwrap().split(',');
+        cells.filter(|cell| cell.parse::<f64>().is_ok()).count() == 3
+    };
+    assert!(
+        rows.len() > 100 && rows[1..rows.len() - 1].iter().all(whole),
+        "{rows:?}"
+    );
+    browser.assert_quiet();
+}
+
 /// Everything by keys: values, zoom, the gearbox's slider, folded pairs; and links that open what they lead to.
 pub(crate) fn keys_do_it_all(browser: &mut Chromium, page: &Path) {
     browser.open(page, DESK);
@@ -233,11 +268,13 @@ pub(crate) fn paper_is_spared(browser: &mut Chromium, page: &Path) {
     let seen = browser.evaluate(
         "({ parts: ['.banner', '.tiles', '.answer .facts', '.gearbox-view canvas', '#chart canvas', '[id^=track] td.map', '#command'].filter((s) => !document.querySelector(s)?.checkVisibility()), \
             controls: ['.topbar', '#chart-controls', '.gearbox-controls'].filter((s) => document.querySelector(s)?.checkVisibility()), \
+            small: [...document.querySelectorAll('main *, footer *')].filter((e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.data.trim()) && e.checkVisibility() && !e.closest('.unseen, canvas, script, style') && parseFloat(getComputedStyle(e).fontSize) < 11.99).slice(0, 3).map((e) => e.outerHTML.slice(0, 90)), \
             ground: getComputedStyle(document.body).backgroundColor })",
     );
     browser.media("");
     assert_eq!(seen["parts"], json!([]), "not printed");
     assert_eq!(seen["controls"], json!([]), "printed");
+    assert_eq!(seen["small"], json!([]), "below nine points");
     assert_eq!(seen["ground"], json!("rgb(255, 255, 255)"));
 }
 

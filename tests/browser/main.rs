@@ -261,6 +261,7 @@ fn browser_does_what_is_asked() {
         let page = comparison(dir);
         for question in [
             interact::charts_answer,
+            interact::charts_are_saved,
             interact::keys_do_it_all,
             interact::mice_scrub,
             interact::phones_are_served,
@@ -279,13 +280,16 @@ fn browser_does_what_is_asked() {
 fn browser_questions_see_broken_pages() {
     type Question = fn(&mut Chromium, &Path);
     #[rustfmt::skip]
-    let faults: [(&str, &str, &str, Question); 13] = [
+    let faults: [(&str, &str, &str, Question); 16] = [
         ("zoom by a drag", "drag: { x: true,", "drag: { x: false,", interact::charts_answer),
         ("zoom by a button", "in: [0.25, -0.25]", "in: [0, 0]", interact::charts_answer),
         ("toggle", "state.visible[e] = on;", "", interact::charts_answer),
         ("values at the cursor", "box.hidden = false;", "", interact::charts_answer),
         ("select a channel", "state.channel = Number(channelSelect.value);", "", interact::charts_answer),
         ("select another base", "state.base = Number(baseSelect.value);", "", interact::charts_answer),
+        ("a curve in a file", "line += pen + place;", "", interact::charts_are_saved),
+        ("values in a file", "values[k] ?? ''", "''", interact::charts_are_saved),
+        ("nine points", "font-size: 9pt !important", "font-size: 8pt !important", interact::paper_is_spared),
         ("keys of a chart", "ArrowRight: () => cursor(current + step)", "ArrowRight: () => 0", interact::keys_do_it_all),
         ("fold", "if (e.tagName === 'DETAILS') e.open = true;", "", interact::keys_do_it_all),
         ("sort", "rising ? order : -order", "order", interact::keys_do_it_all),

@@ -90,7 +90,7 @@ fn program_run_writes_courses_and_their_record() {
     ));
     assert!(shown.contains("out/paper-run/courses.csv"), "{shown}");
     let out = dir.path().join("out/paper-run");
-    assert_eq!(names_in(&out), ["courses.csv", "run.json"]);
+    assert_eq!(names_in(&out), ["courses.csv", "index.html", "run.json"]);
 
     let time_series = TimeSeries::load_csv(&out.join("courses.csv")).unwrap();
     assert_eq!(time_series.len(), 51);
@@ -190,7 +190,10 @@ fn program_diverged_run_ends_with_3_and_keeps_what_there_is() {
         "{line}"
     );
     let out = dir.path().join("s");
-    assert_eq!(names_in(&out), ["courses.partial.csv", "run.json"]);
+    assert_eq!(
+        names_in(&out),
+        ["courses.partial.csv", "index.html", "run.json"]
+    );
     let record = json(out.join("run.json"));
     assert_eq!(record["status"], "diverged");
     let diverged_at = record["diverged_at_s"].as_f64().unwrap();
@@ -513,7 +516,7 @@ fn program_replaces_its_own_output_and_with_force_a_changed_one() {
     done(run_in(dir.path(), compare.iter().chain(&SHORT)));
     assert!(out.join("native-reduced/courses.csv").is_file());
     done(run(&["--set", "name=second"]));
-    assert_eq!(names_in(&out), ["courses.csv", "run.json"]);
+    assert_eq!(names_in(&out), ["courses.csv", "index.html", "run.json"]);
     assert_eq!(json(out.join("run.json"))["scene"]["name"], "second");
     // A file of ours that was changed stops it, but --force does not mind; one that is not ours stops both.
     std::fs::write(out.join("run.json"), "mine").unwrap();
@@ -528,7 +531,10 @@ fn program_replaces_its_own_output_and_with_force_a_changed_one() {
     for more in [&[][..], &["--force"]] {
         assert_eq!(run(more).code, Some(2));
     }
-    assert_eq!(names_in(&out), ["courses.csv", "notes.txt", "run.json"]);
+    assert_eq!(
+        names_in(&out),
+        ["courses.csv", "index.html", "notes.txt", "run.json"]
+    );
     assert_eq!(names_in(dir.path()), ["o"]);
 }
 

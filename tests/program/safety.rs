@@ -330,7 +330,7 @@ fn regress_what_a_kill_leaves_is_named_and_stays() {
     drop(within(alive, 0.0));
     assert_eq!(
         names_in(&victim.join("results")),
-        ["courses.csv", "run.json"]
+        ["courses.csv", "index.html", "run.json"]
     );
     assert!(names_in(&dir.path().join(".pinwheel-mine")).contains(&"thesis.txt".to_owned()));
 }

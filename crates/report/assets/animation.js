@@ -256,6 +256,7 @@ document.addEventListener('DOMContentLoaded', () => {
     host.replace = async (n, other) => {
       const box = await boxed(other);
       boxes[n] = box;
+      while (options.wheels.length < box.gear.wheels) options.wheels.push(true);
       Object.assign(views[n], { box, ...picture(views[n].canvas, box, options) });
       resize(views[n]);
       views[n].repaint();

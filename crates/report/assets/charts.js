@@ -46,6 +46,8 @@ const PinwheelCharts = (() => {
   }
   const lineColour = (style) => colour(`--line-${style % COLOURS}`);
 
+  const ink = () => ({ page: colour, font: getComputedStyle(document.body).fontFamily, curve: ({ style, thin }) => [lineColour(style), thin ? [4, 4] : dashOf(style)] });
+
   function swatch(style) {
     const dash = dashOf(style).join(' ');
     const ns = 'http://www.w3.org/2000/svg';
@@ -143,6 +145,9 @@ const PinwheelCharts = (() => {
     return kept;
   }
 
+  // On paper a chart is as wide as its column, and lower.
+  const height = (spec) => (document.documentElement.matches('.printing') ? 0.7 : 1) * spec.height;
+
   function options(host, state) {
     const { spec } = state;
     const font = getComputedStyle(document.body).fontFamily;
@@ -159,7 +164,7 @@ const PinwheelCharts = (() => {
     measure.font = axis.font;
     return {
       width: Math.max(host.clientWidth, 120),
-      height: spec.height,
+      height: height(spec),
       legend: { show: false },
       padding: [12, 26, 0, 0],
       scales: {
@@ -353,6 +358,7 @@ const PinwheelCharts = (() => {
     state.said.className = 'unseen';
     state.said.setAttribute('aria-live', 'polite');
     host.after(state.said);
+    host.before(PinwheelExport.menu(state, ink()));
     host.tabIndex = 0;
     host.setAttribute('role', 'img');
     if (state.spec.describe) host.setAttribute('aria-label', state.spec.describe);
@@ -360,7 +366,7 @@ const PinwheelCharts = (() => {
     keys(host, state);
     const observer = new ResizeObserver(() => {
       const width = Math.max(host.clientWidth, 120);
-      if (width !== state.plot.width) state.plot.setSize({ width, height: state.spec.height });
+      if (width !== state.plot.width) state.plot.setSize({ width, height: height(state.spec) });
     });
     observer.observe(host);
     if (state.spec.group) {

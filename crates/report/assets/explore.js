@@ -6,7 +6,7 @@
 // The states stand in the address and in the browser's store, so that nothing is lost by loading again or by the program's end.
 'use strict';
 document.addEventListener('DOMContentLoaded', () => {
-  const { $, make, onRedraw } = PinwheelPage;
+  const { $, make, save, onRedraw } = PinwheelPage;
   const { first, sliders, rigid } = JSON.parse($('explore-data').textContent);
   const LAW = 'contact.law';
   const law = $('law');
@@ -14,8 +14,9 @@ document.addEventListener('DOMContentLoaded', () => {
   const begun = () => ({ ...Object.fromEntries(sliders.map((s) => [s.key, s.value])), [LAW]: law.value });
   const own = begun();
   const states = { a: begun(), b: begun() };
-  /** The state shown of each gear, and the values requested for it; `figures` is null while figures are computed, `banded` is false while bands are. */
-  const fresh = (asked) => ({ asked, figures: null, banded: false });
+  /** The state shown of each gear, and the values requested for it; `figures` is null while figures are computed, `banded` and
+   * `sampled` are false while bands and the sample of tolerances are. */
+  const fresh = (asked) => ({ asked, figures: null, banded: false, sampled: false });
   const found = { a: { ...first, ...fresh([]) }, b: { ...first, ...fresh([]) } };
   const blocked = { a: '', b: '' };
   const moved = { a: sliders[0].key, b: sliders[0].key };
@@ -47,14 +48,15 @@ document.addEventListener('DOMContentLoaded', () => {
   // ---- Sliders
   const inputs = new Map();
   for (const slider of sliders) {
-    const step = Number(((slider.to - slider.from) / 200).toPrecision(2));
+    const step = slider.whole ? 1 : Number(((slider.to - slider.from) / 200).toPrecision(2));
     const id = slider.key.replaceAll('.', '-');
     const input = make('input', { type: 'range', id, min: slider.from, max: slider.to, step: 'any' });
-    const shown = make('output', { for: id });
+    const typed = make('input', { type: 'text', inputmode: 'decimal', autocomplete: 'off', 'aria-label': `${slider.label} (${slider.unit || 'number'})` });
     const reason = make('p', { class: 'reason', role: 'alert' });
+    const short = (value) => (Math.abs(value) < 1e6 ? String(value) : value.toExponential());
     const told = (value) => {
-      shown.textContent = value === rigid ? rigid : `${PinwheelCharts.number(value, 4)} ${slider.unit}`;
-      input.setAttribute('aria-valuetext', shown.textContent);
+      typed.value = value === rigid ? rigid : short(Number(value.toPrecision(5)));
+      input.setAttribute('aria-valuetext', `${typed.value} ${slider.unit}`);
     };
     // Position of the thumb for a value, and the value for a position.
     const place = (value) => (value === rigid ? slider.to : slider.decades ? Math.log10(value) : value);
@@ -68,8 +70,22 @@ document.addEventListener('DOMContentLoaded', () => {
       told(value);
       change(slider.key, value);
     });
-    $('sliders').append(make('div', { class: 'slider' }, make('label', { for: id }, slider.label), shown, input, reason));
-    inputs.set(slider.key, { set: (value) => { input.value = place(value); told(value); }, reason });
+    const set = (value) => { input.value = place(value); told(value); };
+    // A typed number may lie beyond the slider's ends.
+    typed.addEventListener('change', () => {
+      const text = typed.value.trim().replace(',', '.').replace('−', '-');
+      const value = slider.decades && text === rigid ? rigid : Number(text);
+      if (text === '' || Number.isNaN(value)) {
+        moved[now] = slider.key;
+        blocked[now] = `“${typed.value}” is no number`;
+        reasons();
+      } else {
+        set(value);
+        change(slider.key, value);
+      }
+    });
+    $('sliders').append(make('div', { class: 'slider' }, make('label', { for: id }, slider.label), typed, make('span', {}, slider.unit), input, reason));
+    inputs.set(slider.key, { set, reason });
   }
   inputs.set(LAW, { set: (value) => { law.value = value; }, reason: $('reason-law') });
   law.addEventListener('change', () => change(LAW, law.value));
@@ -78,23 +94,55 @@ document.addEventListener('DOMContentLoaded', () => {
     states[now][key] = value;
     moved[now] = key;
     due[now] = performance.now();
-    remember();
+    remember(true);
     pump();
   }
   // A hand that moves is not written down at every step of it: the browser takes longer for that than for all figures.
   let resting = 0;
-  function remember() {
+  let anew = false;
+  /** Number of the step that is shown, and of the last one: Back and Forward of the browser undo and redo a rest of the hand. */
+  let [step, last] = [history.state ?? 0, history.state ?? 0];
+  function remember(isStep = false) {
+    anew ||= isStep;
     clearTimeout(resting);
     resting = setTimeout(keep, REST);
   }
   window.addEventListener('pagehide', () => { if (resting) keep(); });
+  const packed = () => JSON.stringify({ now, moved, a: values(states.a), b: values(states.b) });
   function keep() {
     clearTimeout(resting);
     resting = 0;
-    const kept = JSON.stringify({ now, moved, a: values(states.a), b: values(states.b) });
-    history.replaceState(null, '', `#${encodeURIComponent(kept)}`);
+    const kept = packed();
+    if (anew) last = step += 1;
+    history[anew ? 'pushState' : 'replaceState'](step, '', `#${encodeURIComponent(kept)}`);
+    anew = false;
+    steps();
     try { localStorage.setItem(STORE, kept); } catch { /* a browser that stores nothing */ }
   }
+  function steps() {
+    $('undo').disabled = step === 0;
+    $('redo').disabled = step === last;
+  }
+  const undo = () => { if (resting) keep(); if (step > 0) history.back(); };
+  const redo = () => { if (step < last) history.forward(); };
+  $('undo').addEventListener('click', undo);
+  $('redo').addEventListener('click', redo);
+  document.addEventListener('keydown', (event) => {
+    if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
+    const key = event.key.toLowerCase();
+    const action = key === 'y' || (key === 'z' && event.shiftKey) ? redo : key === 'z' ? undo : null;
+    if (action) { event.preventDefault(); action(); }
+  });
+  window.addEventListener('popstate', ({ state }) => {
+    // A link within the page is none.
+    if (state === null && !location.hash.startsWith('#%7B')) return;
+    step = state ?? step;
+    for (const name of NAMES) Object.assign(states[name], own);
+    recall();
+    turn(now);
+    steps();
+    pump();
+  });
   function recall() {
     try {
       const kept = JSON.parse(location.hash ? decodeURIComponent(location.hash.slice(1)) : localStorage.getItem(STORE));
@@ -107,7 +155,7 @@ document.addEventListener('DOMContentLoaded', () => {
         if (inputs.has(kept.moved[name])) moved[name] = kept.moved[name];
       }
       if (NAMES.includes(kept.now)) now = kept.now;
-      for (const name of NAMES) if (values(states[name]).length) due[name] = performance.now();
+      for (const name of NAMES) if (JSON.stringify(values(states[name])) !== JSON.stringify(found[name].asked)) due[name] = performance.now();
     } catch { /* no states were kept */ }
   }
 
@@ -121,10 +169,10 @@ document.addEventListener('DOMContentLoaded', () => {
     const name = [now, ...NAMES].find((one) => due[one] !== null);
     if (name === undefined) {
       const open = (of) => Object.values(found).find((state) => !state[of]);
-      const [rest, bands] = [open('figures'), open('banded')];
       if (balancing !== null || moving) return;
-      if (rest) balance(rest);
-      else if (bands) balance(bands, 'bands');
+      for (const [of, what] of [['figures', 'balances'], ['banded', 'bands'], ['sampled', 'sample']]) {
+        if (open(of)) return balance(open(of), what);
+      }
       return;
     }
     asking = true;
@@ -166,7 +214,7 @@ document.addEventListener('DOMContentLoaded', () => {
   /** Figures of a state that the program found, or why there are none. */
   function tell(state, told) {
     [state.figures, state.why] = [told.figures || [], told.reason || told.why];
-    state.banded = Boolean(state.why);
+    state.banded = state.sampled = Boolean(told.reason);
   }
   let moving = 0;
   /** While a hand moves the gear stands still between two states, and no bands are asked for: what answers it and draws the
@@ -181,15 +229,18 @@ document.addEventListener('DOMContentLoaded', () => {
     }, REST);
   }
   let balancing = null;
-  /** Asks the figures of what is shown, or them with their bands; newer questions end it, and what was ended is asked again when a
+  /** Asks the figures of what is shown, or them with bands and limits, or the sample of its tolerances; newer questions end it, and what was ended is asked again when a
    * hand rests. */
-  async function balance(state, what = 'balances') {
+  async function balance(state, what) {
     const own = new AbortController();
     balancing = own;
     let more = true;
     try {
       const told = await ask(`${what}?tab=${TAB}`, state.asked, own.signal);
-      if (told) {
+      if (told && what === 'sample') {
+        state.figures.push(...told.figures);
+        state.sampled = true;
+      } else if (told) {
         tell(state, told);
         state.banded ||= what === 'bands';
       }
@@ -205,7 +256,7 @@ document.addEventListener('DOMContentLoaded', () => {
   function reasons() {
     const why = blocked[now] && `${blocked[now]} (shown: the last state that can be)`;
     for (const [key, { reason }] of inputs) reason.textContent = key === moved[now] ? why : '';
-    document.querySelector('.seen').classList.toggle('stale', Boolean(blocked[now]));
+    document.querySelector('.explore').classList.toggle('stale', Boolean(blocked[now]));
   }
   function figures() {
     const all = NAMES.map((name) => found[name].figures);
@@ -219,11 +270,12 @@ document.addEventListener('DOMContentLoaded', () => {
       const [a, b] = all.map((one) => one?.find((row) => row[0] === what));
       const change = a?.[1] && typeof b?.[1] === 'number' ? difference([a[1], a[5]], [b[1], b[5]]) : '';
       const cells = [...all.map((one) => number(one, what)), [change]].map((parts) => make('td', { class: 'num' }, ...parts));
-      return make('tr', {}, make('th', { scope: 'row' }, `${what} (${unit})`), ...cells);
+      return make('tr', {}, make('th', { scope: 'row' }, unit ? `${what} (${unit})` : what), ...cells);
     }));
     const whys = NAMES.filter((name) => found[name].why).map((name) => `${name.toUpperCase()}: ${found[name].why}`);
-    const open = NAMES.some((name) => !found[name].banded);
-    const under = open ? 'Bands by contact law are computed.' : whys.join(' ');
+    const is = (of) => NAMES.every((name) => found[name][of]);
+    const open = !is('sampled');
+    const under = !is('banded') ? 'Bands by contact law and limits are computed.' : open ? 'The tolerances are sampled.' : whys.join(' ');
     $('why').textContent = all.includes(null) ? 'Balances are computed.' : under;
     document.body.toggleAttribute('data-computing', open);
   }
@@ -276,16 +328,27 @@ document.addEventListener('DOMContentLoaded', () => {
     Object.assign(states[now], own);
     due[now] = performance.now();
     turn(now);
+    remember(true);
     pump();
   });
   $('same').addEventListener('click', () => {
     const other = now === 'a' ? 'b' : 'a';
     states[other] = { ...states[now] };
     due[other] = performance.now();
-    remember();
+    remember(true);
     pump();
   });
-  $('save').addEventListener('click', () => ask('save', values(states[now])).then(({ file, reason }) => say(file ? `State ${now.toUpperCase()} is in ${file}` : reason)).catch(gone));
+  $('save').addEventListener('click', () => ask('save', values(states[now])).then(({ file, reason }) => say(file ? `State ${now.toUpperCase()} is in ${file}; next: pinwheel design ${file}` : reason)).catch(gone));
+  $('file').addEventListener('click', () => ask('file', values(states[now])).then(({ name, text, reason }) => {
+    if (reason) say(reason);
+    else save(new Blob([text], { type: 'application/toml' }), name);
+  }).catch(gone));
+  // The address that let this browser in lets in others of the same user.
+  $('link').addEventListener('click', () => {
+    const stored = location.pathname === '/' && localStorage.getItem('pinwheel address');
+    const link = `${stored || location.href.split('#')[0]}#${encodeURIComponent(packed())}`;
+    navigator.clipboard.writeText(link).then(() => say('The link is copied: it shows both states in any browser of yours while the program runs'), () => say(link));
+  });
   $('compare').addEventListener('click', () => ask('compare', values(states[now])).then(({ reason }) => say(reason || 'Compares')).catch(gone));
   let stamp = null;
   async function watch() {
@@ -312,6 +375,7 @@ document.addEventListener('DOMContentLoaded', () => {
   function begin() {
     recall();
     turn(now);
+    keep();
     figures();
     series();
     onRedraw(() => charts.forEach((one) => one.redraw()));

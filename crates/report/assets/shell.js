@@ -12,6 +12,13 @@ const PinwheelPage = (() => {
     return element;
   };
 
+  /** Gives the reader a file. */
+  function save(blob, name) {
+    const href = URL.createObjectURL(blob);
+    make('a', { href, download: name }).click();
+    setTimeout(() => URL.revokeObjectURL(href), 1000);
+  }
+
   // ---- Sortable tables ------------------------------------------------------------------------
   function sortable(table) {
     const heads = [...table.querySelectorAll('thead tr.keys th')];
@@ -103,5 +110,5 @@ const PinwheelPage = (() => {
   window.addEventListener('afterprint', () => { document.documentElement.classList.remove('printing'); redraw(); });
   /** Calls `each` whenever colours change. */
   const onRedraw = (each) => redraws.push(each);
-  return { $, make, onRedraw };
+  return { $, make, save, onRedraw };
 })();

@@ -50,7 +50,10 @@
 
   const [top, bottom, under] = [make('div', { class: 'plot' }), make('div', { class: 'plot' }), make('p', { class: 'plot-title' })];
   const over = make('h3', {});
-  $('chart').append(over, top, under, bottom);
+  // One run differs from nothing.
+  const others = engines.length > 1;
+  $('chart').append(over, top, ...(others ? [under, bottom] : []));
+  for (const control of ['base', 'scales', 'legend']) ($(control).closest('.control') || $(control)).hidden = !others;
   let [upper, lower, zoomed] = [null, null, () => {}];
 
   async function draw() {
@@ -80,15 +83,15 @@
     const second = { x, y, series: apart, bands, describe: `Differences to ${engines[state.base].name}: ${describe}` };
     if (upper === null) {
       upper = PinwheelCharts.chart(top, { ...first, height: 320, group: 'time', onZoom: (a, b) => zoomed(a, b) });
-      lower = PinwheelCharts.chart(bottom, { ...second, height: 220, group: 'time' });
-      onRedraw(() => { upper.redraw(); lower.redraw(); });
+      if (others) lower = PinwheelCharts.chart(bottom, { ...second, height: 220, group: 'time' });
+      onRedraw(() => { upper.redraw(); lower?.redraw(); });
       zoomed(begin, end);
       // The first view is the steady state.
       const steady = windows.find((w) => w.kind === 'steady');
       if (steady) upper.range(steady.from, steady.to);
     } else {
       upper.update(first);
-      lower.update(second);
+      lower?.update(second);
     }
     document.body.dataset.drawn = name;
   }
@@ -135,7 +138,7 @@
   const see = (e, on) => {
     state.visible[e] = on;
     chips[e].setAttribute('aria-pressed', String(on));
-    for (const chart of [upper, lower]) chart.show(order.indexOf(e), on);
+    for (const chart of [upper, lower]) chart?.show(order.indexOf(e), on);
     press(groups, (b) => engines.some((engine, k) => engine.track === b.dataset.track && state.visible[k]));
   };
   const chips = engines.map((engine, e) => {

@@ -22,7 +22,7 @@ use std::sync::atomic::AtomicBool;
 use pinwheel_contact::Material;
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_scene::{OutputPart, Scene, scales};
+use pinwheel_scene::{CheckedScene, OutputPart, Scene, scales};
 use pinwheel_timeseries::columns;
 use pinwheel_timeseries::figure::definitions::{
     CRANK_FORCE, EXTERNAL_FORCE, INTERNAL_FORCE, LOST_MOTION, STIFFNESS,
@@ -146,6 +146,14 @@ impl Bands {
         figure.by_fit = scaled(own.by_fit);
     }
 
+    /// [`bound`](Self::bound) of every figure of statics.
+    pub fn bound_all(&self, figures: &mut [Figure]) {
+        for figure in figures {
+            let def = figure.def.clone();
+            self.bound(figure, &def);
+        }
+    }
+
     /// [`bound`](Self::bound) of a load of runs over all channels of a quantity.
     pub fn bound_load(&self, figure: &mut Figure, quantity: &str) {
         match quantity {
@@ -225,7 +233,7 @@ fn figures(scene: &Scene, cancel: &AtomicBool) -> Result<Option<Vec<Figure>>, St
 }
 
 /// Returns `None` for what cannot be balanced.
-fn balanced<T>(found: Result<T, StudyError>) -> Result<Option<T>, StudyError> {
+pub(crate) fn balanced<T>(found: Result<T, StudyError>) -> Result<Option<T>, StudyError> {
     match found {
         Ok(found) => Ok(Some(found)),
         Err(StudyError::Cancelled) => Err(StudyError::Cancelled),
@@ -318,6 +326,13 @@ fn widen(own: &mut [Figure], other: &[Figure], band: fn(&mut Figure) -> &mut Opt
     }
 }
 
+/// Toleranced keys of a scene, each with its value and half of its interval.
+pub(crate) fn intervals(scene: &CheckedScene) -> Vec<(&String, f64, f64)> {
+    let all = scene.uncertain.iter();
+    all.filter_map(|(key, half)| Some((key, scene.number(key)?, half.plus_minus)))
+        .collect()
+}
+
 /// Balances over the toleranced keys of a gear, and the band by fit of its figures `own`.
 fn over_fits(
     gearbox: &Gearbox,
@@ -325,10 +340,7 @@ fn over_fits(
     control: &Control<'_>,
 ) -> Result<Option<Fits>, StudyError> {
     let scene = &gearbox.scene;
-    let intervals = scene.uncertain.iter();
-    let intervals =
-        intervals.filter_map(|(key, half)| Some((key, scene.number(key)?, half.plus_minus)));
-    let intervals: Vec<(&String, f64, f64)> = intervals.collect();
+    let intervals = intervals(scene);
     if intervals.is_empty() {
         return Ok(None);
     }

@@ -2,18 +2,25 @@
 //!
 //! `pinwheel explore` serves the page: the page sends the values of a state, and [`motion`] and [`figures`] compute it.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::Cancelled;
 use pinwheel_gearbox::{Gearbox, auto};
 use pinwheel_scene::bearings::BearingLaw;
-use pinwheel_scene::{CheckedScene, Formulation, Override, Scene, edited, preset, scales};
+use pinwheel_scene::{
+    CheckedScene, Formulation, Override, Scene, SceneError, edited, preset, scales,
+};
 use pinwheel_timeseries::figure::Figure;
 use serde_json::{Value, json};
 
+use crate::control::compile;
+use crate::design::Limits;
 use crate::motion::Motion;
+use crate::rng::Rng;
+use crate::sampling::hypercube;
+use crate::sweep::tolerance::clopper_pearson;
 use crate::{Control, StudyError, band, design};
 
 /// A key that a slider moves.
@@ -31,6 +38,9 @@ struct Slider {
 const MM: (&str, f64) = ("mm", 1e3);
 const UM: (&str, f64) = ("\u{b5}m", 1e6);
 const N_UM: (&str, f64) = ("N/\u{b5}m", 1e-6);
+const RPM: (&str, f64) = ("rpm", 30.0 / PI);
+/// Unit of a number of parts.
+const COUNT: (&str, f64) = ("", 1.0);
 
 macro_rules! sliders {
     ($($key:tt, $label:literal, $unit:expr, $shares:expr, $ends:expr;)*) => {
@@ -47,11 +57,18 @@ sliders! {
     "gear.modification.equidistant_m", "Profile cut by", UM, [0.0, 4.0], [0.0, 50.0];
     "gear.modification.radial_m", "Generating circle larger by", UM, [0.0, 4.0], [-50.0, 50.0];
     "drive.output_torque_n_m", "Load", ("N m", 1.0), [0.1, 2.0], [0.0, 100.0];
-    "drive.input_speed_rad_s", "Input speed", ("rad/s", 1.0), [0.2, 2.0], [1.0, 300.0];
+    "drive.input_speed_rad_s", "Input speed", RPM, [0.2, 2.0], [10.0, 3000.0];
     "cranks.circle_radius_m", "Circle of the cranks", MM, [0.7, 1.3], [10.0, 100.0];
     "cranks.support_stiffness_n_m", "Stiffness of a crank's support", N_UM, [0.1, 4.0], [100.0, 2000.0];
     CLEARANCE, "Eccentric bearing's clearance", UM, [0.0, 4.0], [0.0, 20.0];
+    "gear.hole_radius_m", "Hole radius", MM, [1.0, 1.02], [1.0, 50.0];
+    FACE_WIDTH, "Face width", MM, [0.4, 2.0], [1.0, 50.0];
+    "gear.external_sleeves", "Ring pins", COUNT, [0.6, 1.4], [3.0, 60.0];
+    "gear.internal_sleeves", "Output pins", COUNT, [0.5, 1.5], [2.0, 20.0];
+    "gear.wheels", "Discs", COUNT, [0.5, 2.0], [1.0, 4.0];
+    "contact.friction_coefficient", "Friction", ("\u{b5}", 1.0), [0.0, 3.0], [0.0, 0.15];
 }
+const FACE_WIDTH: &str = "gear.face_width_m";
 const CLEARANCE: &str = "bearings.eccentric.clearance_m";
 /// Key of the eccentric bearing's stiffness. Its slider counts decades and ends at a rigid bearing, for which the key is absent.
 const STIFFNESS: &str = "bearings.eccentric.stiffness_n_m";
@@ -93,7 +110,12 @@ pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedSc
             all.push(set.map_err(|error| error.to_string())?);
         }
     }
-    let scene = Scene::load(spec, &all).map_err(|error| error.to_string())?;
+    let scene = Scene::load(spec, &all).map_err(|error| match error {
+        SceneError::Key {
+            key, what, remedy, ..
+        } if !values.is_empty() => in_words(&key, &what, &remedy),
+        error => error.to_string(),
+    })?;
     let given = |key: &str| values.iter().find(|(of, _)| of == key);
     if given(STIFFNESS).is_none() && given(CLEARANCE).is_none() {
         return Ok(scene);
@@ -116,7 +138,56 @@ pub fn scene(spec: &str, sets: &[Override], values: &Values) -> Result<CheckedSc
         let clearance = value.parse().unwrap_or(f64::NAN);
         bearing.get_or_insert_default().clearance_m = Some(clearance);
     }
-    changed.check().map_err(|fault| fault.to_string())
+    changed.check().map_err(|fault| {
+        let key = fault.keys.first().map_or("scene", AsRef::as_ref);
+        in_words(key, &fault.what, &fault.remedy)
+    })
+}
+
+/// A fault in the words and units of the sliders: keys are their labels, and numbers with a unit of a scene are in the slider's of
+/// the key that is at fault, or millimetres.
+fn in_words(key: &str, what: &str, remedy: &str) -> String {
+    let own = SLIDERS.iter().find(|slider| slider.key == key);
+    let length = own.map_or(MM, |slider| slider.unit);
+    let length = if length == UM { UM } else { MM };
+    let units = [("m", length), ("rad/s", RPM), ("N/m", N_UM)];
+    let text = format!(
+        "{} {what}; {remedy}",
+        own.map_or(key, |slider| slider.label)
+    );
+    let text = SLIDERS.iter().fold(text, |text, slider| {
+        let label = slider.label.to_lowercase();
+        text.replace(&format!("`{}`", slider.key), &label)
+            .replace(slider.key, &label)
+    });
+    let number = |word: &str| word.trim_start_matches('(').parse::<f64>().ok();
+    let old: Vec<&str> = text.split(' ').collect();
+    // From the right: a unit is that of the number before it, and of those that `to` or `and` joins with that.
+    let (mut scale, mut words) = (None, Vec::new());
+    for (place, word) in old.iter().enumerate().rev() {
+        let bare = word.trim_end_matches([',', ';', ':', ')']);
+        let before = place.checked_sub(1).and_then(|before| number(old[before]));
+        let unit = units
+            .iter()
+            .find(|(unit, _)| before.is_some() && *unit == bare);
+        words.push(match (unit, number(bare), scale) {
+            (Some((_, unit)), ..) => {
+                scale = Some(unit.1);
+                word.replacen(bare, unit.0, 1)
+            }
+            (None, Some(value), Some(factor)) => {
+                let value = format!("{:.5e}", value * factor).parse::<f64>();
+                let value = value.unwrap_or_default().to_string();
+                word.replacen(bare.trim_start_matches('('), &value, 1)
+            }
+            _ => {
+                scale = scale.filter(|_| ["to", "and"].contains(word));
+                (*word).to_owned()
+            }
+        });
+    }
+    words.reverse();
+    words.join(" ")
 }
 
 /// Returns name and scene file of a state, for the working folder: the user's own with the keys of `sets` and those that were moved
@@ -220,7 +291,7 @@ pub fn motion(
     Motion::over(gearbox, "", span, step, &Control::silent(cancel))
 }
 
-/// Figures of a state's balances. With `laws` they have their bands, which take longer.
+/// Figures of a state's balances. With `laws` they have their bands, and there are limits, which take longer.
 ///
 /// # Errors
 /// The gear carries nothing or cannot be balanced; `cancel` was set.
@@ -228,15 +299,54 @@ pub fn figures(
     gearbox: &Gearbox,
     laws: bool,
     cancel: &AtomicBool,
-) -> Result<Vec<Figure>, StudyError> {
+) -> Result<(Vec<Figure>, Option<Limits>), StudyError> {
     let mut figures = design::few_figures(gearbox, cancel)?;
-    if laws && let Some(bands) = band::of(gearbox, &Control::silent(cancel))? {
-        for one in &mut figures {
-            let def = one.def.clone();
-            bands.bound(one, &def);
+    if !laws {
+        return Ok((figures, None));
+    }
+    let bands = band::of(gearbox, &Control::silent(cancel))?;
+    if let Some(bands) = &bands {
+        bands.bound_all(&mut figures);
+    }
+    let limits = Limits::of_gear(gearbox, bands.as_ref(), cancel)?;
+    Ok((figures, limits))
+}
+
+/// Gears of the sample of tolerances.
+pub const GEARS: usize = 40;
+const SEED: u64 = 1;
+
+/// Of a fixed sample of gears within the tolerances of a scene (`[uncertain]`, uniform), those that can be assembled and bear their
+/// load as far as that is judged: their share, and its ends with 95 % confidence. `None` of a scene without tolerances or limits.
+///
+/// # Errors
+/// Cancelled.
+pub fn sample(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Option<[f64; 3]>, StudyError> {
+    let scene = &gearbox.scene;
+    let intervals = band::intervals(scene);
+    let own = Limits::of_gear(gearbox, None, cancel)?;
+    if intervals.is_empty() || own.is_none_or(|own| own.margin.is_none()) {
+        return Ok(None);
+    }
+    let mut rng = Rng::new(SEED);
+    let places: Vec<Vec<f64>> = intervals
+        .iter()
+        .map(|_| hypercube(&mut rng, GEARS))
+        .collect();
+    let mut kept = 0;
+    for number in 0..GEARS {
+        let mut moved = intervals.iter().zip(&places);
+        let gear = moved.try_fold(scene.clone(), |gear, ((key, value, half), places)| {
+            gear.with_number(key, value + (2.0 * places[number] - 1.0) * half)
+        });
+        if let Some(gear) = gear.ok().and_then(|gear| compile(&gear).ok()) {
+            let limits = Limits::of_gear(&gear, None, cancel)?;
+            let margin = limits.and_then(|limits| limits.margin);
+            kept += usize::from(margin.is_some_and(|margin| margin >= 1.0));
         }
     }
-    Ok(figures)
+    let [low, high] = clopper_pearson(kept, GEARS);
+    Ok(Some([kept as f64 / GEARS as f64, low, high]))
 }
 
 /// The scene that a state begins with: settled under its load, if its load is constant.
@@ -255,36 +365,47 @@ pub fn settled(spec: &str, sets: &[Override]) -> Vec<Override> {
 #[must_use]
 pub fn sliders(scene: &Scene) -> Vec<Value> {
     let keys = serde_json::to_value(scene).unwrap_or_default();
-    // Sliders of the cranks exist only for an RV gear.
-    let there = |one: &&Slider| !one.key.starts_with("cranks.") || scene.cranks.is_some();
+    // Sliders of the cranks exist only for an RV gear, whose cranks are its output pins.
+    let there = |one: &&Slider| match one.key {
+        "gear.internal_sleeves" => scene.cranks.is_none(),
+        key => !key.starts_with("cranks.") || scene.cranks.is_some(),
+    };
     let found = SLIDERS.iter().filter(there).map(|one| {
         let path = format!("/{}", one.key.replace('.', "/"));
         let (unit, factor) = one.unit;
-        let value = keys.pointer(&path).and_then(Value::as_f64).unwrap_or(0.0) * factor;
-        let [from, to] = match value {
+        let line_m = (one.key == FACE_WIDTH).then_some(scene.contact.line_length_m);
+        let value = keys.pointer(&path).and_then(Value::as_f64).or(line_m);
+        let value = value.unwrap_or(0.0) * factor;
+        let mut ends = match value {
             0.0 => one.ends,
             value if value < 0.0 => [one.shares[1] * value, one.shares[0] * value],
             value => one.shares.map(|share| share * value),
         };
+        let is_whole = unit == COUNT.0;
+        if is_whole {
+            ends = ends.map(f64::ceil);
+        }
         json!({
-            "key": one.key, "label": one.label, "unit": unit, "factor": factor, "value": value, "from": from, "to": to,
+            "key": one.key, "label": one.label, "unit": unit, "factor": factor, "value": value, "from": ends[0], "to": ends[1],
+            "whole": is_whole,
         })
     });
     let mut found: Vec<Value> = found.collect();
     let bearing = BearingLaw::of(scene);
-    let unit = match bearing.map_or(1.0, |law| law.exponent) {
-        1.0 => "N/m".to_owned(),
-        exponent => format!("N/m^{exponent:.3}"),
+    let (unit, factor) = match bearing.map_or(1.0, |law| law.exponent) {
+        1.0 => (N_UM.0.to_owned(), N_UM.1),
+        exponent => (format!("N/m^{exponent:.3}"), 1.0),
     };
-    let value = bearing.map(|law| law.stiffness);
-    let [from, to] = STIFFNESSES.map(f64::log10);
+    let value = bearing.map(|law| factor * law.stiffness);
+    let [from, to] = STIFFNESSES.map(|stiffness| (factor * stiffness).log10());
     let [from, to] = value.map_or([from, to], |own| {
         [from.min(own.log10()), to.max(own.log10() + 1.0)]
     });
     let value = value.map_or_else(|| json!(RIGID), |own| json!(own));
     // Before the clearance.
-    found.insert(found.len() - 1, json!({
-        "key": STIFFNESS, "label": "Eccentric bearing's stiffness", "unit": unit, "factor": 1.0, "value": value, "from": from,
+    let place = found.iter().position(|one| one["key"] == CLEARANCE);
+    found.insert(place.unwrap_or_default(), json!({
+        "key": STIFFNESS, "label": "Eccentric bearing's stiffness", "unit": unit, "factor": factor, "value": value, "from": from,
         "to": to, "decades": true,
     }));
     found

@@ -14,6 +14,8 @@ use serde::Serialize;
 use crate::StudyError;
 use crate::band::{self, Bands};
 use crate::control::{Control, Progress, of_scene};
+use crate::design::limits::Limits;
+use crate::motion::Motion;
 use crate::output::{OutputError, write_json};
 use crate::provenance::{Machine, Provenance};
 use crate::resolution::{self, Resolution};
@@ -129,6 +131,10 @@ pub struct Outcome {
     pub resolution: Option<Resolution>,
     /// Figures with other contact laws and fits; `None` if they were not requested or there are no other laws.
     pub bands: Option<Bands>,
+    /// Loads of the parts against what they may bear, for a page.
+    pub limits: Option<Limits>,
+    /// The gearbox in motion, for a page.
+    pub motion: Option<Motion>,
 }
 
 /// Runs the scene of `gearbox` on `engine`; `checked`: a native run is repeated at twice its step, which shows whether the step
@@ -162,6 +168,8 @@ pub fn run(
         run,
         resolution,
         bands: None,
+        limits: None,
+        motion: None,
     })
 }
 
@@ -199,6 +207,18 @@ impl Outcome {
     pub fn with_bands(self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Self, StudyError> {
         let bands = band::of(gearbox, control)?;
         Ok(Self { bands, ..self })
+    }
+
+    /// Adds limits and motion.
+    ///
+    /// # Errors
+    /// Cancelled.
+    pub fn for_page(self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Self, StudyError> {
+        Ok(Self {
+            limits: Limits::of_gear(gearbox, self.bands.as_ref(), control.cancel)?,
+            motion: Motion::of(gearbox, control)?,
+            ..self
+        })
     }
 
     /// Returns time and quantity of a divergence in words; `None` for other endings.

@@ -1,7 +1,7 @@
 //! `pinwheel explore`: a live page, served to this machine alone.
 //!
-//! Other pages in the browser must not drive it: the address holds a token that works once and is exchanged for a cookie and a
-//! key; the host that is asked must be ours, and what changes anything must come from our own page. Cookies go to every port of
+//! Other pages in the browser must not drive it: the address holds a token, known to its user alone, that any browser exchanges for
+//! a cookie and a key; the host that is asked must be ours, and what changes anything must come from our own page. Cookies go to every port of
 //! this machine, so whoever serves another one may have it: every POST brings the key in a header too, from the browser's store,
 //! which knows ports. The browser is started with a file that only its user may read, as arguments are there for all to read. A
 //! page in a frame of another site gets no cookie: there a secret begins every path, and whoever has it may show the page.
@@ -80,9 +80,9 @@ struct Compared {
 
 /// Client that gets answers.
 enum Entry {
-    /// Browser that used the token, by its cookie.
+    /// Browsers that used the token, by the cookie.
     Browser {
-        token: Mutex<Option<String>>,
+        token: String,
         cookie: String,
         key: String,
     },
@@ -102,14 +102,8 @@ impl Entry {
                 inside.ok_or_else(|| refused(unknown))
             }
             Self::Browser { token, cookie, key } => {
-                if let Some(given) = path.strip_prefix("/?token=") {
-                    let mut own = locked(token);
-                    if own.as_deref() != Some(given) {
-                        return Err(refused(
-                            "this address was used before: start `pinwheel explore` again",
-                        ));
-                    }
-                    *own = None;
+                let given = path.strip_prefix("/?token=");
+                if given == Some(token.as_str()) {
                     let cookie = format!("{cookie}; HttpOnly; SameSite=Strict; Path=/");
                     let key = format!(include_str!("../../templates/entered.html"), key = key);
                     return Err(page(key).with("Set-Cookie", cookie));
@@ -122,9 +116,11 @@ impl Entry {
                 });
                 let has_key = question.method != "POST" || question.header(KEY) == Some(key);
                 match (known, has_key) {
+                    // A link of an earlier start.
+                    (true, true) if given.is_some() => Ok("/"),
                     (true, true) => Ok(path),
                     (true, false) => Err(refused(
-                        "this page has not the key that came with the address: start `pinwheel explore` again",
+                        "this page has not the key that came with the address: open that address again",
                     )),
                     _ => Err(refused(unknown)),
                 }
@@ -147,16 +143,19 @@ fn balances_beside() -> mpsc::Sender<Beside> {
     std::thread::spawn(move || {
         for (gearbox, stop, tells) in asked {
             // The receiver may be gone.
-            let _ = tells.send(balances(&gearbox, false, &stop));
+            let _ = tells.send(balances(&gearbox, "/balances", &stop));
         }
     });
     asks
 }
 
-/// Figures of a state's balances, as the page reads them.
-fn balances(gearbox: &Gearbox, laws: bool, stop: &AtomicBool) -> Result<Value, StudyError> {
-    let found = states::figures(gearbox, laws, stop)?;
-    Ok(live::balances(&found, &gearbox.scene))
+/// Figures of a state's balances, with their bands, or those of a sample, as the page reads them.
+fn balances(gearbox: &Gearbox, path: &str, stop: &AtomicBool) -> Result<Value, StudyError> {
+    if path == "/sample" {
+        return Ok(live::sample(states::sample(gearbox, stop)?));
+    }
+    let (found, limits) = states::figures(gearbox, path == "/bands", stop)?;
+    Ok(live::balances(&found, limits.as_ref(), &gearbox.scene))
 }
 
 struct Explorer {
@@ -192,7 +191,7 @@ pub(crate) fn explore(args: &ExploreArgs) -> Result<(), Failure> {
     } else {
         let path = format!("/?token={token}");
         let cookie = format!("{}={}", cookie_name(&host), secret()?);
-        let (token, key) = (Mutex::new(Some(token)), secret()?);
+        let key = secret()?;
         (path, Entry::Browser { token, cookie, key })
     };
     let address = format!("http://{host}{path}");
@@ -348,8 +347,9 @@ impl Explorer {
                     "/run" => self.run(tab, &values, &question.gone),
                     "/save" => self.save(&values),
                     "/compare" => self.compare(&values),
-                    "/balances" | "/bands" => {
-                        self.balances(tab, path == "/bands", &values, &question.gone)
+                    "/file" => self.file(&values),
+                    "/balances" | "/bands" | "/sample" => {
+                        self.balances(tab, path, &values, &question.gone)
                     }
                     _ => Ok(plain(404, "there is nothing here")),
                 }
@@ -411,15 +411,15 @@ impl Explorer {
     fn balances(
         &self,
         tab: &str,
-        laws: bool,
+        path: &str,
         values: &states::Values,
         stop: &Arc<AtomicBool>,
     ) -> Result<Answer, Answer> {
         self.newest(tab, stop);
         let gearbox = states::gearbox(&self.spec, &self.settled, values).map_err(reason)?;
         let begun = Instant::now();
-        let found = balances(&gearbox, laws, stop);
-        if !laws && found.is_ok() {
+        let found = balances(&gearbox, path, stop);
+        if path == "/balances" && found.is_ok() {
             let late = begun.elapsed() > PATIENCE;
             *locked(&self.without) = if late { Without::MOST } else { Without::NONE };
         }
@@ -433,6 +433,13 @@ impl Explorer {
         if before == tab {
             running.store(true, Ordering::Relaxed);
         }
+    }
+
+    /// The scene's file with what was moved, for the reader to keep.
+    fn file(&self, values: &states::Values) -> Result<Answer, Answer> {
+        let (name, text) = states::file(&self.spec, &self.sets, values).map_err(reason)?;
+        let name = format!("{}-explored.toml", file_name(&name));
+        Ok(told(&json!({"name": name, "text": text})))
     }
 
     /// Writes the scene's file, with what was moved, into the working folder; never over another one.

@@ -1,10 +1,12 @@
 //! `pinwheel run`: one scene, one engine.
 
 use pinwheel::pages;
+use pinwheel::studies::folder::PAGE;
 use pinwheel::studies::{choice, single};
 
 use super::idle;
 use crate::args::RunArgs;
+use crate::args::manner::Manner;
 use crate::failure::{Failure, INCONCLUSIVE};
 use crate::folder::Folder;
 use crate::progress::watched;
@@ -22,10 +24,15 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         match args.unchecked || found.diverged().is_some() {
             // What broke off has no figure whose band could be of use.
             true => Ok(found),
-            false => found.with_bands(&gearbox, control),
+            false => found
+                .with_bands(&gearbox, control)?
+                .for_page(&gearbox, control),
         }
     })?;
-    folder.write(|dir, made| found.write(dir, made))?;
+    let made = folder.write(|dir, made| found.write(dir, made))?;
+    if !args.unchecked {
+        folder.write_page(&pages::single::page(&found, &made))?;
+    }
     let place = folder.publish()?;
     if !args.unchecked {
         let of = "the time series of this scene";
@@ -44,8 +51,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     }
     let text = pages::single::text(&found, Some(&time_series.to_string()));
     screen::show_found(&text, &place, "run.json")?;
-    if screen::manner().quiet {
+    let Manner { quiet, json, .. } = screen::manner();
+    if quiet {
         screen::show(&format!("courses: {time_series}"))?;
+    } else if !(json || args.unchecked) {
+        screen::show(&format!("page: {}", place.join(PAGE).display()))?;
     }
     match found.unresolved(&gearbox) {
         Some(unresolved) => Err(Failure::new(INCONCLUSIVE, unresolved)),

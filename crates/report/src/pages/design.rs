@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::figure::{self, number, table};
 use crate::format::{self, joined, significant};
 use crate::stack::stack;
-use crate::study::{Axis, Block, Chart, Fact, Mark, Section, Study, Style};
+use crate::study::{Axis, Block, Chart, Decision, Fact, Mark, Question, Section, Study, Style};
 use crate::terminal::{self, list, titled};
 use pinwheel_scene::catalogue::Draft;
 use pinwheel_scene::derived;
@@ -19,6 +19,7 @@ mod limits;
 mod loads;
 
 pub use limits::answer;
+pub(crate) use limits::tile as bears;
 pub(crate) use loads::{bearing_chart, sharing_charts};
 
 use crate::pages::{DOUBT, animation, band, doubts};
@@ -101,17 +102,10 @@ pub fn page(found: &DesignResult, made: &Provenance) -> String {
             scene.contact.law
         ),
         tiles_title: format!("At {} N m", number(found.rated_torque_n_m)),
-        tiles: {
-            let figures = found.figures.iter();
-            let headlines = figures.filter(|one| is_headline(&one.def));
-            let bears = limits::tile(&found.limits);
-            [bears]
-                .into_iter()
-                .chain(headlines.map(figure::tile))
-                .collect()
-        },
+        decision: decision(found, made),
+        tiles: headlines(found).map(figure::tile).collect(),
         below: vec![
-            Block::heading("May I use them, and what next?"),
+            Block::heading("May I use them?"),
             Block::Facts(facts(found)),
             Block::Html(files(found)),
         ],
@@ -120,6 +114,34 @@ pub fn page(found: &DesignResult, made: &Provenance) -> String {
         ..Study::default()
     };
     crate::pages::render(study, made)
+}
+
+/// Figures of the first screen.
+fn headlines(found: &DesignResult) -> impl Iterator<Item = &Figure> {
+    let figures = found.figures.iter();
+    figures.filter(|one| is_headline(&one.def))
+}
+
+fn decision(found: &DesignResult, made: &Provenance) -> Decision {
+    let run = found
+        .cycle
+        .as_ref()
+        .and_then(|cycle| cycle.lost_motion_arcmin);
+    let both = found.torsion.lost_motion_at_0_arcmin.zip(run);
+    let (said, why) = match both.filter(|(statics, _)| *statics != 0.0) {
+        Some((statics, run)) => {
+            let off = format::relative((run / statics - 1.0).abs());
+            (
+                format!("two ways, {off} apart"),
+                "lost motion by statics and by a run; no other program",
+            )
+        }
+        None => ("one way".to_owned(), "statics alone; no other program"),
+    };
+    let right = Question::Right.answered(Mark::Warn, said, why);
+    let sure = crate::pages::sure(headlines(found));
+    let next = crate::pages::next(made, "compare", "whether other engines confirm the forces");
+    [Some(right), Some(bears(&found.limits)), sure, Some(next)]
 }
 
 /// Links to the files that stand beside the page.
@@ -162,21 +184,21 @@ fn notes(found: &DesignResult) -> Vec<(&'static str, String)> {
         notes.push(("load", said.to_owned()));
     }
     let next = "`pinwheel compare` of this scene: whether other engines confirm the forces";
-    notes.push(("next", next.to_owned()));
+    notes.push((NEXT, next.to_owned()));
     notes
 }
 
-/// The answer of the limits, what is hard to believe, and the notes.
+/// What is hard to believe, and the notes but for the next step, which is a tile.
 fn facts(found: &DesignResult) -> Vec<Fact> {
-    let limits = &found.limits;
-    let bears = Fact::new(
-        limits::QUESTION,
-        limits::mark(limits),
-        limits::sentence(limits),
-    );
     let notes = unsure(found).into_iter().chain(notes(found));
-    [bears].into_iter().chain(notes.map(fact)).collect()
+    notes
+        .filter(|(label, _)| *label != NEXT)
+        .map(fact)
+        .collect()
 }
+
+/// Label of the next step.
+const NEXT: &str = "next";
 
 /// Rows on what is hard to believe, and on limits that were not judged.
 fn unsure(found: &DesignResult) -> Vec<(&'static str, String)> {

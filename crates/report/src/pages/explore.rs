@@ -3,11 +3,13 @@
 //! A program serves it (`pinwheel explore`): the page sends the values of a state, [`run`] and [`balances`] give what the study
 //! computed for it.
 
+use crate::format::significant;
 use crate::study::{Block, Study};
 use crate::{figure, script};
 use pinwheel_contact::laws::LAWS;
 use pinwheel_scene::Scene;
-use pinwheel_studies::explore::{RIGID, sliders};
+use pinwheel_studies::design::Limits;
+use pinwheel_studies::explore::{GEARS, RIGID, sliders};
 use pinwheel_studies::motion::Motion;
 use pinwheel_studies::{Provenance, band};
 use pinwheel_timeseries::columns;
@@ -15,7 +17,7 @@ use pinwheel_timeseries::figure::Figure;
 use serde_json::{Value, json};
 
 use crate::pages::animation::{Animation, drawn, markup};
-use crate::pages::design::is_headline;
+use crate::pages::design::{answer, is_headline};
 
 /// Motion of a state, as the page's script reads it, or in words why there is none.
 ///
@@ -59,7 +61,7 @@ fn moved(motion: Option<&Motion>) -> Result<(Animation, Value), String> {
 /// Figures of a state's balances that the page shows: what each is, its value, its unit, the value as it is shown, what bounds it,
 /// and its numerical uncertainty; and why a scene has no bands.
 #[must_use]
-pub fn balances(figures: &[Figure], scene: &Scene) -> Value {
+pub fn balances(figures: &[Figure], limits: Option<&Limits>, scene: &Scene) -> Value {
     let shown = figures.iter().filter(|one| is_headline(&one.def));
     let told = shown.map(|one| {
         let (shown, bounds) = figure::shown(one);
@@ -72,9 +74,32 @@ pub fn balances(figures: &[Figure], scene: &Scene) -> Value {
             one.uncertainty
         ])
     });
-    let told: Vec<Value> = told.collect();
+    let margin = limits.and_then(|limits| {
+        let (_, why) = answer(limits);
+        let margin = limits.margin?;
+        Some(json!([
+            "least margin of a limit",
+            margin,
+            "",
+            significant(margin, 3),
+            why,
+            Value::Null
+        ]))
+    });
+    let told: Vec<Value> = told.chain(margin).collect();
     let why = band::declined(scene).map(|why| format!("No band by contact law: {why}."));
     json!({"figures": told, "why": why})
+}
+
+/// The sample of a state's tolerances, as the page's script reads it: a share and its ends.
+#[must_use]
+pub fn sample(found: Option<[f64; 3]>) -> Value {
+    let row = found.map(|found| {
+        let [share, low, high] = found.map(|share| 100.0 * share);
+        let how = format!("of {GEARS} gears within [uncertain], those within limits; {low:.0} to {high:.0} % with 95 % confidence");
+        json!(["yield", share, "%", format!("{share:.0}"), how, 0.5 * (high - low)])
+    });
+    json!({"figures": row.into_iter().collect::<Vec<_>>()})
 }
 
 /// The page of a scene, with its motion as both states.
@@ -99,15 +124,18 @@ pub fn page(scene: &Scene, motion: Option<&Motion>, made: &Provenance) -> Result
     let study = Study {
         title: scene.name.clone(),
         eyebrow: "Pinwheel explore".to_owned(),
-        lead: "Move a slider: the native solver runs one turn from the loaded balance, without start-up, and the balances \
+        below: vec![
+            Block::Live {
+                markup: explorer,
+                scripts: script::code(include_str!("../../assets/explore.js")),
+                asks: true,
+            },
+            Block::from(
+                "Move a slider: the native solver runs one turn from the loaded balance, without start-up, and the balances \
                at a few poses of the mesh follow. The run is quick and not verified: its curves are good to half a per cent. \
-               Contacts, and eccentric bearings that have a stiffness, are all that gives way."
-            .to_owned(),
-        below: vec![Block::Live {
-            markup: explorer,
-            scripts: script::code(include_str!("../../assets/explore.js")),
-            asks: true,
-        }],
+               Contacts, and eccentric bearings that have a stiffness, are all that gives way.",
+            ),
+        ],
         ..Study::default()
     };
     Ok(crate::pages::render(study, made))

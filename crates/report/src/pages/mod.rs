@@ -36,9 +36,12 @@ pub mod stability;
 pub mod sweep;
 mod time_series;
 
-use crate::study::{self, Study};
+use crate::figure::shown;
+use crate::format;
+use crate::study::{self, Mark, Question, Study, Tile};
 use pinwheel_scene::{Assumption, CheckedScene, Scene};
 use pinwheel_studies::Provenance;
+use pinwheel_timeseries::figure::Figure;
 
 /// A page with what made it: the command, versions beside those that the study names, the machine.
 fn render(mut study: Study, made: &Provenance) -> String {
@@ -50,6 +53,48 @@ fn render(mut study: Study, made: &Provenance) -> String {
     }
     study.machine = made.machine.rows();
     study::render(&study)
+}
+
+/// Tile of the next step: the command `verb` for the scene of the command that made a page, with its overrides.
+fn next(made: &Provenance, verb: &str, why: &str) -> Tile {
+    let mut is_quoted = false;
+    let words = made.command.split(|c| {
+        is_quoted ^= c == '\'';
+        c == ' ' && !is_quoted
+    });
+    let words: Vec<&str> = words.collect();
+    let scene = match words.as_slice() {
+        ["pinwheel", _, scene, ..] if !scene.starts_with('-') => *scene,
+        _ => "SCENE",
+    };
+    let mut command = format!("pinwheel {verb} {scene}");
+    // How it was computed is no part of the question.
+    let sets = words
+        .iter()
+        .zip(&words[1..])
+        .filter(|(before, word)| **before == "--set" && !word.starts_with("solver."));
+    for (_, word) in sets {
+        command += &format!(" --set {word}");
+    }
+    Question::Next.answered(Mark::None, format!("`{command}`"), why)
+}
+
+/// Tile of the widest bounds of some figures: by contact law, fit and numerics.
+fn sure<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> Option<Tile> {
+    let width = |one: &&Figure| {
+        let value = one.value.filter(|value| *value != 0.0)?;
+        let bands = one.bands().into_iter().flat_map(|(_, band)| band);
+        let ends = bands.chain(one.uncertainty.map(|off| value + off));
+        let widest = ends.map(|end| (end / value - 1.0).abs());
+        widest.reduce(f64::max)
+    };
+    let known = figures
+        .into_iter()
+        .filter_map(|one| Some((width(&one)?, one)));
+    let (width, widest) = known.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let mark = Mark::warn(widest.bands().is_empty());
+    let why = format!("{}: {}", widest.def.label, shown(widest).1);
+    Some(Question::Sure.answered(mark, format!("to {}", format::relative(width)), why))
 }
 
 /// Name and description of a scene.

@@ -1,15 +1,19 @@
-//! One run on a terminal.
+//! One run, on a page and on a terminal.
 
-use crate::figure::{cell, sentence};
+use crate::figure::{self, cell, sentence};
 use crate::format::{self, NONE, joined};
+use crate::study::{Block, Decision, Fact, Mark, Question, Section, Study, Tone, Verdict};
 use crate::terminal::{pairs, titled};
+use pinwheel_compare::{Context, Cost, Participant, Rules, Status, compare};
+use pinwheel_studies::Provenance;
 use pinwheel_studies::results::Results;
 use pinwheel_studies::single::Outcome;
 use pinwheel_timeseries::columns;
 use pinwheel_timeseries::figure::Figure;
 use pinwheel_timeseries::figure::definitions::{FRICTION, SHARE_DELIVERED};
 
-use crate::pages::{band, doubts};
+use crate::pages::design::bears;
+use crate::pages::{DOUBT, animation, band, doubts, time_series};
 
 /// Results of a run, in words.
 fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
@@ -68,10 +72,98 @@ fn results(found: &Results, looked: bool) -> Vec<(&'static str, String)> {
 /// Results, settings and cost of a run that finished; `time_series`: where its samples are, if in a file.
 #[must_use]
 pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
-    let stats = &found.run.stats;
     // What one runs it for comes first.
-    let bands = found.bands.as_ref();
     let mut rows = results(&found.results(), found.resolution.is_some());
+    rows.extend(settings(found));
+    rows.extend(time_series.map(|place| ("courses", place.to_owned())));
+    rows.retain(|(_, said)| !said.is_empty());
+    titled(&found.scene.name, [pairs(rows)])
+}
+
+/// The page: the answers, the gear in motion, and the time series.
+#[must_use]
+pub fn page(found: &Outcome, made: &Provenance) -> String {
+    let results = found.results();
+    let heads = ["mean_input", "peak_", SHARE_DELIVERED.key.as_ref()];
+    let heads = results
+        .figures
+        .iter()
+        .filter(|one| heads.iter().any(|key| one.def.key.starts_with(key)));
+    let facts = settings(found)
+        .into_iter()
+        .filter(|(_, said)| !said.is_empty());
+    let facts = facts.map(|(label, said)| Fact::new(label, Mark::warn(label == DOUBT), said));
+    let over_time = time_series(found);
+    let over_time = over_time.map(|drawn| Section::new("courses", "Over time").with(drawn));
+    let every = figure::table("Figures", &results.figures, figure::how);
+    let bands = found.bands.iter().flat_map(band::blocks);
+    let figures = Section::new("figures", "Figures").with(every);
+    let figures = figures.with(bands.collect::<Vec<_>>());
+    let study = Study {
+        title: found.scene.name.clone(),
+        eyebrow: format!("Pinwheel run, by {}", found.engine),
+        lead: found.scene.description.clone(),
+        verdict: found.diverged().map(|headline| Verdict {
+            tone: Tone::Bad,
+            headline,
+            detail: "Shown is what there is until then.".to_owned(),
+        }),
+        decision: decision(found, heads.clone(), made),
+        tiles_title: format!("from {} s on", format::plain(results.from_s)),
+        tiles: heads.map(figure::tile).collect(),
+        below: vec![
+            Block::heading("How it was computed"),
+            Block::Facts(facts.collect()),
+        ],
+        aside: animation::aside(found.motion.as_ref()),
+        sections: over_time.into_iter().chain([figures]).collect(),
+        ..Study::default()
+    };
+    crate::pages::render(study, made)
+}
+
+fn decision<'a>(
+    found: &Outcome,
+    heads: impl Iterator<Item = &'a Figure>,
+    made: &Provenance,
+) -> Decision {
+    let right = match &found.resolution {
+        Some(resolution) => (Mark::warn(!resolution.holds()), resolution.sentence()),
+        None => (Mark::Warn, "no engine beside it".to_owned()),
+    };
+    let right = Question::Right.answered(right.0, "one engine alone", right.1);
+    let bears = found.limits.as_ref().map(bears);
+    let next = crate::pages::next(made, "compare", "whether other engines agree");
+    [Some(right), bears, crate::pages::sure(heads), Some(next)]
+}
+
+/// The time series, as those of a comparison of one engine.
+fn time_series(found: &Outcome) -> Option<Block> {
+    let participant = Participant {
+        name: found.engine.clone(),
+        track: found.track,
+        version: found.version.clone(),
+        summary: String::new(),
+        differences: String::new(),
+        time_series: found.run.time_series.clone(),
+        cost: Cost::default(),
+        status: Status::Finished,
+    };
+    let context = Context {
+        scene: found.scene.name.clone(),
+        duration_s: found.scene.solver.duration_s,
+        ..Context::default()
+    };
+    let all = [participant];
+    let alone = compare(&context, &all, &Rules::default()).ok()?;
+    time_series::block(&alone, &all, false)
+}
+
+/// How a run was computed, and what bounds its figures.
+fn settings(found: &Outcome) -> Vec<(&'static str, String)> {
+    let stats = &found.run.stats;
+    let bands = found.bands.as_ref();
+    let mut rows = Vec::new();
     rows.extend(bands.into_iter().flat_map(band::rows));
     rows.extend(doubts(&found.scene));
     let track = found.track.as_str();
@@ -94,7 +186,5 @@ pub fn text(found: &Outcome, time_series: Option<&str>) -> String {
         rows.push(("resolution", resolution.sentence()));
     }
     rows.extend(stats.notes.iter().map(|note| ("note", note.clone())));
-    rows.extend(time_series.map(|place| ("courses", place.to_owned())));
-    rows.retain(|(_, said)| !said.is_empty());
-    titled(&found.scene.name, [pairs(rows)])
+    rows
 }

@@ -41,6 +41,8 @@ pub struct Study {
     pub lead: String,
     /// The answer in one line, if the study has one.
     pub verdict: Option<Verdict>,
+    /// Answers to the questions of a decision ([`Question`]), as far as the study has them.
+    pub decision: Decision,
     /// Blocks between the answer and the figures.
     pub top: Vec<Block>,
     /// Title of the figures; may be empty.
@@ -108,6 +110,41 @@ pub struct Tile {
     pub unit: String,
     /// Bounds of the figure, or the value that it is compared with.
     pub detail: String,
+    /// Mark of the figure.
+    pub mark: Mark,
+}
+
+/// Answers to the four questions of a decision.
+pub type Decision = [Option<Tile>; 4];
+
+/// Questions of who has to decide, answered by every first screen in this order; a study that cannot answer one leaves it out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Question {
+    /// Do independent computations agree?
+    Right,
+    /// Are loads within limits?
+    Bears,
+    /// How wide are the bounds of law, fit and numerics?
+    Sure,
+    /// Which command comes next, for the same scene?
+    Next,
+}
+
+impl Question {
+    /// The tile of an answer: a word or two, or a command in backticks, and its reason.
+    #[must_use]
+    pub fn answered(self, mark: Mark, value: impl Into<String>, detail: impl Into<String>) -> Tile {
+        let label = match self {
+            Self::Right => "Is it right?",
+            Self::Bears => "Will it bear?",
+            Self::Sure => "How sure?",
+            Self::Next => "What next?",
+        };
+        Tile {
+            mark,
+            ..Tile::new(label, value, detail)
+        }
+    }
 }
 
 impl Tile {
@@ -120,8 +157,8 @@ impl Tile {
         Self {
             label: label.into(),
             value: value.into(),
-            unit: String::new(),
             detail: detail.into(),
+            ..Self::default()
         }
     }
 

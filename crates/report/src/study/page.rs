@@ -45,6 +45,7 @@ pub fn render(study: &Study) -> String {
         lead = inline(&study.lead),
         banner = study.verdict.as_ref().map_or_else(String::new, banner),
         top = top,
+        decision = tile_list("tiles decision", study.decision.iter().flatten()),
         tiles = tiles(study),
         below = below,
         no_script = match drawn.charts.as_slice() {
@@ -86,6 +87,7 @@ impl Drawn<'_> {
         }
         if self.grids || !self.live.is_empty() || !self.charts.is_empty() {
             all += &script::code(include_str!("../../assets/vendor/uplot/uPlot.iife.min.js"));
+            all += &script::code(include_str!("../../assets/export.js"));
             all += &script::code(include_str!("../../assets/charts.js"));
         }
         if self.grids {
@@ -126,16 +128,24 @@ fn tiles(study: &Study) -> String {
             escape(title)
         ),
     };
+    title + &tile_list("tiles", &study.tiles)
+}
+
+/// Tiles side by side; nothing without any.
+fn tile_list<'a>(class: &str, list: impl IntoIterator<Item = &'a Tile>) -> String {
     let tile = |tile: &Tile| {
-        let [label, value, unit, detail] =
-            [&tile.label, &tile.value, &tile.unit, &tile.detail].map(|text| escape(text));
+        let [label, unit] = [&tile.label, &tile.unit].map(|text| escape(text));
+        let [value, detail] = [&tile.value, &tile.detail].map(|text| inline(text));
+        let (mark, sign) = sign(tile.mark);
         format!(
-            "<div class=\"tile\"><p class=\"label\">{label}</p><p class=\"value\">{value} <span class=\"unit\">{unit}</span></p>\
+            "<div class=\"tile {mark}\"><p class=\"label\">{label}</p><p class=\"value\">{sign}{value} <span class=\"unit\">{unit}</span></p>\
              <p class=\"detail\">{detail}</p></div>\n"
         )
     };
-    let tiles = each(&study.tiles, tile);
-    format!("{title}<div class=\"tiles\">\n{tiles}</div>")
+    match list.into_iter().map(tile).collect::<String>().as_str() {
+        "" => String::new(),
+        tiles => format!("<div class=\"{class}\">\n{tiles}</div>"),
+    }
 }
 
 /// Names and values below a title; nothing without any.
@@ -290,7 +300,8 @@ fn table_html(table: &Table) -> String {
     });
     format!(
         "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table class=\"data sortable study-table\">\n\
-         <caption>{caption}</caption>\n<thead><tr class=\"keys\">{headings}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n</div>",
+         <caption>{}</caption>\n<thead><tr class=\"keys\">{headings}</tr></thead>\n<tbody>\n{}</tbody>\n</table>\n</div>",
+        inline(&table.caption),
         rows.collect::<String>()
     )
 }

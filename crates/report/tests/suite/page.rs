@@ -92,6 +92,7 @@ fn page_of(comparison: &Comparison, participants: &[Participant]) -> String {
         participants: participants.to_vec(),
         assumptions: Vec::new(),
         bands: None,
+        limits: None,
         motion: Motion::of(&gearbox, &Control::quiet()).unwrap(),
         twins: Vec::new(),
         gearbox,

@@ -200,7 +200,7 @@ fn backlash(gear: &Gear) -> Result<(), Fault> {
             format!(
                 "is {backlash} m, more than half of the eccentricity or of the ring pin radius: the lobes would hardly reach the ring pins"
             ),
-            format!("give at most {most} m (the paper's largest is 0.0006)"),
+            format!("give at most {most} m (the paper's largest is 0.0006 m)"),
         ));
     }
     Ok(())

@@ -27,6 +27,7 @@ use serde::Serialize;
 
 use crate::band::{self, Bands};
 use crate::control::{Control, Progress, TimeLimit, WITHIN};
+use crate::design::limits::Limits;
 use crate::motion::Motion;
 use crate::output::{self, OutputError};
 use crate::provenance::{Provenance, Summary};
@@ -67,6 +68,8 @@ pub struct Outcome {
     pub assumptions: Vec<Assumption>,
     /// Figures with other contact laws and fits; `None`: there is nothing to compare.
     pub bands: Option<Bands>,
+    /// Loads of the parts against what they may bear; `None` of a gear that cannot be balanced.
+    pub limits: Option<Limits>,
     /// Engines with contacts of their own against native runs with the same contacts.
     pub twins: Vec<MatchedContactRun>,
     /// The gearbox in motion, for a page.
@@ -176,6 +179,7 @@ pub fn run_on(
         &participants,
         control,
     )?;
+    let bands = band::of(input.gearbox, control)?;
     let mut outcome = Outcome {
         stages,
         gearbox: input.gearbox.clone(),
@@ -183,7 +187,8 @@ pub fn run_on(
         participants,
         model,
         assumptions: assumptions(scene),
-        bands: band::of(input.gearbox, control)?,
+        limits: Limits::of_gear(input.gearbox, bands.as_ref(), control.cancel)?,
+        bands,
         twins,
         motion: Motion::of(input.gearbox, control)?,
     };

@@ -12,14 +12,21 @@
 //! answer is *yes*.
 
 use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
 
+use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::statics::Statics;
 use pinwheel_scene::catalogue::{Material, material};
 use pinwheel_scene::{Held, Scene, Sleeve, derived};
 use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
 use serde::Serialize;
 
+use crate::StudyError;
 use crate::balances::figures::{Balances, balanced, parted};
 use crate::balances::mesh::{Pair, Pose, Stage};
+use crate::balances::poses::Poses;
+use crate::balances::solve::{FEW, at_poses};
+use crate::band::{self, Bands};
 
 /// Material whose contacts are those of rolling bearings.
 const ROLLING: &str = "steel";
@@ -313,6 +320,33 @@ impl Limits {
             margin,
             each,
         }
+    }
+
+    /// Judges the loads of a gear's parts by balances at few poses, with the bands if there are some; `None` of a gear without load or
+    /// that cannot be balanced.
+    ///
+    /// # Errors
+    /// Cancelled.
+    pub fn of_gear(
+        gearbox: &Gearbox,
+        bands: Option<&Bands>,
+        cancel: &AtomicBool,
+    ) -> Result<Option<Self>, StudyError> {
+        let scene = &gearbox.scene;
+        let Ok(mut statics) = Statics::new(gearbox) else {
+            return Ok(None);
+        };
+        let poses = Poses::of(scene).few(FEW);
+        let Some(found) = band::balanced(at_poses(&mut statics, &poses, cancel))? else {
+            return Ok(None);
+        };
+        let mut figures = found.figures();
+        figures.extend(found.of_bearings(scene));
+        figures.extend(self::figures(&found, scene));
+        if let Some(bands) = bands {
+            bands.bound_all(&mut figures);
+        }
+        Ok(Some(Self::of(scene, &figures)))
     }
 
     /// The limit with the least margin.

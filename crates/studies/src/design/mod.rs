@@ -23,7 +23,7 @@ mod budget;
 mod cycle;
 pub(crate) mod drawing;
 pub(crate) mod joint;
-mod limits;
+pub(crate) mod limits;
 
 use std::path::Path;
 
@@ -214,10 +214,7 @@ pub(crate) fn answers(
     (control.progress)(Progress::new(total - 1, total, "other contact laws"));
     found.bands = band::of_known(statics, control)?;
     if let Some(bands) = &found.bands {
-        for figure in &mut found.figures {
-            let def = figure.def.clone();
-            bands.bound(figure, &def);
-        }
+        bands.bound_all(&mut found.figures);
     }
     found.limits = Limits::of(&gearbox.scene, &found.figures);
     Ok(found)

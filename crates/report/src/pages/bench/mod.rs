@@ -1,9 +1,10 @@
 //! The page of `pinwheel bench`: headline, what errors cost, the reference, what is unequal, all runs.
 
-use crate::format::{limit, significant};
-use crate::study::{Section, Study, Tone, Verdict};
+use crate::format::{self, limit, significant};
+use crate::study::{Decision, Mark, Question, Section, Study, Tone, Verdict};
+use pinwheel_engines::SharedModel;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::bench::{Ranking, WorkPrecision};
+use pinwheel_studies::bench::{CostAt, Ranking, WorkPrecision};
 
 mod figures;
 mod sections;
@@ -23,11 +24,11 @@ pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
         title: scene.name.clone(),
         eyebrow: "Speed against error".to_owned(),
         lead: format!(
-            "What accuracy costs: every engine, integrator and step on the scene {} over {} s, against a converged run. \
-             All runs were made in one session on one machine.",
+            "Every engine, integrator and step on the scene {} over {} s, against a converged run, in one session on one machine.",
             scene.name, scene.solver.duration_s
         ),
         verdict: rankings.first().and_then(|first| verdict(measured, first)),
+        decision: decision(measured, rankings.first(), made),
         sections: sections::all(measured, rankings),
         versions: versions.collect(),
         ..Study::default()
@@ -39,6 +40,23 @@ pub fn page(measured: &WorkPrecision, made: &Provenance) -> String {
         study.sections.insert(0, stopped);
     }
     crate::pages::render(study, made)
+}
+
+fn decision(study: &WorkPrecision, ranking: Option<&Ranking>, made: &Provenance) -> Decision {
+    let entries = ranking.into_iter().flat_map(|ranking| &ranking.entries);
+    let there = entries.filter(|entry| {
+        entry.track != SharedModel::Native && entry.cpu_s.is_some_and(CostAt::reached)
+    });
+    let there = there.count();
+    let off = limit(study.options.target);
+    let why = format!("within {off} of our converged run");
+    let mark = if there > 0 { Mark::Good } else { Mark::Warn };
+    let apart = format::relative(study.reference.apart.forces);
+    let second = "of forces: the converged run, from a second one by another method";
+    let right = Question::Right.answered(mark, format!("{there} peers agree"), why);
+    let sure = Question::Sure.answered(Mark::None, format!("to {apart}"), second);
+    let next = crate::pages::next(made, "compare", "whether engines agree on this scene");
+    [Some(right), None, Some(sure), Some(next)]
 }
 
 fn verdict(study: &WorkPrecision, ranking: &Ranking) -> Option<Verdict> {

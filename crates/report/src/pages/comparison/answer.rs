@@ -5,13 +5,14 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::figure::shown;
 use crate::format::{joined, significant};
-use crate::study::{Fact, Mark, Tone, Verdict};
+use crate::study::{Decision, Fact, Mark, Question, Tone, Verdict};
 use pinwheel_compare::comparison::{EngineSummary, Pair, PairEntry};
 use pinwheel_compare::shown::{Finding, Kind, Shown};
 use pinwheel_compare::{
     Assessment, Comparison, SharedModel, Status, Verdict as Judged, quantities,
 };
 use pinwheel_engines::{Form, info, known, lacking, remedy};
+use pinwheel_studies::Provenance;
 use pinwheel_studies::band::declined;
 use pinwheel_studies::comparison::{Largest, MatchedContactRun, Outcome};
 
@@ -19,7 +20,7 @@ use super::figures::{best, figures, numerical};
 use super::stages;
 use super::twins::{self, percent};
 use super::words;
-use crate::pages::band;
+use crate::pages::{self, band};
 
 /// Format of shares: by signs of a page or of a terminal.
 pub(super) type Number = fn(f64) -> String;
@@ -185,6 +186,27 @@ impl<'a> Answer<'a> {
         format!("{label} {here} {unit} here, {there} by {by}")
     }
 
+    /// Tiles of the decision; `made`: the command that the next one follows.
+    pub(super) fn decision(&self, made: &Provenance) -> Decision {
+        let (tone, ..) = self.judged();
+        let mark = match tone {
+            Tone::Good => Mark::Good,
+            Tone::Bad => Mark::Bad,
+            Tone::Neutral | Tone::Open => Mark::Warn,
+        };
+        let said = self.equations().text;
+        let (said, why) = said.split_once([';', ':']).unwrap_or((&said, ""));
+        let right = Question::Right.answered(mark, said, why.trim_start());
+        let next = self.open();
+        let next = match next.first() {
+            None => pages::next(made, "design", "stiffness, lost motion, pressure"),
+            Some(first) => Question::Next.answered(Mark::Warn, "settle this first", first),
+        };
+        let bears = self.found.limits.as_ref().map(pages::design::bears);
+        let sure = pages::sure(&figures(self.found));
+        [Some(right), bears, sure, Some(next)]
+    }
+
     /// Can I trust it: equations, integration, contacts, law, fit, measurement and what was done to its data.
     pub(super) fn trust(&self) -> Vec<Fact> {
         let mut facts = vec![self.equations()];
@@ -234,7 +256,7 @@ impl<'a> Answer<'a> {
     }
 
     fn equations(&self) -> Fact {
-        let fact = |mark, text| Fact::new("equations", mark, text);
+        let fact = |mark, text| Fact::new(EQUATIONS, mark, text);
         if let Some(worst) = self.worst(Judged::Differ, SHARES) {
             return fact(Mark::Bad, format!("they differ: {worst}"));
         }
@@ -476,6 +498,18 @@ impl<'a> Answer<'a> {
 
     /// Facts on the next steps.
     pub(super) fn next(&self) -> Vec<Fact> {
+        let mut next = self.open();
+        if next.is_empty() {
+            let design = "`pinwheel design` of this scene: stiffness, lost motion, pressure";
+            next.push(design.to_owned());
+        }
+        let facts = next.into_iter();
+        let facts = facts.map(|text| Fact::new("next", Mark::None, text));
+        facts.collect()
+    }
+
+    /// What has to be settled before the figures are used.
+    pub(super) fn open(&self) -> Vec<String> {
         let open = words::inconclusive(&self.found.comparison).into_iter();
         let open = open.map(|(who, why)| format!("{who}: {why}"));
         let mut next: Vec<String> = open.take(3).collect();
@@ -500,13 +534,7 @@ impl<'a> Answer<'a> {
                 None => format!("refine `{}` or leave it out: --engines", most.engine),
             });
         }
-        if next.is_empty() {
-            let design = "`pinwheel design` of this scene: stiffness, lost motion, pressure";
-            next.push(design.to_owned());
-        }
-        let facts = next.into_iter();
-        let facts = facts.map(|text| Fact::new("next", Mark::None, text));
-        facts.collect()
+        next
     }
 }
 
@@ -560,6 +588,8 @@ pub(super) fn told_as_facts(left_out: &[(String, Vec<&str>)]) -> Vec<Fact> {
     told.collect()
 }
 
+/// Label of the fact on engines that solve the scene's own law.
+pub(super) const EQUATIONS: &str = "equations";
 /// Label of facts on changes that were made to measured data.
 pub(super) const DATA: &str = "data";
 /// Pairs that solve the scene's own law.

@@ -14,7 +14,7 @@ pub(super) fn window(comparison: &Comparison) -> Option<WindowKind> {
 }
 
 /// Engine that speaks for all, with the window of its figures: of those that share the contact law, or of all if none does, one
-/// that is not recorded and whose uncertainty is known, `native-resolved` before others, and the one of the smallest uncertainty.
+/// that is not recorded, and of those with a known uncertainty the resolved one, or else the one of the smallest.
 pub(super) fn best(comparison: &Comparison) -> Option<(&EngineSummary, WindowKind)> {
     let window = window(comparison)?;
     let is_sharing =
@@ -29,10 +29,8 @@ pub(super) fn best(comparison: &Comparison) -> Option<(&EngineSummary, WindowKin
     let rank = |e: &EngineSummary| {
         let off = numerical(comparison, e, window).unwrap_or(f64::INFINITY);
         let is_resolved = info(&e.name).and_then(|info| info.form) == Some(Form::Resolved);
-        (
-            (e.cost.recorded.is_some(), off.is_infinite(), !is_resolved),
-            off,
-        )
+        let last = [e.cost.recorded.is_some(), off.is_infinite(), !is_resolved];
+        (last, off)
     };
     let best = engines.min_by(|a, b| {
         let (a, b) = (rank(a), rank(b));

@@ -58,6 +58,7 @@ pub fn page(found: &Outcome, made: &Provenance) -> String {
         },
         lead: comparison.context.description.clone(),
         verdict: Some(answer.verdict()),
+        decision: answer.decision(made),
         top: vec![answer.shown().into()],
         tiles_title: figures::best(comparison).map_or_else(String::new, |(engine, window)| {
             format!("{}, by {}", page.window(window), engine.name)
@@ -83,11 +84,16 @@ fn below(answer: &Answer<'_>) -> Vec<Block> {
     let mut unchecked = answer.unchecked(answer::MOST);
     // Bookkeeping last: it may be cut off.
     unchecked.sort_by_key(|fact| fact.label == answer::UNRESOLVED);
-    unchecked.splice(0..0, answer.next());
+    // A next step that is a command is a tile.
+    if !answer.open().is_empty() {
+        unchecked.splice(0..0, answer.next());
+    }
     let comparison = answer.comparison();
     let divergence = comparison.context.divergence.iter();
     let remarks = words::of_windows(comparison).chain(divergence.map(|d| d.told.clone()));
-    under("Can I trust it?", answer.trust())
+    let mut trust = answer.trust();
+    trust.retain(|fact| fact.label != answer::EQUATIONS);
+    under("Can I trust it?", trust)
         .chain(under("What next, and what was not checked", unchecked))
         .chain(remarks.map(Block::Text))
         .collect()

@@ -2,7 +2,7 @@
 
 use crate::figure::number;
 use crate::format::{NONE, joined, significant};
-use crate::study::{Block, Mark, Section, Tile};
+use crate::study::{Block, Mark, Question, Section, Tile};
 use pinwheel_studies::design::{Answer, Limit, Limits};
 use pinwheel_timeseries::table::Table;
 
@@ -61,7 +61,7 @@ pub(super) fn unjudged(limits: &Limits) -> Option<String> {
 }
 
 /// Mark of the answer: nothing that was not judged is good.
-pub(super) fn mark(limits: &Limits) -> Mark {
+fn mark(limits: &Limits) -> Mark {
     match limits.bears_its_load {
         Answer::Yes => Mark::Good,
         Answer::No if limits.exceeded().is_some() => Mark::Bad,
@@ -70,18 +70,15 @@ pub(super) fn mark(limits: &Limits) -> Mark {
     }
 }
 
-pub(super) fn tile(limits: &Limits) -> Tile {
+pub(crate) fn tile(limits: &Limits) -> Tile {
     let (said, why) = answer(limits);
-    let open = limits.each.iter().filter(|limit| limit.margin.is_none());
-    let open = match open.count() {
-        0 => String::new(),
-        open => format!("; {open} of {} not judged", limits.each.len()),
+    let open = || limits.each.iter().filter(|limit| limit.margin.is_none());
+    let why = match open().next() {
+        Some(first) if open().count() == limits.each.len() => first.source.clone(),
+        // Its source stands in the table.
+        _ => why.split(" by ").next().unwrap_or_default().to_owned(),
     };
-    Tile::new(
-        QUESTION,
-        said,
-        format!("{why}{open}").trim_start_matches("; "),
-    )
+    Question::Bears.answered(mark(limits), said, why)
 }
 
 /// Table of every limit.

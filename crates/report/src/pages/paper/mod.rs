@@ -1,6 +1,6 @@
 //! The study of the paper as a page.
 
-use crate::study::{self, Axis, Block, Chart, Fact, Section, Series, Study, Style, Tone};
+use crate::study::{self, Axis, Block, Chart, Fact, Question, Section, Series, Study, Style, Tone};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::paper::{ClaimVerdict, Cost, PaperFigure, PaperResult, Plot};
 use pinwheel_timeseries::table::{Mark, Shown, Table};
@@ -45,6 +45,16 @@ pub fn page(found: &PaperResult, made: &Provenance) -> String {
         lead: "Each figure from our own runs in the paper's axes and units: what the paper says it shows, whether ours \
                shows it, and by which number. Figures of the paper are not reproduced here; the words are a summary."
             .into(),
+        decision: [
+            Some(Question::Right.answered(Mark::Warn, "one program", "our solver alone")),
+            None,
+            None,
+            Some(Question::Next.answered(
+                Mark::None,
+                "`pinwheel compare paper`",
+                "whether other engines agree on the paper's gear",
+            )),
+        ],
         // A claim that does not hold is a finding, not a failure.
         verdict: Some(study::Verdict {
             tone: Tone::Neutral,

@@ -6,7 +6,7 @@ mod text;
 pub use text::text;
 
 use crate::format;
-use crate::study::{Block, Section, Study, Tile, Tone, Verdict};
+use crate::study::{Block, Decision, Question, Section, Study, Tile, Tone, Verdict};
 use pinwheel_scene::Formulation;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::stability::{Atlas, Cell, SERVED, SceneRow};
@@ -24,6 +24,7 @@ pub fn page(atlas: &Atlas, made: &Provenance) -> String {
                what fails first, and where the energy goes."
             .to_owned(),
         verdict: Some(verdict(atlas)),
+        decision: decision(atlas),
         tiles: tiles(atlas),
         sections,
         ..Study::default()
@@ -58,6 +59,33 @@ fn verdict(atlas: &Atlas) -> Verdict {
     }
 }
 
+fn decision(atlas: &Atlas) -> Decision {
+    let references = atlas.done().filter_map(|row| row.reference.as_ref());
+    let apart = references.map(|run| run.apart.forces).reduce(f64::max);
+    let sure = apart.map(|apart| {
+        let why = "of forces: two converged runs of a scene, where they are furthest apart";
+        Question::Sure.answered(Mark::None, format!("to {}", format::relative(apart)), why)
+    });
+    let why = "every method is of one program; other engines are a comparison";
+    let right = Question::Right.answered(Mark::Warn, "one program", why);
+    let next = hardest(atlas).map(|(_, scene)| {
+        let command = format!("`pinwheel compare {scene}`");
+        Question::Next.answered(
+            Mark::None,
+            command,
+            "whether other engines agree on the hardest scene",
+        )
+    });
+    [Some(right), None, sure, next]
+}
+
+/// Scene whose best method has the largest error of the forces.
+fn hardest(atlas: &Atlas) -> Option<(f64, &String)> {
+    let bests = atlas.done();
+    let bests = bests.filter_map(|row| Some((row.best()?.1, &row.scene)));
+    bests.max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
 fn tiles(atlas: &Atlas) -> Vec<Tile> {
     let cells = || atlas.done().flat_map(|row| &row.cells);
     let failed = cells().filter(|cell| cell.failure.is_some()).count();
@@ -67,10 +95,7 @@ fn tiles(atlas: &Atlas) -> Vec<Tile> {
         cells().count().to_string(),
         format!("{failed} of them fail at {step}"),
     );
-    let bests = atlas.done();
-    let bests = bests.filter_map(|row| Some((row.best()?.1, &row.scene)));
-    let hardest = bests.max_by(|a, b| a.0.total_cmp(&b.0));
-    let hardest = hardest.map(|(error, scene)| {
+    let hardest = hardest(atlas).map(|(error, scene)| {
         let detail = format!("{scene}, error of the forces with the best method");
         Tile::new("Hardest scene", format::relative(error), detail)
     });

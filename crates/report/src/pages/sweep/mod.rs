@@ -1,11 +1,16 @@
 //! A sweep's page: figures over what was varied, and every run in a table.
 
-use crate::format::{count, joined, plain, readable_unit, seconds, significant};
-use crate::study::{Block, Grid, GridAxis, GridFigure, Section, Study, Tile, Tone, Verdict};
+use crate::format::{count, joined, plain, readable_unit, relative, seconds, significant};
+use crate::study::{
+    Block, Decision, Grid, GridAxis, GridFigure, Mark, Question, Section, Study, Tile, Tone,
+    Verdict,
+};
 use crate::table::named;
 use pinwheel_compare::quantities;
 use pinwheel_studies::Provenance;
-use pinwheel_studies::sweep::{self, Axis, Plan, RunRecord, STATICS, Value, definition};
+use pinwheel_studies::sweep::{
+    self, Axis, Plan, RunRecord, STATICS, SampleResult, Value, definition,
+};
 use pinwheel_timeseries::figure::FigureDef;
 use pinwheel_timeseries::table::{Column, Table, Values};
 
@@ -16,6 +21,8 @@ pub use text::{list, text};
 
 /// Rows of the table of runs at most; the CSV has all.
 const MOST_ROWS: usize = 500;
+/// Keys of a run that the next command sets at most.
+const MOST_SET: usize = 3;
 /// Figures to choose from at most.
 const MOST_FIGURES: usize = 40;
 
@@ -47,6 +54,7 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
     }
     let grid = grid(plan, records, table);
     let answer = answer(&grid, plan);
+    let decision = decision(plan, &sampled, grid.figures.first());
     // Over random values there is no line to draw.
     if sampled.is_empty()
         && !grid.figures.is_empty()
@@ -77,6 +85,7 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
         eyebrow: "Sweep".to_owned(),
         lead,
         verdict: lost.or_else(|| tolerances::verdict(&sampled)).or(answer),
+        decision,
         tiles: vec![
             Tile::new("Runs", count(runs_done as u64), sweep.engines.join(", ")),
             Tile::new("Varied", varied.len().to_string(), varied.join(", ")),
@@ -88,6 +97,51 @@ pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance
         ..Study::default()
     };
     crate::pages::render(study, made)
+}
+
+fn decision(plan: &Plan, sampled: &[SampleResult], first: Option<&GridFigure>) -> Decision {
+    let sweep = &plan.sweep;
+    let engines = sweep.engines.len();
+    let said = count(engines as u64) + if engines == 1 { " engine" } else { " engines" };
+    let right = Question::Right.answered(Mark::warn(engines == 1), said, sweep.engines.join(", "));
+    let bears = tolerances::bears(sampled);
+    let sure = first.map(|figure| {
+        let known = figure.values.iter().zip(&figure.uncertainty);
+        let shares = known.filter_map(|(value, off)| Some(off.as_ref()? / value.as_ref()?.abs()));
+        let widest = shares.filter(|share| share.is_finite()).reduce(f64::max);
+        let said = widest.map_or("not known".to_owned(), |widest| {
+            format!("to {}", relative(widest))
+        });
+        Question::Sure.answered(
+            Mark::warn(widest.is_none()),
+            said,
+            format!("{}, numerical", figure.label),
+        )
+    });
+    // Largest of the first figure: where one looks closer.
+    let largest = first.and_then(|figure| {
+        let there = figure.values.iter().enumerate();
+        let there = there.filter_map(|(run, value)| Some((run, (*value)?)));
+        there.max_by(|a, b| a.1.total_cmp(&b.1))
+    });
+    let run = largest.and_then(|(run, _)| plan.runs.get(run));
+    let few = run.filter(|run| run.values.len() <= MOST_SET);
+    let values = few.into_iter().flat_map(|run| &run.values);
+    let values = values.map(|(key, value)| format!(" --set {key}={value}"));
+    let sets = sweep
+        .set
+        .iter()
+        .map(|set| format!(" --set {}={}", set.key(), set.value()));
+    let command = joined(
+        "",
+        [format!("pinwheel compare {}", sweep.scene)]
+            .into_iter()
+            .chain(sets)
+            .chain(values),
+    );
+    let why = "whether other engines agree where the figure is largest";
+    let next = Question::Next.answered(Mark::None, format!("`{command}`"), why);
+    [Some(right), bears, sure, Some(next)]
 }
 
 /// Range of the first figure over the runs with its uncertainty, or the statement that there is no trend beyond it.

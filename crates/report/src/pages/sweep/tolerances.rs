@@ -1,7 +1,7 @@
 //! Results of a sample, on the page and on a terminal.
 
 use crate::format::{joined, significant};
-use crate::study::{Axis, Block, Chart, Section, Series, Tone, Verdict};
+use crate::study::{Axis, Block, Chart, Mark, Question, Section, Series, Tile, Tone, Verdict};
 use crate::table::named;
 use pinwheel_studies::sweep::{
     FigureOfSample, Limit, Plan, Quantile, SampleResult, Yield, definition,
@@ -118,6 +118,16 @@ pub(super) fn verdict(found: &[SampleResult]) -> Option<Verdict> {
             place(worst)
         ),
     })
+}
+
+/// Tile of the yield of the worst sample.
+pub(super) fn bears(found: &[SampleResult]) -> Option<Tile> {
+    let verdict = verdict(found)?;
+    let mark = match verdict.tone {
+        Tone::Good => Mark::Good,
+        _ => Mark::Warn,
+    };
+    Some(Question::Bears.answered(mark, verdict.headline, "gears that keep the specification"))
 }
 
 /// The section of a sample.
