@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 import tempfile
@@ -70,6 +71,17 @@ def plain(text: str) -> str:
     return "\n".join(done)
 
 
+class Frame:
+    """A page in a notebook's cell, which holds all of it: nothing is served."""
+
+    def __init__(self, page: str, height: int) -> None:
+        self.page, self.height = page, height
+
+    def _repr_html_(self) -> str:
+        size = f'style="width: 100%; height: {self.height}px; border: 0"'
+        return f'<iframe srcdoc="{html.escape(self.page)}" sandbox="allow-scripts allow-downloads" {size}></iframe>'
+
+
 class Paged:
     """Base of results with a page that opens offline; the page is pickled with the result."""
 
@@ -83,6 +95,10 @@ class Paged:
     def show(self, path: str | Path | None = None) -> Path:
         """Opens the page in the browser, or writes it to `path`; where it is."""
         return show(self.page(), self._called, path)
+
+    def frame(self, height: int = 900) -> Frame:
+        """The page for a notebook's cell, on a hub too; `height` in px."""
+        return Frame(self.page(), height)
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_page": self.page()}

@@ -21,9 +21,9 @@ import numpy.typing as npt
 
 from pinwheel import _core
 from pinwheel._columns import near, quantity, unit, wanted
-from pinwheel._engine import Engine, EngineLike, several
+from pinwheel._engine import Engine, EngineLike, number_of, several
 from pinwheel._keys import Keys, Vary
-from pinwheel._page import plain, show
+from pinwheel._page import Frame, plain, show
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene, settings, toml_value
 from pinwheel.errors import InputError, Missing, SceneError
@@ -133,6 +133,7 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
     def plot(self, name: str, ax: Any = None) -> Any:
         """Draws a column over the keys that vary: lines over one, a map over two, of the first engine; the axes."""
         pyplot = wanted("matplotlib.pyplot", "plot")
+        _ = self[name]
         grid = self.to_xarray()[name]
         if ("engine" in grid.dims and grid.sizes["engine"] == 1) or grid.ndim > 2:
             grid = grid.isel(engine=0)
@@ -168,6 +169,10 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
     def show(self, path: str | Path | None = None) -> Path:
         """Opens the page in the browser, or writes it to `path`; where it is."""
         return show(self.page(), "sweep", path)
+
+    def frame(self, height: int = 900) -> Frame:
+        """The page for a notebook's cell, on a hub too; `height` in px."""
+        return Frame(self.page(), height)
 
     def __str__(self) -> str:
         return self._text
@@ -256,11 +261,6 @@ def _check_words(keys: Mapping[str, Any]) -> None:
             raise InputError(f"`{word}` is no argument of a sweep, and no key of a scene; {meant}") from error
 
 
-def _cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def _values(key: str, values: Any) -> list[Any]:
     if isinstance(values, str) or not hasattr(values, "__iter__"):
         raise InputError(f'`{key}` varies over one value; give a list, or {{"from": 0.0, "to": 1.0, "points": 11}}')
@@ -302,8 +302,7 @@ def sweep(
     A run that diverges has a row that says so, and is not tried again. Raises `SceneError`, `InputError`, `ClusterError`,
     `OSError`; after `KeyboardInterrupt` and `ClusterError` finished runs are kept.
     """
-    if jobs is not None and jobs < 1:
-        raise InputError(f"jobs = {jobs}: write a number of threads from 1 on, or leave it out for one a core")
+    threads = number_of(jobs)
     _check_words(keys)
     with ExitStack() as stack:
         axes = [together] if isinstance(together, Mapping) else list(together)
@@ -337,7 +336,7 @@ def sweep(
         try:
             with telling(progress, core.name()) as told:
                 if client is None:
-                    core.execute(max(1, jobs if jobs is not None else _cores()), told)
+                    core.execute(threads, told)
                 else:
                     from pinwheel._cluster import execute
 

@@ -31,10 +31,13 @@ pub fn lacking() -> impl Iterator<Item = &'static EngineInfo<'static>> {
 #[must_use]
 pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
     let feature = info.feature?;
-    // Where a Python holds us, its packages are the engines.
+    // Where a Python holds us, its packages are the engines; one command installs all that are not here.
     #[cfg(all(feature = "python", not(feature = "crossval")))]
-    if let Some(pin) = crate::python::requirement(info.package) {
-        return Some(format!("pip install {pin}"));
+    if crate::python::requirement(info.package).is_some() {
+        let pins = lacking().filter_map(|info| crate::python::requirement(info.package));
+        let pins: std::collections::BTreeSet<String> = pins.collect();
+        let pins: Vec<String> = pins.into_iter().collect();
+        return Some(format!("pip install {}", pins.join(" ")));
     }
     Some(format!("build with --features {feature}"))
 }

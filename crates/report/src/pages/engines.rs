@@ -26,7 +26,7 @@ pub fn text(listed: &[Listed]) -> String {
     }
     let lacks = lacks.into_iter().map(|(remedy, families)| {
         let families = joined(", ", families);
-        paragraph(&format!("{families}: not here; {remedy}."))
+        format!("{families}: not here; {remedy}.")
     });
     let tracks = [
         "`native` stands for the native engine in the formulation that the scene asks for.",
@@ -36,7 +36,7 @@ pub fn text(listed: &[Listed]) -> String {
     format!(
         "{}\n{}{}",
         terminal::table(&table.done()),
-        joined("", lacks),
+        terminal::paragraphs(lacks),
         paragraph(&tracks.join(" "))
     )
 }

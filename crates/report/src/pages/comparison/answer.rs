@@ -428,7 +428,7 @@ impl<'a> Answer<'a> {
             let remedy = remedy(info).filter(|_| lacks.contains(&info.name));
             let why = remedy.map_or_else(
                 || "not asked for; run it without `--engines`".to_owned(),
-                |remedy| format!("not in this build; {remedy}"),
+                |remedy| format!("not here; {remedy}"),
             );
             absent.entry(why).or_default().push(info.name);
         }
@@ -449,10 +449,15 @@ impl<'a> Answer<'a> {
         facts.extend(told_as_facts(&left_out));
         let recorded = comparison.engines.iter();
         let recorded = recorded.filter(|engine| engine.cost.recorded.is_some());
-        let recorded = joined(", ", recorded.map(|engine| words::short(&engine.name)));
+        let recorded: Vec<&str> = recorded.map(|engine| engine.name.as_str()).collect();
         if !recorded.is_empty() {
+            let lacks = lacking().filter(|info| recorded.contains(&info.name));
+            let remedies: BTreeSet<String> = lacks.filter_map(remedy).collect();
             let text = format!(
-                "{recorded}: not run here but recorded before; Engines on the page says when and why"
+                "{}: not run here but recorded before{}{}; Engines on the page says when and why",
+                joined(", ", recorded.iter().map(|name| words::short(name))),
+                if remedies.is_empty() { "" } else { "; live: " },
+                joined(", or ", remedies)
             );
             facts.push(Fact::new("recorded", Mark::None, text));
         }
