@@ -56,7 +56,7 @@ def test_a_wrong_name_is_an_error_of_ours(tmp_path):
     with pytest.raises(Missing, match=r"`efficiency_rated_percent` is not among.*`pinwheel\.design`"):
         found["efficiency_rated_percent"]
     for wrong in ({"measure": ["input_torqe_n_m"]}, {"specification": {"peak_input_torqe_n_m": {"most": 1.0}}}):
-        with pytest.raises(pinwheel.InputError, match="did you mean|there are"):
+        with pytest.raises(pinwheel.InputError, match=r"did you mean|there are"):
             pinwheel.sweep(SHORT, vary={"backlash_m": [0.0]}, out=tmp_path / "wrong", progress=False, **wrong)
 
 

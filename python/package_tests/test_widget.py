@@ -90,7 +90,10 @@ def test_a_kernel_answers_the_widgets_messages():
         cell = next(one for one in opened if "_esm" in one["data"]["state"])
         views = [one["content"]["data"] for one in shown if one["msg_type"] == "execute_result"]
         assert "application/vnd.jupyter.widget-view+json" in views[0] and "127.0.0.1" not in cell["data"]["state"]["_esm"]
-        custom = {"method": "custom", "content": {"id": 7, "view": 0.5, "path": "run", "body": '[["gear.backlash_m", "1e-4"]]'}}
+        custom = {
+            "method": "custom",
+            "content": {"id": 7, "view": 0.5, "path": "run", "body": '[["gear.backlash_m", "1e-4"]]'},
+        }
         client.shell_channel.send(client.session.msg("comm_msg", {"comm_id": cell["comm_id"], "data": custom}))
         begun = time.monotonic()
         while time.monotonic() - begun < 60.0:

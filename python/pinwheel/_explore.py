@@ -1,7 +1,7 @@
 """A live page of a scene, by the program that comes with the package: served to this machine, or by a notebook's messages.
 
-  page in the browser ──HTTP──────────────────────────────────────────────> program
-  page in a cell ──message──> widget (_explore.js) ──kernel──> Explorer.answer ──HTTP──> program
+page in the browser ──HTTP──────────────────────────────────────────────────────────> program
+page in a cell ──message──> widget (_explore.js) ──kernel──> Explorer.answer ──HTTP──> program
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ class Explorer:
         anywidget, traitlets = wanted("anywidget", "notebooks"), wanted("traitlets", "notebooks")
         shown = f"<Sliders of {self.scene.name}: run this cell to move them>"
 
-        class Live(anywidget.AnyWidget):  # type: ignore[misc]
+        class Live(anywidget.AnyWidget):  # type: ignore[misc, name-defined]
             _esm = Path(__file__).with_name("_explore.js")
             height = traitlets.Int(self.height).tag(sync=True)
 
