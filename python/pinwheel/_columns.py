@@ -156,9 +156,10 @@ class Columns(Mapping["Column", Floats]):
             values = self[name]
             dims = ["time_s"]
             if values.ndim == 2:
-                dims.append(name.split("_force")[0].split("_penetration")[0])
+                of = name.split("_force")[0].split("_penetration")[0]
+                dims.append(of if of != name else f"{name}_number")
                 numbers = [number(full) for full in self.full_names(name)]
-                described = {"units": "1", "long_name": f"number of the {quantity(dims[1])}"}
+                described = {"units": "1", "long_name": f"number of the {quantity(of)}"}
                 coordinates[dims[1]] = (dims[1], numbers, described)
             variables[name] = (dims, values, {"units": unit(name), "long_name": quantity(name)})
         attributes = {"Conventions": "CF-1.11", "source": f"pinwheel {_core.__version__}"}

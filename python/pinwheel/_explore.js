@@ -29,7 +29,7 @@ export default {
   render({ model, el }) {
     const frame = document.createElement('iframe');
     frame.style = `width: 100%; height: ${model.get('height')}px; border: 0`;
-    frame.sandbox = 'allow-scripts allow-popups';
+    frame.sandbox = 'allow-scripts allow-popups allow-downloads';
     frame.title = 'Pinwheel explore';
     const view = Math.random(); // a cell may be shown twice
     const ask = ({ source, data }) => {
