@@ -30,8 +30,10 @@ def test_every_study_has_the_figures_of_the_list(tmp_path):
         names = list(found)
         figures = names[names.index("status") + 1 : names.index("reason")]
         keys |= {*figures} - OWN - {"steps", "rhs_calls"}
-        for name, units in ((name, one.attrs.get("units")) for name, one in found.to_xarray().data_vars.items()):
+        data = found.to_xarray()
+        for name, units in ((name, one.attrs.get("units")) for name, one in data.data_vars.items()):
             assert units == UNITS.get(name, units), name
+        assert data["gear.backlash_m"].attrs == {"units": "m", "long_name": pinwheel.keys()["gear.backlash_m"]}
     assert not [key for key in keys if not is_known(key, set(run.columns))]
     for figure in run.results["figures"]:
         assert UNITS.get(figure["key"], figure["unit"]) == figure["unit"] or not figure["unit"]

@@ -136,7 +136,9 @@ class Explorer:
     def _repr_mimebundle_(self, **chosen: Any) -> Any:
         if self.closed or find_spec("anywidget") is None:
             return {"text/plain": repr(self), "text/html": self._repr_html_()}
-        return self.widget()._repr_mimebundle_(**chosen)
+        live = self.widget()
+        data, about = live._repr_mimebundle_(**chosen)
+        return {**data, "text/html": f"<p>{html.escape(repr(live)[1:-1])}</p>"}, about
 
     def _repr_html_(self) -> str:
         if self.closed:

@@ -35,6 +35,7 @@ _FLAGS: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r"--longest (?:SECONDS|([0-9.]+))", lambda match: f"`longest_s={match[1] or 'SECONDS'}`"),
     (r"--longest\b", "`longest_s`"),
     ("--verbose", "`details()`"),
+    ("--fresh", "`fresh=True`"),
     (r"--against (\S+) --map (\S+)", r'`against=[("\1", "\2")]`'),
     (r"--set ([a-z0-9_.]+)=([^\s,;`)]+)", _with),
     (r"\bpinwheel (design|explain|engines)\b", r"`pinwheel.\1`"),

@@ -102,18 +102,20 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
         return list(self)
 
     def to_xarray(self) -> xarray.Dataset:
-        """A Dataset: a dimension for the engine and each key where all combinations were run, else one for the runs."""
+        """A Dataset by the CF conventions: a dimension for the engine and each key where all combinations were run, else
+        one for the runs.
+        """
         xarray = wanted("xarray", "frames")
         frame = self.to_pandas()
         axes = [name for name in ("engine", *self.keys_varied) if name == "engine" or frame[name].nunique() > 1]
         full = not frame.duplicated(axes).any() and len(frame) == np.prod([frame[name].nunique() for name in axes])
         found = xarray.Dataset.from_dataframe(frame.set_index(axes if full else "run"))
-        known = _core.keys()
-        units = {name: text or "1" for name, _, text in known}
-        for name in (*found.data_vars, *found.coords):
+        keys = {name: {"units": text or "1", "long_name": about} for name, about, text in _core.keys()}
+        for name in (str(name) for name in (*found.data_vars, *found.coords)):
             if found[name].dtype.kind in "if":
-                found[name].attrs["units"] = units.get(name) or unit(str(name))
-        return found.assign_attrs(sweep=self.name, pinwheel_version=_core.__version__)
+                found[name].attrs |= keys.get(name) or {"units": unit(name), "long_name": quantity(name)}
+        about = {"Conventions": "CF-1.11", "source": f"pinwheel {_core.__version__}"}
+        return found.assign_attrs(sweep=self.name, pinwheel_version=_core.__version__, **about)
 
     def tolerances_to_pandas(self) -> pandas.DataFrame:
         """Statistics of a sample: a row for each engine and figure, its quantiles with their confidence intervals."""
