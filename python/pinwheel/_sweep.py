@@ -110,7 +110,8 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
         axes = [name for name in ("engine", *self.keys_varied) if name == "engine" or frame[name].nunique() > 1]
         full = not frame.duplicated(axes).any() and len(frame) == np.prod([frame[name].nunique() for name in axes])
         found = xarray.Dataset.from_dataframe(frame.set_index(axes if full else "run"))
-        keys = {name: {"units": text or "1", "long_name": about} for name, about, text in _core.keys()}
+        known = _core.keys()
+        keys = {name: {"units": text or "1"} for name, _, text in known}
         for name in (str(name) for name in (*found.data_vars, *found.coords)):
             if found[name].dtype.kind in "if":
                 found[name].attrs |= keys.get(name) or {"units": unit(name), "long_name": quantity(name)}
