@@ -102,7 +102,8 @@ class Paged:
         return Frame(self.page(), height)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_page": self.page()}
+        # A sweep's page is a file of its folder.
+        return self.__dict__ | ({"_page": self.page()} if "_page" in self.__dict__ else {})
 
 
 def show(page: str, name: str, path: str | Path | None) -> Path:

@@ -23,7 +23,7 @@ from pinwheel import _core
 from pinwheel._columns import near, quantity, unit, wanted
 from pinwheel._engine import Engine, EngineLike, number_of, several
 from pinwheel._keys import Keys, Vary
-from pinwheel._page import Frame, plain, show
+from pinwheel._page import Paged, plain
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene, settings, toml_value
 from pinwheel.errors import InputError, Missing, SceneError
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 
-class Sweep(Mapping[str, npt.NDArray[Any]]):
+class Sweep(Paged, Mapping[str, npt.NDArray[Any]]):
     """The results of a sweep: a row a run, in the order of the plan.
 
     `sweep["mean_input_torque_n_m"]` is an array (runs,): numbers with NaN, texts with "", where there is no value.
@@ -60,6 +60,8 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
     unfinished: int
     cpu_s: float
     tolerances: list[dict[str, Any]]
+
+    _called = "sweep"
 
     @classmethod
     def _of(cls, core: _core.Sweep) -> Sweep:
@@ -168,14 +170,6 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
     def page(self) -> str:
         """The page that opens offline, HTML."""
         return (self.out / "index.html").read_text(encoding="utf-8")
-
-    def show(self, path: str | Path | None = None) -> Path:
-        """Opens the page in the browser, or writes it to `path`; where it is."""
-        return show(self.page(), "sweep", path)
-
-    def frame(self, height: int = 900) -> Frame:
-        """The page for a notebook's cell, on a hub too; `height` in px."""
-        return Frame(self.page(), height)
 
     def __str__(self) -> str:
         return self._text
