@@ -227,7 +227,8 @@ def test_flags_are_said_in_python():
     from pinwheel._page import plain
 
     for told, here in (
-        ("not in this build; build with --features crossval", "where it is built with its feature crossval"),
+        ("of 2026-11-28; --fresh runs them", "`fresh=True` runs them"),
+        ("not here; build with --features crossval", "where it is built with its feature crossval"),
         ("not asked for; run it without --engines", "not asked for; name no engines"),
         ("timed out; Engines on the page says what each needs (--longest SECONDS)", "(`longest_s=SECONDS`)"),
         ("ask for more of rapier: --longest 300; or leave it out", "ask for more of rapier: `longest_s=300`; or"),

@@ -56,7 +56,7 @@ def test_pictures(tmp_path):
     matplotlib.use("Agg")
     axes = SHORT.run("native-reduced").plot("input_torque_n_m", "external_sleeve_force_n")
     first, second = axes.figure.axes
-    assert first.get_ylabel() == "input torque, N m" and len(second.get_legend().get_texts()) == 16
+    assert first.get_ylabel() == "driver torque, N m" and len(second.get_legend().get_texts()) == 16
 
 
 def test_ctrl_c_stops_a_run():

@@ -57,7 +57,7 @@ def main(place: Path) -> None:
     assert np.fft.rfft(run.to_pandas()["input_torque_n_m"]).size == 21
     # 11 Plots: of the run into axes of mine, and of the gear
     axes = run.plot("input_torque_n_m")
-    assert scene.plot().get_xlabel() == "x, mm" and axes.get_ylabel() == "input torque, N m"
+    assert scene.plot().get_xlabel() == "x, mm" and axes.get_ylabel() == "driver torque, N m"
     # 12 Runs kept and read again, here and in another process
     run.save(place / "run")
     for again in (pinwheel.Run.load(place / "run"), pickle.loads(pickle.dumps(run))):

@@ -106,6 +106,7 @@ __all__ = [
     "engines",
     "explain",
     "explore",
+    "figures",
     "fmu",
     "gear",
     "keys",
@@ -138,3 +139,14 @@ def keys() -> dict[str, str]:
 
     known = _core.keys()
     return {name: about for name, about, _ in known}
+
+
+def figures() -> dict[str, str]:
+    """Every figure of a gear by its key, and what it is.
+
+    >>> figures()["lost_motion_arcmin"]
+    'lost motion, arcmin: largest over the mesh, between +3 and -3 % of the rated torque'
+    """
+    from pinwheel import _core
+
+    return {key: f"{what}, {unit or '1'}: {how}".removesuffix(": ") for key, what, unit, how in _core.figures()}

@@ -22,11 +22,6 @@ if TYPE_CHECKING:
 
 Floats = npt.NDArray[np.float64]
 _NUMBERED = re.compile(r"(.+)_(\d+)")
-# Suffixes of names, longer ones first.
-UNITS = {
-    "_n_m_per_arcmin": "N m/arcmin", "_n_m": "N m", "_arcmin": "arcmin", "_rad_s": "rad/s", "_m_s": "m/s", "_rad": "rad",
-    "_n": "N", "_m": "m", "_s": "s", "_w": "W", "_j": "J", "_mpa": "MPa", "_pa": "Pa",
-}  # fmt: skip
 
 
 def wanted(package: str, extra: str) -> Any:
@@ -161,9 +156,10 @@ class Columns(Mapping["Column", Floats]):
             values = self[name]
             dims = ["time_s"]
             if values.ndim == 2:
-                dims.append(name.split("_force")[0].split("_penetration")[0])
+                of = name.split("_force")[0].split("_penetration")[0]
+                dims.append(of if of != name else f"{name}_number")
                 numbers = [number(full) for full in self.full_names(name)]
-                described = {"units": "1", "long_name": f"number of the {quantity(dims[1])}"}
+                described = {"units": "1", "long_name": f"number of the {quantity(of)}"}
                 coordinates[dims[1]] = (dims[1], numbers, described)
             variables[name] = (dims, values, {"units": unit(name), "long_name": quantity(name)})
         attributes = {"Conventions": "CF-1.11", "source": f"pinwheel {_core.__version__}"}
@@ -179,13 +175,12 @@ def _unpickled(names: tuple[str, ...], time: bytes, values: bytes) -> Columns:
 
 
 def unit(name: str) -> str:
-    """The unit that a column's name ends in.
+    """Returns the unit of a column or a figure.
 
-    >>> unit("input_torque_n_m"), unit("output_angle_rad"), unit("efficiency")
-    ('N m', 'rad', '1')
+    >>> unit("input_torque_n_m"), unit("output_angle_rad_3"), unit("wall_mm"), unit("efficiency")
+    ('N m', 'rad', 'mm', '1')
     """
-    base = _NUMBERED.sub(r"\1", name)
-    return next((symbol for ending, symbol in UNITS.items() if base.endswith(ending)), "1")
+    return _core.named(_NUMBERED.sub(r"\1", name))[1] or "1"
 
 
 def plot(columns: Columns, names: tuple[Column, ...], title: str, ax: Any) -> Any:
@@ -216,13 +211,11 @@ def plot(columns: Columns, names: tuple[Column, ...], title: str, ax: Any) -> An
 
 
 def quantity(name: str) -> str:
-    """Returns the meaning of a column in words, without its unit.
+    """Returns the meaning of a column or a figure in words, without its unit.
 
     >>> quantity("input_torque_n_m"), quantity("external_sleeve_force_n_3")
-    ('input torque', 'ring pin force 3')
+    ('driver torque', 'ring pin force 3')
     """
-    match = _NUMBERED.fullmatch(name)
-    base, end = (match[1], f" {match[2]}") if match else (name, "")
-    ending = next((ending for ending in UNITS if base.endswith(ending)), "")
-    words = base.removesuffix(ending).replace("external_sleeve", "ring_pin").replace("internal_sleeve", "output_pin")
-    return words.replace("wheel_", "disc_").replace("_", " ") + end
+    base, _, number = name.rpartition("_") if _NUMBERED.fullmatch(name) else (name, "", "")
+    words = _core.named(base)[0]
+    return f"{words[:1].lower()}{words[1:]} {number}".strip()

@@ -5,13 +5,14 @@ from __future__ import annotations
 import html
 import json
 import os
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from pinwheel import _core
 from pinwheel._columns import Columns, near, wanted
-from pinwheel._engine import EngineLike, several
+from pinwheel._engine import EngineLike, number_of, several
 from pinwheel._page import Paged, plain
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene
@@ -168,6 +169,8 @@ def compare(
     against: Sequence[tuple[str | os.PathLike[str], str | os.PathLike[str]]] = (),
     longest_s: float = 30.0,
     resolution: float = 0.01,
+    jobs: int | None = None,
+    fresh: bool = False,
     progress: bool | Told | None = None,
 ) -> Comparison:
     """Runs a scene on several engines and compares every pair; without names on all that this Python has.
@@ -178,7 +181,9 @@ def compare(
 
     `against`: measured data or another program's, as (file, map); the map says which column is what, with its
     uncertainty (docs/foreign-data.md). `longest_s`: CPU time after which an engine is refined no further; `resolution`:
-    the largest uncertainty of a pair, relative, that still counts as resolved.
+    the largest uncertainty of a pair, relative, that still counts as resolved. `jobs`: engines at a time, one a core by
+    itself; those in Python take turns. Runs of other projects' engines are kept for the next comparison, the program's
+    too; `fresh` makes them anew.
 
     >>> c = compare(Scene("paper", duration_s=0.01, step_s=2e-6), ["native-reduced", "native-lagrange"])
     >>> c.passed, {v.verdict for v in c.verdicts} <= {"agree"}
@@ -187,7 +192,9 @@ def compare(
     made = scene if isinstance(scene, Scene) else Scene(scene)
     with telling(progress, "compare") as told:
         files = [(os.fspath(file), os.fspath(table)) for file, table in against]
-        core = _core.compare(made._inner, several(engines), files, (longest_s, resolution), told)
+        core = _core.compare(made._inner, several(engines), files, (longest_s, resolution), (number_of(jobs), fresh), told)
+    for line in core.said():
+        warnings.warn(line, stacklevel=2)
     comparison = Comparison(made, core)
     failure = core.failure()
     if failure is not None:

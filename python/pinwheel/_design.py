@@ -180,7 +180,10 @@ class Design(Paged, Mapping[str, Figure]):
     def __getitem__(self, key: str) -> Figure:
         if key in self._figures:
             return self._figures[key]
-        raise Missing(f"no figure `{key}`; {near(key, self, self)}")
+        if key in (known := [figure for figure, *_ in _core.figures()]):
+            remedy = "`pinwheel.design` makes runs too, and a part must be stated (docs/design.md)"
+            raise Missing(f"`{key}` is not among the figures here; {remedy}")
+        raise Missing(f"no figure `{key}`; {near(key, known, self)}")
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._figures)

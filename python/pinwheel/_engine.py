@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import inspect
 import json
+import os
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -175,6 +176,13 @@ EngineLike: TypeAlias = str | Engine
 def several(engines: Sequence[EngineLike] | EngineLike) -> list[EngineLike]:
     """Engines as a list; one alone needs none."""
     return [engines] if isinstance(engines, str | Engine) else list(engines)
+
+
+def number_of(jobs: int | None) -> int:
+    """Threads for what runs side by side: as many as this process may use cores where it is not said."""
+    if jobs is not None and jobs < 1:
+        raise InputError(f"jobs = {jobs}: write a number of threads from 1 on, or leave it out for one a core")
+    return jobs or (len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1)
 
 
 @overload

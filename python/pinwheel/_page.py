@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 import tempfile
@@ -34,6 +35,7 @@ _FLAGS: tuple[tuple[str, str | Callable[[re.Match[str]], str]], ...] = (
     (r"--longest (?:SECONDS|([0-9.]+))", lambda match: f"`longest_s={match[1] or 'SECONDS'}`"),
     (r"--longest\b", "`longest_s`"),
     ("--verbose", "`details()`"),
+    ("--fresh", "`fresh=True`"),
     (r"--against (\S+) --map (\S+)", r'`against=[("\1", "\2")]`'),
     (r"--set ([a-z0-9_.]+)=([^\s,;`)]+)", _with),
     (r"\bpinwheel (design|explain|engines)\b", r"`pinwheel.\1`"),
@@ -70,6 +72,17 @@ def plain(text: str) -> str:
     return "\n".join(done)
 
 
+class Frame:
+    """A page in a notebook's cell, which holds all of it: nothing is served."""
+
+    def __init__(self, page: str, height: int) -> None:
+        self.page, self.height = page, height
+
+    def _repr_html_(self) -> str:
+        size = f'style="width: 100%; height: {self.height}px; border: 0"'
+        return f'<iframe srcdoc="{html.escape(self.page)}" sandbox="allow-scripts allow-downloads" {size}></iframe>'
+
+
 class Paged:
     """Base of results with a page that opens offline; the page is pickled with the result."""
 
@@ -84,8 +97,13 @@ class Paged:
         """Opens the page in the browser, or writes it to `path`; where it is."""
         return show(self.page(), self._called, path)
 
+    def frame(self, height: int = 900) -> Frame:
+        """The page for a notebook's cell, on a hub too; `height` in px."""
+        return Frame(self.page(), height)
+
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_page": self.page()}
+        # A sweep's page is a file of its folder.
+        return self.__dict__ | ({"_page": self.page()} if "_page" in self.__dict__ else {})
 
 
 def show(page: str, name: str, path: str | Path | None) -> Path:

@@ -21,9 +21,9 @@ import numpy.typing as npt
 
 from pinwheel import _core
 from pinwheel._columns import near, quantity, unit, wanted
-from pinwheel._engine import Engine, EngineLike, several
+from pinwheel._engine import Engine, EngineLike, number_of, several
 from pinwheel._keys import Keys, Vary
-from pinwheel._page import plain, show
+from pinwheel._page import Paged, plain
 from pinwheel._progress import Told, telling
 from pinwheel._scene import Scene, settings, toml_value
 from pinwheel.errors import InputError, Missing, SceneError
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from distributed import Client
 
 
-class Sweep(Mapping[str, npt.NDArray[Any]]):
+class Sweep(Paged, Mapping[str, npt.NDArray[Any]]):
     """The results of a sweep: a row a run, in the order of the plan.
 
     `sweep["mean_input_torque_n_m"]` is an array (runs,): numbers with NaN, texts with "", where there is no value.
@@ -60,6 +60,8 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
     unfinished: int
     cpu_s: float
     tolerances: list[dict[str, Any]]
+
+    _called = "sweep"
 
     @classmethod
     def _of(cls, core: _core.Sweep) -> Sweep:
@@ -102,18 +104,21 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
         return list(self)
 
     def to_xarray(self) -> xarray.Dataset:
-        """A Dataset: a dimension for the engine and each key where all combinations were run, else one for the runs."""
+        """A Dataset by the CF conventions: a dimension for the engine and each key where all combinations were run, else
+        one for the runs.
+        """
         xarray = wanted("xarray", "frames")
         frame = self.to_pandas()
         axes = [name for name in ("engine", *self.keys_varied) if name == "engine" or frame[name].nunique() > 1]
         full = not frame.duplicated(axes).any() and len(frame) == np.prod([frame[name].nunique() for name in axes])
         found = xarray.Dataset.from_dataframe(frame.set_index(axes if full else "run"))
         known = _core.keys()
-        units = {name: text or "1" for name, _, text in known}
-        for name in (*found.data_vars, *found.coords):
+        keys = {name: {"units": text or "1"} for name, _, text in known}
+        for name in (str(name) for name in (*found.data_vars, *found.coords)):
             if found[name].dtype.kind in "if":
-                found[name].attrs["units"] = units.get(name) or unit(str(name))
-        return found.assign_attrs(sweep=self.name, pinwheel_version=_core.__version__)
+                found[name].attrs |= keys.get(name) or {"units": unit(name), "long_name": quantity(name)}
+        about = {"Conventions": "CF-1.11", "source": f"pinwheel {_core.__version__}"}
+        return found.assign_attrs(sweep=self.name, pinwheel_version=_core.__version__, **about)
 
     def tolerances_to_pandas(self) -> pandas.DataFrame:
         """Statistics of a sample: a row for each engine and figure, its quantiles with their confidence intervals."""
@@ -133,6 +138,7 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
     def plot(self, name: str, ax: Any = None) -> Any:
         """Draws a column over the keys that vary: lines over one, a map over two, of the first engine; the axes."""
         pyplot = wanted("matplotlib.pyplot", "plot")
+        _ = self[name]
         grid = self.to_xarray()[name]
         if ("engine" in grid.dims and grid.sizes["engine"] == 1) or grid.ndim > 2:
             grid = grid.isel(engine=0)
@@ -164,10 +170,6 @@ class Sweep(Mapping[str, npt.NDArray[Any]]):
     def page(self) -> str:
         """The page that opens offline, HTML."""
         return (self.out / "index.html").read_text(encoding="utf-8")
-
-    def show(self, path: str | Path | None = None) -> Path:
-        """Opens the page in the browser, or writes it to `path`; where it is."""
-        return show(self.page(), "sweep", path)
 
     def __str__(self) -> str:
         return self._text
@@ -256,11 +258,6 @@ def _check_words(keys: Mapping[str, Any]) -> None:
             raise InputError(f"`{word}` is no argument of a sweep, and no key of a scene; {meant}") from error
 
 
-def _cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def _values(key: str, values: Any) -> list[Any]:
     if isinstance(values, str) or not hasattr(values, "__iter__"):
         raise InputError(f'`{key}` varies over one value; give a list, or {{"from": 0.0, "to": 1.0, "points": 11}}')
@@ -302,8 +299,7 @@ def sweep(
     A run that diverges has a row that says so, and is not tried again. Raises `SceneError`, `InputError`, `ClusterError`,
     `OSError`; after `KeyboardInterrupt` and `ClusterError` finished runs are kept.
     """
-    if jobs is not None and jobs < 1:
-        raise InputError(f"jobs = {jobs}: write a number of threads from 1 on, or leave it out for one a core")
+    threads = number_of(jobs)
     _check_words(keys)
     with ExitStack() as stack:
         axes = [together] if isinstance(together, Mapping) else list(together)
@@ -337,7 +333,7 @@ def sweep(
         try:
             with telling(progress, core.name()) as told:
                 if client is None:
-                    core.execute(max(1, jobs if jobs is not None else _cores()), told)
+                    core.execute(threads, told)
                 else:
                     from pinwheel._cluster import execute
 

@@ -16,7 +16,7 @@ use crate::control::Cancelled;
 use crate::engine::{Ending, Engine, Halt, Prepared, Run, RunStats, prepared};
 use crate::info::{AccuracySetting, EngineInfo};
 use crate::known::info;
-use crate::registry::lacking;
+use crate::registry::{lacking, remedy};
 
 /// The recordings' files: path below their folder, text.
 const FILES: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/recorded.rs"));
@@ -275,8 +275,15 @@ pub fn instead(engine: &str, scene: &Scene, why: &str) -> Option<Box<dyn Engine>
 #[must_use]
 pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
     lacking()
-        .filter_map(|info| instead(info.name, scene, NOT_BUILT))
+        .filter_map(|info| in_place_of_lacking(info.name, scene))
         .collect()
+}
+
+/// A recording of an engine that this build lacks.
+#[must_use]
+pub fn in_place_of_lacking(engine: &str, scene: &Scene) -> Option<Box<dyn Engine>> {
+    let remedy = remedy(info(engine)?)?;
+    instead(engine, scene, &format!("it is not here ({remedy})"))
 }
 
 /// True if an engine may be missing in a build or on a machine, so that recordings of it are of use.
@@ -284,9 +291,6 @@ pub fn missing(scene: &Scene) -> Vec<Box<dyn Engine>> {
 pub fn may_be_missing(engine: &str) -> bool {
     info(engine).is_some_and(|info| info.feature == Some("crossval"))
 }
-
-/// Why a build without Python engines shows recordings.
-pub const NOT_BUILT: &str = "this build has no engines of its kind (feature crossval)";
 
 /// A recording in the place of an engine.
 struct Recorded {

@@ -1,5 +1,7 @@
 //! The engines of this build, made by their families.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use pinwheel_scene::Scene;
 
 use crate::engine::Engine;
@@ -31,10 +33,13 @@ pub fn lacking() -> impl Iterator<Item = &'static EngineInfo<'static>> {
 #[must_use]
 pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
     let feature = info.feature?;
-    // Where a Python holds us, its packages are the engines.
+    // Where a Python holds us, its packages are the engines; one command installs all that are not here.
     #[cfg(all(feature = "python", not(feature = "crossval")))]
-    if let Some(pin) = crate::python::requirement(info.package) {
-        return Some(format!("pip install {pin}"));
+    if crate::python::requirement(info.package).is_some() {
+        let pins = lacking().filter_map(|info| crate::python::requirement(info.package));
+        let pins: BTreeSet<String> = pins.collect();
+        let pins: Vec<String> = pins.into_iter().collect();
+        return Some(format!("pip install {}", pins.join(" ")));
     }
     Some(format!(
         "in Pinwheel's folder: `cargo install --path crates/cli --features {feature}`"
@@ -53,6 +58,17 @@ pub fn needs(info: &EngineInfo<'_>) -> Option<String> {
         "simbody" => crate::solvers::simbody_needs(),
         _ => None,
     }
+}
+
+/// Returns what adds the engines that this build lacks, each with their families.
+#[must_use]
+pub fn remedies() -> BTreeMap<String, BTreeSet<&'static str>> {
+    let mut all = BTreeMap::<_, BTreeSet<_>>::new();
+    for info in lacking() {
+        let of = remedy(info).unwrap_or_default();
+        all.entry(of).or_default().insert(info.family());
+    }
+    all
 }
 
 /// Returns all engines of this build, native first, then the solvers that joined ([`admit`](crate::external::admit)).

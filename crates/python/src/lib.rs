@@ -41,7 +41,7 @@ mod _core {
     #[pymodule_export]
     use crate::run::{Ran, run};
     #[pymodule_export]
-    use crate::scene::{Core, key, keys, presets, schema};
+    use crate::scene::{Core, figures, key, keys, named, presets, schema};
     #[pymodule_export]
     use crate::studies::{Benched, Compared, bench, compare, engines, explain};
     #[pymodule_export]

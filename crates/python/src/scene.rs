@@ -3,6 +3,8 @@
 use pinwheel::scene::{
     CheckedScene, KEYS, Location, Override, PRESETS, Scene, SceneError, did_you_mean, preset,
 };
+use pinwheel::studies::sweep;
+use pinwheel::time_series::figure::definitions;
 use pyo3::prelude::*;
 
 use crate::errors::{Raises, input};
@@ -126,6 +128,22 @@ pub(crate) fn key(name: &str) -> Raises<String> {
 pub(crate) fn keys() -> Vec<(&'static str, &'static str, &'static str)> {
     let all = KEYS.iter();
     all.map(|key| (key.name, key.about, key.unit())).collect()
+}
+
+/// All figures: (key, what it is, unit, how it is counted).
+#[pyfunction]
+pub(crate) fn figures() -> Vec<(&'static str, &'static str, &'static str, &'static str)> {
+    let all = definitions::all();
+    all.map(|def| (&*def.key, &*def.label, &*def.unit, def.how))
+        .collect()
+}
+
+/// What a figure or a column is, and its unit.
+#[pyfunction]
+pub(crate) fn named(name: &str) -> (String, String) {
+    let known = definitions::all().find(|def| def.key == name).cloned();
+    let def = known.unwrap_or_else(|| sweep::definition(name));
+    (def.label.into_owned(), def.unit.into_owned())
 }
 
 /// JSON schema of scene files: the values that every key may hold.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use pinwheel::engines::Engine;
 use pinwheel::pages;
-use pinwheel::studies::comparison::{Effort, foreign};
+use pinwheel::studies::comparison::{Effort, Lanes, foreign};
 use pinwheel::studies::{Provenance, bench as benches, choice, comparison, explained};
 use pyo3::prelude::*;
 
@@ -27,6 +27,8 @@ pub(crate) struct Compared {
     asked: bool,
     /// Exception of the first engine of the caller's that raised one.
     failure: Option<PyErr>,
+    /// Remarks on runs that were not kept.
+    said: Vec<String>,
 }
 
 #[pymethods]
@@ -55,6 +57,10 @@ impl Compared {
         self.failure.as_ref().map(|error| error.clone_ref(py))
     }
 
+    fn said(&self) -> Vec<String> {
+        self.said.clone()
+    }
+
     /// The page that opens offline.
     fn page(&self) -> String {
         pages::comparison::page(&self.outcome, &made())
@@ -71,7 +77,8 @@ impl Compared {
     }
 }
 
-/// Runs a scene on several engines and compares them; without names on all there are.
+/// Runs a scene on several engines and compares them; without names on all there are. `lanes`: engines at a time, and if runs
+/// that were kept do not count.
 #[pyfunction]
 pub(crate) fn compare(
     py: Python<'_>,
@@ -79,6 +86,7 @@ pub(crate) fn compare(
     engines: Vec<Bound<'_, PyAny>>,
     against: Vec<(PathBuf, PathBuf)>,
     effort: (f64, f64),
+    lanes: (usize, bool),
     progress: Option<Py<PyAny>>,
 ) -> Raises<Compared> {
     let checked = &scene.checked;
@@ -92,7 +100,15 @@ pub(crate) fn compare(
         })
         .collect();
     let named = !asked.is_empty();
-    let engines = guests::engines(asked, checked)?;
+    let mut engines = guests::engines(asked, checked)?;
+    let (jobs, fresh) = lanes;
+    let (store, mut said) = match comparison::store(fresh) {
+        Ok(store) => (store, Vec::new()),
+        Err(error) => (None, vec![format!("runs are not kept: {error}")]),
+    };
+    if let Some(store) = &store {
+        engines = store.around(engines);
+    }
     let pairs = against.iter().map(|(file, map)| (&**file, &**map));
     let data = foreign::open(pairs)?;
     let (longest_s, resolution) = effort;
@@ -104,8 +120,14 @@ pub(crate) fn compare(
             engines: &engines,
             data: &data,
         };
-        comparison::run_with(&input, effort, control)
+        let lanes = Lanes {
+            jobs,
+            store: store.as_deref(),
+            ahead: None,
+        };
+        comparison::run_on(&input, effort, &lanes, control)
     })?;
+    said.extend(store.iter().flat_map(|store| store.said()));
     let failure = raised.iter().find_map(|(name, raised)| {
         let mut all = outcome.participants.iter();
         let failed = all.find(|one| {
@@ -119,6 +141,7 @@ pub(crate) fn compare(
         outcome,
         asked: named,
         failure,
+        said,
     })
 }
 

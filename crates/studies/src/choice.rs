@@ -56,9 +56,8 @@ pub fn find(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
 /// # Errors
 /// Errors of [`find`], if there is no recording either.
 pub fn find_or_recorded(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
-    find(name, scene).or_else(|missing| {
-        recorded::instead(full_name(name), scene, recorded::NOT_BUILT).ok_or(missing)
-    })
+    find(name, scene)
+        .or_else(|missing| recorded::in_place_of_lacking(full_name(name), scene).ok_or(missing))
 }
 
 /// Returns the engines in `names`; without names all engines of this build, and recordings of those that it lacks.

@@ -1,17 +1,15 @@
 //! The engines of a build, as a table.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use crate::format::joined;
 use crate::terminal::{self, paragraph};
-use pinwheel_engines::{family, lacking, remedy};
+use pinwheel_engines::{family, lacking, remedies};
 use pinwheel_studies::choice::Listed;
 use pinwheel_timeseries::table::{Mark, Table};
 
 /// The engines by track, which of them run here and now, what the others need, and what tracks mean.
 #[must_use]
 pub fn text(listed: &[Listed]) -> String {
-    let mut needs: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
+    let mut needs = remedies();
     let mut rows = Vec::new();
     for engine in listed {
         let here = match &engine.needs {
@@ -27,8 +25,6 @@ pub fn text(listed: &[Listed]) -> String {
     }
     for info in lacking() {
         rows.push((info.track, info.name, "no", info.summary.to_owned()));
-        let what = remedy(info).unwrap_or_default();
-        needs.entry(what).or_default().insert(family(info.name));
     }
     rows.sort_by_key(|(track, ..)| *track);
     let table = Table::of("", rows)

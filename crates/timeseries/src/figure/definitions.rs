@@ -5,15 +5,16 @@ use super::FigureDef;
 /// Significant digits of a figure of a design: what a data sheet gives.
 pub const DIGITS: u8 = 4;
 
-/// Definitions: key, what it is, unit, how it is counted.
+/// Definitions: key, what it is, unit, how it is counted; and their list.
 macro_rules! definitions {
-    ($digits:expr; $($name:ident = $key:literal, $label:literal, $unit:literal, $how:literal;)*) => {
+    ($list:ident, $digits:expr; $($name:ident = $key:literal, $label:literal, $unit:literal, $how:literal;)*) => {
         $(#[doc = $label] pub static $name: FigureDef =
             FigureDef::new($key, $label, $unit, $how, $digits);)*
+        static $list: &[&FigureDef] = &[$(&$name),*];
     };
 }
 
-definitions! { DIGITS;
+definitions! { OF_DESIGNS, DIGITS;
     LOST_MOTION = "lost_motion_arcmin", "lost motion", "arcmin",
         "largest over the mesh, between +3 and -3 % of the rated torque";
     STIFFNESS = "torsional_stiffness_n_m_per_arcmin", "torsional stiffness", "N m/arcmin",
@@ -93,7 +94,7 @@ definitions! { DIGITS;
         "the input's times the ratio squared, and the output's";
 }
 
-definitions! { 5;
+definitions! { OF_RUNS, 5;
     SHARE_DELIVERED = "efficiency", "efficiency", "", "by what is lost";
     SHARE_LOST = "lost_share", "lost", "", "of delivered and lost work";
     SHARE_CREATED = "created_share", "created by the contact law", "", "of the work taken";
@@ -101,6 +102,11 @@ definitions! { 5;
     SHARE_BEARINGS = "bearing_friction_share", "bearings", "", "lost by friction";
     SHARE_SLEEVES = "sleeve_friction_share", "sleeves on pins", "", "lost by friction";
     SHARE_SEALS = "seal_friction_share", "seals", "", "lost by friction";
+}
+
+/// Returns all definitions.
+pub fn all() -> impl Iterator<Item = &'static FigureDef> {
+    OF_DESIGNS.iter().chain(OF_RUNS).copied()
 }
 
 /// Shares that friction loses, by what rubs.

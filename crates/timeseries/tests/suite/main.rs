@@ -2,6 +2,7 @@
 
 mod align;
 mod csv_file;
+mod figures;
 mod map;
 mod norms;
 #[cfg(feature = "parquet")]

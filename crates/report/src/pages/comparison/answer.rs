@@ -11,7 +11,7 @@ use pinwheel_compare::shown::{Finding, Kind, Shown};
 use pinwheel_compare::{
     Assessment, Comparison, SharedModel, Status, Verdict as Judged, quantities,
 };
-use pinwheel_engines::{Form, info, known, lacking, remedy};
+use pinwheel_engines::{Form, info, known, lacking, remedies, remedy};
 use pinwheel_studies::Provenance;
 use pinwheel_studies::band::declined;
 use pinwheel_studies::comparison::{Largest, MatchedContactRun, Outcome};
@@ -450,7 +450,7 @@ impl<'a> Answer<'a> {
             let remedy = remedy(info).filter(|_| lacks.contains(&info.name));
             let why = remedy.map_or_else(
                 || "not asked for; run it without `--engines`".to_owned(),
-                |remedy| format!("not in this build; {remedy}"),
+                |remedy| format!("not here; {remedy}"),
             );
             absent.entry(why).or_default().push(info.name);
         }
@@ -471,10 +471,24 @@ impl<'a> Answer<'a> {
         facts.extend(told_as_facts(&left_out));
         let recorded = comparison.engines.iter();
         let recorded = recorded.filter(|engine| engine.cost.recorded.is_some());
-        let recorded = joined(", ", recorded.map(|engine| words::short(&engine.name)));
+        let recorded: Vec<&str> = recorded.map(|engine| engine.name.as_str()).collect();
         if !recorded.is_empty() {
+            let live = remedies().into_iter().rev().map(|(remedy, mut families)| {
+                let of = |family| {
+                    recorded
+                        .iter()
+                        .any(|name| pinwheel_engines::family(name) == family)
+                };
+                families.retain(|family| of(*family));
+                match families.is_empty() {
+                    true => String::new(),
+                    false => format!("; {} live: {remedy}", joined(", ", families)),
+                }
+            });
             let text = format!(
-                "{recorded}: not run here but recorded before; Engines on the page says when and why"
+                "{}: not run here but recorded before{}; Engines on the page says when and why",
+                joined(", ", recorded.iter().map(|name| words::short(name))),
+                live.collect::<String>()
             );
             facts.push(Fact::new("recorded", Mark::None, text));
         }
