@@ -112,6 +112,11 @@ impl Process {
         Clearance::between([least, least + both[0] + both[1]])
     }
 
+    /// True if ring pins are printed in or pressed into plastic, and do not turn.
+    fn holds_pins(&self) -> bool {
+        self.name == "printed"
+    }
+
     fn bearing(&self, bore_m: f64) -> Clearance {
         let limits_um = row(&BORES_MM, bore_m, &self.clearance_um);
         Clearance::between(limits_um.map(|um| 1e-6 * um))
@@ -180,6 +185,14 @@ impl Basis {
             m(bearing.usual_m),
             m(raceway),
         );
+        if self.process.holds_pins() {
+            text += "gear.external_sleeves_turn = false # pins printed in or pressed in: discs slide on them\n";
+            if self.friction_coefficient.is_none() {
+                text += &format!(
+                    "contact.friction_coefficient = {mu} # of discs on pins that do not turn: {state}\n"
+                );
+            }
+        }
         let mut fits = vec![("bearings.eccentric.clearance_m", bearing)];
         if !self.has_backlash {
             fits.push(("gear.modification.equidistant_m", ring));

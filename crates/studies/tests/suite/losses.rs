@@ -6,6 +6,7 @@ use pinwheel_gearbox::{Efficiency, Gearbox, SlowMotion};
 use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::{Control, design, single};
 use pinwheel_timeseries::EnergyAudit;
+use pinwheel_timeseries::figure::definitions::EFFICIENCY_SLOW;
 
 const LOSSES: [&str; 3] = [
     "eccentric_bearing_loss_percent",
@@ -136,6 +137,27 @@ fn efficiencies(gearbox: &Gearbox) -> [f64; 3] {
     let mean = torques.sum::<f64>() / POSES as f64;
     let by_statics = 100.0 * motion.efficiency(mean);
     [by_run, by_run * error.driver_torque, by_statics]
+}
+
+/// Pins that roll on discs and rub on nothing lose nothing in slow motion: no figure, but why.
+#[test]
+fn no_efficiency_of_slow_motion_where_all_pins_roll() {
+    let gearbox = Gearbox::new(&Scene::load("paper-friction", &[]).unwrap()).unwrap();
+    let load = gearbox.scene.drive.output_torque_n_m;
+    assert!(!SlowMotion::new(&gearbox, load).unwrap().rubs());
+    let found = design::run(&gearbox, false, &Control::quiet()).unwrap();
+    let slow = found
+        .figures
+        .iter()
+        .find(|figure| figure.is(&EFFICIENCY_SLOW));
+    let slow = slow.unwrap();
+    assert_eq!(slow.value, None);
+    assert!(
+        slow.withheld
+            .as_ref()
+            .unwrap()
+            .contains("roll on the discs")
+    );
 }
 
 /// Poses over a period of the mesh, no multiple of any gear's pins.
