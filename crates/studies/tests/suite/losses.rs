@@ -166,7 +166,7 @@ const POSES: usize = 97;
 /// Statics with friction of the ideal mesh's sliding against runs of gears whose pins turn and do not, with one friction and both, on
 /// floating discs and on cranks. Sleeves that nothing rubs on their pins lose by their inertia, which slow motion leaves out. Last column: rigid statics with Coulomb friction by another program.
 ///
-/// Measured, run less statics: see the table; times 2.
+/// Measured, run less statics: [`LIMIT`].
 #[test]
 fn regress_efficiency_by_statics_is_that_of_a_run() {
     let gears: [(&str, &[&str], f64, Option<f64>); 7] = [
@@ -206,7 +206,7 @@ fn regress_efficiency_by_statics_is_that_of_a_run() {
                 "contact.friction_coefficient=0.05",
                 "gear.external_sleeves_turn=false",
             ],
-            LIMIT,
+            OVER_PART_OF_A_MESH,
             None,
         ),
     ];
@@ -228,5 +228,8 @@ fn regress_efficiency_by_statics_is_that_of_a_run() {
     }
 }
 
-/// Largest difference of run and statics beyond the run's uncertainty, %.
-const LIMIT: f64 = 0.3;
+/// Largest difference of run and statics beyond the run's uncertainty, %: twice the 0.0092 of these runs. Runs twice as long differ by
+/// 0.0002 to 0.017, statics at other poses by less than 0.001.
+const LIMIT: f64 = 0.02;
+/// Limit of the gear whose run ends within a mesh: twice its 0.123; over 2, 4 and 8 times as long it is -0.070, 0.036 and -0.010.
+const OVER_PART_OF_A_MESH: f64 = 0.25;
