@@ -172,6 +172,8 @@ impl Basis {
             true => (0.2, "0.1 to 0.2 dry"),
             false => (0.02, "0.01 to 0.02 in oil"),
         };
+        let is_held = self.process.holds_pins();
+        let who = if is_held { "output pins" } else { "pins" };
         let (mu, young) = (
             self.friction_coefficient.unwrap_or(usual),
             self.pin_young_pa,
@@ -181,11 +183,11 @@ impl Basis {
             "bearings.eccentric.clearance_m = {} # radial: half of ISO 5753-1, cylindrical rollers\n\
              bearings.eccentric.friction_coefficient = 0.0025 # needles with a cage have 0.002 to 0.003 (JTEKT)\n\
              bearings.eccentric.bore_m = {} # inner raceway\n\
-             bearings.sleeve_friction_coefficient = {mu} # pins turn, and roll on the discs; plain bearings have {state} (JTEKT)\n",
+             bearings.sleeve_friction_coefficient = {mu} # {who} turn, and roll on the discs; plain bearings have {state} (JTEKT)\n",
             m(bearing.usual_m),
             m(raceway),
         );
-        if self.process.holds_pins() {
+        if is_held {
             text += "gear.external_sleeves_turn = false # pins printed in or pressed in: discs slide on them\n";
             if self.friction_coefficient.is_none() {
                 text += &format!(
