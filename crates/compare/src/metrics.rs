@@ -12,25 +12,6 @@ use crate::sprague_geers::{self, SpragueGeers};
 use crate::uncertainty::Norm;
 use pinwheel_timeseries::norms::{self, View};
 
-/// Figure that is compared with a limit or an uncertainty. Metrics are relative, free of direction and never negative.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Metric {
-    /// RMS of the difference over the larger of the two RMS, all channels jointly.
-    RelativeL2,
-    /// Largest difference over the larger of the two peaks.
-    RelativeLinf,
-    /// Difference of the means over the larger mean.
-    Mean,
-    /// Difference of the peaks over the larger peak.
-    Peak,
-    /// Difference of the RMS values over the larger RMS value.
-    Rms,
-    /// Sprague-Geers comprehensive error C, magnitude taken larger over smaller.
-    SpragueGeers,
-    /// Mean output torque of one engine against the load, over the load.
-    MeanAgainstLoad,
-}
-
 /// Everything there is to say of a metric.
 pub struct Row {
     /// Metric that the row describes.
@@ -39,63 +20,57 @@ pub struct Row {
     pub key: &'static str,
     /// For readers.
     pub label: &'static str,
-    /// The uncertainty that carries over to it.
+    /// The uncertainty that carries over to it: the change of a run that bounds its change.
     pub norm: Norm,
+    /// Largest change of the metric under that uncertainty, both relative.
+    sensitivity: f64,
     /// Value of the metric for a pair; `None` for metrics of one engine alone.
     pub of: fn(&PairMetrics) -> Option<f64>,
 }
 
-const fn row(
-    metric: Metric,
-    [key, label]: [&'static str; 2],
-    norm: Norm,
-    of: fn(&PairMetrics) -> Option<f64>,
-) -> Row {
-    Row {
-        metric,
-        key,
-        label,
-        norm,
-        of,
-    }
+/// The one table of metrics: adding one is a row.
+macro_rules! metrics {
+    ($($(#[$doc:meta])* $metric:ident $key:literal $label:literal $norm:ident $sensitivity:literal $of:expr;)*) => {
+        /// Figure that is compared with a limit or an uncertainty. Metrics are relative, free of direction and never negative.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum Metric {
+            $($(#[$doc])* $metric,)*
+        }
+
+        /// All metrics, in the order of the variants.
+        pub static METRICS: [Row; [$($key),*].len()] = [$(Row {
+            metric: Metric::$metric,
+            key: $key,
+            label: $label,
+            norm: Norm::$norm,
+            sensitivity: $sensitivity,
+            of: $of,
+        }),*];
+    };
 }
 
-/// The one table of metrics: adding one is a variant of [`Metric`] and a row here.
-pub const METRICS: [Row; 7] = [
-    row(
-        Metric::RelativeL2,
-        ["relative-l2", "relative L2"],
-        Norm::L2,
-        |m| m.relative_l2,
-    ),
-    row(
-        Metric::RelativeLinf,
-        ["relative-linf", "relative L\u{221e}"],
-        Norm::Linf,
-        |m| m.relative_linf,
-    ),
-    row(Metric::Mean, ["mean"; 2], Norm::Mean, |m| m.mean_difference),
-    row(Metric::Peak, ["peak"; 2], Norm::Peak, |m| m.peak_difference),
-    row(Metric::Rms, ["rms"; 2], Norm::Rms, |m| m.rms_difference),
-    row(
-        Metric::SpragueGeers,
-        ["sprague-geers", "Sprague\u{2013}Geers C"],
-        Norm::L2,
-        |m| m.sprague_geers_c,
-    ),
-    row(
-        Metric::MeanAgainstLoad,
-        ["mean-against-load", "mean against the load"],
-        Norm::Mean,
-        |_| None,
-    ),
-];
+metrics! {
+    /// RMS of the difference over the larger of the two RMS, all channels jointly.
+    RelativeL2 "relative-l2" "relative L2" L2 1.0 |m| m.relative_l2;
+    /// Largest difference over the larger of the two peaks.
+    RelativeLinf "relative-linf" "relative L\u{221e}" Linf 1.0 |m| m.relative_linf;
+    /// Difference of the means over the larger mean.
+    Mean "mean" "mean" Mean 1.0 |m| m.mean_difference;
+    /// Difference of the peaks over the larger peak.
+    Peak "peak" "peak" Peak 1.0 |m| m.peak_difference;
+    /// Difference of the RMS values over the larger RMS value.
+    Rms "rms" "rms" Rms 1.0 |m| m.rms_difference;
+    /// Sprague-Geers comprehensive error C, magnitude taken larger over smaller. M moves by the relative L2 at most, the angle P pi
+    /// as well: C by sqrt(1 + 1/pi^2).
+    SpragueGeers "sprague-geers" "Sprague\u{2013}Geers C" L2 1.0495 |m| m.sprague_geers_c;
+    /// Mean output torque of one engine against the load, over the load.
+    MeanAgainstLoad "mean-against-load" "mean against the load" Mean 1.0 |_| None;
+}
 
 impl Metric {
     /// Returns the row of the metric in [`METRICS`].
     #[must_use]
     pub fn row(self) -> &'static Row {
-        // The table has the order of the variants; a test asserts it.
         &METRICS[self as usize]
     }
 
@@ -125,11 +100,7 @@ impl Metric {
 
     /// Returns the largest change of the metric under the uncertainty that carries over to it, both relative.
     pub(crate) fn sensitivity(self) -> f64 {
-        match self {
-            // M moves by the relative L2 at most, the angle P pi as well: C by sqrt(1 + 1/pi^2).
-            Self::SpragueGeers => 1.0495,
-            _ => 1.0,
-        }
+        self.row().sensitivity
     }
 
     /// Metrics that judge a pair, in the order of a report.

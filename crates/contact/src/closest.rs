@@ -46,7 +46,11 @@ impl Epitrochoid {
     #[must_use]
     #[inline]
     pub fn foot_within(&self, p: Complex, start: [Complex; 2], limit: f64) -> Option<Foot> {
-        match self.local_search(p, start, limit) {
+        let found = match self.has_offset() {
+            true => self.local_search::<true>(p, start, limit),
+            false => self.local_search::<false>(p, start, limit),
+        };
+        match found {
             Local::Outside => None,
             Local::Foot(foot) => (foot.distance < limit).then_some(foot),
             Local::Unknown if self.outside_by_ray(p, start, limit.max(0.0)) => None,
@@ -93,13 +97,21 @@ impl Epitrochoid {
         (foot.distance < limit).then_some(foot)
     }
 
-    fn local_search(&self, p: Complex, start: [Complex; 2], limit: f64) -> Local {
+    fn local_search<const OFFSET: bool>(
+        &self,
+        p: Complex,
+        start: [Complex; 2],
+        limit: f64,
+    ) -> Local {
         let [mut u, mut v] = start;
         let tolerance = TANGENTIAL_TOLERANCE * self.settling * self.pitch_radius;
         let away = limit.max(0.0);
         let mut last_step = pinwheel_faults::armed(pinwheel_faults::Fault::StaleFoot);
         for _ in 0..MAX_STEPS {
-            let at = self.place(u, v);
+            let at = match OFFSET {
+                true => self.place(u, v),
+                false => self.at_unit(u, v),
+            };
             let r = p - at.position;
             let s = r.dot(at.normal);
             // Farther than the limit, too, if P lies in the ball that is smaller by so much.

@@ -226,7 +226,7 @@ impl Epitrochoid {
         let at = self.at_unit(unit, multiple);
         match &self.own {
             None => at,
-            Some((offset, ..)) => self.moved_point(offset, &at, [unit, multiple]),
+            Some((offset, ..)) => self.moved_point(offset, at, [unit, multiple]),
         }
     }
 
@@ -235,7 +235,7 @@ impl Epitrochoid {
     fn moved_point(
         &self,
         offset: &LobeOffset,
-        at: &CurvePoint,
+        at: CurvePoint,
         [unit, multiple]: [Complex; 2],
     ) -> CurvePoint {
         let (zs, sin_lobe) = (f64::from(self.lobes()), unit.cross(multiple));

@@ -19,7 +19,8 @@ fn make(info: &'static EngineInfo<'static>) -> Option<Box<dyn Engine>> {
         #[cfg(feature = "python")]
         "mujoco" | "exudyn" => crate::python::engine(info),
         #[cfg(feature = "crossval")]
-        "simbody" | "ida" => crate::solvers::engine(info),
+        _ => crate::solvers::engine(info),
+        #[cfg(not(feature = "crossval"))]
         _ => None,
     }
 }

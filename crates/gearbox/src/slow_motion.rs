@@ -47,6 +47,12 @@ impl SlowMotion {
         })
     }
 
+    /// Returns true if anything rubs in slow motion; pins that roll freely do not.
+    #[must_use]
+    pub fn rubs(&self) -> bool {
+        self.gearbox.scene.rubs()
+    }
+
     /// Returns the driver's torque at an input angle, N m, from the poses of the bodies in balance without friction there; `None`
     /// where friction leaves no balance near it.
     pub fn driver_torque(&mut self, phi: f64, at: &[BodyState]) -> Option<f64> {

@@ -276,8 +276,9 @@ impl<F: Forces> Reduced<F> {
     fn turn(&mut self, t: f64, y: &[f64]) {
         self.evaluated.valid = false;
         let n = self.coordinates();
-        let [(places, _), (velocities, _)] =
-            [&y[..n], &y[n..]].map(|part| part[self.free.len()..].as_chunks::<2>());
+        let angles = self.free.len();
+        let (places, _) = y[angles..n].as_chunks::<2>();
+        let (velocities, _) = y[n + angles..].as_chunks::<2>();
         let moved = places.iter().zip(velocities);
         for (&body, (&place, &velocity)) in self.floating.iter().zip(moved) {
             let body = &mut self.bodies[body];

@@ -222,7 +222,7 @@ impl Sweep {
     /// Runs that did not finish, and why the first did not: engine and reason.
     fn broken(&self) -> Raises<(usize, Option<(String, String)>)> {
         let records = self.records()?;
-        let broken = records.iter().filter(|r| !r.ending.is_finished());
+        let broken = sweeps::broken(&self.plan, &records);
         let first = broken.clone().next();
         let first = first.map(|r| (r.engine.clone(), r.reason()));
         Ok((broken.count(), first))

@@ -112,6 +112,11 @@ impl Process {
         Clearance::between([least, least + both[0] + both[1]])
     }
 
+    /// True if ring pins are printed in or pressed into plastic, and do not turn.
+    fn holds_pins(&self) -> bool {
+        self.name == "printed"
+    }
+
     fn bearing(&self, bore_m: f64) -> Clearance {
         let limits_um = row(&BORES_MM, bore_m, &self.clearance_um);
         Clearance::between(limits_um.map(|um| 1e-6 * um))
@@ -167,6 +172,8 @@ impl Basis {
             true => (0.2, "0.1 to 0.2 dry"),
             false => (0.02, "0.01 to 0.02 in oil"),
         };
+        let is_held = self.process.holds_pins();
+        let who = if is_held { "output pins" } else { "pins" };
         let (mu, young) = (
             self.friction_coefficient.unwrap_or(usual),
             self.pin_young_pa,
@@ -176,10 +183,18 @@ impl Basis {
             "bearings.eccentric.clearance_m = {} # radial: half of ISO 5753-1, cylindrical rollers\n\
              bearings.eccentric.friction_coefficient = 0.0025 # needles with a cage have 0.002 to 0.003 (JTEKT)\n\
              bearings.eccentric.bore_m = {} # inner raceway\n\
-             bearings.sleeve_friction_coefficient = {mu} # pins turn, and roll on the discs; plain bearings have {state} (JTEKT)\n",
+             bearings.sleeve_friction_coefficient = {mu} # {who} turn, and roll on the discs; plain bearings have {state} (JTEKT)\n",
             m(bearing.usual_m),
             m(raceway),
         );
+        if is_held {
+            text += "gear.external_sleeves_turn = false # pins printed in or pressed in: discs slide on them\n";
+            if self.friction_coefficient.is_none() {
+                text += &format!(
+                    "contact.friction_coefficient = {mu} # of discs on pins that do not turn: {state}\n"
+                );
+            }
+        }
         let mut fits = vec![("bearings.eccentric.clearance_m", bearing)];
         if !self.has_backlash {
             fits.push(("gear.modification.equidistant_m", ring));

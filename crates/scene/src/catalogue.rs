@@ -133,6 +133,8 @@ const BETWEEN: f64 = 0.06;
 const CIRCLE: f64 = 0.62;
 /// Largest hole as a share of its circle: the rest is for the eccentric's bearing.
 const INWARDS: f64 = 0.45;
+/// Ratio of one stage above which the file says that it is one.
+pub const MANY: f64 = 60.0;
 /// Numbers of output pins in the order they are tried.
 const OUTPUT_PINS: [usize; 5] = [8, 6, 10, 5, 4];
 /// Face width as a share of R.
@@ -579,7 +581,11 @@ impl Catalogue {
         }
         lines! {
             "gear.pin_circle_radius_m" m(0.5 * self.pin_circle_diameter_m), "R, circle of the pins";
-            "gear.external_sleeves" gear.external_sleeves.to_string(), if self.cranks.is_some() { "pins on the housing" } else { "pins on the housing: ratio + 1" };
+            "gear.external_sleeves" gear.external_sleeves.to_string(), match (self.cranks, self.ratio > MANY) {
+                (Some(_), _) => "pins on the housing",
+                (None, true) => "pins on the housing: ratio + 1, in one stage; of two stages in one housing make each a scene",
+                (None, false) => "pins on the housing: ratio + 1",
+            };
             "gear.external_sleeve_radius_m" m(gear.external_sleeve_radius_m), "radius of a pin with its sleeve";
             "gear.eccentricity_m" m(gear.eccentricity_m), &shortening;
             "gear.wheels" gear.wheels.to_string(), "cycloidal discs, evenly phased";
@@ -602,6 +608,7 @@ impl Catalogue {
             text.push_str(&section(as_built, "gear", false));
             text.push_str(&section(as_built, "bearings.eccentric", true));
         } else if let Some([pins, sun, planet]) = first_stage(self.ratio) {
+            text.push_str(&section(as_built, "gear", false));
             let bore = gear.hole_radius_m;
             let (needles, length) = needles(gear.face_width_m.unwrap_or_default());
             // What an ideal gear leaves out stands there as a remark.
@@ -658,8 +665,10 @@ impl Catalogue {
         let young = format!("{young_pa:e}");
         let density = written(density_kg_m3);
         let friction = self.friction_coefficient;
-        let friction =
-            friction.map_or_else(String::new, |mu| format!("friction_coefficient = {mu}\n"));
+        let friction = friction.map_or_else(
+            || section(as_built, "contact", false),
+            |mu| format!("friction_coefficient = {mu}\n"),
+        );
         let (mut pins, mut masses) = (String::new(), String::new());
         if self.pins() != self.material {
             let given = self.pin_material.map_or("suggested: ", |_| "");

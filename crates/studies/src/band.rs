@@ -58,6 +58,9 @@ const ROUNDING: f64 = 1e-6;
 pub struct Bands {
     /// Names and settings of the laws compared.
     pub laws: Vec<String>,
+    /// Why the scene asks for no laws ([`declined`]); its figures then have intervals by fit alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub declined: Option<&'static str>,
     /// The scene's law.
     pub own: String,
     /// Figures under the scene's own law with their bands, at the few poses that laws are compared at.
@@ -254,13 +257,19 @@ pub fn declined(scene: &Scene) -> Option<&'static str> {
     }
 }
 
-/// The bands of a gear's figures under its largest load; `None` of a gear without load, of one that asks for none ([`declined`]), or
-/// that cannot be balanced.
+/// True if a scene asks for no laws, and has no fits that statics could compare.
+fn is_alone(scene: &Scene) -> bool {
+    declined(scene).is_some()
+        && (scene.uncertain.is_empty() || scene.drive.output == OutputPart::Ring)
+}
+
+/// The bands of a gear's figures under its largest load; `None` of a gear without load, of one that asks for none ([`declined`]) and
+/// has no toleranced keys, or that cannot be balanced.
 ///
 /// # Errors
 /// Cancelled.
 pub fn of(gearbox: &Gearbox, control: &Control<'_>) -> Result<Option<Bands>, StudyError> {
-    if declined(&gearbox.scene).is_some() {
+    if is_alone(&gearbox.scene) {
         return Ok(None);
     }
     let statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
@@ -273,16 +282,19 @@ pub(crate) fn of_known(
     control: &Control<'_>,
 ) -> Result<Option<Bands>, StudyError> {
     let scene: &Scene = &known.gearbox().scene;
-    if declined(scene).is_some() {
+    if is_alone(scene) {
         return Ok(None);
     }
     let Some(mut own) = balanced(few_figures_by(&mut known, control.cancel))? else {
         return Ok(None);
     };
     let mut names = Vec::new();
-    let laws = laws(scene);
+    let declined = declined(scene);
+    let laws = declined.map_or_else(|| laws(scene), |_| Vec::new());
     let tolerances = over_fits(known.gearbox(), &mut own, control)?;
-    let cuts = CUTS.iter().filter(|_| tolerances.is_none());
+    let cuts = CUTS
+        .iter()
+        .filter(|_| declined.is_none() && tolerances.is_none());
     let total = laws.len() + cuts.clone().count();
     let report = |done, what: &str| (control.progress)(Progress::new(done, total, what));
     for (done, (label, scene)) in laws.into_iter().enumerate() {
@@ -307,6 +319,7 @@ pub(crate) fn of_known(
     own.retain(|figure| figure.by_contact_law.or(figure.by_fit).is_some());
     Ok(Some(Bands {
         laws: names,
+        declined,
         own: scene.contact.law.clone(),
         figures: own,
         fits,

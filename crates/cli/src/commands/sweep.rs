@@ -2,9 +2,7 @@
 
 use pinwheel::pages;
 use pinwheel::studies::folder::PAGE;
-use pinwheel::studies::sweep::{
-    self, Begin, Guests, Journal, Plan, RunRecord, Sweep, SweepError, execute,
-};
+use pinwheel::studies::sweep::{self, Begin, Guests, Journal, Plan, Sweep, SweepError, execute};
 
 use crate::args::{self, SweepArgs};
 use crate::failure::Failure;
@@ -51,13 +49,13 @@ pub(crate) fn sweep(args: &SweepArgs) -> Result<(), Failure> {
     // Only now: had it failed, --resume would still find every run.
     journal.remove()?;
     screen::show_with_page(&text, &place.join(PAGE))?;
-    let broken = |record: &&RunRecord| !record.ending.is_finished();
-    let Some(first) = records.iter().find(broken) else {
+    let mut broken = sweep::broken(&plan, &records);
+    let all = broken.clone().count();
+    let Some(first) = broken.next() else {
         return Ok(());
     };
     Err(Failure::engine(format!(
-        "{} of {} runs did not finish, the first on {}: {}; see {csv}",
-        records.iter().filter(broken).count(),
+        "{all} of {} runs did not finish, the first on {}: {}; see {csv}",
         records.len(),
         first.engine,
         first.reason(),

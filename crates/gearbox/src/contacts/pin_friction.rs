@@ -9,10 +9,11 @@
 //! disc. The couple T r on the pin acts on the pin's carrier. A roller thinner than d turns in a groove, on its own diameter.
 //! slow = 1 rad/s. Derivatives omit T, which is some thousandths of F_n.
 
-use pinwheel_contact::{AdamsFriction, Friction, Real, RegularisedCoulomb};
+use pinwheel_contact::{AdamsFriction, Friction, Lanes, Real, RegularisedCoulomb};
 use pinwheel_faults::{Fault, factor};
 use pinwheel_mbs::{BodyState, Wrench};
 use pinwheel_scene::bearings::SLOW_RAD_S;
+use pulp::Simd;
 
 use super::pair::PairContact;
 use crate::scene::{self, FrictionLaw, Scene};
@@ -35,6 +36,23 @@ pub(crate) struct Drag {
     /// Couple on the pin, N m.
     couple: f64,
     pub(super) lost_w: f64,
+}
+
+/// Evaluates [`PinFriction::along`] in lanes. The function is not inlined: most gears have no friction of pins, and it would take
+/// registers from their loops.
+struct Along<'a, S: Simd> {
+    pins: &'a PinFriction,
+    contact: [Lanes<S>; 3],
+}
+
+impl<S: Simd> pulp::WithSimd for Along<'_, S> {
+    type Output = Lanes<S>;
+
+    #[inline(always)]
+    fn with_simd<T: Simd>(self, _simd: T) -> Self::Output {
+        let [force, radius, passing] = self.contact;
+        self.pins.along(force, radius, passing)
+    }
 }
 
 /// Returns the friction of a scene with this coefficient.
@@ -73,7 +91,7 @@ impl PinFriction {
     /// Returns T along t on a pin under the normal force `force`. `radius` is the distance from its centre to the contact, and
     /// `passing` the speed of the disc past a sleeve that does not turn on its pin.
     #[inline(always)]
-    pub(super) fn along<R: Real>(&self, force: R, radius: R, passing: R) -> R {
+    fn along<R: Real>(&self, force: R, radius: R, passing: R) -> R {
         let one = force.like(1.0);
         let rolling = passing * force.like(1.0 / SLOW_RAD_S) / radius;
         let share = (force.like(self.lever_m) / radius).min(force.like(self.friction_coefficient));
@@ -86,6 +104,15 @@ impl PinFriction {
                 drag.max(-holds).min(holds)
             }
         }
+    }
+
+    /// Returns T along t of several pairs, from their normal forces, radii and passing speeds.
+    #[inline(always)]
+    pub(super) fn along_lanes<S: Simd>(&self, simd: S, contact: [Lanes<S>; 3]) -> Lanes<S> {
+        simd.vectorize(Along {
+            pins: self,
+            contact,
+        })
     }
 
     /// Returns T of a pair of these pins.

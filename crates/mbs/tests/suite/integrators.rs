@@ -1,7 +1,9 @@
 //! Every method of the registry passes the same tests.
 
 use pinwheel_mbs::OdeSystem;
-use pinwheel_mbs::integrators::{METHODS, Segments, StepError, StepSettings, Stepper, start};
+use pinwheel_mbs::integrators::{
+    METHODS, MethodInfo, Segments, StepError, StepSettings, Stepper, start,
+};
 
 use super::bounds;
 use bounds::holds;
@@ -79,6 +81,7 @@ fn adaptive_methods_follow_their_tolerance() {
         } else {
             [1e-5, 1e-7, 1e-9, 1e-11]
         };
+        let mut steps = Vec::new();
         for tolerance in tolerances {
             let mut system = Smooth;
             let mut run = stepper(method.name, 0.1, tolerance);
@@ -104,7 +107,21 @@ fn adaptive_methods_follow_their_tolerance() {
                 ..last,
             );
             last = worst;
+            steps.push(run.counts().steps as f64);
         }
+        let power = (steps[3] / steps[1]).ln() / (tolerances[1] / tolerances[3]).ln();
+        let MethodInfo {
+            name, step_power, ..
+        } = method;
+        println!(
+            "{name}: steps grow with the power {power:.2} of the tolerance; INFO.step_power is {step_power:.2}"
+        );
+        holds(
+            name,
+            "power over that of INFO",
+            power / step_power,
+            0.4..1.6,
+        );
     }
 }
 

@@ -30,6 +30,9 @@ pub(crate) fn outside(bands: &Bands) -> Option<String> {
 
 /// Sentence on the laws from which the bands are.
 pub(crate) fn about(bands: &Bands) -> String {
+    if let Some(why) = bands.declined {
+        return format!("no band: {why}");
+    }
     if bands.laws.is_empty() {
         return format!("no band: {ROLLERS} carries this load in no position of the gear");
     }
@@ -131,7 +134,8 @@ pub(crate) fn blocks(bands: &Bands) -> Vec<Block> {
         });
     }
     let said = outside(bands).map(Block::Text);
-    let tables = [table.done().into()].into_iter().chain(fits);
+    let table = bands.declined.is_none().then(|| table.done().into());
+    let tables = table.into_iter().chain(fits);
     said.into_iter().chain(tables).collect()
 }
 
@@ -165,6 +169,7 @@ mod tests {
     fn no_law_is_no_band() {
         let none = Bands {
             laws: Vec::new(),
+            declined: None,
             own: "paper".to_owned(),
             figures: Vec::new(),
             fits: Vec::new(),

@@ -7,7 +7,7 @@ use crate::format::{self, joined, significant};
 use crate::stack::stack;
 use crate::study::{Axis, Block, Chart, Decision, Fact, Mark, Question, Section, Study, Style};
 use crate::terminal::{self, list, titled};
-use pinwheel_scene::catalogue::Draft;
+use pinwheel_scene::catalogue::{Draft, MANY};
 use pinwheel_scene::derived;
 use pinwheel_studies::Provenance;
 use pinwheel_studies::design::{DesignResult, Joint, Rest, Share};
@@ -246,8 +246,14 @@ pub fn draft(draft: &Draft) -> String {
     let row = |what: &str, value: String, how: &str| [what.to_owned(), value, how.to_owned()];
     let of = derived(&draft.scene);
     let mm = |metres: f64| format!("{} mm", number(1e3 * metres));
+    let turns = match draft.scene.cranks {
+        None if of.ratio > MANY => {
+            "input turns per output turn, in one stage; of two stages in one housing make each a scene"
+        }
+        _ => "input turns per output turn",
+    };
     let mut rows = vec![
-        row("ratio", of.ratio.to_string(), "input turns per output turn"),
+        row("ratio", of.ratio.to_string(), turns),
         row("wall, hole to profile", mm(of.walls.hole_to_profile_m), ""),
         row("wall, hole to hole", mm(of.walls.hole_to_hole_m), ""),
         row("gap, pin to pin", mm(of.walls.sleeve_to_sleeve_m), ""),

@@ -120,9 +120,15 @@ fn ring(scene: &Scene) -> Result<(), Fault> {
     let Some((key, _)) = parts.into_iter().find(|(_, asked)| *asked) else {
         return Ok(());
     };
+    let factor = match scene.cranks {
+        Some(_) => "R/(R - 1), with R its ratio,",
+        None => "zs/zk",
+    };
     Err(Fault::new(
         &["drive.output", key],
         format!("is \"ring\", which {key} does not go with as the scene has it"),
-        "leave one of both out, or describe the gear by its carrier: speed and load times zs/zk give equal forces",
+        format!(
+            "leave one of both out, or describe the gear by its carrier: speed and load times {factor} give equal forces"
+        ),
     ))
 }

@@ -222,6 +222,10 @@ fn a_gear_as_built() {
             );
         }
         let gear = &scene.gear;
+        // Pins that are printed in or pressed in do not turn; their friction stands in the file.
+        let is_printed = catalogue.material == MATERIALS[6];
+        assert_eq!(gear.external_sleeves_turn, !is_printed, "{}", draft.text);
+        assert_eq!(scene.sliding()[0], if is_printed { 0.2 } else { 0.0 });
         let bearing = scene.bearings.eccentric.unwrap();
         assert!(bearing.rollers.unwrap() > 3 && bearing.clearance_m.unwrap() > 0.0);
         assert!(scene.bearings.sleeve_friction_coefficient.is_some());
@@ -247,6 +251,8 @@ fn a_gear_as_built() {
     assert_eq!(pins(plastic(None, false)), Some(2.1e11));
     assert_eq!(pins(plastic(Some(MATERIALS[6]), false)), None);
     assert_eq!(pins(plastic(None, true)), None);
+    let one_stage = |ratio: f64| catalogue(ratio, 104.0).draft().unwrap().text;
+    assert!(one_stage(64.0).contains("in one stage") && !one_stage(39.0).contains("in one stage"));
     // Given backlash is the clearance of the ring; the load of an RV gear may be given with either sign.
     let given = Catalogue {
         backlash_m: Some(2e-5),

@@ -71,6 +71,10 @@ const ALIKE: f64 = 1e-2;
 const SPEEDS: [f64; 2] = [0.5, 1.0];
 const TORQUES: [f64; 3] = [0.25, 0.5, 1.0];
 
+/// Why there is no efficiency of slow motion.
+const ALL_ROLL: &str = "all pins roll on the discs and none rubs on its own pin, so slow motion loses nothing; state \
+                        bearings.sleeve_friction_coefficient, or pins that do not turn";
+
 /// How the output twists against the locked input.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Torsion {
@@ -337,6 +341,10 @@ fn slow(
         return Ok(Vec::new());
     }
     let mut motion = SlowMotion::new(gearbox, working)?;
+    let none = |why: &str| vec![EFFICIENCY_SLOW.of(None, None).withheld(why.to_owned())];
+    if !motion.rubs() {
+        return Ok(none(ALL_ROLL));
+    }
     let (mut last, mut torques) = (None, vec![None; poses.angles.len()]);
     for number in poses.walk() {
         let phi = poses.angles[number];
@@ -344,8 +352,7 @@ fn slow(
         torques[number] = motion.driver_torque(phi, &at.bodies);
     }
     let Some(torques) = torques.into_iter().collect::<Option<Vec<f64>>>() else {
-        let why = "friction leaves no balance near the one without it".to_owned();
-        return Ok(vec![EFFICIENCY_SLOW.of(None, None).withheld(why)]);
+        return Ok(none("friction leaves no balance near the one without it"));
     };
     Ok(parted(poses.parts, |every, of| {
         let mean = Spread::of(torques.iter().skip(of).step_by(every).copied()).mean;

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 
-use pinwheel_engines::Engine;
+use pinwheel_engines::{Ending, Engine, Run};
 use pinwheel_gearbox::Gearbox;
 
 use crate::control::{Control, Progress};
@@ -76,8 +76,22 @@ pub fn find(
     planned: &PlannedRun,
     journal: &Journal,
 ) -> Result<Option<RunRecord>, SweepError> {
-    let (_, identity) = wanted_of(plan, planned)?;
-    Ok(journal.find(&identity, plan.sweep.time_series))
+    found(plan, planned, journal, &wanted_of(plan, planned)?.1)
+}
+
+/// The record of a run without running it: one that the journal holds, or of values that make no gear.
+fn found(
+    plan: &Plan,
+    planned: &PlannedRun,
+    journal: &Journal,
+    identity: &str,
+) -> Result<Option<RunRecord>, SweepError> {
+    let Some(why) = &planned.refused else {
+        return Ok(journal.find(identity, plan.sweep.time_series));
+    };
+    let run = Run::ended(Ending::unsupported(why));
+    let engine = plan.engine(planned)?;
+    Ok(Some(RunRecord::of(planned, engine.as_ref(), "", &run)))
 }
 
 /// The complete scene of a run as TOML, and the [`RunRecord::identity`] that its record will have.
@@ -140,7 +154,7 @@ impl Shared<'_> {
         let keep = self.plan.sweep.time_series;
         let engine = self.plan.engine(planned)?;
         let (scene, identity) = wanted_of(self.plan, planned)?;
-        if let Some(record) = self.journal.find(&identity, keep) {
+        if let Some(record) = found(self.plan, planned, self.journal, &identity)? {
             self.simulated_us.fetch_add(whole_us, Ordering::Relaxed);
             return Ok(Some(record));
         }

@@ -31,7 +31,7 @@ pub use journal::{Begin, Journal};
 pub use output::write;
 pub use plan::{Guests, MOST_RUNS, Plan, PlannedRun};
 pub use record::RunRecord;
-pub use results::{costs, results};
+pub use results::{broken, costs, results};
 pub use sample::{Distribution, Method, Sample};
 pub use specification::Limit;
 pub use spread::WindowStatistics;

@@ -36,6 +36,8 @@ pub struct PlannedRun {
     pub scene: CheckedScene,
     /// Start and end of the window that figures are taken of, s.
     pub window_s: [f64; 2],
+    /// Why the values of a sample make no gear; `scene` is then the one they are about.
+    pub refused: Option<String>,
 }
 
 impl PlannedRun {
@@ -55,6 +57,7 @@ impl PlannedRun {
             values: Vec::new(),
             scene: Scene::from_complete(scene)?,
             window_s,
+            refused: None,
         })
     }
 }
@@ -113,7 +116,7 @@ impl Plan {
         guests: Guests,
         cancel: &AtomicBool,
     ) -> Result<Self, SweepError> {
-        let mut draft = None;
+        let (mut draft, mut about) = (None, None);
         if let Some(sample) = &sweep.sample {
             let values: Vec<(String, Value)> = values_at(&sweep, 0);
             // About the first of what else is varied: distributions without a mean are about the scene's own value.
@@ -121,6 +124,7 @@ impl Plan {
             let axis = sample.axis(&scene);
             let axis = axis.map_err(|what| refused(1, &values, &what))?;
             sweep.axes.push(axis);
+            about = Some(scene);
         }
         let factors = sweep.axes.iter().map(Axis::len);
         let factors = factors.chain([sweep.engines.len()]);
@@ -132,7 +136,7 @@ impl Plan {
                 "the sweep asks for {runs} runs, more than {MOST_RUNS}; give shorter lists, or split the sweep"
             ))
         })?;
-        let mut runs = Vec::with_capacity(count);
+        let (mut runs, mut fault) = (Vec::with_capacity(count), None);
         for point in 0..count / sweep.engines.len() {
             if cancel.load(Ordering::Relaxed) {
                 return Err(SweepError::Stopped {
@@ -143,10 +147,11 @@ impl Plan {
             let values = values_at(&sweep, point);
             let number = runs.len() + 1;
             let scene = scene_at(&mut draft, &sweep, overrides, number, &values);
-            let scene = scene.map_err(|error| match &sweep.sample {
-                Some(_) => SweepError::Input(format!("{error}; {WIDER}")),
-                None => error,
-            })?;
+            let (scene, no_gear) = match (scene, &about) {
+                (Ok(scene), _) => (scene, None),
+                (Err(why), Some(about)) => (about.clone(), Some(why)),
+                (Err(why), None) => return Err(why),
+            };
             let wrong = |what: String| refused(number, &values, &what);
             let duration = scene.solver.duration_s;
             let window_s = sweep.window_s.unwrap_or([0.5 * duration, duration]);
@@ -173,8 +178,14 @@ impl Plan {
                     values: values.clone(),
                     scene: scene.clone(),
                     window_s,
+                    refused: no_gear.as_ref().map(ToString::to_string),
                 });
             }
+            fault = fault.or(no_gear);
+        }
+        let all_refused = runs.iter().all(|run: &PlannedRun| run.refused.is_some());
+        if let Some(fault) = fault.filter(|_| all_refused) {
+            return Err(SweepError::Input(format!("{fault}; {WIDER}")));
         }
         Ok(Self {
             sweep,

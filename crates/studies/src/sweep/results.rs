@@ -87,6 +87,16 @@ pub fn results(plan: &Plan, records: &[RunRecord]) -> Table {
         .done()
 }
 
+/// Returns the records of runs that did not finish, without those whose sampled values make no gear.
+pub fn broken<'a>(
+    plan: &'a Plan,
+    records: &'a [RunRecord],
+) -> impl Iterator<Item = &'a RunRecord> + Clone {
+    let runs = plan.runs.iter().zip(records);
+    let broken = runs.filter(|(run, record)| run.refused.is_none() && !record.ending.is_finished());
+    broken.map(|(_, record)| record)
+}
+
 /// Returns the cost of each run. It is no part of the results, which repeat to the bit.
 #[must_use]
 pub fn costs(plan: &Plan, records: &[RunRecord]) -> Table {

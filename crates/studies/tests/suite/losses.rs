@@ -6,6 +6,7 @@ use pinwheel_gearbox::{Efficiency, Gearbox, SlowMotion};
 use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::{Control, design, single};
 use pinwheel_timeseries::EnergyAudit;
+use pinwheel_timeseries::figure::definitions::EFFICIENCY_SLOW;
 
 const LOSSES: [&str; 3] = [
     "eccentric_bearing_loss_percent",
@@ -138,13 +139,34 @@ fn efficiencies(gearbox: &Gearbox) -> [f64; 3] {
     [by_run, by_run * error.driver_torque, by_statics]
 }
 
+/// Pins that roll on discs and rub on nothing lose nothing in slow motion: no figure, but why.
+#[test]
+fn no_efficiency_of_slow_motion_where_all_pins_roll() {
+    let gearbox = Gearbox::new(&Scene::load("paper-friction", &[]).unwrap()).unwrap();
+    let load = gearbox.scene.drive.output_torque_n_m;
+    assert!(!SlowMotion::new(&gearbox, load).unwrap().rubs());
+    let found = design::run(&gearbox, false, &Control::quiet()).unwrap();
+    let slow = found
+        .figures
+        .iter()
+        .find(|figure| figure.is(&EFFICIENCY_SLOW));
+    let slow = slow.unwrap();
+    assert_eq!(slow.value, None);
+    assert!(
+        slow.withheld
+            .as_ref()
+            .unwrap()
+            .contains("roll on the discs")
+    );
+}
+
 /// Poses over a period of the mesh, no multiple of any gear's pins.
 const POSES: usize = 97;
 
 /// Statics with friction of the ideal mesh's sliding against runs of gears whose pins turn and do not, with one friction and both, on
 /// floating discs and on cranks. Sleeves that nothing rubs on their pins lose by their inertia, which slow motion leaves out. Last column: rigid statics with Coulomb friction by another program.
 ///
-/// Measured, run less statics: see the table; times 2.
+/// Measured, run less statics: [`LIMIT`].
 #[test]
 fn regress_efficiency_by_statics_is_that_of_a_run() {
     let gears: [(&str, &[&str], f64, Option<f64>); 7] = [
@@ -184,7 +206,7 @@ fn regress_efficiency_by_statics_is_that_of_a_run() {
                 "contact.friction_coefficient=0.05",
                 "gear.external_sleeves_turn=false",
             ],
-            LIMIT,
+            OVER_PART_OF_A_MESH,
             None,
         ),
     ];
@@ -206,5 +228,8 @@ fn regress_efficiency_by_statics_is_that_of_a_run() {
     }
 }
 
-/// Largest difference of run and statics beyond the run's uncertainty, %.
-const LIMIT: f64 = 0.3;
+/// Largest difference of run and statics beyond the run's uncertainty, %: twice the 0.0092 of these runs. Runs twice as long differ by
+/// 0.0002 to 0.017, statics at other poses by less than 0.001.
+const LIMIT: f64 = 0.02;
+/// Limit of the gear whose run ends within a mesh: twice its 0.123; over 2, 4 and 8 times as long it is -0.070, 0.036 and -0.010.
+const OVER_PART_OF_A_MESH: f64 = 0.25;

@@ -648,6 +648,18 @@ fn regress_intervals_by_fit() {
             );
         }
     }
+    // Without a band by law they stand alone.
+    let no_laws = scene.changed(|scene| scene.contact.band_laws = Some(Vec::new()));
+    let alone = bands(&no_laws.unwrap());
+    assert_eq!(alone.declined, Some("contact.band_laws is empty"));
+    for figure in &alone.figures {
+        let by_law = found.get(&figure.def).unwrap();
+        assert_eq!(
+            (figure.by_contact_law, figure.by_fit),
+            (None, by_law.by_fit)
+        );
+    }
+    assert!(alone.get(&LOST_MOTION).is_some());
     let found = bands(&of(3e-6));
     let refused = &found.tolerances.as_ref().unwrap().refused;
     assert!(

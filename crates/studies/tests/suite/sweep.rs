@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use pinwheel_studies::sweep::{
-    Journal, Plan, RunRecord, Sweep, SweepError, execute, results, tolerances,
+    Journal, Plan, RunRecord, Sweep, SweepError, broken, execute, find, results, tolerances,
 };
 use pinwheel_studies::{Control, Progress};
 use pinwheel_timeseries::table::Column;
@@ -329,6 +329,96 @@ fn a_sample_is_the_same_whoever_runs_it() {
         first.key == "gear.backlash_m" && first.coefficient.unwrap() > 0.9,
         "{first:?}"
     );
+}
+
+/// Values that make no gear are runs of lost yield, each with its reason; a sample of nothing else is refused.
+#[test]
+fn samples_that_cannot_be_built_are_lost_yield() {
+    let text = |from: f64| {
+        SAMPLE
+            .replace("64", "8")
+            .replace(
+                "from = 1e-6, to = 5e-6",
+                &format!("from = {from}, to = 0.02"),
+            )
+            .replace("gear.backlash_m", "gear.external_sleeve_radius_m")
+            .replace("0.9", "1e3")
+    };
+    let (plan, folder) = (plan(&text(0.005)), tempfile::tempdir().unwrap());
+    let journal = Journal::open(folder.path(), None, "a test").unwrap();
+    let records = run(&plan, &journal, 2);
+    let lost = plan.runs.iter().filter(|run| run.refused.is_some()).count();
+    for (run, record) in plan.runs.iter().zip(&records) {
+        assert_eq!(run.refused.is_none(), record.ending.is_finished());
+        let why = run.refused.as_deref().unwrap_or_default();
+        assert!(record.reason().contains(why), "{why}: {}", record.reason());
+        // Nobody need run it.
+        assert!(find(&plan, run, &journal).unwrap().is_some());
+    }
+    let [found] = tolerances(&plan, &results(&plan, &records))
+        .try_into()
+        .unwrap();
+    let of = found.yielded.unwrap();
+    assert!(0 < lost && lost < 8, "{lost}");
+    assert_eq!((of.kept, of.runs), (8 - lost, 8));
+    assert_eq!(broken(&plan, &records).count(), 0);
+    let none = Sweep::from_toml(&text(0.019), Path::new("mine.toml")).unwrap();
+    let said = Plan::new(none, &[]).unwrap_err().to_string();
+    assert!(
+        said.starts_with("run 1 ") && said.contains("narrow its intervals"),
+        "{said}"
+    );
+}
+
+/// An RV reducer with two cranks, as `init` suggests it for a ratio of 118.5 and 784 N m.
+const RV: &str = "\
+[gear]
+pin_circle_radius_m = 0.075
+external_sleeves = 40
+external_sleeve_radius_m = 0.0038
+eccentricity_m = 0.0012
+wheels = 2
+face_width_m = 0.011
+[cranks]
+count = 2
+circle_radius_m = 0.043
+bore_radius_m = 0.0127
+sun_teeth = 16
+planet_teeth = 47
+support_stiffness_n_m = 5.7e8
+mesh_stiffness_n_m = 1.5e8
+[bearings.eccentric]
+rollers = 19
+roller_length_m = 0.0099
+clearance_m = 6.2e-6
+[gear.modification]
+equidistant_m = 6.5e-6
+[drive]
+input_speed_rad_s = 157.0
+output_torque_n_m = -784.0
+[contact]
+law = \"line-hertz\"
+young_pa = 2.1e11
+poisson = 0.3
+[mass]
+density_kg_m3 = 7850.0
+";
+
+/// Gears of its tolerances with much clearance in the needles and little at the ring: next to no load, their balances were lost on the way
+/// from the rated load.
+#[test]
+fn regress_loose_needles_are_balanced() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("rv.toml"), RV).unwrap();
+    let text = "scene = \"rv.toml\"\nengines = [\"statics\"]\n[[together]]\n\
+                bearings.eccentric.clearance_m = [12.136757e-6, 11.237906e-6, 10.104123e-6]\n\
+                gear.modification.equidistant_m = [3.143981e-6, 4.159137e-6, 2.646933e-6]\n";
+    let sweep = Sweep::from_toml(text, &folder.path().join("mine.toml")).unwrap();
+    let plan = Plan::new(sweep, &[]).unwrap();
+    let journal = Journal::open(&folder.path().join("runs"), None, "a test").unwrap();
+    for record in run(&plan, &journal, 2) {
+        assert!(record.ending.is_finished(), "{}", record.reason());
+    }
 }
 
 #[test]

@@ -433,9 +433,9 @@ impl JointSpace {
         }
         let signs = Lanes::load_pair(simd, [&SIGNS, &SIGNS]);
         for from in (0..self.wheels.len()).step_by(2) {
-            let both = [from, (from + 1).min(self.wheels.len() - 1)];
-            let [one, two] = both.map(|k| &self.wheels[k]);
-            let [first, second] = both.map(|k| k * PADDING / 2);
+            let beside = (from + 1).min(self.wheels.len() - 1);
+            let (one, two) = (&self.wheels[from], &self.wheels[beside]);
+            let (first, second) = (from * PADDING / 2, beside * PADDING / 2);
             let (x, y) = (&self.ends.x, &self.ends.y);
             let ends = ComplexLanes::new(
                 Lanes::load_pair(simd, [&x[first..], &x[second..]]),
@@ -537,7 +537,9 @@ impl JointSpace {
                         -(centre * c(bodies[Layout::INPUT].rate))
                     };
                     let passing = -(lever * wheel_rate) - carried;
-                    let drag = pins.along(force, radius, passing).only(inside);
+                    let drag = pins
+                        .along_lanes(simd, [force, radius, passing])
+                        .only(inside);
                     moment = moment - drag * lever.only(inside);
                     if sums.asked {
                         sums.rubbed = sums.rubbed - drag * passing.only(inside);

@@ -12,8 +12,8 @@ use crate::contacts::pin_friction::PinFriction;
 /// Adds forces (Eq. 20, 21) to the pins' columns and to the discs' loads, and what they store and dissipate to `energy`.
 pub(super) struct Loads<'a> {
     pub(super) law: PinLaw,
-    pub(super) friction: [RegularisedCoulomb; 2],
-    pub(super) pins: [Option<PinFriction>; 2],
+    pub(super) friction: &'a [RegularisedCoulomb; 2],
+    pub(super) pins: &'a [Option<PinFriction>; 2],
     pub(super) output_rate: f64,
     pub(super) loads: &'a mut [Wrench],
     pub(super) energy: Option<&'a mut ContactEnergy>,
@@ -45,7 +45,7 @@ impl Sink for Loads<'_> {
                 // Sliding speed of a sleeve that does not turn on its pin.
                 sliding = radius.mul_add(depth.like(self.output_rate), sliding);
             }
-            drag = pins.along(pressure, radius, sliding);
+            drag = pins.along_lanes(simd, [pressure, radius, sliding]);
             on_sleeve = n.turned().scale_add(drag, on_sleeve);
             if !group.external {
                 let couple = (radius * drag).only(touching.mask);

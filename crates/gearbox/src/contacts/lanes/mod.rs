@@ -132,13 +132,18 @@ impl LaneField {
         };
         let sink = Loads {
             law: self.law,
-            friction: self.friction,
-            pins: self.pins,
+            friction: &self.friction,
+            pins: &self.pins,
             output_rate: bodies[Layout::OUTPUT].rate,
             loads,
             energy: request.energy.as_mut(),
         };
-        self.pair_loop(bodies, sink);
+        let pairs = &mut self.pairs;
+        self.arch.dispatch(PairLoop {
+            pairs,
+            bodies,
+            sink,
+        });
     }
 
     /// Computes moments, and loads if they are requested, of bodies with the poses that their joints prescribe, without

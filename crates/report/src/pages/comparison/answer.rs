@@ -400,7 +400,10 @@ impl<'a> Answer<'a> {
         let outside = band::outside(bands);
         let mark = Mark::warn(outside.is_some());
         let within = "is within its band: a spread of models, not validated";
-        let text = outside.unwrap_or_else(|| format!("{} {within}", bands.own));
+        let text = outside.unwrap_or_else(|| match bands.declined {
+            Some(_) => band::about(bands),
+            None => format!("{} {within}", bands.own),
+        });
         let law = Fact::new("contact law", mark, text);
         let gear = &scene.gear;
         let given = bands.tolerances.is_some()

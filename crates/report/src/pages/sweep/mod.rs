@@ -29,8 +29,7 @@ const MOST_FIGURES: usize = 40;
 /// The page of a finished sweep; `table`: [its results](pinwheel_studies::sweep::results).
 #[must_use]
 pub fn page(plan: &Plan, records: &[RunRecord], table: &Table, made: &Provenance) -> String {
-    let ended = records.iter().filter(|record| record.ending.is_finished());
-    let unfinished = records.len() - ended.count();
+    let unfinished = sweep::broken(plan, records).count();
     let sweep = &plan.sweep;
     let keys = sweep.axes.iter().flat_map(|axis| &axis.keys);
     let varied = keys.map(|(key, list)| format!("{key} ({})", list.len()));

@@ -55,6 +55,15 @@ pub fn text(plan: &Plan, records: &[RunRecord], files: &[(&str, String)]) -> Str
             format!("{cpu:.1} s CPU for {:.3} s simulated", simulated_s(plan)),
         ),
     ];
+    let mut refused = plan.runs.iter().filter_map(|run| run.refused.as_ref());
+    let none = refused.clone().count();
+    rows.extend(refused.next().map(|first| {
+        let said = format!(
+            "{none} of {} runs, lost yield; the first: {first}",
+            records.len()
+        );
+        row("no gear", said)
+    }));
     let idle = sweep::idle(plan, records);
     if !idle.is_empty() {
         let words = format!("{} on this scene: runs equal to the bit", idle.join(", "));

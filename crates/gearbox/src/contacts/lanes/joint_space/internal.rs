@@ -74,7 +74,9 @@ impl JointSpace {
                     (on_output - on_wheel) * input_rate
                 };
                 let passing = on_output * output_rate - on_wheel * wheel_rate - carried;
-                let drag = pins.along(force, radius, passing).only(inside);
+                let drag = pins
+                    .along_lanes(simd, [force, radius, passing])
+                    .only(inside);
                 sums.on_output = sums.on_output + drag * on_output.only(inside);
                 moment = moment - drag * on_wheel.only(inside);
                 push = push + normal.turned().only(inside).scale(drag);
