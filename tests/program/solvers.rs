@@ -608,9 +608,27 @@ fn bad_input_of_solvers_is_one_line() {
             "name each --solver once",
         ),
         (
-            &["run", "paper", "--engine", "native", "--solver", "one.toml"],
+            &[
+                "run",
+                "paper",
+                "--engine",
+                "rapier-colliders",
+                "--solver",
+                "one.toml",
+            ],
             2,
-            "cannot be used with",
+            "leave one out, or type `pinwheel compare SCENE --engines native,rapier-colliders --solver one.toml`",
+        ),
+        // Named twice it is meant once.
+        (
+            &["run", "paper", "--engine", "c-rk4", "--solver", "one.toml"],
+            3,
+            "does not start",
+        ),
+        (
+            &["run", "paper", "--engine", "one.toml"],
+            2,
+            "a solver of your own joins by `--solver one.toml`",
         ),
         (
             &["solver", "new", "--language", "c", "../up"],

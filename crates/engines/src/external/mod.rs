@@ -214,6 +214,30 @@ impl Solver {
         settled(ran)
     }
 
+    /// Runs it from other states of the bodies than the scene's, six numbers each as in a job file.
+    ///
+    /// # Errors
+    /// A stop.
+    pub fn run_from(
+        &self,
+        gearbox: &Gearbox,
+        start: &[f64],
+        control: &Control<'_>,
+    ) -> Result<Run, Cancelled> {
+        let ran = self.drive(gearbox, control, |folder, library| {
+            let mut job = job::job(gearbox, library)?;
+            let bodies = job["bodies"].as_array_mut().into_iter().flatten();
+            for (body, start) in bodies.zip(start.chunks(pinwheel_law::STATE)) {
+                body["start"] = start.into();
+            }
+            Ok(std::fs::write(
+                folder.join(pinwheel_law::JOB_FILE),
+                job.to_string(),
+            )?)
+        });
+        settled(ran)
+    }
+
     fn does_not_start(&self, program: &OsStr, error: &std::io::Error) -> String {
         let remedy = match &self.manifest.build {
             Some(build) => format!("build it: {}", plain(build, WORDS)),
