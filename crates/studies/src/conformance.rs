@@ -164,14 +164,11 @@ pub struct Trial {
 #[derive(Debug, Clone, Deserialize)]
 pub struct Held {
     name: String,
-    #[serde(default = "paper")]
-    preset: String,
+    /// Preset; `paper` if it names none.
+    #[serde(default)]
+    preset: Option<String>,
     /// Keys that it changes.
     pub set: Vec<String>,
-}
-
-fn paper() -> String {
-    "paper".to_owned()
 }
 
 /// All trials, embedded; a test reads them.
@@ -184,28 +181,17 @@ pub static TRIALS: LazyLock<Vec<Trial>> = LazyLock::new(|| {
 /// States and contact forces of all bodies of a case: case, body, x, y, angle, vx, vy, rate, force x and y, moment.
 type Vector = (String, usize, [f64; 6], f64, f64, f64);
 
-/// Cases of the law vectors.
-static CASES: LazyLock<Vec<Held>> = LazyLock::new(|| {
-    let text = include_str!(concat!(
+/// Cases and bodies of the law vectors.
+const VECTORS: [&str; 2] = [
+    include_str!(concat!(
         env!("PINWHEEL_SHIPPED"),
         "/reference/law-vectors/cases.csv"
-    ));
-    let words = |(name, preset, set): (String, String, String)| Held {
-        name,
-        preset,
-        set: set.split_whitespace().map(str::to_owned).collect(),
-    };
-    rows(text).into_iter().map(words).collect()
-});
-
-/// Their bodies.
-static VECTORS: LazyLock<Vec<Vector>> = LazyLock::new(|| {
-    let text = include_str!(concat!(
+    )),
+    include_str!(concat!(
         env!("PINWHEEL_SHIPPED"),
         "/reference/law-vectors/bodies.csv"
-    ));
-    rows(text)
-});
+    )),
+];
 
 fn rows<T: DeserializeOwned>(text: &str) -> Vec<T> {
     let mut reader = csv::Reader::from_reader(text.as_bytes());
@@ -311,14 +297,22 @@ impl Trials<'_> {
             "laws" => {
                 let law = |name: &str| Held {
                     name: name.to_owned(),
-                    preset: paper(),
+                    preset: None,
                     set: vec![format!("contact.law={name}")],
                 };
                 let laws: Vec<Held> = honoured(self.solver).map(law).collect();
                 self.all_held(trial, &laws, &|_, scene| self.held(scene))
             }
             "law vectors" if !self.shares_the_law() => skipped("contacts of its own"),
-            "law vectors" => self.all_held(trial, &CASES, &|case, scene| self.vector(case, scene)),
+            "law vectors" => {
+                let case = |(name, preset, set): (String, String, String)| Held {
+                    name,
+                    preset: Some(preset),
+                    set: set.split_whitespace().map(str::to_owned).collect(),
+                };
+                let cases: Vec<Held> = rows(VECTORS[0]).into_iter().map(case).collect();
+                self.all_held(trial, &cases, &|case, scene| self.vector(case, scene))
+            }
             _ => self.all_held(trial, &trial.scenes, &|_, scene| self.held(scene)),
         }
     }
@@ -412,7 +406,8 @@ impl Trials<'_> {
         });
         let short = short.or_else(failed)?;
         let gearbox = compile(&short)?;
-        let bodies: Vec<&Vector> = VECTORS.iter().filter(|body| body.0 == case).collect();
+        let mut bodies: Vec<Vector> = rows(VECTORS[1]);
+        bodies.retain(|body| body.0 == case);
         let start: Vec<f64> = bodies.iter().flat_map(|body| body.2).collect();
         let run = self.solver.run_from(&gearbox, &start, &self.control)?;
         let row = run.whole().or_else(failed)?.time_series.select(&[0]);
@@ -450,7 +445,7 @@ impl Trials<'_> {
     ) -> Seen {
         let (mut worst, mut off, mut not) = (NATIVE, Vec::new(), Vec::new());
         for Held { name, preset, set } in scenes {
-            let scene = self.scene(preset, set)?;
+            let scene = self.scene(preset.as_deref().unwrap_or("paper"), set)?;
             if let Err(Halt::Ended(ending)) = self.solver.supports(&scene) {
                 not.push(format!("{name}: {ending}"));
                 continue;

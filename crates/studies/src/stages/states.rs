@@ -17,35 +17,28 @@ impl Columns {
     /// Columns of a gear whose `free` bodies have angles of their own, and whose discs float or do not.
     pub(super) fn of(gearbox: &Gearbox, free: &[usize]) -> Self {
         let layout = gearbox.layout;
-        // Number and kind of a body; the output has no number.
-        let body = |body: usize| {
-            let [wheels, external, internal] = [
-                layout.wheel_bodies(),
-                layout.external_bodies(),
-                layout.internal_bodies(),
-            ]
-            .map(|bodies| bodies.contains(&body).then(|| body - bodies.start));
-            match (wheels, external, internal) {
-                (Some(disc), ..) => ("disc", "wheel", Some(disc)),
-                (_, Some(pin), _) => ("ring pin", "external_sleeve", Some(pin)),
-                (_, _, Some(pin)) => ("output pin", "internal_sleeve", Some(pin)),
-                _ => ("output", "output", None),
-            }
+        let kinds = [
+            ("disc", "wheel", layout.wheel_bodies()),
+            ("ring pin", "external_sleeve", layout.external_bodies()),
+            ("output pin", "internal_sleeve", layout.internal_bodies()),
+        ];
+        let kind = |of: &usize| {
+            let mut kinds = kinds.iter();
+            let kind = kinds.find(|(.., bodies)| bodies.contains(of));
+            kind.map(|(word, name, bodies)| (*word, *name, of - bodies.start))
         };
-        let angle = |&of: &usize| match body(of) {
-            (.., None) => Some(columns::OUTPUT_ANGLE.to_owned()),
-            ("disc", _, Some(disc)) => Some(format!("wheel_angle_rad_{disc}")),
-            _ => None,
+        let angle = |of: &usize| match kind(of) {
+            None => Some(columns::OUTPUT_ANGLE.to_owned()),
+            Some(("disc", name, disc)) => Some(format!("{name}_angle_rad_{disc}")),
+            Some(_) => None,
         };
-        let rate = |&of: &usize| {
-            Some(match body(of) {
-                (_, name, None) => format!("{name}_rate_rad_s"),
-                (_, name, Some(number)) => format!("{name}_rate_rad_s_{number}"),
-            })
+        let rate = |of: &usize| match kind(of) {
+            None => Some("output_rate_rad_s".to_owned()),
+            Some((_, name, number)) => Some(format!("{name}_rate_rad_s_{number}")),
         };
-        let turning = |&of: &usize| match body(of) {
-            (kind, _, None) => kind.to_owned(),
-            (kind, _, Some(number)) => format!("{kind} {number}"),
+        let turning = |of: &usize| match kind(of) {
+            None => "output".to_owned(),
+            Some((word, _, number)) => format!("{word} {number}"),
         };
         let floating = if gearbox.floats() { layout.wheels } else { 0 };
         let plane = |[x, y]: [&str; 2]| {

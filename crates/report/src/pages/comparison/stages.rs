@@ -70,55 +70,37 @@ pub(in crate::pages) fn blocks(located: &Located) -> Vec<Block> {
 
 /// Residual of a stage over whatever it is drawn over, with the bound from which the stage is off.
 fn chart(located: &Located, picture: &Picture) -> Chart {
-    let stage = picture.stage;
-    let (x, over, style, mut note) = match picture.over {
-        Over::Time => ("Time (s)", "Over time", Style::Line, String::new()),
-        Over::Pins => {
-            let axis = "Pin: ring pins, then output pins";
-            (axis, "By pin", Style::Points, String::new())
-        }
-        Over::Lobe => {
-            let note = "0 and 1 are the tips of lobes, 0.5 is the pit between them.";
-            (
-                "Place, share of a lobe",
-                "By place on a lobe",
-                Style::Both,
-                note.to_owned(),
-            )
-        }
-        Over::Coordinates => {
-            let names = picture.names.iter().enumerate();
-            let note = joined(", ", names.map(|(k, name)| format!("{k} {name}")));
-            ("Coordinate", "By coordinate", Style::Points, note)
-        }
+    let (stage, names) = (picture.stage, picture.names.iter().enumerate());
+    let (x, over, style) = match picture.over {
+        Over::Time => ("Time (s)", "Over time", Style::Line),
+        Over::Pins => ("Pin: ring pins, then output pins", "By pin", Style::Points),
+        Over::Lobe => (
+            "Place: 0 and 1 tips of lobes, 0.5 the pit",
+            "By place on a lobe",
+            Style::Both,
+        ),
+        Over::Coordinates => ("Coordinate", "By coordinate", Style::Points),
     };
     let share = match stage {
-        Stage::Start => "of the state",
-        Stage::ContactSearch | Stage::Law => "of the largest force",
-        Stage::Assembly | Stage::Driver => "of the largest torque",
-        Stage::Equations | Stage::Integration => "of what the load would do",
+        Stage::Start => "state",
+        Stage::ContactSearch | Stage::Law => "largest force",
+        Stage::Assembly | Stage::Driver => "largest torque",
+        Stage::Equations | Stage::Integration => "load's effect",
     };
-    let y = format!("Residual, share {share}");
     let curve = |(name, values): &(String, Vec<f64>)| Series {
         tags: picture.names.clone(),
         ..Series::line(name, picture.x.clone(), values.clone()).styled(style)
     };
     let mut series: Vec<Series> = picture.curves.iter().map(curve).collect();
-    let y = match picture.over {
-        Over::Time => Axis::log(y),
-        _ => Axis::linear(y),
-    };
-    let mut judged = located.stages.iter();
-    let judged = judged.find(|judged| judged.stage == stage && judged.bound > 0.0);
-    if let (Over::Time, Some(judged), [first, .., last]) = (picture.over, judged, &picture.x[..]) {
-        let bound = Series::line("off above", [*first, *last], [judged.bound; 2]);
-        series.push(bound.styled(Style::Dashed));
-    }
-    if picture.curves.len() > 1 {
-        note.push_str("An error of the step falls with it; one of the equations stays.");
+    let mut y = Axis::linear(format!("Residual, share of the {share}"));
+    if let (Over::Time, [first, .., last]) = (picture.over, &picture.x[..]) {
+        y.log = true;
+        let bounds = located.stages.iter().filter(|judged| judged.stage == stage);
+        let bound = |judged: &Judged| Series::line("off above", [*first, *last], [judged.bound; 2]);
+        series.extend(bounds.map(|judged| bound(judged).styled(Style::Dashed)));
     }
     Chart {
-        note,
+        note: joined(", ", names.map(|(k, name)| format!("{k} {name}"))),
         ..Chart::new(
             format!("{over}: {}", stage.name()),
             Axis::linear(x),
