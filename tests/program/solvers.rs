@@ -208,7 +208,7 @@ fn crossval_a_check_names_every_fault() {
         ),
         (
             "curvature",
-            "laws",
+            "law vectors",
             force,
             "law, likely curvature: curvature of the other sign in pits",
         ),
@@ -259,6 +259,9 @@ fn crossval_a_check_names_every_fault() {
             summary.to_string().contains(&format!("stage {stage}")) || stage.is_empty(),
             "{fault}: {summary}"
         );
+        let page = std::fs::read_to_string(folder.path().join("out/faulty-check/index.html"));
+        let page = page.expect("a page");
+        assert_eq!(page.contains("Over time: "), !stage.is_empty(), "{fault}");
         let failed = summary["findings"].as_array().into_iter().flatten();
         let mut failed = failed.filter(|finding| finding["state"] == "failed");
         let named = failed.any(|finding| {

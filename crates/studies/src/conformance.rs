@@ -24,6 +24,7 @@ use pinwheel_timeseries::{TimeSeries, columns};
 use quick_junit::TestSuite;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use crate::StudyError;
 use crate::control::{Control, Progress, compile};
@@ -408,8 +409,13 @@ impl Trials<'_> {
         let gearbox = compile(&short)?;
         let mut bodies: Vec<Vector> = rows(VECTORS[1]);
         bodies.retain(|body| body.0 == case);
-        let start: Vec<f64> = bodies.iter().flat_map(|body| body.2).collect();
-        let run = self.solver.run_from(&gearbox, &start, &self.control)?;
+        let job = |mut job: Value| {
+            let all = job["bodies"].as_array_mut().into_iter().flatten();
+            all.zip(&bodies)
+                .for_each(|(body, (_, _, start, ..))| body["start"] = json!(start));
+            job.to_string()
+        };
+        let run = self.solver.run_job(&gearbox, job, &self.control)?;
         let row = run.whole().or_else(failed)?.time_series.select(&[0]);
         let mut truth = TimeSeries::new(vec![0.0]).unwrap_or_default();
         let names = columns::of_gearbox(
@@ -594,7 +600,8 @@ impl Trials<'_> {
 
     fn bad_ends(&self, scene: &CheckedScene) -> Seen {
         let gearbox = compile(scene)?;
-        let broken = self.solver.run_broken_job(&gearbox, &self.control)?;
+        let job = |_| "{\"protocol\": 1, \"sce".to_owned();
+        let broken = self.solver.run_job(&gearbox, job, &self.control)?;
         let broken = match broken.ending {
             Ending::Failed { reason } | Ending::Unsupported { reason } => reason,
             Ending::Finished => return failed("broken job: it said that it finished"),

@@ -102,7 +102,7 @@ impl Located {
 /// Distance of a run from a native one, relative, of which nothing has to be explained.
 const NEAR: f64 = 1e-5;
 /// One of so many intervals is fitted by changes of the model, each of which costs two flows or more; without friction and with it.
-const FITTED: [usize; 2] = [3, 1];
+const FITTED: [usize; 2] = [6, 4];
 /// Samples of the native run that shows a cause.
 pub(super) const SHOWN: usize = 60;
 

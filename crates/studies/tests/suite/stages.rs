@@ -929,7 +929,10 @@ fn asks_for_columns() {
 /// Columns alone show a change of the model, where a solver writes no states.
 #[test]
 fn names_a_fault_by_columns_alone() {
-    let solver = with(|s| (s.blind, s.scene) = (true, |s| s.drive.output_torque_n_m *= 2.0));
+    let solver = with(|s| {
+        s.blind = true;
+        s.scene = |s| s.drive.output_torque_n_m *= 2.0;
+    });
     let found = located(&solver, &scene("paper", &[]), 0.0).unwrap();
     let said = found.sentence();
     assert!(
