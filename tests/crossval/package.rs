@@ -5,6 +5,7 @@ use std::process::{Command, Output};
 use std::sync::atomic::AtomicBool;
 
 use pinwheel_engines::python::{Environment, Requirements, environment};
+use pinwheel_tests::{pinwheel, run_in, words};
 
 const DEVELOPMENT: Requirements = Requirements {
     name: "development",
@@ -109,4 +110,23 @@ fn crossval_python_package_runs_alone() {
         pinwheel_tests::names_in(dir.path()),
         ["out.csv", "scene.toml"]
     );
+}
+
+/// The template that computes its own contacts gives the native figures.
+#[test]
+fn crossval_numpy_contacts_agree() {
+    let dir = tempfile::tempdir().unwrap();
+    let new = ["solver", "new", "--language", "numpy", "mine"];
+    assert_eq!(run_in(dir.path(), new).code, Some(0));
+    let compare = "compare paper --engines native-resolved --solver mine/solver.toml --set solver.duration_s=0.002 \
+                   --set contact.friction_coefficient=0.1 --set contact.friction_ramp_m_s=5e-3";
+    let ran = pinwheel()
+        .args(words(compare))
+        .env("PINWHEEL_PYTHON", tools().python)
+        .current_dir(dir.path())
+        .output()
+        .unwrap();
+    assert_fine(compare, &ran);
+    let said = String::from_utf8_lossy(&ran.stdout);
+    assert!(said.contains("mine agrees to "), "{said}");
 }

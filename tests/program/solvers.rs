@@ -208,7 +208,7 @@ fn crossval_a_check_names_every_fault() {
         ),
         (
             "curvature",
-            "laws",
+            "law vectors",
             force,
             "law, likely curvature: curvature of the other sign in pits",
         ),
@@ -259,6 +259,9 @@ fn crossval_a_check_names_every_fault() {
             summary.to_string().contains(&format!("stage {stage}")) || stage.is_empty(),
             "{fault}: {summary}"
         );
+        let page = std::fs::read_to_string(folder.path().join("out/faulty-check/index.html"));
+        let page = page.expect("a page");
+        assert_eq!(page.contains("Over time: "), !stage.is_empty(), "{fault}");
         let failed = summary["findings"].as_array().into_iter().flatten();
         let mut failed = failed.filter(|finding| finding["state"] == "failed");
         let named = failed.any(|finding| {
@@ -608,9 +611,27 @@ fn bad_input_of_solvers_is_one_line() {
             "name each --solver once",
         ),
         (
-            &["run", "paper", "--engine", "native", "--solver", "one.toml"],
+            &[
+                "run",
+                "paper",
+                "--engine",
+                "rapier-colliders",
+                "--solver",
+                "one.toml",
+            ],
             2,
-            "cannot be used with",
+            "leave one out, or type `pinwheel compare SCENE --engines native,rapier-colliders --solver one.toml`",
+        ),
+        // Named twice it is meant once.
+        (
+            &["run", "paper", "--engine", "c-rk4", "--solver", "one.toml"],
+            3,
+            "does not start",
+        ),
+        (
+            &["run", "paper", "--engine", "one.toml"],
+            2,
+            "a solver of your own joins by `--solver one.toml`",
         ),
         (
             &["solver", "new", "--language", "c", "../up"],

@@ -5,34 +5,41 @@ use pinwheel_tests::{run_in, words};
 
 use crate::solvers::{commit, faulty};
 
-/// A solver whose curvature has the other sign in pits, and one that is right; contacts of an engine's own are never accused.
+/// A solver with a fault in each stage, whose page draws that stage, and one that is right; contacts of an engine's own are never
+/// accused.
 #[test]
 fn crossval_a_comparison_names_the_stage() {
     let Some(folder) = faulty() else { return };
     let compare = "compare paper --set solver.duration_s=0.01 --engines native-resolved,rapier-colliders,faulty --solver solver.toml --out out";
-    for (fault, named) in [("curvature", "law, likely curvature"), ("none", "")] {
+    for (fault, named, drawn) in [
+        ("none", "", ""),
+        ("phase", "start, likely phase", "By place on a lobe: law"),
+        ("search", "contact search: off by", "By pin: contact search"),
+        (
+            "curvature",
+            "law, likely curvature",
+            "By place on a lobe: law",
+        ),
+        ("sum", "assembly, likely torque", "Over time: assembly"),
+        (
+            "inertia",
+            "equations, likely inertia",
+            "By coordinate: equations",
+        ),
+        ("driver", "driver, likely share", "Over time: driver"),
+        ("order", "integration: off by", "Over time: integration"),
+    ] {
         commit(folder.path(), fault);
         let ran = run_in(folder.path(), words(compare));
+        let said = format!("{fault}: {}{}", ran.stdout, ran.stderr);
         let lines: Vec<&str> = ran.stdout.lines().take(12).collect();
-        let stage = lines.iter().find(|line| line.starts_with("stage"));
-        assert_eq!(
-            stage.is_some(),
-            !named.is_empty(),
-            "{fault}: {}{}",
-            ran.stdout,
-            ran.stderr
-        );
-        assert!(
-            stage.is_none_or(|line| line.contains(named)),
-            "{}",
-            ran.stdout
-        );
+        let mut stages = lines.iter().filter(|line| line.starts_with("stage"));
+        let stage = stages.next();
+        assert_eq!(stage.is_some(), !named.is_empty(), "{said}");
+        assert!(stage.is_none_or(|line| line.contains(named)), "{said}");
         let page = std::fs::read_to_string(folder.path().join("out/index.html")).expect("a page");
-        assert_eq!(
-            page.contains("By place on a lobe"),
-            !named.is_empty(),
-            "{fault}"
-        );
+        assert!(page.contains(drawn), "{said}");
+        assert_eq!(page.contains("off above"), !named.is_empty(), "{said}");
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use pinwheel_gearbox::{Gearbox, GearboxError};
 use pinwheel_scene::{Layout, Scene, SceneError, preset};
+use serde_json::Value;
 
 use crate::evaluator::{Evaluator, LOAD, STATE, numbers};
 
@@ -111,6 +112,12 @@ impl Law {
             None => Scene::load(spec, &[])?,
         };
         let mut law = Self::of(&Gearbox::new(&scene)?)?;
+        // A job may begin elsewhere than its scene does.
+        if let Some(start) = job.as_deref().and_then(start_of_job)
+            && start.len() == law.start.len()
+        {
+            law.start = start;
+        }
         law.job = job;
         Ok(law)
     }
@@ -194,6 +201,15 @@ impl Drop for Law {
         // A folder that is not writable is no reason to fail.
         let _ = file.and_then(|mut file| writeln!(file, "{}", self.calls));
     }
+}
+
+/// States of all bodies at the start, as a job's file has them.
+fn start_of_job(folder: &Path) -> Option<Vec<f64>> {
+    let text = std::fs::read(folder.join(JOB_FILE)).ok()?;
+    let job: Value = serde_json::from_slice(&text).ok()?;
+    let start = |body: &Value| serde_json::from_value::<[f64; STATE]>(body["start"].clone()).ok();
+    let all: Option<Vec<_>> = job["bodies"].as_array()?.iter().map(start).collect();
+    Some(all?.concat())
 }
 
 /// Returns true if the argument can only be the text of a scene.

@@ -46,7 +46,10 @@ pub fn find(name: &str, scene: &Scene) -> Result<Box<dyn Engine>, ChoiceError> {
         }
         let mut known = vec!["native"];
         known.extend(registry.iter().map(|engine| engine.name()));
-        let remedy = did_you_mean(&name, &known);
+        let remedy = match name.ends_with(".toml") {
+            true => format!("a solver of your own joins by `--solver {name}`"),
+            false => did_you_mean(&name, &known),
+        };
         ChoiceError::Unknown { name, remedy }
     })
 }

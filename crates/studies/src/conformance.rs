@@ -6,8 +6,8 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{LazyLock, OnceLock};
 use std::time::{Duration, Instant};
 
 use pinwheel_compare::quantities::{Quantity, derive};
@@ -22,14 +22,16 @@ use pinwheel_timeseries::convergence::{self, KINKS, Method, ORDER_MARGIN, Rough,
 use pinwheel_timeseries::norms::{View, mean, relative_l2};
 use pinwheel_timeseries::{TimeSeries, columns};
 use quick_junit::TestSuite;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use crate::StudyError;
 use crate::control::{Control, Progress, compile};
 use crate::junit::{self, State};
 use crate::output::OutputError;
 use crate::provenance::{Provenance, Summary};
-use crate::stages::of_engine;
+use crate::stages::{Located, of_engine};
 
 /// One trial.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -57,6 +59,8 @@ pub struct Outcome {
     pub answer: String,
     /// One a trial, in their order.
     pub findings: Vec<Finding>,
+    /// Stages at the first failure that shows them.
+    pub stages: Option<Located>,
 }
 
 impl Outcome {
@@ -157,10 +161,13 @@ pub struct Trial {
     pub scenes: Vec<Held>,
 }
 
-/// A scene that is held against the native run.
+/// A scene that is held against the native run, or a case of the law vectors.
 #[derive(Debug, Clone, Deserialize)]
 pub struct Held {
     name: String,
+    /// Preset; `paper` if it names none.
+    #[serde(default)]
+    preset: Option<String>,
     /// Keys that it changes.
     pub set: Vec<String>,
 }
@@ -172,6 +179,26 @@ pub static TRIALS: LazyLock<Vec<Trial>> = LazyLock::new(|| {
     table.into_values().flatten().collect()
 });
 
+/// States and contact forces of all bodies of a case: case, body, x, y, angle, vx, vy, rate, force x and y, moment.
+type Vector = (String, usize, [f64; 6], f64, f64, f64);
+
+/// Cases and bodies of the law vectors.
+const VECTORS: [&str; 2] = [
+    include_str!(concat!(
+        env!("PINWHEEL_SHIPPED"),
+        "/reference/law-vectors/cases.csv"
+    )),
+    include_str!(concat!(
+        env!("PINWHEEL_SHIPPED"),
+        "/reference/law-vectors/bodies.csv"
+    )),
+];
+
+fn rows<T: DeserializeOwned>(text: &str) -> Vec<T> {
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    reader.deserialize().filter_map(Result::ok).collect()
+}
+
 /// Solver, control and keys with which trials are made.
 struct Trials<'a> {
     solver: &'a Solver,
@@ -179,8 +206,8 @@ struct Trials<'a> {
     control: Control<'a>,
     /// Keys of every scene.
     set: [String; 2],
-    /// True until the stages of a failure were judged.
-    is_unexplained: AtomicBool,
+    /// Stages of the first failure that shows them.
+    stages: OnceLock<Located>,
 }
 
 /// Tries a solver.
@@ -197,7 +224,7 @@ pub fn check(solver: &Solver, control: &Control<'_>) -> Result<Outcome, StudyErr
             format!("contact.law={law}"),
             "solver.duration_s=0.02".to_owned(),
         ],
-        is_unexplained: AtomicBool::new(true),
+        stages: OnceLock::new(),
     };
     let mut findings: Vec<Finding> = Vec::new();
     for (done, trial) in TRIALS.iter().enumerate() {
@@ -226,6 +253,7 @@ pub fn check(solver: &Solver, control: &Control<'_>) -> Result<Outcome, StudyErr
         version: solver.version(),
         track,
         findings,
+        stages: trials.stages.into_inner(),
     })
 }
 
@@ -255,7 +283,7 @@ fn honoured(solver: &Solver) -> impl Iterator<Item = &'static str> {
 
 impl Trials<'_> {
     fn make(&self, trial: &Trial) -> Seen {
-        let scene = self.scene(&trial.set)?;
+        let scene = self.scene("paper", &trial.set)?;
         match trial.name.as_str() {
             "runs" => self.runs(&scene),
             "repeats" => self.repeats(&scene),
@@ -270,19 +298,31 @@ impl Trials<'_> {
             "laws" => {
                 let law = |name: &str| Held {
                     name: name.to_owned(),
+                    preset: None,
                     set: vec![format!("contact.law={name}")],
                 };
-                self.all_held(trial, &honoured(self.solver).map(law).collect::<Vec<_>>())
+                let laws: Vec<Held> = honoured(self.solver).map(law).collect();
+                self.all_held(trial, &laws, &|_, scene| self.held(scene))
             }
-            _ => self.all_held(trial, &trial.scenes),
+            "law vectors" if !self.shares_the_law() => skipped("contacts of its own"),
+            "law vectors" => {
+                let case = |(name, preset, set): (String, String, String)| Held {
+                    name,
+                    preset: Some(preset),
+                    set: set.split_whitespace().map(str::to_owned).collect(),
+                };
+                let cases: Vec<Held> = rows(VECTORS[0]).into_iter().map(case).collect();
+                self.all_held(trial, &cases, &|case, scene| self.vector(case, scene))
+            }
+            _ => self.all_held(trial, &trial.scenes, &|_, scene| self.held(scene)),
         }
     }
 
-    /// The preset `paper` with these keys.
-    fn scene(&self, set: &[String]) -> Result<CheckedScene, Miss> {
+    /// A preset with these keys.
+    fn scene(&self, preset: &str, set: &[String]) -> Result<CheckedScene, Miss> {
         let keys = self.set.iter().chain(set).map(|key| key.parse());
         let keys: Result<Vec<Override>, _> = keys.collect();
-        Scene::load("paper", &keys.or_else(failed)?).or_else(failed)
+        Scene::load(preset, &keys.or_else(failed)?).or_else(failed)
     }
 
     fn shares_the_law(&self) -> bool {
@@ -359,28 +399,64 @@ impl Trials<'_> {
         right(off, RIGHT, &fine, &truth).or_else(|miss| self.located(&scene, miss))
     }
 
+    /// Holds the first row of a run from a state of the law vectors against their forces.
+    fn vector(&self, case: &str, scene: &CheckedScene) -> Result<f64, Miss> {
+        let short = scene.changed(|scene| {
+            let solver = &mut scene.solver;
+            (solver.duration_s, solver.sample_s, solver.step_s) = (1e-7, 1e-7, 1e-7);
+        });
+        let short = short.or_else(failed)?;
+        let gearbox = compile(&short)?;
+        let mut bodies: Vec<Vector> = rows(VECTORS[1]);
+        bodies.retain(|body| body.0 == case);
+        let job = |mut job: Value| {
+            let all = job["bodies"].as_array_mut().into_iter().flatten();
+            all.zip(&bodies)
+                .for_each(|(body, (_, _, start, ..))| body["start"] = json!(start));
+            job.to_string()
+        };
+        let run = self.solver.run_job(&gearbox, job, &self.control)?;
+        let row = run.whole().or_else(failed)?.time_series.select(&[0]);
+        let mut truth = TimeSeries::new(vec![0.0]).unwrap_or_default();
+        let names = columns::of_gearbox(
+            gearbox.layout.external_sleeves,
+            gearbox.layout.internal_sleeves,
+        );
+        let pins = &bodies[gearbox.layout.external_bodies().start..];
+        for (name, pin) in names.filter(|name| name.contains("_force_n_")).zip(pins) {
+            let _ = truth.push(name, vec![pin.3.hypot(pin.4)]);
+        }
+        right(apart(&row, &truth), FIRST, &row, &truth).or_else(|miss| self.located(scene, miss))
+    }
+
     /// Adds to the first failure the stage that is off.
     fn located<T>(&self, scene: &CheckedScene, miss: Miss) -> Result<T, Miss> {
         if let Miss::Ended(State::Failed, why) = &miss
             && self.shares_the_law()
-            && self.is_unexplained.swap(false, Ordering::Relaxed)
+            && self.stages.get().is_none()
             && let Some(found) = of_engine(self.solver, &compile(scene)?, 0.0, &self.control)?
         {
+            let found = self.stages.get_or_init(|| found);
             return failed(format!("{why}; {}", found.sentence()));
         }
         Err(miss)
     }
 
-    /// Holds the solver against the native one on several scenes. One that its manifest rules out is not held.
-    fn all_held(&self, trial: &Trial, scenes: &[Held]) -> Seen {
+    /// Holds the solver by `hold` on several scenes. One that its manifest rules out is not held.
+    fn all_held(
+        &self,
+        trial: &Trial,
+        scenes: &[Held],
+        hold: &dyn Fn(&str, &CheckedScene) -> Result<f64, Miss>,
+    ) -> Seen {
         let (mut worst, mut off, mut not) = (NATIVE, Vec::new(), Vec::new());
-        for Held { name, set } in scenes {
-            let scene = self.scene(set)?;
+        for Held { name, preset, set } in scenes {
+            let scene = self.scene(preset.as_deref().unwrap_or("paper"), set)?;
             if let Err(Halt::Ended(ending)) = self.solver.supports(&scene) {
                 not.push(format!("{name}: {ending}"));
                 continue;
             }
-            match self.held(&scene) {
+            match hold(name, &scene) {
                 Ok(near) => worst = worst.max(near),
                 Err(Miss::Ended(State::Failed, why))
                     if !(trial.may_refuse && why.contains(CANNOT)) =>
@@ -524,7 +600,8 @@ impl Trials<'_> {
 
     fn bad_ends(&self, scene: &CheckedScene) -> Seen {
         let gearbox = compile(scene)?;
-        let broken = self.solver.run_broken_job(&gearbox, &self.control)?;
+        let job = |_| "{\"protocol\": 1, \"sce".to_owned();
+        let broken = self.solver.run_job(&gearbox, job, &self.control)?;
         let broken = match broken.ending {
             Ending::Failed { reason } | Ending::Unsupported { reason } => reason,
             Ending::Finished => return failed("broken job: it said that it finished"),

@@ -3,7 +3,7 @@
  *
  *     solver JOB FAULT
  *
- * FAULT: none; friction, curvature, inertia, phase, step, damping, long-step. Plane vectors are complex numbers. */
+ * FAULT: none; friction, curvature, inertia, phase, step, damping, long-step, search, sum, driver, order. Plane vectors are complex numbers. */
 #include "pinwheel_law.h"
 
 #include <complex.h>
@@ -133,7 +133,8 @@ static void evaluate(double t, const double *y, double *slope)
     for (k = 2; k < 2 + wheels; k++) {
         double start = (M_PI - 2 * M_PI * (k - 2) / wheels) / (outer - 1);
         for (j = 2 + wheels; j < 2 + wheels + outer; j++)
-            on_profile(k, j, (place[j] - place[k]) * cexp(-I * angle[k]));
+            if (!has("search") || j != 2 + wheels + 3)
+                on_profile(k, j, (place[j] - place[k]) * cexp(-I * angle[k]));
         for (j = 0; j < inner; j++) {
             int sleeve = 2 + wheels + outer + j;
             point hole = place[k] + circle * cexp(I * (2 * M_PI * j / inner - start + angle[k]));
@@ -211,9 +212,10 @@ int main(int argc, char **argv)
         double driver = 0.0, output = 0.0;
         evaluate(times[sample], y, slope);
         for (k = 2; k < bodies; k++) {
-            driver -= carrier[k] == 0 ? cross(place[k], force[k]) : 0.0;
+            driver -= carrier[k] == 0 && !(has("driver") && k == 3) ? cross(place[k], force[k]) : 0.0;
             output += carrier[k] == 1 ? cross(place[k], force[k]) : 0.0;
         }
+        output *= has("sum") ? 1.02 : 1.0;
         fprintf(file, "%.17g,%.17g,%.17g,%.17g", times[sample], driver, output, angle[1]);
         for (k = 2; k < bodies; k++)
             if (carrier[k] != 0)
@@ -232,7 +234,7 @@ int main(int argc, char **argv)
             memset(sum, 0, sizeof sum);
             for (stage = 0; stage < 4; stage++, calls++) {
                 for (k = 0; k < 2 * bodies; k++)
-                    at[k] = y[k] + (stage ? node[stage] * h * slope[k] : 0.0);
+                    at[k] = y[k] + (stage ? (has("order") ? 0.5 : node[stage]) * h * slope[k] : 0.0);
                 evaluate(t + node[stage] * h, at, slope);
                 for (k = 0; k < 2 * bodies; k++)
                     sum[k] += weight[stage] * slope[k];

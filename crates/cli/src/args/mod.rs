@@ -140,7 +140,7 @@ pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) scene: SceneArgs,
     /// Engine, see `pinwheel engines`; `native` takes the formulation that the scene asks for [default: native].
-    #[arg(long, value_name = "NAME", conflicts_with = "solver")]
+    #[arg(long, value_name = "NAME")]
     pub(crate) engine: Option<String>,
     #[command(flatten)]
     pub(crate) solvers: Solvers,

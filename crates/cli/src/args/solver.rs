@@ -28,16 +28,21 @@ impl Solvers {
         names.map_err(Failure::input)
     }
 
-    /// The one engine that `names` and they give; `native` if there is none.
+    /// The one engine that `names` and they give, each counted once; `native` if there is none.
     pub(crate) fn only(&self, names: &[String]) -> Result<String, Failure> {
-        let joined = self.join()?;
-        let mut all = names.iter().chain(&joined);
-        match (all.next(), all.next()) {
-            (None, _) => Ok("native".to_owned()),
-            (Some(one), None) => Ok(one.clone()),
-            _ => Err(Failure::input(
-                "one engine runs here; name one, or compare one scene by several",
-            )),
+        let mut all = self.join()?;
+        let others = names.iter().filter(|name| !all.contains(name));
+        let others: Vec<String> = others.cloned().collect();
+        let engines = others.join(",");
+        all.extend(others);
+        match (all.as_slice(), self.files.first()) {
+            ([], _) => Ok("native".to_owned()),
+            ([one], _) => Ok(one.clone()),
+            (_, file) => Err(Failure::input(format!(
+                "one engine runs here, not {}; leave one out, or type `pinwheel compare SCENE --engines native,{engines} --solver {}`",
+                all.join(" and "),
+                file.map_or_else(|| "FILE".into(), |file| file.to_string_lossy())
+            ))),
         }
     }
 

@@ -34,6 +34,7 @@ use log::{Limits, SolverLog, WORDS, plain};
 pub use manifest::{Honours, Manifest, Stated};
 pub use pinwheel_law::job::{schema as job_schema, write as write_job};
 use result::{Found, JobFolder, Reply};
+use serde_json::Value;
 
 /// Exit status of a run whose numbers ran away.
 const DIVERGED: i32 = 3;
@@ -196,20 +197,19 @@ impl Solver {
         self.judge(gearbox, &handle, &ended, &log, message)
     }
 
-    /// Runs it on a job file that breaks off, for whoever wants to see what it does.
+    /// Runs it on a job file of another text than the scene's, made of it by `text`.
     ///
     /// # Errors
-    /// A stop. A sound solver fails.
-    pub fn run_broken_job(
+    /// A stop.
+    pub fn run_job(
         &self,
         gearbox: &Gearbox,
+        text: impl FnOnce(Value) -> String,
         control: &Control<'_>,
     ) -> Result<Run, Cancelled> {
-        let ran = self.drive(gearbox, control, |folder, _| {
-            Ok(std::fs::write(
-                folder.join(pinwheel_law::JOB_FILE),
-                "{\"protocol\": 1, \"sce",
-            )?)
+        let ran = self.drive(gearbox, control, |folder, library| {
+            let text = text(job::job(gearbox, library)?);
+            Ok(std::fs::write(folder.join(pinwheel_law::JOB_FILE), text)?)
         });
         settled(ran)
     }

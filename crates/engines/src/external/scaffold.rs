@@ -27,11 +27,12 @@ macro_rules! languages {
 }
 
 /// The languages that there are examples in: how they are typed, what the example is, the example.
-pub static LANGUAGES: [(&str, &str, Language); 4] = languages! {
+pub static LANGUAGES: [(&str, &str, Language); 5] = languages! {
     "c" "C, Runge-Kutta 4": "c-rk4" "solver.c", true;
     "cpp" "C++, Runge-Kutta 4": "cpp-rk4" "solver.cpp", true;
     "fortran" "Fortran, Heun": "fortran-heun" "solver.f90", false;
     "python" "Python, Heun": "python-heun" "solver.py", false;
+    "numpy" "Python with numpy, Runge-Kutta 4, contacts of its own": "numpy-contacts" "solver.py", false;
 };
 
 /// The header of the law library.

@@ -1,5 +1,6 @@
 //! The page and the table of `pinwheel solver check`.
 
+use crate::pages::comparison::stages::blocks;
 use crate::study::{Section, Study, Tone, Verdict};
 use crate::terminal::{self, BAD, GOOD, TITLE, styled};
 use pinwheel_studies::Provenance;
@@ -67,6 +68,9 @@ pub fn text(found: &Outcome) -> String {
 /// The page.
 #[must_use]
 pub fn page(found: &Outcome, made: &Provenance) -> String {
+    let stages = found.stages.iter();
+    let stages = stages.map(|located| Section::new("stages", "Stages").with(blocks(located)));
+    let trials = Section::new("trials", "Trials").with(table(found, false));
     let study = Study {
         title: found.solver.clone(),
         eyebrow: "Conformance of a solver".to_owned(),
@@ -78,7 +82,7 @@ pub fn page(found: &Outcome, made: &Provenance) -> String {
             headline: found.answer.clone(),
             detail: format!("{}; {}, {}", headline(found), found.version, found.track.as_str()),
         }),
-        sections: vec![Section::new("trials", "Trials").with(table(found, false))],
+        sections: stages.chain([trials]).collect(),
         ..Study::default()
     };
     crate::pages::render(study, made)

@@ -4,6 +4,7 @@ use pinwheel_gearbox::contacts::PairContact;
 use pinwheel_gearbox::{Frequencies, Gearbox};
 use pinwheel_mbs::OdeSystem as _;
 
+use super::fit::dot;
 use super::forces::{Columns, rows};
 use super::judged::{FLOW, Judged, ROUNDING, SAMPLES, Stage};
 use super::locate::{Located, by_columns, start};
@@ -64,7 +65,10 @@ pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
     let carried: Vec<Sample> = samples.iter().map(carried).collect();
     let native = rows(&mut second, &carried);
     let columns = Columns::held(b, &carried, written, native);
-    let mut stages = vec![start(&carried[0].y, &second)];
+    let of = states::Columns::of(b, &to);
+    let (begun, picture) = start(&carried[0].y, &second, &of.coordinates);
+    let mut stages = vec![begun];
+    let mut pictures = vec![picture];
     stages.extend(by_columns(&columns, None));
     // Both know their pairs, with and without force.
     let (mut deepest, mut apart, mut when) = (0.0_f64, 0.0, 0.0);
@@ -89,32 +93,34 @@ pub fn between(course: &Course<'_>, b: &Gearbox) -> Option<Located> {
     stages[1] = Judged::told(Stage::ContactSearch, off, ROUNDING, note);
     let is_open = |judged: &Judged| !judged.is_off() || judged.stage == Stage::Start;
     stages.push(if stages[..4].iter().all(is_open) {
-        let weights = strengths(b, &second, &states::Columns::of(b, &to));
-        let mut most: (f64, f64) = (0.0, 0.0);
+        let weights = strengths(b, &second, &of);
+        let (mut most, mut all) = ((0.0_f64, 0.0), Vec::new());
         for (own, other) in samples.iter().zip(&carried) {
             let mut of = [vec![0.0; own.y.len()], vec![0.0; other.y.len()]];
             first.derivative(own.time_s, &own.y, &mut of[0]);
             second.derivative(other.time_s, &other.y, &mut of[1]);
             let [a, b] = [places(&of[0], &from, &to, &of[1]), of[1].clone()];
             let off = a.iter().zip(&b).skip(weights.len()).zip(&weights);
-            let off = off
-                .map(|((a, b), weight)| ((a - b) * weight).powi(2))
-                .sum::<f64>()
-                .sqrt();
+            let row: Vec<f64> = off.map(|((a, b), weight)| (a - b) * weight).collect();
+            let off = dot(&row, &row).sqrt();
             if off > most.0 {
                 most = (off, own.time_s);
             }
+            all.push(row);
         }
+        pictures.push(columns.over_time(Stage::Equations, &all));
         let note = format!("accelerations most at t = {:.3e} s", most.1);
         Judged::told(Stage::Equations, most.0, FLOW, note)
     } else {
         Judged::untold(Stage::Equations, "hidden by an earlier stage")
     });
     stages.sort_by_key(|judged| judged.stage);
-    Some(Located {
+    pictures.extend(columns.pictures(&mut second, b.layout, &carried));
+    let located = Located {
         run: b.scene.name.clone(),
         stages,
         cause: None,
-        depth: columns.depth(&mut second, b.layout, &carried),
-    })
+        pictures,
+    };
+    Some(located.seen())
 }

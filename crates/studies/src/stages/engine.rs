@@ -5,6 +5,7 @@ use pinwheel_gearbox::{Frequencies, Gearbox};
 use pinwheel_timeseries::TimeSeries;
 
 use super::judged::{ORDER_MARGIN, Stage};
+use super::kept::of_record;
 use super::locate::{Located, Runs, locate};
 use super::{model, states};
 
@@ -30,9 +31,9 @@ pub fn of_engine(
     let Some(native) = model::Model::new(gearbox, Vec::new()) else {
         return Ok(None);
     };
-    let channels = states::Columns::of(gearbox, native.free()).channels();
+    let states = states::Columns::of(gearbox, native.free());
     let rad_s = Frequencies::of(&gearbox.scene).contact_rad_s;
-    let Ok(short) = gearbox.with_channels(channels) else {
+    let Ok(short) = gearbox.with_channels(states.channels()) else {
         return Ok(None);
     };
     let short = short.with_solver(|solver| {
@@ -51,7 +52,11 @@ pub fn of_engine(
     };
     let judge = |run: &TimeSeries, finer: Option<(&TimeSeries, f64)>| {
         let name = engine.name();
-        locate(gearbox, Runs { name, run, finer })
+        // Without states the columns alone may show a cause.
+        let by_columns = || of_record(gearbox, name, run);
+        let is_blind = !states.missing(run).is_empty();
+        let found = is_blind.then(by_columns).flatten();
+        found.or_else(|| locate(gearbox, Runs { name, run, finer }))
     };
     let Some(refinement) = engine.info().refinement else {
         return Ok(judge(&own, None));

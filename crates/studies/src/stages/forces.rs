@@ -7,14 +7,13 @@ use pinwheel_gearbox::Gearbox;
 use pinwheel_scene::{Layout, Sleeve};
 use pinwheel_timeseries::{TimeSeries, columns};
 
-use super::judged::Depth;
+use super::judged::Stage;
 use super::model::Model;
 use super::motion::Sample;
+use super::pictures::Picture;
 
 /// Forces below this share of the largest do not count as contacts.
 const TOUCHING: f64 = 1e-3;
-/// Places on a lobe.
-const PLACES: usize = 24;
 /// Column of the driver's torque, of the output's, and first of the forces.
 pub(super) const DRIVER: usize = 0;
 pub(super) const OUTPUT: usize = 1;
@@ -103,17 +102,24 @@ impl Columns {
         })
     }
 
-    /// Share of forces where only one of the two has a contact, and the first place in words.
-    pub(super) fn search(&self) -> (f64, String) {
+    /// True if only one of the two has a force there.
+    fn has_one_contact(&self, sample: usize, column: usize) -> bool {
+        let least = TOUCHING * self.scale[column];
+        let [one, other] = [&self.written, &self.native].map(|rows| rows[sample][column]);
+        (one == 0.0 && other > least) || (other == 0.0 && one > least)
+    }
+
+    /// Share of forces where only one of the two has a contact, and the first place in words. `both`: false where rates are
+    /// not known, so that a contact may part which the native one has.
+    pub(super) fn search(&self, both: bool) -> (f64, String) {
         let mut first = None;
         let mut count = 0;
-        for (k, (written, native)) in self.written.iter().zip(&self.native).enumerate() {
+        for k in 0..self.times.len() {
             for column in self.forces() {
-                let least = TOUCHING * self.scale[column];
-                let [one, other] = [written[column], native[column]];
-                if (one == 0.0 && other > least) || (other == 0.0 && one > least) {
+                let misses = self.written[k][column] == 0.0;
+                if self.has_one_contact(k, column) && (both || !misses) {
                     count += 1;
-                    first.get_or_insert((column, self.times[k], one == 0.0));
+                    first.get_or_insert((column, self.times[k], misses));
                 }
             }
         }
@@ -158,19 +164,29 @@ impl Columns {
         rows.iter().flat_map(shares).collect()
     }
 
-    /// Residuals of the forces over time, pins and the profile.
-    pub(super) fn depth(
+    /// Draws the largest residual of each sample.
+    pub(super) fn over_time(&self, stage: Stage, rows: &[Vec<f64>]) -> Picture {
+        Picture::over_time(stage, &self.times, &[("residual", rows)])
+    }
+
+    /// Pictures of contact search, law, assembly and driver.
+    pub(super) fn pictures(
         &self,
         native: &mut Model<'_>,
         layout: Layout,
         samples: &[Sample],
-    ) -> Depth {
-        let square = |k: usize, column: usize| self.off(k, column).powi(2);
-        let mean = |column: usize| {
-            let all: f64 = (0..samples.len()).map(|k| square(k, column)).sum();
-            (all / samples.len() as f64).sqrt()
+    ) -> Vec<Picture> {
+        let rows = |off: &dyn Fn(usize, usize) -> f64, of: Range<usize>| -> Vec<Vec<f64>> {
+            let row = |k| of.clone().map(|column| off(k, column)).collect();
+            (0..samples.len()).map(row).collect()
         };
-        let mut places = [(0.0, 0.0); PLACES];
+        let off = |k, column| self.off(k, column);
+        let alone = |k, column| match self.has_one_contact(k, column) {
+            true => self.off(k, column),
+            false => 0.0,
+        };
+        // Ring pins and places on a lobe where they touch, by sample.
+        let mut lobes = Vec::new();
         for (k, sample) in samples.iter().enumerate() {
             let (bodies, pairs) = native.pairs(sample.time_s, &sample.y);
             for pair in pairs {
@@ -180,27 +196,23 @@ impl Columns {
                 let disc = &bodies[layout.wheel_bodies().start + pair.wheel];
                 let polar = (pair.point[1] - disc.y).atan2(pair.point[0] - disc.x) - disc.angle;
                 let lobe = (polar * (layout.external_sleeves - 1) as f64 / TAU).rem_euclid(1.0);
-                let (sum, count) = &mut places[(lobe * PLACES as f64) as usize % PLACES];
-                *sum += square(k, FORCES + pin);
-                *count += 1.0;
+                lobes.push((k, pin, lobe));
             }
         }
-        Depth {
-            time_s: self.times.clone(),
-            force: (0..samples.len())
-                .map(|k| {
-                    self.forces()
-                        .map(|column| self.off(k, column).abs())
-                        .fold(0.0, f64::max)
-                })
-                .collect(),
-            motion: Vec::new(),
-            pins: self.forces().map(mean).collect(),
-            profile: places
-                .iter()
-                .map(|(sum, count): &(f64, f64)| (sum / count).sqrt())
-                .collect(),
+        let mut all = Vec::new();
+        for (stage, rows) in [
+            (Stage::ContactSearch, rows(&alone, self.forces())),
+            (Stage::Law, rows(&off, self.forces())),
+        ] {
+            let at = lobes.iter().map(|(k, pin, lobe)| (*lobe, rows[*k][*pin]));
+            all.push(self.over_time(stage, &rows));
+            all.push(Picture::over_columns(stage, &rows, Vec::new()));
+            all.push(Picture::over_lobe(stage, at));
         }
+        for (stage, column) in [(Stage::Assembly, OUTPUT), (Stage::Driver, DRIVER)] {
+            all.push(self.over_time(stage, &rows(&off, column..column + 1)));
+        }
+        all
     }
 }
 

@@ -108,21 +108,6 @@ impl Judged {
     }
 }
 
-/// Residuals over time, pins and the profile.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Depth {
-    /// Times of the samples, s.
-    pub time_s: Vec<f64>,
-    /// Largest residual of a pin's force at each of them, as a share of the largest force.
-    pub force: Vec<f64>,
-    /// Residual of the motion over the interval that begins there; empty where states are missing.
-    pub motion: Vec<f64>,
-    /// Root mean square residual of each pin's force, as a share of the largest force: external, then internal.
-    pub pins: Vec<f64>,
-    /// Root mean square residual of ring pins by the place of contact on a lobe, from one pit to the next; NaN: no contact.
-    pub profile: Vec<f64>,
-}
-
 /// A share in words.
 pub(super) fn percent(share: f64) -> String {
     let percent = 100.0 * share;

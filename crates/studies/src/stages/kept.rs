@@ -5,7 +5,6 @@ use pinwheel_scene::{Layout, Start};
 use pinwheel_timeseries::{TimeSeries, columns};
 
 use super::cause::{Values, cause};
-use super::judged::Depth;
 use super::judged::{Judged, SURE, Stage};
 use super::locate::{Located, Runs, SHOWN, locate};
 use super::model::Model;
@@ -62,7 +61,7 @@ pub(crate) fn of_kept(
         run: kept.name.to_owned(),
         stages: Stage::ALL.map(stage).into(),
         cause,
-        depth: Depth::default(),
+        pictures: Vec::new(),
     })
 }
 

@@ -3,14 +3,15 @@
 use std::ops::Range;
 
 use pinwheel_gearbox::Gearbox;
-use pinwheel_scene::{Layout, load_profile};
+use pinwheel_scene::load_profile;
 use pinwheel_timeseries::TimeSeries;
 use serde::Serialize;
 
 use super::cause::{Cause, cause, changes};
-use super::judged::{Depth, EXPLAINED, FLOW, Judged, ROUNDING, SAMPLES, SURE, Stage, percent};
+use super::judged::{EXPLAINED, FLOW, Judged, ROUNDING, SAMPLES, SURE, Stage, percent};
 use super::model::{Changes, Model};
 use super::motion::{self, Motion};
+use super::pictures::Picture;
 use super::suspects::Suspect;
 use super::{forces, states};
 
@@ -23,8 +24,8 @@ pub struct Located {
     pub stages: Vec<Judged>,
     /// The likely cause.
     pub cause: Option<Cause>,
-    /// Residuals in detail.
-    pub depth: Depth,
+    /// Residuals of the stages that are off.
+    pub pictures: Vec<Picture>,
 }
 
 impl Located {
@@ -58,6 +59,7 @@ impl Located {
         };
         match &self.cause {
             Some(cause) => format!("{}, {}", first.name(), cause.words()),
+            None if first == Stage::Integration => self.off(),
             None => self.off() + "; no known fault explains it",
         }
     }
@@ -72,6 +74,17 @@ impl Located {
             let residual = percent(judged.residual.unwrap_or(f64::NAN));
             format!("{name}: off by {residual}, {note}")
         })
+    }
+
+    /// Leaves the pictures of stages that are off, where they show something.
+    pub(super) fn seen(mut self) -> Self {
+        let off = self.stages.iter().filter(|judged| judged.is_off());
+        let off: Vec<Stage> = off.map(|judged| judged.stage).collect();
+        self.pictures.retain(|picture| {
+            let mut values = picture.curves.iter().flat_map(|(_, values)| values);
+            off.contains(&picture.stage) && values.any(|value| *value > 0.0)
+        });
+        self
     }
 
     /// Returns the sentence of [`words`](Self::words) with the native runs that confirm the cause.
@@ -89,7 +102,7 @@ impl Located {
 /// Distance of a run from a native one, relative, of which nothing has to be explained.
 const NEAR: f64 = 1e-5;
 /// One of so many intervals is fitted by changes of the model, each of which costs two flows or more; without friction and with it.
-const FITTED: [usize; 2] = [3, 1];
+const FITTED: [usize; 2] = [6, 4];
 /// Samples of the native run that shows a cause.
 pub(super) const SHOWN: usize = 60;
 
@@ -116,26 +129,47 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         run: runs.name.to_owned(),
         stages: Vec::new(),
         cause: None,
-        depth: Depth::default(),
+        pictures: Vec::new(),
+    };
+    let mut samples = motion::samples(gearbox, &states, best, SAMPLES);
+    let start = match samples.first().filter(|first| first.time_s == 0.0) {
+        Some(first) => {
+            let (judged, picture) = start(&first.y, &native, &states.coordinates);
+            located.pictures.push(picture);
+            judged
+        }
+        None => Judged::untold(Stage::Start, "a sample at t = 0 would tell"),
     };
     if !missing.is_empty() {
         let note = format!("these columns would tell: {}", missing.join(", "));
         let blind = |stage| Judged::untold(stage, &note);
         located.stages = Stage::ALL.map(blind).into();
-        return Some(located);
+        located.stages[0] = start;
+        // Places alone say which pairs touch.
+        let known = native.start();
+        let half = known.len() / 2;
+        for sample in &mut samples {
+            sample.y[half..].copy_from_slice(&known[half..]);
+        }
+        if samples
+            .iter()
+            .all(|sample| sample.y.iter().all(|y| y.is_finite()))
+        {
+            let columns = forces::Columns::of(gearbox, &mut native, best, &samples)?;
+            let (differ, first) = columns.search(false);
+            located.stages[1] = Judged::told(Stage::ContactSearch, differ, 0.0, first);
+            let pictures = columns.pictures(&mut native, gearbox.layout, &samples);
+            located.pictures.extend(pictures);
+        }
+        return Some(located.seen());
     }
-    let samples = motion::samples(gearbox, &states, best, SAMPLES);
     let columns = forces::Columns::of(gearbox, &mut native, best, &samples)?;
-    located.depth = columns.depth(&mut native, gearbox.layout, &samples);
+    let pictures = columns.pictures(&mut native, gearbox.layout, &samples);
+    located.pictures.extend(pictures);
     let rough = runs.finer.and_then(|_| {
         let samples = motion::samples(gearbox, &states, runs.run, SAMPLES);
         forces::Columns::of(gearbox, &mut native, runs.run, &samples)
     });
-    let start = samples.first().filter(|first| first.time_s == 0.0);
-    let start = start.map_or_else(
-        || Judged::untold(Stage::Start, "a sample at t = 0 would tell"),
-        |first| self::start(&first.y, &native),
-    );
     located.stages = vec![start];
     located.stages.extend(by_columns(&columns, rough.as_ref()));
     let of_columns = || {
@@ -172,7 +206,9 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
             let rough = Motion::of(gearbox, &mut native, &states, runs.run, &samples)?;
             Some((rough, falls))
         });
-        located.depth.motion = fine.sizes();
+        let rougher = rough.as_ref().map(|(rough, _)| rough);
+        let pictures = fine.pictures(rougher, &states.coordinates);
+        located.pictures.extend(pictures);
         located
             .stages
             .extend(fine.judged(rough.as_ref().map(|(rough, falls)| (rough, *falls))));
@@ -219,7 +255,7 @@ pub fn locate(gearbox: &Gearbox, runs: Runs<'_>) -> Option<Located> {
         let mut distance = cause.distance.iter();
         distance.all(|[without, with]| *without < NEAR || *with <= 0.5 * without)
     });
-    Some(located)
+    Some(located.seen())
 }
 
 /// Judges contact search, law, assembly and driver by columns. `rough`: those of a run with a larger step, as forces that lag by a
@@ -233,7 +269,7 @@ pub(super) fn by_columns(
         let falls = rough.map_or(0.0, |rough| rough.worst(of).0 - residual);
         Judged::told(stage, residual, ROUNDING + falls.abs(), note)
     };
-    let (differ, first) = columns.search();
+    let (differ, first) = columns.search(true);
     [
         Judged::told(Stage::ContactSearch, differ, 0.0, first),
         column(Stage::Law, columns.forces()),
@@ -242,29 +278,30 @@ pub(super) fn by_columns(
     ]
 }
 
-/// Judges a first state by its largest difference from the scene's start, as a share of the state or of 1.
-pub(super) fn start(first: &[f64], native: &Model<'_>) -> Judged {
+/// Judges a first state by its largest difference from the scene's start, as a share of the state or of 1, and draws it over the
+/// named coordinates. NaN is not known.
+pub(super) fn start(
+    first: &[f64],
+    native: &Model<'_>,
+    coordinates: &[String],
+) -> (Judged, Picture) {
     let known = native.start();
     let off = |(a, b): (&f64, &f64)| (a - b).abs() / b.abs().max(1.0);
     let off: Vec<f64> = first.iter().zip(&known).map(off).collect();
-    let most = (0..off.len())
-        .max_by(|&a, &b| off[a].total_cmp(&off[b]))
-        .unwrap_or(0);
-    let half = known.len() / 2;
-    let kind = match (most % half < native.free().len(), most < half) {
-        (false, _) => "a place or speed of a disc",
-        (true, is_angle) => match (native.free()[most % half], is_angle) {
-            (Layout::OUTPUT, true) => "the output's angle",
-            (Layout::OUTPUT, false) => "the output's rate",
-            (_, true) => "an angle of a disc",
-            (_, false) => "a rate of a disc or pin",
-        },
-    };
+    let count = coordinates.len();
+    let told = (0..off.len()).filter(|k| off[*k].is_finite());
+    let most = told.max_by(|&a, &b| off[a].total_cmp(&off[b])).unwrap_or(0);
+    let of = &coordinates[most % count];
+    let kind = if most < count { "" } else { "rate of " };
     let note = format!(
-        "{kind} is {:.6} for {:.6} at t = 0",
+        "{kind}{of} is {:.6} for {:.6} at t = 0",
         first[most], known[most]
     );
-    Judged::told(Stage::Start, off[most], ROUNDING, note)
+    let both = (0..count).map(|k| off[k].max(off[count + k])).collect();
+    (
+        Judged::told(Stage::Start, off[most], ROUNDING, note),
+        Picture::over_columns(Stage::Start, &[both], coordinates.to_vec()),
+    )
 }
 
 /// Relative L2 distance of a run's forces from the native flow that starts where it starts, without changes and with them.

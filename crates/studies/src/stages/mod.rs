@@ -22,13 +22,15 @@ mod locate;
 mod model;
 mod motion;
 mod pairs;
+mod pictures;
 mod states;
 mod suspects;
 
 pub use cause::{Cause, Part};
 pub use designs::{Course, between};
 pub use engine::of_engine;
-pub use judged::{Depth, Judged, Stage};
+pub use judged::{Judged, Stage};
 pub(crate) use kept::{Kept, of_kept};
 pub use locate::{Located, Runs, locate};
 pub use pairs::of_comparison;
+pub use pictures::{Over, Picture};

@@ -1,13 +1,14 @@
 //! States of a run from its columns, in the coordinates of the reduced form.
 
 use pinwheel_gearbox::Gearbox;
-use pinwheel_scene::Layout;
 use pinwheel_timeseries::{TimeSeries, columns, group_of};
 
 /// Column of each coordinate of a gear and of its rate, in the order of the reduced form's y. `None`: a pin's angle, on which
 /// nothing depends.
 pub(super) struct Columns {
     names: Vec<Option<String>>,
+    /// Name of each coordinate in words.
+    pub(super) coordinates: Vec<String>,
     /// Number of free angles.
     angles: usize,
 }
@@ -16,29 +17,28 @@ impl Columns {
     /// Columns of a gear whose `free` bodies have angles of their own, and whose discs float or do not.
     pub(super) fn of(gearbox: &Gearbox, free: &[usize]) -> Self {
         let layout = gearbox.layout;
-        let wheel = |body: usize| body - layout.wheel_bodies().start;
-        let angle = |&body: &usize| match body {
-            Layout::OUTPUT => Some(columns::OUTPUT_ANGLE.to_owned()),
-            _ if layout.wheel_bodies().contains(&body) => {
-                Some(format!("wheel_angle_rad_{}", wheel(body)))
-            }
-            _ => None,
+        let kinds = [
+            ("disc", "wheel", layout.wheel_bodies()),
+            ("ring pin", "external_sleeve", layout.external_bodies()),
+            ("output pin", "internal_sleeve", layout.internal_bodies()),
+        ];
+        let kind = |of: &usize| {
+            let mut kinds = kinds.iter();
+            let kind = kinds.find(|(.., bodies)| bodies.contains(of));
+            kind.map(|(word, name, bodies)| (*word, *name, of - bodies.start))
         };
-        let rate = |&body: &usize| {
-            Some(match body {
-                Layout::OUTPUT => "output_rate_rad_s".to_owned(),
-                _ if layout.wheel_bodies().contains(&body) => {
-                    format!("wheel_rate_rad_s_{}", wheel(body))
-                }
-                _ if layout.external_bodies().contains(&body) => {
-                    let pin = body - layout.external_bodies().start;
-                    format!("external_sleeve_rate_rad_s_{pin}")
-                }
-                _ => {
-                    let pin = body - layout.internal_bodies().start;
-                    format!("internal_sleeve_rate_rad_s_{pin}")
-                }
-            })
+        let angle = |of: &usize| match kind(of) {
+            None => Some(columns::OUTPUT_ANGLE.to_owned()),
+            Some(("disc", name, disc)) => Some(format!("{name}_angle_rad_{disc}")),
+            Some(_) => None,
+        };
+        let rate = |of: &usize| match kind(of) {
+            None => Some("output_rate_rad_s".to_owned()),
+            Some((_, name, number)) => Some(format!("{name}_rate_rad_s_{number}")),
+        };
+        let turning = |of: &usize| match kind(of) {
+            None => "output".to_owned(),
+            Some((word, _, number)) => format!("{word} {number}"),
         };
         let floating = if gearbox.floats() { layout.wheels } else { 0 };
         let plane = |[x, y]: [&str; 2]| {
@@ -48,17 +48,21 @@ impl Columns {
         };
         let places = plane(["wheel_x_m", "wheel_y_m"]);
         let velocities = plane(["wheel_velocity_x_m_s", "wheel_velocity_y_m_s"]);
+        let floats =
+            (0..floating).flat_map(|w| ["x", "y"].map(|axis| format!("{axis} of disc {w}")));
+        let coordinates = free.iter().map(turning).chain(floats).collect();
         let angles = free.iter().map(angle).chain(places);
         let rates = free.iter().map(rate).chain(velocities);
         Self {
             names: angles.chain(rates).collect(),
+            coordinates,
             angles: free.len(),
         }
     }
 
     /// Number of coordinates that are places.
     pub(super) fn places(&self) -> usize {
-        self.names.len() / 2 - self.angles
+        self.coordinates.len() - self.angles
     }
 
     /// Columns beyond those that every run has.

@@ -7,15 +7,18 @@ use pinwheel_engines::{
 };
 use pinwheel_faults::{Armed, Fault};
 use pinwheel_gearbox::channels::{LawPairs, Seen};
+use pinwheel_gearbox::contacts::ContactField;
 use pinwheel_gearbox::internals::GearForces;
 use pinwheel_gearbox::{Frequencies, Gearbox, Recorder, native};
 use pinwheel_mbs::Detail;
 use pinwheel_mbs::integrators::{Segments, StepSettings, Stepper as _};
 use pinwheel_mbs::{
-    BodyState, Forces, Formulation as _, Mechanism, OdeSystem as _, Reduced, Wrench,
+    BodyState, Forces, Formulation as _, Mechanism, OdeSystem as _, Reduced, Wrench, add_pair,
 };
-use pinwheel_scene::{CheckedScene, Layout, Scene, load_profile};
-use pinwheel_studies::stages::{Course, Located, Runs, Stage, between, locate, of_engine};
+use pinwheel_scene::{CheckedScene, Layout, Scene, Sleeve, load_profile};
+use pinwheel_studies::stages::{
+    Course, Located, Over, Picture, Runs, Stage, between, locate, of_engine,
+};
 use pinwheel_timeseries::TimeSeries;
 
 use crate::gears::gear;
@@ -36,6 +39,12 @@ struct Solver {
     column: fn(usize) -> f64,
     /// Heun's method whose second stage is the first again.
     stale: bool,
+    /// The trapezoidal rule, implicit in the pins' rates, which are iterated until they change by less, rad/s; 0: not implicit.
+    tolerance: f64,
+    /// It writes no states.
+    blind: bool,
+    /// A ring pin whose contacts are not sought.
+    unsought: Option<usize>,
     /// Output pins that act by their levers of the start.
     frozen: bool,
     /// The driver's torque lacks the reaction of disc 0.
@@ -52,6 +61,9 @@ const RIGHT: Solver = Solver {
     mass: |_| {},
     column: |_| 1.0,
     stale: false,
+    tolerance: 0.0,
+    blind: false,
+    unsought: None,
     frozen: false,
     lost: false,
     longer: 1.0,
@@ -95,11 +107,13 @@ impl Engine for Solver {
     }
 }
 
-/// Forces, with moments on the output by the places of its pins at the start.
+/// Forces, with moments on the output by the places of its pins at the start, or without those of a ring pin.
 struct Frozen {
     inner: GearForces,
     start: Vec<BodyState>,
     pins: std::ops::Range<usize>,
+    field: ContactField,
+    unsought: Option<[usize; 3]>,
 }
 
 impl Forces for Frozen {
@@ -112,6 +126,21 @@ impl Forces for Frozen {
             ];
             loads[Layout::OUTPUT].moment += x * loads[pin].fy - y * loads[pin].fx;
         }
+        let Some([number, pin, discs]) = self.unsought else {
+            return;
+        };
+        self.field.touching(bodies, &mut |pair| {
+            let [fx, fy] = pair.force_on_sleeve();
+            if pair.sleeve == Sleeve::External(number) {
+                add_pair(
+                    loads,
+                    bodies,
+                    [pin, discs + pair.wheel],
+                    pair.point,
+                    [-fx, -fy],
+                );
+            }
+        });
     }
 
     fn restart_at(&mut self, from: f64) {
@@ -132,10 +161,19 @@ impl Solver {
             inner: GearForces::new(own).unwrap(),
             start: gearbox.initial_states(),
             pins: if self.frozen { pins } else { 0..0 },
+            field: own.contact_field().unwrap(),
+            unsought: self.unsought.map(|number| {
+                [
+                    number,
+                    own.layout.external_bodies().start + number,
+                    own.layout.wheel_bodies().start,
+                ]
+            }),
         };
         let mut system = native::reduced(own, mechanism, forces).unwrap();
         let mut field = own.contact_field().unwrap();
-        let mut recorder = Recorder::new(gearbox);
+        let plain = gearbox.with_channels(Vec::new()).unwrap();
+        let mut recorder = Recorder::new(if self.blind { &plain } else { gearbox });
         let mut y = system.initial();
         let step = self.longer * gearbox.scene.solver.step_s;
         let settings = StepSettings {
@@ -146,11 +184,15 @@ impl Solver {
         let mut stepper = Segments::start(self.method.0, settings, 0.0, &y, &breaks).unwrap();
         let mut before = 0.0;
         for t in gearbox.scene.solver.sample_times_s() {
-            if self.stale {
+            if self.stale || self.tolerance > 0.0 {
                 let steps = ((t - before) / step * (1.0 - 1e-9)).ceil().max(1.0);
                 let h = (t - before) / steps;
                 for k in 0..steps as usize {
-                    stale_heun(&mut system, before + k as f64 * h, h, &mut y);
+                    let from = before + k as f64 * h;
+                    match self.stale {
+                        true => stale_heun(&mut system, from, h, &mut y),
+                        false => implicit(&mut system, from, h, &mut y, self.tolerance),
+                    }
                 }
             } else {
                 while stepper.time() < t - 1e-9 * step {
@@ -207,6 +249,40 @@ fn stale_heun(system: &mut Reduced<Frozen>, t: f64, h: f64, y: &mut [f64]) {
         .for_each(|(y, slope)| *y += h * slope);
 }
 
+/// Heun's method, but for the pins' rates, which solve the trapezoidal rule.
+fn implicit(system: &mut Reduced<Frozen>, t: f64, h: f64, y: &mut [f64], tolerance: f64) {
+    let half = y.len() / 2;
+    let pins = half + system.free_bodies().partition_point(|&body| body < 4)..y.len();
+    let [mut first, mut last] = [vec![0.0; y.len()], vec![0.0; y.len()]];
+    system.derivative(t, y, &mut first);
+    let mut end: Vec<f64> = y
+        .iter()
+        .zip(&first)
+        .map(|(y, slope)| y + h * slope)
+        .collect();
+    end[pins.clone()].copy_from_slice(&y[pins.clone()]);
+    for _ in 0..50 {
+        system.derivative(t + h, &end, &mut last);
+        let solved = |k: usize| y[k] + 0.5 * h * (first[k] + last[k]);
+        let off = pins
+            .clone()
+            .map(|k| (solved(k) - end[k]).abs())
+            .fold(0.0, f64::max);
+        if off < tolerance {
+            break;
+        }
+        for k in pins.clone() {
+            end[k] = solved(k);
+        }
+    }
+    for k in 0..y.len() {
+        y[k] = match pins.contains(&k) {
+            true => end[k],
+            false => y[k] + 0.5 * h * (first[k] + last[k]),
+        };
+    }
+}
+
 fn scene(preset: &str, sets: &[&str]) -> CheckedScene {
     let sets: Vec<_> = sets.iter().map(|set| set.parse().unwrap()).collect();
     Scene::load(preset, &sets).unwrap()
@@ -255,6 +331,16 @@ fn holds(rows: Vec<Row>, scene: &CheckedScene) {
             found.words()
         ));
         assert_eq!(found.first(), Some(stage), "{name}: {}", found.sentence());
+        // Each stage that is off is drawn, over time unless it is the start.
+        for off in found.stages.iter().filter(|judged| judged.is_off()) {
+            let over = match off.stage {
+                Stage::Start => Over::Coordinates,
+                _ => Over::Time,
+            };
+            let mut drawn = found.pictures.iter();
+            let is_of = |picture: &Picture| picture.stage == off.stage && picture.over == over;
+            assert!(drawn.any(is_of), "{name}: {:?}", off.stage);
+        }
         let cause = found.cause.as_ref().map_or(&[][..], |cause| &cause.parts);
         assert_eq!(cause.len(), parts.len(), "{name}: {}", found.sentence());
         for (part, (word, size, within)) in cause.iter().zip(parts) {
@@ -276,7 +362,7 @@ const HOLES: fn(&mut Scene) =
 /// Sizes are those of the faults; tolerances ten times what was measured.
 #[test]
 fn names_faults() {
-    use Stage::{Assembly, Driver, Equations, Integration, Law, Start};
+    use Stage::{Assembly, ContactSearch, Driver, Equations, Integration, Law, Start};
     let stiff: fn(&mut Scene) = |s| s.contact.stiffness_multiplier *= 1.001;
     let rows: Vec<Row> = vec![
         (
@@ -411,6 +497,12 @@ fn names_faults() {
             &[("stiffness", 1e-3, 1e-6), ("damping", 0.1, 1e-2)],
         ),
         (
+            "a ring pin's contacts are not sought",
+            with(|s| s.unsought = Some(3)),
+            ContactSearch,
+            &[],
+        ),
+        (
             "load and a disc's inertia",
             with(|s| {
                 s.scene = |s| s.drive.output_torque_n_m *= 1.01;
@@ -464,6 +556,27 @@ fn names_faults_of_friction() {
         ),
     ];
     holds(rows, &scene("paper", &wide));
+}
+
+/// Friction that is solved to a loose tolerance, rad/s, is no fault of the equations; nor is one that is solved.
+#[test]
+fn names_friction_that_is_not_solved() {
+    let sets = [
+        "contact.friction_ramp_m_s=5e-3",
+        "contact.friction_coefficient=0.1",
+    ];
+    let wide = scene("paper", &sets);
+    for (tolerance, stage) in [(1e-9, None), (0.02, Some(Stage::Integration))] {
+        let solver = with(|s| (s.tolerance, s.method) = (tolerance, ("rk2", 2.0)));
+        let found = located(&solver, &wide, 0.0).unwrap();
+        let said = found.sentence();
+        assert_eq!(found.first(), stage, "{tolerance}: {said}");
+        assert_eq!(
+            said.contains("as where steps are solved to a loose tolerance"),
+            stage.is_some(),
+            "{said}"
+        );
+    }
 }
 
 /// An engine of others that takes the gear for another one.
@@ -721,19 +834,113 @@ fn accuses_no_engine_in_any_scene() {
     assert!(judged >= 9, "{judged}");
 }
 
-/// A solver that writes no states is judged by what it writes, as a record is, and hears which columns would tell.
+/// Locating takes no longer than the run that it is about.
+#[test]
+#[ignore = "weekly: whole runs"]
+fn locating_takes_no_longer_than_a_run() {
+    for preset in ["paper", "paper-bearings", "rv-320", "paper-friction"] {
+        let scene = scene(preset, &[]);
+        for name in [
+            "rapier-shared-law",
+            "exudyn-shared-law-explicit",
+            "ida-shared-law",
+        ] {
+            let Some(engine) = by_name(name, &scene) else {
+                continue;
+            };
+            let seconds = |run: &mut dyn FnMut() -> bool| {
+                let begun = std::time::Instant::now();
+                run().then(|| begun.elapsed().as_secs_f64())
+            };
+            let (gearbox, control) = (Gearbox::new(&scene).unwrap(), Control::quiet());
+            let run = seconds(&mut || {
+                let run = engine.run_compiled(&gearbox, &control);
+                run.is_ok_and(|run| run.ending.is_finished())
+            });
+            let found = seconds(&mut || located(engine.as_ref(), &scene, 0.0).is_some());
+            let (Some(run), Some(found)) = (run, found) else {
+                continue;
+            };
+            println!(
+                "| {preset} | {name} | {run:.2} s | {found:.2} s | {:.2} |",
+                found / run
+            );
+            assert!(found <= run, "{preset}, {name}: {found} s for {run} s");
+        }
+    }
+}
+
+/// A solver that writes a part of its states is judged by that part, and hears which columns would tell.
 #[test]
 fn asks_for_columns() {
-    let gearbox = Gearbox::new(&scene("paper", &["solver.duration_s=0.002"])).unwrap();
-    let run = RIGHT.integrate(&gearbox, &gearbox).time_series;
-    let (name, run, finer) = ("mine", &run, None);
-    let said = locate(&gearbox, Runs { name, run, finer })
-        .unwrap()
-        .sentence();
+    let gearbox = Gearbox::new(&scene("paper", &["solver.duration_s=0.004"])).unwrap();
+    let angles = gearbox
+        .with_channels(vec!["wheel_angle_rad_*".to_owned()])
+        .unwrap();
+    let all = "wheel_angle_rad_*, output_rate_rad_s, wheel_rate_rad_s_*";
+    let rates = "these columns would tell: output_rate_rad_s, wheel_rate_rad_s_*";
+    // Forces of all ring pins, those with a gap too.
+    for (asked, gap, told, missing) in [
+        (&gearbox, false, 1, all),
+        (&angles, false, 2, rates),
+        (&angles, true, 2, rates),
+    ] {
+        let mut run = RIGHT.integrate(asked, asked).time_series;
+        if gap {
+            let mut written = TimeSeries::new(run.time_s().to_vec()).unwrap();
+            for channel in run.channels() {
+                let add = if channel.name.starts_with("external_sleeve_force") {
+                    50.0
+                } else {
+                    0.0
+                };
+                let values = channel.values.iter().map(|value| value + add);
+                written
+                    .push(channel.name.clone(), values.collect())
+                    .unwrap();
+            }
+            run = written;
+        }
+        let (name, run, finer) = ("mine", &run, None);
+        let found = locate(asked, Runs { name, run, finer }).unwrap();
+        let is_told = found
+            .stages
+            .iter()
+            .filter(|judged| judged.residual.is_some());
+        assert_eq!(is_told.count(), told);
+        assert!(
+            found
+                .stages
+                .iter()
+                .any(|judged| judged.note.contains(missing)),
+            "{}",
+            found.sentence()
+        );
+        assert_eq!(
+            found.first(),
+            gap.then_some(Stage::ContactSearch),
+            "{}",
+            found.sentence()
+        );
+        assert_eq!(found.pictures.len(), if gap { 3 } else { 0 });
+    }
+}
+
+/// Columns alone show a change of the model, where a solver writes no states.
+#[test]
+fn names_a_fault_by_columns_alone() {
+    let solver = with(|s| {
+        s.blind = true;
+        s.scene = |s| s.drive.output_torque_n_m *= 2.0;
+    });
+    let found = located(&solver, &scene("paper", &[]), 0.0).unwrap();
+    let said = found.sentence();
     assert!(
-        said.contains("wheel_angle_rad_*, output_rate_rad_s, wheel_rate_rad_s_*"),
+        said.starts_with("stage equations, likely load: load twice"),
         "{said}"
     );
+    let found = located(&with(|s| s.blind = true), &scene("paper", &[]), 0.0).unwrap();
+    assert_eq!(found.first(), None, "{}", found.sentence());
 }
 
 /// The stage in which a model differs from another at the same states, key by key.

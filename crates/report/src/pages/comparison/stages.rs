@@ -1,8 +1,9 @@
 //! Stages in which an engine differs: a sentence on each, and its details.
 
+use crate::format::joined;
 use crate::study::{Axis, Block, Chart, Fact, Section, Series, Style};
 use pinwheel_studies::comparison::Outcome;
-use pinwheel_studies::stages::{Judged, Located};
+use pinwheel_studies::stages::{Judged, Located, Over, Picture, Stage};
 use pinwheel_timeseries::table::{Mark, Table};
 
 use super::words;
@@ -31,7 +32,7 @@ pub(super) fn section(found: &Outcome) -> Option<Section> {
     (!blocks.is_empty()).then(|| Section::new("stages", "Stages").with(blocks))
 }
 
-/// A table of the stages, and residuals over time, pins and the profile.
+/// A table of the stages, and pictures of those that are off.
 pub(in crate::pages) fn blocks(located: &Located) -> Vec<Block> {
     let share = |judged: &Judged, value: f64| match judged.residual {
         Some(_) => format!("{value:.1e}"),
@@ -56,49 +57,55 @@ pub(in crate::pages) fn blocks(located: &Located) -> Vec<Block> {
         .text("", "Bound", |judged| share(judged, judged.bound))
         .text("", "Where", |judged| &judged.note)
         .done();
-    let depth = &located.depth;
-    if depth.time_s.is_empty() {
-        return vec![Block::Table(table)];
-    }
-    let residual = || Axis::linear("Residual, share of the largest force");
-    let numbers = |count: usize| -> Vec<f64> { (0..count).map(|k| k as f64).collect() };
-    let mut over_time = vec![Series::line(
-        "forces",
-        depth.time_s.clone(),
-        depth.force.clone(),
-    )];
-    if depth.motion.len() == depth.time_s.len() {
-        let motion = Series::line("motion", depth.time_s.clone(), depth.motion.clone());
-        over_time.push(motion);
-    }
-    let places: Vec<f64> = numbers(depth.profile.len())
+    let charts: Vec<Chart> = located
+        .pictures
         .iter()
-        .map(|place| (place + 0.5) / depth.profile.len() as f64)
+        .map(|of| chart(located, of))
         .collect();
-    let pins = Series::line("pins", numbers(depth.pins.len()), depth.pins.clone());
-    let profile = Series::line("ring pins", places, depth.profile.clone());
-    let charts = vec![
-        Chart::new(
-            "At the run's own states",
-            Axis::linear("Time (s)"),
-            Axis::log("Residual"),
-            over_time,
+    match charts.is_empty() {
+        true => vec![Block::Table(table)],
+        false => vec![Block::Table(table), Block::Charts(charts)],
+    }
+}
+
+/// Residual of a stage over whatever it is drawn over, with the bound from which the stage is off.
+fn chart(located: &Located, picture: &Picture) -> Chart {
+    let (stage, names) = (picture.stage, picture.names.iter().enumerate());
+    let (x, over, style) = match picture.over {
+        Over::Time => ("Time (s)", "Over time", Style::Line),
+        Over::Pins => ("Pin: ring pins, then output pins", "By pin", Style::Points),
+        Over::Lobe => (
+            "Place: 0 and 1 tips of lobes, 0.5 the pit",
+            "By place on a lobe",
+            Style::Both,
         ),
-        Chart::new(
-            "By pin",
-            Axis::linear("Pin: ring pins, then output pins"),
-            residual(),
-            vec![pins.styled(Style::Points)],
-        ),
-        Chart {
-            note: "0 and 1 are the tips of lobes, 0.5 is the pit between them.".to_owned(),
-            ..Chart::new(
-                "By place on a lobe",
-                Axis::linear("Place, share of a lobe"),
-                residual(),
-                vec![profile],
-            )
-        },
-    ];
-    vec![Block::Table(table), Block::Charts(charts)]
+        Over::Coordinates => ("Coordinate", "By coordinate", Style::Points),
+    };
+    let share = match stage {
+        Stage::Start => "state",
+        Stage::ContactSearch | Stage::Law => "largest force",
+        Stage::Assembly | Stage::Driver => "largest torque",
+        Stage::Equations | Stage::Integration => "load's effect",
+    };
+    let curve = |(name, values): &(String, Vec<f64>)| Series {
+        tags: picture.names.clone(),
+        ..Series::line(name, picture.x.clone(), values.clone()).styled(style)
+    };
+    let mut series: Vec<Series> = picture.curves.iter().map(curve).collect();
+    let mut y = Axis::linear(format!("Residual, share of the {share}"));
+    if let (Over::Time, [first, .., last]) = (picture.over, &picture.x[..]) {
+        y.log = true;
+        let bounds = located.stages.iter().filter(|judged| judged.stage == stage);
+        let bound = |judged: &Judged| Series::line("off above", [*first, *last], [judged.bound; 2]);
+        series.extend(bounds.map(|judged| bound(judged).styled(Style::Dashed)));
+    }
+    Chart {
+        note: joined(", ", names.map(|(k, name)| format!("{k} {name}"))),
+        ..Chart::new(
+            format!("{over}: {}", stage.name()),
+            Axis::linear(x),
+            y,
+            series,
+        )
+    }
 }
