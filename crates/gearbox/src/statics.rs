@@ -1,9 +1,9 @@
 //! Statics: the angles at which a gearbox at rest carries its load, for a given input angle.
 //!
-//! The geometry is exact, and the scene's own law acts at rate 0, without damping and friction. Unknowns are the output's angle
-//! and the free coordinates of the discs. On eccentrics these are the discs' angles, on elastic bearings their places too;
-//! rigid cranks leave none. The residual of each disc is its force and moment in its free coordinates. The residual of the
-//! output is its moment together with the load:
+//! The geometry is exact, and the scene's own law acts at rate 0, without damping; friction acts where it is asked for
+//! (`friction`). Unknowns are the output's angle and the free coordinates of the discs. On eccentrics these are the discs' angles,
+//! on elastic bearings their places too; rigid cranks leave none. The residual of each disc is its force and moment in its free
+//! coordinates. The residual of the output is its moment together with the load:
 //!
 //! ```text
 //! F_i = 0, M_i = 0 for every disc i,    sum over discs of M_out,i + M_load = 0

@@ -1,8 +1,9 @@
 //! The hysteresis loop: the input locked, the load taken slowly to the rated torque, to its opposite, and back.
 //!
-//! Friction of a run fades at low speeds, and a slow load moves the output far more slowly than that. So a gear in which parts rub
-//! has so little mass on its loop that the loop may be fast: with times multiplied by s, masses by s^2 and damping by s all motions
-//! are those of the gear itself, but for friction, which now acts in full.
+//! Friction of a run fades at low speeds, and a slow load moves the output far more slowly than that. So a gear whose discs slide
+//! on pins has so little mass on its loop that the loop may be fast: with times multiplied by s, masses by s^2 and damping by s all
+//! motions are those of the gear itself, but for friction, which now acts in full. Bearings and sleeves on pins rub too steeply for
+//! this below their least speed: with these alone the loop has no width here, and statics gives it.
 
 use std::f64::consts::TAU;
 
@@ -37,7 +38,8 @@ const FASTEST_M_S: f64 = 1e3;
 pub struct Cycle {
     /// Mean of both branches at +3 % of the rated torque less that at -3 %, arcmin; `None` if the run diverged.
     pub lost_motion_arcmin: Option<f64>,
-    /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping.
+    /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping. `None` also where
+    /// friction fades on it.
     pub width_arcmin: Option<f64>,
     /// How far it may be off: by the run's own verification of the forces, by how far samples are apart, and by half of what
     /// the branches are apart there.
@@ -67,7 +69,9 @@ pub struct Cycle {
 pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cycle, StudyError> {
     let mut scene = Scene::clone(&gearbox.scene);
     let ramp_s = |scene: &Scene| SLOW * TAU / Scales::of(scene).modes_rad_s[0];
-    if scene.rubs() {
+    let rolls = scene.sleeve_drag().is_some_and(|drag| drag != [0.0; 2]);
+    let acts = scene.slides() && !rolls;
+    if acts {
         let rate = gearbox.error_scales().angle / ramp_s(&scene);
         hasten(&mut scene, f64::min(rate / SLIDES_RAD_S, 1.0));
     }
@@ -123,7 +127,8 @@ pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cyc
         Some((mean(LOST * rated)? - mean(-LOST * rated)?).abs())
     };
     let apart = |torque: f64, every: usize| both(torque, every).map(|(a, b)| (a - b).abs());
-    let width = |every: usize| apart(0.0, every);
+    let fades = scene.rubs() && !acts;
+    let width = |every: usize| apart(0.0, every).filter(|_| !fades);
     // Friction that gives way slowly leaves the angle at rest anywhere between the branches.
     let open = || Some(0.5 * apart(LOST * rated, 1)?.max(apart(-LOST * rated, 1)?));
     let error = found.run.uncertainty.as_ref().and_then(|u| u.error);

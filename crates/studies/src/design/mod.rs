@@ -66,6 +66,9 @@ const CURVE: usize = 20;
 /// Share by which the largest forces of two bearings differ that are sampled at other poses of the same mesh: of gears without
 /// errors 2.4e-4 at most, of four that were looked at.
 const ALIKE: f64 = 1e-2;
+/// Why a run's loop has no width.
+const FADES: &str =
+    "friction of bearings and sleeves fades in a run this slow; statics gives the hysteresis";
 /// Shares of the rated speed and torque of the efficiency's map.
 const SPEEDS: [f64; 2] = [0.5, 1.0];
 const TORQUES: [f64; 3] = [0.25, 0.5, 1.0];
@@ -346,7 +349,8 @@ fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<Figure> {
             LOOP_WIDTH.of(cycle.width_arcmin, cycle.width_uncertainty_arcmin),
         ]);
         for figure in &mut figures {
-            figure.withheld = ended(cycle.status).filter(|_| figure.value.is_none());
+            let why = ended(cycle.status).unwrap_or_else(|| FADES.to_owned());
+            figure.withheld = Some(why).filter(|_| figure.value.is_none());
         }
     }
     if let Some(rated) = efficiency.last() {
