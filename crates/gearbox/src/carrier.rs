@@ -91,6 +91,14 @@ impl Carrier {
         self
     }
 
+    /// Returns the carrier with bearings without damping.
+    pub(crate) fn undamped(mut self) -> Self {
+        if let Some(law) = self.law_mut() {
+            law.damping_n_s_m = 0.0;
+        }
+        self
+    }
+
     /// Returns the carrier with the deflections of bearings and supports under equal forces multiplied by `share`, and their
     /// clearance by `of_clearance`.
     pub(crate) fn share(&self, share: f64, of_clearance: f64) -> Self {

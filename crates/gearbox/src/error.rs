@@ -31,6 +31,9 @@ pub enum GearboxError {
         /// The load, N m.
         load_n_m: f64,
     },
+    /// Friction under which parts stay where they are.
+    #[error("friction leaves no balance: the gear locks itself")]
+    Locks,
     /// Change that the scene's checks refuse.
     #[error(transparent)]
     Refused(#[from] Fault),

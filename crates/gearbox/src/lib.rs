@@ -47,7 +47,6 @@ mod recorder;
 pub mod resolve;
 mod ring_frame;
 mod run_limits;
-mod slow_motion;
 pub mod statics;
 
 use pinwheel_scene::{self as scene, Layout, Sleeve, load_profile, speed_profile};
@@ -61,7 +60,6 @@ pub use gearbox::Gearbox;
 pub use geometry::Geometry;
 pub use pinwheel_timeseries::norms::{Distance, LoadFloor};
 pub use recorder::Recorder;
-pub use slow_motion::SlowMotion;
 
 /// Private items for the tests of this crate; not part of the interface.
 #[doc(hidden)]

@@ -1,9 +1,9 @@
 //! Statics: the angles at which a gearbox at rest carries its load, for a given input angle.
 //!
-//! The geometry is exact, and the scene's own law acts at rate 0, without damping and friction. Unknowns are the output's angle
-//! and the free coordinates of the discs. On eccentrics these are the discs' angles, on elastic bearings their places too;
-//! rigid cranks leave none. The residual of each disc is its force and moment in its free coordinates. The residual of the
-//! output is its moment together with the load:
+//! The geometry is exact, and the scene's own law acts at rate 0, without damping; friction acts where it is asked for
+//! (`friction`). Unknowns are the output's angle and the free coordinates of the discs. On eccentrics these are the discs' angles,
+//! on elastic bearings their places too; rigid cranks leave none. The residual of each disc is its force and moment in its free
+//! coordinates. The residual of the output is its moment together with the load:
 //!
 //! ```text
 //! F_i = 0, M_i = 0 for every disc i,    sum over discs of M_out,i + M_load = 0
@@ -15,6 +15,7 @@
 
 mod brackets;
 mod continuation;
+mod friction;
 mod newton;
 mod problem;
 
@@ -29,6 +30,7 @@ use crate::Layout;
 use crate::carrier::Carrier;
 use crate::contacts::{ContactField, PairContact};
 use crate::{Gearbox, GearboxError, load_profile};
+pub use friction::slow_efficiency;
 use problem::{Balanced, Free, GOAL, LEFT, OF_A_DISC, Problem, Size, TRACKED};
 
 /// Elastic twist allowed beyond the free play, in pitches (2 pi/zs): the guard of dynamic runs is 0.25.
@@ -120,6 +122,8 @@ pub struct Statics<'a> {
     repeats: u64,
     /// Residual at which Newton's method ends, relative to the load's size.
     goal: f64,
+    /// True if parts rub as they slide in `motion`.
+    rubs: bool,
     /// Unknowns and residuals of the balances so far, by the bits of input angle and load.
     known: HashMap<[u64; 2], (Vec<f64>, DVector<f64>)>,
 }
@@ -230,6 +234,7 @@ impl<'a> Statics<'a> {
             balances: 0,
             repeats: 0,
             goal: GOAL,
+            rubs: false,
             known: HashMap::new(),
             gearbox,
         })
@@ -414,11 +419,11 @@ impl<'a> Statics<'a> {
     }
 
     /// Adds the contacts' loads on the discs and returns the known moment on the output, N m. If that moment is not known, the
-    /// loads on the output's pins are added too, and 0 is returned.
+    /// loads on the output's pins are added too, and the moment is that of friction and seals.
     fn add_contacts(&mut self) -> f64 {
         if !self.field.work_from_angles() {
             self.field.add_loads(&self.bodies, &mut self.loads);
-            return 0.0;
+            return self.loads[Layout::OUTPUT].moment;
         }
         self.moments_by_body.fill(0.0);
         let mut request = Evaluation {
@@ -439,6 +444,7 @@ impl<'a> Statics<'a> {
         here: &DVector<f64>,
     ) -> Option<DMatrix<f64>> {
         let by_differences = match problem.free {
+            _ if self.rubs => true,
             Free::Output => true,
             Free::Angles => self.tells_moments,
             Free::Places => false,

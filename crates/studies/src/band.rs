@@ -1,7 +1,7 @@
 //! Figures of a gear under other contact laws, and with a fit: by statics.
 //!
 //! Several laws may be right for rollers of a pair of materials, and nothing here tells which is. So the same balances are
-//! made under each of them, at the same few poses. The envelope of what comes out is the band of a figure: an interval, not a
+//! made under each of them, at the same few poses and without friction. The envelope of what comes out is the band of a figure: an interval, not a
 //! distribution, and never added to the numerical uncertainty. It is a spread of models; data that would validate one of them
 //! are not known.
 //!
@@ -30,7 +30,7 @@ use pinwheel_timeseries::figure::definitions::{
 use pinwheel_timeseries::figure::{Figure, FigureDef};
 use serde::Serialize;
 
-use crate::balances::solve::{few_figures, few_figures_by};
+use crate::balances::solve::few_figures_by;
 use crate::control::{compile, of_scene};
 use crate::{Control, Progress, StudyError};
 
@@ -227,7 +227,9 @@ fn laws(scene: &Scene) -> Vec<(String, Scene)> {
 }
 
 fn figures_of(scene: &Scene, cancel: &AtomicBool) -> Result<Vec<Figure>, StudyError> {
-    few_figures(&compile(scene)?, cancel)
+    let gearbox = compile(scene)?;
+    let mut statics = Statics::new(&gearbox).map_err(|source| of_scene(scene, source))?;
+    few_figures_by(&mut statics, false, cancel)
 }
 
 /// Figures of a scene; `None` where it cannot be balanced.
@@ -285,7 +287,7 @@ pub(crate) fn of_known(
     if is_alone(scene) {
         return Ok(None);
     }
-    let Some(mut own) = balanced(few_figures_by(&mut known, control.cancel))? else {
+    let Some(mut own) = balanced(few_figures_by(&mut known, false, control.cancel))? else {
         return Ok(None);
     };
     let mut names = Vec::new();

@@ -17,6 +17,7 @@ mod flanks;
 mod floating;
 mod forces;
 mod frequencies;
+mod friction;
 mod gearbox;
 mod guard;
 mod kernels;

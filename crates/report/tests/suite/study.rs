@@ -27,6 +27,7 @@ fn sample() -> Study {
             value: "53".into(),
             unit: "times".into(),
             detail: "at 1e-4".into(),
+            ..Tile::default()
         }],
         sections: vec![Section {
             id: "work".into(),

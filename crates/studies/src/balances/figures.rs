@@ -22,6 +22,8 @@ pub(crate) struct Balances {
     pub(crate) parts: usize,
     /// Cranks carry the discs, as in an RV gear.
     pub(crate) on_cranks: bool,
+    /// Loads are those of a slow motion in which parts rub.
+    pub(crate) rubs: bool,
     /// Lost motion, arcmin.
     pub(crate) lost: Vec<f64>,
     /// Stiffness in either direction, N m/arcmin.
@@ -158,7 +160,7 @@ impl Balances {
             quantum: loaded.first().map_or(1.0, |pose| {
                 1.0 / (loaded.len() * pose.bearings.len()) as f64
             }),
-            bearing_force: Spread::of(loaded.iter().map(|pose| pose.largest_bearing_n())),
+            bearing_force: Spread::of(loaded.iter().map(|pose| pose.bearing_n)),
             error,
         }
     }
@@ -206,6 +208,7 @@ impl Balances {
     pub(crate) fn figures(&self) -> Vec<Figure> {
         let mut figures = parted(self.parts, |every, of| self.summed(every, of).figures());
         withhold_lost_motion(&mut figures, self.preloaded().as_ref());
+        self.withhold_forces(&mut figures);
         figures
     }
 
@@ -230,7 +233,7 @@ pub(crate) fn balanced(def: &FigureDef, value: f64) -> Figure {
 }
 
 /// The mean or the largest of what is one figure a pose.
-fn over(def: &FigureDef, value: f64, spread: &Spread) -> Figure {
+pub(super) fn over(def: &FigureDef, value: f64, spread: &Spread) -> Figure {
     balanced(def, value).over(spread, ROUNDING)
 }
 

@@ -68,6 +68,17 @@ pub(crate) struct Largest {
 }
 
 impl Largest {
+    /// The larger loads of two, with another number of pairs.
+    pub(super) fn or_larger(&self, other: &Self, touching: u32) -> Self {
+        Self {
+            touching,
+            force_n: self.force_n.max(other.force_n),
+            penetration_m: self.penetration_m.max(other.penetration_m),
+            pressure_pa: self.pressure_pa.max(other.pressure_pa),
+            pressure_sliding_w_m2: self.pressure_sliding_w_m2.max(other.pressure_sliding_w_m2),
+        }
+    }
+
     fn add(&mut self, pair: &Pair) {
         self.touching += 1;
         self.force_n = self.force_n.max(pair.force_n);
@@ -88,6 +99,10 @@ pub(crate) struct Pose {
     /// about it. Both are empty where only forces were wanted.
     pub(crate) pairs: Vec<Pair>,
     pub(crate) bearings: Vec<[f64; 2]>,
+    /// Force on the bearing that carries most, N.
+    pub(crate) bearing_n: f64,
+    /// Driver's torque in slow motion, N m; `None`: nothing rubs, or friction leaves no balance.
+    pub(crate) driver_n_m: Option<f64>,
 }
 
 /// Loads of a balance that are wanted.
@@ -115,8 +130,19 @@ impl Pose {
         load: f64,
         near: &mut Option<Equilibrium>,
     ) -> Result<Self, GearboxError> {
-        let gearbox = statics.gearbox();
         let found = statics.track(near, phi, load)?;
+        Ok(Self::of(statics, wanted, found, load))
+    }
+
+    /// The loads of a balance.
+    pub(super) fn of(
+        statics: &mut Statics<'_>,
+        wanted: Wanted<'_>,
+        found: &Equilibrium,
+        load: f64,
+    ) -> Self {
+        let gearbox = statics.gearbox();
+        let phi = found.input;
         let (touching, cranks) = match wanted {
             Wanted::Nothing => Default::default(),
             _ => (statics.touching(found), statics.on_cranks(found)),
@@ -143,6 +169,8 @@ impl Pose {
             largest: Default::default(),
             pairs: Vec::new(),
             bearings: Vec::new(),
+            bearing_n: 0.0,
+            driver_n_m: None,
         };
         if pressure.is_some() {
             pose.pairs.reserve(touching.len() + cranks.len());
@@ -167,7 +195,9 @@ impl Pose {
             let pair = Pair::loaded(contact);
             pose.add(pair, contact, pressure.map(|_| &eccentrics));
         }
-        Ok(pose)
+        let sizes = pose.bearings.iter().map(|[r, t]| r.hypot(*t));
+        pose.bearing_n = sizes.fold(0.0, f64::max);
+        pose
     }
 
     /// Adds a pair, which is kept with its place from the eccentrics where these are given.
@@ -179,12 +209,6 @@ impl Pose {
             pair.place_rad = from_eccentric(y.atan2(x), eccentrics[contact.wheel].angle);
             self.pairs.push(pair);
         }
-    }
-
-    /// Force on the bearing that carries most, N.
-    pub(crate) fn largest_bearing_n(&self) -> f64 {
-        let sizes = self.bearings.iter().map(|[r, t]| r.hypot(*t));
-        sizes.fold(0.0, f64::max)
     }
 
     /// Touching pairs of a disc.

@@ -1,9 +1,10 @@
 //! Figures of a gear by statics: balances over one period of the mesh, and what data sheets give of them.
 //!
 //! ```text
-//! poses ──> solve ──> mesh: pairs, sharing, pressure, bearings ──> figures, orders
+//! poses ──> solve ──> mesh: pairs, sharing, pressure, bearings ──> branches: friction ──> figures, orders
 //! ```
 
+pub(crate) mod branches;
 pub(crate) mod figures;
 pub(crate) mod mesh;
 pub(crate) mod orders;

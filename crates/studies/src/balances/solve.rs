@@ -19,8 +19,8 @@ use crate::{Control, StudyError};
 const STIFF: [f64; 2] = [0.5, 1.0];
 /// Share of the rated torque that stands for no load: contacts still decide where the output is.
 pub(crate) const NO_LOAD: f64 = 1e-4;
-/// Poses at which stiffness and lost motion are found.
-const POSES: usize = 24;
+/// Poses at which stiffness, lost motion and hysteresis are found.
+pub(crate) const POSES: usize = 24;
 /// Poses at which contact laws are compared.
 pub(crate) const FEW: usize = 24;
 
@@ -52,15 +52,19 @@ pub(crate) fn working_load(gearbox: &Gearbox) -> Result<f64, StudyError> {
 }
 
 /// All balances that figures are read off: the twist at a few of the poses, then the rated load and next to none at all of
-/// them; `step` is told which of these it is, from 0 on, the number of every pose, and of how many.
+/// them; with friction where `rubs`, which needs two more under the rated load. `step` is told which of these it is, from 0 on, the number of every pose, and of how many.
 pub(crate) fn balances(
     statics: &mut Statics<'_>,
     gearbox: &Gearbox,
     poses: &Poses,
-    working: f64,
+    (working, rubs): (f64, bool),
     step: &mut dyn FnMut(usize, usize, usize) -> Result<(), StudyError>,
 ) -> Result<Balances, StudyError> {
     let of_scene = |source| of_scene(&gearbox.scene, source);
+    let mut rubbing = match rubs {
+        true => Statics::rubbing(gearbox).map_err(of_scene)?,
+        false => None,
+    };
     let few = poses.few(POSES.min(poses.angles.len()));
     let (lost, stiffness) = twisted(statics, &few, gearbox, working, &mut |pose| {
         step(0, pose, few.angles.len())
@@ -76,7 +80,12 @@ pub(crate) fn balances(
                 _ if is_mirrored(gearbox) && done % poses.parts > 0 => Wanted::Nothing,
                 _ => Wanted::Forces,
             };
-            Pose::find(statics, wanted, phi, load, &mut near).map_err(of_scene)
+            let pose = Pose::find(statics, wanted, phi, load, &mut near);
+            let mut pose = pose.map_err(of_scene)?;
+            if let (1, Some(statics), Some(at)) = (stage, &mut rubbing, &near) {
+                pose.rub(statics, wanted, at, load);
+            }
+            Ok(pose)
         })
     };
     Ok(Balances {
@@ -86,6 +95,7 @@ pub(crate) fn balances(
         stiffness,
         loaded: at(1, working)?,
         unloaded: at(2, NO_LOAD * working)?,
+        rubs: rubbing.is_some(),
     })
 }
 
@@ -95,28 +105,30 @@ pub(crate) fn balances(
 /// A gear without load, or one that cannot be balanced; `cancel` was set.
 pub fn few_figures(gearbox: &Gearbox, cancel: &AtomicBool) -> Result<Vec<Figure>, StudyError> {
     let mut statics = Statics::new(gearbox).map_err(|source| of_scene(&gearbox.scene, source))?;
-    few_figures_by(&mut statics, cancel)
+    few_figures_by(&mut statics, true, cancel)
 }
 
-/// [`few_figures`] by a solver that may know some of the balances.
+/// [`few_figures`] by a solver that may know some of the balances, with friction or without.
 pub(crate) fn few_figures_by(
     statics: &mut Statics<'_>,
+    rubs: bool,
     cancel: &AtomicBool,
 ) -> Result<Vec<Figure>, StudyError> {
     let poses = Poses::of(&statics.gearbox().scene).few(FEW);
-    Ok(at_poses(statics, &poses, cancel)?.figures())
+    Ok(at_poses(statics, (&poses, rubs), cancel)?.figures())
 }
 
-/// All balances that figures are read off, at some poses.
+/// All balances that figures are read off, at some poses, with friction or without.
 pub(crate) fn at_poses(
     statics: &mut Statics<'_>,
-    poses: &Poses,
+    (poses, rubs): (&Poses, bool),
     cancel: &AtomicBool,
 ) -> Result<Balances, StudyError> {
     let gearbox = statics.gearbox();
     let working = working_load(gearbox)?;
     let control = Control::silent(cancel);
-    balances(statics, gearbox, poses, working, &mut |_, _, _| {
+    let load = (working, rubs);
+    balances(statics, gearbox, poses, load, &mut |_, _, _| {
         Ok(control.check()?)
     })
 }

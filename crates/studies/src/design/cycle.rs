@@ -1,4 +1,9 @@
 //! The hysteresis loop: the input locked, the load taken slowly to the rated torque, to its opposite, and back.
+//!
+//! Friction of a run fades at low speeds, and a slow load moves the output far more slowly than that. So a gear whose discs slide
+//! on pins has so little mass on its loop that the loop may be fast: with times multiplied by s, masses by s^2 and damping by s all
+//! motions are those of the gear itself, but for friction, which now acts in full. Bearings and sleeves on pins rub too steeply for
+//! this below their least speed: with these alone the loop has no width here, and statics gives it.
 
 use std::f64::consts::TAU;
 
@@ -20,12 +25,21 @@ const SAMPLES: f64 = 200.0;
 /// Rest between two ramps, as a share of a ramp.
 const REST: f64 = 0.25;
 
+/// Speed of the output on the loop of a gear in which parts rub, rad/s: friction fades below 1 rad/s.
+const SLIDES_RAD_S: f64 = 30.0;
+/// Largest ramp of the contacts' friction, relative to the speed of the output at the eccentricity.
+const RAMP: f64 = 1e-2;
+/// Least mass (kg) and moment of inertia (kg m^2) of a scene, and its largest speed of impacts, m/s.
+const LEAST: [f64; 2] = [1e-9, 1e-18];
+const FASTEST_M_S: f64 = 1e3;
+
 /// The loop of a slow run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Cycle {
     /// Mean of both branches at +3 % of the rated torque less that at -3 %, arcmin; `None` if the run diverged.
     pub lost_motion_arcmin: Option<f64>,
-    /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping.
+    /// Width of the loop at no load, arcmin; 0 without friction, but for what swings and the damping. `None` also where
+    /// friction fades on it.
     pub width_arcmin: Option<f64>,
     /// How far it may be off: by the run's own verification of the forces, by how far samples are apart, and by half of what
     /// the branches are apart there.
@@ -48,20 +62,26 @@ pub struct Cycle {
     pub closed_from: usize,
 }
 
-/// Runs the loop of a gear with that rated torque.
-pub(super) fn run(
-    gearbox: &Gearbox,
-    rated: f64,
-    control: &Control<'_>,
-) -> Result<Cycle, StudyError> {
-    let ramp = SLOW * TAU / Scales::of(&gearbox.scene).modes_rad_s[0];
+/// Runs the loop of a gear with that rated torque, N m.
+///
+/// # Errors
+/// Cancelled; a gear that cannot be compiled.
+pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cycle, StudyError> {
+    let mut scene = Scene::clone(&gearbox.scene);
+    let ramp_s = |scene: &Scene| SLOW * TAU / Scales::of(scene).modes_rad_s[0];
+    let rolls = scene.sleeve_drag().is_some_and(|drag| drag != [0.0; 2]);
+    let acts = scene.slides() && !rolls;
+    if acts {
+        let rate = gearbox.error_scales().angle / ramp_s(&scene);
+        hasten(&mut scene, f64::min(rate / SLIDES_RAD_S, 1.0));
+    }
+    let ramp = ramp_s(&scene);
     let rest = REST * ramp;
     let to = |time_s: f64, output_torque_n_m: f64, ramps: f64| LoadChange {
         time_s,
         output_torque_n_m,
         ramp_s: ramps * ramp,
     };
-    let mut scene = Scene::clone(&gearbox.scene);
     scene.drive.input_speed_rad_s = 0.0;
     scene.drive.speed_changes.clear();
     scene.drive.output_torque_n_m = 0.0;
@@ -107,7 +127,8 @@ pub(super) fn run(
         Some((mean(LOST * rated)? - mean(-LOST * rated)?).abs())
     };
     let apart = |torque: f64, every: usize| both(torque, every).map(|(a, b)| (a - b).abs());
-    let width = |every: usize| apart(0.0, every);
+    let fades = scene.rubs() && !acts;
+    let width = |every: usize| apart(0.0, every).filter(|_| !fades);
     // Friction that gives way slowly leaves the angle at rest anywhere between the branches.
     let open = || Some(0.5 * apart(LOST * rated, 1)?.max(apart(-LOST * rated, 1)?));
     let error = found.run.uncertainty.as_ref().and_then(|u| u.error);
@@ -126,6 +147,28 @@ pub(super) fn run(
         torque_n_m,
         angle_arcmin,
     })
+}
+
+/// Multiplies the times of a scene's motions by `s`.
+fn hasten(scene: &mut Scene, s: f64) {
+    let (mass, contact) = (&mut scene.mass, &mut scene.contact);
+    for body in [
+        &mut mass.input_shaft,
+        &mut mass.output_shaft,
+        &mut mass.wheel,
+        &mut mass.internal_sleeve,
+        &mut mass.external_sleeve,
+    ] {
+        body.mass_kg = (s * s * body.mass_kg).max(LEAST[0]);
+        body.moment_kg_m2 = (s * s * body.moment_kg_m2).max(LEAST[1]);
+    }
+    contact.damping_n_s_m *= s;
+    contact.impact_speed_m_s = (contact.impact_speed_m_s / s).min(FASTEST_M_S);
+    let ramp = RAMP * SLIDES_RAD_S * scene.gear.eccentricity_m;
+    contact.friction_ramp_m_s = contact.friction_ramp_m_s.min(ramp);
+    if let Some(bearing) = &mut scene.bearings.eccentric {
+        bearing.damping_n_s_m = bearing.damping_n_s_m.map(|damping| s * damping);
+    }
 }
 
 /// The angle where a monotone course of the torque passes `torque`.

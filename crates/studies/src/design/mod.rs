@@ -30,12 +30,10 @@ use std::path::Path;
 use pinwheel_engines::Native;
 use pinwheel_gearbox::auto::AUTO;
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError, SlowMotion};
+use pinwheel_gearbox::{Efficiency, Gearbox, GearboxError};
 use pinwheel_scene::{CheckedScene, Derived, Scene, derived, speed_profile};
 use pinwheel_timeseries::figure::Figure;
-use pinwheel_timeseries::figure::definitions::{
-    EFFICIENCY, EFFICIENCY_SLOW, LOOP_WIDTH, LOST_MOTION_RUN,
-};
+use pinwheel_timeseries::figure::definitions::{EFFICIENCY, LOOP_WIDTH, LOST_MOTION_RUN};
 use pinwheel_timeseries::table::{Column, Table};
 use serde::Serialize;
 
@@ -51,15 +49,16 @@ pub use crate::balances::orders::{ForceHarmonic, Harmonic};
 pub use crate::balances::solve::few_figures;
 pub use crate::balances::spread::Spread;
 pub use budget::{Rest, Share};
-pub use cycle::Cycle;
+pub use cycle::{Cycle, cycle};
 pub use drawing::{CHORD_M, Drawing};
 pub use joint::{Friction, Joint, Spring};
 pub use limits::{Answer, Limit, Limits};
 
-use crate::balances::figures::{LOST, parted, withhold_lost_motion};
+use crate::balances::branches::hysteresis;
+use crate::balances::figures::{LOST, withhold_lost_motion};
 use crate::balances::orders;
 use crate::balances::poses::Poses;
-use crate::balances::solve::{NO_LOAD, balances, is_mirrored, twist, working_load};
+use crate::balances::solve::{NO_LOAD, POSES, balances, is_mirrored, twist, working_load};
 use crate::balances::spread::ARCMIN;
 
 /// Points of the curve of torsion, on either side of 0.
@@ -67,13 +66,12 @@ const CURVE: usize = 20;
 /// Share by which the largest forces of two bearings differ that are sampled at other poses of the same mesh: of gears without
 /// errors 2.4e-4 at most, of four that were looked at.
 const ALIKE: f64 = 1e-2;
+/// Why a run's loop has no width.
+const FADES: &str =
+    "friction of bearings and sleeves fades in a run this slow; statics gives the hysteresis";
 /// Shares of the rated speed and torque of the efficiency's map.
 const SPEEDS: [f64; 2] = [0.5, 1.0];
 const TORQUES: [f64; 3] = [0.25, 0.5, 1.0];
-
-/// Why there is no efficiency of slow motion.
-const ALL_ROLL: &str = "all pins roll on the discs and none rubs on its own pin, so slow motion loses nothing; state \
-                        bearings.sleeve_friction_coefficient, or pins that do not turn";
 
 /// How the output twists against the locked input.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -250,7 +248,7 @@ fn figures_by(
         statics,
         gearbox,
         &poses,
-        working,
+        (working, true),
         &mut |stage, pose, all| {
             let what = ["torsion", "rated load", "no load"][stage];
             step(stage, &format!("{what}, pose {} of {all}", pose + 1))
@@ -276,7 +274,7 @@ fn figures_by(
     let (mut cycle, mut efficiency) = (None, Vec::new());
     if runs {
         step(done, "hysteresis loop")?;
-        cycle = Some(cycle::run(gearbox, rated, control)?);
+        cycle = Some(cycle::cycle(gearbox, rated, control)?);
         for speed in SPEEDS {
             for torque in TORQUES {
                 done += 1;
@@ -287,12 +285,14 @@ fn figures_by(
     }
     let mut figures = balances.figures();
     figures.extend(of_runs(cycle.as_ref(), &efficiency));
-    figures.extend(slow(statics, &poses, working).map_err(of_scene)?);
+    figures.extend(balances.slow_efficiency(statics, working));
+    figures.extend(hysteresis(statics, &poses.few(POSES), working)?);
     let preloaded = balances.preloaded();
     let is_loose = preloaded.is_none();
     withhold_lost_motion(&mut figures, preloaded.as_ref());
     figures.extend(balances.of_bearings(scene));
     figures.extend(limits::figures(&balances, scene));
+    balances.withhold_forces(&mut figures);
 
     let mut bearings = Bearing::all(&balances.loaded.iter().collect::<Vec<_>>());
     for bearing in &mut bearings {
@@ -330,37 +330,6 @@ fn figures_by(
     })
 }
 
-/// The efficiency of slow motion by statics; none of a gear at rest or without friction.
-fn slow(
-    statics: &mut Statics<'_>,
-    poses: &Poses,
-    working: f64,
-) -> Result<Vec<Figure>, GearboxError> {
-    let gearbox = statics.gearbox();
-    if gearbox.scene.drive.input_speed_rad_s == 0.0 || !gearbox.scene.rubs() {
-        return Ok(Vec::new());
-    }
-    let mut motion = SlowMotion::new(gearbox, working)?;
-    let none = |why: &str| vec![EFFICIENCY_SLOW.of(None, None).withheld(why.to_owned())];
-    if !motion.rubs() {
-        return Ok(none(ALL_ROLL));
-    }
-    let (mut last, mut torques) = (None, vec![None; poses.angles.len()]);
-    for number in poses.walk() {
-        let phi = poses.angles[number];
-        let at = statics.track(&mut last, phi, working)?;
-        torques[number] = motion.driver_torque(phi, &at.bodies);
-    }
-    let Some(torques) = torques.into_iter().collect::<Option<Vec<f64>>>() else {
-        return Ok(none("friction leaves no balance near the one without it"));
-    };
-    Ok(parted(poses.parts, |every, of| {
-        let mean = Spread::of(torques.iter().skip(of).step_by(every).copied()).mean;
-        let percent = 100.0 * motion.efficiency(mean).max(0.0);
-        vec![EFFICIENCY_SLOW.of(percent, 0.0)]
-    }))
-}
-
 /// The figures of runs.
 fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<Figure> {
     let ended = |status: &str| match status {
@@ -377,7 +346,8 @@ fn of_runs(cycle: Option<&Cycle>, efficiency: &[Operating]) -> Vec<Figure> {
             LOOP_WIDTH.of(cycle.width_arcmin, cycle.width_uncertainty_arcmin),
         ]);
         for figure in &mut figures {
-            figure.withheld = ended(cycle.status).filter(|_| figure.value.is_none());
+            let why = ended(cycle.status).unwrap_or_else(|| FADES.to_owned());
+            figure.withheld = Some(why).filter(|_| figure.value.is_none());
         }
     }
     if let Some(rated) = efficiency.last() {

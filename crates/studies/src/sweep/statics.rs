@@ -77,7 +77,7 @@ pub(super) struct Statics;
 impl Engine for Statics {
     fn info(&self) -> EngineInfo<'_> {
         EngineInfo {
-            differences: "No motion: inertia, damping and friction have no part.",
+            differences: "No motion: inertia and damping have no part, and friction in the forces alone.",
             summary: "balances at rest over one period of the mesh; for sweeps alone",
             ..EngineInfo::own(STATICS, SharedModel::Native)
         }
@@ -98,7 +98,7 @@ impl Engine for Statics {
             let solver = pinwheel_gearbox::statics::Statics::new(&gearbox);
             let mut solver = solver.map_err(|source| ended(of_scene(&gearbox.scene, source)))?;
             let poses = Poses::of(&gearbox.scene);
-            let found = at_poses(&mut solver, &poses, control.cancel).map_err(ended)?;
+            let found = at_poses(&mut solver, (&poses, true), control.cancel).map_err(ended)?;
             let all = figures(&found.figures());
             let stats = RunStats {
                 wall_s: wall.elapsed().as_secs_f64(),

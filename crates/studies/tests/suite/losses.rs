@@ -1,8 +1,8 @@
 //! Losses by friction, by cause: in the energy account of a run and in `design`.
 
 use pinwheel_engines::Native;
-use pinwheel_gearbox::statics::Statics;
-use pinwheel_gearbox::{Efficiency, Gearbox, SlowMotion};
+use pinwheel_gearbox::statics::{Statics, slow_efficiency};
+use pinwheel_gearbox::{Efficiency, Gearbox};
 use pinwheel_scene::{Override, Scene};
 use pinwheel_studies::{Control, design, single};
 use pinwheel_timeseries::EnergyAudit;
@@ -89,7 +89,7 @@ fn a_gear_without_losses_has_no_line_of_them() {
 }
 
 /// A printed 11:1 gear whose ring pins are held.
-const PRINTED: &str = r#"
+pub(crate) const PRINTED: &str = r#"
 [gear]
 pin_circle_radius_m = 0.0415
 external_sleeve_radius_m = 0.0045
@@ -125,17 +125,18 @@ fn efficiencies(gearbox: &Gearbox) -> [f64; 3] {
     let by_run = 100.0 * Efficiency::of(late).unwrap().of_losses;
     let load = gearbox.scene.drive.output_torque_n_m;
     let mut statics = Statics::new(gearbox).unwrap();
-    let mut motion = SlowMotion::new(gearbox, load).unwrap();
+    let mut motion = Statics::rubbing(gearbox).unwrap().unwrap();
     let gear = &gearbox.scene.gear;
     let period = std::f64::consts::TAU * gear.lobes() as f64 / gear.external_sleeves as f64;
     let mut last = None;
     let torques = (0..POSES).map(|k| {
         let phi = period * k as f64 / POSES as f64 / gearbox.scene.eccentric_per_input().abs();
         let at = statics.track(&mut last, phi, load).unwrap();
-        motion.driver_torque(phi, &at.bodies).unwrap()
+        let at = motion.turning(1.0, at, load).unwrap();
+        motion.driver_torque(&at, load)
     });
     let mean = torques.sum::<f64>() / POSES as f64;
-    let by_statics = 100.0 * motion.efficiency(mean);
+    let by_statics = 100.0 * slow_efficiency(gearbox, mean, load);
     [by_run, by_run * error.driver_torque, by_statics]
 }
 
@@ -143,8 +144,7 @@ fn efficiencies(gearbox: &Gearbox) -> [f64; 3] {
 #[test]
 fn no_efficiency_of_slow_motion_where_all_pins_roll() {
     let gearbox = Gearbox::new(&Scene::load("paper-friction", &[]).unwrap()).unwrap();
-    let load = gearbox.scene.drive.output_torque_n_m;
-    assert!(!SlowMotion::new(&gearbox, load).unwrap().rubs());
+    assert!(Statics::rubbing(&gearbox).unwrap().is_none());
     let found = design::run(&gearbox, false, &Control::quiet()).unwrap();
     let slow = found
         .figures

@@ -12,6 +12,7 @@ mod data_set;
 mod drawing;
 mod front;
 mod gears;
+mod hysteresis;
 mod joint;
 mod judge;
 mod lanes;

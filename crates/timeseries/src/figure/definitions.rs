@@ -67,6 +67,10 @@ definitions! { OF_DESIGNS, DIGITS;
         "of a slow loop of the load, the mean of both branches";
     LOOP_WIDTH = "hysteresis_width_arcmin", "width of the loop at no load", "arcmin",
         "what friction holds back, and what swings";
+    HYSTERESIS = "hysteresis_arcmin", "hysteresis", "arcmin",
+        "largest over the mesh: width of the loop that friction makes at 3 % of the rated torque, by statics, input locked";
+    HYSTERESIS_NO_LOAD = "hysteresis_no_load_arcmin", "hysteresis, no load", "arcmin",
+        "likewise at a ten-thousandth of the load; with seals it contains the play";
     EFFICIENCY = "efficiency_rated_percent", "efficiency, rated", "%",
         "by what a run loses";
     EFFICIENCY_SLOW = "efficiency_slow_percent", "efficiency, slow motion", "%",

@@ -1,0 +1,175 @@
+//! Balances with friction: everything that rubs slides, in a direction that a slow motion gives.
+//!
+//! Two motions give it. In the first the input turns under a constant load, and parts slide as in the ideal mesh. In the second
+//! the input is locked, the load rises or falls, and parts slide as the balance moves: du/dT = -J^-1 e, with J the derivatives of
+//! the residual with friction and e the output's moment. Sliding and balance are found in turn. Damping and inertia have no part.
+//! Pins that turn without a stated friction of their own roll freely.
+
+use std::sync::Arc;
+
+use nalgebra::DVector;
+use pinwheel_mbs::Wrench;
+
+use super::problem::{Free, LEFT, OF_A_DISC, Problem, TRACKED};
+use super::{Equilibrium, Motion, Statics};
+use crate::contacts::{self, Seals};
+use crate::scene::Scene;
+use crate::{Gearbox, GearboxError, Layout, speed_profile};
+
+/// Bore of sleeves that roll freely, m; any is right.
+const BORE_M: f64 = 1e-3;
+/// Speed at which everything slides, rad/s: of the input of a gear at rest, and of the output under a changing load.
+const SLIDES_RAD_S: f64 = 1e4;
+/// Most rounds of sliding and balance, and the change of a balance that ends them, relative to the contacts' depths and twists.
+const ROUNDS: usize = 40;
+const KNOWN: f64 = 1e-6;
+
+/// Leaves of a scene what slow motion has.
+fn slow(mut scene: Scene) -> Scene {
+    let (contact, bearings) = (&mut scene.contact, &mut scene.bearings);
+    (contact.damping_n_s_m, contact.restitution) = (0.0, 1.0);
+    if contact.friction_coefficient > 0.0 {
+        bearings.sleeve_friction_coefficient.get_or_insert(0.0);
+        bearings.sleeve_bore_m.get_or_insert(BORE_M);
+    }
+    scene
+}
+
+impl<'a> Statics<'a> {
+    /// Creates the solver of a gear in slow motion; `None`: nothing rubs.
+    ///
+    /// # Errors
+    /// See [`Gearbox::contact_field`].
+    pub fn rubbing(gearbox: &'a Gearbox) -> Result<Option<Self>, GearboxError> {
+        let scene = slow(gearbox.scene.clone().into_scene());
+        if !scene.rubs() {
+            return Ok(None);
+        }
+        let mut statics = Self::new(gearbox)?;
+        statics.field = contacts::contacts(&scene, &gearbox.geometry, gearbox.kernel)?;
+        statics.field.seals = Seals::of(&scene);
+        statics.carrier = Arc::new(gearbox.carrier.clone().undamped());
+        (statics.rubs, statics.goal) = (true, TRACKED);
+        Ok(Some(statics))
+    }
+
+    /// Solves the balance under `load` (N m) while the input turns, from the one without friction at its angle. `way`: 1 in the
+    /// scene's direction, -1 in the other.
+    ///
+    /// # Errors
+    /// [`GearboxError::Locks`]
+    pub fn turning(
+        &mut self,
+        way: f64,
+        near: &Equilibrium,
+        load: f64,
+    ) -> Result<Equilibrium, GearboxError> {
+        let geometry = &self.gearbox.geometry;
+        let speed = match speed_profile::fastest_rad_s(&self.gearbox.scene.drive) {
+            0.0 => way * SLIDES_RAD_S,
+            speed => way * speed,
+        };
+        let slow = geometry.ideal_output_angle(speed);
+        let eccentric = [near.input, speed].map(|x| geometry.ideal_eccentric_angle(x));
+        let discs = 0..self.gearbox.layout.wheels;
+        let centre = |i| {
+            let disc = geometry.wheel_state(i, eccentric, [0.0, slow]);
+            [[disc.vx, disc.vy], [0.0; 2]]
+        };
+        self.motion = Motion {
+            speed,
+            wheels: vec![[slow, 0.0]; discs.len()],
+            output: [slow, 0.0],
+            centres: discs.map(centre).collect(),
+        };
+        self.slide(near, load)
+    }
+
+    /// Solves the balance under `load` (N m) with the input locked, from the one without friction at its angle, while the load
+    /// rises (`way` 1, counter-clockwise) or falls (-1).
+    ///
+    /// # Errors
+    /// [`GearboxError::Locks`]
+    pub fn loading(
+        &mut self,
+        way: f64,
+        near: &Equilibrium,
+        load: f64,
+    ) -> Result<Equilibrium, GearboxError> {
+        let problem = self.problem(near.input, load, &self.carrier);
+        let layout = self.gearbox.layout;
+        self.motion = Motion::none(layout.wheels);
+        let (mut found, mut u) = (near.clone(), problem.unknowns(&near.bodies, layout));
+        for _ in 0..ROUNDS {
+            let here = self.residual(&problem, &u);
+            let jacobian = problem.held(self.differences(&problem, &u, &here), LEFT);
+            let mut change = DVector::zeros(u.len());
+            change[0] = -1.0;
+            let moves = jacobian.lu().solve(&change).ok_or(GearboxError::Locks)?;
+            self.motion = self.along(&problem, &(moves * way));
+            found = self.slide(&found, load)?;
+            let next = problem.unknowns(&found.bodies, layout);
+            let moved = problem.moved(next.iter().zip(&u).map(|(next, u)| next - u));
+            u = next;
+            if moved < KNOWN {
+                return Ok(found);
+            }
+        }
+        Err(GearboxError::Locks)
+    }
+
+    /// Returns the motion in which the unknowns change like `moves`.
+    fn along(&self, problem: &Problem, moves: &DVector<f64>) -> Motion {
+        let rates = moves * (SLIDES_RAD_S / moves[0].abs());
+        let mut motion = Motion::none(self.gearbox.layout.wheels);
+        motion.output[0] = rates[0];
+        let discs = motion.wheels.iter_mut().zip(&mut motion.centres);
+        for (i, (turn, centre)) in discs.enumerate() {
+            let at = OF_A_DISC * i + 1;
+            turn[0] = match problem.free {
+                Free::Output => rates[0],
+                Free::Angles => rates[1 + i],
+                Free::Places => rates[at + 2],
+            };
+            if problem.free == Free::Places {
+                centre[0] = [rates[at], rates[at + 1]];
+            }
+        }
+        motion
+    }
+
+    /// Solves the balance with the friction of the motion, from a near one at its angle.
+    fn slide(&mut self, near: &Equilibrium, load: f64) -> Result<Equilibrium, GearboxError> {
+        let near = Equilibrium {
+            order: 0,
+            ..near.clone()
+        };
+        let found = self.continue_from(&near, near.input, load);
+        found.ok_or(GearboxError::Locks)
+    }
+
+    /// Returns the driver's torque at a balance in which the input [turns](Self::turning), N m: by virtual work along the rates
+    /// of the ideal mesh.
+    pub fn driver_torque(&mut self, at: &Equilibrium, load: f64) -> f64 {
+        self.loads.fill(Wrench::default());
+        self.field.add_loads(&at.bodies, &mut self.loads);
+        self.carrier.add_loads(&at.bodies, &mut self.loads, None);
+        self.loads[Layout::OUTPUT].moment += load;
+        let powers = at.bodies.iter().zip(&self.loads);
+        let power: f64 = powers
+            .map(|(body, load)| body.vx * load.fx + body.vy * load.fy + body.rate * load.moment)
+            .sum();
+        -power / at.bodies[Layout::INPUT].rate
+    }
+}
+
+/// Returns the efficiency of a motion under `load` (N m) whose driver has this mean torque, N m; either shaft may drive. Not
+/// above 0 where the gear locks itself.
+#[must_use]
+pub fn slow_efficiency(gearbox: &Gearbox, driver_n_m: f64, load: f64) -> f64 {
+    let delivered = -load * gearbox.geometry.ideal_output_angle(1.0);
+    match delivered * speed_profile::fastest_rad_s(&gearbox.scene.drive) > 0.0 {
+        true => delivered / driver_n_m,
+        false => driver_n_m / delivered,
+    }
+}

@@ -1,0 +1,150 @@
+//! Friction in figures of balances: forces and driver's torque while the input turns, and the loop of a load with the input locked.
+
+use pinwheel_gearbox::GearboxError;
+use pinwheel_gearbox::statics::{Equilibrium, Statics, slow_efficiency};
+use pinwheel_scene::speed_profile;
+use pinwheel_timeseries::figure::{Figure, FigureDef, definitions as defs};
+
+use super::figures::{Balances, LOST, over, parted};
+use super::mesh::{Pose, Wanted};
+use super::poses::Poses;
+use super::solve::{NO_LOAD, both_ways};
+use super::spread::{ARCMIN, Spread};
+use crate::StudyError;
+use crate::control::of_scene;
+
+/// Figures that friction changes by the forces: without a balance there are none.
+static OF_FORCES: [&FigureDef; 14] = [
+    &defs::EXTERNAL_FORCE,
+    &defs::INTERNAL_FORCE,
+    &defs::CRANK_FORCE,
+    &defs::BEARING_FORCE,
+    &defs::EXTERNAL_PRESSURE,
+    &defs::INTERNAL_PRESSURE,
+    &defs::PRESSURE_SLIDING,
+    &defs::PROJECTED_SLIDING,
+    &defs::BEARING_LIFE,
+    &defs::BEARING_LOSS,
+    &defs::SLEEVE_LOSS,
+    &defs::STATIC_SAFETY,
+    &defs::PIN_BENDING,
+    &defs::WALL_SHEAR,
+];
+/// Why there is no efficiency of slow motion.
+const ALL_ROLL: &str = "all pins roll on the discs and none rubs on its own pin, so slow motion loses nothing; state \
+                        bearings.sleeve_friction_coefficient, or pins that do not turn";
+/// Loads of the loop, as shares of the rated torque.
+const WIDTHS: [(f64, &FigureDef); 2] = [
+    (LOST, &defs::HYSTERESIS),
+    (NO_LOAD, &defs::HYSTERESIS_NO_LOAD),
+];
+
+impl Pose {
+    /// Takes the loads with friction from the balance `at` without it: the larger of both directions of the input, and pairs and
+    /// bearings of the scene's own.
+    pub(super) fn rub(
+        &mut self,
+        statics: &mut Statics<'_>,
+        wanted: Wanted<'_>,
+        at: &Equilibrium,
+        load: f64,
+    ) {
+        let mut turning = |way| {
+            let found = statics.turning(way, at, load).ok()?;
+            let driver_n_m = statics.driver_torque(&found, load);
+            Some((Self::of(statics, wanted, &found, load), driver_n_m))
+        };
+        let Some(((ahead, driver_n_m), (back, _))) = turning(1.0).zip(turning(-1.0)) else {
+            return;
+        };
+        self.driver_n_m = Some(driver_n_m);
+        for (own, other) in self
+            .largest
+            .iter_mut()
+            .zip(ahead.largest.iter().zip(&back.largest))
+        {
+            *own = other.0.or_larger(other.1, own.touching);
+        }
+        self.bearing_n = ahead.bearing_n.max(back.bearing_n);
+        (self.pairs, self.bearings) = (ahead.pairs, ahead.bearings);
+    }
+}
+
+impl Balances {
+    /// Why there are no forces: friction leaves no balance.
+    pub(crate) fn locked(&self) -> Option<String> {
+        let locks = |pose: &Pose| self.rubs && pose.driver_n_m.is_none();
+        self.loaded
+            .iter()
+            .any(locks)
+            .then(|| GearboxError::Locks.to_string())
+    }
+
+    /// Takes the values of forces and of what follows from them where friction leaves no balance.
+    pub(crate) fn withhold_forces(&self, figures: &mut [Figure]) {
+        let Some(why) = self.locked() else { return };
+        for figure in figures {
+            if OF_FORCES.iter().any(|def| figure.is(def)) {
+                *figure = figure.clone().withheld(why.clone());
+            }
+        }
+    }
+
+    /// The efficiency of slow motion; none of a gear at rest or without friction.
+    pub(crate) fn slow_efficiency(&self, statics: &Statics<'_>, working: f64) -> Vec<Figure> {
+        let gearbox = statics.gearbox();
+        if !gearbox.scene.rubs() || speed_profile::fastest_rad_s(&gearbox.scene.drive) == 0.0 {
+            return Vec::new();
+        }
+        let all_roll = || (!self.rubs).then(|| ALL_ROLL.to_owned());
+        if let Some(why) = self.locked().or_else(all_roll) {
+            return vec![defs::EFFICIENCY_SLOW.of(None, None).withheld(why)];
+        }
+        parted(self.parts, |every, of| {
+            let torques = self.loaded.iter().skip(of).step_by(every);
+            let mean = Spread::of(torques.filter_map(|pose| pose.driver_n_m)).mean;
+            let percent = 100.0 * slow_efficiency(gearbox, mean, working).max(0.0);
+            vec![defs::EFFICIENCY_SLOW.of(percent, 0.0)]
+        })
+    }
+}
+
+/// Widths of the loop of a load that rises and falls with the input locked, at these poses; none of a gear without friction.
+pub(crate) fn hysteresis(
+    statics: &mut Statics<'_>,
+    poses: &Poses,
+    working: f64,
+) -> Result<Vec<Figure>, StudyError> {
+    let gearbox = statics.gearbox();
+    let of_scene = |source| of_scene(&gearbox.scene, source);
+    let Some(mut rubs) = Statics::rubbing(gearbox).map_err(of_scene)? else {
+        return Ok(Vec::new());
+    };
+    let mut last: [[Option<Equilibrium>; 2]; 2] = Default::default();
+    let found = both_ways(poses, gearbox, |_, phi, way| {
+        let mut widths = [None; 2];
+        let last = &mut last[usize::from(way < 0.0)];
+        for ((width, (share, _)), last) in widths.iter_mut().zip(WIDTHS).zip(last) {
+            let load = way * share * working;
+            let at = statics.track(last, phi, load).map_err(of_scene)?;
+            let mut output = |way| Some(rubs.loading(way, at, load).ok()?.output);
+            *width = output(-1.0)
+                .zip(output(1.0))
+                .map(|(falls, rises)| ARCMIN * (falls - rises));
+        }
+        Ok(widths)
+    })?;
+    let of_load = |(k, (_, def)): (usize, (f64, &'static FigureDef))| {
+        let widths = found.iter().flatten().map(|widths| widths[k]);
+        let Some(widths) = widths.collect::<Option<Vec<f64>>>() else {
+            let why = GearboxError::Locks.to_string();
+            return vec![def.of(None, None).withheld(why)];
+        };
+        parted(poses.parts, |every, of| {
+            let some = widths.chunks(2).skip(of).step_by(every).flatten();
+            let spread = Spread::of(some.copied());
+            vec![over(def, spread.max, &spread)]
+        })
+    };
+    Ok(WIDTHS.into_iter().enumerate().flat_map(of_load).collect())
+}

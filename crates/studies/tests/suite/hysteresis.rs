@@ -1,0 +1,84 @@
+//! The loop of a load with the input locked: by a run and by statics.
+
+use pinwheel_gearbox::Gearbox;
+use pinwheel_gearbox::statics::Statics;
+use pinwheel_scene::{Override, Scene};
+use pinwheel_studies::{Control, design};
+
+use crate::losses::PRINTED;
+
+/// Arc minutes of a radian.
+const ARCMIN: f64 = 10_800.0 / std::f64::consts::PI;
+
+fn gearbox(name: &str, sets: &[&str]) -> Gearbox {
+    let sets: Vec<Override> = sets.iter().map(|set| set.parse().unwrap()).collect();
+    let scene = match name {
+        "printed" => Scene::from_toml(PRINTED, name, &sets).unwrap(),
+        preset => Scene::load(preset, &sets).unwrap(),
+    };
+    Gearbox::new(&scene).unwrap()
+}
+
+/// Angles of a run's loop at a torque, arcmin: the load falls, and it rises.
+fn of_run(cycle: &design::Cycle, torque: f64) -> [f64; 2] {
+    let points = cycle.torque_n_m.iter().zip(&cycle.angle_arcmin);
+    let points: Vec<_> = points.skip(cycle.closed_from).collect();
+    [1.0, -1.0].map(|way| {
+        let over = |point: &(&f64, &f64)| way * (point.0 - torque);
+        let pair = points
+            .windows(2)
+            .find(|pair| over(&pair[0]) > 0.0 && over(&pair[1]) <= 0.0);
+        let [(t0, a0), (t1, a1)] = pair.unwrap() else {
+            unreachable!()
+        };
+        *a0 + (torque - *t0) / (*t1 - *t0) * (*a1 - *a0)
+    })
+}
+
+/// Angles by statics at a torque, arcmin: the load falls, and it rises.
+fn by_statics(gearbox: &Gearbox, torque: f64) -> [f64; 2] {
+    let at = Statics::new(gearbox).unwrap().solve(0.0, torque).unwrap();
+    let mut statics = Statics::rubbing(gearbox).unwrap().unwrap();
+    [-1.0, 1.0].map(|way| {
+        let output = statics.loading(way, &at, torque).unwrap().output;
+        ARCMIN * (output - gearbox.geometry.ideal_output_angle(0.0))
+    })
+}
+
+#[test]
+fn crossval_hysteresis_by_statics_is_that_of_a_run() {
+    let held = "gear.external_sleeves_turn=false";
+    let gears: [(&str, &[&str]); 3] = [
+        ("printed", &[]),
+        ("printed", &["gear.internal_sleeves_turn=false"]),
+        (
+            "needle-bearings",
+            &["contact.friction_coefficient=0.1", held],
+        ),
+    ];
+    for (name, sets) in gears {
+        let gearbox = gearbox(name, sets);
+        let rated = gearbox.scene.drive.output_torque_n_m.abs();
+        let started = std::time::Instant::now();
+        let cycle = design::cycle(&gearbox, rated, &Control::quiet()).unwrap();
+        println!(
+            "{name} {sets:?} {} {} {:?}",
+            cycle.status,
+            started.elapsed().as_secs_f64(),
+            (
+                cycle.width_arcmin,
+                cycle.width_uncertainty_arcmin,
+                cycle.lost_motion_arcmin
+            )
+        );
+        for share in [0.03, 0.2, 0.5] {
+            let run = of_run(&cycle, share * rated);
+            let statics = by_statics(&gearbox, share * rated);
+            println!(
+                "  {share}: run {run:?} statics {statics:?} widths {} {}",
+                run[0] - run[1],
+                statics[0] - statics[1]
+            );
+        }
+    }
+}
