@@ -725,11 +725,18 @@ impl<'a> Statics<'a> {
         [self.balances, self.repeats]
     }
 
-    /// Returns the touching pairs of an equilibrium.
+    /// Returns the touching pairs of an equilibrium, the friction of sleeves on their pins among that of their contacts.
     pub fn touching(&mut self, equilibrium: &Equilibrium) -> Vec<PairContact> {
         let mut pairs = Vec::new();
-        self.field
-            .touching(&equilibrium.bodies, &mut |pair| pairs.push(*pair));
+        let (bodies, pins) = (&equilibrium.bodies, self.field.pins);
+        self.field.touching(bodies, &mut |pair| {
+            let mut pair = *pair;
+            if let Some(pins) = &pins[pair.sleeve.side()] {
+                let ([nx, ny], [fx, fy]) = (pair.normal, pins.drag(bodies, &pair).force);
+                pair.friction_force_n += nx * fy - ny * fx;
+            }
+            pairs.push(pair);
+        });
         pairs
     }
 

@@ -32,7 +32,7 @@ pub(crate) struct PinFriction {
 
 /// Force T of one pair, with its couple and power.
 pub(crate) struct Drag {
-    pub(super) force: [f64; 2],
+    pub(crate) force: [f64; 2],
     /// Couple on the pin, N m.
     couple: f64,
     pub(super) lost_w: f64,

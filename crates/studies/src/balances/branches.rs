@@ -52,7 +52,7 @@ impl Pose {
         let mut turning = |way| {
             let found = statics.turning(way, at, load).ok()?;
             let driver_n_m = statics.driver_torque(&found, load);
-            Some((Self::of(statics, wanted, &found, load), driver_n_m))
+            Some((Self::loaded(statics, wanted, &found, load), driver_n_m))
         };
         let Some(((ahead, driver_n_m), (back, _))) = turning(1.0).zip(turning(-1.0)) else {
             return;

@@ -131,11 +131,11 @@ impl Pose {
         near: &mut Option<Equilibrium>,
     ) -> Result<Self, GearboxError> {
         let found = statics.track(near, phi, load)?;
-        Ok(Self::of(statics, wanted, found, load))
+        Ok(Self::loaded(statics, wanted, found, load))
     }
 
     /// The loads of a balance.
-    pub(super) fn of(
+    pub(super) fn loaded(
         statics: &mut Statics<'_>,
         wanted: Wanted<'_>,
         found: &Equilibrium,

@@ -20,6 +20,8 @@ use crate::{Control, StudyError, single};
 
 /// Periods of the slowest mode from no load to the rated one: slow enough that the gear follows.
 const SLOW: f64 = 300.0;
+/// Likewise of a gear on whose loop friction acts, which damps it.
+const SLOW_WITH_FRICTION: f64 = 60.0;
 /// Samples from no load to the rated one.
 const SAMPLES: f64 = 200.0;
 /// Rest between two ramps, as a share of a ramp.
@@ -68,9 +70,10 @@ pub struct Cycle {
 /// Cancelled; a gear that cannot be compiled.
 pub fn cycle(gearbox: &Gearbox, rated: f64, control: &Control<'_>) -> Result<Cycle, StudyError> {
     let mut scene = Scene::clone(&gearbox.scene);
-    let ramp_s = |scene: &Scene| SLOW * TAU / Scales::of(scene).modes_rad_s[0];
     let rolls = scene.sleeve_drag().is_some_and(|drag| drag != [0.0; 2]);
     let acts = scene.slides() && !rolls;
+    let periods = if acts { SLOW_WITH_FRICTION } else { SLOW };
+    let ramp_s = |scene: &Scene| periods * TAU / Scales::of(scene).modes_rad_s[0];
     if acts {
         let rate = gearbox.error_scales().angle / ramp_s(&scene);
         hasten(&mut scene, f64::min(rate / SLIDES_RAD_S, 1.0));

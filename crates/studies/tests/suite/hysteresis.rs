@@ -2,22 +2,13 @@
 
 use pinwheel_gearbox::Gearbox;
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_scene::{Override, Scene};
+use pinwheel_scene::Scene;
 use pinwheel_studies::{Control, design};
 
 use crate::losses::PRINTED;
 
 /// Arc minutes of a radian.
 const ARCMIN: f64 = 10_800.0 / std::f64::consts::PI;
-
-fn gearbox(name: &str, sets: &[&str]) -> Gearbox {
-    let sets: Vec<Override> = sets.iter().map(|set| set.parse().unwrap()).collect();
-    let scene = match name {
-        "printed" => Scene::from_toml(PRINTED, name, &sets).unwrap(),
-        preset => Scene::load(preset, &sets).unwrap(),
-    };
-    Gearbox::new(&scene).unwrap()
-}
 
 /// Angles of a run's loop at a torque, arcmin: the load falls, and it rises.
 fn of_run(cycle: &design::Cycle, torque: f64) -> [f64; 2] {
@@ -45,40 +36,22 @@ fn by_statics(gearbox: &Gearbox, torque: f64) -> [f64; 2] {
     })
 }
 
+/// Pins of a printed gear that are all held. Measured: widths of both within 0.1 %, branches within 2e-4 of the twist.
 #[test]
 fn crossval_hysteresis_by_statics_is_that_of_a_run() {
-    let held = "gear.external_sleeves_turn=false";
-    let gears: [(&str, &[&str]); 3] = [
-        ("printed", &[]),
-        ("printed", &["gear.internal_sleeves_turn=false"]),
-        (
-            "needle-bearings",
-            &["contact.friction_coefficient=0.1", held],
-        ),
-    ];
-    for (name, sets) in gears {
-        let gearbox = gearbox(name, sets);
-        let rated = gearbox.scene.drive.output_torque_n_m.abs();
-        let started = std::time::Instant::now();
-        let cycle = design::cycle(&gearbox, rated, &Control::quiet()).unwrap();
-        println!(
-            "{name} {sets:?} {} {} {:?}",
-            cycle.status,
-            started.elapsed().as_secs_f64(),
-            (
-                cycle.width_arcmin,
-                cycle.width_uncertainty_arcmin,
-                cycle.lost_motion_arcmin
-            )
-        );
-        for share in [0.03, 0.2, 0.5] {
-            let run = of_run(&cycle, share * rated);
-            let statics = by_statics(&gearbox, share * rated);
-            println!(
-                "  {share}: run {run:?} statics {statics:?} widths {} {}",
-                run[0] - run[1],
-                statics[0] - statics[1]
-            );
+    let sets = ["gear.internal_sleeves_turn=false".parse().unwrap()];
+    let scene = Scene::from_toml(PRINTED, "printed", &sets).unwrap();
+    let gearbox = Gearbox::new(&scene).unwrap();
+    let rated = scene.drive.output_torque_n_m;
+    let cycle = design::cycle(&gearbox, rated, &Control::quiet()).unwrap();
+    for share in [0.03, 0.2, 0.5] {
+        let run = of_run(&cycle, share * rated);
+        let statics = by_statics(&gearbox, share * rated);
+        let widths = [run, statics].map(|[falls, rises]| falls - rises);
+        println!("{share}: run {run:?}, statics {statics:?}, widths {widths:?}");
+        assert!((widths[0] / widths[1] - 1.0).abs() < 0.01);
+        for (run, statics) in run.into_iter().zip(statics) {
+            assert!((run / statics - 1.0).abs() < 3e-3);
         }
     }
 }
