@@ -337,12 +337,13 @@ impl Limits {
             return Ok(None);
         };
         let poses = Poses::of(scene).few(FEW);
-        let Some(found) = band::balanced(at_poses(&mut statics, &poses, cancel))? else {
+        let Some(found) = band::balanced(at_poses(&mut statics, (&poses, true), cancel))? else {
             return Ok(None);
         };
         let mut figures = found.figures();
         figures.extend(found.of_bearings(scene));
         figures.extend(self::figures(&found, scene));
+        found.withhold_forces(&mut figures);
         if let Some(bands) = bands {
             bands.bound_all(&mut figures);
         }
