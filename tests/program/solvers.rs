@@ -231,6 +231,7 @@ fn crossval_a_check_names_every_fault() {
             force,
             "law, likely damping: damping without its ramp",
         ),
+        ("order", "accuracy", "order ", "integration: off by"),
         ("long-step", "repeats", "longer than solver.step_s", ""),
     ] {
         commit(folder.path(), fault);

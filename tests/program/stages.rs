@@ -27,7 +27,6 @@ fn crossval_a_comparison_names_the_stage() {
             "By coordinate: equations",
         ),
         ("driver", "driver, likely share", "Over time: driver"),
-        ("order", "integration: off by", "Over time: integration"),
     ] {
         commit(folder.path(), fault);
         let ran = run_in(folder.path(), words(compare));

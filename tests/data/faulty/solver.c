@@ -171,8 +171,8 @@ int main(int argc, char **argv)
     /* Errors of single sleeves and holes stand in lists: none may hold a number. */
     if ((list = strstr(job, "\"errors\"")))
         errors = list[strcspn(list, "}")] && strcspn(list, "0123456789") < strcspn(list, "}");
-    if (errors || bodies > MOST || samples > 100001 || strstr(job, "\"points\"") || key("rotational_rad", 0) != 0) {
-        fprintf(stderr, "at most 256 bodies and 100001 samples, exact contact, no errors, flanks that are not turned\n");
+    if (errors || bodies > MOST || samples > 100001 || strstr(job, "\"points\"") || strstr(job, "\"adams\"") || key("rotational_rad", 0) != 0) {
+        fprintf(stderr, "at most 256 bodies and 100001 samples, exact contact, regularised friction, no errors, flanks that are not turned\n");
         return 4;
     }
     rate = pinwheel_law_rate(law), step_s = pinwheel_law_step(law) * (has("long-step") ? 2.0 : 1.0);

@@ -68,6 +68,9 @@ pub(in crate::pages) fn blocks(located: &Located) -> Vec<Block> {
     }
 }
 
+/// Residuals below are roundings.
+const ROUNDING: f64 = 1e-12;
+
 /// Residual of a stage over whatever it is drawn over, with the bound from which the stage is off.
 fn chart(located: &Located, picture: &Picture) -> Chart {
     let (stage, names) = (picture.stage, picture.names.iter().enumerate());
@@ -87,15 +90,30 @@ fn chart(located: &Located, picture: &Picture) -> Chart {
         Stage::Assembly | Stage::Driver => "largest torque",
         Stage::Equations | Stage::Integration => "load's effect",
     };
+    // Roundings would stretch a logarithmic axis.
+    let is_rounding = |value: f64| picture.over == Over::Time && value < ROUNDING;
+    let seen = |value: &f64| {
+        if is_rounding(*value) {
+            f64::NAN
+        } else {
+            *value
+        }
+    };
     let curve = |(name, values): &(String, Vec<f64>)| Series {
         tags: picture.names.clone(),
-        ..Series::line(name, picture.x.clone(), values.clone()).styled(style)
+        ..Series::line(
+            name,
+            picture.x.clone(),
+            values.iter().map(seen).collect::<Vec<_>>(),
+        )
+        .styled(style)
     };
     let mut series: Vec<Series> = picture.curves.iter().map(curve).collect();
     let mut y = Axis::linear(format!("Residual, share of the {share}"));
     if let (Over::Time, [first, .., last]) = (picture.over, &picture.x[..]) {
         y.log = true;
-        let bounds = located.stages.iter().filter(|judged| judged.stage == stage);
+        let is_of = |judged: &&Judged| judged.stage == stage && judged.bound > 0.0;
+        let bounds = located.stages.iter().filter(is_of);
         let bound = |judged: &Judged| Series::line("off above", [*first, *last], [judged.bound; 2]);
         series.extend(bounds.map(|judged| bound(judged).styled(Style::Dashed)));
     }
