@@ -118,7 +118,7 @@ fn browser_shows_measured_data() {
         fs::write(dir.join("rig.toml"), map).unwrap();
         let typed = "compare rigged.toml --engines native-reduced --against rig.csv --map rig.toml";
         let page = page(dir, typed);
-        flawless(browser, &page, [2, 1, 3]);
+        flawless(browser, &page, [2, 1, 4]);
         browser.open(&page, crate::DESK);
         browser.evaluate("new Promise((r) => setTimeout(r, 600))");
         let seen = browser.evaluate(
@@ -139,11 +139,30 @@ fn browser_shows_measured_data() {
     });
 }
 
+/// The four questions of a decision, and curves of one engine, which differs from nothing.
+#[test]
+fn browser_shows_a_run() {
+    browse(|browser, dir| {
+        let page = page(dir, "run paper --set solver.duration_s=0.02");
+        flawless(browser, &page, [1, 1, 3]);
+        browser.open(&page, crate::DESK);
+        let seen = browser.evaluate(
+            "(async () => { await new Promise((r) => setTimeout(r, 600)); const tiles = [...document.querySelectorAll('.decision .tile')]; \
+             return { asked: tiles.map((t) => t.querySelector('.label').textContent), next: tiles.at(-1).querySelector('code').textContent, \
+             fits: tiles.every((t) => t.getBoundingClientRect().bottom < 900), plots: document.querySelectorAll('#chart .uplot').length }; })()",
+        );
+        let asked = ["Is it right?", "Will it bear?", "How sure?", "What next?"];
+        assert_eq!(seen["asked"], json!(asked));
+        assert_eq!(seen["next"], "pinwheel compare paper");
+        assert_eq!((&seen["fits"], &seen["plots"]), (&json!(true), &json!(1)));
+    });
+}
+
 #[test]
 fn browser_shows_a_design() {
     browse(|browser, dir| {
         let typed = "design paper-friction --set solver.duration_s=0.02";
-        flawless(browser, &page(dir, typed), [7, 1, 3]);
+        flawless(browser, &page(dir, typed), [7, 1, 5]);
         // Names in backticks are code, in the lead too.
         let lead = browser.text("document.querySelector('.lead').innerHTML");
         assert!(lead.contains("<code>") && !lead.contains('`'), "{lead}");
@@ -164,7 +183,7 @@ fn browser_shows_two_designs() {
         flawless(
             browser,
             &page(dir, "compare paper.toml other.toml"),
-            [8, 1, 5],
+            [8, 1, 7],
         );
         let summary = summary(dir);
         let windows = summary["courses"].as_object().unwrap().values();

@@ -446,7 +446,7 @@ fn explore_answers_its_own_page_alone() {
     assert!(!dir.path().join("gear-explored.toml").exists());
     // A fault is in the words and units of the slider.
     let (_, told) = ask("POST /run", &own, r#"[["gear.backlash_m","5e-3"]]"#);
-    let said = told.contains("Backlash is 5000 \u{b5}m") && told.contains("give at most");
+    let said = told.contains("Backlash is 5000 \u{b5}m") && told.contains("backlash = 420 \u{b5}m");
     assert!(
         said && !told.contains("--set") && !told.contains("0.005 m"),
         "{told}"

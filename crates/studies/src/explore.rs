@@ -155,10 +155,24 @@ fn in_words(key: &str, what: &str, remedy: &str) -> String {
         "{} {what}; {remedy}",
         own.map_or(key, |slider| slider.label)
     );
+    let scaled = |value: f64, factor: f64| {
+        let short = format!("{:.5e}", value * factor).parse::<f64>();
+        short.unwrap_or_default().to_string()
+    };
     let text = SLIDERS.iter().fold(text, |text, slider| {
-        let label = slider.label.to_lowercase();
-        text.replace(&format!("`{}`", slider.key), &label)
-            .replace(slider.key, &label)
+        let (label, (unit, factor)) = (slider.label.to_lowercase(), slider.unit);
+        let text = text.replace(&format!("`{}`", slider.key), slider.key);
+        let text = match text.split_once(&format!("{} = ", slider.key)) {
+            Some((head, tail)) => {
+                let (value, rest) = tail.split_at(tail.find([',', ';', ' ']).unwrap_or(tail.len()));
+                let value = value
+                    .parse()
+                    .map_or(value.to_owned(), |value| scaled(value, factor));
+                format!("{head}{label} = {value} {unit}{rest}")
+            }
+            None => text,
+        };
+        text.replace(slider.key, &label)
     });
     let number = |word: &str| word.trim_start_matches('(').parse::<f64>().ok();
     let old: Vec<&str> = text.split(' ').collect();
@@ -176,9 +190,7 @@ fn in_words(key: &str, what: &str, remedy: &str) -> String {
                 word.replacen(bare, unit.0, 1)
             }
             (None, Some(value), Some(factor)) => {
-                let value = format!("{:.5e}", value * factor).parse::<f64>();
-                let value = value.unwrap_or_default().to_string();
-                word.replacen(bare.trim_start_matches('('), &value, 1)
+                word.replacen(bare.trim_start_matches('('), &scaled(value, factor), 1)
             }
             _ => {
                 scale = scale.filter(|_| ["to", "and"].contains(word));

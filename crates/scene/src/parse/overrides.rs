@@ -30,12 +30,6 @@ impl Override {
         &self.key
     }
 
-    /// The value as it was typed.
-    #[must_use]
-    pub fn value(&self) -> &str {
-        &self.value
-    }
-
     /// Returns the value as TOML: a word without quotes is a string, and so is anything given for a key that holds text.
     pub(super) fn toml(&self) -> String {
         let holds_text =

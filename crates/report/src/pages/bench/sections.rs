@@ -91,8 +91,7 @@ fn leads(rankings: &[Ranking]) -> Table {
 fn plots(study: &WorkPrecision) -> Section {
     let mut section = Section::new("plots", "Work and precision").with(
         "Each point is one step or tolerance, its cost the least CPU time of several runs. Lower and further left is \
-         better. Right-hand-side calls do not depend on the machine, and do not see what an engine spends beside \
-         them.",
+         better.",
     );
     let charts = |window: usize, saddle_point: bool| {
         let both = [Measure::Cpu, Measure::Rhs];
@@ -151,12 +150,19 @@ fn chart(study: &WorkPrecision, window: usize, measure: Measure, saddle_point: b
         let own = Series::line("reference's own error", ends, [floor; 2]);
         series.push(own.styled(Style::Dashed));
     }
-    let (title, axis) = match measure {
-        Measure::Cpu => ("Error against CPU time", "CPU time (s)"),
-        Measure::Rhs => ("Error against right-hand sides", "right-hand-side calls"),
+    let (title, axis, note) = match measure {
+        Measure::Cpu => ("Error against CPU time", "CPU time (s)", ""),
+        Measure::Rhs => (
+            "Error against right-hand sides",
+            "right-hand-side calls",
+            "These do not depend on the machine, and do not see what an engine spends beside them.",
+        ),
     };
     let y = Axis::log("relative L2 force error");
-    Chart::new(title, Axis::log(axis), y, series)
+    Chart {
+        note: note.to_owned(),
+        ..Chart::new(title, Axis::log(axis), y, series)
+    }
 }
 
 /// The converged run and its error.

@@ -21,8 +21,6 @@ pub use text::{list, text};
 
 /// Rows of the table of runs at most; the CSV has all.
 const MOST_ROWS: usize = 500;
-/// Keys of a run that the next command sets at most.
-const MOST_SET: usize = 3;
 /// Figures to choose from at most.
 const MOST_FIGURES: usize = 40;
 
@@ -117,29 +115,12 @@ fn decision(plan: &Plan, sampled: &[SampleResult], first: Option<&GridFigure>) -
             format!("{}, numerical", figure.label),
         )
     });
-    // Largest of the first figure: where one looks closer.
-    let largest = first.and_then(|figure| {
-        let there = figure.values.iter().enumerate();
-        let there = there.filter_map(|(run, value)| Some((run, (*value)?)));
-        there.max_by(|a, b| a.1.total_cmp(&b.1))
-    });
-    let run = largest.and_then(|(run, _)| plan.runs.get(run));
-    let few = run.filter(|run| run.values.len() <= MOST_SET);
-    let values = few.into_iter().flat_map(|run| &run.values);
-    let values = values.map(|(key, value)| format!(" --set {key}={value}"));
-    let sets = sweep
-        .set
-        .iter()
-        .map(|set| format!(" --set {}={}", set.key(), set.value()));
-    let command = joined(
-        "",
-        [format!("pinwheel compare {}", sweep.scene)]
-            .into_iter()
-            .chain(sets)
-            .chain(values),
+    let command = format!("`pinwheel compare {}`", sweep.scene);
+    let next = Question::Next.answered(
+        Mark::None,
+        command,
+        "whether other engines agree on the scene",
     );
-    let why = "whether other engines agree where the figure is largest";
-    let next = Question::Next.answered(Mark::None, format!("`{command}`"), why);
     [Some(right), bears, sure, Some(next)]
 }
 
