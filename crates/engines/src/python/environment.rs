@@ -82,7 +82,7 @@ impl Requirements {
         match made {
             Err(halt) => why(halt),
             Ok(made) if made.join(MARKER).is_file() => None,
-            Ok(_) => Some("its packages are installed at the first use, by pip".to_owned()),
+            Ok(_) => Some("pip installs the packages at the first use".to_owned()),
         }
     }
 }
