@@ -59,5 +59,5 @@ pub use info::{AccuracySetting, EngineInfo, Form, Refinement, family};
 pub use known::{info, known};
 pub use native::Native;
 pub use own_contact::OwnContact;
-pub use registry::{by_name, full_name, lacking, registry, remedies, remedy};
+pub use registry::{by_name, full_name, lacking, registry, remedy};
 pub use stopping::stop_preparing;

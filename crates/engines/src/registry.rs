@@ -1,7 +1,5 @@
 //! The engines of this build, made by their families.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use pinwheel_scene::Scene;
 
 use crate::engine::Engine;
@@ -37,22 +35,11 @@ pub fn remedy(info: &EngineInfo<'_>) -> Option<String> {
     #[cfg(all(feature = "python", not(feature = "crossval")))]
     if crate::python::requirement(info.package).is_some() {
         let pins = lacking().filter_map(|info| crate::python::requirement(info.package));
-        let pins: BTreeSet<String> = pins.collect();
+        let pins: std::collections::BTreeSet<String> = pins.collect();
         let pins: Vec<String> = pins.into_iter().collect();
         return Some(format!("pip install {}", pins.join(" ")));
     }
     Some(format!("build with --features {feature}"))
-}
-
-/// Returns what adds the engines that this build lacks, each with their families.
-#[must_use]
-pub fn remedies() -> BTreeMap<String, BTreeSet<&'static str>> {
-    let mut all = BTreeMap::<_, BTreeSet<_>>::new();
-    for info in lacking() {
-        let of = remedy(info).unwrap_or_default();
-        all.entry(of).or_default().insert(info.family());
-    }
-    all
 }
 
 /// Returns all engines of this build, native first, then the solvers that joined ([`admit`](crate::external::admit)).

@@ -1,8 +1,10 @@
 //! The engines of a build, as a table.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use crate::format::joined;
 use crate::terminal::{self, paragraph};
-use pinwheel_engines::remedies;
+use pinwheel_engines::{family, lacking, remedy};
 use pinwheel_studies::choice::Listed;
 use pinwheel_timeseries::table::Table;
 
@@ -17,7 +19,12 @@ pub fn text(listed: &[Listed]) -> String {
         .text("", "what it is", |engine| {
             format!("{}: {}", engine.version, engine.summary)
         });
-    let lacks = remedies().into_iter().map(|(remedy, families)| {
+    let mut lacks: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
+    for info in lacking() {
+        let of = remedy(info).unwrap_or_default();
+        lacks.entry(of).or_default().insert(family(info.name));
+    }
+    let lacks = lacks.into_iter().map(|(remedy, families)| {
         let families = joined(", ", families);
         format!("{families}: not here; {remedy}.")
     });

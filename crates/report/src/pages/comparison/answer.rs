@@ -11,7 +11,7 @@ use pinwheel_compare::shown::{Finding, Kind, Shown};
 use pinwheel_compare::{
     Assessment, Comparison, SharedModel, Status, Verdict as Judged, quantities,
 };
-use pinwheel_engines::{Form, info, known, lacking, remedies, remedy};
+use pinwheel_engines::{Form, info, known, lacking, remedy};
 use pinwheel_studies::band::declined;
 use pinwheel_studies::comparison::{Largest, MatchedContactRun, Outcome};
 
@@ -451,22 +451,13 @@ impl<'a> Answer<'a> {
         let recorded = recorded.filter(|engine| engine.cost.recorded.is_some());
         let recorded: Vec<&str> = recorded.map(|engine| engine.name.as_str()).collect();
         if !recorded.is_empty() {
-            let live = remedies().into_iter().rev().map(|(remedy, mut families)| {
-                let of = |family| {
-                    recorded
-                        .iter()
-                        .any(|name| pinwheel_engines::family(name) == family)
-                };
-                families.retain(|family| of(*family));
-                match families.is_empty() {
-                    true => String::new(),
-                    false => format!("; {} live: {remedy}", joined(", ", families)),
-                }
-            });
+            let lacks = lacking().filter(|info| recorded.contains(&info.name));
+            let remedies: BTreeSet<String> = lacks.filter_map(remedy).collect();
             let text = format!(
-                "{}: not run here but recorded before{}; Engines on the page says when and why",
+                "{}: not run here but recorded before{}{}; Engines on the page says when and why",
                 joined(", ", recorded.iter().map(|name| words::short(name))),
-                live.collect::<String>()
+                if remedies.is_empty() { "" } else { "; live: " },
+                joined(", or ", remedies)
             );
             facts.push(Fact::new("recorded", Mark::None, text));
         }
