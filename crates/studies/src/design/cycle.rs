@@ -21,7 +21,7 @@ use crate::{Control, StudyError, single};
 /// Periods of the slowest mode from no load to the rated one: slow enough that the gear follows.
 const SLOW: f64 = 300.0;
 /// Likewise of a gear on whose loop friction acts, which damps it.
-const SLOW_WITH_FRICTION: f64 = 60.0;
+const SLOW_WITH_FRICTION: f64 = 120.0;
 /// Samples from no load to the rated one.
 const SAMPLES: f64 = 200.0;
 /// Rest between two ramps, as a share of a ramp.
