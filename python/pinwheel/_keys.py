@@ -33,6 +33,8 @@ class Keys(TypedDict, total=False):
     drive: Mapping[str, Any]
     contact: Mapping[str, Any]
     bearings: Mapping[str, Any]
+    structure: Mapping[str, Any]
+    temperature: Mapping[str, Any]
     cranks: Mapping[str, Any]
     limits: Mapping[str, Any]
     solver: Mapping[str, Any]
@@ -106,7 +108,7 @@ class Keys(TypedDict, total=False):
     line_length_m: float
     """length of a line contact (m); if left out: the face width, or 0.15 R; used by laws of rollers and for pressures"""
     material: Literal["steel", "cast-iron", "bronze", "aluminium", "pom", "nylon", "pla"]
-    """material of the discs, for their limits; steel: hardened as rolling bearings are; absent: not known"""
+    """material of the discs, for their limits and expansion; steel: hardened as rolling bearings are; absent: not known"""
     pin_material: Literal["steel", "cast-iron", "bronze", "aluminium", "pom", "nylon", "pla"]
     """material of the pins; absent: that of the discs"""
     pin_poisson: float
@@ -243,6 +245,28 @@ class Keys(TypedDict, total=False):
     """step of fixed-step methods (s); if left out: about 50 a period of the fastest mode under the largest static load"""
     tolerance: float
     """relative error a step of adaptive methods; if left out 1e-6: relative error a step of adaptive methods"""
+    housing_material: Literal["steel", "cast-iron", "bronze", "aluminium", "pom", "nylon", "pla"]
+    """material of the housing, for seats and expansion; absent: that of the pins"""
+    input_torsion_n_m_rad: float
+    """torsional stiffness of the input shaft, which counts at the output times the ratio squared; absent: rigid; counts in `design` alone (N m/rad)"""
+    output_pin_diameter_m: float
+    """diameter of the output pins as beams that all discs bend together, held as bearings.internal_sleeves_held says; disc 0 is nearest to the flange; absent: rigid (m)"""
+    output_seat_length_m: float
+    """length of an output pin's seat, a line contact in series with its bending; absent: rigid (m)"""
+    plate_radius_m: float
+    """radius at which the flange takes the torque from that plate (m)"""
+    plate_thickness_m: float
+    """thickness of the plate between output pins and flange, in torsion; absent: rigid; counts in `design` alone (m)"""
+    ring_seat_length_m: float
+    """length of a ring pin's seat in the housing, a line contact in series with its contacts; absent: rigid (m)"""
+    ring_slot_clearance_m: float
+    """radial clearance of ring pins in slots, taken up along the normal of the contact; absent: 0 (m)"""
+    disc_k: float
+    """discs, eccentrics and carrier, likewise; absent: 0 (K)"""
+    housing_k: float
+    """housing with the ring, by how much warmer than when its sizes were measured; absent: 0 (K)"""
+    pins_k: float
+    """ring pins and output pins, likewise; absent: 0 (K)"""
 
 
 Axis: TypeAlias = Sequence[Any] | Mapping[str, Any] | Any
@@ -353,6 +377,17 @@ Vary = TypedDict(
         "stabilisation": Axis,
         "step_s": Axis,
         "tolerance": Axis,
+        "housing_material": Axis,
+        "input_torsion_n_m_rad": Axis,
+        "output_pin_diameter_m": Axis,
+        "output_seat_length_m": Axis,
+        "plate_radius_m": Axis,
+        "plate_thickness_m": Axis,
+        "ring_seat_length_m": Axis,
+        "ring_slot_clearance_m": Axis,
+        "disc_k": Axis,
+        "housing_k": Axis,
+        "pins_k": Axis,
         "bearings.eccentric.bore_m": Axis,
         "bearings.eccentric.clearance_m": Axis,
         "bearings.eccentric.damping_n_s_m": Axis,
@@ -470,6 +505,17 @@ Vary = TypedDict(
         "solver.stabilisation": Axis,
         "solver.step_s": Axis,
         "solver.tolerance": Axis,
+        "structure.housing_material": Axis,
+        "structure.input_torsion_n_m_rad": Axis,
+        "structure.output_pin_diameter_m": Axis,
+        "structure.output_seat_length_m": Axis,
+        "structure.plate_radius_m": Axis,
+        "structure.plate_thickness_m": Axis,
+        "structure.ring_seat_length_m": Axis,
+        "structure.ring_slot_clearance_m": Axis,
+        "temperature.disc_k": Axis,
+        "temperature.housing_k": Axis,
+        "temperature.pins_k": Axis,
     },
     total=False,
 )

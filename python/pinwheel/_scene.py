@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pinwheel._engine import EngineLike
     from pinwheel._run import Run
 
-TABLES = ("gear", "mass", "drive", "contact", "bearings", "cranks", "limits", "solver", "output")
+TABLES = ("gear", "mass", "drive", "contact", "bearings", "structure", "temperature", "cranks", "limits", "solver", "output")
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 # The name of a scene that stands in no file; files come with their whole path.
 _NO_FILE = "scene"

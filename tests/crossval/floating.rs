@@ -103,6 +103,29 @@ fn agree(gears: &[(&str, &[(&str, &str)])], least: [f64; 2]) {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// Three discs that bend output pins together, with seats, slots and a warm ring, on elastic bearings.
+const STRUCTURE: &[(&str, &[(&str, &str)])] = &[(
+    "paper-bearings",
+    &[
+        ("gear.wheels", "3"),
+        ("gear.face_width_m", "0.008"),
+        ("bearings.internal_sleeves_held", "\"one-end\""),
+        ("structure.output_pin_diameter_m", "0.006"),
+        ("structure.output_seat_length_m", "0.01"),
+        ("structure.ring_seat_length_m", "0.008"),
+        ("structure.ring_slot_clearance_m", "2e-6"),
+        ("structure.housing_material", "\"aluminium\""),
+        ("contact.material", "\"steel\""),
+        ("temperature.housing_k", "5"),
+        ("solver.duration_s", "0.0002"),
+    ],
+)];
+
+#[test]
+fn crossval_structure_that_gives_way() {
+    agree(STRUCTURE, [0.0; 2]);
+}
+
 /// Ring pins that do not turn beside sleeves with both frictions, on discs that float; and output pins that do not turn.
 const PINS: &[(&str, &[(&str, &str)])] = &[
     (

@@ -46,10 +46,31 @@ pub(crate) fn pins_turn(scene: &Scene) -> Result<(), Ending> {
 pub(crate) fn pins_are_rigid(scene: &Scene) -> Result<(), Ending> {
     wheels_are_held(scene)?;
     pins_turn(scene)?;
-    if scene.bearings.internal_sleeve_stiffness_n_m.is_none() {
-        return Ok(());
+    let (bearings, structure) = (&scene.bearings, &scene.structure);
+    let given = [
+        bearings
+            .internal_sleeve_stiffness_n_m
+            .map(|_| "bearings.internal_sleeve_stiffness_n_m"),
+        structure
+            .output_pin_diameter_m
+            .map(|_| "structure.output_pin_diameter_m"),
+        structure
+            .ring_seat_length_m
+            .map(|_| "structure.ring_seat_length_m"),
+        structure
+            .ring_slot_clearance_m
+            .map(|_| "structure.ring_slot_clearance_m"),
+    ];
+    if let Some(key) = given.into_iter().flatten().next() {
+        let reason = format!(
+            "its contacts are springs of its own, and {key} puts pins in series with the scene's law"
+        );
+        return Err(Ending::unsupported(reason));
     }
-    let reason = "its contacts are springs of its own, and bearings.internal_sleeve_stiffness_n_m puts pins in series with \
-                  the scene's law";
-    Err(Ending::unsupported(reason))
+    match scene.temperature {
+        None => Ok(()),
+        Some(_) => Err(Ending::unsupported(
+            "it makes parts of the sizes in the scene, and [temperature] changes them",
+        )),
+    }
 }

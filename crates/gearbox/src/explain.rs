@@ -330,12 +330,18 @@ pub fn explain(gearbox: &Gearbox) -> Explanation {
     if gearbox.floats() {
         bearings(gearbox, &mut modelled, &mut left_out);
     }
+    let structure = scene.structure_in_words();
     let given = &scene.bearings;
-    let deflection = given.eccentric.is_some() || given.internal_sleeve_stiffness_n_m.is_some();
+    let deflection = given.eccentric.is_some()
+        || given.internal_sleeve_stiffness_n_m.is_some()
+        || !structure.is_empty();
+    for (what, how) in structure {
+        modelled.add(what, how);
+    }
     left_out.add(
         "bending, bearings and housing",
         match deflection {
-            true => "rigid bodies on ideal revolutes but for what [bearings] gives",
+            true => "rigid bodies on ideal revolutes but for what [bearings] and [structure] give",
             false => "rigid bodies on ideal revolutes, as in the paper",
         },
     );

@@ -55,11 +55,12 @@ impl Gearbox {
     pub fn after(earlier: Option<&Self>, scene: &CheckedScene) -> Result<Self, GearboxError> {
         pinwheel_faults::compiled();
         let earlier = earlier.map(|gearbox| &gearbox.geometry);
-        let geometry = Geometry::after(earlier, scene)?;
+        let at_work = scene.at_work();
+        let geometry = Geometry::after(earlier, &at_work)?;
         let mut gearbox = Self {
             scene: scene.clone(),
             layout: Layout::of(&scene.gear),
-            carrier: Carrier::of(scene, &geometry),
+            carrier: Carrier::of(&at_work, &geometry),
             geometry,
             channels: Channels::of(scene).map_err(GearboxError::Geometry)?,
             kernel: Kernel::default(),
@@ -123,7 +124,7 @@ impl Gearbox {
         Ok(ContactField {
             carrier: self.carrier.clone(),
             seals: Seals::of(scene),
-            ..contacts::contacts(scene, &self.geometry, self.kernel)?
+            ..contacts::contacts(&scene.at_work(), &self.geometry, self.kernel)?
         })
     }
 
@@ -141,7 +142,7 @@ impl Gearbox {
     /// As [`contact_field`](Self::contact_field).
     pub fn bare_field(&self) -> Result<ContactField, GearboxError> {
         self.ring_is_held()?;
-        contacts::contacts(&self.frictionless(), &self.geometry, self.kernel)
+        contacts::contacts(&self.frictionless().at_work(), &self.geometry, self.kernel)
     }
 
     /// Creates a contact field for this scene with a friction coefficient of 0.
@@ -171,11 +172,10 @@ impl Gearbox {
         ring.chain(output).collect()
     }
 
-    /// Returns the twist of carrier and flange, rad, under a torque on the output, N m; 0 where they are rigid.
+    /// Returns the twist of plate, flange and input shaft, rad, under a torque on the output, N m; 0 where they are rigid.
     #[must_use]
     pub fn flange_twist_rad(&self, torque_n_m: f64) -> f64 {
-        let torsion = self.scene.bearings.output_torsion_n_m_rad;
-        torsion.map_or(0.0, |stiffness| torque_n_m / stiffness)
+        self.scene.flange_twist_rad(torque_n_m)
     }
 
     /// Returns true if discs float on elastic bearings.

@@ -436,7 +436,7 @@ impl<'a> Statics<'a> {
     }
 
     /// Returns the Jacobian of the residual, which is `here` at `u`. It is taken by differences where these are cheaper or the
-    /// contacts have no derivatives. `None`: discs on eccentrics whose contacts have no derivatives.
+    /// contacts have no derivatives. `None`: discs on eccentrics whose contacts have no derivatives, and share no pins.
     fn jacobian(
         &mut self,
         problem: &Problem,
@@ -451,7 +451,8 @@ impl<'a> Statics<'a> {
         };
         if !by_differences {
             let found = self.derivatives(problem, u);
-            if found.is_some() || problem.free == Free::Angles {
+            let shared = self.gearbox.scene.structure.output_pin_diameter_m.is_some();
+            if found.is_some() || (problem.free == Free::Angles && !shared) {
                 return found.map(|[position, _]| position);
             }
         }

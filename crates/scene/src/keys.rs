@@ -107,7 +107,7 @@ impl Key {
     /// The unit that ends its name, as one writes it; empty for counts, names and plain numbers.
     #[must_use]
     pub fn unit(&self) -> &'static str {
-        const UNITS: [(&str, &str); 18] = [
+        const UNITS: [(&str, &str); 19] = [
             ("stiffness_n_m", "N/m"),
             ("spring_n_m", "N/m"),
             ("_n_m_rad", "N m/rad"),
@@ -126,6 +126,7 @@ impl Key {
             ("_s", "s"),
             ("_rad", "rad"),
             ("_n", "N"),
+            ("_k", "K"),
         ];
         let unit = UNITS.iter().find(|(end, _)| self.name.ends_with(end));
         unit.map_or("", |(_, unit)| unit)
@@ -177,6 +178,9 @@ const MOMENT: Kind = Number(From(1e-18, 1e8));
 /// Deviations, to either side.
 const DEVIATION: Range = From(-1.0, 1.0);
 const ANGLE: Range = From(-1.0, 1.0);
+const KELVIN: Kind = Number(From(-300.0, 1000.0));
+const WARM: &str =
+    "temperatures are differences in kelvin: 60 degrees C of a part measured at 20 are 40";
 const STIFF: &str = "needle bearings have 1e8 to 1e9 N/m";
 /// End of any simulation, s.
 pub const LONGEST_S: f64 = 1e5;
@@ -253,7 +257,7 @@ pub const KEYS: &[Key] = keys! {
 
     "contact.law" Choice("contact law", names::laws), Constant("\"line-hertz\"", "rollers on a line, both bodies elastic; creates no energy"), "normal law", "see `pinwheel laws`";
     "contact.band_laws" Choices("contact law", names::laws), Nothing, "laws that may be right for these rollers, whose spread is the band of a figure; absent: those for the materials; []: no band", "see `pinwheel laws`";
-    "contact.material" Choice("material", names::materials), Nothing, "material of the discs, for their limits; steel: hardened as rolling bearings are; absent: not known", "say limits of another in [limits]";
+    "contact.material" Choice("material", names::materials), Nothing, "material of the discs, for their limits and expansion; steel: hardened as rolling bearings are; absent: not known", "say limits of another in [limits]";
     "contact.pin_material" Choice("material", names::materials), Nothing, "material of the pins; absent: that of the discs", "say limits of another in [limits]";
     "contact.young_pa" Number(From(1e6, 1e13)), Constant("2.1e11", "steel"), "E of the discs", "Young's modulus is in pascal: steel's 200 GPa is 2e11";
     "contact.poisson" Number(Between(-1.0, 0.5)), Constant("0.3", "steel"), "Poisson's ratio of the discs", "steel has 0.3; outside these bounds no isotropic material is stable";
@@ -306,6 +310,17 @@ pub const KEYS: &[Key] = keys! {
     "bearings.sleeve_bore_m" LENGTH, Nothing, "bore d of the pins, for that moment; thinner rollers turn in grooves, on their own diameter", METRES;
     "bearings.input_seal_n_m" Number(From(0.0, 1e9)), Nothing, "torque of the input shaft's seal against its turning; absent: 0", "seal catalogues give it: some 0.1 N m on a shaft of 20 mm";
     "bearings.output_seal_n_m" Number(From(0.0, 1e9)), Nothing, "torque of the output shaft's seal against its turning; absent: 0", "seal catalogues give it: some 0.1 N m on a shaft of 20 mm";
+    "structure.output_pin_diameter_m" LENGTH, Nothing, "diameter of the output pins as beams that all discs bend together, held as bearings.internal_sleeves_held says; disc 0 is nearest to the flange; absent: rigid", METRES;
+    "structure.output_seat_length_m" LENGTH, Nothing, "length of an output pin's seat, a line contact in series with its bending; absent: rigid", METRES;
+    "structure.ring_seat_length_m" LENGTH, Nothing, "length of a ring pin's seat in the housing, a line contact in series with its contacts; absent: rigid", METRES;
+    "structure.ring_slot_clearance_m" Number(From(0.0, 1e-2)), Nothing, "radial clearance of ring pins in slots, taken up along the normal of the contact; absent: 0", "half of the play across the diameter: 5 micrometres are 5e-6";
+    "structure.housing_material" Choice("material", names::materials), Nothing, "material of the housing, for seats and expansion; absent: that of the pins", "name one of these";
+    "structure.plate_thickness_m" LENGTH, Nothing, "thickness of the plate between output pins and flange, in torsion; absent: rigid; counts in `design` alone", METRES;
+    "structure.plate_radius_m" LENGTH, Nothing, "radius at which the flange takes the torque from that plate", METRES;
+    "structure.input_torsion_n_m_rad" Number(From(1e-3, 1e15)), Nothing, "torsional stiffness of the input shaft, which counts at the output times the ratio squared; absent: rigid; counts in `design` alone", "a steel shaft has 8e10 pi d^4/(32 l)";
+    "temperature.housing_k" KELVIN, Nothing, "housing with the ring, by how much warmer than when its sizes were measured; absent: 0", WARM;
+    "temperature.disc_k" KELVIN, Nothing, "discs, eccentrics and carrier, likewise; absent: 0", WARM;
+    "temperature.pins_k" KELVIN, Nothing, "ring pins and output pins, likewise; absent: 0", WARM;
     "cranks.count" Count(2, 12), Needed, "cranks of an RV reducer, which carry the discs in the place of one eccentric", "RV reducers have two or three";
     "cranks.circle_radius_m" LENGTH, Needed, "circle the cranks stand on", METRES;
     "cranks.bore_radius_m" LENGTH, Needed, "a disc's bore for a crank's eccentric and its bearing", METRES;

@@ -63,7 +63,9 @@ pub mod scales;
 pub mod schema;
 pub mod speed_profile;
 mod springs;
+pub mod structure;
 mod table;
+mod temperature;
 mod uncertain;
 mod wall;
 
@@ -81,7 +83,8 @@ pub use layout::{Layout, Sleeve};
 pub use model::{
     Bearings, BodyMass, Contact, Cranks, Detection, Drive, EccentricBearing, Errors, Formulation,
     FrictionLaw, Gear, Held, Limits, LoadChange, Masses, Modification, NormalOffset, Output,
-    OutputPart, PlusMinus, Scene, Solver, SpeedChange, Stabilisation, Start,
+    OutputPart, PlusMinus, Scene, Solver, SpeedChange, Stabilisation, Start, Structure,
+    Temperature,
 };
 pub use outline::Outline;
 pub use parse::{Draft, Override, edited};

@@ -27,6 +27,12 @@ pub struct Scene {
     /// Compliance beside that of the contacts; without it only contacts deflect under the load.
     #[serde(default, skip_serializing_if = "Bearings::is_none")]
     pub bearings: Bearings,
+    /// Parts behind the contacts that give way.
+    #[serde(default, skip_serializing_if = "Structure::is_none")]
+    pub structure: Structure,
+    /// Parts warmer than when their sizes were measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<Temperature>,
     /// The cranks of an RV reducer; without it one eccentric carries the discs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cranks: Option<Cranks>,
@@ -326,6 +332,48 @@ pub enum Held {
     OneEnd,
     /// In a flange on either side of the discs, free to turn there.
     BothEnds,
+}
+
+/// Parts behind the contacts that give way, each with its closed form; `None`: rigid.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Structure {
+    /// Diameter of the output pins as beams that all discs bend, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub output_pin_diameter_m: Option<f64>,
+    /// Length of an output pin's seat in what holds it, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub output_seat_length_m: Option<f64>,
+    /// Length of a ring pin's seat in the housing, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ring_seat_length_m: Option<f64>,
+    /// Radial clearance of ring pins in their slots, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ring_slot_clearance_m: Option<f64>,
+    /// Name of the housing's material, of [`crate::catalogue::MATERIALS`]; `None`: the pins'.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub housing_material: Option<String>,
+    /// Thickness of the plate between output pins and flange, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plate_thickness_m: Option<f64>,
+    /// Radius at which the flange takes the torque from the plate, m.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plate_radius_m: Option<f64>,
+    /// Torsional stiffness of the input shaft, N m/rad.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub input_torsion_n_m_rad: Option<f64>,
+}
+
+/// Temperatures of parts above that at which their sizes hold, K.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Temperature {
+    /// Housing with the ring.
+    pub housing_k: f64,
+    /// Discs, eccentrics and carrier.
+    pub disc_k: f64,
+    /// Ring pins and output pins.
+    pub pins_k: f64,
 }
 
 /// Limits that a user states; one that is exceeded ends a design with status 1.

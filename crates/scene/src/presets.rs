@@ -41,6 +41,7 @@ pub const PRESETS: &[Preset] = presets![
     "needle-bearings",
     "rv-320",
     "rv-40e-like",
+    "rv-80e-like",
     "rv-160n-like",
     // Hard on integrators: each one's description says why.
     "hard-adhesive",

@@ -109,7 +109,7 @@ impl Scales {
         };
         let force = external_force(gear, torque);
         let penetration = outer.depth(force, least);
-        let housing = torsion(outer, None, lever, gear.external_sleeves);
+        let housing = torsion(outer, scene.ring_seat_n_m(), lever, gear.external_sleeves);
         let (circle, sleeves) = (gear.internal_circle_radius_m, gear.internal_sleeves);
         let on_cranks = scene.cranks.and_then(|_| BearingLaw::of(scene));
         let output = match on_cranks {
@@ -118,7 +118,7 @@ impl Scales {
                 sleeves as f64 * stiffness * circle * circle
             }
             None => {
-                let pin = scene.bearings.internal_sleeve_stiffness_n_m;
+                let pin = scene.output_pin_n_m();
                 torsion(inner, pin, circle, sleeves)
             }
         };

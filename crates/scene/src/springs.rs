@@ -109,12 +109,13 @@ pub fn law(scene: &Scene) -> Option<Law> {
     Law::named(&scene.contact.law, &law_parameters(scene))
 }
 
-/// The law that a scene names, with the bending of its output pins.
+/// The law that a scene names, with the bending of its output pins and the seats of its ring pins.
 #[must_use]
 pub fn pin_law(scene: &Scene) -> Option<PinLaw> {
     Some(PinLaw {
         law: law(scene)?,
         pin_n_m: scene.bearings.internal_sleeve_stiffness_n_m,
+        ring_n_m: scene.ring_seat_n_m(),
     })
 }
 

@@ -21,7 +21,16 @@ pub(crate) const UNCERTAIN: &str = "uncertain";
 /// Example of an entry.
 pub(crate) const EXAMPLE: &str = "write it like gear.backlash_m = { plus_minus = 5e-6 }";
 /// Sections whose numbers are inputs of the model.
-const SECTIONS: [&str; 6] = ["gear", "mass", "drive", "contact", "bearings", "cranks"];
+const SECTIONS: [&str; 8] = [
+    "gear",
+    "mass",
+    "drive",
+    "contact",
+    "bearings",
+    "structure",
+    "temperature",
+    "cranks",
+];
 
 /// Refuses entries that are no input of the model, and intervals that leave the range of the key.
 pub(crate) fn check(scene: &Scene) -> Result<(), Fault> {

@@ -23,22 +23,36 @@ const STEPS: usize = 10;
 /// Least step, relative to x, from which a slope is computed.
 const TELLING: f64 = 1e-7;
 
-/// Normal law of a gear, with the bending of its output pins.
+/// Normal law of a gear, with the bending of its output pins and the seats of its ring pins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PinLaw {
     /// Law of every contact without the pin's bending.
     pub law: Law,
     /// Stiffness k of a pin, N/m; `None`: rigid.
     pub pin_n_m: Option<f64>,
+    /// Stiffness of a ring pin's seat, N/m; `None`: rigid.
+    pub ring_n_m: Option<f64>,
 }
 
 impl PinLaw {
-    /// Returns the law for sleeves on rigid pins, as the external ones are.
+    /// Returns the law for a pin of this stiffness, N/m.
     #[must_use]
     #[inline(always)]
-    pub fn on_rigid_pin(self) -> Self {
-        let pin_n_m = None;
+    pub fn on(self, pin_n_m: Option<f64>) -> Self {
         Self { pin_n_m, ..self }
+    }
+
+    /// Returns the force along the profile as [`NormalLaw::along`], of a contact in series with its pin.
+    #[must_use]
+    #[inline(always)]
+    pub fn along<R: OnPin>(&self, stiffness: R, penetration: R) -> Option<R> {
+        let Some(pin) = self.pin_n_m else {
+            return self.law.along(stiffness, penetration);
+        };
+        self.law.along(stiffness, penetration)?;
+        let [_, elastic, _] = self.observed(stiffness, penetration, penetration.like(0.0));
+        let contact = penetration - elastic * penetration.like(1.0 / pin);
+        self.law.along(stiffness, contact)
     }
 
     /// Returns the normal force as [`NormalLaw::force`], of a sleeve on a bending pin; `penetration` and `rate` are those of

@@ -69,7 +69,11 @@ fn laws_have_their_derivatives() {
     for info in LAWS {
         let law = Law::named(info.name, &parameters).unwrap();
         for (pin_n_m, depth) in [(None, 4e-6), (None, 2e-5), (Some(2e7), 2e-5)] {
-            let law = PinLaw { law, pin_n_m };
+            let law = PinLaw {
+                law,
+                pin_n_m,
+                ring_n_m: None,
+            };
             let x = [8e8, depth, 0.02];
             let exact = |[k, depth, rate]: [Dual<3>; 3]| law.force(k, depth, rate);
             let force = |[k, depth, rate]: [f64; 3]| law.force(k, depth, rate);

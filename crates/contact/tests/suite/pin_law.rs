@@ -9,6 +9,7 @@ fn on_pin(name: &str, pin: f64) -> PinLaw {
     PinLaw {
         law: Law::named(name, &LawParameters::default()).unwrap(),
         pin_n_m: Some(pin),
+        ring_n_m: None,
     }
 }
 

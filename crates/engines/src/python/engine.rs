@@ -25,7 +25,7 @@ impl PythonEngine {
     fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, Halt> {
         host::ready(control.cancel)?;
         let law = (self.0.track == SharedModel::SharedLaw).then(|| Published::new(gearbox));
-        let scene_toml = gearbox.scene.to_toml();
+        let scene_toml = gearbox.scene.at_work().to_toml();
         let (ran, _) = hosted(gearbox, control, law.transpose()?, |options, law| {
             let package = package(options.py())?;
             if let Some(law) = law {

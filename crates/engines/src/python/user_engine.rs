@@ -47,7 +47,7 @@ pub struct UserEngine {
 impl UserEngine {
     fn run(&self, gearbox: &Gearbox, control: &Control<'_>) -> Result<Run, Halt> {
         let law = Published::new(gearbox)?;
-        let scene_toml = gearbox.scene.to_toml();
+        let scene_toml = gearbox.scene.at_work().to_toml();
         let (ran, raised) = hosted(gearbox, control, Some(law), |options, law| {
             let py = options.py();
             if let Some(law) = law {

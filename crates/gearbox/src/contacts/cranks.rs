@@ -253,6 +253,8 @@ impl CrankSet {
             friction_force_n: 0.0,
             along_force_n: 0.0,
             centre: [seat.x, seat.y],
+            pin_n_m: None,
+            shared_j: 0.0,
         }
     }
 

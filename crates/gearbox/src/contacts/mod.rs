@@ -12,6 +12,7 @@ pub(crate) mod pair;
 mod pairs;
 mod pin_friction;
 mod seals;
+mod shared_pins;
 
 use pinwheel_contact::NormalLaw as _;
 use pinwheel_scene::scales::{law_parameters, pin_law};
@@ -112,8 +113,9 @@ pub fn contacts(
         }
         None => (scene, geometry),
     };
-    // Lanes assume that all pins are equal, and all holes.
+    // Lanes assume that all pins are equal, and all holes, and take discs one by one.
     let in_lanes = kernel != Kernel::Scalar
+        && scene.structure.output_pin_diameter_m.is_none()
         && scene.contact.friction_law == FrictionLaw::Regularised
         && geometry.is_uniform(&scene.gear);
     let pins = PinFriction::of(scene);

@@ -39,6 +39,39 @@ impl<S: Scalar> Motion<S> {
     }
 }
 
+/// Frame and motion of a disc.
+#[derive(Clone, Copy)]
+pub(super) struct WheelFrame<S = f64> {
+    pub(super) centre: Complex<S>,
+    /// e^{i theta}, disc frame to ground.
+    pub(super) turn: Complex<S>,
+    /// Velocity of the centre in the disc's directions.
+    pub(super) velocity: Complex<S>,
+    pub(super) rate: S,
+}
+
+impl<S: Scalar> WheelFrame<S> {
+    pub(super) fn of(disc: &Motion<S>) -> Self {
+        let Motion {
+            place,
+            velocity,
+            turn,
+            rate,
+        } = *disc;
+        Self {
+            centre: place,
+            turn,
+            velocity: velocity * turn.conj(),
+            rate,
+        }
+    }
+
+    #[inline]
+    pub(super) fn point(&self, place: Complex<S>) -> Complex<S> {
+        (place - self.centre) * self.turn.conj()
+    }
+}
+
 /// Returns angle, x, y and their rates, in this order, of a disc as variables.
 pub(super) fn values(disc: &BodyState) -> [f64; 6] {
     [disc.angle, disc.x, disc.y, disc.rate, disc.vx, disc.vy]

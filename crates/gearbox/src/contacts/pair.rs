@@ -1,6 +1,6 @@
 //! One pair of disc and pin, and the loops over all pairs of a gear.
 
-use pinwheel_contact::{NormalLaw, PinLaw};
+use pinwheel_contact::PinLaw;
 use pinwheel_mbs::{BodyState, ContactEnergy, Evaluation};
 
 use crate::Sleeve;
@@ -34,6 +34,10 @@ pub struct PairContact {
     pub along_force_n: f64,
     /// The pin's centre P. Ground frame, m.
     pub centre: [f64; 2],
+    /// Stiffness of the pin, or of its seat, in series with the contact, N/m; `None`: rigid.
+    pub pin_n_m: Option<f64>,
+    /// Share of the pair in the energy of a pin that several discs bend together, beyond what each bends alone, J.
+    pub shared_j: f64,
 }
 
 impl PairContact {
@@ -57,17 +61,14 @@ impl PairContact {
 
     /// Returns the normal force at `rate` (m/s) and at rest, N, and the stored energy, J.
     fn observed(&self, law: &PinLaw, rate: f64) -> [f64; 3] {
-        let (stiffness, depth) = (self.stiffness, self.penetration_m);
-        match self.sleeve {
-            Sleeve::External(_) => law.law.observed(stiffness, depth, rate),
-            Sleeve::Internal(_) => law.observed(stiffness, depth, rate),
-        }
+        law.on(self.pin_n_m)
+            .observed(self.stiffness, self.penetration_m, rate)
     }
 
     /// Adds the pair's stored energy and dissipated power.
     pub(super) fn add_energy(&self, law: &PinLaw, sum: &mut ContactEnergy) {
         let [_, elastic, stored] = self.observed(law, 0.0);
-        sum.stored_j += stored;
+        sum.stored_j += stored + self.shared_j;
         sum.damping_w += (self.normal_force_n - elastic) * self.normal_rate_m_s;
         sum.contact_friction_w -= self.friction_force_n * self.tangential_rate_m_s;
     }

@@ -9,9 +9,10 @@ use pinwheel_mbs::{BodyState, Derivatives, Evaluation, Wrench};
 
 use super::detection::{Detection, Exact, Touch};
 use super::flanks::{Flanks, Seat};
-use super::motion::{self, Motion};
+use super::motion::{self, Motion, WheelFrame};
 use super::pair::{PairContact, PairField};
 use super::pin_friction::{PinFriction, friction};
+use super::shared_pins::SharedPins;
 use crate::geometry::Geometry;
 use crate::scene::Scene;
 use crate::{Layout, Sleeve};
@@ -27,39 +28,7 @@ pub(super) struct Pairs<D> {
     external_directions: Vec<Complex>,
     external_sleeves: u32,
     flanks: Option<Flanks>,
-}
-
-/// Frame and motion of a disc.
-#[derive(Clone, Copy)]
-pub(super) struct WheelFrame<S = f64> {
-    pub(super) centre: Complex<S>,
-    /// e^{i theta}, disc frame to ground.
-    pub(super) turn: Complex<S>,
-    /// Velocity of the centre in the disc's directions.
-    pub(super) velocity: Complex<S>,
-    pub(super) rate: S,
-}
-
-impl<S: Scalar> WheelFrame<S> {
-    fn of(disc: &Motion<S>) -> Self {
-        let Motion {
-            place,
-            velocity,
-            turn,
-            rate,
-        } = *disc;
-        Self {
-            centre: place,
-            turn,
-            velocity: velocity * turn.conj(),
-            rate,
-        }
-    }
-
-    #[inline]
-    fn point(&self, place: Complex<S>) -> Complex<S> {
-        (place - self.centre) * self.turn.conj()
-    }
+    shared: Option<SharedPins>,
 }
 
 /// Rates and forces of a touch, still in the disc's frame.
@@ -73,6 +42,9 @@ pub(super) struct Loaded<S = f64> {
     pub(super) normal_force: S,
     pub(super) friction_force: S,
     pub(super) along_force: S,
+    /// Stiffness of the pin or of its seat, N/m, and its part of the energy of a shared pin, J.
+    pub(super) pin_n_m: Option<f64>,
+    pub(super) shared_j: f64,
 }
 
 impl<S: Scalar> Loaded<S> {
@@ -114,6 +86,8 @@ impl Loaded {
             friction_force_n: self.friction_force,
             along_force_n: self.along_force,
             centre: ground(self.touch.point - self.arm),
+            pin_n_m: self.pin_n_m,
+            shared_j: self.shared_j,
         }
     }
 }
@@ -129,6 +103,7 @@ impl<D: Detection> Pairs<D> {
             external_directions: geometry.external_directions.clone(),
             external_sleeves: scene.gear.external_sleeves as u32,
             flanks: Flanks::of(geometry),
+            shared: SharedPins::of(scene),
         }
     }
 
@@ -173,6 +148,35 @@ impl<D: Detection> Pairs<D> {
         flanks.touch(p, radius, feet, |kappa| self.detection.sleeve(j, kappa).1)
     }
 
+    /// Bends pins that discs share.
+    fn bend(&mut self, bodies: &[BodyState]) {
+        if let Some(shared) = &mut self.shared {
+            let touch = |wheel, pin, p| self.detection.hole_gap(wheel, pin, p);
+            shared.bend(&self.law, bodies, touch);
+        }
+    }
+
+    /// Returns the centre of a pin in a disc's frame, its stiffness (N/m), and its part of the energy of a shared pin, J.
+    #[inline]
+    fn placed(
+        &self,
+        wheel: usize,
+        sleeve: Sleeve,
+        body: &BodyState,
+        frame: &WheelFrame,
+    ) -> (Complex, Option<f64>, f64) {
+        let place = Complex::new(body.x, body.y);
+        match (sleeve, &self.shared) {
+            (Sleeve::External(_), _) => (frame.point(place), self.law.ring_n_m, 0.0),
+            (Sleeve::Internal(_), None) => (frame.point(place), self.law.pin_n_m, 0.0),
+            (Sleeve::Internal(pin), Some(shared)) => {
+                let bent = shared.bent(wheel, pin);
+                let pin_n_m = Some(shared.stiffness_n_m(wheel));
+                (frame.point(place + bent.moved), pin_n_m, bent.shared_j)
+            }
+        }
+    }
+
     /// Computes v_rel = (pin's material velocity at W, spin included) - (disc's at W), then Eq. 20 and 21.
     #[inline]
     fn load<S: Scalar + OnPin>(
@@ -181,7 +185,7 @@ impl<D: Detection> Pairs<D> {
         touch: Touch<S>,
         wheel: &WheelFrame<S>,
         (velocity, rate): (Complex<S>, S),
-        p: Complex<S>,
+        (p, pin_n_m, shared_j): (Complex<S>, Option<f64>, f64),
     ) -> Loaded<S> {
         let arm = touch.point - p;
         let sleeve_velocity = velocity * wheel.turn.conj() + arm.turned().scale(rate);
@@ -190,11 +194,9 @@ impl<D: Detection> Pairs<D> {
         let normal_rate = relative.dot(touch.normal);
         let tangential_rate = relative.dot(touch.normal.turned());
         let (stiffness, depth) = (touch.stiffness, touch.penetration);
-        let normal_force = match kind {
-            Sleeve::External(_) => self.law.law.force(stiffness, depth, normal_rate),
-            Sleeve::Internal(_) => self.law.force(stiffness, depth, normal_rate),
-        };
-        let along = self.law.law.along(stiffness, depth);
+        let law = self.law.on(pin_n_m);
+        let normal_force = law.force(stiffness, depth, normal_rate);
+        let along = law.along(stiffness, depth);
         Loaded {
             touch,
             arm,
@@ -203,6 +205,8 @@ impl<D: Detection> Pairs<D> {
             normal_force,
             friction_force: self.friction[kind.side()].force(normal_force, tangential_rate),
             along_force: along.map_or(depth.like(0.0), |along| -touch.stiffness_slope * along),
+            pin_n_m,
+            shared_j,
         }
     }
 
@@ -220,20 +224,20 @@ impl<D: Detection> Pairs<D> {
         let multiple = back.powu(self.external_sleeves);
         let first = self.layout.external_bodies().start;
         for (j, &direction) in self.external_directions.iter().enumerate() {
-            let sleeve = &bodies[first + j];
-            let p = frame.point(Complex::new(sleeve.x, sleeve.y));
-            if let Some((touch, seat)) = self.profile(j, p, [direction * back, multiple]) {
-                let pair = self.load(Sleeve::External(j), touch, frame, moves(sleeve), p);
-                visit(Sleeve::External(j), first + j, &pair, seat);
+            let (body, sleeve) = (&bodies[first + j], Sleeve::External(j));
+            let placed = self.placed(wheel, sleeve, body, frame);
+            if let Some((touch, seat)) = self.profile(j, placed.0, [direction * back, multiple]) {
+                let pair = self.load(sleeve, touch, frame, moves(body), placed);
+                visit(sleeve, first + j, &pair, seat);
             }
         }
         let first = self.layout.internal_bodies().start;
         for k in 0..self.layout.internal_sleeves {
-            let sleeve = &bodies[first + k];
-            let p = frame.point(Complex::new(sleeve.x, sleeve.y));
-            if let Some(touch) = self.detection.hole(wheel, k, p) {
-                let pair = self.load(Sleeve::Internal(k), touch, frame, moves(sleeve), p);
-                visit(Sleeve::Internal(k), first + k, &pair, Seat::Corner);
+            let (body, sleeve) = (&bodies[first + k], Sleeve::Internal(k));
+            let placed = self.placed(wheel, sleeve, body, frame);
+            if let Some(touch) = self.detection.hole(wheel, k, placed.0) {
+                let pair = self.load(sleeve, touch, frame, moves(body), placed);
+                visit(sleeve, first + k, &pair, Seat::Corner);
             }
         }
     }
@@ -335,7 +339,8 @@ impl<D: Detection> Pairs<D> {
             (Sleeve::Internal(k), _) => exact.in_hole(wheel, k, p),
         };
         let Some(touch) = touch else { return };
-        let pair = self.load(sleeve, touch, &frame, (velocity, spin), p);
+        let placed = (p, pair.pin_n_m, 0.0);
+        let pair = self.load(sleeve, touch, &frame, (velocity, spin), placed);
         let (on_sleeve, at_centre) = (pair.on_sleeve(), pair.at_centre());
         let ground = (on_sleeve + at_centre) * frame.turn;
         let coordinates = derivatives.coordinates;
@@ -373,10 +378,12 @@ impl<D: Detection> PairField for Pairs<D> {
 
     fn have_derivatives(&self) -> bool {
         let smooth = |friction: &Friction| matches!(friction, Friction::Regularised(_));
-        self.detection.exact().is_some() && self.friction.iter().all(smooth)
+        let exact = self.detection.exact().is_some() && self.shared.is_none();
+        exact && self.friction.iter().all(smooth)
     }
 
     fn evaluate(&mut self, bodies: &[BodyState], request: &mut Evaluation<'_>) {
+        self.bend(bodies);
         let wants_pins = request.loads.is_some() || request.energy.is_some();
         for (wheel, hub) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&Motion::of(&bodies[hub]));
@@ -416,6 +423,7 @@ impl<D: Detection> PairField for Pairs<D> {
     }
 
     fn touching(&mut self, bodies: &[BodyState], visit: &mut dyn FnMut(&PairContact)) {
+        self.bend(bodies);
         for (wheel, body) in self.layout.wheel_bodies().enumerate() {
             let frame = WheelFrame::of(&Motion::of(&bodies[body]));
             self.wheel_pairs(wheel, bodies, &frame, |sleeve, _, pair, _| {
@@ -425,10 +433,12 @@ impl<D: Detection> PairField for Pairs<D> {
     }
 
     fn nearest(&mut self, bodies: &[BodyState], wheel: usize, sleeve: Sleeve) -> PairContact {
+        self.bend(bodies);
         let hub = &bodies[self.layout.wheel_bodies().start + wheel];
         let frame = WheelFrame::of(&Motion::of(hub));
         let body = &bodies[self.layout.sleeve_body(sleeve)];
-        let p = frame.point(Complex::new(body.x, body.y));
+        let placed = self.placed(wheel, sleeve, body, &frame);
+        let p = placed.0;
         let touch = match sleeve {
             Sleeve::External(j) => {
                 let back = frame.turn.conj();
@@ -442,7 +452,13 @@ impl<D: Detection> PairField for Pairs<D> {
             Sleeve::External(j) => self.profile_gap(j, p),
             Sleeve::Internal(k) => self.detection.hole_gap(wheel, k, p),
         };
-        let mut pair = self.load(sleeve, touch.unwrap_or_else(gap), &frame, moves(body), p);
+        let mut pair = self.load(
+            sleeve,
+            touch.unwrap_or_else(gap),
+            &frame,
+            moves(body),
+            placed,
+        );
         if touch.is_none() {
             (pair.normal_force, pair.friction_force, pair.along_force) = (0.0, 0.0, 0.0);
         }

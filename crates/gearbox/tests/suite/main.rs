@@ -34,4 +34,5 @@ mod resolve;
 mod rosenbrock;
 mod run_limits;
 mod sliding;
+mod structure;
 mod uncertainty;

@@ -54,6 +54,7 @@ pub fn doubts(scene: &CheckedScene) -> Vec<Assumption> {
         });
     };
     let (gear, bearings, contact) = (&scene.gear, &scene.bearings, &scene.contact);
+    let structure = &scene.structure;
     let radius = gear.pitch_radius_m();
     let lengths = LENGTH.map(|share| share * radius);
     let of_gear = format!(
@@ -72,6 +73,12 @@ pub fn doubts(scene: &CheckedScene) -> Vec<Assumption> {
         ),
         ("bearings.eccentric.bore_m", eccentric.bore_m),
         ("bearings.sleeve_bore_m", bearings.sleeve_bore_m),
+        (
+            "structure.output_seat_length_m",
+            structure.output_seat_length_m,
+        ),
+        ("structure.ring_seat_length_m", structure.ring_seat_length_m),
+        ("structure.plate_thickness_m", structure.plate_thickness_m),
     ] {
         judge(name, value, lengths, &of_gear, LENGTHS);
     }

@@ -47,6 +47,8 @@ pub(crate) fn together(scene: &Scene, gives_circle: bool) -> Result<(), Fault> {
     crate::cranks::check(scene)?;
     load::check(scene)?;
     gear(&scene.gear, gives_circle)?;
+    crate::structure::check(scene)?;
+    crate::temperature::check(scene, geometry::outside)?;
     crate::uncertain::check(scene)?;
     budget::check(scene)
 }

@@ -22,4 +22,5 @@ mod quantity;
 mod remedies;
 mod scales;
 mod select;
+mod structure;
 mod uncertain;

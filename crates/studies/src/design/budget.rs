@@ -1,10 +1,10 @@
 //! The compliance budget: what gives way, part by part.
 //!
-//! The gear is balanced with contacts alone, then with its eccentric bearings, then with the bending of its output pins, then with
-//! carrier and flange, each time with all before. Compliances add up, so a part's share is what the twist under load grows by when it joins.
+//! The gear is balanced with contacts alone, then with its eccentric bearings, then with the parts behind them, then with carrier
+//! and flange, each time with all before. Compliances add up, so a part's share is what the twist under load grows by when it joins.
 
 use pinwheel_gearbox::statics::Statics;
-use pinwheel_scene::Scene;
+use pinwheel_scene::{Scene, Structure};
 use serde::Serialize;
 
 use super::DesignResult;
@@ -71,46 +71,72 @@ pub(super) const CONTACTS: &str = "contacts";
 /// The part that a fit replaces.
 pub(super) const REST: &str = "carrier and flange";
 
+/// Gives a scene what a part of the whole one has.
+type Give = fn(&mut Scene, &Scene);
+/// Parts behind the bearings of the discs, in the order in which they join.
+const PARTS: [(&str, Give); 9] = [
+    ("crank supports", |scene, all| {
+        if let (Some(cranks), Some(all)) = (&mut scene.cranks, all.cranks) {
+            cranks.support_stiffness_n_m = all.support_stiffness_n_m;
+        }
+    }),
+    ("first stage", |scene, all| scene.cranks = all.cranks),
+    ("output pins", |scene, all| {
+        scene.bearings.internal_sleeve_stiffness_n_m = all.bearings.internal_sleeve_stiffness_n_m;
+        scene.structure.output_pin_diameter_m = all.structure.output_pin_diameter_m;
+    }),
+    ("seats of output pins", |scene, all| {
+        scene.structure.output_seat_length_m = all.structure.output_seat_length_m;
+    }),
+    ("slots of ring pins", |scene, all| {
+        scene.structure.ring_slot_clearance_m = all.structure.ring_slot_clearance_m;
+    }),
+    ("seats of ring pins", |scene, all| {
+        scene.structure.ring_seat_length_m = all.structure.ring_seat_length_m;
+    }),
+    ("output plate", |scene, all| {
+        scene.structure.plate_thickness_m = all.structure.plate_thickness_m;
+        scene.structure.plate_radius_m = all.structure.plate_radius_m;
+    }),
+    ("input shaft", |scene, all| {
+        scene.structure.input_torsion_n_m_rad = all.structure.input_torsion_n_m_rad;
+    }),
+    (REST, |scene, all| scene.bearings = all.bearings),
+];
+
 /// Budget of the gear of `known` under the `working` load; empty where only the contacts deflect.
 pub(super) fn of(
     known: &mut Statics<'_>,
     working: f64,
     control: &Control<'_>,
 ) -> Result<Vec<Share>, StudyError> {
-    let gearbox = known.gearbox();
-    let all = gearbox.scene.bearings;
-    let given = gearbox.scene.cranks;
+    let all = &known.gearbox().scene;
     // The first is balanced on rigid bearings, which cranks cannot do without in a scene.
-    let mut scene = Scene::clone(&gearbox.scene);
+    let mut scene = Scene::clone(all);
     scene.bearings.output_torsion_n_m_rad = None;
     scene.bearings.internal_sleeve_stiffness_n_m = None;
+    let housing_material = scene.structure.housing_material.take();
+    scene.structure = Structure {
+        housing_material,
+        ..Structure::default()
+    };
     if let Some(cranks) = &mut scene.cranks {
         (cranks.support_stiffness_n_m, cranks.mesh_stiffness_n_m) = (None, None);
     }
     let mut parts = vec![(CONTACTS, scene.clone())];
-    if all.eccentric.is_some() {
+    if all.bearings.eccentric.is_some() {
         let part = match scene.cranks {
             Some(_) => "crank bearings",
             None => "eccentric bearings",
         };
         parts.push((part, scene.clone()));
     }
-    let support = given.and_then(|cranks| cranks.support_stiffness_n_m);
-    if let (Some(cranks), Some(_)) = (&mut scene.cranks, support) {
-        cranks.support_stiffness_n_m = support;
-        parts.push(("crank supports", scene.clone()));
-    }
-    if given.is_some_and(|cranks| cranks.mesh_stiffness_n_m.is_some()) {
-        scene.cranks = given;
-        parts.push(("first stage", scene.clone()));
-    }
-    if all.internal_sleeve_stiffness_n_m.is_some() {
-        scene.bearings.internal_sleeve_stiffness_n_m = all.internal_sleeve_stiffness_n_m;
-        parts.push(("output pins", scene.clone()));
-    }
-    if all.output_torsion_n_m_rad.is_some() {
-        scene.bearings = all;
-        parts.push((REST, scene));
+    for (part, give) in PARTS {
+        let before = scene.clone();
+        give(&mut scene, all);
+        if scene != before {
+            parts.push((part, scene.clone()));
+        }
     }
     let mut shares: Vec<Share> = Vec::new();
     if parts.len() == 1 {

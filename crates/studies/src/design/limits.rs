@@ -114,7 +114,7 @@ pub(super) fn figures(balances: &Balances, scene: &Scene) -> Vec<Figure> {
             rating_n / most(&mut carried.into_iter().flatten())
         });
         let held = scene.bearings.internal_sleeves_held;
-        let bending = held.map(|held| 1e-6 * bending_pa(poses.clone(), scene, held, width));
+        let bending = held.map(|held| 1e-6 * bending_pa(poses.clone(), scene, held));
         let sliding = slides.then(|| {
             let pairs = poses.clone().flat_map(|pose| &pose.pairs);
             let of_pair = |pair: &Pair| {
@@ -144,16 +144,9 @@ pub(super) fn figures(balances: &Balances, scene: &Scene) -> Vec<Figure> {
 }
 
 /// Largest bending stress of an output pin, Pa; its sleeve turns on it, if there is one.
-fn bending_pa<'a>(
-    poses: impl Iterator<Item = &'a Pose>,
-    scene: &Scene,
-    held: Held,
-    width: f64,
-) -> f64 {
+fn bending_pa<'a>(poses: impl Iterator<Item = &'a Pose>, scene: &Scene, held: Held) -> f64 {
     let (gear, bearings) = (&scene.gear, &scene.bearings);
-    let gap = bearings.internal_sleeve_gap_m.unwrap_or_default();
-    let span = gear.wheels as f64 * (width + gap) + gap;
-    let at = |wheel: usize| gap + 0.5 * width + wheel as f64 * (width + gap);
+    let (places, span) = scene.output_pins_m();
     let mut largest: f64 = 0.0;
     for pose in poses {
         let mut pins = vec![vec![0.0; gear.wheels]; gear.internal_sleeves];
@@ -164,18 +157,19 @@ fn bending_pa<'a>(
         }
         for pin in pins {
             let sum = |arm: &dyn Fn(f64) -> f64| -> f64 {
-                let each = pin.iter().enumerate();
-                each.map(|(wheel, force)| force * arm(at(wheel))).sum()
+                let each = pin.iter().zip(&places);
+                each.map(|(force, place)| force * arm(*place)).sum()
             };
             let under = |x: f64| sum(&|a| x.min(a) * (span - x.max(a)) / span);
             largest = match held {
                 Held::OneEnd => largest.max(sum(&|a| a)).max(sum(&|a| span - a)),
-                Held::BothEnds => (0..gear.wheels).map(at).map(under).fold(largest, f64::max),
+                Held::BothEnds => places.iter().copied().map(under).fold(largest, f64::max),
             };
         }
     }
     let whole = 2.0 * gear.internal_sleeve_radius_m;
-    let pin = whole.min(bearings.sleeve_bore_m.unwrap_or(whole));
+    let stated = scene.structure.output_pin_diameter_m;
+    let pin = whole.min(stated.or(bearings.sleeve_bore_m).unwrap_or(whole));
     32.0 * largest / (PI * pin.powi(3))
 }
 

@@ -123,6 +123,9 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
     add("_ours", within(&ours.time_series, STEADY));
     add("_later", within(&ours.time_series, (0.1, 0.6)));
     add("_first", within(&ours.time_series, (0.0, 0.05)));
+    let rough = runs.get(Model::ROUGH, |_| {})?;
+    let rough = within(&rough.time_series, STEADY);
+    add("_600_points", rough);
     let mut tried = Vec::new();
     for (name, impact, vertices) in SUSPECTS {
         let seen = runs.get(Model::Ours, |s| {
@@ -165,6 +168,9 @@ pub(super) fn figure(runs: &Runs<'_>) -> Result<Vec<Measured>, StudyError> {
         let differences = format!("{} {} ", peer.differences, peer.note);
         found.words = vec![("other", other), ("differences", differences)];
     }
+    let holds = rough.iter().all(|peak| *peak < 200.0);
+    let rough = if holds { "holds" } else { "fails" };
+    found.words.push(("with_600_points", rough.to_owned()));
     found.words.push(("tried", tried.join("; ")));
     for (key, group) in [("fig-10a", INTERNAL), ("fig-10b", EXTERNAL)] {
         let x = times(&ours.time_series, DRAWN);

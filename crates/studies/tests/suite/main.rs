@@ -38,6 +38,7 @@ mod snapshot;
 mod spectrum;
 mod stages;
 mod statements;
+mod structure;
 mod studies;
 mod sweep;
 mod sweep_file;

@@ -6,8 +6,9 @@ use pulp::Simd;
 use super::pair_loop::{Group, Sink, Wheel};
 use crate::Sleeve;
 use crate::contacts::detection::Touch;
+use crate::contacts::motion::WheelFrame;
 use crate::contacts::pair::PairContact;
-use crate::contacts::pairs::{Loaded, WheelFrame};
+use crate::contacts::pairs::Loaded;
 
 /// Passes every touching pair, with rates and forces, to `visit`.
 pub(super) struct ActivePairs<'a, 'v> {
@@ -25,7 +26,8 @@ impl Sink for ActivePairs<'_, '_> {
         let normal_rate = relative.dot(touching.normal);
         let tangential_rate = relative.dot(touching.normal.turned());
         let (stiffness, depth) = (touching.stiffness, touching.penetration);
-        let [pressure, ..] = group.law(&self.law).observed(stiffness, depth, normal_rate);
+        let law = group.law(&self.law);
+        let [pressure, ..] = law.observed(stiffness, depth, normal_rate);
         let along = group.along(&self.law);
         let frame = WheelFrame {
             centre: wheel.centre.lane(0),
@@ -53,6 +55,8 @@ impl Sink for ActivePairs<'_, '_> {
                 normal_force,
                 friction_force: self.friction[group.side()].force(normal_force, tangential_rate),
                 along_force: along.map_or(0.0, |along| along.as_slice()[k]),
+                pin_n_m: law.pin_n_m,
+                shared_j: 0.0,
             };
             let sleeve = if group.external {
                 Sleeve::External(number)

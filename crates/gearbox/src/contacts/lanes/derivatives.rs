@@ -21,7 +21,7 @@
 //! and the moments are differentiated by the product rule. The derivatives of the normal law are differences of the law itself,
 //! right to 1e-9, so that a law needs none of its own. Where friction or law have a kink, one side's slope counts.
 
-use pinwheel_contact::{ComplexLanes, Lanes, NormalLaw, PinLaw, Real, RegularisedCoulomb};
+use pinwheel_contact::{ComplexLanes, Lanes, PinLaw, Real, RegularisedCoulomb};
 use pinwheel_mbs::{self as mbs, BodyState, Variable};
 use pulp::Simd;
 
@@ -106,7 +106,7 @@ impl<S: Simd> pulp::WithSimd for At<'_, S> {
         let [stiffness, depth, closing] = self.contact;
         (
             self.law.force(stiffness, depth, closing),
-            self.law.law.along(stiffness, depth),
+            self.law.along(stiffness, depth),
         )
     }
 }

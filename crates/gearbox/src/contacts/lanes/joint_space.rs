@@ -34,7 +34,7 @@ mod internal;
 
 use std::mem::take;
 
-use pinwheel_contact::{Complex, ComplexLanes, Lanes, Mask, NormalLaw, PinLaw, Real};
+use pinwheel_contact::{Complex, ComplexLanes, Lanes, Mask, PinLaw, Real};
 use pinwheel_mbs::{self as mbs, BodyState, ContactEnergy, Wrench};
 use pulp::Simd;
 
@@ -297,7 +297,7 @@ impl JointSpace {
             dissipated: nothing,
             rubbed: nothing,
         };
-        self.external::<S, LOADS, FLOATS>(simd, &law.on_rigid_pin(), shapes, bodies, &mut sums);
+        self.external::<S, LOADS, FLOATS>(simd, &law.on(law.ring_n_m), shapes, bodies, &mut sums);
         self.internal::<S, LOADS, FLOATS>(simd, law, shapes, bodies, output, &mut sums);
         if LOADS && let Some(loads) = &mut request.loads {
             if sums.on_sleeves {
@@ -509,12 +509,12 @@ impl JointSpace {
                 let observed = law.observed(stiffness, depth, closing);
                 sums.add_energy(observed, closing, inside)
             } else {
-                law.law.force(stiffness, depth, closing)
+                law.force(stiffness, depth, closing)
             };
             let pressure = force.only(inside);
             let mut moment = (wheel_lever * force).only(inside);
             let mut beside = None;
-            let along = law.law.along(stiffness, depth);
+            let along = law.along(stiffness, depth);
             if along.is_some() || self.pins[0].is_some() {
                 // -P.n = (C.T + r.T)/sqrt(g), and -c.n = (R + b) Re T/sqrt(g) less that.
                 let m2 = c(self.shortening * self.shortening);

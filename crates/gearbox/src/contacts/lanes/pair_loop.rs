@@ -1,6 +1,6 @@
 //! Loop over all pairs of discs and pins, a group of lanes at a time.
 
-use pinwheel_contact::{Complex, ComplexLanes, Lanes, NormalLaw, PinLaw};
+use pinwheel_contact::{Complex, ComplexLanes, Lanes, PinLaw};
 use pinwheel_mbs::BodyState;
 use pulp::Simd;
 
@@ -101,7 +101,7 @@ impl<S: Simd> Group<'_, S> {
     #[inline(always)]
     pub(super) fn law(&self, law: &PinLaw) -> PinLaw {
         if self.external {
-            law.on_rigid_pin()
+            law.on(law.ring_n_m)
         } else {
             *law
         }
@@ -113,7 +113,9 @@ impl<S: Simd> Group<'_, S> {
     pub(super) fn along(&self, law: &PinLaw) -> Option<Lanes<S>> {
         let touching = &self.touching;
         let foot = touching.foot.as_ref()?;
-        let along = law.law.along(touching.stiffness, touching.penetration)?;
+        let along = self
+            .law(law)
+            .along(touching.stiffness, touching.penetration)?;
         let derivatives = self.shapes.stiffness_slopes(foot, touching.stiffness);
         Some(-(derivatives.along * along).only(touching.mask))
     }
