@@ -311,7 +311,11 @@ impl Trials<'_> {
                     preset: Some(preset),
                     set: set.split_whitespace().map(str::to_owned).collect(),
                 };
-                let cases: Vec<Held> = rows(VECTORS[0]).into_iter().map(case).collect();
+                let mut cases: Vec<Held> = rows(VECTORS[0]).into_iter().map(case).collect();
+                cases.retain(|case| {
+                    let law = case.name.strip_prefix("law-");
+                    law.is_none_or(|law| self.solver.manifest().honours_law(law))
+                });
                 self.all_held(trial, &cases, &|case, scene| self.vector(case, scene))
             }
             _ => self.all_held(trial, &trial.scenes, &|_, scene| self.held(scene)),
