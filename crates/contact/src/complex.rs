@@ -101,23 +101,18 @@ impl<R: Real> Complex<R> {
     #[must_use]
     #[inline(always)]
     pub fn powu(self, mut exponent: u32) -> Self {
-        if exponent == 0 {
-            return Self::new(self.re.like(1.0), self.re.like(0.0));
-        }
         let mut base = self;
-        while exponent & 1 == 0 {
-            base = base * base;
-            exponent >>= 1;
-        }
-        let mut power = base;
-        while exponent > 1 {
-            base = base * base;
-            exponent >>= 1;
+        let mut power: Option<Self> = None;
+        loop {
             if exponent & 1 == 1 {
-                power = power * base;
+                power = Some(power.map_or(base, |p| p * base));
             }
+            exponent >>= 1;
+            if exponent == 0 {
+                return power.unwrap_or(Self::new(self.re.like(1.0), self.re.like(0.0)));
+            }
+            base = base * base;
         }
-        power
     }
 }
 
