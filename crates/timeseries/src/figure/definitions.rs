@@ -1,11 +1,11 @@
-//! Definitions of a gear's figures, each once for tables, pages, files, sweeps and the comparison of two designs.
+//! Definitions of a gear's figures for tables, pages, files, sweeps and the comparison of two designs.
 
 use super::FigureDef;
 
-/// Significant digits of a figure of a design: what a data sheet gives.
+/// Significant digits of a design's figure, as in a data sheet.
 pub const DIGITS: u8 = 4;
 
-/// Definitions: key, what it is, unit, how it is counted.
+/// Declares definitions: key, label, unit, rule of evaluation.
 macro_rules! definitions {
     ($digits:expr; $($name:ident = $key:literal, $label:literal, $unit:literal, $how:literal;)*) => {
         $(#[doc = $label] pub static $name: FigureDef =
