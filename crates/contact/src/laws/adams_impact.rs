@@ -1,7 +1,7 @@
-//! Adams' IMPACT: `F_n = max(0, k delta^1.5 + STEP(delta, 0, 0, d_max, c_max) v)`.
+//! Adams' IMPACT law: `F_n = max(0, k delta^1.5 + STEP(delta, 0, 0, d_max, c_max) v)`.
 //!
-//! Adams writes it with the gap q and its rate: `max(0, k (q1 - q)^e - STEP(q, q1 - d, c_max, q1, 0) dq/dt)`. The
-//! exponent e is 1.5 here; the damping reaches c_max at the depth d.
+//! Adams states it with the gap q and its rate: `max(0, k (q1 - q)^e - STEP(q, q1 - d, c_max, q1, 0) dq/dt)`. The exponent e is
+//! 1.5 here; the damping reaches c_max at the depth d.
 
 use super::{LawInfo, LawParameters, NormalLaw, Shape, step};
 use crate::Real;

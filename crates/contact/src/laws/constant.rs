@@ -5,10 +5,10 @@
 use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, Shape, paper};
 use crate::Real;
 
-/// Eq. 20 with constant K.
+/// Law of Eq. 20 with constant K.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ConstantStiffness {
-    /// K, N/m^1.5.
+    /// Stiffness K, N/m^1.5.
     pub stiffness: f64,
     /// Damping and ramp of the law.
     pub paper: PaperLaw,

@@ -1,11 +1,11 @@
 //! Linear springs, one stiffness for each stage: `F_n = max(0, k delta + S(delta) C v_n)`.
 //!
-//! Law that represents a contact law in rigid-body engines. Curvature does not enter: k replaces K.
+//! It represents contact in rigid-body engines. Curvature does not enter: k replaces K.
 
 use super::{LawInfo, LawParameters, NormalLaw, Ramp, Shape};
 use crate::{HertzStiffness, Real};
 
-/// Law of the module.
+/// Linear springs with the paper's damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LinearSprings {
     damping: f64,

@@ -6,7 +6,7 @@
 use super::{LawInfo, LawParameters, NormalLaw, Ramp, Shape};
 use crate::Real;
 
-/// Eq. 20.
+/// The paper's law, Eq. 20.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PaperLaw {
     /// Damping C, N s/m.

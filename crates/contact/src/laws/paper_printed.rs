@@ -6,12 +6,12 @@
 use super::{LawInfo, LawParameters, NormalLaw, PaperLaw, paper};
 use crate::Real;
 
-/// Eq. 20 without a maximum.
+/// Law of Eq. 20 without the maximum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PaperPrinted(PaperLaw);
 
 impl NormalLaw for PaperPrinted {
-    /// May be negative, unlike every other law's.
+    /// Returns the normal force, N, which may be negative, unlike that of every other law.
     #[inline(always)]
     fn force<R: Real>(&self, stiffness: R, penetration: R, rate: R) -> R {
         let PaperLaw { damping, ramp } = self.0;
