@@ -1,4 +1,4 @@
-//! Explanation of a scene: its requirements, the parts that its model leaves out, and why.
+//! Explanation of a scene: modelled parts, omitted parts, and the reasons.
 
 use pinwheel_contact::laws::hysteresis_factor;
 use serde::Serialize;
@@ -28,7 +28,7 @@ impl Statements {
     }
 }
 
-/// The model of a scene in words and counts.
+/// Model of a scene in words and counts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Explanation {
     /// Bodies of the gearbox.
@@ -108,7 +108,7 @@ fn bearings(gearbox: &Gearbox, modelled: &mut Statements, left_out: &mut Stateme
     );
 }
 
-/// Describes what pins and sleeves do under friction.
+/// Describes the behaviour of pins and sleeves under friction.
 fn pins(scene: &Scene, modelled: &mut Statements) {
     let (gear, contact) = (&scene.gear, &scene.contact);
     let turn = [gear.external_sleeves_turn, gear.internal_sleeves_turn];

@@ -1,7 +1,8 @@
-//! Driver torque and efficiency of slow motion by statics, with the friction of everything that rubs.
+//! Driver torque and efficiency of slow motion by statics, including all friction.
 //!
-//! In slow motion all parts slide as the ideal mesh does at that pose. Discs and output stand where forces and friction of these
-//! rates are in balance, without damping and inertia. Pins that turn without a stated friction of their own roll freely.
+//! In slow motion all parts slide at the rates of the ideal mesh in that pose. Discs and output are in equilibrium under
+//! contact forces and the friction of these rates, without damping and inertia. Pins that turn without a stated friction roll
+//! freely.
 
 use nalgebra::{DMatrix, DVector};
 use pinwheel_mbs::{BodyState, Detail, ErrorScales, Formulation as _, OdeSystem as _, Reduced};
@@ -11,13 +12,13 @@ use crate::native::reduced;
 use crate::scene::{Scene, Start};
 use crate::{Gearbox, GearboxError};
 
-/// Steps of Newton's method, and halvings of a step.
+/// Largest number of Newton steps, and of halvings of a step.
 const STEPS: usize = 40;
 const HALVINGS: i32 = 8;
-/// Change of an unknown at which it is known, and difference step, relative to the scale of errors.
+/// Change of an unknown at convergence, and difference step, relative to the scale of errors.
 const KNOWN: f64 = 1e-9;
 const NUDGE: f64 = 1e-5;
-/// Bore of sleeves that roll freely, m; any is right.
+/// Bore of sleeves that roll freely, m; its value has no effect.
 const BORE_M: f64 = 1e-3;
 
 /// Slow motion of a gear under one load.
@@ -47,8 +48,8 @@ impl SlowMotion {
         })
     }
 
-    /// Returns the driver's torque at an input angle, N m, from the poses of the bodies in balance without friction there; `None`
-    /// where friction leaves no balance near it.
+    /// Returns the driver's torque at an input angle, N m, from the poses of the bodies in frictionless equilibrium there;
+    /// `None` if there is no equilibrium with friction near it.
     pub fn driver_torque(&mut self, phi: f64, at: &[BodyState]) -> Option<f64> {
         let t = phi / self.gearbox.scene.drive.input_speed_rad_s;
         let n = self.scales.len();
@@ -83,8 +84,8 @@ impl SlowMotion {
         None
     }
 
-    /// Returns the efficiency of a motion whose driver has this mean torque, N m; either shaft may drive. Not above 0 where the
-    /// gear locks itself.
+    /// Returns the efficiency of a motion with this mean driver torque, N m; either shaft may drive. At most 0 for a
+    /// self-locking gear.
     #[must_use]
     pub fn efficiency(&self, driver_n_m: f64) -> f64 {
         let drive = &self.gearbox.scene.drive;
@@ -96,7 +97,7 @@ impl SlowMotion {
         }
     }
 
-    /// Returns the accelerations, which are what is left of the balance.
+    /// Returns the accelerations, the residuals of the equilibrium.
     fn left(&mut self, t: f64, y: &[f64], rates: &mut [f64]) -> DVector<f64> {
         self.system.derivative(t, y, rates);
         DVector::from_column_slice(&rates[self.scales.len()..])
@@ -137,7 +138,7 @@ impl SlowMotion {
     }
 }
 
-/// Leaves of a scene what slow motion has.
+/// Removes damping, load changes and the start in equilibrium from a scene, and adds free-rolling sleeves.
 fn still(scene: &mut Scene, load_n_m: f64) {
     let (drive, bearings) = (&mut scene.drive, &mut scene.bearings);
     drive.output_torque_n_m = load_n_m;

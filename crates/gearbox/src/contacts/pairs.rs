@@ -33,7 +33,7 @@ pub(super) struct Pairs<D> {
 #[derive(Clone, Copy)]
 pub(super) struct WheelFrame<S = f64> {
     pub(super) centre: Complex<S>,
-    /// e^{i theta}, disc frame to ground.
+    /// Rotation e^{i theta}, disc frame to ground.
     pub(super) turn: Complex<S>,
     /// Velocity of the centre in the disc's directions.
     pub(super) velocity: Complex<S>,
@@ -62,7 +62,7 @@ impl<S: Scalar> WheelFrame<S> {
     }
 }
 
-/// Rates and forces of a touch, still in the disc's frame.
+/// Rates and forces of a touch, in the disc's frame.
 #[derive(Clone, Copy)]
 pub(super) struct Loaded<S = f64> {
     pub(super) touch: Touch<S>,
